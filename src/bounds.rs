@@ -122,8 +122,10 @@ impl Hull {
     pub(crate) fn include(&mut self, segment: &Segment, (from, to): (f64, f64), frame: &Frame) {
         let base = segment.origin() - frame.origin;
         let [p0, p1, p2, p3] = segment.restrict(from, to).points;
-        self.extremes.include_point(base + p0.min(p1).min(p2.min(p3)));
-        self.extremes.include_point(base + p0.max(p1).max(p2.max(p3)));
+        self.extremes
+            .include_point(base + p0.min(p1).min(p2.min(p3)));
+        self.extremes
+            .include_point(base + p0.max(p1).max(p2.max(p3)));
         self.scale = self
             .scale
             .max(base.abs().element_sum() + segment.reach(from, to).max(segment.extent()));

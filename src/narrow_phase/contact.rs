@@ -142,9 +142,7 @@ pub(crate) fn contacts(
         each_sphere_pair(a, b, span, |pair, radius_a, radius_b| {
             let radius = contact_radius(radius_a, radius_b, margin);
             // Below zero no distance is small enough, whatever the rounding.
-            if radius < 0.0
-                || certainly_beyond(&pair.cubic, filter_threshold(radius, pair.scale))
-            {
+            if radius < 0.0 || certainly_beyond(&pair.cubic, filter_threshold(radius, pair.scale)) {
                 return;
             }
             let profile = Profile::of(&pair.cubic);

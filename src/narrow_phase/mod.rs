@@ -10,9 +10,7 @@ mod relative;
 mod stationary;
 mod stretches;
 
-pub(crate) use contact::{Approach, Contact, closest_approach, contacts};
-pub(crate) use filter::certainly_beyond;
-pub(crate) use relative::{RelativeCubic, filter_threshold, local_scale};
+pub(crate) use contact::{Approach, Contact, closest_approach, contacts, may_touch};
 
 use crate::hitbox::Sphere;
 use crate::trajectory::Segment;

@@ -43,8 +43,7 @@ impl RelativeCubic {
         }
         // One rounding each of the origins' difference, of the offset's (and the sum with it), of
         // the local difference and of the last sum. Second-order terms are covered by the 2^-40.
-        let roundings =
-            2.0 * norm(apart) + 2.0 * norm(offset) + spread + size;
+        let roundings = 2.0 * norm(apart) + 2.0 * norm(offset) + spread + size;
         let error = (part_a.error + part_b.error + UNIT_ROUNDOFF * roundings)
             * (1.0 + 2f64.powi(-40))
             + UNDERFLOW;
@@ -140,10 +139,7 @@ pub(crate) fn local_scale(
     (start, end): (f64, f64),
     offset: DVec3,
 ) -> f64 {
-    norm(a.origin() - b.origin())
-        + norm(offset)
-        + a.reach(start, end)
-        + b.reach(start, end)
+    norm(a.origin() - b.origin()) + norm(offset) + a.reach(start, end) + b.reach(start, end)
 }
 
 /// Distance below which a filter must let a pair through, for the threshold `radius`.

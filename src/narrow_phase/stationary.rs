@@ -39,7 +39,7 @@ pub(crate) fn stationary_points(cubic: &RelativeCubic) -> Stationary {
     let mut found = Stationary::default();
     let derivative = squared_distance(cubic).derivative();
     if let Roots::At(roots) = derivative.roots_in(-1.0, 1.0, 0.0) {
-        let roots = roots.as_slice();
+        let roots = &roots[..];
         for (k, &u) in roots.iter().enumerate() {
             // Polishing never passes a neighbour: the order of minima and maxima stays.
             let low = found.as_slice().last().copied().unwrap_or(0.0);

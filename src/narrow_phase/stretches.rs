@@ -50,8 +50,9 @@ impl Profile {
             time: cubic.time(s),
             distance: cubic.distance(s),
         };
+        let first = node(0.0);
         let mut profile = Self {
-            nodes: [node(0.0); MOST_STATIONARY + 2],
+            nodes: [first; MOST_STATIONARY + 2],
             count: 1,
             plateau: 0.0,
         };
@@ -62,7 +63,7 @@ impl Profile {
         if cubic.is_constant() {
             // One distance for the whole span: what differs at its end is rounding.
             push(Node {
-                distance: profile.nodes[0].distance,
+                distance: first.distance,
                 ..node(1.0)
             });
             profile.plateau = cubic.tolerance();

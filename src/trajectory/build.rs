@@ -37,12 +37,7 @@ impl Trajectory {
         let last_knot = states.len() - 1;
         let coast = [
             Segment::line(first, states[1].time - first.time, 0.0, 0)?,
-            Segment::line(
-                last,
-                last.time - states[last_knot - 1].time,
-                0.0,
-                last_knot,
-            )?,
+            Segment::line(last, last.time - states[last_knot - 1].time, 0.0, last_knot)?,
         ];
         Ok(Self {
             knots: states.iter().map(|state| state.time).collect(),
@@ -249,7 +244,7 @@ fn polynomial_segment(
     let mut control = [DVec3::ZERO; 3];
     for axis in 0..3 {
         let [a, b, c, d] = polynomial.map(|coefficient| DoubleDouble::from(coefficient[axis]));
-        let (shift, two, three) = (shift.into(), 2.0.into(), DoubleDouble::from(3.0));
+        let [shift, two, three] = [shift, 2.0, 3.0].map(DoubleDouble::from);
         let duration = DoubleDouble::difference(end, start);
         // Taylor shift to the segment's own time, then to its own unit.
         let position = ((a * shift + b) * shift + c) * shift + d;

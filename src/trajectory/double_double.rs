@@ -85,8 +85,7 @@ mod tests {
         // (1 + 2^-40)² - 1 - 2^-39 = 2^-80, far below the precision of f64.
         let near_one = DoubleDouble::from(1.0 + 2f64.powi(-40));
         let square = near_one * near_one;
-        let rest =
-            square + DoubleDouble::from(-1.0) + DoubleDouble::from(-2f64.powi(-39));
+        let rest = square + DoubleDouble::from(-1.0) + DoubleDouble::from(-2f64.powi(-39));
         assert!(rest.rounded().to_bits() == 2f64.powi(-80).to_bits());
     }
 }

@@ -11,7 +11,6 @@ pub use build::TimeBase;
 pub use outside::Outside;
 pub(crate) use outside::Pieces;
 pub use rows::trajectories_from_rows;
-pub(crate) use segment::Restriction;
 pub use segment::Segment;
 pub use state::State;
 
@@ -100,7 +99,8 @@ impl Trajectory {
     /// segment that begins there.
     #[must_use]
     pub fn acceleration(&self, time: f64) -> Option<DVec3> {
-        self.motion_at(time).map(|(_, _, acceleration)| acceleration)
+        self.motion_at(time)
+            .map(|(_, _, acceleration)| acceleration)
     }
 
     fn motion_at(&self, time: f64) -> Option<(DVec3, DVec3, DVec3)> {

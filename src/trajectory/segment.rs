@@ -251,10 +251,7 @@ impl Segment {
 
     fn restrict_beyond(&self, from: f64, to: f64) -> Restriction {
         let duration = self.end - self.start;
-        let (a, b) = (
-            (from - self.start) / duration,
-            (to - self.start) / duration,
-        );
+        let (a, b) = ((from - self.start) / duration, (to - self.start) / duration);
         let [linear, quadratic, cubic] =
             power_form(self.control[0], self.control[1], self.control[2]);
         // The blossom of c1 s + c2 s² + c3 s³ at (x, y, z).
