@@ -6,7 +6,7 @@
 use crate::id::BodyId;
 use std::fmt;
 
-/// Magnitude above which an input, or a quantity that follows from it, is refused (SI units).
+/// Magnitude at and above which an input, or a quantity that follows from it, is refused (SI units).
 ///
 /// Below it no linear stage of the pipeline can overflow; squares are taken on scaled numbers.
 pub const LARGEST_MAGNITUDE: f64 = 1e300;
