@@ -8,7 +8,7 @@
 use crate::bounds::{Extremes, Frame, Inflation};
 use crate::broad_phase::slices::{Slices, Traffic, boxes_in_slice};
 use crate::broad_phase::{
-    BodyBox, BroadPhase, BruteForce, Candidate, Everyone, Method, PairFilter,
+    BodyBox, BroadPhase, BruteForce, Candidate, Everyone, Method, PairFilter, Tree,
 };
 use crate::conflict::{Clip, ClosestApproach, Conflict};
 use crate::error::Error;
@@ -161,6 +161,7 @@ impl<'a> LineUp<'a> {
         } else {
             match method {
                 Method::BruteForce => self.survivors::<BruteForce, F>(&parties, filter, &mut stats),
+                Method::Tree => self.survivors::<Tree, F>(&parties, filter, &mut stats),
             }
         };
         let begin = Instant::now();

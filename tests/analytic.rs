@@ -295,7 +295,10 @@ fn the_spheres_that_meet_are_named() {
     scene.insert(Body::new(b).with_hitbox(post)).unwrap();
     let found = screen(&scene, Window::ALL, 0.0);
     assert_eq!(found.len(), 1);
-    assert_eq!((found[0].closest.sphere_a, found[0].closest.sphere_b), (2, 1));
+    assert_eq!(
+        (found[0].closest.sphere_a, found[0].closest.sphere_b),
+        (2, 1)
+    );
     assert!((found[0].closest.separation + 0.5).abs() < CLOSE);
     // Surfaces meet while |t - 5|² + 1/16 <= 9/16.
     assert!((found[0].enter - (5.0 - 0.5_f64.sqrt())).abs() < CLOSE);

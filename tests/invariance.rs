@@ -121,7 +121,13 @@ fn a_window_only_clips() {
     let scene = scene_of(&bodies(4));
     let whole = screen(&scene, Window::ALL, MARGIN);
     let mut cut_inside = 0;
-    for (start, end) in [(3.0, 9.0), (7.5, 7.5), (8.0, 8.25), (-5.0, 4.0), (15.0, 99.0)] {
+    for (start, end) in [
+        (3.0, 9.0),
+        (7.5, 7.5),
+        (8.0, 8.25),
+        (-5.0, 4.0),
+        (15.0, 99.0),
+    ] {
         let found = screen(&scene, Window::new(start, end).unwrap(), MARGIN);
         let expected: Vec<&Conflict> = whole
             .iter()
@@ -199,7 +205,11 @@ fn dense_sampling_finds_no_conflict_that_was_lost() {
                 });
                 // Sampling itself rounds: at the margin to within 1e-12 m either is right.
                 if (separation - MARGIN).abs() > 1e-12 {
-                    assert_eq!(reported, separation < MARGIN, "{a} {b} at {time}: {separation}");
+                    assert_eq!(
+                        reported,
+                        separation < MARGIN,
+                        "{a} {b} at {time}: {separation}"
+                    );
                 }
                 inside += u32::from(reported);
             }

@@ -183,7 +183,10 @@ fn a_failed_call_leaves_the_scene_as_it_was() {
     let ids: Vec<_> = scene.bodies().map(|(id, _)| id).collect();
     let removed = scene.remove(ids[5]).unwrap();
     let gone = ids[5];
-    assert_eq!(scene.remove(gone).unwrap_err(), Error::UnknownBody { id: gone });
+    assert_eq!(
+        scene.remove(gone).unwrap_err(),
+        Error::UnknownBody { id: gone }
+    );
     assert!(scene.body(gone).is_none());
     let trajectory = removed.trajectory.clone();
     assert_eq!(

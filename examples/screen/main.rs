@@ -134,8 +134,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
 }
 
 fn build_scene(arguments: &Arguments) -> Result<Scene, String> {
-    let hitbox =
-        Hitbox::sphere(arguments.radius).map_err(|error| format!("--radius: {error}"))?;
+    let hitbox = Hitbox::sphere(arguments.radius).map_err(|error| format!("--radius: {error}"))?;
     let outside = match arguments.outside {
         OutsideRule::Absent => Outside::Absent,
         OutsideRule::Extrapolate => Outside::Extrapolate,
@@ -194,9 +193,6 @@ fn parse_window(text: &str) -> Result<Window, String> {
                 .ok_or(format!("\"{number}\" is not a time in seconds")),
         }
     };
-    Window::new(
-        bound(start, f64::NEG_INFINITY)?,
-        bound(end, f64::INFINITY)?,
-    )
-    .map_err(|error| error.to_string())
+    Window::new(bound(start, f64::NEG_INFINITY)?, bound(end, f64::INFINITY)?)
+        .map_err(|error| error.to_string())
 }

@@ -13,16 +13,13 @@ use std::path::Path;
 const COLUMNS: [&str; 8] = ["body", "t", "px", "py", "pz", "vx", "vy", "vz"];
 
 /// The bodies of a file in the order of its rows, by label.
-pub fn trajectories(path: &Path) -> Result<Vec<(u64, Trajectory)>, String> {
+pub(crate) fn trajectories(path: &Path) -> Result<Vec<(u64, Trajectory)>, String> {
     let table = Table::read(path)?;
     let mut bodies = Vec::new();
     let mut seen: HashMap<u64, u64> = HashMap::new();
     let mut rest = table.rows.as_slice();
     while let Some(first) = rest.first() {
-        let count = rest
-            .iter()
-            .take_while(|row| row.body == first.body)
-            .count();
+        let count = rest.iter().take_while(|row| row.body == first.body).count();
         let (rows, following) = rest.split_at(count);
         if let Some(before) = seen.insert(first.body, first.line) {
             return Err(format!(
@@ -38,10 +35,7 @@ pub fn trajectories(path: &Path) -> Result<Vec<(u64, Trajectory)>, String> {
         rest = following;
     }
     if bodies.is_empty() {
-        return Err(format!(
-            "{}: row 2: no states after the header",
-            table.name
-        ));
+        return Err(format!("{}: row 2: no states after the header", table.name));
     }
     Ok(bodies)
 }

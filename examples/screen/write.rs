@@ -9,7 +9,7 @@ use std::time::Duration;
 const HEADER: &str = "a,b,enter,exit,tca,separation,error,clip,resolved";
 
 /// A reader that has seen enough (`| head`) is no error.
-pub fn to_standard_output(scene: &Scene, conflicts: &[Conflict]) -> Result<(), String> {
+pub(crate) fn to_standard_output(scene: &Scene, conflicts: &[Conflict]) -> Result<(), String> {
     match write(std::io::stdout().lock(), scene, conflicts) {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
         result => result.map_err(|error| format!("standard output: {error}")),
@@ -17,7 +17,7 @@ pub fn to_standard_output(scene: &Scene, conflicts: &[Conflict]) -> Result<(), S
 }
 
 /// A file that could not be written whole is removed.
-pub fn to_file(path: &Path, scene: &Scene, conflicts: &[Conflict]) -> Result<(), String> {
+pub(crate) fn to_file(path: &Path, scene: &Scene, conflicts: &[Conflict]) -> Result<(), String> {
     let explain = |error: std::io::Error| format!("{}: {error}", path.display());
     let file = File::create(path).map_err(explain)?;
     write(file, scene, conflicts).map_err(|error| {
@@ -61,7 +61,7 @@ fn shortest(value: f64) -> String {
 }
 
 /// The funnel and the stage times on one line.
-pub fn stats_line(stats: &Stats, threads: usize) -> String {
+pub(crate) fn stats_line(stats: &Stats, threads: usize) -> String {
     let ms = |time: Duration| time.as_secs_f64() * 1e3;
     format!(
         "{{\"bodies\":{},\"segments\":{},\"candidates\":{},\"survivors\":{},\"conflicts\":{},\
