@@ -179,6 +179,8 @@ fn crossing(cubic: &RelativeCubic, radius: f64, inside: &Node, outside: &Node) -
     /// Bisection alone ends after the 1075 binary digits that an f64 can resolve near 0; Newton's
     /// steps end it after half a dozen.
     const MOST_STEPS: usize = 1100;
+    /// Steps of the local parameter this small may be nothing but rounding.
+    const ROUNDING: f64 = 1e-10;
     if inside.distance >= radius {
         return inside.time;
     }
@@ -191,22 +193,35 @@ fn crossing(cubic: &RelativeCubic, radius: f64, inside: &Node, outside: &Node) -
     };
     let (mut within, mut beyond) = (inside.s, outside.s);
     let mut s = 0.5 * (within + beyond);
+    let mut last_step = f64::INFINITY;
     for _ in 0..MOST_STEPS {
         let (value, slope) = excess(s);
-        if value <= 0.0 {
+        let step = value / slope;
+        if value.abs() <= 0.0 {
+            break;
+        }
+        if value < 0.0 {
             within = s;
         } else {
             beyond = s;
         }
-        let newton = s - value / slope;
         let (low, high) = (within.min(beyond), within.max(beyond));
-        let next = if newton > low && newton < high {
+        let newton = s - step;
+        let bracketed = newton > low && newton < high;
+        // Tiny steps that no longer shrink, or that leave the bracket, are rounding: the last one
+        // is taken, and ends it.
+        if step.abs() <= ROUNDING && (step.abs() >= 0.5 * last_step || !bracketed) {
+            s = newton.max(low).min(high);
+            break;
+        }
+        let next = if bracketed {
+            last_step = step.abs();
             newton
         } else {
+            last_step = f64::INFINITY;
             0.5 * (low + high)
         };
-        let settled = (next - s).abs() <= f64::EPSILON * s.abs().max(f64::MIN_POSITIVE);
-        if settled || next <= low || next >= high {
+        if next <= low || next >= high {
             break;
         }
         s = next;
