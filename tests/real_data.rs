@@ -11,7 +11,7 @@
 use flate2::read::MultiGzDecoder;
 use glam::DVec3;
 use nearmiss::{Body, Conflict, Query, Scene, State, Window, trajectories_from_rows};
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::PathBuf;
 
@@ -39,7 +39,7 @@ fn compare(name: &str, intervals: &str, threshold: f64, time_tolerance: f64) {
     let query = Query::new(Window::ALL).with_margin(threshold).unwrap();
     let conflicts = scene.screen(&query).unwrap().conflicts;
     let oracle = load_oracle(&folder.join(format!("{intervals}.intervals.csv")));
-    let mut found: HashMap<(u64, u64), Vec<&Conflict>> = HashMap::new();
+    let mut found: BTreeMap<(u64, u64), Vec<&Conflict>> = BTreeMap::new();
     for conflict in &conflicts {
         let tags = [conflict.a, conflict.b].map(|id| scene.body(id).unwrap().tag);
         found.entry((tags[0], tags[1])).or_default().push(conflict);
@@ -131,8 +131,8 @@ fn load(path: &PathBuf) -> Scene {
     scene
 }
 
-fn load_oracle(path: &PathBuf) -> HashMap<(u64, u64), Vec<OracleInterval>> {
-    let mut oracle: HashMap<_, Vec<_>> = HashMap::new();
+fn load_oracle(path: &PathBuf) -> BTreeMap<(u64, u64), Vec<OracleInterval>> {
+    let mut oracle: BTreeMap<_, Vec<_>> = BTreeMap::new();
     let mut reader = csv::Reader::from_path(path).unwrap();
     for row in reader.deserialize::<(u64, u64, f64, f64, f64, f64, u8)>() {
         let (i, j, enter, exit, tca, distance, clip) = row.unwrap();

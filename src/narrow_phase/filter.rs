@@ -63,3 +63,62 @@ fn squared_distance(h: [DVec3; 4]) -> [f64; 7] {
         h[3].dot(h[3]),
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::narrow_phase::relative::{filter_threshold, local_scale};
+    use crate::narrow_phase::stretches::Profile;
+    use crate::trajectory::{State, Trajectory};
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// A segment of a random size somewhere, over -1..2 s.
+    fn segment(rng: &mut ChaCha8Rng) -> Trajectory {
+        let far = 10f64.powf(rng.random_range(-3.0..6.0));
+        let size = 10f64.powf(rng.random_range(-3.0..3.0));
+        let mut vector =
+            |half: f64| DVec3::from_array([0; 3].map(|_| rng.random_range(-half..half)));
+        let base = vector(far);
+        let states = [-1.0, 2.0].map(|time| State::new(time, base + vector(size), vector(size)));
+        Trajectory::from_states(&states).unwrap_or_else(|error| unreachable!("{error}"))
+    }
+
+    /// What the solver reports at a threshold within a few roundings of the minimum, no filter
+    /// rejects, on the whole span or on any part of it that holds the contact.
+    #[test]
+    fn filters_never_reject_what_the_solver_reports() {
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let (mut reported, mut rejected) = (0, 0);
+        for _ in 0..20_000 {
+            let (a, b) = (segment(&mut rng), segment(&mut rng));
+            let (a, b) = (&a.segments()[0], &b.segments()[0]);
+            let whole = (0.25, 1.75);
+            let cubic = RelativeCubic::between(a, b, whole, DVec3::ZERO);
+            let scale = local_scale(a, b, whole, DVec3::ZERO);
+            let profile = Profile::of(&cubic);
+            let least = profile.closest(&cubic, whole.0, whole.1);
+            let off = rng.random_range(-2.0..2.0) * cubic.tolerance();
+            let radius = (least.distance + off).max(0.0);
+            let threshold = filter_threshold(radius, scale);
+            let mut contacts = Vec::new();
+            profile.stretches(&cubic, radius, whole, |found| contacts.push(found));
+            if contacts.is_empty() {
+                continue;
+            }
+            reported += 1;
+            assert!(!certainly_beyond(&cubic, threshold));
+            for contact in contacts {
+                let from = contact.enter - rng.random_range(0.0..0.2) * (contact.enter - whole.0);
+                let to = contact.exit + rng.random_range(0.0..0.2) * (whole.1 - contact.exit);
+                let part = RelativeCubic::between(a, b, (from, to), DVec3::ZERO);
+                assert!(!certainly_beyond(&part, threshold), "{contact:?}");
+            }
+            // The filters do reject: a radius of half the least distance, mostly.
+            let half = filter_threshold(0.5 * radius, scale);
+            rejected += u32::from(certainly_beyond(&cubic, half));
+        }
+        assert!(reported > 10_000, "{reported}");
+        assert!(rejected > 5_000, "{rejected}");
+    }
+}

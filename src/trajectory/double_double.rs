@@ -23,7 +23,7 @@ impl DoubleDouble {
         Self::sum(a, -b)
     }
 
-    /// `a + b`, exactly (Knuth's TwoSum).
+    /// `a + b`, exactly (by Knuth).
     fn sum(a: f64, b: f64) -> Self {
         let high = a + b;
         let shadow = high - a;

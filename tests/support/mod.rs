@@ -11,11 +11,11 @@ use nearmiss::{Body, Conflict, Hitbox, Query, Scene, State, Trajectory, Window};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-pub fn rng(seed: u64) -> ChaCha8Rng {
+pub(crate) fn rng(seed: u64) -> ChaCha8Rng {
     ChaCha8Rng::seed_from_u64(seed)
 }
 
-pub fn vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
+pub(crate) fn vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
     DVec3::new(
         rng.random_range(-half..half),
         rng.random_range(-half..half),
@@ -24,7 +24,7 @@ pub fn vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
 }
 
 /// Straight motion at constant velocity from `start` to `end` seconds.
-pub fn line(start: f64, end: f64, from: DVec3, velocity: DVec3) -> Trajectory {
+pub(crate) fn line(start: f64, end: f64, from: DVec3, velocity: DVec3) -> Trajectory {
     Trajectory::from_states(&[
         State::new(start, from, velocity),
         State::new(end, from + velocity * (end - start), velocity),
@@ -33,7 +33,7 @@ pub fn line(start: f64, end: f64, from: DVec3, velocity: DVec3) -> Trajectory {
 }
 
 /// A wandering trajectory: irregular knots from `start` on, smooth velocities of about `speed`.
-pub fn wander(
+pub(crate) fn wander(
     rng: &mut ChaCha8Rng,
     start: f64,
     segments: usize,
@@ -59,7 +59,7 @@ pub fn wander(
 }
 
 /// `count` wanderers with radii up to 0.5 m in a cube of this side (m), 20 s or so.
-pub fn swarm(seed: u64, count: usize, cube: f64) -> Vec<(Vec<State>, f64)> {
+pub(crate) fn swarm(seed: u64, count: usize, cube: f64) -> Vec<(Vec<State>, f64)> {
     let mut rng = rng(seed);
     (0..count)
         .map(|_| {
@@ -70,7 +70,7 @@ pub fn swarm(seed: u64, count: usize, cube: f64) -> Vec<(Vec<State>, f64)> {
         .collect()
 }
 
-pub fn scene_of(bodies: &[(Vec<State>, f64)]) -> Scene {
+pub(crate) fn scene_of(bodies: &[(Vec<State>, f64)]) -> Scene {
     let mut scene = Scene::new();
     for (tag, (states, radius)) in (0..).zip(bodies) {
         let body = Body::new(Trajectory::from_states(states).unwrap())
@@ -81,13 +81,13 @@ pub fn scene_of(bodies: &[(Vec<State>, f64)]) -> Scene {
     scene
 }
 
-pub fn screen(scene: &Scene, window: Window, margin: f64) -> Vec<Conflict> {
+pub(crate) fn screen(scene: &Scene, window: Window, margin: f64) -> Vec<Conflict> {
     let query = Query::new(window).with_margin(margin).unwrap();
     scene.screen(&query).unwrap().conflicts
 }
 
 /// All bits of all conflicts: equal only if every number is the same to the last bit.
-pub fn bits(conflicts: &[Conflict]) -> Vec<Vec<u64>> {
+pub(crate) fn bits(conflicts: &[Conflict]) -> Vec<Vec<u64>> {
     conflicts
         .iter()
         .map(|conflict| {
