@@ -94,3 +94,8 @@ pub use screen::Screening;
 pub use stats::Stats;
 pub use trajectory::{Outside, Segment, State, TimeBase, Trajectory, trajectories_from_rows};
 pub use window::Window;
+
+/// The README's examples, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
