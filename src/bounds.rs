@@ -7,7 +7,7 @@
 use crate::hitbox::Sphere;
 use crate::rounding::{CLEARANCE, norm, normalising_power};
 use crate::trajectory::Segment;
-use glam::DVec3;
+use glam::{DVec3, Vec3A};
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
 
@@ -37,11 +37,6 @@ impl Extremes {
     pub(crate) fn include(&mut self, other: Self) {
         self.low = self.low.min(other.low);
         self.high = self.high.max(other.high);
-    }
-
-    fn include_point(&mut self, point: DVec3) {
-        self.low = self.low.min(point);
-        self.high = self.high.max(point);
     }
 
     /// Rough extremes of a whole segment, for choosing a frame: no rounding is accounted for.
@@ -104,38 +99,101 @@ impl Inflation {
     }
 }
 
-/// A box under construction, in the frame's f64 coordinates: hulls of one body's pieces.
+/// The part of a segment that is still to be boxed, in f32 relative to the segment's origin, in the
+/// frame's unit.
+///
+/// Relative to the origin f32 is fine enough: its error is a share of the segment's own extent,
+/// wherever the segment lies.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Part {
+    points: [Vec3A; 4],
+    from: f64,
+    to: f64,
+    /// Position of the origin in the frame.
+    base: DVec3,
+    /// How much rounding can have moved the points.
+    error: f64,
+}
+
+/// Roundings of f32, of the segment's reach, that a part's points can carry: one from the
+/// conversion and 9 from each of the splits before it (three levels of two weights and a sum).
+const PART_ERROR: f64 = (1.0 + 9.0 * MOST_SPLITS as f64) * (f32::EPSILON as f64 / 2.0) * 1.01;
+
+/// How often a part may be split.
+pub(crate) const MOST_SPLITS: u32 = 8;
+
+impl Part {
+    /// The part of a segment over `from..=to`.
+    pub(crate) fn of(segment: &Segment, (from, to): (f64, f64), frame: &Frame) -> Self {
+        let base = (segment.origin() - frame.origin) * frame.power;
+        let reach = segment.reach(from, to).max(segment.extent()) * frame.power;
+        let points = segment.restrict(from, to).points;
+        Self {
+            points: points.map(|point| (point * frame.power).as_vec3a()),
+            from,
+            to,
+            base,
+            error: (PART_ERROR + 4.0 * CLEARANCE) * reach
+                + 4.0 * CLEARANCE * base.abs().element_sum()
+                + f64::from(f32::MIN_POSITIVE),
+        }
+    }
+
+    /// Last instant, s.
+    pub(crate) const fn end(&self) -> f64 {
+        self.to
+    }
+
+    /// Splits off what lies before `cut`, by de Casteljau; the rest stays.
+    pub(crate) fn split_off(&mut self, cut: f64) -> Self {
+        let duration = self.to - self.from;
+        let (first, second) = (
+            nearest((self.to - cut) / duration),
+            nearest((cut - self.from) / duration),
+        );
+        let mix = |x: Vec3A, y: Vec3A| x * first + y * second;
+        let [p0, p1, p2, p3] = self.points;
+        let (q0, q1, q2) = (mix(p0, p1), mix(p1, p2), mix(p2, p3));
+        let (r0, r1) = (mix(q0, q1), mix(q1, q2));
+        let middle = mix(r0, r1);
+        let before = Self {
+            points: [p0, q0, r0, middle],
+            to: cut,
+            ..*self
+        };
+        self.points = [middle, r1, q2, p3];
+        self.from = cut;
+        before
+    }
+}
+
+/// A box under construction, in the frame's coordinates and unit: hulls of one body's parts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Hull {
     extremes: Extremes,
-    /// Largest size that rounding is relative to, over the pieces, m.
-    scale: f64,
 }
 
 impl Hull {
     pub(crate) const EMPTY: Self = Self {
         extremes: Extremes::NOTHING,
-        scale: 0.0,
     };
 
-    /// Includes the part of a segment over `from..=to`.
-    pub(crate) fn include(&mut self, segment: &Segment, (from, to): (f64, f64), frame: &Frame) {
-        let base = segment.origin() - frame.origin;
-        let [p0, p1, p2, p3] = segment.restrict(from, to).points;
-        self.extremes
-            .include_point(base + p0.min(p1).min(p2.min(p3)));
-        self.extremes
-            .include_point(base + p0.max(p1).max(p2.max(p3)));
-        self.scale = self
-            .scale
-            .max(base.abs().element_sum() + segment.reach(from, to).max(segment.extent()));
+    /// Includes a part, its rounding included.
+    pub(crate) fn include(&mut self, part: &Part) {
+        let [p0, p1, p2, p3] = part.points;
+        let low = p0.min(p1).min(p2.min(p3)).as_dvec3();
+        let high = p0.max(p1).max(p2.max(p3)).as_dvec3();
+        self.extremes.include(Extremes {
+            low: part.base + low - part.error,
+            high: part.base + high + part.error,
+        });
     }
 
     /// The outward-rounded box.
     pub(crate) fn inflated(&self, inflation: &Inflation, frame: &Frame) -> Aabb {
-        let pad = DVec3::splat(4.0 * CLEARANCE * (self.scale + inflation.size) + f64::MIN_POSITIVE);
-        let low = (self.extremes.low + inflation.hitbox.low - pad) * frame.power;
-        let high = (self.extremes.high + inflation.hitbox.high + pad) * frame.power;
+        let pad = DVec3::splat(4.0 * CLEARANCE * inflation.size);
+        let low = self.extremes.low + (inflation.hitbox.low - pad) * frame.power;
+        let high = self.extremes.high + (inflation.hitbox.high + pad) * frame.power;
         Aabb::new(
             Vector::from(low.to_array().map(below)),
             Vector::from(high.to_array().map(above)),

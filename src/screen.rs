@@ -6,10 +6,8 @@
 //! slicing and the number of threads.
 
 use crate::bounds::{Extremes, Frame, Inflation};
-use crate::broad_phase::slices::{Slices, Traffic, boxes_in_slice};
-use crate::broad_phase::{
-    BodyBox, BroadPhase, BruteForce, Candidate, Everyone, Method, PairFilter, Tree,
-};
+use crate::broad_phase::slices::{Block, Slices, Traffic};
+use crate::broad_phase::{BroadPhase, BruteForce, Candidate, Everyone, Method, PairFilter, Tree};
 use crate::conflict::{Clip, ClosestApproach, Conflict};
 use crate::error::Error;
 use crate::id::BodyId;
@@ -18,7 +16,7 @@ use crate::narrow_phase::{Approach, Contact, Party, closest_approach, contacts, 
 use crate::parallel;
 use crate::query::Query;
 use crate::scene::{Body, Occupant, Scene};
-use crate::spans::{Span, common_domain, spans};
+use crate::spans::{Span, common_domain, spans, spans_from};
 use crate::stats::Stats;
 use crate::trajectory::Pieces;
 use crate::window::Window;
@@ -180,8 +178,6 @@ impl<'a> LineUp<'a> {
         filter: &F,
         stats: &mut Stats,
     ) -> Vec<Survivor> {
-        /// Slices that one thread takes at a time: timers are read once for all of them.
-        const BLOCK: u32 = 8;
         let inflations: Vec<Inflation> = parties
             .iter()
             .map(|party| Inflation::of(party.spheres, self.margin))
@@ -190,9 +186,10 @@ impl<'a> LineUp<'a> {
         let frame = Frame::around(self.extremes(parties), largest);
         let slices = self.slices(largest);
         stats.slices = u64::from(slices.count());
-        let blocks = slices.count().div_ceil(BLOCK);
+        let blocks = slices.count().div_ceil(Block::SLICES);
         let results = parallel::map(blocks, Scratch::<B>::default, |scratch, block| {
-            let range = block * BLOCK..((block + 1) * BLOCK).min(slices.count());
+            let start = block * Block::SLICES;
+            let range = start..(start + Block::SLICES).min(slices.count());
             self.block(
                 parties,
                 &inflations,
@@ -231,24 +228,27 @@ impl<'a> LineUp<'a> {
     ) -> (Vec<Survivor>, Stats) {
         let mut stats = Stats::default();
         let mut survivors = Vec::new();
-        for slice in range {
-            let interval = slices.interval(slice);
+        let begin = Instant::now();
+        let Scratch {
+            method,
+            block,
+            candidates,
+        } = scratch;
+        block.fill(parties, inflations, frame, slices, range.clone());
+        stats.bounds_time += begin.elapsed();
+        for (slice, boxes) in range.zip(&block.boxes) {
             let begin = Instant::now();
-            scratch.boxes.clear();
-            boxes_in_slice(parties, inflations, frame, interval, &mut scratch.boxes);
-            let bounded = Instant::now();
-            scratch.candidates.clear();
-            scratch
-                .method
-                .pairs(&scratch.boxes, filter, &mut scratch.candidates);
+            candidates.clear();
+            method.pairs(boxes, filter, candidates);
             let found = Instant::now();
-            for candidate in &scratch.candidates {
-                stats.spans += self.sift(parties, *candidate, interval, &mut survivors);
+            let interval = slices.interval(slice);
+            for &candidate in &*candidates {
+                stats.spans +=
+                    self.sift(parties, &block.firsts, candidate, interval, &mut survivors);
             }
-            stats.boxes += scratch.boxes.len() as u64;
-            stats.candidates += scratch.candidates.len() as u64;
-            stats.bounds_time += bounded - begin;
-            stats.broad_time += found - bounded;
+            stats.boxes += boxes.len() as u64;
+            stats.candidates += candidates.len() as u64;
+            stats.broad_time += found - begin;
             stats.narrow_time += found.elapsed();
         }
         (survivors, stats)
@@ -259,6 +259,7 @@ impl<'a> LineUp<'a> {
     fn sift(
         &self,
         parties: &[Party<'_>],
+        firsts: &[u32],
         candidate: Candidate,
         interval: (f64, f64),
         survivors: &mut Vec<Survivor>,
@@ -268,7 +269,8 @@ impl<'a> LineUp<'a> {
             &parties[candidate.b as usize],
         );
         let mut looked_at = 0;
-        for span in spans(a.knots, b.knots, interval.0, interval.1) {
+        let hints = (firsts[candidate.a as usize], firsts[candidate.b as usize]);
+        for span in spans_from(a.knots, b.knots, hints, interval.0, interval.1) {
             looked_at += 1;
             if may_touch(a, b, span, self.margin, interval) {
                 survivors.push(Survivor {
@@ -377,7 +379,7 @@ impl Survivor {
 #[derive(Default)]
 struct Scratch<B> {
     method: B,
-    boxes: Vec<BodyBox>,
+    block: Block,
     candidates: Vec<Candidate>,
 }
 

@@ -24,22 +24,56 @@ pub(crate) fn common_domain(a: &[f64], b: &[f64]) -> Option<(f64, f64)> {
 ///
 /// A motion with `n + 1` knots has cubics `0..n`. Touching counts as meeting.
 pub(crate) fn spans<'k>(a: &'k [f64], b: &'k [f64], from: f64, to: f64) -> Spans<'k> {
-    let Some((start, end)) = common_domain(a, b) else {
-        return Spans::over(a, b, f64::INFINITY, to);
+    let first = |knots: &[f64]| index(knots.partition_point(|&knot| knot < from).max(1) - 1);
+    spans_from(a, b, (first(a), first(b)), from, to)
+}
+
+/// The same, with a cubic of each body that is not later than the first one that meets the
+/// interval: the search goes on from there.
+pub(crate) fn spans_from<'k>(
+    a: &'k [f64],
+    b: &'k [f64],
+    hints: (u32, u32),
+    from: f64,
+    to: f64,
+) -> Spans<'k> {
+    let mut spans = Spans {
+        a,
+        b,
+        i: hints.0 as usize,
+        j: hints.1 as usize,
+        to,
+        lone: None,
     };
-    if start >= end {
-        // One shared instant: the only span that is a point.
-        return Spans {
-            lone: (from <= start && start <= to).then(|| Span {
-                start,
-                end,
-                a: cubic_at(a, start),
-                b: cubic_at(b, start),
-            }),
-            ..Spans::over(a, b, f64::INFINITY, to)
-        };
+    match common_domain(a, b) {
+        Some((start, end)) if start < end => {
+            let from = from.max(start);
+            spans.i += skip(&a[spans.i..], from);
+            spans.j += skip(&b[spans.j..], from);
+        }
+        shared => {
+            // One shared instant is the only span that is a point; no cubic has another.
+            (spans.i, spans.j) = (a.len(), b.len());
+            spans.lone = shared
+                .filter(|&(instant, _)| from <= instant && instant <= to)
+                .map(|(start, end)| Span {
+                    start,
+                    end,
+                    a: cubic_at(a, start),
+                    b: cubic_at(b, start),
+                });
+        }
     }
-    Spans::over(a, b, from.max(start), to)
+    spans
+}
+
+/// How many cubics from the first of `knots` on end before `from`.
+fn skip(knots: &[f64], from: f64) -> usize {
+    knots
+        .iter()
+        .skip(1)
+        .take_while(|&&knot| knot < from)
+        .count()
 }
 
 /// Iterator over [`spans`].
@@ -52,20 +86,6 @@ pub(crate) struct Spans<'k> {
     j: usize,
     to: f64,
     lone: Option<Span>,
-}
-
-impl<'k> Spans<'k> {
-    fn over(a: &'k [f64], b: &'k [f64], from: f64, to: f64) -> Self {
-        // The first cubic of each that ends at or after `from`.
-        Self {
-            a,
-            b,
-            i: a.partition_point(|&knot| knot < from).max(1) - 1,
-            j: b.partition_point(|&knot| knot < from).max(1) - 1,
-            to,
-            lone: None,
-        }
-    }
 }
 
 impl Iterator for Spans<'_> {

@@ -1,7 +1,7 @@
 //! Contacts and closest approach of one pair, over all its spans and all its spheres.
 
-use super::filter::certainly_beyond;
-use super::relative::{RelativeCubic, filter_threshold, local_scale};
+use super::filter::{certainly_beyond, segments_apart};
+use super::relative::{RelativeCubic, filter_threshold, local_scale, relative_points};
 use super::stretches::{Instant, Profile};
 use super::{Party, contact_radius};
 use crate::spans::Span;
@@ -116,13 +116,16 @@ pub(crate) fn may_touch(
     }
     let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
     let offset = a.bounding.offset - b.bounding.offset;
-    let threshold = filter_threshold(
-        radius,
-        local_scale(segment_a, segment_b, (span.start, span.end), offset),
-    );
+    let whole = (span.start, span.end);
+    let threshold = filter_threshold(radius, local_scale(segment_a, segment_b, whole, offset));
+    let within_knots =
+        segment_a.covers(span.start, span.end) && segment_b.covers(span.start, span.end);
+    if within_knots && segments_apart(segment_a, segment_b, offset, threshold) {
+        return false;
+    }
     let part = (span.start.max(from), span.end.min(to));
-    let cubic = RelativeCubic::between(segment_a, segment_b, part, offset);
-    !certainly_beyond(&cubic, threshold)
+    let points = relative_points(segment_a, segment_b, part, offset);
+    !certainly_beyond(&points, threshold)
 }
 
 /// All maximal intervals of `clip` in which the separation is at most `margin`, found in `spans`
@@ -142,7 +145,9 @@ pub(crate) fn contacts(
         each_sphere_pair(a, b, span, |pair, radius_a, radius_b| {
             let radius = contact_radius(radius_a, radius_b, margin);
             // Below zero no distance is small enough, whatever the rounding.
-            if radius < 0.0 || certainly_beyond(&pair.cubic, filter_threshold(radius, pair.scale)) {
+            if radius < 0.0
+                || certainly_beyond(&pair.cubic.points, filter_threshold(radius, pair.scale))
+            {
                 return;
             }
             let profile = Profile::of(&pair.cubic);
@@ -195,7 +200,7 @@ pub(crate) fn closest_approach(
         each_sphere_pair(a, b, span, |pair, _, _| {
             if let Some(best) = closest {
                 let radius = best.separation + pair.radii;
-                if certainly_beyond(&pair.cubic, filter_threshold(radius, pair.scale)) {
+                if certainly_beyond(&pair.cubic.points, filter_threshold(radius, pair.scale)) {
                     return;
                 }
             }

@@ -4,48 +4,64 @@
 //! let through goes to the exact solver; see [`CLEARANCE`](crate::rounding::CLEARANCE) for why
 //! they never reject what the solver would report.
 
-use super::relative::RelativeCubic;
 use crate::rounding::{UNIT_ROUNDOFF, norm, normalising_power};
+use crate::trajectory::Segment;
 use glam::DVec3;
 
-/// Whether the two bodies stay farther apart than `threshold` (m) all along the cubic.
+/// Whether the two bodies stay farther apart than `threshold` (m) all along the cubic with these
+/// Bézier points.
 ///
 /// `threshold` is that of [`filter_threshold`](super::relative::filter_threshold).
-pub(crate) fn certainly_beyond(cubic: &RelativeCubic, threshold: f64) -> bool {
-    beyond_on_an_axis(cubic, threshold)
-        || beyond_in_a_direction(cubic, threshold)
-        || beyond_by_coefficients(cubic, threshold)
-}
-
-/// The hull's axis-aligned box lies beyond the threshold on one axis.
-fn beyond_on_an_axis(cubic: &RelativeCubic, threshold: f64) -> bool {
-    let [p0, p1, p2, p3] = cubic.points;
+pub(crate) fn certainly_beyond(points: &[DVec3; 4], threshold: f64) -> bool {
+    let [p0, p1, p2, p3] = *points;
     let low = p0.min(p1).min(p2.min(p3));
     let high = p0.max(p1).max(p2.max(p3));
+    beyond_on_an_axis(low, high, threshold)
+        || beyond_in_a_direction(points, threshold)
+        || beyond_by_coefficients(points, low.abs().max(high.abs()), threshold)
+}
+
+/// Whether the boxes around the whole of two segments are farther apart than `threshold` on some
+/// axis: nothing is restricted to a common interval. Both must be used within their own knots.
+pub(crate) fn segments_apart(a: &Segment, b: &Segment, offset: DVec3, threshold: f64) -> bool {
+    let hull = |segment: &Segment| {
+        let [_, p1, p2, p3] = segment.control();
+        let low = p1.min(p2).min(p3).min(DVec3::ZERO);
+        let high = p1.max(p2).max(p3).max(DVec3::ZERO);
+        (low, high)
+    };
+    let apart = (a.origin() - b.origin()) + offset;
+    let ((low_a, high_a), (low_b, high_b)) = (hull(a), hull(b));
+    beyond_on_an_axis(
+        apart + (low_a - high_b),
+        apart + (high_a - low_b),
+        threshold,
+    )
+}
+
+/// The box `low..=high` lies beyond the threshold on one axis.
+fn beyond_on_an_axis(low: DVec3, high: DVec3, threshold: f64) -> bool {
     low.max_element() > threshold || high.min_element() < -threshold
 }
 
 /// All control points lie beyond the threshold in the direction of their sum.
-fn beyond_in_a_direction(cubic: &RelativeCubic, threshold: f64) -> bool {
-    let sum = (cubic.points[0] + cubic.points[3]) + (cubic.points[1] + cubic.points[2]);
+fn beyond_in_a_direction(points: &[DVec3; 4], threshold: f64) -> bool {
+    let sum = (points[0] + points[3]) + (points[1] + points[2]);
     let length = norm(sum);
     if length <= 0.0 || !length.is_finite() {
         return false;
     }
     // The unit vector is good to a few roundings, which the threshold's clearance covers.
     let direction = sum / length;
-    cubic
-        .points
-        .iter()
-        .all(|point| point.dot(direction) > threshold)
+    points.iter().all(|point| point.dot(direction) > threshold)
 }
 
 /// The smallest Bernstein coefficient of the squared distance lies beyond the squared threshold.
-fn beyond_by_coefficients(cubic: &RelativeCubic, threshold: f64) -> bool {
-    let power = normalising_power(cubic.size);
-    let coefficients = squared_distance(cubic.points.map(|point| point * power));
+fn beyond_by_coefficients(points: &[DVec3; 4], largest: DVec3, threshold: f64) -> bool {
+    let power = normalising_power(largest.max_element());
+    let coefficients = squared_distance(points.map(|point| point * power));
     let least = coefficients.iter().copied().fold(f64::INFINITY, f64::min);
-    // The scaled size is below 2: its square below 4. 7 roundings of it for the coefficients
+    // No scaled component reaches 2, no scaled square 12. 7 roundings of it for the coefficients
     // (numerics, section 5), 16 of the threshold's square.
     let radius = threshold * power;
     least > radius * radius * (1.0 + 16.0 * UNIT_ROUNDOFF) + 128.0 * UNIT_ROUNDOFF
@@ -67,7 +83,7 @@ fn squared_distance(h: [DVec3; 4]) -> [f64; 7] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::narrow_phase::relative::{filter_threshold, local_scale};
+    use crate::narrow_phase::relative::{RelativeCubic, filter_threshold, local_scale};
     use crate::narrow_phase::stretches::Profile;
     use crate::trajectory::{State, Trajectory};
     use rand::{RngExt, SeedableRng};
@@ -107,16 +123,17 @@ mod tests {
                 continue;
             }
             reported += 1;
-            assert!(!certainly_beyond(&cubic, threshold));
+            assert!(!certainly_beyond(&cubic.points, threshold));
+            assert!(!segments_apart(a, b, DVec3::ZERO, threshold));
             for contact in contacts {
                 let from = contact.enter - rng.random_range(0.0..0.2) * (contact.enter - whole.0);
                 let to = contact.exit + rng.random_range(0.0..0.2) * (whole.1 - contact.exit);
                 let part = RelativeCubic::between(a, b, (from, to), DVec3::ZERO);
-                assert!(!certainly_beyond(&part, threshold), "{contact:?}");
+                assert!(!certainly_beyond(&part.points, threshold), "{contact:?}");
             }
             // The filters do reject: a radius of half the least distance, mostly.
             let half = filter_threshold(0.5 * radius, scale);
-            rejected += u32::from(certainly_beyond(&cubic, half));
+            rejected += u32::from(certainly_beyond(&cubic.points, half));
         }
         assert!(reported > 10_000, "{reported}");
         assert!(rejected > 5_000, "{rejected}");

@@ -131,15 +131,31 @@ impl RelativeCubic {
     }
 }
 
-/// The size that all rounding of a pair over a span is relative to, before anything is formed:
-/// origin difference, extents of both cubics over it, offsets (m).
+/// The relative control points alone, for filters: those of [`RelativeCubic::between`].
+pub(crate) fn relative_points(
+    a: &Segment,
+    b: &Segment,
+    (start, end): (f64, f64),
+    offset: DVec3,
+) -> [DVec3; 4] {
+    let apart = (a.origin() - b.origin()) + offset;
+    let part_a = a.restrict(start, end).points;
+    let part_b = b.restrict(start, end).points;
+    [0, 1, 2, 3].map(|j| apart + (part_a[j] - part_b[j]))
+}
+
+/// A bound on the size that all rounding of a pair over a span is relative to, before anything is
+/// formed: origin difference, extents of both cubics over it, offsets (m).
 pub(crate) fn local_scale(
     a: &Segment,
     b: &Segment,
     (start, end): (f64, f64),
     offset: DVec3,
 ) -> f64 {
-    norm(a.origin() - b.origin()) + norm(offset) + a.reach(start, end) + b.reach(start, end)
+    (a.origin() - b.origin()).abs().element_sum()
+        + offset.abs().element_sum()
+        + a.reach(start, end)
+        + b.reach(start, end)
 }
 
 /// Distance below which a filter must let a pair through, for the threshold `radius`.

@@ -44,11 +44,12 @@ pub struct Trajectory {
 impl Trajectory {
     /// The same motion, with another rule for the time before and after its knots.
     ///
-    /// A body at rest stays at rest under `Coast` and `Extrapolate`; under `Absent` it exists at
-    /// time 0 only.
+    /// A body [`at_rest`](Self::at_rest) stays there for all time, whatever the rule.
     #[must_use]
     pub fn with_outside(mut self, outside: Outside) -> Self {
-        self.outside = outside;
+        if !self.segments.is_empty() {
+            self.outside = outside;
+        }
         self
     }
 

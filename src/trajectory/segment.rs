@@ -218,7 +218,7 @@ impl Segment {
                 error: self.error + UNIT_ROUNDOFF * self.extent,
             };
         }
-        if from >= self.start && to <= self.end {
+        if self.covers(from, to) {
             self.restrict_inside(from, to)
         } else {
             self.restrict_beyond(from, to)
@@ -285,10 +285,15 @@ impl Segment {
         }
     }
 
+    /// Whether an interval lies within the segment's own knots.
+    pub(crate) fn covers(&self, from: f64, to: f64) -> bool {
+        from >= self.start && to <= self.end
+    }
+
     /// A bound on how far the part between `from` and `to` is from the origin, m: the size that
     /// its rounding is relative to.
     pub(crate) fn reach(&self, from: f64, to: f64) -> f64 {
-        if from >= self.start && to <= self.end {
+        if self.covers(from, to) {
             return self.extent;
         }
         let duration = self.end - self.start;
