@@ -214,7 +214,8 @@ mod tests {
             end: 12.0,
             count: 19,
         };
-        let inflation = Inflation::of(Hitbox::POINT.spheres(), 0.0);
+        let hitbox = Hitbox::POINT;
+        let inflation = Inflation::of(hitbox.spheres(), 0.0);
         for seed in 0..200 {
             let far = if seed % 2 == 0 { 10.0 } else { 1e6 };
             let mut vector =
@@ -238,8 +239,8 @@ mod tests {
             let party = Party {
                 knots: trajectory.knots(),
                 segments: trajectory.segments(),
-                spheres: Hitbox::POINT.spheres(),
-                bounding: Hitbox::POINT.bounding(),
+                spheres: hitbox.spheres(),
+                bounding: hitbox.bounding(),
             };
             let mut block = Block::default();
             for first in (0..slices.count()).step_by(Block::SLICES as usize) {
