@@ -21,6 +21,7 @@ use crate::stats::Stats;
 use crate::trajectory::Pieces;
 use crate::window::Window;
 use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
 
 /// The answer to a [`Query`].
@@ -62,12 +63,26 @@ impl Scene {
     /// [`Error::InBody`] with [`Error::OutOfRange`] if an extrapolated cubic leaves the range of
     /// numbers within the window.
     pub fn screen(&self, query: &Query) -> Result<Screening, Error> {
+        self.screen_with_progress(query, |_| {})
+    }
+
+    /// The same as [`screen`](Self::screen); `progress` is told now and then, from any of the
+    /// threads, which share of the time slices is done (0 to 1; the last call says 1).
+    ///
+    /// # Errors
+    ///
+    /// As [`screen`](Self::screen).
+    pub fn screen_with_progress(
+        &self,
+        query: &Query,
+        progress: impl Fn(f64) + Sync,
+    ) -> Result<Screening, Error> {
         let begin = Instant::now();
         let line_up = LineUp::new(self, query)?;
         let mut screening = if line_up.is_unfiltered(self) {
-            line_up.screen(query.method(), &Everyone)
+            line_up.screen(query.method(), &Everyone, &progress)
         } else {
-            line_up.screen(query.method(), &Admission::new(self, &line_up))
+            line_up.screen(query.method(), &Admission::new(self, &line_up), &progress)
         };
         screening.stats.total_time = begin.elapsed();
         Ok(screening)
@@ -144,7 +159,12 @@ impl<'a> LineUp<'a> {
                 .all(|occupant| occupant.body.layers == Layers::ALL)
     }
 
-    fn screen<F: PairFilter>(&self, method: Method, filter: &F) -> Screening {
+    fn screen<F: PairFilter>(
+        &self,
+        method: Method,
+        filter: &F,
+        progress: &(impl Fn(f64) + Sync),
+    ) -> Screening {
         let parties = self.parties();
         let mut stats = Stats {
             bodies: parties.len() as u64,
@@ -158,8 +178,10 @@ impl<'a> LineUp<'a> {
             Vec::new()
         } else {
             match method {
-                Method::BruteForce => self.survivors::<BruteForce, F>(&parties, filter, &mut stats),
-                Method::Tree => self.survivors::<Tree, F>(&parties, filter, &mut stats),
+                Method::BruteForce => {
+                    self.survivors::<BruteForce, F>(&parties, filter, progress, &mut stats)
+                }
+                Method::Tree => self.survivors::<Tree, F>(&parties, filter, progress, &mut stats),
             }
         };
         let begin = Instant::now();
@@ -176,6 +198,7 @@ impl<'a> LineUp<'a> {
         &self,
         parties: &[Party<'_>],
         filter: &F,
+        progress: &(impl Fn(f64) + Sync),
         stats: &mut Stats,
     ) -> Vec<Survivor> {
         let inflations: Vec<Inflation> = parties
@@ -187,10 +210,11 @@ impl<'a> LineUp<'a> {
         let slices = self.slices(largest);
         stats.slices = u64::from(slices.count());
         let blocks = slices.count().div_ceil(Block::SLICES);
+        let done_blocks = AtomicU32::new(0);
         let results = parallel::map(blocks, Scratch::<B>::default, |scratch, block| {
             let start = block * Block::SLICES;
             let range = start..(start + Block::SLICES).min(slices.count());
-            self.block(
+            let found = self.block(
                 parties,
                 &inflations,
                 &frame,
@@ -198,7 +222,10 @@ impl<'a> LineUp<'a> {
                 range,
                 filter,
                 scratch,
-            )
+            );
+            let done = done_blocks.fetch_add(1, Ordering::Relaxed) + 1;
+            progress(f64::from(done) / f64::from(blocks));
+            found
         });
         let mut survivors = Vec::new();
         for (found, counted) in results {
