@@ -160,6 +160,37 @@ pub enum Error {
         /// The id.
         id: BodyId,
     },
+    /// A plan cannot be spliced where one of the two does not exist, or the new one ends.
+    #[error("there is no plan to splice at {time} s")]
+    NoPlanAt {
+        /// The time of the splice, s.
+        time: f64,
+    },
+    /// The monitor's clock never goes back.
+    #[error("the clock cannot go back from {now} s to {time} s")]
+    ClockWentBack {
+        /// What the clock shows, s.
+        now: f64,
+        /// What was asked for, s.
+        time: f64,
+    },
+    /// A monitor's lookahead is not a positive finite duration, or not a finite time.
+    #[error("{value} s is not a usable time or lookahead")]
+    Lookahead {
+        /// The value, s.
+        value: f64,
+    },
+    /// A monitor needs at least one alert level; each has a release margin that is not smaller
+    /// than its margin.
+    #[error("alert level {level}: margin {margin} m and release margin {release} m")]
+    AlertLevel {
+        /// The level, counted from 0.
+        level: usize,
+        /// Its margin, m.
+        margin: f64,
+        /// Its release margin, m.
+        release: f64,
+    },
     /// The scene holds as many bodies as an id can tell apart (2^32 - 1).
     #[error("the scene is full")]
     SceneFull,

@@ -69,6 +69,7 @@ mod error;
 mod hitbox;
 mod id;
 mod layers;
+mod monitor;
 mod narrow_phase;
 mod parallel;
 pub mod polynomial;
@@ -88,6 +89,10 @@ pub use glam;
 pub use hitbox::{Hitbox, Sphere};
 pub use id::BodyId;
 pub use layers::Layers;
+pub use monitor::{
+    AlertLevel, Budget, Command, Encounter, EncounterId, EndReason, Event, EventKind, LeastChange,
+    Monitor,
+};
 pub use query::Query;
 pub use scene::{Body, Scene};
 pub use screen::Screening;

@@ -307,6 +307,33 @@ impl Scene {
         })
     }
 
+    /// The body in a slot, if there is one.
+    pub(crate) fn in_slot(&self, slot: u32) -> Option<(BodyId, &Occupant)> {
+        let place = self.slots.get(slot as usize)?;
+        let id = BodyId {
+            slot,
+            generation: place.generation,
+        };
+        Some((id, place.occupant.as_ref()?))
+    }
+
+    /// Whether two slots' bodies are a pair: layers and ignored pairs.
+    pub(crate) fn admits(&self, a: u32, b: u32) -> bool {
+        let (Some((id_a, a)), Some((id_b, b))) = (self.in_slot(a), self.in_slot(b)) else {
+            return false;
+        };
+        a.body.layers.admits(b.body.layers)
+            && (self.ignored.is_empty()
+                || !self.ignored.contains(&(id_a.min(id_b), id_a.max(id_b))))
+    }
+
+    /// Replaces a body as a whole.
+    pub(crate) fn replace(&mut self, id: BodyId, body: Body) -> Result<(), Error> {
+        let outline = Outline::of(&body.trajectory);
+        *self.occupant_mut(id)? = Occupant { body, outline };
+        Ok(())
+    }
+
     fn slot_mut(&mut self, id: BodyId) -> Result<&mut Slot, Error> {
         self.slots
             .get_mut(id.slot as usize)

@@ -326,17 +326,8 @@ impl<'a> LineUp<'a> {
             let met = met.iter().map(|survivor| survivor.span(a, b));
             found.clear();
             contacts(a, b, met, self.margin, clip, found);
-            let conflict = |contact: &Contact| Conflict {
-                a: self.ids[place_a],
-                b: self.ids[place_b],
-                enter: contact.enter,
-                exit: contact.exit,
-                closest: describe(&contact.closest, a, b),
-                clip: Clip {
-                    at_enter: contact.enter <= clip.0,
-                    at_exit: contact.exit >= clip.1,
-                },
-            };
+            let ids = (self.ids[place_a], self.ids[place_b]);
+            let conflict = |contact: &Contact| conflict(contact, ids, (a, b), clip);
             found.iter().map(conflict).collect()
         });
         solved.into_iter().flatten().collect()
@@ -466,6 +457,26 @@ fn clip_of(a: &Party<'_>, b: &Party<'_>, window: Window) -> Option<(f64, f64)> {
     let (start, end) = common_domain(a.knots, b.knots)?;
     let (start, end) = (start.max(window.start()), end.min(window.end()));
     (start <= end).then_some((start, end))
+}
+
+/// A contact as it is reported.
+pub(crate) fn conflict(
+    contact: &Contact,
+    (a, b): (BodyId, BodyId),
+    (party_a, party_b): (&Party<'_>, &Party<'_>),
+    clip: (f64, f64),
+) -> Conflict {
+    Conflict {
+        a,
+        b,
+        enter: contact.enter,
+        exit: contact.exit,
+        closest: describe(&contact.closest, party_a, party_b),
+        clip: Clip {
+            at_enter: contact.enter <= clip.0,
+            at_exit: contact.exit >= clip.1,
+        },
+    }
 }
 
 fn describe(approach: &Approach, a: &Party<'_>, b: &Party<'_>) -> ClosestApproach {

@@ -11,6 +11,8 @@ use std::time::Duration;
 pub struct Stats {
     /// Bodies in the scene.
     pub bodies: u64,
+    /// Bodies whose plan, hitbox or layers changed since the last tick (a monitor's).
+    pub changed: u64,
     /// Their cubic segments, pieces beyond the knots included.
     pub segments: u64,
     /// Slices of time that the window was cut into.
@@ -38,6 +40,7 @@ pub struct Stats {
 impl AddAssign for Stats {
     fn add_assign(&mut self, other: Self) {
         self.bodies += other.bodies;
+        self.changed += other.changed;
         self.segments += other.segments;
         self.slices += other.slices;
         self.boxes += other.boxes;

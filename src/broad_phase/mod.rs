@@ -44,7 +44,7 @@ pub(crate) struct Candidate {
 
 impl Candidate {
     /// The pair in its order.
-    fn of(x: u32, y: u32) -> Self {
+    pub(crate) fn of(x: u32, y: u32) -> Self {
         Self {
             a: x.min(y),
             b: x.max(y),

@@ -10,6 +10,12 @@ pub(crate) struct Tree {
     workspace: BvhWorkspace,
 }
 
+impl std::fmt::Debug for Tree {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Tree").finish_non_exhaustive()
+    }
+}
+
 /// Below this a tree costs more than it saves (and parry's builds treat one and two leaves
 /// differently).
 const FEWEST_LEAVES: usize = 8;

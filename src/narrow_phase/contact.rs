@@ -53,10 +53,12 @@ impl Approach {
 }
 
 /// One sphere of each body over one span.
+#[derive(Clone, Copy, Debug)]
 struct SpherePair {
     a: u32,
     b: u32,
-    radii: f64,
+    radius_a: f64,
+    radius_b: f64,
     cubic: RelativeCubic,
     scale: f64,
 }
@@ -65,38 +67,69 @@ impl SpherePair {
     fn approach(&self, span: Span, instant: Instant) -> Approach {
         Approach {
             time: instant.time,
-            separation: instant.distance - self.radii,
+            separation: instant.distance - (self.radius_a + self.radius_b),
             plateau: instant.plateau,
             sphere_a: self.a,
             sphere_b: self.b,
             span,
         }
     }
+
+    /// Whether cheap tests show that the separation stays above `margin` all along the span.
+    fn is_beyond(&self, margin: f64) -> bool {
+        let radius = contact_radius(self.radius_a, self.radius_b, margin);
+        // Below zero no distance is small enough, whatever the rounding.
+        radius < 0.0 || certainly_beyond(&self.cubic.points, filter_threshold(radius, self.scale))
+    }
+}
+
+/// Two spheres over one span, solved: their contacts at any margin and in any window follow from
+/// it without another root.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Solved {
+    span: Span,
+    pair: SpherePair,
+    profile: Profile,
+}
+
+impl Solved {
+    pub(crate) const fn span(&self) -> Span {
+        self.span
+    }
+
+    /// Appends the contacts of these two spheres within `margin`, clipped to `clip`.
+    fn contacts(&self, margin: f64, clip: (f64, f64), found: &mut Vec<Contact>) {
+        let pair = &self.pair;
+        let radius = contact_radius(pair.radius_a, pair.radius_b, margin);
+        if radius < 0.0 {
+            return;
+        }
+        self.profile
+            .stretches(&pair.cubic, radius, clip, |stretch| {
+                found.push(Contact {
+                    enter: stretch.enter,
+                    exit: stretch.exit,
+                    closest: pair.approach(self.span, stretch.closest),
+                });
+            });
+    }
 }
 
 /// Calls `visit` with each pair of spheres over a span.
-fn each_sphere_pair(
-    a: &Party<'_>,
-    b: &Party<'_>,
-    span: Span,
-    mut visit: impl FnMut(&SpherePair, f64, f64),
-) {
+fn each_sphere_pair(a: &Party<'_>, b: &Party<'_>, span: Span, mut visit: impl FnMut(&SpherePair)) {
     let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
     let interval = (span.start, span.end);
     for (index_a, sphere_a) in (0..).zip(a.spheres) {
         for (index_b, sphere_b) in (0..).zip(b.spheres) {
             let offset = sphere_a.offset - sphere_b.offset;
-            visit(
-                &SpherePair {
-                    a: index_a,
-                    b: index_b,
-                    radii: sphere_a.radius + sphere_b.radius,
-                    cubic: RelativeCubic::between(segment_a, segment_b, interval, offset),
-                    scale: local_scale(segment_a, segment_b, interval, offset),
-                },
-                sphere_a.radius,
-                sphere_b.radius,
-            );
+            visit(&SpherePair {
+                a: index_a,
+                b: index_b,
+                radius_a: sphere_a.radius,
+                radius_b: sphere_b.radius,
+                cubic: RelativeCubic::between(segment_a, segment_b, interval, offset),
+                scale: local_scale(segment_a, segment_b, interval, offset),
+            });
         }
     }
 }
@@ -128,6 +161,25 @@ pub(crate) fn may_touch(
     !certainly_beyond(&points, threshold)
 }
 
+/// Solves each pair of spheres over a span that may come within `margin`.
+pub(crate) fn solve(
+    a: &Party<'_>,
+    b: &Party<'_>,
+    span: Span,
+    margin: f64,
+    mut solved: impl FnMut(Solved),
+) {
+    each_sphere_pair(a, b, span, |pair| {
+        if !pair.is_beyond(margin) {
+            solved(Solved {
+                span,
+                pair: *pair,
+                profile: Profile::of(&pair.cubic),
+            });
+        }
+    });
+}
+
 /// All maximal intervals of `clip` in which the separation is at most `margin`, found in `spans`
 /// (those not given are known to be free of contact), in the order of time.
 ///
@@ -142,30 +194,30 @@ pub(crate) fn contacts(
 ) {
     let first = found.len();
     for span in spans {
-        each_sphere_pair(a, b, span, |pair, radius_a, radius_b| {
-            let radius = contact_radius(radius_a, radius_b, margin);
-            // Below zero no distance is small enough, whatever the rounding.
-            if radius < 0.0
-                || certainly_beyond(&pair.cubic.points, filter_threshold(radius, pair.scale))
-            {
-                return;
-            }
-            let profile = Profile::of(&pair.cubic);
-            profile.stretches(&pair.cubic, radius, clip, |stretch| {
-                found.push(Contact {
-                    enter: stretch.enter,
-                    exit: stretch.exit,
-                    closest: pair.approach(span, stretch.closest),
-                });
-            });
+        solve(a, b, span, margin, |solved| {
+            solved.contacts(margin, clip, found);
         });
+    }
+    join(found, first);
+}
+
+/// The same from spans of one pair that were solved at this margin or a larger one.
+pub(crate) fn contacts_of<'s>(
+    solved: impl Iterator<Item = &'s Solved>,
+    margin: f64,
+    clip: (f64, f64),
+    found: &mut Vec<Contact>,
+) {
+    let first = found.len();
+    for solved in solved {
+        solved.contacts(margin, clip, found);
     }
     join(found, first);
 }
 
 /// Joins the contacts from `first` on that overlap or meet: across spans and across spheres.
 fn join(contacts: &mut Vec<Contact>, first: usize) {
-    contacts[first..].sort_by(|x, y| {
+    contacts[first..].sort_unstable_by(|x, y| {
         x.enter
             .total_cmp(&y.enter)
             .then(x.exit.total_cmp(&y.exit))
@@ -197,12 +249,9 @@ pub(crate) fn closest_approach(
 ) -> Option<Approach> {
     let mut closest: Option<Approach> = None;
     for span in spans {
-        each_sphere_pair(a, b, span, |pair, _, _| {
-            if let Some(best) = closest {
-                let radius = best.separation + pair.radii;
-                if certainly_beyond(&pair.cubic.points, filter_threshold(radius, pair.scale)) {
-                    return;
-                }
+        each_sphere_pair(a, b, span, |pair| {
+            if closest.is_some_and(|best| pair.is_beyond(best.separation)) {
+                return;
             }
             let profile = Profile::of(&pair.cubic);
             let instant = profile.closest(&pair.cubic, from, to);

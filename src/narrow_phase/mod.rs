@@ -10,7 +10,9 @@ mod relative;
 mod stationary;
 mod stretches;
 
-pub(crate) use contact::{Approach, Contact, closest_approach, contacts, may_touch};
+pub(crate) use contact::{
+    Approach, Contact, Solved, closest_approach, contacts, contacts_of, may_touch, solve,
+};
 
 use crate::hitbox::Sphere;
 use crate::trajectory::Segment;

@@ -5,6 +5,7 @@ mod double_double;
 mod outside;
 mod rows;
 mod segment;
+mod splice;
 mod state;
 
 pub use build::TimeBase;
@@ -65,7 +66,8 @@ impl Trajectory {
         &self.knots
     }
 
-    /// The cubic segments, one between each two knots.
+    /// The cubics, one between each two knots. Of a cubic that a splice has cut, only the part
+    /// between its knots is flown.
     #[must_use]
     pub fn segments(&self) -> &[Segment] {
         &self.segments
@@ -121,9 +123,9 @@ impl Trajectory {
         } else if after < self.knots.len() {
             &self.segments[after - 1]
         } else {
-            match self.segments.last() {
+            match (self.segments.last(), self.knots.last()) {
                 // The last knot itself belongs to the last segment.
-                Some(last) if time <= last.end() => last,
+                (Some(last), Some(&knot)) if time <= knot => last,
                 _ => self.after(),
             }
         }

@@ -32,6 +32,16 @@ pub(crate) struct Pieces<'a> {
     pub(crate) segments: Cow<'a, [Segment]>,
 }
 
+impl Pieces<'_> {
+    /// The same, borrowing nothing.
+    pub(crate) fn into_owned(self) -> Pieces<'static> {
+        Pieces {
+            knots: Cow::Owned(self.knots.into_owned()),
+            segments: Cow::Owned(self.segments.into_owned()),
+        }
+    }
+}
+
 impl Trajectory {
     /// From the first to the last knot.
     pub(super) fn planned(&self) -> Window {
