@@ -63,7 +63,7 @@
 //! - `parallel` (default): screening on the current rayon pool. Without it, on the caller's thread.
 
 mod bounds;
-mod broad_phase;
+pub mod broad_phase;
 mod conflict;
 mod error;
 mod hitbox;

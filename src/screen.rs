@@ -7,7 +7,9 @@
 
 use crate::bounds::{Extremes, Frame, Inflation};
 use crate::broad_phase::slices::{Block, Slices, Traffic};
-use crate::broad_phase::{BroadPhase, BruteForce, Candidate, Everyone, Method, PairFilter, Tree};
+use crate::broad_phase::{
+    BroadPhase, BruteForce, Candidate, Everyone, Method, PairFilter, Sweep, Tree,
+};
 use crate::conflict::{Clip, ClosestApproach, Conflict};
 use crate::error::Error;
 use crate::id::BodyId;
@@ -182,6 +184,7 @@ impl<'a> LineUp<'a> {
                     self.survivors::<BruteForce, F>(&parties, filter, progress, &mut stats)
                 }
                 Method::Tree => self.survivors::<Tree, F>(&parties, filter, progress, &mut stats),
+                Method::Sweep => self.survivors::<Sweep, F>(&parties, filter, progress, &mut stats),
             }
         };
         let begin = Instant::now();

@@ -1,17 +1,20 @@
-//! Which pairs of bodies may meet in a slice of time.
+//! Which bodies may meet in one time slice: boxes in, candidate pairs out.
 //!
-//! One contract, [`BroadPhase`]: the boxes of one slice in, pairs out. Every method gives at least
-//! the pairs whose boxes meet; [`BruteForce`] gives exactly those and is what the others are
-//! checked against. [`slices`] cuts the window and forms the boxes.
+//! Three methods stand behind one contract, [`BroadPhase`], and give the same pairs:
+//! [`BruteForce`] compares every box with every other and is what the others are checked against;
+//! [`Tree`] builds parry's bounding volume hierarchy; [`Sweep`], the default, sorts packed boxes
+//! into rows and sweeps along them. The crate cuts the window into slices and forms the boxes.
 
 mod brute_force;
 pub(crate) mod slices;
+mod sweep;
 mod tree;
 
-pub(crate) use brute_force::BruteForce;
-pub(crate) use tree::Tree;
+use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
-use parry3d::bounding_volume::Aabb;
+pub use brute_force::BruteForce;
+pub use sweep::{Level, Sweep};
+pub use tree::Tree;
 
 /// How candidates are found. The answer is the same; the time is not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -19,63 +22,94 @@ pub enum Method {
     /// Every box against every other: quadratic, the reference.
     BruteForce,
     /// A parry3d bounding volume hierarchy, built for each slice.
-    #[default]
     Tree,
+    /// The packed sweep.
+    #[default]
+    Sweep,
 }
 
 impl Method {
     /// All methods.
-    pub const EVERY: [Self; 2] = [Self::BruteForce, Self::Tree];
+    pub const EVERY: [Self; 3] = [Self::BruteForce, Self::Tree, Self::Sweep];
 }
 
-/// The box of one body in one slice, rounded outward. `body` is its place in the line-up.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct BodyBox {
-    pub(crate) aabb: Aabb,
-    pub(crate) body: u32,
+/// One body's box in one slice: everywhere the body may be, its margin included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyBox {
+    /// Corners in metres in the scene's frame, rounded outward: finite, the low one nowhere above
+    /// the high one. May be flat, or as large as `f32` goes.
+    pub aabb: Aabb,
+    /// The body's dense index; a body has at most one box in a slice.
+    pub body: u32,
 }
 
-/// Two bodies whose boxes meet in a slice, by their places in the line-up, `a < b`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Candidate {
-    pub(crate) a: u32,
-    pub(crate) b: u32,
+impl BodyBox {
+    /// Whether two boxes have a point in common; boxes that only touch have.
+    #[must_use]
+    #[inline]
+    pub fn meets(&self, other: &Self) -> bool {
+        self.aabb.intersects(&other.aabb)
+    }
+}
+
+/// Two bodies whose boxes meet in a slice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Candidate {
+    /// The body with the lower index.
+    pub a: u32,
+    /// The body with the higher index.
+    pub b: u32,
 }
 
 impl Candidate {
-    /// The pair in its order.
-    pub(crate) fn of(x: u32, y: u32) -> Self {
+    /// The pair of two different bodies, in either order.
+    #[must_use]
+    #[inline]
+    pub fn new(one: u32, other: u32) -> Self {
+        debug_assert!(one != other, "a body is no candidate with itself");
         Self {
-            a: x.min(y),
-            b: x.max(y),
+            a: one.min(other),
+            b: one.max(other),
         }
     }
 }
 
-/// Which pairs are wanted: layers and ignored pairs.
-pub(crate) trait PairFilter: Sync {
-    /// Whether this pair is screened; asked before a candidate is emitted.
+/// Which pairs are wanted: asked before a candidate is emitted, only for boxes that meet.
+pub trait PairFilter: Sync {
+    /// Whether the pair of bodies `a < b` is wanted; the same answer each time.
     fn admits(&self, a: u32, b: u32) -> bool;
 }
 
-/// Admits every pair, at no cost.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Everyone;
+/// Wants every pair, at no cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Everyone;
 
 impl PairFilter for Everyone {
+    #[inline]
     fn admits(&self, _: u32, _: u32) -> bool {
         true
     }
 }
 
-/// A way to find all pairs of boxes that meet. Holds scratch that is reused from slice to slice.
-pub(crate) trait BroadPhase: Default + Send {
-    /// Appends each admitted pair whose boxes meet (touching counts), once, in an order that
-    /// depends on the boxes alone. More pairs than that are allowed, fewer are not.
+/// A way to find all pairs of boxes that meet. A value owns what it reuses from slice to slice.
+pub trait BroadPhase: Default + Send {
+    /// Appends every admitted pair of bodies whose boxes meet, each once and no other.
+    ///
+    /// The order is unspecified, but depends on `boxes` alone: not on earlier calls, nor on the
+    /// processor. Fewer than two boxes have no pairs.
     fn pairs<F: PairFilter>(
         &mut self,
         boxes: &[BodyBox],
         filter: &F,
         candidates: &mut Vec<Candidate>,
     );
+}
+
+/// Appends the pair if the filter wants it.
+#[inline]
+fn emit<F: PairFilter>(one: u32, other: u32, filter: &F, candidates: &mut Vec<Candidate>) {
+    let pair = Candidate::new(one, other);
+    if filter.admits(pair.a, pair.b) {
+        candidates.push(pair);
+    }
 }

@@ -17,7 +17,7 @@ pub use encounters::LeastChange;
 pub use event::{Encounter, EncounterId, EndReason, Event, EventKind};
 
 use crate::bounds::{Extremes, Frame};
-use crate::broad_phase::{PairFilter, Tree};
+use crate::broad_phase::{PairFilter, Sweep};
 use crate::conflict::Conflict;
 use crate::error::{Error, LARGEST_MAGNITUDE};
 use crate::hitbox::Hitbox;
@@ -79,7 +79,7 @@ impl AlertLevel {
 #[derive(Debug)]
 pub struct Monitor {
     scene: Scene,
-    outlook: Outlook<Tree>,
+    outlook: Outlook<Sweep>,
     levels: Vec<AlertLevel>,
     encounters: Vec<Encounters>,
     conflicts: Vec<Vec<Conflict>>,
@@ -624,7 +624,7 @@ impl Monitor {
 }
 
 fn report(
-    outlook: &Outlook<Tree>,
+    outlook: &Outlook<Sweep>,
     scene: &Scene,
     (a, b): (u32, u32),
     clip: (f64, f64),
@@ -637,7 +637,7 @@ fn report(
 
 /// The closest approach over the part of an encounter that the clock has passed.
 fn passed_closest(
-    (outlook, scene): (&Outlook<Tree>, &Scene),
+    (outlook, scene): (&Outlook<Sweep>, &Scene),
     pair: (u32, u32),
     group: &Group<'_>,
     margin: f64,

@@ -265,7 +265,7 @@ impl<B: BroadPhase> Outlook<B> {
                 };
                 slice.boxes.meeting(&aabb, |other| {
                     if other != body && filter.admits(body, other) {
-                        self.candidates.push(Candidate::of(body, other));
+                        self.candidates.push(Candidate::new(body, other));
                     }
                 });
             }

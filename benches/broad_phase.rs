@@ -1,0 +1,2 @@
+//! Nanoseconds per box of the broad phase methods, on boxes of all shapes.
+fn main() {}
