@@ -74,6 +74,42 @@ fn encloses_root(enclosure: &Enclosure, square: &RBig) -> bool {
 }
 
 #[test]
+fn floats_are_taken_exactly() {
+    let two = RBig::from(2);
+    let smallest = Dyadic::from(f64::from_bits(1)).to_rational();
+    assert_eq!(smallest, two.pow(-1074));
+    assert_eq!(
+        Dyadic::from(f64::MIN_POSITIVE).to_rational(),
+        two.pow(-1022)
+    );
+    assert_eq!(Dyadic::from(-0.75).to_rational(), rational(-3, 4));
+    assert_eq!(Dyadic::from(-0.0), Dyadic::ZERO);
+    let largest = (two.pow(53) - RBig::ONE) * two.pow(971);
+    assert_eq!(Dyadic::from(f64::MAX).to_rational(), largest);
+}
+
+#[test]
+fn each_stretch_of_a_span_has_its_own_minimum() {
+    // x = t² - 2, y = 1 + t / 8: near twice, nearer before.
+    let coefficients = [
+        [-2.0, 1.0, 0.0],
+        [0.0, 0.125, 0.0],
+        [1.0, 0.0, 0.0],
+        [0.0; 3],
+    ];
+    let a = polynomial(&[-2.0, 2.0], coefficients);
+    let found = all_contacts(&a, &resting([0.0; 3]), None, &rational(3, 2));
+    assert_eq!(found.len(), 2);
+    for contact in &found {
+        assert_eq!(contact.minimum.instants.len(), 1);
+        let instant = &contact.minimum.instants[0].first;
+        assert!(contact.enter.high < instant.low && instant.high < contact.exit.low);
+    }
+    assert!(found[0].minimum.squared.high < RBig::ONE);
+    assert!(found[1].minimum.squared.low > RBig::ONE);
+}
+
+#[test]
 fn fly_by_of_a_straight_line() {
     let (a, b) = (runner(), resting([0.0, 1.0, 0.0]));
     let least = minimum(&squared_distances(&a, &b, None), BITS).unwrap();
