@@ -13,6 +13,7 @@
 //! minimum      global minimum with all instants at which it is reached, ties decided exactly
 //! algebraic    order of two critical values, when enclosures cannot tell them apart
 //! contacts     maximal closed intervals with distance <= D, touching instants included
+//! polygons     seeded families of cubics to try claims on
 //! verify       fast proofs of claims: never below lo, somewhere at most hi
 //! ```
 
@@ -32,6 +33,7 @@ mod distance;
 mod dyadic;
 mod minimum;
 mod motion;
+mod polygons;
 mod polynomial;
 mod roots;
 mod verify;
@@ -41,6 +43,7 @@ pub(crate) use distance::{SquaredDistance, squared_distances};
 pub(crate) use dyadic::Dyadic;
 pub(crate) use minimum::{Enclosure, Minimum, Stretch, minimum};
 pub(crate) use motion::{Body, Outside, PolynomialSegment, Span, State, spans};
+pub(crate) use polygons::{FAMILIES, Family, Polygon, polygon};
 pub(crate) use polynomial::Polynomial;
 pub(crate) use roots::{Root, isolate};
 pub(crate) use verify::{is_at_most, least_sign, never_above, never_below, reaches, stays_above};

@@ -64,6 +64,10 @@ impl Polynomial {
         self.coefficients.len().saturating_sub(1)
     }
 
+    pub(crate) fn negated(&self) -> Self {
+        Self::new(self.coefficients.iter().map(|c| -c).collect())
+    }
+
     pub(crate) fn derivative(&self) -> Self {
         let coefficients = self.coefficients.iter().enumerate().skip(1);
         Self::new(coefficients.map(|(i, c)| c * IBig::from(i)).collect())

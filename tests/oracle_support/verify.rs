@@ -29,7 +29,7 @@ pub(crate) fn reaches(distance: &SquaredDistance, bound: &Dyadic) -> bool {
 
 /// Whether `distance <= bound` all over the span.
 pub(crate) fn never_above(distance: &SquaredDistance, bound: &Dyadic) -> bool {
-    bound.signum() >= 0 && least_sign(&negated(&distance.minus(&square(bound)))) >= 0
+    bound.signum() >= 0 && least_sign(&distance.minus(&square(bound)).negated()) >= 0
 }
 
 /// Whether `distance <= bound` at a local parameter: the quickest proof of an upper bound.
@@ -39,10 +39,6 @@ pub(crate) fn is_at_most(distance: &SquaredDistance, u: &Dyadic, bound: &Dyadic)
 
 fn square(bound: &Dyadic) -> RBig {
     bound.squared().to_rational()
-}
-
-fn negated(polynomial: &Polynomial) -> Polynomial {
-    Polynomial::new(polynomial.coefficients().iter().map(|c| -c).collect())
 }
 
 /// The least sign that the polynomial takes on [0, 1]: -1, 0 or 1.
