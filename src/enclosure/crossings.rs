@@ -1,118 +1,18 @@
 //! The certified partition: certainly inside a threshold, certainly outside, undecided.
 
 use super::guess::least_point;
+use super::levels::{Course, Levels};
+use super::meeting::{meeting_point, nearest_certain};
 use super::normal::{Normal, SLACK, TINY, UNIT};
-use super::piece::{Minorant, Polygon, greater, part, point, reversed, smaller};
-use super::{Effort, Side, Stretch, Threshold, UncertainCubic};
-
-/// Up to six crossings make seven certain stretches and six undecided ones between them.
-const LARGEST_COUNT: usize = 16;
+use super::piece::{Base, Minorant, Polygon, greater, part, point, reversed, smaller};
+use super::stretches::Stretches;
+use super::{Side, Threshold, UncertainCubic};
 
 /// Parts looked at before the rest is left undecided.
 const LARGEST_WORK: u32 = 256;
 
 /// Parts shorter than this are a few roundings long.
 const SHORTEST: f64 = 16.0 * f64::EPSILON;
-
-/// A partition of 0..=1 into stretches, ascending; neighbours share their end and differ in kind.
-#[derive(Clone, Copy, Debug)]
-pub struct Stretches {
-    stretches: [Stretch; LARGEST_COUNT],
-    count: usize,
-    effort: Effort,
-}
-
-impl Stretches {
-    const NONE: Self = Self {
-        stretches: [Stretch {
-            first: 0.0,
-            last: 0.0,
-            side: Side::Undecided,
-        }; LARGEST_COUNT],
-        count: 0,
-        effort: Effort::Tight,
-    };
-
-    /// The stretches, at least one.
-    #[must_use]
-    pub fn as_slice(&self) -> &[Stretch] {
-        &self.stretches[..self.count]
-    }
-
-    /// Whether the search came to its end; where it did not, more is undecided than need be.
-    #[must_use]
-    pub fn effort(&self) -> Effort {
-        self.effort
-    }
-
-    fn all(side: Side) -> Self {
-        let mut whole = Self::NONE;
-        whole.append(1.0, side);
-        whole
-    }
-
-    /// The stretch from the last end to `last`.
-    fn append(&mut self, last: f64, side: Side) {
-        let first = match self.as_slice().last() {
-            Some(stretch) if stretch.side == side => {
-                self.stretches[self.count - 1].last = last;
-                return;
-            }
-            Some(stretch) => stretch.last,
-            None => 0.0,
-        };
-        if last <= first {
-            return;
-        }
-        if self.count == LARGEST_COUNT {
-            // Undecided is always true.
-            self.effort = Effort::Limited;
-            let end = &mut self.stretches[self.count - 1];
-            end.last = last;
-            end.side = Side::Undecided;
-            return;
-        }
-        self.stretches[self.count] = Stretch { first, last, side };
-        self.count += 1;
-    }
-}
-
-/// Squared thresholds: what is below `inside` is certainly inside, above `outside` certainly
-/// outside. Minus infinity where nothing can be inside, or everything must be outside.
-#[derive(Clone, Copy, Debug)]
-struct Levels {
-    inside: f64,
-    outside: f64,
-}
-
-impl Levels {
-    /// For distances wrong by at most `error`.
-    fn new(low: f64, high: f64, error: f64) -> Self {
-        let (near, far) = (low - error, high + error);
-        Self {
-            inside: if near > 0.0 {
-                near * near * (1.0 - 8.0 * UNIT) - TINY
-            } else {
-                f64::NEG_INFINITY
-            },
-            outside: if far >= 0.0 {
-                far * far * (1.0 + 8.0 * UNIT) + TINY
-            } else {
-                f64::NEG_INFINITY
-            },
-        }
-    }
-
-    fn side(&self, low: f64, high: f64) -> Side {
-        if high < self.inside {
-            Side::Inside
-        } else if low > self.outside {
-            Side::Outside
-        } else {
-            Side::Undecided
-        }
-    }
-}
 
 /// The computed cubic and the threshold in its unit.
 struct Question {
@@ -127,69 +27,21 @@ struct Question {
     blurred: Levels,
 }
 
-/// How the Bernstein coefficients of a part lie to one level.
-///
-/// With at most one uncertain coefficient between the certain ones of either side, the number of
-/// sign changes is known whatever its sign: none or one, and so is the number of crossings
-/// (Descartes' rule in Bernstein form).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Course {
-    Below,
-    Above,
-    /// Crosses once, from below.
-    Rising,
-    /// Crosses once, from above.
-    Falling,
-    Unclear,
-}
-
-impl Course {
-    fn of(coefficients: &[f64; 7], error: f64, level: f64) -> Self {
-        let (low, high) = (level - error, level + error);
-        let first = coefficients[0];
-        let mut course = if first < low {
-            Self::Below
-        } else if first > high {
-            Self::Above
-        } else {
-            return Self::Unclear;
-        };
-        let mut is_doubtful = false;
-        for &c in &coefficients[1..] {
-            course = match course {
-                Self::Below if c > high => Self::Rising,
-                Self::Above if c < low => Self::Falling,
-                Self::Below if c < low && !is_doubtful => continue,
-                Self::Above if c > high && !is_doubtful => continue,
-                Self::Rising if c > high => continue,
-                Self::Falling if c < low => continue,
-                // Neither: once, right before the course changes.
-                Self::Below | Self::Above if !is_doubtful && low <= c && c <= high => {
-                    is_doubtful = true;
-                    continue;
-                }
-                _ => return Self::Unclear,
-            };
-            is_doubtful = false;
-        }
-        if is_doubtful { Self::Unclear } else { course }
-    }
-}
-
 /// What the Bernstein coefficients of a part say.
 enum Pattern {
     Uniform(Side),
-    /// Leaves the inside, or reaches the outside, or both, each once.
-    Rising {
-        from_inside: bool,
-        to_outside: bool,
-    },
-    /// Leaves the outside, or reaches the inside, or both, each once.
-    Falling {
-        from_outside: bool,
-        to_inside: bool,
-    },
+    /// Each of these levels is crossed once, outwards.
+    Rising(Crossed),
+    /// Each of these levels is crossed once, inwards.
+    Falling(Crossed),
     Mixed(Mixed),
+}
+
+/// Which of the two levels a part crosses; it stays on the same side of the other.
+#[derive(Clone, Copy)]
+struct Crossed {
+    inside: bool,
+    outside: bool,
 }
 
 /// What is known about a part that must be divided.
@@ -215,13 +67,16 @@ pub(super) fn stretches(given: &UncertainCubic, threshold: Threshold) -> Stretch
     let cubic = Normal::new(&given.points, given.error);
     let low = cubic.bring_below(threshold.low);
     let high = cubic.bring_above(threshold.high);
+    // What is compared with `own` has passed `computed` before: the four roundings more cover those
+    // of forming the levels themselves.
+    let error = cubic.part_error() + 4.0 * UNIT * greater(low.abs(), high.abs());
     let question = Question {
         cubic,
         low,
         high,
         own: Levels::new(low, high, cubic.error),
-        computed: Levels::new(low, high, cubic.part_error()),
-        blurred: Levels::new(low, high, 4.0 * cubic.part_error()),
+        computed: Levels::new(low, high, error),
+        blurred: Levels::new(low, high, 4.0 * error),
     };
     if let Pattern::Uniform(side) = question.pattern(&cubic.points, 0.0) {
         return Stretches::all(side);
@@ -274,16 +129,16 @@ impl Question {
         match (inside, outside) {
             (Course::Above, Course::Below) => Pattern::Uniform(Side::Undecided),
             (Course::Rising | Course::Above, Course::Rising) | (Course::Rising, Course::Below) => {
-                Pattern::Rising {
-                    from_inside: inside == Course::Rising,
-                    to_outside: outside == Course::Rising,
-                }
+                Pattern::Rising(Crossed {
+                    inside: inside == Course::Rising,
+                    outside: outside == Course::Rising,
+                })
             }
             (Course::Falling | Course::Above, Course::Falling)
-            | (Course::Falling, Course::Below) => Pattern::Falling {
-                from_outside: outside == Course::Falling,
-                to_inside: inside == Course::Falling,
-            },
+            | (Course::Falling, Course::Below) => Pattern::Falling(Crossed {
+                inside: inside == Course::Falling,
+                outside: outside == Course::Falling,
+            }),
             _ => Pattern::Mixed(Mixed {
                 start: self.own.side(s0 - error, s0 + error),
                 end: self.own.side(s3 - error, s3 + error),
@@ -319,15 +174,15 @@ impl Question {
         }
     }
 
-    /// The certain ends of a crossing: last parameter inside and first one outside, each if asked
-    /// for.
+    /// The last parameter that is certainly inside and the first that is certainly outside; that
+    /// end of the part where the level is not crossed.
     ///
     /// `points` is counted from the inner end at `origin`; the outer end is at `target`.
     fn crossing(
         &self,
         points: &Polygon,
         (origin, target): (f64, f64),
-        (is_inside, is_outside): (bool, bool),
+        crossed: Crossed,
     ) -> (f64, f64) {
         let at = |x: f64| origin + x * (target - origin);
         let resolution = 4.0 * UNIT * greater(origin, target) / (target - origin).abs();
@@ -336,7 +191,7 @@ impl Question {
 
         let (mut last_inside, mut first_outside) = (origin, target);
         let mut guess = None;
-        if is_inside {
+        if crossed.inside {
             let (x, rate) = meeting_point(points, self.low - error, None);
             let step = resolution + 12.0 * UNIT * self.low / rate;
             let is_certain =
@@ -345,7 +200,7 @@ impl Question {
                 nearest_certain(step, x, |step| at(x - step), is_certain).unwrap_or(origin);
             guess = Some(x + (self.high - self.low + 2.0 * error) / rate);
         }
-        if is_outside {
+        if crossed.outside {
             let (x, rate) = meeting_point(points, self.high + error, guess);
             let step = resolution + 12.0 * UNIT * self.high / rate;
             let is_certain =
@@ -355,81 +210,6 @@ impl Question {
         }
         (last_inside, first_outside)
     }
-}
-
-/// Where the distance seems to be `radius`, from 0 at the inner end to 1 at the outer end, and its
-/// rate there: bracketed Newton, not trusted by what follows.
-fn meeting_point(points: &Polygon, radius: f64, guess: Option<f64>) -> (f64, f64) {
-    const STEPS: u32 = 40;
-    const SHORT: f64 = 1e-10;
-    let k0 = points[0];
-    let (d1, d2, d3) = (points[1] - k0, points[2] - k0, points[3] - k0);
-    let (linear, square, cube) = (d1 * 3.0, (d2 - d1 * 2.0) * 3.0, d3 - (d2 - d1) * 3.0);
-    let motion = |x: f64| {
-        (
-            k0 + (linear + (square + cube * x) * x) * x,
-            linear + (square * 2.0 + cube * (3.0 * x)) * x,
-        )
-    };
-    let level = radius * radius;
-    let (start, end) = (k0.length_squared(), points[3].length_squared());
-    let (mut low, mut high) = (0.0, 1.0);
-    // Next to a minimum the squared distance grows with the square of the time.
-    let first = guess.unwrap_or_else(|| ((level - start) / (end - start)).sqrt());
-    let mut x = if 0.0 < first && first < 1.0 {
-        first
-    } else {
-        0.5
-    };
-    let mut rate = 0.0;
-    for _ in 0..STEPS {
-        let (position, velocity) = motion(x);
-        let square = position.length_squared();
-        let slope = position.dot(velocity);
-        rate = slope.abs() / (square.sqrt() + TINY);
-        let excess = square - level;
-        if excess < 0.0 {
-            low = x;
-        } else {
-            high = x;
-        }
-        let newton = x - 0.5 * excess / slope;
-        let next = if low <= newton && newton <= high {
-            newton
-        } else {
-            0.5 * (low + high)
-        };
-        let step = (next - x).abs();
-        x = next;
-        // What is left is of the order of this step's square.
-        if step <= SHORT * x {
-            break;
-        }
-    }
-    (x, rate)
-}
-
-/// A short step below `room` that leads to where the test holds; `step` is the length expected.
-///
-/// Doubled until it is long enough. Where the expectation is coarse (next to a turning point, where
-/// there is hardly any closing speed) it is not trusted to be needed.
-fn nearest_certain(
-    mut step: f64,
-    room: f64,
-    at: impl Fn(f64) -> f64,
-    is_certain: impl Fn(f64) -> bool,
-) -> Option<f64> {
-    const COARSE: f64 = 1e-10;
-    // Also where it is infinite or NaN.
-    step = if step < COARSE { step } else { COARSE };
-    while step < room {
-        let s = at(step);
-        if is_certain(s) {
-            return Some(s);
-        }
-        step *= 2.0;
-    }
-    None
 }
 
 struct Search {
@@ -443,9 +223,7 @@ impl Search {
     fn examine(&mut self, start: f64, end: f64, turn: u32) {
         self.work += 1;
         if self.work > LARGEST_WORK {
-            self.found.effort = Effort::Limited;
-        }
-        if self.work > LARGEST_WORK {
+            self.found.give_up();
             self.found.append(end, Side::Undecided);
             return;
         }
@@ -453,23 +231,15 @@ impl Search {
         let points = part(&cubic.points, start, end);
         match self.question.pattern(&points, 9.0 * UNIT * cubic.size) {
             Pattern::Uniform(side) => self.found.append(end, side),
-            Pattern::Rising {
-                from_inside,
-                to_outside,
-            } => {
-                let wanted = (from_inside, to_outside);
-                let (inside, outside) = self.question.crossing(&points, (start, end), wanted);
+            Pattern::Rising(crossed) => {
+                let (inside, outside) = self.question.crossing(&points, (start, end), crossed);
                 self.found.append(inside, Side::Inside);
                 self.found.append(outside, Side::Undecided);
                 self.found.append(end, Side::Outside);
             }
-            Pattern::Falling {
-                from_outside,
-                to_inside,
-            } => {
-                let wanted = (to_inside, from_outside);
+            Pattern::Falling(crossed) => {
                 let points = reversed(points);
-                let (inside, outside) = self.question.crossing(&points, (end, start), wanted);
+                let (inside, outside) = self.question.crossing(&points, (end, start), crossed);
                 self.found.append(outside, Side::Outside);
                 self.found.append(inside, Side::Undecided);
                 self.found.append(end, Side::Inside);
@@ -486,56 +256,54 @@ impl Search {
 
     /// Cuts off what the quadratic below the squared distance shows to be outside, or divides.
     fn divide(&mut self, start: f64, end: f64, points: &Polygon, mixed: &Mixed, turn: u32) {
-        let width = end - start;
-        let question = &self.question;
+        let is_falling = points[3].length_squared() < points[0].length_squared();
+        let (base, inner) = if is_falling {
+            (Base::End, reversed(*points))
+        } else {
+            (Base::Start, *points)
+        };
         match (mixed.start == Side::Outside, mixed.end == Side::Outside) {
-            (false, true) => match question.cut(points, mixed.least) {
-                Cut::None => {}
-                Cut::Examine(x) => {
-                    let cut = smaller(start + x * width + 4.0 * UNIT * end, end);
-                    self.examine(start, cut, turn + 1);
-                    self.found.append(end, Side::Outside);
-                    return;
-                }
-                Cut::Undecided(x) => {
-                    let cut = smaller(start + x * width + 4.0 * UNIT * end, end);
-                    self.found.append(cut, Side::Undecided);
-                    self.found.append(end, Side::Outside);
-                    return;
-                }
-            },
-            (true, false) => match question.cut(&reversed(*points), mixed.least) {
-                Cut::None => {}
-                Cut::Examine(x) => {
-                    let cut = greater(end - x * width - 4.0 * UNIT * end, start);
-                    self.found.append(cut, Side::Outside);
-                    self.examine(cut, end, turn + 1);
-                    return;
-                }
-                Cut::Undecided(x) => {
-                    let cut = greater(end - x * width - 4.0 * UNIT * end, start);
-                    self.found.append(cut, Side::Outside);
-                    self.found.append(end, Side::Undecided);
-                    return;
-                }
-            },
             (true, true) => {
-                let is_falling = points[3].length_squared() < points[0].length_squared();
-                let nearer = if is_falling {
-                    reversed(*points)
-                } else {
-                    *points
-                };
-                if Minorant::of(&nearer).lower() > question.computed.outside {
+                if Minorant::of(&inner).lower() > self.question.computed.outside {
                     self.found.append(end, Side::Outside);
                     return;
                 }
             }
             (false, false) => {}
+            _ => {
+                let cut = self.question.cut(&inner, mixed.least);
+                if self.cut_off((start, end), base, &cut, turn) {
+                    return;
+                }
+            }
         }
-        let s = start + dividing_fraction(points, turn) * width;
+        let s = start + dividing_fraction(points, turn) * (end - start);
         self.examine(start, s, turn + 1);
         self.examine(s, end, turn + 1);
+    }
+
+    /// Appends the part cut in two, if there is a cut.
+    fn cut_off(&mut self, (start, end): (f64, f64), base: Base, cut: &Cut, turn: u32) -> bool {
+        let (Cut::Examine(x) | Cut::Undecided(x)) = *cut else {
+            return false;
+        };
+        let (width, rounding) = (end - start, 4.0 * UNIT * end);
+        let inner = |search: &mut Self, start: f64, end: f64| match cut {
+            Cut::Examine(_) => search.examine(start, end, turn + 1),
+            Cut::Undecided(_) | Cut::None => search.found.append(end, Side::Undecided),
+        };
+        match base {
+            Base::Start => {
+                inner(self, start, smaller(start + x * width + rounding, end));
+                self.found.append(end, Side::Outside);
+            }
+            Base::End => {
+                let s = greater(end - x * width - rounding, start);
+                self.found.append(s, Side::Outside);
+                inner(self, s, end);
+            }
+        }
+        true
     }
 }
 

@@ -3,7 +3,7 @@
 use super::guess::least_point;
 use super::normal::{Normal, SLACK, TINY, UNIT};
 use super::piece::{
-    Minorant, Polygon, greater, part, point, reversed, smaller, split, stationary_reach,
+    Base, Minorant, Polygon, greater, part, point, reversed, smaller, split, stationary_reach,
 };
 use super::{DistanceEnclosure, Effort, LeastDistance, ParameterEnclosure, UncertainCubic};
 
@@ -14,12 +14,6 @@ const LARGEST_WORK: u32 = 160;
 
 /// Pieces shorter than this cannot be split usefully: their ends are a few roundings apart.
 const SHORTEST: f64 = 16.0 * f64::EPSILON;
-
-#[derive(Clone, Copy, Debug)]
-enum Base {
-    Start,
-    End,
-}
 
 /// A part of the parameter interval with its lower bound.
 #[derive(Clone, Copy, Debug)]

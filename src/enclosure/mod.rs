@@ -2,11 +2,14 @@
 
 mod crossings;
 mod guess;
+mod levels;
+mod meeting;
 mod minimum;
 mod normal;
 mod piece;
+mod stretches;
 
-pub use crossings::Stretches;
+pub use stretches::Stretches;
 
 use glam::DVec3;
 

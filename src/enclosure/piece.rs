@@ -6,6 +6,13 @@ use glam::DVec3;
 /// Control points of a part, counted from its base: the end that bounds are formed around.
 pub(super) type Polygon = [DVec3; 4];
 
+/// Which end of a part its base is.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Base {
+    Start,
+    End,
+}
+
 /// The parts before and after `s`, both counted from `s` (de Casteljau).
 ///
 /// Each control point is wrong by at most 9u times the largest norm of the control points given:
