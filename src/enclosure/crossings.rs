@@ -109,7 +109,7 @@ impl Question {
             s3,
         ];
         let square = greater(greater(s0, s3), greater(s1, s2));
-        // 8u M² for the coefficients (section "Squares"), 2 M e + e² for control points wrong by e.
+        // Section 2 of the module documentation.
         let size = (square + TINY).sqrt() * (1.0 + 4.0 * UNIT);
         let error = (8.0 * UNIT * square + rounding * (2.0 * size + rounding)) * SLACK + TINY;
         let (mut least, mut greatest) = (f64::INFINITY, f64::NEG_INFINITY);

@@ -23,7 +23,7 @@ const UNSCALED: std::ops::Range<f64> = 1e-60..1e60;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Normal {
     pub(super) points: [DVec3; 4],
-    /// Bound on the distance between this cubic and the exact one (`E_h`).
+    /// Bound on the distance between this cubic and the exact motion (E).
     pub(super) error: f64,
     /// Upper bound of the control points' norms (M).
     pub(super) size: f64,
@@ -58,7 +58,7 @@ impl Normal {
         }
     }
 
-    /// Bound on the distance between any part computed from this cubic and the exact one (`E_T`).
+    /// Bound on the distance between any part computed from this cubic and the exact motion (F).
     pub(super) fn part_error(&self) -> f64 {
         (self.error + 9.0 * UNIT * self.size) * SLACK + TINY
     }

@@ -96,7 +96,7 @@ pub(super) struct Minorant {
 }
 
 impl Minorant {
-    /// Module documentation, "Difference form".
+    /// Module documentation, sections 3 and 4.
     #[inline]
     pub(super) fn of(points: &Polygon) -> Self {
         let k0 = points[0];
@@ -256,4 +256,75 @@ pub(super) fn greater(a: f64, b: f64) -> f64 {
 #[inline]
 pub(super) fn smaller(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{Rng, RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// Ten times the exact coefficients e1..e6, for integer control points below 2^51: all
+    /// products are below 2^110.
+    fn exact_differences(points: &[[i64; 3]; 4]) -> [i128; 6] {
+        let wide = points.map(|point| point.map(i128::from));
+        let dot = |p: [i128; 3], q: [i128; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+        let k0 = wide[0];
+        let [d1, d2, d3] = [1, 2, 3].map(|j| [0, 1, 2].map(|axis| wide[j][axis] - k0[axis]));
+        let (a1, a2, a3) = (dot(k0, d1), dot(k0, d2), dot(k0, d3));
+        [
+            10 * a1,
+            2 * (2 * a2 + 6 * a1 + 3 * dot(d1, d1)),
+            a3 + 9 * (a1 + a2 + dot(d1, d2)),
+            2 * (2 * (a1 + a3 + dot(d1, d3)) + 3 * (2 * a2 + dot(d2, d2))),
+            10 * (a2 + a3 + dot(d2, d3)),
+            10 * (2 * a3 + dot(d3, d3)),
+        ]
+    }
+
+    fn draw(random: &mut impl Rng) -> [[i64; 3]; 4] {
+        // A base and differences of all sizes, also such that cancel in the scalar products.
+        let bits = [(); 4].map(|()| random.random_range(8..50));
+        let mut points = bits.map(|bits: u32| {
+            let range = 1_i64 << bits;
+            [(); 3].map(|()| random.random_range(-range..=range))
+        });
+        if random.random_range(0..2) == 0 {
+            let base = points[0];
+            for point in &mut points[1..] {
+                for (x, b) in point.iter_mut().zip(base) {
+                    *x += b;
+                }
+            }
+        }
+        points
+    }
+
+    /// Rounded down; what is lost is below one, and the products here are far above.
+    #[allow(clippy::cast_possible_truncation, reason = "far below 2^127")]
+    fn integer(x: f64) -> i128 {
+        x.floor() as i128
+    }
+
+    #[test]
+    #[allow(clippy::cast_precision_loss, reason = "below 2^53")]
+    fn the_minorant_is_below_the_exact_coefficients() {
+        let mut random = ChaCha8Rng::seed_from_u64(1);
+        for _ in 0..200_000 {
+            let points = draw(&mut random);
+            let polygon = points.map(|[x, y, z]| DVec3::new(x as f64, y as f64, z as f64));
+            let minorant = Minorant::of(&polygon);
+            let (slope, bend) = (integer(minorant.slope), integer(minorant.bend));
+            let floor = integer(minorant.floor);
+            for (k, tenfold) in (1..).zip(exact_differences(&points)) {
+                assert!(10 * floor <= tenfold, "floor above e{k}: {points:?}");
+                // c1 k/6 + c2 k(k-1)/30 <= ek, times 300.
+                let quadratic = 10 * (5 * k * slope + k * (k - 1) * bend);
+                assert!(
+                    quadratic <= 30 * tenfold,
+                    "quadratic above e{k}: {points:?}"
+                );
+            }
+        }
+    }
 }
