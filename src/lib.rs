@@ -65,6 +65,7 @@
 mod bounds;
 pub mod broad_phase;
 mod conflict;
+pub mod enclosure;
 mod error;
 mod hitbox;
 mod id;
