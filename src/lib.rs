@@ -1,3 +1,4 @@
 //! nearmiss
 
+pub mod narrow_phase;
 pub mod polynomial;
