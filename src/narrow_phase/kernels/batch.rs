@@ -43,6 +43,7 @@ impl<'a, R: Real> Lanes<'a, R> {
     /// # Panics
     ///
     /// If `pair` is not less than the number of pairs.
+    #[inline]
     #[must_use]
     pub fn control_points(&self, pair: usize) -> ControlPoints<R> {
         std::array::from_fn(|point| std::array::from_fn(|axis| self.coordinates[axis][point][pair]))

@@ -96,3 +96,20 @@ impl<R: Real> CentredCubic<R> {
         ]
     }
 }
+
+/// The largest absolute value of a coordinate.
+#[inline]
+pub(super) fn largest_coordinate(points: &ControlPoints<f64>) -> f64 {
+    let mut largest = 0.0;
+    for coordinate in points.iter().flatten() {
+        let size = coordinate.abs();
+        largest = if size > largest { size } else { largest };
+    }
+    largest
+}
+
+/// The greatest power of two that is not above a finite number, or the smallest normal number.
+#[inline]
+pub(super) fn power_of_two(number: f64) -> f64 {
+    f64::from_bits((number.to_bits() & (0x7ff << 52)).max(1 << 52))
+}

@@ -1,19 +1,25 @@
 //! Enclosures of the least distance: proven bounds, for a given error of the cubic.
 
-use super::cubic::{CentredCubic, ControlPoints, Vector, dot};
+use super::cubic::{CentredCubic, ControlPoints, Vector, dot, largest_coordinate, power_of_two};
 use super::guess::{descend, lowest_sample, settle};
-use super::minorant::{from_nearer, lower_bound};
+use super::loops::local_time;
+use super::minorant::{from_nearer, lower_bound, lower_bound_far, lower_bound_near, split};
 use super::real::Real;
-
-/// Half the distance from 1 to the next number.
-const U: f64 = 0.5 * f64::EPSILON;
 
 /// Units of rounding of a split of the span at any time, and of two halvings after it.
 pub(super) const SPLIT: f64 = 9.0;
 pub(super) const SPLIT_AND_HALVED: f64 = 15.0;
 
-/// Pieces of the branch and bound; more than 96 were never needed in 5 million trials.
-const PIECES: usize = 128;
+/// Units of rounding of its size to which an enclosure should be tight, and to which a search for
+/// the nearest point goes.
+const TIGHT: f64 = 4.0;
+const NEAR: f64 = 16.0;
+
+/// The part of a piece that is cut off next to a flat minimum.
+const FLAT: f64 = 1.0 / 32.0;
+
+/// The most pieces of a branch and bound; more than 96 were never needed in 5 million trials.
+const PIECES: usize = 256;
 
 /// The least distance of a pair, enclosed, and where it was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,13 +37,25 @@ pub struct Enclosure {
 pub(super) struct Bracketed<R> {
     pub(super) low: R,
     pub(super) high: R,
-    /// Positive if the enclosure is as tight as the error of the cubic allows.
+    /// 1 if the enclosure is as tight as the error of the cubic allows, 0 if it is wider, -1 or not
+    /// a number if the range has spoilt it.
     pub(super) tight: R,
+}
+
+/// Whether quarters of both sides of a time prove that the least distance is there, up to
+/// rounding.
+#[inline]
+pub(super) fn is_nearest_at(points: &ControlPoints<f64>, time: f64) -> bool {
+    let [before, after] = split(*points, time);
+    let low = lower_bound_near(before).or_less(lower_bound_far(before));
+    let high = lower_bound_near(after).or_less(lower_bound_far(after));
+    let bound = low.or_less(high);
+    enclose_between(*points, before[0], bound, 0.0, SPLIT_AND_HALVED).tight > 0.0
 }
 
 /// The enclosure between a lower bound of the squared distance and the distance at the guess.
 ///
-/// Never tight for polygons outside 1e±60, where the lower bound may have suffered from the range.
+/// For polygons outside 1e±60 the lower bound may have suffered from the range.
 #[inline(always)]
 pub(super) fn enclose_between<R: Real>(
     points: ControlPoints<R>,
@@ -51,9 +69,17 @@ pub(super) fn enclose_between<R: Real>(
     let best = dot(nearest, nearest);
     let (low, high) = outward(bound, best, total);
     let in_range = (size > R::from_f64(1e-60)) & (size < R::from_f64(1e60));
-    let tight = is_tight(bound, best, total, size) & in_range;
-    let one = R::from_f64(1.0);
-    Bracketed { low, high, tight: if tight { one } else { -one } }
+    let (zero, one) = (R::from_f64(0.0), R::from_f64(1.0));
+    let tight = if is_tight(bound, best, total, size, TIGHT) {
+        one
+    } else {
+        zero
+    };
+    Bracketed {
+        low,
+        high,
+        tight: if in_range { tight } else { -one },
+    }
 }
 
 /// The size of the polygon: the largest distance of a control point, rounded up.
@@ -86,10 +112,11 @@ fn outward<R: Real>(bound: R, best: R, total: R) -> (R, R) {
     (low.or_more(zero), high)
 }
 
-/// Whether a lower bound is so near to the best value that the error of the cubic dominates.
+/// Whether a lower bound is so near to the best value that the error of the cubic dominates, or
+/// some units of rounding of its size do.
 #[inline(always)]
-fn is_tight<R: Real>(bound: R, best: R, total: R, size: R) -> bool {
-    let rounding = R::from_f64(4.0) * R::ROUNDING * size;
+fn is_tight<R: Real>(bound: R, best: R, total: R, size: R, units: f64) -> bool {
+    let rounding = R::from_f64(units) * R::ROUNDING * size;
     let reach = best.sqrt() - (R::from_f64(0.25) * total).or_more(rounding);
     (reach <= R::from_f64(0.0)) | (bound >= reach * reach)
 }
@@ -109,6 +136,8 @@ struct Piece {
 enum Goal {
     /// When the enclosure is as tight as the error of the cubic.
     Tight,
+    /// When no point is nearer by more than rounding.
+    Near,
     /// When it is also on one side of both thresholds (inner, outer).
     Decided(f64, f64),
 }
@@ -116,10 +145,14 @@ enum Goal {
 /// The enclosure of one pair, by branch and bound.
 ///
 /// `error` bounds the distance between the true relative position and that of the polygon, at
-/// every instant, metres. With coordinates or an error beyond 1e300 the answer is everything from
-/// 0 on.
+/// every instant, metres. If it is infinite the answer is everything from 0 on.
 pub(super) fn enclose(points: &ControlPoints<f64>, error: f64) -> Enclosure {
-    search(points, error, Goal::Tight)
+    search(points, error, None, Goal::Tight)
+}
+
+/// The enclosure of one pair whose nearest point is probably at a time.
+pub(super) fn enclose_from(points: &ControlPoints<f64>, time: f64) -> Enclosure {
+    search(points, 0.0, Some(time), Goal::Near)
 }
 
 /// An enclosure of one pair that is good enough to tell whether it is below `inner` or above
@@ -130,29 +163,41 @@ pub(super) fn enclose_for(
     inner: f64,
     outer: f64,
 ) -> Enclosure {
-    search(points, error, Goal::Decided(inner, outer))
+    search(points, error, None, Goal::Decided(inner, outer))
 }
 
-fn search(points: &ControlPoints<f64>, error: f64, goal: Goal) -> Enclosure {
-    let largest = points.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
-    if !(largest < 1e300 && error < 1e300) {
-        return Enclosure { low: 0.0, high: f64::INFINITY, time: 0.0 };
+fn search(points: &ControlPoints<f64>, error: f64, start: Option<f64>, goal: Goal) -> Enclosure {
+    let largest = largest_coordinate(points);
+    if !(largest.is_finite() && error.is_finite()) {
+        return Enclosure {
+            low: 0.0,
+            high: f64::INFINITY,
+            time: 0.0,
+        };
     }
     if largest < 1e-285 {
         // 2 > sqrt(3): the whole polygon is that near.
         let high = (2.0 * largest + error) * up::<f64>(8.0) + f64::MIN_POSITIVE;
-        return Enclosure { low: 0.0, high, time: 0.0 };
+        return Enclosure {
+            low: 0.0,
+            high,
+            time: 0.0,
+        };
     }
     // Exact scaling by a power of two to the order of 1; underflow there is far below rounding.
-    let unit = f64::from_bits(largest.to_bits() & (0x7ff << 52));
+    let unit = power_of_two(largest);
     let scaled = points.map(|point| point.map(|x| x / unit));
     // An error that underflows is bounded by the smallest number.
     let scaled_error = (error / unit).max(f64::MIN_POSITIVE);
     let goal = match goal {
-        Goal::Tight => Goal::Tight,
         Goal::Decided(inner, outer) => Goal::Decided(inner / unit, outer / unit),
+        Goal::Tight | Goal::Near => goal,
     };
     let mut search = Search::new(scaled, scaled_error);
+    match start {
+        Some(time) if time > 0.0 && time < 1.0 => search.split(0, time),
+        _ => search.pieces[0].bound = lower_bound(from_nearer(scaled)),
+    }
     search.run(goal);
     let (low, high) = outward(search.least_bound(), search.best, search.total);
     Enclosure {
@@ -171,26 +216,29 @@ struct Search {
     /// The least squared distance found, and when.
     best: f64,
     time: f64,
-    pieces: [Piece; PIECES],
-    count: usize,
+    pieces: Vec<Piece>,
 }
 
 impl Search {
     fn new(points: ControlPoints<f64>, error: f64) -> Self {
         let size = size(points);
-        let whole = Piece { low: 0.0, high: 1.0, bound: 0.0, halve: false };
+        let mut pieces = Vec::with_capacity(16);
+        pieces.push(Piece {
+            low: 0.0,
+            high: 1.0,
+            bound: 0.0,
+            halve: false,
+        });
         let mut search = Self {
             points,
             size,
             total: total_error(error, size, SPLIT),
             best: f64::INFINITY,
             time: 0.0,
-            pieces: [whole; PIECES],
-            count: 1,
+            pieces,
         };
         search.note(0.0, points[0]);
         search.note(1.0, points[3]);
-        search.pieces[0].bound = lower_bound(from_nearer(points));
         search
     }
 
@@ -203,7 +251,7 @@ impl Search {
     }
 
     fn least_bound(&self) -> f64 {
-        self.pieces[..self.count]
+        self.pieces
             .iter()
             .fold(f64::INFINITY, |least, piece| least.min(piece.bound))
     }
@@ -213,13 +261,13 @@ impl Search {
     fn run(&mut self, goal: Goal) {
         loop {
             let mut worst = 0;
-            for i in 1..self.count {
-                if self.pieces[i].bound < self.pieces[worst].bound {
+            for (i, piece) in self.pieces.iter().enumerate() {
+                if piece.bound < self.pieces[worst].bound {
                     worst = i;
                 }
             }
             let piece = self.pieces[worst];
-            if self.is_reached(goal, piece.bound) || self.count == PIECES {
+            if self.is_reached(goal, piece.bound) || self.pieces.len() == PIECES {
                 return;
             }
             let cut = self.cut(&piece);
@@ -232,35 +280,58 @@ impl Search {
     }
 
     fn is_reached(&self, goal: Goal, bound: f64) -> bool {
+        let units = match goal {
+            Goal::Near => NEAR,
+            Goal::Tight | Goal::Decided(..) => TIGHT,
+        };
         if let Goal::Decided(inner, outer) = goal {
             let (low, high) = outward(bound, self.best, self.total);
             if low > outer || high < inner {
                 return true;
             }
         }
-        is_tight(bound, self.best, self.total, self.size)
+        is_tight(bound, self.best, self.total, self.size, units)
     }
 
-    /// Where to split a piece.
+    /// Where to split a piece: at its middle, or near its minimum.
+    #[allow(
+        clippy::float_cmp,
+        reason = "whether an end is the very time that was noted"
+    )]
     fn cut(&self, piece: &Piece) -> f64 {
         let middle = 0.5 * (piece.low + piece.high);
         if piece.halve {
-            return middle;
+            // Next to the nearest point a piece is not tight because the minimum is flat there.
+            // All but a small part is, since away from it the position does not turn back.
+            let part = FLAT * (piece.high - piece.low);
+            return if piece.low == self.time {
+                piece.low + part
+            } else if piece.high == self.time {
+                piece.high - part
+            } else {
+                middle
+            };
         }
-        let cubic = CentredCubic::new(sub_polygon(&self.points, piece.low, piece.high));
+        let [polygon, _] = sub_polygons(&self.points, piece.low, piece.high, piece.high);
+        let cubic = CentredCubic::new(polygon);
         let square = cubic.squared_distance();
         let rough = descend::<f64, 4>(&square, lowest_sample::<f64, 4>(&square));
         let time = settle(&cubic, &square, rough).time;
-        let cut = piece.low + (piece.high - piece.low) * (0.5 * (time + 1.0));
+        let cut = piece.low + (piece.high - piece.low) * local_time(time);
         // A minimum at an end, or one that is not a number, gives no cut.
-        if cut > piece.low && cut < piece.high { cut } else { middle }
+        if cut > piece.low && cut < piece.high {
+            cut
+        } else {
+            middle
+        }
     }
 
     /// Replaces a piece by its two parts.
     fn split(&mut self, index: usize, cut: f64) {
-        let Piece { low, high, halve, .. } = self.pieces[index];
-        let (before, after) =
-            (sub_polygon(&self.points, low, cut), sub_polygon(&self.points, cut, high));
+        let Piece {
+            low, high, halve, ..
+        } = self.pieces[index];
+        let [before, after] = sub_polygons(&self.points, low, cut, high);
         self.note(cut, after[0]);
         let part = |low, high, polygon| Piece {
             low,
@@ -269,32 +340,54 @@ impl Search {
             halve: !halve,
         };
         self.pieces[index] = part(low, cut, before);
-        self.pieces[self.count] = part(cut, high, after);
-        self.count += 1;
+        self.pieces.push(part(cut, high, after));
     }
 }
 
-/// The polygon of a part of the span, each point straight from the root polygon: 9 units of
-/// rounding of its size, however often the span was cut.
-fn sub_polygon(points: &ControlPoints<f64>, low: f64, high: f64) -> ControlPoints<f64> {
+/// The polygons of two parts of the span that meet at `cut`, each point straight from the root
+/// polygon: 9 units of rounding of its size, however often the span was cut.
+fn sub_polygons(
+    points: &ControlPoints<f64>,
+    low: f64,
+    cut: f64,
+    high: f64,
+) -> [ControlPoints<f64>; 2] {
+    let (l, c, h) = (leg(low, points), leg(cut, points), leg(high, points));
+    let (ll, lc) = (shorter(low, &l), shorter(cut, &l));
+    let (cc, ch) = (shorter(cut, &c), shorter(high, &c));
+    let hh = shorter(high, &h);
+    let middle = point(cut, &cc);
     [
-        blossom(points, low, low, low),
-        blossom(points, low, low, high),
-        blossom(points, low, high, high),
-        blossom(points, high, high, high),
+        [point(low, &ll), point(cut, &ll), point(cut, &lc), middle],
+        [middle, point(cut, &ch), point(cut, &hh), point(high, &hh)],
     ]
 }
 
-#[inline]
-fn blossom(points: &ControlPoints<f64>, r: f64, s: f64, t: f64) -> Vector<f64> {
+/// The first level of a blossom.
+#[inline(always)]
+fn leg(x: f64, points: &ControlPoints<f64>) -> [Vector<f64>; 3] {
     let [p0, p1, p2, p3] = *points;
-    let (a, b, c) = (between(r, p0, p1), between(r, p1, p2), between(r, p2, p3));
-    let (d, e) = (between(s, a, b), between(s, b, c));
-    between(t, d, e)
+    [between(x, p0, p1), between(x, p1, p2), between(x, p2, p3)]
 }
 
-#[inline]
+/// The second level of a blossom.
+#[inline(always)]
+fn shorter(x: f64, [a, b, c]: &[Vector<f64>; 3]) -> [Vector<f64>; 2] {
+    [between(x, *a, *b), between(x, *b, *c)]
+}
+
+/// The last level of a blossom.
+#[inline(always)]
+fn point(x: f64, [a, b]: &[Vector<f64>; 2]) -> Vector<f64> {
+    between(x, *a, *b)
+}
+
+#[inline(always)]
 fn between(x: f64, a: Vector<f64>, b: Vector<f64>) -> Vector<f64> {
     let y = 1.0 - x;
-    [y * a[0] + x * b[0], y * a[1] + x * b[1], y * a[2] + x * b[2]]
+    [
+        y * a[0] + x * b[0],
+        y * a[1] + x * b[1],
+        y * a[2] + x * b[2],
+    ]
 }

@@ -1,6 +1,7 @@
-//! The last resort and the yardstick: all roots of the slope, by Yuksel's recursion.
+//! The textbook method: all roots of the slope of the squared distance.
 
-use super::cubic::{CentredCubic, ControlPoints, dot};
+use super::cubic::{CentredCubic, ControlPoints, dot, largest_coordinate, power_of_two};
+use super::loops::{distance, local_time};
 use crate::polynomial::{Polynomial, Roots};
 
 /// The global minimum over the ends and all stationary points: time and distance.
@@ -29,12 +30,12 @@ pub(super) fn all_roots(points: &ControlPoints<f64>, tolerance: f64) -> (f64, f6
     }
     consider(1.0);
     let (u, square) = best;
-    (0.5 * (u + 1.0), 0.125 * square.sqrt() * unit)
+    (local_time(u), distance(square) * unit)
 }
 
 /// 64 times the squared distance, formed from the position.
 #[inline]
-fn square_at(cubic: &CentredCubic<f64>, u: f64) -> f64 {
+pub(super) fn square_at(cubic: &CentredCubic<f64>, u: f64) -> f64 {
     let position = cubic.position(u);
     dot(position, position)
 }
@@ -42,20 +43,11 @@ fn square_at(cubic: &CentredCubic<f64>, u: f64) -> f64 {
 /// The polygon divided by a power of two (exactly, but for underflow) if its squares could leave
 /// the range, and that power.
 #[inline]
-fn normalised(points: &ControlPoints<f64>) -> (ControlPoints<f64>, f64) {
-    let mut largest = 0.0_f64;
-    for coordinate in points.iter().flatten() {
-        largest = largest.max(coordinate.abs());
-    }
-    if (1e-60..=1e60).contains(&largest) || largest == 0.0 {
+pub(super) fn normalised(points: &ControlPoints<f64>) -> (ControlPoints<f64>, f64) {
+    let largest = largest_coordinate(points);
+    if (1e-60..=1e60).contains(&largest) {
         return (*points, 1.0);
     }
-    // 2^±900 and back: two factors each, since 2^900 times a subnormal is still small enough.
-    let unit = if largest > 1.0 {
-        f64::from_bits((1023 + 512) << 52)
-    } else {
-        f64::from_bits((1023 - 1000) << 52)
-    };
-    let inverse = 1.0 / unit;
-    (points.map(|point| point.map(|x| x * inverse)), unit)
+    let unit = power_of_two(largest);
+    (points.map(|point| point.map(|x| x / unit)), unit)
 }

@@ -30,7 +30,7 @@ pub(super) struct Guess<R> {
 pub(super) struct Settled<R> {
     pub(super) time: R,
     pub(super) square: R,
-    /// What the least deflated coefficient has to exceed; huge if the refinement has not settled.
+    /// What the least deflated coefficient has to exceed; infinite if the refinement has not settled.
     pub(super) margin: R,
 }
 
@@ -119,36 +119,61 @@ pub(super) fn descend<R: Real, const HALF: usize>(square: &[R; 7], start: R) -> 
 #[inline(always)]
 pub(super) fn settle<R: Real>(cubic: &CentredCubic<R>, square: &[R; 7], u: R) -> Settled<R> {
     let (zero, one) = (R::from_f64(0.0), R::from_f64(1.0));
-    let (two, three) = (R::from_f64(2.0), R::from_f64(3.0));
-    // Position, velocity, half the acceleration; a sixth of the third derivative is constant.
-    let [position, velocity, bend, twist] = cubic.derivatives(u);
-    let slope = dot(position, velocity);
-    let first = dot(velocity, velocity) + two * dot(position, bend);
-    let second = three * (dot(velocity, bend) + dot(position, twist));
+    let HalleyStep { slope, step, error } = halley_step(cubic, u);
     // At an end with the slope inward there is nothing to polish.
     let at_end = ((u <= -one) & (slope >= zero)) | ((u >= one) & (slope <= zero));
-    let step = slope * first / (first * first - slope * second);
+    // A step that is cut off at an end counts in full.
+    let settled = at_end | ((step.abs() <= R::SETTLED) & (error <= R::from_f64(4.0) * R::ROUNDING));
     let step = if at_end { zero } else { step };
-    // A step of this size leaves an error of the order of its cube, the rounding. One that is cut
-    // off at an end counts in full.
-    let settled = step.abs() <= R::SETTLED;
     let time = (u - step).or_less(one).or_more(-one);
     let position = cubic.position(time);
 
     // The rounding of the deflated coefficients in terms of the coefficient vectors (see
     // `kernels`).
     let [_, c1, c2, _] = cubic.coefficients;
-    let size = square[0] + square[6] + (dot(c1, c1) + dot(c2, c2));
-    let margin = R::from_f64(4096.0) * R::ROUNDING * size + R::UNDERFLOW;
-    let settled = settled & (size < R::LARGE);
+    let motion = square[6] + (dot(c1, c1) + dot(c2, c2));
+    let size = square[0] + motion;
+    let margin = R::from_f64(8192.0) * R::ROUNDING * size + R::UNDERFLOW;
+    // A pair at rest but for rounding is as near at any time.
+    let still = motion + R::UNDERFLOW <= R::ROUNDING * R::ROUNDING * square[0];
+    let huge = R::from_f64(f64::INFINITY);
+    let margin = if settled { margin } else { huge };
+    let margin = if still { -huge } else { margin };
     Settled {
         time,
         square: dot(position, position),
-        margin: if settled {
-            margin + R::UNDERFLOW
-        } else {
-            R::from_f64(f64::MAX)
-        },
+        margin: if size < R::LARGE { margin } else { huge },
+    }
+}
+
+/// A step of Halley's method towards a stationary point of the distance.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct HalleyStep<R> {
+    /// Half the slope of the squared distance.
+    slope: R,
+    /// How far to go back in centred time.
+    pub(super) step: R,
+    /// An estimate of the error after the step, from the curvature of the slope: of third order
+    /// at a simple root, of the order of the step itself at a multiple one.
+    error: R,
+}
+
+/// The step from the vectors at a centred time.
+#[inline(always)]
+pub(super) fn halley_step<R: Real>(cubic: &CentredCubic<R>, u: R) -> HalleyStep<R> {
+    let (one, two, three) = (R::from_f64(1.0), R::from_f64(2.0), R::from_f64(3.0));
+    // Position, velocity, half the acceleration; a sixth of the third derivative is constant.
+    let [position, velocity, bend, twist] = cubic.derivatives(u);
+    let slope = dot(position, velocity);
+    let first = dot(velocity, velocity) + two * dot(position, bend);
+    let second = three * (dot(velocity, bend) + dot(position, twist));
+    let inverse = one / (first * first - slope * second);
+    let step = slope * first * inverse;
+    let ratio = slope * second * inverse;
+    HalleyStep {
+        slope,
+        step,
+        error: step.abs() * (ratio * ratio),
     }
 }
 

@@ -14,10 +14,7 @@ use super::real::Real;
 /// De Casteljau's algorithm with weights `1 - s` and `s`: three levels of three roundings each,
 /// so every point is within 9 units of rounding of the polygon's size.
 #[inline(always)]
-pub(super) fn split<R: Real>(
-    points: ControlPoints<R>,
-    s: R,
-) -> [ControlPoints<R>; 2] {
+pub(super) fn split<R: Real>(points: ControlPoints<R>, s: R) -> [ControlPoints<R>; 2] {
     let t = R::from_f64(1.0) - s;
     let [p0, p1, p2, p3] = points;
     let p01 = lerp(t, p0, s, p1);
@@ -80,7 +77,12 @@ pub(super) fn lower_bound<R: Real>(points: ControlPoints<R>) -> R {
     let inside = (c1 < zero) & (c2 > zero) & (-c1 <= two * c2);
     let slack = if inside { vertex } else { end };
     // And the plain convex hull.
-    let lowest = e1.or_less(e2).or_less(e3).or_less(e4).or_less(e5).or_less(e6);
+    let lowest = e1
+        .or_less(e2)
+        .or_less(e3)
+        .or_less(e4)
+        .or_less(e5)
+        .or_less(e6);
     let slack = slack.or_less((-lowest).or_more(zero));
     square - R::from_f64(4.0) * u * square - slack * (R::from_f64(1.0) + R::from_f64(4.0) * u)
 }

@@ -1,7 +1,8 @@
 //! Pairs that a kernel could not settle, gathered until they fill a block.
 
 use super::batch::Lanes;
-use super::dispatch::BLOCK;
+use super::cubic::ControlPoints;
+use super::loops::BLOCK;
 use super::real::Real;
 
 /// Up to a block of pairs with `EXTRAS` more numbers each.
@@ -24,17 +25,18 @@ impl<R: Real, const EXTRAS: usize> Pending<R, EXTRAS> {
         }
     }
 
-    /// Appends a pair of a batch; there must be room.
+    /// Appends a pair; there must be room.
     #[inline]
-    pub(super) fn push(&mut self, pair: usize, lanes: &Lanes<'_, R>, extras: [R; EXTRAS]) {
-        self.pairs[self.count] = pair;
-        for (column, axis) in self.coordinates.iter_mut().zip(&lanes.coordinates) {
-            for (slot, slice) in column.iter_mut().zip(axis) {
-                slot[self.count] = slice[pair];
+    pub(super) fn push(&mut self, pair: usize, points: ControlPoints<R>, extras: [R; EXTRAS]) {
+        let i = self.count;
+        self.pairs[i] = pair;
+        for (axis, column) in self.coordinates.iter_mut().enumerate() {
+            for (slot, point) in column.iter_mut().zip(&points) {
+                slot[i] = point[axis];
             }
         }
         for (slot, extra) in self.extras.iter_mut().zip(extras) {
-            slot[self.count] = extra;
+            slot[i] = extra;
         }
         self.count += 1;
     }

@@ -118,5 +118,5 @@ fn keep(value: f64) -> f64 {
     value
 }
 
-implement_real!(f32, narrow, 4e-3, 1e-28);
+implement_real!(f32, narrow, 3e-3, 1e-28);
 implement_real!(f64, keep, 5e-6, 1e-270);

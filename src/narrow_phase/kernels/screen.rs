@@ -29,7 +29,14 @@ pub(super) fn screen_eighths<R: Real>(points: ControlPoints<R>, inner: R, outer:
     let (left, right) = halves(coefficients);
     let (low_a, near_a) = quarters(left);
     let (low_b, near_b) = quarters(right);
-    finding::<R>(low_a.or_less(low_b), near_a.or_less(near_b), inner, outer, 32.0, size)
+    finding::<R>(
+        low_a.or_less(low_b),
+        near_a.or_less(near_b),
+        inner,
+        outer,
+        32.0,
+        size,
+    )
 }
 
 /// The least coefficient and the least value at a cut, over the four quarters of a piece.
@@ -40,7 +47,9 @@ fn quarters<R: Real>(coefficients: [R; 7]) -> (R, R) {
     let (c, d) = halves(right);
     (
         (least(a).or_less(least(b))).or_less(least(c).or_less(least(d))),
-        (a[0].or_less(a[6])).or_less(b[6].or_less(c[6])).or_less(d[6]),
+        (a[0].or_less(a[6]))
+            .or_less(b[6].or_less(c[6]))
+            .or_less(d[6]),
     )
 }
 
