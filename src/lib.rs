@@ -75,7 +75,7 @@ mod hitbox;
 mod id;
 mod layers;
 mod monitor;
-mod narrow_phase;
+pub mod narrow_phase;
 mod parallel;
 pub mod polynomial;
 mod query;
