@@ -1,1 +1,3 @@
 //! nearmiss
+
+pub mod broad_phase;

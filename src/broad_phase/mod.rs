@@ -1,0 +1,94 @@
+//! Which bodies may meet in one time slice: boxes in, candidate pairs out.
+//!
+//! Three methods stand behind one contract, [`BroadPhase`], and give the same pairs:
+//! [`BruteForce`] compares every box with every other and is what the others are checked against;
+//! [`Tree`] builds parry's bounding volume hierarchy.
+
+mod brute_force;
+mod tree;
+
+use parry3d::bounding_volume::{Aabb, BoundingVolume};
+
+pub use brute_force::BruteForce;
+pub use tree::Tree;
+
+/// One body's box in one slice: everywhere the body may be, its margin included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyBox {
+    /// Corners in metres in the scene's frame, rounded outward: finite, the low one nowhere above
+    /// the high one. May be flat, or as large as `f32` goes.
+    pub aabb: Aabb,
+    /// The body's dense index; a body has at most one box in a slice.
+    pub body: u32,
+}
+
+impl BodyBox {
+    /// Whether two boxes have a point in common; boxes that only touch have.
+    #[must_use]
+    #[inline]
+    pub fn meets(&self, other: &Self) -> bool {
+        self.aabb.intersects(&other.aabb)
+    }
+}
+
+/// Two bodies whose boxes meet in a slice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Candidate {
+    /// The body with the lower index.
+    pub a: u32,
+    /// The body with the higher index.
+    pub b: u32,
+}
+
+impl Candidate {
+    /// The pair of two different bodies, in either order.
+    #[must_use]
+    #[inline]
+    pub fn new(one: u32, other: u32) -> Self {
+        debug_assert!(one != other, "a body is no candidate with itself");
+        Self {
+            a: one.min(other),
+            b: one.max(other),
+        }
+    }
+}
+
+/// Which pairs are wanted: asked before a candidate is emitted, only for boxes that meet.
+pub trait PairFilter: Sync {
+    /// Whether the pair of bodies `a < b` is wanted; the same answer each time.
+    fn admits(&self, a: u32, b: u32) -> bool;
+}
+
+/// Wants every pair, at no cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Everyone;
+
+impl PairFilter for Everyone {
+    #[inline]
+    fn admits(&self, _: u32, _: u32) -> bool {
+        true
+    }
+}
+
+/// A way to find all pairs of boxes that meet. A value owns what it reuses from slice to slice.
+pub trait BroadPhase: Default + Send {
+    /// Appends every admitted pair of bodies whose boxes meet, each once and no other.
+    ///
+    /// The order is unspecified, but depends on `boxes` alone: not on earlier calls, nor on the
+    /// processor. Fewer than two boxes have no pairs.
+    fn pairs<F: PairFilter>(
+        &mut self,
+        boxes: &[BodyBox],
+        filter: &F,
+        candidates: &mut Vec<Candidate>,
+    );
+}
+
+/// Appends the pair if the filter wants it.
+#[inline]
+fn emit<F: PairFilter>(one: u32, other: u32, filter: &F, candidates: &mut Vec<Candidate>) {
+    let pair = Candidate::new(one, other);
+    if filter.admits(pair.a, pair.b) {
+        candidates.push(pair);
+    }
+}
