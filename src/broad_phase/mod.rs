@@ -5,11 +5,13 @@
 //! [`Tree`] builds parry's bounding volume hierarchy.
 
 mod brute_force;
+mod sweep;
 mod tree;
 
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
 pub use brute_force::BruteForce;
+pub use sweep::{Level, Sweep};
 pub use tree::Tree;
 
 /// One body's box in one slice: everywhere the body may be, its margin included.

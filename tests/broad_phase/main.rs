@@ -8,7 +8,7 @@ use std::collections::HashSet;
 
 use boxes::{SHAPES, SIDE, SPACING, Shape};
 use nearmiss::broad_phase::{
-    BodyBox, BroadPhase, BruteForce, Candidate, Everyone, PairFilter, Tree,
+    BodyBox, BroadPhase, BruteForce, Candidate, Everyone, Level, PairFilter, Sweep, Tree,
 };
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
@@ -77,6 +77,11 @@ fn tree_finds_what_meets() {
     gives_what_brute_force_gives::<Tree>();
 }
 
+#[test]
+fn sweep_finds_what_meets() {
+    gives_what_brute_force_gives::<Sweep>();
+}
+
 /// Members of even thirds of the bodies ignore each other; written without symmetry on purpose.
 struct OddSums;
 
@@ -99,6 +104,7 @@ fn honours_the_filter<B: BroadPhase>() {
 #[test]
 fn filters_are_honoured() {
     honours_the_filter::<BruteForce>();
+    honours_the_filter::<Sweep>();
     honours_the_filter::<Tree>();
 }
 
@@ -119,7 +125,30 @@ fn appends_in_the_same_order_each_time<B: BroadPhase>() {
 #[test]
 fn order_depends_on_the_boxes_alone() {
     appends_in_the_same_order_each_time::<BruteForce>();
+    appends_in_the_same_order_each_time::<Sweep>();
     appends_in_the_same_order_each_time::<Tree>();
+}
+
+#[test]
+fn every_level_gives_the_same_pairs_in_the_same_order() {
+    for shape in SHAPES {
+        for count in [3, 200, 3_000] {
+            let boxes = shape.boxes(count, 11);
+            let runs: Vec<Vec<Candidate>> = Level::available()
+                .into_iter()
+                .map(|level| {
+                    let mut pairs = Vec::new();
+                    Sweep::with_level(level).pairs(&boxes, &Everyone, &mut pairs);
+                    pairs
+                })
+                .collect();
+            assert!(
+                runs.windows(2).all(|two| two[0] == two[1]),
+                "{}",
+                shape.name
+            );
+        }
+    }
 }
 
 #[test]

@@ -1,0 +1,194 @@
+//! A packed sweep over boxes sorted into rows.
+//!
+//! Boxes become 16 bytes each: six faces on a 16-bit grid (`scale`) and the place they are sorted
+//! to. A counting sort (`rows`) puts a copy of each into every row it reaches over two axes, by
+//! fine bins of the third (`plan` says which and how many). Each record is compared with the run
+//! that follows it in its row, 16 at a time (`run`); what meets on the grid is tested again with
+//! the boxes themselves, so the pairs are exactly those that meet.
+//!
+//! A sample of the boxes (`survey`) chooses the grid; no size of world or cell is asked for. What
+//! one grid cannot serve is divided first (`parts`): clusters with much empty space between them,
+//! more boxes than stay in the cache, and what turns out to be compared mostly in vain.
+
+mod dispatch;
+mod parts;
+mod plan;
+mod region;
+mod rows;
+mod run;
+mod scale;
+mod survey;
+
+pub use dispatch::Level;
+
+use self::parts::Parts;
+use self::plan::{Crowd, Plan};
+use self::region::Region;
+use self::rows::{Rows, Sort};
+use self::run::Run;
+use self::scale::Scale;
+use self::survey::Survey;
+use super::{BodyBox, BroadPhase, Candidate, PairFilter, emit};
+
+/// Sorts boxes on a 16-bit grid into rows and sweeps along them: linear in the number of boxes at
+/// constant density, for any shape of the world.
+#[derive(Clone, Debug)]
+pub struct Sweep {
+    level: Level,
+    survey: Survey,
+    rows: Rows,
+    /// The boxes divided at each depth.
+    parts: Vec<Parts>,
+}
+
+impl Sweep {
+    /// Fewer boxes are compared directly.
+    const FEW: usize = 24;
+    /// More boxes are divided, so that the scratch stays in a core's own cache.
+    const MANY: usize = 1 << 15;
+    /// No more parts at a time, and no more times on top of each other.
+    const MOST_PARTS: usize = 8;
+    const MOST_DEPTH: usize = 16;
+    /// Comparisons a box from which it is asked whether they are in vain: what they cost is then
+    /// twice what dividing costs.
+    const LONG_RUNS: u64 = 256;
+    /// In vain if fewer than one in this many boxes that are compared meet.
+    const IN_VAIN: usize = 16;
+    /// Crowded if more than one in this many of all pairs meet: then nothing beats comparing all.
+    const CROWDED: usize = 4;
+
+    /// A sweep with the instructions of a level. All levels find the same pairs in the same order.
+    #[must_use]
+    pub fn with_level(level: Level) -> Self {
+        Self {
+            level,
+            survey: Survey::default(),
+            rows: Rows::default(),
+            parts: Vec::new(),
+        }
+    }
+
+    /// Appends the pairs of boxes that belong to a region.
+    fn find<F: PairFilter>(
+        &mut self,
+        boxes: &[BodyBox],
+        region: Region,
+        depth: usize,
+        filter: &F,
+        candidates: &mut Vec<Candidate>,
+    ) {
+        if boxes.len() < Self::FEW {
+            return directly(boxes, &region, filter, candidates);
+        }
+        self.survey.take(boxes, &region);
+        if depth == self.parts.len() && depth < Self::MOST_DEPTH {
+            self.parts.push(Parts::default());
+        }
+        if self.divided_before_sorting(boxes, depth) {
+            return self.find_in_parts(region, depth, filter, candidates);
+        }
+        let scale = Scale::new(self.survey.ranges());
+        let plan = Plan::choose(&Crowd {
+            count: boxes.len(),
+            extents: self.survey.shares(),
+        });
+        let comparisons = self.level.run(Sort {
+            boxes,
+            scale: &scale,
+            plan: &plan,
+            rows: &mut self.rows,
+        });
+        if comparisons > Self::LONG_RUNS * boxes.len() as u64 {
+            let (tested, met) = self.rows.probe(boxes);
+            if met * Self::CROWDED as u64 * comparisons > tested * pairs_of(boxes.len()) {
+                return directly(boxes, &region, filter, candidates);
+            }
+            if met * (Self::IN_VAIN as u64) < tested && depth < Self::MOST_DEPTH {
+                let parts = &mut self.parts[depth];
+                self.survey.cut_evenly(4, &mut parts.cuts);
+                if parts.divide(boxes) {
+                    return self.find_in_parts(region, depth, filter, candidates);
+                }
+            }
+        }
+        self.level.run(Run {
+            boxes,
+            rows: &self.rows,
+            region: (depth > 0).then_some(&region),
+            filter,
+            candidates,
+        });
+    }
+
+    /// Divides boxes that one grid does not serve well.
+    fn divided_before_sorting(&mut self, boxes: &[BodyBox], depth: usize) -> bool {
+        let Some(parts) = self.parts.get_mut(depth) else {
+            return false;
+        };
+        if self.survey.cut_at_gaps(&mut parts.cuts) && parts.divide(boxes) {
+            return true;
+        }
+        if boxes.len() <= Self::MANY {
+            return false;
+        }
+        let wanted = boxes.len().div_ceil(Self::MANY / 4 * 3);
+        self.survey
+            .cut_evenly(wanted.min(Self::MOST_PARTS), &mut parts.cuts);
+        parts.divide(boxes)
+    }
+
+    /// Appends the pairs of the boxes divided at a depth.
+    fn find_in_parts<F: PairFilter>(
+        &mut self,
+        region: Region,
+        depth: usize,
+        filter: &F,
+        candidates: &mut Vec<Candidate>,
+    ) {
+        // Taken out meanwhile: what is below uses the scratch of further depths.
+        let parts = std::mem::take(&mut self.parts[depth]);
+        for (boxes, region) in parts.iter(region) {
+            self.find(boxes, region, depth + 1, filter, candidates);
+        }
+        self.parts[depth] = parts;
+    }
+}
+
+impl Default for Sweep {
+    /// With the instructions of this processor.
+    fn default() -> Self {
+        Self::with_level(Level::best())
+    }
+}
+
+impl BroadPhase for Sweep {
+    fn pairs<F: PairFilter>(
+        &mut self,
+        boxes: &[BodyBox],
+        filter: &F,
+        candidates: &mut Vec<Candidate>,
+    ) {
+        self.find(boxes, Region::EVERYWHERE, 0, filter, candidates);
+    }
+}
+
+/// Compares every box with every other.
+fn directly<F: PairFilter>(
+    boxes: &[BodyBox],
+    region: &Region,
+    filter: &F,
+    candidates: &mut Vec<Candidate>,
+) {
+    for (i, one) in boxes.iter().enumerate() {
+        for other in &boxes[i + 1..] {
+            if one.meets(other) && region.owns(one, other) {
+                emit(one.body, other.body, filter, candidates);
+            }
+        }
+    }
+}
+
+fn pairs_of(count: usize) -> u64 {
+    let count = count as u64;
+    count * (count - 1) / 2
+}

@@ -1,0 +1,156 @@
+//! Dividing boxes among parts of space.
+
+use std::ops::Range;
+
+use super::region::Region;
+use crate::broad_phase::BodyBox;
+
+/// Where to divide: planes across an axis.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Cuts {
+    pub(super) axis: usize,
+    /// Ascending and different (m).
+    pub(super) planes: Vec<f32>,
+}
+
+/// Boxes divided among the parts between planes, a copy for each part that a box reaches.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Parts {
+    pub(super) cuts: Cuts,
+    pub(super) boxes: Vec<BodyBox>,
+    /// Where the boxes of each part end.
+    ends: Vec<usize>,
+}
+
+impl Parts {
+    /// Divides boxes at the planes of `cuts`.
+    ///
+    /// Gives `false`, and leaves the boxes undivided, where that would hardly help: where a part
+    /// keeps nearly all boxes, or too many boxes reach into several parts.
+    pub(super) fn divide(&mut self, boxes: &[BodyBox]) -> bool {
+        let Self { cuts, ends, .. } = self;
+        ends.clear();
+        ends.resize(cuts.planes.len() + 1, 0);
+        for one in boxes {
+            for part in cuts.parts_of(one) {
+                ends[part] += 1;
+            }
+        }
+        let largest = ends.iter().copied().max().unwrap_or(0);
+        let total: usize = ends.iter().sum();
+        if largest > boxes.len() / 8 * 7 || total > boxes.len() / 2 * 3 {
+            return false;
+        }
+        let Some(&filler) = boxes.first() else {
+            return false;
+        };
+        self.boxes.clear();
+        self.boxes.resize(total, filler);
+        let mut sum = 0;
+        for end in ends.iter_mut() {
+            sum += std::mem::replace(end, sum);
+        }
+        for one in boxes {
+            for part in cuts.parts_of(one) {
+                self.boxes[ends[part]] = *one;
+                ends[part] += 1;
+            }
+        }
+        true
+    }
+
+    /// The boxes of each part, by their positions, and the part's region within the given one.
+    pub(super) fn iter(&self, region: Region) -> impl Iterator<Item = (&[BodyBox], Region)> {
+        let planes = &self.cuts.planes;
+        (0..self.ends.len()).map(move |part| {
+            let start = part.checked_sub(1).map_or(0, |before| self.ends[before]);
+            let low = part
+                .checked_sub(1)
+                .map_or(f32::NEG_INFINITY, |before| planes[before]);
+            let high = planes.get(part).copied().unwrap_or(f32::INFINITY);
+            let region = region.between(self.cuts.axis, low, high);
+            (&self.boxes[start..self.ends[part]], region)
+        })
+    }
+}
+
+impl Cuts {
+    /// The parts that a box reaches: a part holds its low plane, but not its high one.
+    fn parts_of(&self, one: &BodyBox) -> Range<usize> {
+        let low = self.part_of(one.aabb.mins[self.axis]);
+        low..self.part_of(one.aabb.maxs[self.axis]) + 1
+    }
+
+    fn part_of(&self, place: f32) -> usize {
+        self.planes.iter().filter(|&&plane| plane <= place).count()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use parry3d::bounding_volume::Aabb;
+    use parry3d::math::Vector;
+
+    use super::*;
+
+    fn boxes() -> Vec<BodyBox> {
+        // Unit cubes at 0, 2, 4 ... 38 and one box along them all.
+        (0..20_u8)
+            .map(|i| {
+                let low = Vector::new(0.0, 2.0 * f32::from(i), 0.0);
+                BodyBox {
+                    aabb: Aabb::new(low, low + 1.0),
+                    body: u32::from(i),
+                }
+            })
+            .chain([BodyBox {
+                aabb: Aabb::new(Vector::ZERO, Vector::splat(100.0)),
+                body: 20,
+            }])
+            .collect()
+    }
+
+    fn divided(planes: &[f32]) -> Option<Vec<usize>> {
+        let mut parts = Parts::default();
+        parts.cuts.axis = 1;
+        parts.cuts.planes.extend(planes);
+        parts.divide(&boxes()).then(|| {
+            let lengths = parts.iter(Region::EVERYWHERE).map(|(part, _)| part.len());
+            lengths.collect()
+        })
+    }
+
+    #[test]
+    fn boxes_go_to_every_part_they_reach() {
+        // The box that ends at 21 touches the plane, so it has a copy on both sides of it.
+        assert_eq!(divided(&[21.0]), Some(vec![12, 11]));
+        assert_eq!(divided(&[21.5]), Some(vec![12, 10]));
+        assert_eq!(divided(&[10.0, 20.0]), Some(vec![6, 6, 11]));
+    }
+
+    #[test]
+    fn what_does_not_help_is_refused() {
+        assert_eq!(divided(&[3.5]), None, "a part with nearly all boxes");
+        let everywhere: Vec<f32> = (0..16_u8).map(|i| 2.5 * f32::from(i)).collect();
+        assert_eq!(divided(&everywhere), None, "too many copies");
+    }
+
+    #[test]
+    fn regions_of_parts_share_planes_and_nothing_else() {
+        let mut parts = Parts::default();
+        parts.cuts.planes.push(21.0);
+        parts.cuts.axis = 1;
+        assert!(parts.divide(&boxes()));
+        let regions: Vec<Region> = parts
+            .iter(Region::EVERYWHERE)
+            .map(|(_, region)| region)
+            .collect();
+        let boxes = boxes();
+        for one in &boxes {
+            for other in &boxes {
+                let owners = regions.iter().filter(|region| region.owns(one, other));
+                assert_eq!(owners.count(), 1);
+            }
+        }
+    }
+}

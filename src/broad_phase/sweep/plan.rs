@@ -1,0 +1,104 @@
+//! Which axis to sweep along, and into how many rows and bins to sort.
+
+/// How boxes are sorted: rows over two axes, fine bins along the third.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Plan {
+    /// The axis swept along.
+    pub(super) sweep: usize,
+    /// The axes cut into rows.
+    pub(super) across: [usize; 2],
+    /// Rows on each of these.
+    pub(super) rows: [u32; 2],
+    /// Bins of a row.
+    pub(super) bins: u32,
+}
+
+/// What a plan rests on: all lengths as shares of the grid.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Crowd {
+    /// Number of boxes.
+    pub(super) count: usize,
+    /// Mean extent of a box on each axis, 0..=1.
+    pub(super) extents: [f64; 3],
+}
+
+impl Plan {
+    /// Nanoseconds to sort one copy of a box, and to compare it with the 16 that follow. Only
+    /// their ratio matters: it was measured on the reference swarm.
+    const COPY: f64 = 7.0;
+    const STEP: f64 = 3.0;
+    /// Cells are counted in 16 bits.
+    const MOST_CELLS: u32 = 1 << 16;
+    /// Counts of rows on an axis that are tried.
+    const ROWS: [u32; 16] = [1, 2, 3, 4, 5, 6, 8, 11, 16, 22, 32, 45, 64, 90, 128, 181];
+
+    /// The plan of least expected cost where boxes are spread evenly.
+    pub(super) fn choose(crowd: &Crowd) -> Self {
+        let count = real(crowd.count);
+        let mut best = (f64::INFINITY, 0, [1, 1]);
+        for sweep in 0..3 {
+            let [first, second] = across(sweep).map(|axis| crowd.extents[axis]);
+            for one in Self::ROWS {
+                for other in Self::ROWS {
+                    // With fewer boxes than this in a row, its steps run half empty.
+                    if f64::from(one * other) * 16.0 > count + 16.0 {
+                        break;
+                    }
+                    let copies =
+                        (1.0 + first * f64::from(one - 1)) * (1.0 + second * f64::from(other - 1));
+                    let row = count * copies / f64::from(one * other);
+                    let run = row * crowd.extents[sweep];
+                    let cost = copies * (Self::COPY + Self::STEP * (1.0 + run / 16.0));
+                    if cost < best.0 {
+                        best = (cost, sweep, [one, other]);
+                    }
+                }
+            }
+        }
+        let (_, sweep, rows) = best;
+        Self {
+            sweep,
+            across: across(sweep),
+            rows,
+            bins: Self::bins(rows, count, crowd.extents[sweep]),
+        }
+    }
+
+    /// Bins a quarter of a box long, so that few of a run start behind the box's end; but no more
+    /// than there are boxes.
+    fn bins(rows: [u32; 2], count: f64, extent: f64) -> u32 {
+        let rows = rows[0] * rows[1];
+        let wanted = (4.0 / extent).min(count / f64::from(rows)).max(1.0);
+        whole(wanted.min(f64::from(Self::MOST_CELLS / rows)))
+    }
+
+    pub(super) const fn cells(&self) -> u32 {
+        self.rows[0] * self.rows[1] * self.bins
+    }
+}
+
+/// The two other axes.
+const fn across(sweep: usize) -> [usize; 2] {
+    match sweep {
+        0 => [1, 2],
+        1 => [0, 2],
+        _ => [0, 1],
+    }
+}
+
+#[allow(
+    clippy::cast_precision_loss,
+    reason = "counts of boxes, and only a cost"
+)]
+fn real(count: usize) -> f64 {
+    count as f64
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "between 1 and MOST_CELLS"
+)]
+fn whole(count: f64) -> u32 {
+    count as u32
+}

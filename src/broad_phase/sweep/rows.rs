@@ -1,0 +1,316 @@
+//! Sorting boxes into rows, and by bins within a row.
+
+use super::dispatch::Task;
+use super::plan::Plan;
+use super::scale::{Packed, Scale, part};
+use super::survey::scattered;
+use crate::broad_phase::BodyBox;
+
+/// Records compared in one step.
+pub(super) const STEP: usize = 16;
+
+/// Copies of boxes in the order of rows and bins, an array for each face.
+///
+/// A box is copied into every row that it reaches. Each array is followed by enough unused
+/// elements for a whole step.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Rows {
+    packed: Vec<Packed>,
+    /// The boxes that reach more than one row.
+    spread: Vec<u32>,
+    /// For each cell, where its records end.
+    pub(super) cell_ends: Vec<u32>,
+    /// Which box a record is a copy of.
+    pub(super) source: Vec<Source>,
+    /// Where the records end that start no later than this one ends.
+    pub(super) run_ends: Vec<u32>,
+    pub(super) low: [Vec<u16>; 3],
+    pub(super) high: [Vec<u16>; 3],
+}
+
+impl Rows {
+    /// Compares boxes of a few records with boxes of their runs: how many were compared, and how
+    /// many of them meet.
+    pub(super) fn probe(&self, boxes: &[BodyBox]) -> (u64, u64) {
+        const RECORDS: usize = 16;
+        const OTHERS: usize = 64;
+        let (mut tested, mut met) = (0, 0);
+        for record in scattered(RECORDS, self.run_ends.len()) {
+            let one = &boxes[self.source[record].number()];
+            let rest = self.run_ends[record] as usize - record - 1;
+            for other in scattered(OTHERS.min(rest), rest) {
+                let other = self.source[record + 1 + other].number();
+                tested += 1;
+                met += u64::from(one.meets(&boxes[other]));
+            }
+        }
+        (tested, met)
+    }
+}
+
+/// Which box a record is a copy of, and whether the box starts in the record's row.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Source(u32);
+
+impl Source {
+    /// Set where the box starts in an earlier row on the first or second axis of rows.
+    const EARLIER: [u32; 2] = [1 << 31, 1 << 30];
+
+    /// The box's number.
+    #[inline(always)]
+    pub(super) fn number(self) -> usize {
+        (self.0 & !(Self::EARLIER[0] | Self::EARLIER[1])) as usize
+    }
+
+    /// Whether a pair of boxes is reported in the row of these two records: the one in which their
+    /// common part starts. On either axis of rows, the one that starts later starts there; both
+    /// boxes have a copy in that row, and in no other row is this so.
+    #[inline(always)]
+    pub(super) fn reports_with(self, other: Self) -> bool {
+        (self.0 & other.0) >> 30 == 0
+    }
+}
+
+/// Sorts boxes into rows; gives the number of comparisons that a sweep over them takes.
+pub(super) struct Sort<'a> {
+    pub(super) boxes: &'a [BodyBox],
+    pub(super) scale: &'a Scale,
+    pub(super) plan: &'a Plan,
+    pub(super) rows: &'a mut Rows,
+}
+
+impl Task for Sort<'_> {
+    type Output = u64;
+
+    #[inline(always)]
+    fn run(self) -> u64 {
+        let Self {
+            boxes,
+            scale,
+            plan,
+            rows,
+        } = self;
+        pack(boxes, scale, plan, rows);
+        count(plan, rows);
+        let count = starts_from_counts(&mut rows.cell_ends);
+        scatter(plan, rows, count);
+        unfold(plan, rows)
+    }
+}
+
+/// Boxes in grid coordinates, with the cells of their low corners.
+#[inline(always)]
+fn pack(boxes: &[BodyBox], scale: &Scale, plan: &Plan, rows: &mut Rows) {
+    let Rows { packed, spread, .. } = rows;
+    packed.resize(boxes.len(), Packed::default());
+    spread.resize(boxes.len(), 0);
+    let [first, second] = plan.across;
+    let mut parts = [0; 8];
+    for lane in [0, 3] {
+        parts[plan.sweep + lane] = plan.bins;
+        parts[first + lane] = plan.rows[0];
+        parts[second + lane] = plan.rows[1];
+    }
+    let mut spread_count = 0;
+    // Loops instead of iterators with closures: a closure that is not inlined is compiled without
+    // the level's instructions.
+    for ((number, one), packed) in (0..).zip(boxes).zip(packed.iter_mut()) {
+        let grid = scale.grid(&one.aabb);
+        let mut place = [0; 8];
+        for lane in 0..8 {
+            place[lane] = part(grid[lane], parts[lane]);
+        }
+        let (outer, inner) = (place[first], place[second]);
+        let cell = (outer * plan.rows[1] + inner) * plan.bins + place[plan.sweep];
+        let spans = (place[first + 3] - outer) << 8 | (place[second + 3] - inner);
+        *packed = Packed {
+            low: [grid[0], grid[1], grid[2]],
+            high: [grid[3], grid[4], grid[5]],
+            cell: short(cell),
+            spans: short(spans),
+        };
+        // Written in any case, kept where it spans: whether it does cannot be predicted.
+        spread[spread_count] = number;
+        spread_count += usize::from(spans != 0);
+    }
+    spread.truncate(spread_count);
+}
+
+/// How many copies each cell gets.
+#[inline(always)]
+fn count(plan: &Plan, rows: &mut Rows) {
+    let Rows {
+        packed,
+        spread,
+        cell_ends,
+        ..
+    } = rows;
+    cell_ends.clear();
+    cell_ends.resize(plan.cells() as usize, 0);
+    for packed in packed.iter() {
+        cell_ends[usize::from(packed.cell)] += 1;
+    }
+    for &number in spread.iter() {
+        let mut cells = FurtherCells::of(&packed[number as usize], plan);
+        while let Some(cell) = cells.next() {
+            cell_ends[cell] += 1;
+        }
+    }
+}
+
+/// Turns counts into the positions where cells start; gives the number of all.
+#[inline(always)]
+fn starts_from_counts(cells: &mut [u32]) -> usize {
+    let mut sum = 0;
+    for cell in cells {
+        sum += std::mem::replace(cell, sum);
+    }
+    sum as usize
+}
+
+/// Writes every copy's box to its place; the starts of cells move on to their ends.
+#[inline(always)]
+fn scatter(plan: &Plan, rows: &mut Rows, count: usize) {
+    let Rows {
+        packed,
+        spread,
+        cell_ends,
+        source,
+        ..
+    } = rows;
+    source.resize(count + STEP, Source(0));
+    for (number, packed) in (0..).zip(packed.iter()) {
+        let place = &mut cell_ends[usize::from(packed.cell)];
+        source[*place as usize] = Source(number);
+        *place += 1;
+    }
+    for &number in spread.iter() {
+        let mut cells = FurtherCells::of(&packed[number as usize], plan);
+        while let Some(cell) = cells.next() {
+            let place = &mut cell_ends[cell];
+            source[*place as usize] = Source(number | cells.earlier());
+            *place += 1;
+        }
+    }
+}
+
+/// Writes the faces of all records to their arrays, and the ends of their runs.
+#[inline(always)]
+fn unfold(plan: &Plan, rows: &mut Rows) -> u64 {
+    let Rows {
+        packed,
+        cell_ends,
+        source,
+        run_ends,
+        low,
+        high,
+        ..
+    } = rows;
+    let count = source.len() - STEP;
+    run_ends.resize(count, 0);
+    for face in low.iter_mut().chain(high.iter_mut()) {
+        face.resize(count + STEP, 0);
+    }
+    let [low_x, low_y, low_z] = low;
+    let [high_x, high_y, high_z] = high;
+    let (low_x, low_y, low_z) = (
+        &mut low_x[..count],
+        &mut low_y[..count],
+        &mut low_z[..count],
+    );
+    let (high_x, high_y, high_z) = (
+        &mut high_x[..count],
+        &mut high_y[..count],
+        &mut high_z[..count],
+    );
+    let (source, run_ends) = (&source[..count], &mut run_ends[..count]);
+    let mut comparisons = 0;
+    let mut start = 0;
+    for row_ends in cell_ends.chunks_exact(plan.bins as usize) {
+        let end = row_ends[row_ends.len() - 1] as usize;
+        for k in start..end {
+            let one = &packed[source[k].number()];
+            [low_x[k], low_y[k], low_z[k]] = one.low;
+            [high_x[k], high_y[k], high_z[k]] = one.high;
+            let run_end = row_ends[part(one.high[plan.sweep], plan.bins) as usize];
+            run_ends[k] = run_end;
+            comparisons += u64::from(run_end) - k as u64;
+        }
+        start = end;
+    }
+    comparisons
+}
+
+/// The cells that get a copy of a box besides that of its low corner.
+struct FurtherCells {
+    /// The last one given, the first of its line of rows, the first of all.
+    cell: usize,
+    line: usize,
+    first: usize,
+    lines: u32,
+    /// How many are left in the line, and how many a line has besides the first.
+    left: u32,
+    span: u32,
+    /// From one to the next, and from line to line.
+    stride: usize,
+    line_stride: usize,
+}
+
+impl FurtherCells {
+    #[inline(always)]
+    fn of(packed: &Packed, plan: &Plan) -> Self {
+        let cell = usize::from(packed.cell);
+        let span = u32::from(packed.spans & 0xFF);
+        Self {
+            cell,
+            line: cell,
+            first: cell,
+            lines: u32::from(packed.spans >> 8),
+            left: span,
+            span,
+            stride: plan.bins as usize,
+            line_stride: (plan.rows[1] * plan.bins) as usize,
+        }
+    }
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        if self.left > 0 {
+            self.left -= 1;
+            self.cell += self.stride;
+        } else if self.lines > 0 {
+            self.lines -= 1;
+            self.left = self.span;
+            self.line += self.line_stride;
+            self.cell = self.line;
+        } else {
+            return None;
+        }
+        Some(self.cell)
+    }
+
+    /// The marks of the copy in the last cell given.
+    #[inline(always)]
+    fn earlier(&self) -> u32 {
+        let outer = if self.line == self.first {
+            0
+        } else {
+            Source::EARLIER[0]
+        };
+        let inner = if self.cell == self.line {
+            0
+        } else {
+            Source::EARLIER[1]
+        };
+        outer | inner
+    }
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "a plan has at most 2^16 cells, and fewer than 2^8 rows on an axis"
+)]
+#[inline(always)]
+fn short(number: u32) -> u16 {
+    number as u16
+}

@@ -1,0 +1,162 @@
+//! The sweep itself: every record against the run that follows it in its row.
+
+use super::dispatch::Task;
+use super::region::Region;
+use super::rows::{Rows, STEP};
+use crate::broad_phase::{BodyBox, Candidate, PairFilter, emit};
+
+/// Hits kept until they are reported.
+const HITS: usize = 256;
+
+/// A step with a hit: a record, the first of the 16 that it was compared with, and a byte for each
+/// of these, 1 where the grid boxes meet.
+#[derive(Clone, Copy)]
+struct Hit {
+    record: u32,
+    next: u32,
+    lanes: [u8; STEP],
+}
+
+/// Finds the pairs of boxes in sorted rows.
+pub(super) struct Run<'a, F> {
+    pub(super) boxes: &'a [BodyBox],
+    pub(super) rows: &'a Rows,
+    pub(super) region: Option<&'a Region>,
+    pub(super) filter: &'a F,
+    pub(super) candidates: &'a mut Vec<Candidate>,
+}
+
+impl<F: PairFilter> Task for Run<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(mut self) {
+        let Rows {
+            run_ends,
+            low: [low_x, low_y, low_z],
+            high: [high_x, high_y, high_z],
+            ..
+        } = self.rows;
+        // All of one length, so that one check of an index holds for all.
+        let length = low_x.len();
+        let lows = [&low_x[..length], &low_y[..length], &low_z[..length]];
+        let highs = [&high_x[..length], &high_y[..length], &high_z[..length]];
+        let mut hits = [Hit {
+            record: 0,
+            next: 0,
+            lanes: [0; STEP],
+        }; HITS];
+        let mut count = 0;
+        for record in 0..run_ends.len() {
+            let low = [lows[0][record], lows[1][record], lows[2][record]];
+            let high = [highs[0][record], highs[1][record], highs[2][record]];
+            let run_end = run_ends[record] as usize;
+            let mut next = record + 1;
+            while next < run_end {
+                let lanes = meeting(lows, highs, next, low, high);
+                // Written in any case, kept where there is a hit: no branch to mispredict.
+                hits[count] = Hit {
+                    record: short(record),
+                    next: short(next),
+                    lanes,
+                };
+                count += usize::from(u128::from_ne_bytes(lanes) != 0);
+                if count == HITS {
+                    self.report(&hits);
+                    count = 0;
+                }
+                next += STEP;
+            }
+        }
+        self.report(&hits[..count]);
+    }
+}
+
+/// Which of the 16 records from `next` on meet a grid box.
+///
+/// One saturating difference for each face, none of which may exceed zero.
+#[inline(always)]
+fn meeting(
+    lows: [&[u16]; 3],
+    highs: [&[u16]; 3],
+    next: usize,
+    low: [u16; 3],
+    high: [u16; 3],
+) -> [u8; STEP] {
+    let to = next + STEP;
+    let (low_x, high_x) = (&lows[0][next..to], &highs[0][next..to]);
+    let (low_y, high_y) = (&lows[1][next..to], &highs[1][next..to]);
+    let (low_z, high_z) = (&lows[2][next..to], &highs[2][next..to]);
+    let mut lanes = [0; STEP];
+    for lane in 0..STEP {
+        let apart = low_x[lane].saturating_sub(high[0])
+            | low_y[lane].saturating_sub(high[1])
+            | low_z[lane].saturating_sub(high[2])
+            | low[0].saturating_sub(high_x[lane])
+            | low[1].saturating_sub(high_y[lane])
+            | low[2].saturating_sub(high_z[lane]);
+        lanes[lane] = u8::from(apart == 0);
+    }
+    lanes
+}
+
+impl<F: PairFilter> Run<'_, F> {
+    /// Emits the pairs of hits that belong to their row and really meet.
+    #[inline(never)]
+    fn report(&mut self, hits: &[Hit]) {
+        let Rows {
+            source, run_ends, ..
+        } = self.rows;
+        for hit in hits {
+            let record = hit.record as usize;
+            let copy = source[record];
+            let one = &self.boxes[copy.number()];
+            // What follows the run may be the same boxes in the next row.
+            let left = run_ends[record] - hit.next;
+            let mut lanes = mask(hit.lanes);
+            if left < 16 {
+                lanes &= (1 << left) - 1;
+            }
+            while lanes != 0 {
+                let other = source[(hit.next + lanes.trailing_zeros()) as usize];
+                lanes &= lanes - 1;
+                let belongs = copy.reports_with(other);
+                let other = &self.boxes[other.number()];
+                if belongs
+                    & one.meets(other)
+                    & self.region.is_none_or(|region| region.owns(one, other))
+                {
+                    emit(one.body, other.body, self.filter, self.candidates);
+                }
+            }
+        }
+    }
+}
+
+/// A bit for each byte, all of which are 0 or 1.
+#[inline(always)]
+fn mask(lanes: [u8; STEP]) -> u32 {
+    // Moves the lowest bit of byte i to bit 56 + i, and all else below or out.
+    const GATHER: u64 = 0x0102_0408_1020_4080;
+    let lanes = u128::from_le_bytes(lanes);
+    let halves = [lanes, lanes >> 64].map(|half| (low_half(half).wrapping_mul(GATHER)) >> 56);
+    halves[0] as u32 | (halves[1] as u32) << 8
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "records are counted in 32 bits"
+)]
+#[inline(always)]
+fn short(record: usize) -> u32 {
+    record as u32
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "the other half is not wanted"
+)]
+#[inline(always)]
+fn low_half(lanes: u128) -> u64 {
+    lanes as u64
+}

@@ -1,0 +1,156 @@
+//! From metres to 16-bit grid coordinates, without losing a pair.
+
+use parry3d::bounding_volume::Aabb;
+
+/// Grid coordinates per axis.
+pub(super) const STEPS: u32 = 1 << 16;
+
+/// A map of each axis onto whole numbers of 16 bits that keeps the order.
+///
+/// Every operation of [`grid`](Self::grid) is monotone: subtraction, multiplication by a positive
+/// number, clamping and rounding never turn `v <= w` into `grid(v) > grid(w)`, overflow to infinity
+/// included. So where two boxes meet, `a.low <= b.high` holds in grid coordinates too: a grid box
+/// needs no outward rounding, whatever lies outside the map's range may be cut to its ends, and no
+/// choice of range can lose a pair. It only decides how many are found in vain.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scale {
+    /// Lanes: three axes of the low corner, three of the high one, two unused.
+    origin: [f32; 8],
+    factor: [f32; 8],
+}
+
+/// A box in grid coordinates, and where it is sorted to: 16 bytes.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(16))]
+pub(super) struct Packed {
+    pub(super) low: [u16; 3],
+    pub(super) high: [u16; 3],
+    /// The cell of the low corner.
+    pub(super) cell: u16,
+    /// How many further rows the box reaches on the two axes of rows: high and low byte.
+    pub(super) spans: u16,
+}
+
+impl Scale {
+    /// Adding this to a number in 0..=65,535 rounds it to a whole one, in the lowest 16 bits.
+    const SHIFT: f32 = 8_388_608.0;
+
+    /// The map of `low..=high` (m, finite) of each axis to the whole grid.
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "to the nearest f32: it need not be exact"
+    )]
+    pub(super) fn new(range: [(f32, f32); 3]) -> Self {
+        let mut scale = Self {
+            origin: [0.0; 8],
+            factor: [1.0; 8],
+        };
+        for (axis, (low, high)) in range.into_iter().enumerate() {
+            let width = f64::from(high) - f64::from(low);
+            // Positive and finite, so that no product is NaN.
+            let factor = (f64::from(STEPS - 1) / width)
+                .clamp(f64::from(f32::MIN_POSITIVE), f64::from(f32::MAX));
+            for lane in [axis, axis + 3] {
+                scale.origin[lane] = low;
+                scale.factor[lane] = factor as f32;
+            }
+        }
+        scale
+    }
+
+    /// The grid coordinates of both corners, in the map's lanes.
+    #[inline(always)]
+    pub(super) fn grid(&self, aabb: &Aabb) -> [u16; 8] {
+        let (low, high) = (aabb.mins, aabb.maxs);
+        let metres = [low.x, low.y, low.z, high.x, high.y, high.z, 0.0, 0.0];
+        let mut steps = [0_u16; 8];
+        for lane in 0..8 {
+            let place = (metres[lane] - self.origin[lane]) * self.factor[lane];
+            // Comparisons instead of `clamp`: there is no NaN, and these are one instruction each.
+            let place = if place > 0.0 { place } else { 0.0 };
+            let place = if place < 65_535.0 { place } else { 65_535.0 };
+            steps[lane] = lowest_bits(place + Self::SHIFT);
+        }
+        steps
+    }
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "the lowest 16 bits are what is wanted"
+)]
+#[inline(always)]
+fn lowest_bits(number: f32) -> u16 {
+    number.to_bits() as u16
+}
+
+/// Which of `parts` equal parts of an axis a grid coordinate is in; keeps the order.
+#[inline(always)]
+pub(super) fn part(grid: u16, parts: u32) -> u32 {
+    (u32::from(grid) * parts) >> 16
+}
+
+#[cfg(test)]
+mod tests {
+    use parry3d::math::Vector;
+
+    use super::*;
+
+    /// Numbers of every kind, in order.
+    fn ladder() -> Vec<f32> {
+        let mut numbers = vec![0.0, f32::MAX, f32::MIN_POSITIVE, f32::from_bits(1)];
+        for exponent in -126_i16..128 {
+            let power = f32::from(exponent).exp2();
+            numbers.extend([power, power.next_up(), power.next_down(), 1.3 * power]);
+        }
+        numbers.retain(|number| number.is_finite());
+        numbers.extend(numbers.clone().iter().map(|number| -number));
+        numbers.sort_by(f32::total_cmp);
+        numbers
+    }
+
+    #[test]
+    fn order_is_kept_for_every_range() {
+        let numbers = ladder();
+        let ends = [
+            (0.0, 0.0),
+            (-f32::MAX, f32::MAX),
+            (f32::MAX, f32::MAX),
+            (-1.0, 1.0),
+            (1e5, 1e5_f32.next_up()),
+            (0.0, f32::from_bits(1)),
+            (3.0, 1e9),
+        ];
+        for range in ends {
+            let scale = Scale::new([range; 3]);
+            let mut last = 0;
+            for &number in &numbers {
+                let corner = Vector::splat(number);
+                let grid = scale.grid(&Aabb::new(corner, corner));
+                let axes = [grid[0], grid[1], grid[2], grid[3], grid[4], grid[5]];
+                assert!(axes.iter().all(|&step| step == axes[0]), "{grid:?}");
+                assert!(axes[0] >= last, "{number} in {range:?}");
+                last = axes[0];
+            }
+        }
+    }
+
+    #[test]
+    fn a_range_fills_the_grid() {
+        let scale = Scale::new([(-2.0, 6.0); 3]);
+        let grid = scale.grid(&Aabb::new(Vector::splat(-2.0), Vector::splat(6.0)));
+        assert_eq!([grid[0], grid[3]], [0, 65_535]);
+        let grid = scale.grid(&Aabb::new(Vector::splat(2.0), Vector::splat(100.0)));
+        // The middle is half a step from two numbers.
+        assert!((32_767..=32_768).contains(&grid[0]));
+        assert_eq!(grid[3], 65_535);
+    }
+
+    #[test]
+    fn parts_share_the_axis_evenly() {
+        assert_eq!(part(0, 7), 0);
+        assert_eq!(part(65_535, 7), 6);
+        assert_eq!(part(32_768, 2), 1);
+        assert_eq!(part(32_767, 2), 0);
+    }
+}
