@@ -40,18 +40,21 @@ impl Shape {
 pub(crate) const SPACING: f32 = 65.6;
 pub(crate) const SIDE: f32 = 0.5 * SPACING;
 
-pub(crate) const SHAPES: [Shape; 20] = [
+pub(crate) const SHAPES: [Shape; 23] = [
     shape("swarm", swarm),
     shape("clusters", |rng, n| clusters(rng, n, 10)),
     shape("many_clusters", |rng, n| clusters(rng, n, 100)),
     shape("lattice_of_clusters", lattice_of_clusters),
-    shape("flat", |rng, n| flat(rng, n, 1e-3)),
+    shape("flat", |rng, n| flat(rng, n, 1.0)),
     shape("plane", |rng, n| flat(rng, n, 0.0)),
     shape("line", line),
     shape("points", points),
     shape("fast_few", |rng, n| few(rng, n, 15.0)),
     shape("huge_few", |rng, n| few(rng, n, 1e4)),
-    shape("largest_few", largest_few),
+    shape("largest_few", |rng, n| largest(rng, n, 50)),
+    shape("largest_many", |rng, n| largest(rng, n, 3)),
+    shape("all_sizes", all_sizes),
+    shape("nested", nested),
     shape("one_place", one_place),
     shape("identical", identical),
     shape("touching", touching),
@@ -122,13 +125,13 @@ fn lattice_of_clusters(rng: &mut ChaCha8Rng, n: usize) -> Vec<Aabb> {
         .collect()
 }
 
-/// The swarm with its third axis shrunk, and the others widened to keep the volume's contacts.
+/// A layer of boxes, as dense as the swarm seen from above; thickness as a share of the usual one.
 fn flat(rng: &mut ChaCha8Rng, n: usize, thickness: f32) -> Vec<Aabb> {
     let side = SPACING * real(n).sqrt();
     let squeeze = Vector::new(1.0, 1.0, thickness);
     (0..n)
         .map(|_| {
-            let centre = side * (uniform(rng) - 0.5) * squeeze;
+            let centre = side * (uniform(rng) - 0.5) * Vector::new(1.0, 1.0, 1e-3 * thickness);
             let half = 0.5 * SIDE * (uniform(rng) + 0.5) * squeeze;
             Aabb::new(centre - half, centre + half)
         })
@@ -165,14 +168,33 @@ fn few(rng: &mut ChaCha8Rng, n: usize, factor: f32) -> Vec<Aabb> {
     boxes
 }
 
-/// The swarm with boxes as large as numbers go on some axes.
-fn largest_few(rng: &mut ChaCha8Rng, n: usize) -> Vec<Aabb> {
+/// The swarm with one box in `stride` as large as numbers go on some axes.
+fn largest(rng: &mut ChaCha8Rng, n: usize, stride: usize) -> Vec<Aabb> {
     let mut boxes = swarm(rng, n);
-    for (i, aabb) in boxes.iter_mut().step_by(50).enumerate() {
+    for (i, aabb) in boxes.iter_mut().step_by(stride).enumerate() {
         for axis in (0..3).filter(|axis| i >> axis & 1 == 0) {
             aabb.mins[axis] = -f32::MAX;
             aabb.maxs[axis] = f32::MAX;
         }
+    }
+    boxes
+}
+
+/// Boxes of the usual size down to a thousand times smaller and up to thirty times larger.
+fn all_sizes(rng: &mut ChaCha8Rng, n: usize) -> Vec<Aabb> {
+    let mut boxes = swarm(rng, n);
+    for aabb in &mut boxes {
+        let half = 0.5 * aabb.extents() * rng.random_range(-10.0..5.0_f32).exp2();
+        *aabb = Aabb::new(aabb.center() - half, aabb.center() + half);
+    }
+    boxes
+}
+
+/// Half of a swarm, the other half in a copy of it, ten thousand times smaller, somewhere inside.
+fn nested(rng: &mut ChaCha8Rng, n: usize) -> Vec<Aabb> {
+    let mut boxes = swarm(rng, n);
+    for aabb in boxes.iter_mut().step_by(2) {
+        *aabb = Aabb::new(1e-4 * aabb.mins + 10.0, 1e-4 * aabb.maxs + 10.0);
     }
     boxes
 }

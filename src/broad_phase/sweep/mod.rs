@@ -39,23 +39,22 @@ pub struct Sweep {
     rows: Rows,
     /// The boxes divided at each depth.
     parts: Vec<Parts>,
+    /// How many copies dividing may still make in this slice.
+    copies_left: usize,
 }
 
 impl Sweep {
     /// Fewer boxes are compared directly.
-    const FEW: usize = 24;
-    /// More boxes are divided, so that the scratch stays in a core's own cache.
-    const MANY: usize = 1 << 15;
-    /// No more parts at a time, and no more times on top of each other.
-    const MOST_PARTS: usize = 8;
-    const MOST_DEPTH: usize = 16;
+    const FEW: usize = 128;
+    /// Dividing makes no more copies in a slice than this many times its boxes.
+    const MOST_COPIES: usize = 8;
     /// Comparisons a box from which it is asked whether they are in vain: what they cost is then
     /// twice what dividing costs.
     const LONG_RUNS: u64 = 256;
     /// In vain if fewer than one in this many boxes that are compared meet.
-    const IN_VAIN: usize = 16;
+    const IN_VAIN: u64 = 16;
     /// Crowded if more than one in this many of all pairs meet: then nothing beats comparing all.
-    const CROWDED: usize = 4;
+    const CROWDED: u64 = 4;
 
     /// A sweep with the instructions of a level. All levels find the same pairs in the same order.
     #[must_use]
@@ -65,6 +64,7 @@ impl Sweep {
             survey: Survey::default(),
             rows: Rows::default(),
             parts: Vec::new(),
+            copies_left: 0,
         }
     }
 
@@ -81,10 +81,11 @@ impl Sweep {
             return directly(boxes, &region, filter, candidates);
         }
         self.survey.take(boxes, &region);
-        if depth == self.parts.len() && depth < Self::MOST_DEPTH {
+        if depth == self.parts.len() {
             self.parts.push(Parts::default());
         }
-        if self.divided_before_sorting(boxes, depth) {
+        let parts = &mut self.parts[depth];
+        if self.survey.cut_at_gaps(&mut parts.cuts) && parts.divide(boxes, &mut self.copies_left) {
             return self.find_in_parts(region, depth, filter, candidates);
         }
         let scale = Scale::new(self.survey.ranges());
@@ -95,18 +96,19 @@ impl Sweep {
         let comparisons = self.level.run(Sort {
             boxes,
             scale: &scale,
-            plan: &plan,
+            plan,
             rows: &mut self.rows,
         });
-        if comparisons > Self::LONG_RUNS * boxes.len() as u64 {
-            let (tested, met) = self.rows.probe(boxes);
-            if met * Self::CROWDED as u64 * comparisons > tested * pairs_of(boxes.len()) {
+        let long = comparisons > Self::LONG_RUNS * boxes.len() as u64;
+        if long || 2 * comparisons > pairs_of(boxes.len()) {
+            let probe = self.rows.probe(boxes);
+            if probe.expect_of(comparisons) * Self::CROWDED > pairs_of(boxes.len()) {
                 return directly(boxes, &region, filter, candidates);
             }
-            if met * (Self::IN_VAIN as u64) < tested && depth < Self::MOST_DEPTH {
+            if long && probe.met * Self::IN_VAIN < probe.tested {
                 let parts = &mut self.parts[depth];
-                self.survey.cut_evenly(4, &mut parts.cuts);
-                if parts.divide(boxes) {
+                self.survey.cut_evenly(&mut parts.cuts);
+                if parts.divide(boxes, &mut self.copies_left) {
                     return self.find_in_parts(region, depth, filter, candidates);
                 }
             }
@@ -118,23 +120,6 @@ impl Sweep {
             filter,
             candidates,
         });
-    }
-
-    /// Divides boxes that one grid does not serve well.
-    fn divided_before_sorting(&mut self, boxes: &[BodyBox], depth: usize) -> bool {
-        let Some(parts) = self.parts.get_mut(depth) else {
-            return false;
-        };
-        if self.survey.cut_at_gaps(&mut parts.cuts) && parts.divide(boxes) {
-            return true;
-        }
-        if boxes.len() <= Self::MANY {
-            return false;
-        }
-        let wanted = boxes.len().div_ceil(Self::MANY / 4 * 3);
-        self.survey
-            .cut_evenly(wanted.min(Self::MOST_PARTS), &mut parts.cuts);
-        parts.divide(boxes)
     }
 
     /// Appends the pairs of the boxes divided at a depth.
@@ -168,6 +153,7 @@ impl BroadPhase for Sweep {
         filter: &F,
         candidates: &mut Vec<Candidate>,
     ) {
+        self.copies_left = Self::MOST_COPIES * boxes.len();
         self.find(boxes, Region::EVERYWHERE, 0, filter, candidates);
     }
 }

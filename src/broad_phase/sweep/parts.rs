@@ -20,38 +20,46 @@ pub(super) struct Parts {
     pub(super) boxes: Vec<BodyBox>,
     /// Where the boxes of each part end.
     ends: Vec<usize>,
+    /// The parts that each box reaches.
+    reach: Vec<Range<usize>>,
 }
 
 impl Parts {
-    /// Divides boxes at the planes of `cuts`.
+    /// Divides boxes at the planes of `cuts`, and takes the copies from those left.
     ///
     /// Gives `false`, and leaves the boxes undivided, where that would hardly help: where a part
-    /// keeps nearly all boxes, or too many boxes reach into several parts.
-    pub(super) fn divide(&mut self, boxes: &[BodyBox]) -> bool {
-        let Self { cuts, ends, .. } = self;
+    /// keeps nearly all boxes, or too many boxes reach into several parts; or where not enough
+    /// copies are left.
+    pub(super) fn divide(&mut self, boxes: &[BodyBox], copies_left: &mut usize) -> bool {
+        let Self {
+            cuts, ends, reach, ..
+        } = self;
+        reach.clear();
+        reach.extend(boxes.iter().map(|one| cuts.parts_of(one)));
         ends.clear();
         ends.resize(cuts.planes.len() + 1, 0);
-        for one in boxes {
-            for part in cuts.parts_of(one) {
+        for parts in reach.iter() {
+            for part in parts.clone() {
                 ends[part] += 1;
             }
         }
         let largest = ends.iter().copied().max().unwrap_or(0);
         let total: usize = ends.iter().sum();
-        if largest > boxes.len() / 8 * 7 || total > boxes.len() / 2 * 3 {
+        if largest > boxes.len() / 8 * 7 || total > boxes.len() / 2 * 3 || total > *copies_left {
             return false;
         }
         let Some(&filler) = boxes.first() else {
             return false;
         };
+        *copies_left -= total;
         self.boxes.clear();
         self.boxes.resize(total, filler);
         let mut sum = 0;
         for end in ends.iter_mut() {
             sum += std::mem::replace(end, sum);
         }
-        for one in boxes {
-            for part in cuts.parts_of(one) {
+        for (one, parts) in boxes.iter().zip(reach) {
+            for part in parts.clone() {
                 self.boxes[ends[part]] = *one;
                 ends[part] += 1;
             }
@@ -82,7 +90,7 @@ impl Cuts {
     }
 
     fn part_of(&self, place: f32) -> usize {
-        self.planes.iter().filter(|&&plane| plane <= place).count()
+        self.planes.partition_point(|&plane| plane <= place)
     }
 }
 
@@ -114,7 +122,7 @@ mod tests {
         let mut parts = Parts::default();
         parts.cuts.axis = 1;
         parts.cuts.planes.extend(planes);
-        parts.divide(&boxes()).then(|| {
+        parts.divide(&boxes(), &mut 100).then(|| {
             let lengths = parts.iter(Region::EVERYWHERE).map(|(part, _)| part.len());
             lengths.collect()
         })
@@ -133,6 +141,14 @@ mod tests {
         assert_eq!(divided(&[3.5]), None, "a part with nearly all boxes");
         let everywhere: Vec<f32> = (0..16_u8).map(|i| 2.5 * f32::from(i)).collect();
         assert_eq!(divided(&everywhere), None, "too many copies");
+        let mut parts = Parts::default();
+        parts.cuts.axis = 1;
+        parts.cuts.planes.push(21.5);
+        assert!(
+            !parts.divide(&boxes(), &mut 21),
+            "more copies than are left"
+        );
+        assert!(parts.divide(&boxes(), &mut 22));
     }
 
     #[test]
@@ -140,7 +156,7 @@ mod tests {
         let mut parts = Parts::default();
         parts.cuts.planes.push(21.0);
         parts.cuts.axis = 1;
-        assert!(parts.divide(&boxes()));
+        assert!(parts.divide(&boxes(), &mut 100));
         let regions: Vec<Region> = parts
             .iter(Region::EVERYWHERE)
             .map(|(_, region)| region)

@@ -1,5 +1,7 @@
 //! Which axis to sweep along, and into how many rows and bins to sort.
 
+use super::scale::STEPS;
+
 /// How boxes are sorted: rows over two axes, fine bins along the third.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Plan {
@@ -27,10 +29,10 @@ impl Plan {
     /// their ratio matters: it was measured on the reference swarm.
     const COPY: f64 = 7.0;
     const STEP: f64 = 3.0;
-    /// Cells are counted in 16 bits.
-    const MOST_CELLS: u32 = 1 << 16;
     /// Counts of rows on an axis that are tried.
-    const ROWS: [u32; 16] = [1, 2, 3, 4, 5, 6, 8, 11, 16, 22, 32, 45, 64, 90, 128, 181];
+    const ROWS: [u32; 19] = [
+        1, 2, 3, 4, 5, 6, 8, 11, 16, 22, 32, 45, 64, 90, 128, 181, 256, 362, 512,
+    ];
 
     /// The plan of least expected cost where boxes are spread evenly.
     pub(super) fn choose(crowd: &Crowd) -> Self {
@@ -65,11 +67,16 @@ impl Plan {
     }
 
     /// Bins a quarter of a box long, so that few of a run start behind the box's end; but no more
-    /// than there are boxes.
+    /// cells than boxes.
     fn bins(rows: [u32; 2], count: f64, extent: f64) -> u32 {
-        let rows = rows[0] * rows[1];
-        let wanted = (4.0 / extent).min(count / f64::from(rows)).max(1.0);
-        whole(wanted.min(f64::from(Self::MOST_CELLS / rows)))
+        let most = (count / f64::from(rows[0] * rows[1])).min(f64::from(STEPS));
+        whole((4.0 / extent).clamp(1.0, most.max(1.0)))
+    }
+
+    /// The same sweep without rows.
+    pub(super) const fn in_one_row(mut self) -> Self {
+        self.rows = [1, 1];
+        self
     }
 
     pub(super) const fn cells(&self) -> u32 {
@@ -97,7 +104,7 @@ fn real(count: usize) -> f64 {
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    reason = "between 1 and MOST_CELLS"
+    reason = "between 1 and STEPS"
 )]
 fn whole(count: f64) -> u32 {
     count as u32

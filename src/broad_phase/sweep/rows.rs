@@ -9,6 +9,9 @@ use crate::broad_phase::BodyBox;
 /// Records compared in one step.
 pub(super) const STEP: usize = 16;
 
+/// No more further copies than this many times the boxes: it bounds the scratch.
+const MOST_COPIES: u64 = 4;
+
 /// Copies of boxes in the order of rows and bins, an array for each face.
 ///
 /// A box is copied into every row that it reaches. Each array is followed by enough unused
@@ -28,23 +31,41 @@ pub(super) struct Rows {
     pub(super) high: [Vec<u16>; 3],
 }
 
+/// Some of the comparisons of a sweep, made with the boxes themselves.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Probe {
+    /// How many boxes were compared.
+    pub(super) tested: u64,
+    /// How many of them meet.
+    pub(super) met: u64,
+}
+
+impl Probe {
+    /// How many of so many comparisons find boxes that meet.
+    pub(super) const fn expect_of(&self, comparisons: u64) -> u64 {
+        match (comparisons * self.met).checked_div(self.tested) {
+            Some(meeting) => meeting,
+            None => 0,
+        }
+    }
+}
+
 impl Rows {
-    /// Compares boxes of a few records with boxes of their runs: how many were compared, and how
-    /// many of them meet.
-    pub(super) fn probe(&self, boxes: &[BodyBox]) -> (u64, u64) {
+    /// Compares the boxes of a few records with some of their runs.
+    pub(super) fn probe(&self, boxes: &[BodyBox]) -> Probe {
         const RECORDS: usize = 16;
         const OTHERS: usize = 64;
-        let (mut tested, mut met) = (0, 0);
+        let mut probe = Probe::default();
         for record in scattered(RECORDS, self.run_ends.len()) {
             let one = &boxes[self.source[record].number()];
             let rest = self.run_ends[record] as usize - record - 1;
             for other in scattered(OTHERS.min(rest), rest) {
                 let other = self.source[record + 1 + other].number();
-                tested += 1;
-                met += u64::from(one.meets(&boxes[other]));
+                probe.tested += 1;
+                probe.met += u64::from(one.meets(&boxes[other]));
             }
         }
-        (tested, met)
+        probe
     }
 }
 
@@ -75,7 +96,7 @@ impl Source {
 pub(super) struct Sort<'a> {
     pub(super) boxes: &'a [BodyBox],
     pub(super) scale: &'a Scale,
-    pub(super) plan: &'a Plan,
+    pub(super) plan: Plan,
     pub(super) rows: &'a mut Rows,
 }
 
@@ -87,14 +108,19 @@ impl Task for Sort<'_> {
         let Self {
             boxes,
             scale,
-            plan,
+            mut plan,
             rows,
         } = self;
-        pack(boxes, scale, plan, rows);
-        count(plan, rows);
-        let count = starts_from_counts(&mut rows.cell_ends);
-        scatter(plan, rows, count);
-        unfold(plan, rows)
+        pack(boxes, scale, &plan, rows);
+        if further_copies(&plan, rows) > MOST_COPIES * boxes.len() as u64 {
+            // Sizes that the plan did not foresee. One row takes no copies.
+            plan = plan.in_one_row();
+            pack(boxes, scale, &plan, rows);
+        }
+        count(&plan, rows);
+        let copies = starts_from_counts(&mut rows.cell_ends);
+        scatter(&plan, rows, copies);
+        unfold(&plan, rows)
     }
 }
 
@@ -121,19 +147,39 @@ fn pack(boxes: &[BodyBox], scale: &Scale, plan: &Plan, rows: &mut Rows) {
             place[lane] = part(grid[lane], parts[lane]);
         }
         let (outer, inner) = (place[first], place[second]);
-        let cell = (outer * plan.rows[1] + inner) * plan.bins + place[plan.sweep];
-        let spans = (place[first + 3] - outer) << 8 | (place[second + 3] - inner);
         *packed = Packed {
             low: [grid[0], grid[1], grid[2]],
             high: [grid[3], grid[4], grid[5]],
-            cell: short(cell),
-            spans: short(spans),
+            cell: (outer * plan.rows[1] + inner) * plan.bins + place[plan.sweep],
         };
         // Written in any case, kept where it spans: whether it does cannot be predicted.
         spread[spread_count] = number;
+        let spans = (place[first + 3] - outer) | (place[second + 3] - inner);
         spread_count += usize::from(spans != 0);
     }
     spread.truncate(spread_count);
+}
+
+/// How many copies are needed besides those in the cells of low corners.
+#[inline(always)]
+fn further_copies(plan: &Plan, rows: &Rows) -> u64 {
+    let mut copies = 0;
+    for &number in &rows.spread {
+        let spans = spans(&rows.packed[number as usize], plan);
+        copies += u64::from((spans[0] + 1) * (spans[1] + 1) - 1);
+    }
+    copies
+}
+
+/// How many rows a box reaches besides the first, on each axis of rows.
+#[inline(always)]
+fn spans(packed: &Packed, plan: &Plan) -> [u32; 2] {
+    let [first, second] = plan.across;
+    let rows = plan.rows;
+    [
+        part(packed.high[first], rows[0]) - part(packed.low[first], rows[0]),
+        part(packed.high[second], rows[1]) - part(packed.low[second], rows[1]),
+    ]
 }
 
 /// How many copies each cell gets.
@@ -148,7 +194,7 @@ fn count(plan: &Plan, rows: &mut Rows) {
     cell_ends.clear();
     cell_ends.resize(plan.cells() as usize, 0);
     for packed in packed.iter() {
-        cell_ends[usize::from(packed.cell)] += 1;
+        cell_ends[packed.cell as usize] += 1;
     }
     for &number in spread.iter() {
         let mut cells = FurtherCells::of(&packed[number as usize], plan);
@@ -180,7 +226,7 @@ fn scatter(plan: &Plan, rows: &mut Rows, count: usize) {
     } = rows;
     source.resize(count + STEP, Source(0));
     for (number, packed) in (0..).zip(packed.iter()) {
-        let place = &mut cell_ends[usize::from(packed.cell)];
+        let place = &mut cell_ends[packed.cell as usize];
         source[*place as usize] = Source(number);
         *place += 1;
     }
@@ -259,13 +305,13 @@ struct FurtherCells {
 impl FurtherCells {
     #[inline(always)]
     fn of(packed: &Packed, plan: &Plan) -> Self {
-        let cell = usize::from(packed.cell);
-        let span = u32::from(packed.spans & 0xFF);
+        let cell = packed.cell as usize;
+        let [lines, span] = spans(packed, plan);
         Self {
             cell,
             line: cell,
             first: cell,
-            lines: u32::from(packed.spans >> 8),
+            lines,
             left: span,
             span,
             stride: plan.bins as usize,
@@ -304,13 +350,4 @@ impl FurtherCells {
         };
         outer | inner
     }
-}
-
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "a plan has at most 2^16 cells, and fewer than 2^8 rows on an axis"
-)]
-#[inline(always)]
-fn short(number: u32) -> u16 {
-    number as u16
 }

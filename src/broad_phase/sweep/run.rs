@@ -138,9 +138,12 @@ impl<F: PairFilter> Run<'_, F> {
 fn mask(lanes: [u8; STEP]) -> u32 {
     // Moves the lowest bit of byte i to bit 56 + i, and all else below or out.
     const GATHER: u64 = 0x0102_0408_1020_4080;
-    let lanes = u128::from_le_bytes(lanes);
-    let halves = [lanes, lanes >> 64].map(|half| (low_half(half).wrapping_mul(GATHER)) >> 56);
-    halves[0] as u32 | (halves[1] as u32) << 8
+    let half = |lanes: [u8; STEP / 2]| {
+        let gathered = u64::from_le_bytes(lanes).wrapping_mul(GATHER);
+        gathered.to_be_bytes()[0]
+    };
+    let [a, b, c, d, e, f, g, h, rest @ ..] = lanes;
+    u32::from(half([a, b, c, d, e, f, g, h])) | u32::from(half(rest)) << 8
 }
 
 #[allow(
@@ -150,13 +153,4 @@ fn mask(lanes: [u8; STEP]) -> u32 {
 #[inline(always)]
 fn short(record: usize) -> u32 {
     record as u32
-}
-
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "the other half is not wanted"
-)]
-#[inline(always)]
-fn low_half(lanes: u128) -> u64 {
-    lanes as u64
 }

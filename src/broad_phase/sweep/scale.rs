@@ -19,16 +19,13 @@ pub(super) struct Scale {
     factor: [f32; 8],
 }
 
-/// A box in grid coordinates, and where it is sorted to: 16 bytes.
+/// A box in grid coordinates, and the cell its low corner is sorted to: 16 bytes.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(16))]
 pub(super) struct Packed {
     pub(super) low: [u16; 3],
     pub(super) high: [u16; 3],
-    /// The cell of the low corner.
-    pub(super) cell: u16,
-    /// How many further rows the box reaches on the two axes of rows: high and low byte.
-    pub(super) spans: u16,
+    pub(super) cell: u32,
 }
 
 impl Scale {

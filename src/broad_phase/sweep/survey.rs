@@ -86,16 +86,17 @@ impl Survey {
         false
     }
 
-    /// Sets planes that divide the boxes into at most `parts` about equal parts, across the axis
-    /// on which boxes are shortest.
-    pub(super) fn cut_evenly(&self, parts: usize, cuts: &mut Cuts) {
-        let shortest =
-            |&one: &usize, &other: &usize| self.shares[one].total_cmp(&self.shares[other]);
-        cuts.axis = (0..3).min_by(shortest).unwrap_or(0);
+    /// Sets planes that divide the boxes into four about equal parts, across the axis on which
+    /// boxes are shortest.
+    pub(super) fn cut_evenly(&self, cuts: &mut Cuts) {
+        let shares = &self.shares;
+        let shorter = |&one: &usize, &other: &usize| shares[one].total_cmp(&shares[other]);
+        cuts.axis = (0..3).min_by(shorter).unwrap_or(0);
         let lows = &self.lows[cuts.axis];
+        let quarter = lows.len() / 4;
         cuts.planes.clear();
         cuts.planes
-            .extend((1..parts).map(|part| lows[lows.len() * part / parts]));
+            .extend([quarter, 2 * quarter, 3 * quarter].map(|place| lows[place]));
         cuts.planes.dedup();
     }
 }
