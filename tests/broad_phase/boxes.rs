@@ -28,6 +28,18 @@ impl Shape {
             .collect()
     }
 
+    /// `count` boxes of each of two shapes in one world.
+    pub(crate) fn mixed_with(&self, other: &Self, count: usize, seed: u64) -> Vec<BodyBox> {
+        let mut boxes = self.boxes(count, seed);
+        let more = other.boxes(count, seed + 1).into_iter().map(|one| BodyBox {
+            // Bodies of one shape are multiples of three.
+            body: one.body + 1,
+            ..one
+        });
+        boxes.extend(more);
+        boxes
+    }
+
     pub(crate) fn named(name: &str) -> Self {
         SHAPES
             .into_iter()
@@ -40,7 +52,7 @@ impl Shape {
 pub(crate) const SPACING: f32 = 65.6;
 pub(crate) const SIDE: f32 = 0.5 * SPACING;
 
-pub(crate) const SHAPES: [Shape; 23] = [
+pub(crate) const SHAPES: [Shape; 24] = [
     shape("swarm", swarm),
     shape("clusters", |rng, n| clusters(rng, n, 10)),
     shape("many_clusters", |rng, n| clusters(rng, n, 100)),
@@ -55,6 +67,7 @@ pub(crate) const SHAPES: [Shape; 23] = [
     shape("largest_many", |rng, n| largest(rng, n, 3)),
     shape("all_sizes", all_sizes),
     shape("nested", nested),
+    shape("bridged", bridged),
     shape("one_place", one_place),
     shape("identical", identical),
     shape("touching", touching),
@@ -195,6 +208,16 @@ fn nested(rng: &mut ChaCha8Rng, n: usize) -> Vec<Aabb> {
     let mut boxes = swarm(rng, n);
     for aabb in boxes.iter_mut().step_by(2) {
         *aabb = Aabb::new(1e-4 * aabb.mins + 10.0, 1e-4 * aabb.maxs + 10.0);
+    }
+    boxes
+}
+
+/// Two clusters, and one box in twelve that reaches from one into the other.
+fn bridged(rng: &mut ChaCha8Rng, n: usize) -> Vec<Aabb> {
+    let mut boxes = clusters(rng, n, 2);
+    for i in (0..n.saturating_sub(1)).step_by(12) {
+        let (one, other) = (boxes[i], boxes[i + 1]);
+        boxes[i] = Aabb::new(one.mins.min(other.mins), one.maxs.max(other.maxs));
     }
     boxes
 }

@@ -14,7 +14,7 @@ use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
 
 /// Everything from the degenerate to several levels of every structure.
-const COUNTS: [usize; 12] = [0, 1, 2, 3, 4, 15, 16, 17, 33, 100, 500, 1_500];
+const COUNTS: [usize; 14] = [0, 1, 2, 3, 4, 15, 16, 17, 127, 128, 200, 500, 1_500, 3_000];
 
 /// The pairs that meet, by comparisons written down once more, and from nothing else.
 fn expected<F: PairFilter>(boxes: &[BodyBox], filter: &F) -> Vec<Candidate> {
@@ -80,6 +80,20 @@ fn tree_finds_what_meets() {
 #[test]
 fn sweep_finds_what_meets() {
     gives_what_brute_force_gives::<Sweep>();
+}
+
+#[test]
+fn mixed_shapes_make_no_difference() {
+    let (mut sweep, mut tree) = (Sweep::default(), Tree::default());
+    for (i, one) in (0..).zip(SHAPES) {
+        for other in &SHAPES[..i] {
+            let boxes = one.mixed_with(other, 150, 5);
+            let wanted = expected(&boxes, &Everyone);
+            let names = (one.name, other.name);
+            assert!(found(&mut sweep, &boxes, &Everyone) == wanted, "{names:?}");
+            assert!(found(&mut tree, &boxes, &Everyone) == wanted, "{names:?}");
+        }
+    }
 }
 
 /// Members of even thirds of the bodies ignore each other; written without symmetry on purpose.

@@ -351,3 +351,75 @@ impl FurtherCells {
         outer | inner
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use parry3d::bounding_volume::Aabb;
+    use parry3d::math::Vector;
+
+    use super::super::dispatch::Level;
+    use super::*;
+
+    const PLAN: Plan = Plan {
+        sweep: 1,
+        across: [0, 2],
+        rows: [4, 8],
+        bins: 16,
+    };
+
+    /// Cubes along the diagonal of a world of 0..64 m, one each metre.
+    fn sorted(side: f32) -> (Rows, u64) {
+        let boxes: Vec<BodyBox> = (0..64_u8)
+            .map(|i| BodyBox {
+                aabb: Aabb::new(
+                    Vector::splat(f32::from(i) + 0.25),
+                    Vector::splat(f32::from(i) + 0.25 + side),
+                ),
+                body: u32::from(i),
+            })
+            .collect();
+        let mut rows = Rows::default();
+        let comparisons = Level::best().run(Sort {
+            boxes: &boxes,
+            scale: &Scale::new([(0.0, 64.0); 3]),
+            plan: PLAN,
+            rows: &mut rows,
+        });
+        (rows, comparisons)
+    }
+
+    #[test]
+    fn every_row_that_a_box_reaches_gets_a_copy() {
+        let (rows, _) = sorted(0.5);
+        assert_eq!(rows.run_ends.len(), 64, "no box crosses a row's end");
+        // Rows end each 16 m and each 8 m: four boxes reach over both ends, four over one.
+        let (rows, _) = sorted(1.0);
+        let copies = 64 + 3 * 3 + 4;
+        assert_eq!(rows.run_ends.len(), copies);
+        let first_copies = rows.source[..copies].iter().filter(|source| source.0 < 64);
+        assert_eq!(first_copies.count(), 64);
+    }
+
+    #[test]
+    fn runs_hold_what_starts_before_the_end() {
+        // Bins are 4 m long, rows 8 m and more: each box is in a run with those of its own bin and
+        // of its row's next bin, as far as its end reaches: at most 8 others.
+        let (rows, comparisons) = sorted(3.5);
+        assert_eq!(rows.low[0].len(), rows.run_ends.len() + STEP);
+        for (record, &end) in rows.run_ends.iter().enumerate() {
+            let others = end as usize - record - 1;
+            assert!(others < 8, "{others}");
+        }
+        assert!(comparisons > 64 && comparisons < 8 * 128, "{comparisons}");
+    }
+
+    #[test]
+    fn too_many_copies_are_avoided() {
+        // Boxes that reach over half of the world would have 6 to 15 copies each.
+        let (rows, comparisons) = sorted(40.0);
+        assert_eq!(rows.run_ends.len(), 64);
+        assert_eq!(rows.cell_ends.len(), 16, "one row of bins");
+        // Each with nearly all that follow.
+        assert!(comparisons > 64 * 63 / 4, "{comparisons}");
+    }
+}
