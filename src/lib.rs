@@ -1,3 +1,107 @@
-//! nearmiss
+//! Which bodies will come too close, when, and how close?
+//!
+//! **nearmiss** is a collision monitor for many bodies that move along cubic splines. Goals, in
+//! this order: correct, fast, pleasant to use.
+//!
+//! ```
+//! use glam::DVec3;
+//! use nearmiss::{Body, Hitbox, Query, Scene, State, Trajectory};
+//!
+//! let mut scene = Scene::new();
+//! for (from, to) in [(DVec3::ZERO, 100.0 * DVec3::X), (100.0 * DVec3::X, DVec3::Y)] {
+//!     let velocity = (to - from) / 10.0;
+//!     let plan = [State::new(0.0, from, velocity), State::new(10.0, to, velocity)];
+//!     let body = Body::new(Trajectory::from_states(&plan)?).with_hitbox(Hitbox::sphere(0.5)?);
+//!     scene.insert(body)?;
+//! }
+//! for conflict in scene.screen(&Query::default().with_margin(2.0)?)?.conflicts {
+//!     println!(
+//!         "within 2 m from {:.3} s to {:.3} s, closest {:.3} m at {:.3} s",
+//!         conflict.enter, conflict.exit, conflict.closest.separation, conflict.closest.time
+//!     );
+//! }
+//! # Ok::<(), nearmiss::Error>(())
+//! ```
+//!
+//! # The way the data flows
+//!
+//! ```text
+//! states (t, p, v)   your input, f64, irregular times
+//!   -> Trajectory    cubic Hermite segments; all validation happens here
+//!   -> bounds        hull of a part of a segment, rounded outward to a parry3d Aabb (f32)
+//!   -> broad phase   time slices x boxes -> candidate pairs
+//!   -> spans         merged intervals: both bodies on one segment each
+//!   -> narrow phase  relative cubic -> degree-6 distance -> closest approach, contact intervals
+//!   -> conflicts     maximal intervals per pair, sorted, the same bits on any number of threads
+//! ```
+//!
+//! Cheap stages may only reject what is certainly clear, their own rounding accounted for; one
+//! plain f64 solver has the last word, on whole spans. So speed never costs an answer.
+//!
+//! # Words
+//!
+//! | word | meaning |
+//! |---|---|
+//! | [`State`] | time, position, velocity (s, m, m/s) |
+//! | [`Segment`] | one cubic between consecutive states' times (knots) |
+//! | [`Trajectory`] | the segments of one body; [`Outside`] says what it does before and after |
+//! | [`Hitbox`] | a sphere, or a cluster of spheres fixed in the body's frame |
+//! | [`Body`] | trajectory, hitbox, [`Layers`], and your tag |
+//! | separation | distance between hitbox surfaces, m; negative where they overlap |
+//! | margin | a conflict is a maximal interval with separation <= margin |
+//! | [`Window`] | the closed time interval asked about |
+//! | [`Conflict`] | pair, enter, exit, and the [`ClosestApproach`] in between |
+//!
+//! # Accuracy
+//!
+//! Answers are f64, good to a few roundings of the local scale (the distance of the two bodies'
+//! knots plus the extents of their segments); neither the absolute position nor the absolute time
+//! enters. What comes within that rounding of the margin is reported, so a touch is never lost.
+//!
+//! # Features
+//!
+//! - `parallel` (default): screening on the current rayon pool. Without it, on the caller's thread.
 
+mod bounds;
 pub mod broad_phase;
+mod conflict;
+pub mod enclosure;
+mod error;
+mod hitbox;
+mod id;
+mod layers;
+mod monitor;
+mod narrow_phase;
+mod parallel;
+pub mod polynomial;
+mod query;
+mod rounding;
+mod scene;
+mod screen;
+mod spans;
+mod stats;
+mod trajectory;
+mod window;
+
+pub use broad_phase::Method;
+pub use conflict::{Clip, ClosestApproach, Conflict};
+pub use error::{Error, LARGEST_MAGNITUDE, Quantity};
+pub use glam;
+pub use hitbox::{Hitbox, Sphere};
+pub use id::BodyId;
+pub use layers::Layers;
+pub use monitor::{
+    AlertLevel, Budget, Command, Encounter, EncounterId, EndReason, Event, EventKind, LeastChange,
+    Monitor,
+};
+pub use query::Query;
+pub use scene::{Body, Scene};
+pub use screen::Screening;
+pub use stats::Stats;
+pub use trajectory::{Outside, Segment, State, TimeBase, Trajectory, trajectories_from_rows};
+pub use window::Window;
+
+/// The README's examples, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,11 +1,12 @@
 //! Which bodies may meet in one time slice: boxes in, candidate pairs out.
 //!
 //! Three methods stand behind one contract, [`BroadPhase`], and give the same pairs:
-//! [`Sweep`] is the one to use; [`Tree`], parry's bounding volume hierarchy, is what it is measured
-//! against; [`BruteForce`] compares every box with every other and is what both are checked
-//! against.
+//! [`Sweep`], the default, is the one to use; [`Tree`], parry's bounding volume hierarchy, is what it
+//! is measured against; [`BruteForce`] compares every box with every other and is what both are
+//! checked against. The crate cuts the window into slices and forms the boxes.
 
 mod brute_force;
+pub(crate) mod slices;
 mod sweep;
 mod tree;
 
@@ -14,6 +15,23 @@ use parry3d::bounding_volume::{Aabb, BoundingVolume};
 pub use brute_force::BruteForce;
 pub use sweep::{Level, Sweep};
 pub use tree::Tree;
+
+/// How candidates are found. The answer is the same; the time is not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Method {
+    /// Every box against every other: quadratic, the reference.
+    BruteForce,
+    /// A parry3d bounding volume hierarchy, built for each slice.
+    Tree,
+    /// The packed sweep.
+    #[default]
+    Sweep,
+}
+
+impl Method {
+    /// All methods.
+    pub const EVERY: [Self; 3] = [Self::BruteForce, Self::Tree, Self::Sweep];
+}
 
 /// One body's box in one slice: everywhere the body may be, its margin included.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,0 +1,203 @@
+//! Screens a generated scene of many bodies and draws its encounters:
+//!
+//! ```text
+//! cargo run --release --example many_body -- [--scene flocks|drones|satellites|asteroids|swarm]
+//!     [--bodies N] [--seed K] [--margin M] [--threads T] [--picture FILE.svg]
+//! ```
+
+mod picture;
+#[path = "../scenes/mod.rs"]
+mod scenes;
+
+use clap::{Parser, ValueEnum};
+use indicatif::{HumanCount, ProgressBar, ProgressStyle};
+use nearmiss::{Body, Conflict, Error, Hitbox, Query, Scene, Screening, Stats, Trajectory};
+use scenes::{Generated, Shape};
+use std::error::Error as StdError;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// Every close encounter of a generated many-body scene.
+#[derive(Debug, Parser)]
+#[command(name = "many_body")]
+struct Arguments {
+    /// What flies.
+    #[arg(long, value_enum, default_value_t = Kind::Satellites)]
+    scene: Kind,
+    /// How many bodies; some thousands that take a few seconds if not given.
+    #[arg(long)]
+    bodies: Option<usize>,
+    /// The same seed gives the same scene.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Separation that counts as an encounter, m; the scene's own if not given.
+    #[arg(long, allow_negative_numbers = true)]
+    margin: Option<f64>,
+    /// Threads to run on; all cores if not given.
+    #[arg(long, default_value_t = 0)]
+    threads: usize,
+    /// Where the picture goes.
+    #[arg(long, default_value = "many_body.svg")]
+    picture: PathBuf,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Kind {
+    /// Birds in flocks that cross.
+    Flocks,
+    /// Delivery drones over a city.
+    Drones,
+    /// Walker constellations in low orbit.
+    Satellites,
+    /// Rocks of all sizes, and a few fast ones.
+    Asteroids,
+    /// Smooth random motion: the stress test.
+    Swarm,
+}
+
+impl Kind {
+    fn generate(self, bodies: Option<usize>, seed: u64) -> Generated {
+        match self {
+            Self::Flocks => scenes::flocks(bodies.unwrap_or(6_000), seed),
+            Self::Drones => scenes::drones(bodies.unwrap_or(20_000), seed),
+            Self::Satellites => scenes::satellites(bodies.unwrap_or(10_000), seed),
+            Self::Asteroids => scenes::asteroids(bodies.unwrap_or(30_000), seed),
+            Self::Swarm => scenes::swarm(bodies.unwrap_or(50_000), Shape::Cube, seed),
+        }
+    }
+}
+
+fn main() -> Result<(), Box<dyn StdError>> {
+    let arguments = Arguments::parse();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(arguments.threads)
+        .build()?;
+    let begin = Instant::now();
+    let generated = arguments.scene.generate(arguments.bodies, arguments.seed);
+    let margin = arguments.margin.unwrap_or(generated.margin);
+    let scene = build(&generated)?;
+    println!(
+        "{:?}: {} bodies, made in {:.2} s; encounters within {margin} m",
+        arguments.scene,
+        HumanCount(scene.len() as u64),
+        begin.elapsed().as_secs_f64(),
+    );
+    let screening = pool.install(|| screen(&scene, margin))?;
+    print_funnel(&screening.stats);
+    print_closest(&scene, &screening.conflicts);
+    picture::draw(
+        &arguments.picture,
+        &format!("{:?}", arguments.scene),
+        &scene,
+        &screening.conflicts,
+        margin,
+    )?;
+    println!("\npicture: {}", arguments.picture.display());
+    Ok(())
+}
+
+fn build(generated: &Generated) -> Result<Scene, Error> {
+    let mut scene = Scene::new();
+    for (tag, actor) in (0..).zip(&generated.actors) {
+        let body = Body::new(Trajectory::from_states(&actor.states)?)
+            .with_hitbox(Hitbox::sphere(actor.radius)?)
+            .with_tag(tag);
+        scene.insert(body)?;
+    }
+    Ok(scene)
+}
+
+/// The bar shows time slices done; it hides itself where standard error is no terminal.
+fn screen(scene: &Scene, margin: f64) -> Result<Screening, Error> {
+    /// The share is shown in thousandths.
+    const STEPS: u64 = 1_000;
+    let style = ProgressStyle::with_template("screening {wide_bar} {percent} % {elapsed_precise}");
+    let bar =
+        ProgressBar::new(STEPS).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    let query = Query::default().with_margin(margin)?;
+    let screening = scene.screen_with_progress(&query, |share| {
+        bar.set_position(rounded(share * 1e3));
+    });
+    bar.finish_and_clear();
+    screening
+}
+
+fn print_funnel(stats: &Stats) {
+    let line = |name: &str, count: u64, of: Option<u64>| {
+        let share = of.filter(|&of| of > 0).map_or(String::new(), |of| {
+            format!("{:>9.4} %", 100.0 * ratio(count, of))
+        });
+        println!("  {name:<34}{:>16}{share}", HumanCount(count).to_string());
+    };
+    let all_pairs = stats.bodies * stats.bodies.saturating_sub(1) / 2;
+    println!("\nfunnel");
+    line("bodies", stats.bodies, None);
+    line("segments", stats.segments, None);
+    line("pairs of bodies", all_pairs, None);
+    line("pairs in time slices", all_pairs * stats.slices, None);
+    line(
+        "candidates (boxes meet)",
+        stats.candidates,
+        Some(all_pairs * stats.slices),
+    );
+    line("spans to look at", stats.spans, None);
+    line(
+        "survivors, solved exactly",
+        stats.survivors,
+        Some(stats.spans),
+    );
+    line("encounters", stats.conflicts, Some(stats.survivors));
+    let ms = |time: Duration| time.as_secs_f64() * 1e3;
+    let total = stats.total_time.as_secs_f64();
+    println!(
+        "\n{:.0} ms in all (boxes {:.0}, broad phase {:.0}, narrow phase {:.0}, summed over \
+         threads): {} bodies a second",
+        ms(stats.total_time),
+        ms(stats.bounds_time),
+        ms(stats.broad_time),
+        ms(stats.narrow_time),
+        HumanCount(rounded(ratio(stats.bodies, 1) / total.max(1e-9))),
+    );
+}
+
+fn print_closest(scene: &Scene, conflicts: &[Conflict]) {
+    println!("\nthe closest encounters");
+    println!("        body      body      time s   separation m   relative speed m/s   lasts s");
+    for conflict in closest(conflicts, 10) {
+        let tag = |id| scene.body(id).map_or(0, |body| body.tag);
+        println!(
+            "  {:>10}{:>10}{:>12.3}{:>15.4}{:>21.2}{:>10.3}",
+            tag(conflict.a),
+            tag(conflict.b),
+            conflict.closest.time,
+            conflict.closest.separation,
+            conflict.closest.relative_velocity.length(),
+            conflict.exit - conflict.enter,
+        );
+    }
+}
+
+/// The `count` encounters of least separation, closest first.
+fn closest(conflicts: &[Conflict], count: usize) -> Vec<&Conflict> {
+    let mut sorted: Vec<&Conflict> = conflicts.iter().collect();
+    sorted.sort_by(|x, y| {
+        let by_separation = x.closest.separation.total_cmp(&y.closest.separation);
+        by_separation.then_with(|| x.order(y))
+    });
+    sorted.truncate(count);
+    sorted
+}
+
+#[allow(clippy::cast_precision_loss, reason = "shown to a few digits")]
+fn ratio(part: u64, whole: u64) -> f64 {
+    part as f64 / whole as f64
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "shown to a few digits, never negative"
+)]
+fn rounded(value: f64) -> u64 {
+    value.round() as u64
+}

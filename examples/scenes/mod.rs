@@ -1,0 +1,82 @@
+//! Seeded many-body scenes for examples, benchmarks and tests: the same seed, the same bits.
+
+#![allow(
+    dead_code,
+    reason = "each example, benchmark or test uses some of the scenes"
+)]
+
+mod asteroids;
+mod drones;
+mod flocks;
+mod satellites;
+mod swarm;
+
+pub(crate) use asteroids::asteroids;
+pub(crate) use drones::drones;
+pub(crate) use flocks::flocks;
+pub(crate) use satellites::satellites;
+pub(crate) use swarm::{Shape, swarm};
+
+use glam::DVec3;
+use nearmiss::State;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// One body of a generated scene.
+#[derive(Clone, Debug)]
+pub(crate) struct Actor {
+    /// Where it is when, s, m, m/s.
+    pub(crate) states: Vec<State>,
+    /// m.
+    pub(crate) radius: f64,
+}
+
+/// A generated scene with the margin that makes it interesting.
+#[derive(Clone, Debug)]
+pub(crate) struct Generated {
+    pub(crate) actors: Vec<Actor>,
+    /// m.
+    pub(crate) margin: f64,
+}
+
+pub(crate) fn generator(seed: u64) -> ChaCha8Rng {
+    ChaCha8Rng::seed_from_u64(seed)
+}
+
+/// A standard normal number (Box and Muller).
+pub(crate) fn normal(rng: &mut ChaCha8Rng) -> f64 {
+    let radius = (-2.0 * (1.0 - rng.random::<f64>()).ln()).sqrt();
+    radius * (std::f64::consts::TAU * rng.random::<f64>()).cos()
+}
+
+/// Three independent normal numbers with this standard deviation.
+pub(crate) fn normal_vector(rng: &mut ChaCha8Rng, deviation: f64) -> DVec3 {
+    DVec3::new(normal(rng), normal(rng), normal(rng)) * deviation
+}
+
+/// Uniform in a cube around the origin with this half side.
+pub(crate) fn uniform_vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
+    DVec3::new(
+        rng.random_range(-half..half),
+        rng.random_range(-half..half),
+        rng.random_range(-half..half),
+    )
+}
+
+/// `count + 1` knots from `start` to `end`: gaps uniform between 0.4 and 1.6 of their mean.
+pub(crate) fn irregular_knots(
+    rng: &mut ChaCha8Rng,
+    start: f64,
+    end: f64,
+    count: usize,
+) -> Vec<f64> {
+    let gaps: Vec<f64> = (0..count).map(|_| rng.random_range(0.4..1.6)).collect();
+    let unit = (end - start) / gaps.iter().sum::<f64>();
+    let mut time = start;
+    std::iter::once(start)
+        .chain(gaps.iter().map(|gap| {
+            time += gap * unit;
+            time
+        }))
+        .collect()
+}

@@ -1,0 +1,273 @@
+//! Cutting the window into slices, and one box for each body in each of them.
+
+use super::BodyBox;
+use crate::bounds::{Frame, Hull, Inflation, MOST_SPLITS, Part};
+use crate::narrow_phase::Party;
+use std::ops::Range;
+
+/// A window cut into slices of equal length. Slices never change an answer, only its cost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Slices {
+    start: f64,
+    end: f64,
+    count: u32,
+}
+
+/// What the choice of a slice length rests on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Traffic {
+    /// Seconds of existence within the window, added up over bodies.
+    pub(crate) body_time: f64,
+    /// Metres flown in them.
+    pub(crate) path: f64,
+    /// Segments flown in them.
+    pub(crate) segments: f64,
+    /// The world's extent on each axis, m.
+    pub(crate) world: [f64; 3],
+    /// Typical separation that counts, hitboxes and margin: m.
+    pub(crate) reach: f64,
+}
+
+impl Slices {
+    /// Boxes about half as long as the bodies' mean spacing: with longer ones candidates grow with
+    /// the cube of their size, with shorter ones the boxes themselves are the cost.
+    const SPACINGS_PER_SLICE: f64 = 0.5;
+    /// A body's box should not hold more segments than this.
+    const MOST_SEGMENTS_PER_SLICE: f64 = 16.0;
+    /// However fast the traffic, no more boxes than this in all.
+    const MOST_BOXES: f64 = 5e7;
+
+    /// Slices of `start..=end` (s, finite) by the rule above, from counts alone.
+    pub(crate) fn choose(start: f64, end: f64, traffic: &Traffic) -> Self {
+        let duration = end - start;
+        let present = traffic.body_time / duration;
+        let speed = traffic.path / traffic.body_time;
+        let volume: f64 = traffic
+            .world
+            .iter()
+            .map(|&side| side.max(traffic.reach).max(f64::MIN_POSITIVE))
+            .map(f64::cbrt)
+            .product();
+        let spacing = (volume / present.max(1.0).cbrt()).max(traffic.reach);
+        let length = (Self::SPACINGS_PER_SLICE * spacing / speed)
+            .min(Self::MOST_SEGMENTS_PER_SLICE * traffic.body_time / traffic.segments)
+            .max(traffic.body_time / Self::MOST_BOXES);
+        let count = (duration / length).ceil();
+        Self {
+            start,
+            end,
+            count: if count >= 1.0 && count.is_finite() {
+                whole(count.min(Self::MOST_BOXES))
+            } else {
+                1
+            },
+        }
+    }
+
+    pub(crate) const fn count(&self) -> u32 {
+        self.count
+    }
+
+    /// First and last instant of a slice; neighbours share theirs.
+    pub(crate) fn interval(&self, slice: u32) -> (f64, f64) {
+        (self.cut(slice), self.cut(slice + 1))
+    }
+
+    fn cut(&self, index: u32) -> f64 {
+        if index >= self.count {
+            self.end
+        } else {
+            let share = f64::from(index) / f64::from(self.count);
+            (self.start + share * (self.end - self.start)).min(self.end)
+        }
+    }
+}
+
+/// The boxes of all bodies in each of a few consecutive slices.
+///
+/// Bodies are walked one by one, each through all slices at once: its segments are read once.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Block {
+    /// For each slice of the block, a box for each body that exists in it.
+    pub(crate) boxes: [Vec<BodyBox>; Block::SLICES as usize],
+    /// For each body, its first cubic in the block: where a search for its cubics begins.
+    pub(crate) firsts: Vec<u32>,
+}
+
+impl Block {
+    /// Slices in a block. Each slice splits a cubic once at most, which bounds the splits' rounding.
+    pub(crate) const SLICES: u32 = MOST_SPLITS;
+
+    /// Forms the boxes of the slices `range` (at most [`SLICES`](Self::SLICES)).
+    pub(crate) fn fill(
+        &mut self,
+        parties: &[Party<'_>],
+        inflations: &[Inflation],
+        frame: &Frame,
+        slices: &Slices,
+        range: Range<u32>,
+    ) {
+        self.boxes.iter_mut().for_each(Vec::clear);
+        self.firsts.clear();
+        let (start, end) = (slices.cut(range.start), slices.cut(range.end));
+        for (body, (party, inflation)) in (0_u32..).zip(parties.iter().zip(inflations)) {
+            let knots = party.knots;
+            let (Some(&first), Some(&last)) = (knots.first(), knots.last()) else {
+                self.firsts.push(0);
+                continue;
+            };
+            let mut piece = knots.partition_point(|&knot| knot < start).max(1) - 1;
+            self.firsts.push(u32::try_from(piece).unwrap_or(u32::MAX));
+            if first > end || last < start {
+                continue;
+            }
+            let part_of = |piece: usize, from: f64| {
+                let until = knots[piece + 1].min(end);
+                Part::of(&party.segments[piece], (from, until), frame)
+            };
+            let mut part = part_of(piece, knots[piece].max(start));
+            for (slice, boxes) in range.clone().zip(&mut self.boxes) {
+                let (from, to) = slices.interval(slice);
+                if first > to || last < from {
+                    continue;
+                }
+                let mut hull = Hull::EMPTY;
+                // Whole parts that end within the slice, then what reaches into the next. Slices
+                // are closed: a cubic that begins where the slice ends counts with its first point.
+                while part.end() <= to {
+                    hull.include(&part);
+                    if piece + 1 >= party.segments.len() || knots[piece + 1] > end {
+                        break;
+                    }
+                    piece += 1;
+                    part = part_of(piece, knots[piece]);
+                }
+                if part.end() > to {
+                    hull.include(&part.split_off(to));
+                }
+                boxes.push(BodyBox {
+                    aabb: hull.inflated(inflation, frame),
+                    body,
+                });
+            }
+        }
+    }
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a whole number between 1 and MOST_BOXES"
+)]
+fn whole(count: f64) -> u32 {
+    count as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bounds::Extremes;
+    use crate::hitbox::Hitbox;
+    use crate::trajectory::{State, Trajectory};
+    use glam::DVec3;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    #[test]
+    fn slices_cover_the_window_without_gaps() {
+        let traffic = Traffic {
+            body_time: 600.0,
+            path: 6000.0,
+            segments: 100.0,
+            world: [100.0; 3],
+            reach: 1.0,
+        };
+        let slices = Slices::choose(5.0, 65.0, &traffic);
+        assert!(slices.count() > 10);
+        assert!(slices.interval(0).0.to_bits() == 5.0_f64.to_bits());
+        assert!(slices.interval(slices.count() - 1).1.to_bits() == 65.0_f64.to_bits());
+        for slice in 1..slices.count() {
+            assert!(slices.interval(slice - 1).1.to_bits() == slices.interval(slice).0.to_bits());
+        }
+    }
+
+    #[test]
+    fn degenerate_traffic_gets_one_slice() {
+        let nothing_moves = Traffic {
+            body_time: 10.0,
+            path: 0.0,
+            segments: 0.0,
+            world: [0.0; 3],
+            reach: 0.0,
+        };
+        assert_eq!(Slices::choose(0.0, 1.0, &nothing_moves).count(), 1);
+        assert_eq!(Slices::choose(2.0, 2.0, &nothing_moves).count(), 1);
+    }
+
+    /// Every box contains its body at every instant of its slice, and is not much larger.
+    #[test]
+    fn boxes_contain_their_bodies() {
+        let mut rng = ChaCha8Rng::seed_from_u64(9);
+        let frame = Frame::around(Extremes::NOTHING, 0.0);
+        let slices = Slices {
+            start: -1.0,
+            end: 12.0,
+            count: 19,
+        };
+        let hitbox = Hitbox::POINT;
+        let inflation = Inflation::of(hitbox.spheres(), 0.0);
+        for seed in 0..200 {
+            let far = if seed % 2 == 0 { 10.0 } else { 1e6 };
+            let mut vector =
+                |half: f64| DVec3::from_array([0; 3].map(|_| rng.random_range(-half..half)));
+            let base = vector(far);
+            // Knots on cuts (0.684...), off cuts, and many in one slice.
+            let gap = if seed % 3 == 0 {
+                13.0 / 19.0
+            } else {
+                0.3 + f64::from(seed) * 0.01
+            };
+            let states: Vec<State> = (0..9)
+                .map(|k| {
+                    let time = -1.0 + gap * f64::from(k);
+                    State::new(time, base + vector(5.0), vector(20.0))
+                })
+                .collect();
+            let Ok(trajectory) = Trajectory::from_states(&states) else {
+                unreachable!("the states are in order")
+            };
+            let party = Party {
+                knots: trajectory.knots(),
+                segments: trajectory.segments(),
+                spheres: hitbox.spheres(),
+                bounding: hitbox.bounding(),
+            };
+            let mut block = Block::default();
+            for first in (0..slices.count()).step_by(Block::SLICES as usize) {
+                let range = first..(first + Block::SLICES).min(slices.count());
+                block.fill(&[party], &[inflation], &frame, &slices, range.clone());
+                for (slice, boxes) in range.zip(&block.boxes) {
+                    let (from, to) = slices.interval(slice);
+                    let mut sampled = Extremes::NOTHING;
+                    for step in 0..=50 {
+                        let time = (from + (to - from) * f64::from(step) / 50.0).min(to);
+                        if let Some(position) = trajectory.position(time) {
+                            sampled.include(Extremes {
+                                low: position,
+                                high: position,
+                            });
+                        }
+                    }
+                    assert_eq!(boxes.is_empty(), sampled.low.x > sampled.high.x);
+                    for found in boxes {
+                        let low = DVec3::from_array(found.aabb.mins.to_array().map(f64::from));
+                        let high = DVec3::from_array(found.aabb.maxs.to_array().map(f64::from));
+                        assert!(low.cmplt(sampled.low).all() && high.cmpgt(sampled.high).all());
+                        // The hull of a cubic's Bézier points reaches a bit beyond it.
+                        assert!((high - low).max_element() < 120.0);
+                    }
+                }
+            }
+        }
+    }
+}

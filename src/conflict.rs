@@ -1,0 +1,69 @@
+//! What a screening reports, and its total order.
+
+use crate::id::BodyId;
+use glam::DVec3;
+use std::cmp::Ordering;
+
+/// The instant of least separation of two bodies, within a window or a conflict.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClosestApproach {
+    /// When, s. The first such instant where there are several, or a stretch of them.
+    pub time: f64,
+    /// Distance between the hitboxes' surfaces, m; negative where they overlap.
+    pub separation: f64,
+    /// Position of body a, m.
+    pub position_a: DVec3,
+    /// Position of body b, m.
+    pub position_b: DVec3,
+    /// Velocity of a minus that of b, m/s.
+    pub relative_velocity: DVec3,
+    /// Which sphere of a's hitbox is closest (0 for a single sphere).
+    pub sphere_a: u32,
+    /// Which sphere of b's hitbox is closest (0 for a single sphere).
+    pub sphere_b: u32,
+}
+
+/// A maximal interval in which two bodies' separation is at most the margin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conflict {
+    /// The body with the smaller id.
+    pub a: BodyId,
+    /// The body with the larger id.
+    pub b: BodyId,
+    /// First instant within the margin, s.
+    pub enter: f64,
+    /// Last instant within the margin, s; equals `enter` where they only touch.
+    pub exit: f64,
+    /// The least separation inside the interval.
+    pub closest: ClosestApproach,
+    /// Whether the interval is cut short by the window or the bodies' common domain.
+    pub clip: Clip,
+}
+
+/// Which ends of a conflict are not crossings but ends of the window or the common domain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Clip {
+    /// The window or the common domain begins inside, or exactly at the margin.
+    pub at_enter: bool,
+    /// The window or the common domain ends inside, or exactly at the margin.
+    pub at_exit: bool,
+}
+
+impl Clip {
+    /// Bit 0: at enter; bit 1: at exit.
+    #[must_use]
+    pub fn bits(self) -> u8 {
+        u8::from(self.at_enter) | u8::from(self.at_exit) << 1
+    }
+}
+
+impl Conflict {
+    /// The order of reports: by enter, then a, then b.
+    #[must_use]
+    pub fn order(&self, other: &Self) -> Ordering {
+        self.enter
+            .total_cmp(&other.enter)
+            .then_with(|| self.a.cmp(&other.a))
+            .then_with(|| self.b.cmp(&other.b))
+    }
+}

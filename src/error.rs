@@ -1,0 +1,211 @@
+//! Everything that can be wrong with an input, as one enum.
+//!
+//! A trajectory's own errors carry the knot and the value; whoever knows the body wraps them in
+//! [`Error::InBody`]. A failed call leaves the scene as it was.
+
+use crate::id::BodyId;
+use std::fmt;
+
+/// Magnitude at and above which an input, or a quantity that follows from it, is refused (SI units).
+///
+/// Below it no linear stage of the pipeline can overflow; squares are taken on scaled numbers.
+pub const LARGEST_MAGNITUDE: f64 = 1e300;
+
+/// Which number of an input an error speaks of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Quantity {
+    /// The time of a knot, s.
+    Time,
+    /// Component x, y or z (0, 1, 2) of a position, m.
+    Position(usize),
+    /// Component x, y or z (0, 1, 2) of a velocity, m/s.
+    Velocity(usize),
+    /// A polynomial's coefficient: its power and its component.
+    Coefficient {
+        /// The power of time that it multiplies, 0 to 3.
+        power: usize,
+        /// 0, 1, 2 for x, y, z.
+        axis: usize,
+    },
+    /// The acceleration that follows from the input, m/s².
+    Acceleration,
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        const AXES: [&str; 3] = ["x", "y", "z"];
+        match *self {
+            Self::Time => write!(f, "time"),
+            Self::Position(axis) => write!(f, "position {}", AXES[axis]),
+            Self::Velocity(axis) => write!(f, "velocity {}", AXES[axis]),
+            Self::Coefficient { power, axis } => {
+                write!(f, "coefficient of t^{power} in {}", AXES[axis])
+            }
+            Self::Acceleration => write!(f, "acceleration"),
+        }
+    }
+}
+
+/// Why an input was refused. Nothing was changed by the call that returned it.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A trajectory needs at least two states (or one segment).
+    #[error("a trajectory needs at least two states, not {count}")]
+    TooFewStates {
+        /// How many there were.
+        count: usize,
+    },
+    /// Two lists that belong together have lengths that do not.
+    #[error("{knots} knots need {} segments, not {segments}", knots.saturating_sub(1))]
+    SegmentCount {
+        /// How many knots were given.
+        knots: usize,
+        /// How many segments were given.
+        segments: usize,
+    },
+    /// The time of a knot is not later than that of the knot before it.
+    #[error("knot {knot}: time {time} s is not later than the knot before it, {previous} s")]
+    TimeNotIncreasing {
+        /// The later knot, counted from 0.
+        knot: usize,
+        /// The time of the knot before, s.
+        previous: f64,
+        /// The time of this knot, s.
+        time: f64,
+    },
+    /// A number is NaN or infinite.
+    #[error("knot {knot}: {quantity} is {value}, not a finite number")]
+    NotFinite {
+        /// The knot, counted from 0.
+        knot: usize,
+        /// Which number.
+        quantity: Quantity,
+        /// Its value.
+        value: f64,
+    },
+    /// A number, or one that follows from it, is larger than [`LARGEST_MAGNITUDE`].
+    #[error("knot {knot}: {quantity} reaches {value:e}, beyond ±1e300")]
+    OutOfRange {
+        /// The knot, counted from 0.
+        knot: usize,
+        /// Which number.
+        quantity: Quantity,
+        /// Its value, or a bound of what follows from it.
+        value: f64,
+    },
+    /// The rows of one body are not together.
+    #[error("row {row}: the body appeared before, and others since: its rows must be together")]
+    RowsApart {
+        /// The row, counted from 0 over all rows.
+        row: usize,
+    },
+    /// A body's own error.
+    #[error("body {body}: {error}")]
+    InBody {
+        /// The body's tag.
+        body: u64,
+        /// What is wrong with it.
+        error: Box<Error>,
+    },
+    /// A radius is negative, NaN or infinite.
+    #[error("sphere {sphere}: radius {radius} m is not a finite number of at least 0")]
+    Radius {
+        /// The sphere within its hitbox, counted from 0.
+        sphere: usize,
+        /// The radius, m.
+        radius: f64,
+    },
+    /// A sphere's offset is NaN, infinite or too large.
+    #[error("sphere {sphere}: offset component {value} m is not a finite number below 1e300")]
+    Offset {
+        /// The sphere within its hitbox, counted from 0.
+        sphere: usize,
+        /// The component, m.
+        value: f64,
+    },
+    /// A cluster needs at least one sphere.
+    #[error("a cluster needs at least one sphere")]
+    EmptyCluster,
+    /// A margin is NaN or infinite, or too large.
+    #[error("margin {margin} m is not a finite number below 1e300")]
+    Margin {
+        /// The margin, m.
+        margin: f64,
+    },
+    /// A window whose start is NaN or later than its end.
+    #[error("window {start}..{end} s: the start must not be later than the end")]
+    Window {
+        /// Start, s.
+        start: f64,
+        /// End, s.
+        end: f64,
+    },
+    /// A body that exists at all times cannot be screened over a window without end.
+    #[error("body {body} exists beyond its knots: the window must be closed on both sides")]
+    WindowNotClosed {
+        /// The body's tag.
+        body: u64,
+    },
+    /// The id names no body of this scene (it may have been removed).
+    #[error("{id} is not in the scene")]
+    UnknownBody {
+        /// The id.
+        id: BodyId,
+    },
+    /// A pair needs two different bodies.
+    #[error("{id} cannot be paired with itself")]
+    SameBody {
+        /// The id.
+        id: BodyId,
+    },
+    /// A plan cannot be spliced where one of the two does not exist, or the new one ends.
+    #[error("there is no plan to splice at {time} s")]
+    NoPlanAt {
+        /// The time of the splice, s.
+        time: f64,
+    },
+    /// The monitor's clock never goes back.
+    #[error("the clock cannot go back from {now} s to {time} s")]
+    ClockWentBack {
+        /// What the clock shows, s.
+        now: f64,
+        /// What was asked for, s.
+        time: f64,
+    },
+    /// A monitor's lookahead is not a positive finite duration, or not a finite time.
+    #[error("{value} s is not a usable time or lookahead")]
+    Lookahead {
+        /// The value, s.
+        value: f64,
+    },
+    /// A monitor needs at least one alert level; each has a release margin that is not smaller
+    /// than its margin.
+    #[error("alert level {level}: margin {margin} m and release margin {release} m")]
+    AlertLevel {
+        /// The level, counted from 0.
+        level: usize,
+        /// Its margin, m.
+        margin: f64,
+        /// Its release margin, m.
+        release: f64,
+    },
+    /// The scene holds as many bodies as an id can tell apart (2^32 - 1).
+    #[error("the scene is full")]
+    SceneFull,
+}
+
+impl Error {
+    /// The same error, with the body it belongs to.
+    #[must_use]
+    pub fn in_body(self, body: u64) -> Self {
+        match self {
+            Self::InBody { .. } => self,
+            other => Self::InBody {
+                body,
+                error: Box::new(other),
+            },
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! What a body occupies around the point that its trajectory moves.
+//!
+//! A hitbox is a sphere, or a cluster of spheres fixed in the body's frame. To the narrow phase
+//! it is a list of spheres on the body's cubic segments, with one bounding sphere tried first.
+
+use crate::error::{Error, LARGEST_MAGNITUDE};
+use crate::rounding::{UNIT_ROUNDOFF, norm};
+use glam::DVec3;
+
+/// A sphere in the body's frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sphere {
+    /// Centre relative to the body's position, m.
+    pub offset: DVec3,
+    /// Radius, m.
+    pub radius: f64,
+}
+
+/// A sphere, or a cluster of spheres that stand in for another shape.
+///
+/// ```
+/// use glam::DVec3;
+/// use nearmiss::{Hitbox, Sphere};
+///
+/// let ball = Hitbox::sphere(0.5)?;
+/// let dumbbell = Hitbox::cluster(vec![
+///     Sphere { offset: DVec3::X, radius: 0.4 },
+///     Sphere { offset: -DVec3::X, radius: 0.4 },
+/// ])?;
+/// assert_eq!(ball.spheres().len(), 1);
+/// assert!(dumbbell.bounding().radius >= 1.4);
+/// # Ok::<(), nearmiss::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hitbox {
+    bounding: Sphere,
+    /// The spheres of a cluster; empty for a single sphere, which is then `bounding` itself.
+    cluster: Vec<Sphere>,
+}
+
+impl Hitbox {
+    /// A point: radius 0.
+    pub const POINT: Self = Self {
+        bounding: Sphere {
+            offset: DVec3::ZERO,
+            radius: 0.0,
+        },
+        cluster: Vec::new(),
+    };
+
+    /// A sphere of this radius (m) around the body's position.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Radius`] if it is negative, NaN, infinite or above 1e300.
+    pub fn sphere(radius: f64) -> Result<Self, Error> {
+        let sphere = Sphere {
+            offset: DVec3::ZERO,
+            radius,
+        };
+        check(0, &sphere)?;
+        Ok(Self {
+            bounding: sphere,
+            cluster: Vec::new(),
+        })
+    }
+
+    /// A cluster of spheres in the body's frame. It translates with the body; it does not turn.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::EmptyCluster`], [`Error::Radius`], [`Error::Offset`].
+    pub fn cluster(spheres: Vec<Sphere>) -> Result<Self, Error> {
+        if spheres.is_empty() {
+            return Err(Error::EmptyCluster);
+        }
+        for (index, sphere) in spheres.iter().enumerate() {
+            check(index, sphere)?;
+        }
+        if let [single] = spheres[..] {
+            return Ok(Self {
+                bounding: single,
+                cluster: Vec::new(),
+            });
+        }
+        Ok(Self {
+            bounding: bounding_sphere(&spheres),
+            cluster: spheres,
+        })
+    }
+
+    /// The spheres, in the order in which they were given.
+    #[must_use]
+    pub fn spheres(&self) -> &[Sphere] {
+        if self.cluster.is_empty() {
+            std::slice::from_ref(&self.bounding)
+        } else {
+            &self.cluster
+        }
+    }
+
+    /// A sphere that contains all others (outward rounded; not the smallest possible).
+    #[must_use]
+    pub const fn bounding(&self) -> Sphere {
+        self.bounding
+    }
+}
+
+impl Default for Hitbox {
+    fn default() -> Self {
+        Self::POINT
+    }
+}
+
+fn check(index: usize, sphere: &Sphere) -> Result<(), Error> {
+    let radius = sphere.radius;
+    if !(0.0..=LARGEST_MAGNITUDE).contains(&radius) {
+        return Err(Error::Radius {
+            sphere: index,
+            radius,
+        });
+    }
+    for value in sphere.offset.to_array() {
+        if value.is_nan() || value.abs() > LARGEST_MAGNITUDE {
+            return Err(Error::Offset {
+                sphere: index,
+                value,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Around the middle of the box of all spheres.
+fn bounding_sphere(spheres: &[Sphere]) -> Sphere {
+    let mut low = DVec3::INFINITY;
+    let mut high = DVec3::NEG_INFINITY;
+    for sphere in spheres {
+        low = low.min(sphere.offset - sphere.radius);
+        high = high.max(sphere.offset + sphere.radius);
+    }
+    let offset = low / 2.0 + high / 2.0;
+    let radius = spheres
+        .iter()
+        .map(|sphere| norm(sphere.offset - offset) + sphere.radius)
+        .fold(0.0, f64::max);
+    Sphere {
+        offset,
+        // The difference, the norm and the sum: 6 roundings of the parts at most.
+        radius: radius * (1.0 + 16.0 * UNIT_ROUNDOFF)
+            + 4.0 * UNIT_ROUNDOFF * norm(offset)
+            + f64::MIN_POSITIVE,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_bounding_sphere_contains_all_spheres() {
+        let spheres = vec![
+            Sphere {
+                offset: DVec3::new(3.0, 0.0, 0.1),
+                radius: 0.2,
+            },
+            Sphere {
+                offset: DVec3::new(-1.0, 2.0, 0.0),
+                radius: 1.5,
+            },
+        ];
+        let bounding = bounding_sphere(&spheres);
+        for sphere in &spheres {
+            let reach = norm(sphere.offset - bounding.offset) + sphere.radius;
+            assert!(reach <= bounding.radius);
+        }
+        assert!(bounding.radius < 4.2);
+    }
+
+    #[test]
+    fn a_cluster_of_one_is_a_sphere() {
+        let sphere = Sphere {
+            offset: DVec3::Y,
+            radius: 1.0,
+        };
+        let hitbox = Hitbox::cluster(vec![sphere]);
+        assert!(hitbox.is_ok_and(|hitbox| hitbox.spheres() == [sphere]));
+    }
+
+    #[test]
+    fn bad_spheres_are_named() {
+        assert!(matches!(
+            Hitbox::sphere(-1.0),
+            Err(Error::Radius { sphere: 0, .. })
+        ));
+        assert!(matches!(Hitbox::cluster(vec![]), Err(Error::EmptyCluster)));
+        let nowhere = Sphere {
+            offset: DVec3::new(0.0, f64::NAN, 0.0),
+            radius: 1.0,
+        };
+        assert!(matches!(
+            Hitbox::cluster(vec![Sphere::default(), nowhere]),
+            Err(Error::Offset { sphere: 1, value }) if value.is_nan()
+        ));
+    }
+}

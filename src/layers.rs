@@ -1,0 +1,45 @@
+//! Which pairs of bodies are looked at: membership and filter masks, and pairs to ignore.
+
+/// Membership and filter bit masks, as in rapier's `InteractionGroups`.
+///
+/// Two bodies are a pair if each is a member of a layer that the other filters for. Checked
+/// before a candidate leaves the broad phase.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Layers {
+    /// The layers that the body belongs to, one bit each.
+    pub membership: u32,
+    /// The layers whose members the body is screened against, one bit each.
+    pub filter: u32,
+}
+
+impl Layers {
+    /// Member of all layers, screened against all: the default.
+    pub const ALL: Self = Self {
+        membership: u32::MAX,
+        filter: u32::MAX,
+    };
+
+    /// Member of none: never part of a pair.
+    pub const NONE: Self = Self {
+        membership: 0,
+        filter: 0,
+    };
+
+    /// Layers from the two masks.
+    #[must_use]
+    pub const fn new(membership: u32, filter: u32) -> Self {
+        Self { membership, filter }
+    }
+
+    /// Whether bodies with these layers are a pair; the same either way round.
+    #[must_use]
+    pub const fn admits(self, other: Self) -> bool {
+        self.membership & other.filter != 0 && other.membership & self.filter != 0
+    }
+}
+
+impl Default for Layers {
+    fn default() -> Self {
+        Self::ALL
+    }
+}

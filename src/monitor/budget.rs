@@ -1,0 +1,48 @@
+//! How much a tick may do.
+
+use std::time::{Duration, Instant};
+
+/// How much work a call of [`Monitor::advance_within`](super::Monitor::advance_within) may do
+/// before it returns with what it has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Budget {
+    /// As much as there is.
+    Unlimited,
+    /// Wall time, looked at between slices: exceeded by at most the work of one slice.
+    Time(Duration),
+    /// Counted work (boxes formed and candidates found): the same on every machine and every run.
+    Work(u64),
+}
+
+/// Watches a budget.
+#[derive(Debug)]
+pub(super) struct Meter {
+    deadline: Option<Instant>,
+    left: Option<u64>,
+    done: u64,
+}
+
+impl Meter {
+    pub(super) fn start(budget: Budget) -> Self {
+        Self {
+            deadline: match budget {
+                Budget::Time(time) => Instant::now().checked_add(time),
+                Budget::Unlimited | Budget::Work(_) => None,
+            },
+            left: match budget {
+                Budget::Work(work) => Some(work),
+                Budget::Unlimited | Budget::Time(_) => None,
+            },
+            done: 0,
+        }
+    }
+
+    pub(super) fn count(&mut self, work: usize) {
+        self.done += work as u64;
+    }
+
+    pub(super) fn is_spent(&self) -> bool {
+        self.left.is_some_and(|left| self.done >= left)
+            || self.deadline.is_some_and(|end| Instant::now() >= end)
+    }
+}

@@ -1,0 +1,335 @@
+//! The state machine: from what is planned, tick by tick, to encounters with a life of their own.
+//!
+//! It is fed, for each alert level, with the plain encounters of the window from where the last
+//! tick's clock stood to the end of what is known. It remembers what has passed: when an encounter
+//! began, and how close it came. Old and new are matched by overlap in time, in order, pair by
+//! pair; what finds no match was withdrawn, or ended by a change.
+
+use super::event::{Encounter, EncounterId, EndReason, Event, EventKind};
+use crate::conflict::ClosestApproach;
+use crate::id::BodyId;
+
+/// Changes smaller than this are not told.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LeastChange {
+    /// Of enter, exit and the time of closest approach, s.
+    pub time: f64,
+    /// Of the least separation, m.
+    pub separation: f64,
+}
+
+/// An encounter as the plans have it now.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plain {
+    pub(super) a: BodyId,
+    pub(super) b: BodyId,
+    /// First instant within the margin; none if only the release margin is kept.
+    pub(super) enter: Option<f64>,
+    /// From when on it is within the release margin.
+    pub(super) start: f64,
+    pub(super) exit: f64,
+    /// The exit is the end of what is known.
+    pub(super) open: bool,
+    /// The exit is the end of a trajectory.
+    pub(super) with_trajectory: bool,
+    pub(super) closest: ClosestApproach,
+    /// The closest up to the clock, where it has begun by then.
+    pub(super) passed: Option<ClosestApproach>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Tracked {
+    now: Encounter,
+    sent: Encounter,
+    begun: bool,
+    with_trajectory: bool,
+    /// The closest so far, once it has begun.
+    passed: Option<ClosestApproach>,
+}
+
+/// The encounters of one alert level.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Encounters {
+    level: usize,
+    /// Sorted by (a, b, enter).
+    tracked: Vec<Tracked>,
+    next: Vec<Tracked>,
+}
+
+/// What a tick knows about time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tick {
+    /// The clock, s.
+    pub(super) now: f64,
+    /// Up to where clock events may be told: the clock, or the end of what is known if sooner.
+    pub(super) told: f64,
+    /// Up to where the last tick told.
+    pub(super) before: f64,
+    /// The end of what is known, s.
+    pub(super) known: f64,
+    pub(super) least_change: LeastChange,
+}
+
+fn lower(x: Option<ClosestApproach>, y: ClosestApproach) -> ClosestApproach {
+    match x {
+        Some(x) if x.separation <= y.separation => x,
+        _ => y,
+    }
+}
+
+impl Encounters {
+    pub(super) fn of_level(level: usize) -> Self {
+        Self {
+            level,
+            ..Self::default()
+        }
+    }
+
+    /// Encounters that have begun and not ended, or lie ahead.
+    pub(super) fn iter(&self) -> impl Iterator<Item = &Encounter> {
+        self.tracked.iter().map(|tracked| &tracked.now)
+    }
+
+    /// One tick: `plain` is sorted by (a, b, start).
+    pub(super) fn update(
+        &mut self,
+        plain: &[Plain],
+        tick: &Tick,
+        next_id: &mut u64,
+        events: &mut Vec<Event>,
+    ) {
+        self.next.clear();
+        let mut old = self.tracked.iter().copied().peekable();
+        let mut new = plain.iter().peekable();
+        loop {
+            let order = match (old.peek(), new.peek()) {
+                (None, None) => break,
+                (Some(_), None) => Match::OldOnly,
+                (None, Some(_)) => Match::NewOnly,
+                (Some(old), Some(new)) => compare(old, new),
+            };
+            match order {
+                Match::OldOnly => {
+                    if let Some(old) = old.next() {
+                        self.next.extend(unmatched(old, tick, events));
+                    }
+                }
+                Match::NewOnly => {
+                    if let Some(new) = new.next() {
+                        self.next
+                            .extend(appear(new, self.level, tick, next_id, events));
+                    }
+                }
+                Match::Both => {
+                    if let (Some(old), Some(new)) = (old.next(), new.next()) {
+                        self.next.extend(go_on(old, new, tick, events));
+                    }
+                }
+            }
+        }
+        std::mem::swap(&mut self.tracked, &mut self.next);
+    }
+
+    /// Ends or withdraws what `gone` says, at the clock.
+    pub(super) fn end(
+        &mut self,
+        now: f64,
+        reason: EndReason,
+        gone: impl Fn(&Encounter) -> bool,
+        events: &mut Vec<Event>,
+    ) {
+        self.tracked.retain(|tracked| {
+            let over = gone(&tracked.now);
+            if over {
+                events.push(over_at(tracked, now, reason));
+            }
+            !over
+        });
+    }
+}
+
+enum Match {
+    OldOnly,
+    NewOnly,
+    Both,
+}
+
+fn compare(old: &Tracked, new: &Plain) -> Match {
+    let (x, y) = ((old.now.a, old.now.b), (new.a, new.b));
+    if x != y {
+        return if x < y {
+            Match::OldOnly
+        } else {
+            Match::NewOnly
+        };
+    }
+    let first_of_new = if old.begun {
+        new.start
+    } else {
+        new.enter.unwrap_or(new.start)
+    };
+    // An open end reaches as far as the new one needs.
+    let old_ends_first = !old.now.open && old.now.exit < first_of_new;
+    if old_ends_first {
+        Match::OldOnly
+    } else if new.exit < old.now.enter {
+        Match::NewOnly
+    } else {
+        Match::Both
+    }
+}
+
+fn over_at(tracked: &Tracked, now: f64, reason: EndReason) -> Event {
+    if tracked.begun {
+        let closest = tracked.passed.unwrap_or(tracked.now.closest);
+        let encounter = Encounter {
+            exit: now,
+            open: false,
+            closest,
+            ..tracked.now
+        };
+        Event {
+            time: now,
+            kind: EventKind::Ended(encounter, reason),
+        }
+    } else {
+        Event {
+            time: now,
+            kind: EventKind::Withdrawn(tracked.now),
+        }
+    }
+}
+
+/// An encounter that the plans no longer have.
+fn unmatched(old: Tracked, tick: &Tick, events: &mut Vec<Event>) -> Option<Tracked> {
+    if !old.begun && old.now.enter > tick.known {
+        // Beyond what is known nothing is said: it waits.
+        return Some(old);
+    }
+    // A change takes effect where the last tick stood: what had been told by then stays.
+    let time = if old.begun { tick.before } else { tick.now };
+    events.push(over_at(&old, time, EndReason::PlanChanged));
+    None
+}
+
+/// A new encounter.
+fn appear(
+    new: &Plain,
+    level: usize,
+    tick: &Tick,
+    next_id: &mut u64,
+    events: &mut Vec<Event>,
+) -> Option<Tracked> {
+    // Within the release margin alone nothing begins.
+    let enter = new.enter?;
+    let encounter = Encounter {
+        id: EncounterId(*next_id),
+        a: new.a,
+        b: new.b,
+        level,
+        enter,
+        exit: new.exit,
+        open: new.open,
+        closest: new.closest,
+    };
+    *next_id += 1;
+    let tracked = Tracked {
+        now: encounter,
+        sent: encounter,
+        begun: false,
+        with_trajectory: new.with_trajectory,
+        passed: None,
+    };
+    if enter > tick.told {
+        events.push(Event {
+            time: tick.now,
+            kind: EventKind::Predicted(encounter),
+        });
+    }
+    clock(tracked, new, tick, events)
+}
+
+/// An encounter that the plans still have.
+fn go_on(old: Tracked, new: &Plain, tick: &Tick, events: &mut Vec<Event>) -> Option<Tracked> {
+    let Some(enter) = new.enter.or(old.begun.then_some(old.now.enter)) else {
+        // Only the release margin is left of one that had not begun.
+        return unmatched(old, tick, events);
+    };
+    let mut tracked = old;
+    tracked.with_trajectory = new.with_trajectory;
+    tracked.now.exit = new.exit;
+    tracked.now.open = new.open;
+    if old.begun {
+        tracked.now.closest = lower(old.passed, new.closest);
+    } else {
+        tracked.now.enter = enter;
+        tracked.now.closest = new.closest;
+    }
+    let revised = differs(&tracked.now, &tracked.sent, &tick.least_change);
+    // What ends in this very tick is told with its last numbers, not revised first.
+    let mut tracked = clock(tracked, new, tick, events)?;
+    if revised {
+        tracked.sent = tracked.now;
+        events.push(Event {
+            time: tick.now,
+            kind: EventKind::Revised(tracked.now),
+        });
+    }
+    Some(tracked)
+}
+
+/// Begins and ends what the clock has passed.
+fn clock(
+    mut tracked: Tracked,
+    new: &Plain,
+    tick: &Tick,
+    events: &mut Vec<Event>,
+) -> Option<Tracked> {
+    if !tracked.begun && tracked.now.enter <= tick.told {
+        tracked.begun = true;
+        events.push(Event {
+            time: tracked.now.enter,
+            kind: EventKind::Began(tracked.now),
+        });
+    }
+    if tracked.begun {
+        if let Some(passed) = new.passed {
+            tracked.passed = Some(lower(tracked.passed, passed));
+        }
+        if !tracked.now.open && tracked.now.exit < tick.told {
+            let reason = if tracked.with_trajectory {
+                EndReason::TrajectoryEnded
+            } else {
+                EndReason::Separated
+            };
+            events.push(Event {
+                time: tracked.now.exit,
+                kind: EventKind::Ended(tracked.now, reason),
+            });
+            return None;
+        }
+    }
+    Some(tracked)
+}
+
+/// Whether the numbers that are known differ by more than the least change. An end that is not
+/// known yet moves with the window, and so may the closest approach at it: no revision.
+fn differs(now: &Encounter, sent: &Encounter, least: &LeastChange) -> bool {
+    let moved = |x: f64, y: f64| (x - y).abs() > least.time;
+    let closest_is_known =
+        |encounter: &Encounter| !(encounter.open && encounter.closest.time >= encounter.exit);
+    let ends = match (now.open, sent.open) {
+        (false, false) => moved(now.exit, sent.exit),
+        (true, true) => false,
+        _ => true,
+    };
+    let closest = match (closest_is_known(now), closest_is_known(sent)) {
+        (true, true) => {
+            moved(now.closest.time, sent.closest.time)
+                || (now.closest.separation - sent.closest.separation).abs() > least.separation
+        }
+        (false, false) => false,
+        _ => true,
+    };
+    moved(now.enter, sent.enter) || ends || closest
+}

@@ -1,0 +1,136 @@
+//! What a monitor tells: encounters and what happens to them.
+
+use crate::conflict::ClosestApproach;
+use crate::id::BodyId;
+use std::cmp::Ordering;
+use std::fmt;
+
+/// Names one encounter of one monitor; never used twice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct EncounterId(pub(super) u64);
+
+impl fmt::Display for EncounterId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "encounter {}", self.0)
+    }
+}
+
+/// A conflict as the monitor follows it over time: one per pair and alert level.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Encounter {
+    /// Stays the same from the first event to the last.
+    pub id: EncounterId,
+    /// The body with the smaller id.
+    pub a: BodyId,
+    /// The body with the larger id.
+    pub b: BodyId,
+    /// Which alert level, counted from 0, the outermost.
+    pub level: usize,
+    /// First instant within the level's margin, s.
+    pub enter: f64,
+    /// Last instant within the level's release margin, s; the end of what is known while `open`.
+    pub exit: f64,
+    /// The end is not known yet: it lies beyond what the monitor has looked at.
+    pub open: bool,
+    /// The least separation, over what has passed and what is planned.
+    pub closest: ClosestApproach,
+}
+
+/// Why an encounter that had begun is over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
+pub enum EndReason {
+    /// The bodies are apart again.
+    Separated,
+    /// One of the trajectories ended.
+    TrajectoryEnded,
+    /// A changed plan, hitbox or filter ended it.
+    PlanChanged,
+    /// One of the bodies was removed.
+    BodyRemoved,
+    /// The monitor was closed.
+    MonitorClosed,
+}
+
+/// What happened.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum EventKind {
+    /// A new encounter lies ahead.
+    Predicted(Encounter),
+    /// Its numbers differ from those last sent by more than the least change.
+    Revised(Encounter),
+    /// It will not take place. Only before it began.
+    Withdrawn(Encounter),
+    /// It has begun.
+    Began(Encounter),
+    /// It is over. Every encounter that began has exactly one of these.
+    Ended(Encounter, EndReason),
+    /// A body's plan ends within the lookahead, and the body with it.
+    PlanEnds(BodyId),
+}
+
+/// Something that happened, and when.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    /// s: the enter of what began, the exit of what ended, the end of the plan that ends; else the
+    /// monitor's clock.
+    pub time: f64,
+    /// What.
+    pub kind: EventKind,
+}
+
+impl EventKind {
+    /// The encounter it speaks of, if any.
+    #[must_use]
+    pub const fn encounter(&self) -> Option<&Encounter> {
+        match self {
+            Self::Predicted(encounter)
+            | Self::Revised(encounter)
+            | Self::Withdrawn(encounter)
+            | Self::Began(encounter)
+            | Self::Ended(encounter, _) => Some(encounter),
+            Self::PlanEnds(_) => None,
+        }
+    }
+
+    fn rank(&self) -> u8 {
+        match self {
+            Self::Predicted(_) => 0,
+            Self::Revised(_) => 1,
+            Self::Withdrawn(_) => 2,
+            Self::Began(_) => 3,
+            Self::Ended(..) => 4,
+            Self::PlanEnds(_) => 5,
+        }
+    }
+}
+
+impl Event {
+    /// The order in which events are told: by time, kind, a, b, level.
+    #[must_use]
+    pub fn order(&self, other: &Self) -> Ordering {
+        let place = |event: &Self| match event.kind {
+            EventKind::PlanEnds(body) => (body, body, 0, EncounterId(0)),
+            _ => event.kind.encounter().map_or(
+                (
+                    BodyId {
+                        slot: 0,
+                        generation: 0,
+                    },
+                    BodyId {
+                        slot: 0,
+                        generation: 0,
+                    },
+                    0,
+                    EncounterId(0),
+                ),
+                |encounter| (encounter.a, encounter.b, encounter.level, encounter.id),
+            ),
+        };
+        self.time
+            .total_cmp(&other.time)
+            .then_with(|| self.kind.rank().cmp(&other.kind.rank()))
+            .then_with(|| place(self).cmp(&place(other)))
+    }
+}

@@ -1,0 +1,486 @@
+//! What lies ahead: every span in which a pair may come within the largest margin, solved once.
+//!
+//! The lookahead is cut into slices on a fixed grid of time. A slice knows the boxes of all bodies
+//! in it, and which bodies have changed since they were compared. Catching up goes through the
+//! slices in the order of time, so that what is known is always complete up to some instant.
+
+use super::boxes::Boxes;
+use super::budget::Meter;
+use crate::bounds::{Frame, Hull, Inflation, Part};
+use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter};
+use crate::error::Error;
+use crate::hitbox::Sphere;
+use crate::narrow_phase::{Contact, Party, Solved, contacts, contacts_of, may_touch, solve};
+use crate::spans::{Span, common_domain, spans};
+use crate::stats::Stats;
+use crate::trajectory::{Pieces, Trajectory};
+use crate::window::Window;
+use parry3d::bounding_volume::BoundingVolume;
+use std::collections::VecDeque;
+use std::time::Instant;
+
+/// A body as the outlook sees it; its place is its slot in the scene.
+#[derive(Clone, Debug)]
+pub(super) struct Flight {
+    pub(super) spheres: Vec<Sphere>,
+    bounding: Sphere,
+    inflation: Inflation,
+    trajectory: Trajectory,
+    /// Pieces beyond the knots, where the body exists there: they begin with the monitor's window
+    /// at the time the plan was set, so that their numbers stay as the window's end moves on.
+    beyond: Option<Pieces<'static>>,
+    begin: f64,
+}
+
+impl Flight {
+    pub(super) fn party(&self) -> Party<'_> {
+        let (knots, segments) = match &self.beyond {
+            Some(pieces) => (&pieces.knots[..], &pieces.segments[..]),
+            None => (self.trajectory.knots(), self.trajectory.segments()),
+        };
+        Party {
+            knots,
+            segments,
+            spheres: &self.spheres,
+            bounding: self.bounding,
+        }
+    }
+}
+
+/// A pair's span that was found to matter, and its solution for one pair of spheres.
+#[derive(Clone, Copy, Debug)]
+struct Find {
+    key: Key,
+    solved: Solved,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Key {
+    a: u32,
+    b: u32,
+    span_a: u32,
+    span_b: u32,
+}
+
+/// The solved spans of one pair.
+#[derive(Debug)]
+pub(super) struct Group<'o> {
+    finds: &'o [Find],
+}
+
+impl Group<'_> {
+    /// All contacts within `margin` in `clip`, in the order of time; replaces what `found` held.
+    pub(super) fn contacts(&self, margin: f64, clip: (f64, f64), found: &mut Vec<Contact>) {
+        found.clear();
+        let solved = self.finds.iter().map(|find| &find.solved);
+        contacts_of(solved, margin, clip, found);
+    }
+}
+
+#[derive(Clone, Debug, Default)]
+struct Slice {
+    index: i64,
+    boxes: Boxes,
+    /// All boxes are there and were compared with each other, but for the changed bodies'.
+    built: bool,
+    /// Bodies that changed since.
+    changed: Vec<u32>,
+}
+
+/// See the module.
+#[derive(Debug)]
+pub(super) struct Outlook<B> {
+    flights: Vec<Option<Flight>>,
+    margin: f64,
+    frame: Frame,
+    origin: f64,
+    length: f64,
+    slices: VecDeque<Slice>,
+    spare: Vec<Slice>,
+    /// Sorted by key.
+    finds: Vec<Find>,
+    merged: Vec<Find>,
+    method: B,
+    listed: Vec<BodyBox>,
+    candidates: Vec<Candidate>,
+    survivors: Vec<(Key, Span)>,
+}
+
+impl<B: BroadPhase> Outlook<B> {
+    /// An outlook for pairs within `margin` (m) on a grid of slices of `length` s from `origin`.
+    pub(super) fn new(margin: f64, frame: Frame, origin: f64, length: f64) -> Self {
+        Self {
+            flights: Vec::new(),
+            margin,
+            frame,
+            origin,
+            length,
+            slices: VecDeque::new(),
+            spare: Vec::new(),
+            finds: Vec::new(),
+            merged: Vec::new(),
+            method: B::default(),
+            listed: Vec::new(),
+            candidates: Vec::new(),
+            survivors: Vec::new(),
+        }
+    }
+
+    pub(super) fn flight(&self, slot: u32) -> Option<&Flight> {
+        self.flights.get(slot as usize)?.as_ref()
+    }
+
+    /// What a body's plan means over `window`, without changing anything.
+    pub(super) fn prepare(
+        &self,
+        trajectory: &Trajectory,
+        spheres: &[Sphere],
+        bounding: Sphere,
+        window: Window,
+    ) -> Result<Flight, Error> {
+        let pieces = trajectory.pieces(window)?;
+        let own = pieces.segments.len() == trajectory.segments().len();
+        let beyond = (!own || trajectory.segments().is_empty()).then(|| pieces.into_owned());
+        Ok(Flight {
+            spheres: spheres.to_vec(),
+            bounding,
+            inflation: Inflation::of(spheres, self.margin),
+            trajectory: trajectory.clone(),
+            beyond,
+            begin: window.start(),
+        })
+    }
+
+    /// Puts a body's new state of affairs in place (none: it is gone). What was found of it is
+    /// forgotten, and looked for again.
+    pub(super) fn set(&mut self, slot: u32, flight: Option<Flight>) {
+        let place = slot as usize;
+        if self.flights.len() <= place {
+            self.flights.resize(place + 1, None);
+        }
+        self.flights[place] = flight;
+        self.forget(slot);
+    }
+
+    /// Looks for a body's pairs anew: its filter changed.
+    pub(super) fn forget(&mut self, slot: u32) {
+        self.finds
+            .retain(|find| find.key.a != slot && find.key.b != slot);
+        for slice in &mut self.slices {
+            if slice.built && !slice.changed.contains(&slot) {
+                slice.changed.push(slot);
+            }
+        }
+    }
+
+    /// How far plans must be laid out for a lookahead that ends at `end`: to the end of its last
+    /// slice, since a slice is compared as a whole.
+    pub(super) fn laid_out(&self, end: f64) -> f64 {
+        end + self.length
+    }
+
+    /// Extends plans that go on beyond their knots so that they cover a lookahead until `end`.
+    pub(super) fn extend_beyond(&mut self, end: f64) -> Result<(), (u32, Error)> {
+        let end = self.laid_out(end);
+        for (slot, flight) in (0..).zip(&mut self.flights) {
+            let Some(flight) = flight else { continue };
+            let endless = flight.trajectory.domain() == Window::ALL;
+            let covered = flight.party().knots.last().copied();
+            if endless && covered.is_none_or(|covered| covered < end) {
+                let window = Window::new(flight.begin, end).map_err(|error| (slot, error))?;
+                let pieces = flight.trajectory.pieces(window);
+                flight.beyond = Some(pieces.map_err(|error| (slot, error))?.into_owned());
+            }
+        }
+        Ok(())
+    }
+
+    /// Brings the slices from `from` to `to` up to date, soonest first, as far as the meter lets.
+    /// Returns the instant up to which everything is known.
+    pub(super) fn catch_up<F: PairFilter>(
+        &mut self,
+        (from, to): (f64, f64),
+        filter: &F,
+        meter: &mut Meter,
+        stats: &mut Stats,
+    ) -> f64 {
+        self.drop_before(from);
+        let mut index = self.index(from);
+        let mut known = from;
+        for place in 0.. {
+            if self.start(index) > to {
+                break;
+            }
+            if place == self.slices.len() {
+                let mut slice = self.spare.pop().unwrap_or_default();
+                slice.index = index;
+                slice.built = false;
+                slice.changed.clear();
+                self.slices.push_back(slice);
+            }
+            let fresh = {
+                let slice = &self.slices[place];
+                slice.built && slice.changed.is_empty()
+            };
+            if !fresh {
+                if meter.is_spent() {
+                    self.settle(from, stats);
+                    return known.min(to);
+                }
+                self.refresh(place, filter, meter, stats);
+            }
+            index += 1;
+            known = self.start(index);
+        }
+        self.settle(from, stats);
+        to
+    }
+
+    /// Compares what has not been compared in one slice.
+    fn refresh<F: PairFilter>(
+        &mut self,
+        place: usize,
+        filter: &F,
+        meter: &mut Meter,
+        stats: &mut Stats,
+    ) {
+        let begin = Instant::now();
+        let interval = self.interval(self.slices[place].index);
+        let slice = &mut self.slices[place];
+        self.candidates.clear();
+        let frame = &self.frame;
+        let box_of = |body: u32, flight: &Option<Flight>| {
+            let flight = flight.as_ref()?;
+            Some(box_of(flight, body, interval, frame)?.aabb)
+        };
+        if slice.built {
+            for &body in &slice.changed {
+                let aabb = box_of(body, &self.flights[body as usize]);
+                slice.boxes.set(body, aabb);
+                stats.boxes += 1;
+            }
+            for &body in &slice.changed {
+                let Some(aabb) = box_of(body, &self.flights[body as usize]) else {
+                    continue;
+                };
+                slice.boxes.meeting(&aabb, |other| {
+                    if other != body && filter.admits(body, other) {
+                        self.candidates.push(Candidate::new(body, other));
+                    }
+                });
+            }
+            meter.count(slice.changed.len() * (1 + self.flights.len() / 64));
+        } else {
+            slice.boxes.clear(self.flights.len());
+            for (body, flight) in (0..).zip(&self.flights) {
+                slice.boxes.set(body, box_of(body, flight));
+            }
+            slice.boxes.list(&mut self.listed);
+            self.method
+                .pairs(&self.listed, filter, &mut self.candidates);
+            stats.boxes += self.listed.len() as u64;
+            stats.slices += 1;
+            meter.count(self.listed.len());
+        }
+        slice.built = true;
+        slice.changed.clear();
+        stats.candidates += self.candidates.len() as u64;
+        meter.count(self.candidates.len());
+        let found = Instant::now();
+        stats.broad_time += found - begin;
+        self.sift(interval, stats);
+        stats.narrow_time += found.elapsed();
+    }
+
+    /// Keeps the spans of the candidates that cheap tests cannot rule out.
+    fn sift(&mut self, interval: (f64, f64), stats: &mut Stats) {
+        for candidate in &self.candidates {
+            let flights =
+                [candidate.a, candidate.b].map(|slot| self.flights[slot as usize].as_ref());
+            let [Some(a), Some(b)] = flights else {
+                continue;
+            };
+            let (a, b) = (a.party(), b.party());
+            for span in spans(a.knots, b.knots, interval.0, interval.1) {
+                stats.spans += 1;
+                if may_touch(&a, &b, span, self.margin, interval) {
+                    let key = Key {
+                        a: candidate.a,
+                        b: candidate.b,
+                        span_a: span.a,
+                        span_b: span.b,
+                    };
+                    self.survivors.push((key, span));
+                }
+            }
+        }
+    }
+
+    /// Solves the survivors that are new, and forgets what is past.
+    fn settle(&mut self, from: f64, stats: &mut Stats) {
+        let begin = Instant::now();
+        self.finds.retain(|find| find.solved.span().end >= from);
+        self.survivors.sort_unstable_by_key(|(key, _)| *key);
+        self.survivors.dedup_by_key(|(key, _)| *key);
+        if self.survivors.is_empty() {
+            return;
+        }
+        self.merged.clear();
+        let mut old = self.finds.iter().peekable();
+        for &(key, span) in &self.survivors {
+            while let Some(find) = old.next_if(|find| find.key < key) {
+                self.merged.push(*find);
+            }
+            if old.peek().is_some_and(|find| find.key == key) {
+                continue;
+            }
+            let flights = [key.a, key.b].map(|slot| self.flights[slot as usize].as_ref());
+            let [Some(a), Some(b)] = flights else {
+                continue;
+            };
+            stats.survivors += 1;
+            solve(&a.party(), &b.party(), span, self.margin, |solved| {
+                self.merged.push(Find { key, solved });
+            });
+        }
+        self.merged.extend(old.copied());
+        std::mem::swap(&mut self.finds, &mut self.merged);
+        self.survivors.clear();
+        stats.narrow_time += begin.elapsed();
+    }
+
+    /// Calls `visit` with each pair that may have contacts in `from..=to`: slots, the clip, and
+    /// its solved spans.
+    pub(super) fn each_pair(
+        &self,
+        (from, to): (f64, f64),
+        mut visit: impl FnMut((u32, u32), (f64, f64), &Group<'_>),
+    ) {
+        for finds in self
+            .finds
+            .chunk_by(|x, y| (x.key.a, x.key.b) == (y.key.a, y.key.b))
+        {
+            let pair = (finds[0].key.a, finds[0].key.b);
+            if let Some(clip) = self.clip(pair, (from, to)) {
+                visit(pair, clip, &Group { finds });
+            }
+        }
+    }
+
+    /// When both bodies of a pair exist.
+    pub(super) fn domain(&self, (a, b): (u32, u32)) -> Option<(f64, f64)> {
+        common_domain(self.flight(a)?.party().knots, self.flight(b)?.party().knots)
+    }
+
+    /// Contacts of one plan that is not in place with all others, within `from..=to`.
+    pub(super) fn contacts_with<F: PairFilter>(
+        &self,
+        slot: u32,
+        plan: &Flight,
+        margin: f64,
+        (from, to): (f64, f64),
+        filter: &F,
+        mut visit: impl FnMut(u32, (f64, f64), &Party<'_>, &Contact),
+    ) {
+        let own = plan.party();
+        let whole = box_of(plan, slot, (from, to), &self.frame);
+        let mut found = Vec::new();
+        for (other, flight) in (0..).zip(&self.flights) {
+            let Some(flight) = flight.as_ref().filter(|_| other != slot) else {
+                continue;
+            };
+            if !filter.admits(slot.min(other), slot.max(other)) {
+                continue;
+            }
+            let theirs = box_of(flight, other, (from, to), &self.frame);
+            let meet = whole
+                .zip(theirs)
+                .is_some_and(|(x, y)| x.aabb.intersects(&y.aabb));
+            let party = flight.party();
+            // The smaller slot is a: the same order, and so the same bits, as everywhere.
+            let (a, b) = if slot < other {
+                (&own, &party)
+            } else {
+                (&party, &own)
+            };
+            let domain = common_domain(a.knots, b.knots);
+            let Some((start, end)) = domain.filter(|_| meet) else {
+                continue;
+            };
+            let clip = (start.max(from), end.min(to));
+            if clip.0 > clip.1 {
+                continue;
+            }
+            let near = spans(a.knots, b.knots, clip.0, clip.1)
+                .filter(|&span| may_touch(a, b, span, margin, clip));
+            found.clear();
+            contacts(a, b, near, margin, clip, &mut found);
+            for contact in &found {
+                visit(other, clip, &party, contact);
+            }
+        }
+    }
+
+    fn clip(&self, pair: (u32, u32), (from, to): (f64, f64)) -> Option<(f64, f64)> {
+        let (start, end) = self.domain(pair)?;
+        let (start, end) = (start.max(from), end.min(to));
+        (start <= end).then_some((start, end))
+    }
+
+    fn drop_before(&mut self, from: f64) {
+        let first = self.index(from);
+        while self.slices.front().is_some_and(|slice| slice.index < first) {
+            self.spare.extend(self.slices.pop_front());
+        }
+    }
+
+    fn interval(&self, index: i64) -> (f64, f64) {
+        (self.start(index), self.start(index + 1))
+    }
+
+    #[allow(
+        clippy::cast_precision_loss,
+        reason = "a slice's number is far below 2^53"
+    )]
+    fn start(&self, index: i64) -> f64 {
+        self.origin + self.length * index as f64
+    }
+
+    /// The slice that `time` lies in; on a cut, the one before it, since slices are closed.
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "saturates; a lookahead of 2^63 slices is refused by `Monitor`"
+    )]
+    fn index(&self, time: f64) -> i64 {
+        let mut index = ((time - self.origin) / self.length).floor() as i64;
+        while self.start(index) >= time {
+            index -= 1;
+        }
+        index
+    }
+}
+
+/// A body's box over an interval, if it exists in it.
+fn box_of(flight: &Flight, body: u32, (from, to): (f64, f64), frame: &Frame) -> Option<BodyBox> {
+    let party = flight.party();
+    let (&first, &last) = (party.knots.first()?, party.knots.last()?);
+    if first > to || last < from {
+        return None;
+    }
+    let mut hull = Hull::EMPTY;
+    let begin = party.knots.partition_point(|&knot| knot < from).max(1) - 1;
+    for (ends, segment) in party.knots[begin..]
+        .windows(2)
+        .zip(&party.segments[begin..])
+    {
+        if ends[0] > to {
+            break;
+        }
+        let part = (ends[0].max(from), ends[1].min(to));
+        hull.include(&Part::of(segment, part, frame));
+    }
+    Some(BodyBox {
+        aabb: hull.inflated(&flight.inflation, frame),
+        body,
+    })
+}

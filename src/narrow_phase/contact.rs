@@ -1,0 +1,263 @@
+//! Contacts and closest approach of one pair, over all its spans and all its spheres.
+
+use super::filter::{certainly_beyond, segments_apart};
+use super::relative::{RelativeCubic, filter_threshold, local_scale, relative_points};
+use super::stretches::{Instant, Profile};
+use super::{Party, contact_radius};
+use crate::spans::Span;
+use glam::DVec3;
+
+/// The closest instant of a pair, with what is needed to describe it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Approach {
+    pub(crate) time: f64,
+    /// Between the surfaces of the two spheres, m.
+    pub(crate) separation: f64,
+    /// Rounding of a constant distance, m; else 0.
+    plateau: f64,
+    pub(crate) sphere_a: u32,
+    pub(crate) sphere_b: u32,
+    pub(crate) span: Span,
+}
+
+/// A maximal interval in which a pair is within the margin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Contact {
+    pub(crate) enter: f64,
+    pub(crate) exit: f64,
+    pub(crate) closest: Approach,
+}
+
+impl Approach {
+    /// The earlier and the later of two approaches as instants; the lower one.
+    fn or_lower(self, other: Self) -> Self {
+        let (first, second) = if other.time < self.time {
+            (other, self)
+        } else {
+            (self, other)
+        };
+        let tie = first.plateau.min(second.plateau);
+        if second.separation < first.separation - tie {
+            second
+        } else {
+            first
+        }
+    }
+
+    /// Positions of both bodies (m) and the velocity of a relative to b (m/s) at this instant.
+    pub(crate) fn kinematics(&self, a: &Party<'_>, b: &Party<'_>) -> (DVec3, DVec3, DVec3) {
+        let (position_a, velocity_a, _) = a.segments[self.span.a as usize].motion_at(self.time);
+        let (position_b, velocity_b, _) = b.segments[self.span.b as usize].motion_at(self.time);
+        (position_a, position_b, velocity_a - velocity_b)
+    }
+}
+
+/// One sphere of each body over one span.
+#[derive(Clone, Copy, Debug)]
+struct SpherePair {
+    a: u32,
+    b: u32,
+    radius_a: f64,
+    radius_b: f64,
+    cubic: RelativeCubic,
+    scale: f64,
+}
+
+impl SpherePair {
+    fn approach(&self, span: Span, instant: Instant) -> Approach {
+        Approach {
+            time: instant.time,
+            separation: instant.distance - (self.radius_a + self.radius_b),
+            plateau: instant.plateau,
+            sphere_a: self.a,
+            sphere_b: self.b,
+            span,
+        }
+    }
+
+    /// Whether cheap tests show that the separation stays above `margin` all along the span.
+    fn is_beyond(&self, margin: f64) -> bool {
+        let radius = contact_radius(self.radius_a, self.radius_b, margin);
+        // Below zero no distance is small enough, whatever the rounding.
+        radius < 0.0 || certainly_beyond(&self.cubic.points, filter_threshold(radius, self.scale))
+    }
+}
+
+/// Two spheres over one span, solved: their contacts at any margin and in any window follow from
+/// it without another root.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Solved {
+    span: Span,
+    pair: SpherePair,
+    profile: Profile,
+}
+
+impl Solved {
+    pub(crate) const fn span(&self) -> Span {
+        self.span
+    }
+
+    /// Appends the contacts of these two spheres within `margin`, clipped to `clip`.
+    fn contacts(&self, margin: f64, clip: (f64, f64), found: &mut Vec<Contact>) {
+        let pair = &self.pair;
+        let radius = contact_radius(pair.radius_a, pair.radius_b, margin);
+        if radius < 0.0 {
+            return;
+        }
+        self.profile
+            .stretches(&pair.cubic, radius, clip, |stretch| {
+                found.push(Contact {
+                    enter: stretch.enter,
+                    exit: stretch.exit,
+                    closest: pair.approach(self.span, stretch.closest),
+                });
+            });
+    }
+}
+
+/// Calls `visit` with each pair of spheres over a span.
+fn each_sphere_pair(a: &Party<'_>, b: &Party<'_>, span: Span, mut visit: impl FnMut(&SpherePair)) {
+    let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
+    let interval = (span.start, span.end);
+    for (index_a, sphere_a) in (0..).zip(a.spheres) {
+        for (index_b, sphere_b) in (0..).zip(b.spheres) {
+            let offset = sphere_a.offset - sphere_b.offset;
+            visit(&SpherePair {
+                a: index_a,
+                b: index_b,
+                radius_a: sphere_a.radius,
+                radius_b: sphere_b.radius,
+                cubic: RelativeCubic::between(segment_a, segment_b, interval, offset),
+                scale: local_scale(segment_a, segment_b, interval, offset),
+            });
+        }
+    }
+}
+
+/// Whether the bounding spheres of a pair come within the margin in a span, as far as cheap tests
+/// can tell, looking at `from..=to` only.
+pub(crate) fn may_touch(
+    a: &Party<'_>,
+    b: &Party<'_>,
+    span: Span,
+    margin: f64,
+    (from, to): (f64, f64),
+) -> bool {
+    let radius = contact_radius(a.bounding.radius, b.bounding.radius, margin);
+    if radius < 0.0 {
+        return false;
+    }
+    let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
+    let offset = a.bounding.offset - b.bounding.offset;
+    let whole = (span.start, span.end);
+    let threshold = filter_threshold(radius, local_scale(segment_a, segment_b, whole, offset));
+    let within_knots =
+        segment_a.covers(span.start, span.end) && segment_b.covers(span.start, span.end);
+    if within_knots && segments_apart(segment_a, segment_b, offset, threshold) {
+        return false;
+    }
+    let part = (span.start.max(from), span.end.min(to));
+    let points = relative_points(segment_a, segment_b, part, offset);
+    !certainly_beyond(&points, threshold)
+}
+
+/// Solves each pair of spheres over a span that may come within `margin`.
+pub(crate) fn solve(
+    a: &Party<'_>,
+    b: &Party<'_>,
+    span: Span,
+    margin: f64,
+    mut solved: impl FnMut(Solved),
+) {
+    each_sphere_pair(a, b, span, |pair| {
+        if !pair.is_beyond(margin) {
+            solved(Solved {
+                span,
+                pair: *pair,
+                profile: Profile::of(&pair.cubic),
+            });
+        }
+    });
+}
+
+/// All maximal intervals of `clip` in which the separation is at most `margin`, found in `spans`
+/// (those not given are known to be free of contact), in the order of time.
+///
+/// Appends to `found`.
+pub(crate) fn contacts(
+    a: &Party<'_>,
+    b: &Party<'_>,
+    spans: impl Iterator<Item = Span>,
+    margin: f64,
+    clip: (f64, f64),
+    found: &mut Vec<Contact>,
+) {
+    let first = found.len();
+    for span in spans {
+        solve(a, b, span, margin, |solved| {
+            solved.contacts(margin, clip, found);
+        });
+    }
+    join(found, first);
+}
+
+/// The same from spans of one pair that were solved at this margin or a larger one.
+pub(crate) fn contacts_of<'s>(
+    solved: impl Iterator<Item = &'s Solved>,
+    margin: f64,
+    clip: (f64, f64),
+    found: &mut Vec<Contact>,
+) {
+    let first = found.len();
+    for solved in solved {
+        solved.contacts(margin, clip, found);
+    }
+    join(found, first);
+}
+
+/// Joins the contacts from `first` on that overlap or meet: across spans and across spheres.
+fn join(contacts: &mut Vec<Contact>, first: usize) {
+    contacts[first..].sort_unstable_by(|x, y| {
+        x.enter
+            .total_cmp(&y.enter)
+            .then(x.exit.total_cmp(&y.exit))
+            .then(x.closest.sphere_a.cmp(&y.closest.sphere_a))
+            .then(x.closest.sphere_b.cmp(&y.closest.sphere_b))
+    });
+    let mut last = first;
+    for next in first + 1..contacts.len() {
+        let contact = contacts[next];
+        if contact.enter <= contacts[last].exit {
+            let joined = &mut contacts[last];
+            joined.exit = joined.exit.max(contact.exit);
+            joined.closest = joined.closest.or_lower(contact.closest);
+        } else {
+            last += 1;
+            contacts[last] = contact;
+        }
+    }
+    contacts.truncate(contacts.len().min(last + 1));
+}
+
+/// The least separation over `spans` within `clip`, the earliest where it is reached often; none
+/// without a span.
+pub(crate) fn closest_approach(
+    a: &Party<'_>,
+    b: &Party<'_>,
+    spans: impl Iterator<Item = Span>,
+    (from, to): (f64, f64),
+) -> Option<Approach> {
+    let mut closest: Option<Approach> = None;
+    for span in spans {
+        each_sphere_pair(a, b, span, |pair| {
+            if closest.is_some_and(|best| pair.is_beyond(best.separation)) {
+                return;
+            }
+            let profile = Profile::of(&pair.cubic);
+            let instant = profile.closest(&pair.cubic, from, to);
+            let approach = pair.approach(span, instant);
+            closest = Some(closest.map_or(approach, |best| best.or_lower(approach)));
+        });
+    }
+    closest
+}

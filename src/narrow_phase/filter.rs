@@ -1,0 +1,141 @@
+//! Cheap tests that may only reject what is certainly apart.
+//!
+//! Each looks at the Bézier hull of the relative motion over a span or a part of one. What they
+//! let through goes to the exact solver; see [`CLEARANCE`](crate::rounding::CLEARANCE) for why
+//! they never reject what the solver would report.
+
+use crate::rounding::{UNIT_ROUNDOFF, norm, normalising_power};
+use crate::trajectory::Segment;
+use glam::DVec3;
+
+/// Whether the two bodies stay farther apart than `threshold` (m) all along the cubic with these
+/// Bézier points.
+///
+/// `threshold` is that of [`filter_threshold`](super::relative::filter_threshold).
+pub(crate) fn certainly_beyond(points: &[DVec3; 4], threshold: f64) -> bool {
+    let [p0, p1, p2, p3] = *points;
+    let low = p0.min(p1).min(p2.min(p3));
+    let high = p0.max(p1).max(p2.max(p3));
+    beyond_on_an_axis(low, high, threshold)
+        || beyond_in_a_direction(points, threshold)
+        || beyond_by_coefficients(points, low.abs().max(high.abs()), threshold)
+}
+
+/// Whether the boxes around the whole of two segments are farther apart than `threshold` on some
+/// axis: nothing is restricted to a common interval. Both must be used within their own knots.
+pub(crate) fn segments_apart(a: &Segment, b: &Segment, offset: DVec3, threshold: f64) -> bool {
+    let hull = |segment: &Segment| {
+        let [_, p1, p2, p3] = segment.control();
+        let low = p1.min(p2).min(p3).min(DVec3::ZERO);
+        let high = p1.max(p2).max(p3).max(DVec3::ZERO);
+        (low, high)
+    };
+    let apart = (a.origin() - b.origin()) + offset;
+    let ((low_a, high_a), (low_b, high_b)) = (hull(a), hull(b));
+    beyond_on_an_axis(
+        apart + (low_a - high_b),
+        apart + (high_a - low_b),
+        threshold,
+    )
+}
+
+/// The box `low..=high` lies beyond the threshold on one axis.
+fn beyond_on_an_axis(low: DVec3, high: DVec3, threshold: f64) -> bool {
+    low.max_element() > threshold || high.min_element() < -threshold
+}
+
+/// All control points lie beyond the threshold in the direction of their sum.
+fn beyond_in_a_direction(points: &[DVec3; 4], threshold: f64) -> bool {
+    let sum = (points[0] + points[3]) + (points[1] + points[2]);
+    let length = norm(sum);
+    if length <= 0.0 || !length.is_finite() {
+        return false;
+    }
+    // The unit vector is good to a few roundings, which the threshold's clearance covers.
+    let direction = sum / length;
+    points.iter().all(|point| point.dot(direction) > threshold)
+}
+
+/// The smallest Bernstein coefficient of the squared distance lies beyond the squared threshold.
+fn beyond_by_coefficients(points: &[DVec3; 4], largest: DVec3, threshold: f64) -> bool {
+    let power = normalising_power(largest.max_element());
+    let coefficients = squared_distance(points.map(|point| point * power));
+    let least = coefficients.iter().copied().fold(f64::INFINITY, f64::min);
+    // No scaled component reaches 2, no scaled square 12. 7 roundings of it for the coefficients
+    // (numerics, section 5), 16 of the threshold's square.
+    let radius = threshold * power;
+    least > radius * radius * (1.0 + 16.0 * UNIT_ROUNDOFF) + 128.0 * UNIT_ROUNDOFF
+}
+
+/// Bernstein coefficients of the squared distance, degree 6, from the control points.
+fn squared_distance(h: [DVec3; 4]) -> [f64; 7] {
+    [
+        h[0].dot(h[0]),
+        h[0].dot(h[1]),
+        (2.0 * h[0].dot(h[2]) + 3.0 * h[1].dot(h[1])) * 0.2,
+        (h[0].dot(h[3]) + 9.0 * h[1].dot(h[2])) * 0.1,
+        (2.0 * h[1].dot(h[3]) + 3.0 * h[2].dot(h[2])) * 0.2,
+        h[2].dot(h[3]),
+        h[3].dot(h[3]),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::narrow_phase::relative::{RelativeCubic, filter_threshold, local_scale};
+    use crate::narrow_phase::stretches::Profile;
+    use crate::trajectory::{State, Trajectory};
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// A segment of a random size somewhere, over -1..2 s.
+    fn segment(rng: &mut ChaCha8Rng) -> Trajectory {
+        let far = 10f64.powf(rng.random_range(-3.0..6.0));
+        let size = 10f64.powf(rng.random_range(-3.0..3.0));
+        let mut vector =
+            |half: f64| DVec3::from_array([0; 3].map(|_| rng.random_range(-half..half)));
+        let base = vector(far);
+        let states = [-1.0, 2.0].map(|time| State::new(time, base + vector(size), vector(size)));
+        Trajectory::from_states(&states).unwrap_or_else(|error| unreachable!("{error}"))
+    }
+
+    /// What the solver reports at a threshold within a few roundings of the minimum, no filter
+    /// rejects, on the whole span or on any part of it that holds the contact.
+    #[test]
+    fn filters_never_reject_what_the_solver_reports() {
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let (mut reported, mut rejected) = (0, 0);
+        for _ in 0..20_000 {
+            let (a, b) = (segment(&mut rng), segment(&mut rng));
+            let (a, b) = (&a.segments()[0], &b.segments()[0]);
+            let whole = (0.25, 1.75);
+            let cubic = RelativeCubic::between(a, b, whole, DVec3::ZERO);
+            let scale = local_scale(a, b, whole, DVec3::ZERO);
+            let profile = Profile::of(&cubic);
+            let least = profile.closest(&cubic, whole.0, whole.1);
+            let off = rng.random_range(-2.0..2.0) * cubic.tolerance();
+            let radius = (least.distance + off).max(0.0);
+            let threshold = filter_threshold(radius, scale);
+            let mut contacts = Vec::new();
+            profile.stretches(&cubic, radius, whole, |found| contacts.push(found));
+            if contacts.is_empty() {
+                continue;
+            }
+            reported += 1;
+            assert!(!certainly_beyond(&cubic.points, threshold));
+            assert!(!segments_apart(a, b, DVec3::ZERO, threshold));
+            for contact in contacts {
+                let from = contact.enter - rng.random_range(0.0..0.2) * (contact.enter - whole.0);
+                let to = contact.exit + rng.random_range(0.0..0.2) * (whole.1 - contact.exit);
+                let part = RelativeCubic::between(a, b, (from, to), DVec3::ZERO);
+                assert!(!certainly_beyond(&part.points, threshold), "{contact:?}");
+            }
+            // The filters do reject: a radius of half the least distance, mostly.
+            let half = filter_threshold(0.5 * radius, scale);
+            rejected += u32::from(certainly_beyond(&cubic.points, half));
+        }
+        assert!(reported > 10_000, "{reported}");
+        assert!(rejected > 5_000, "{rejected}");
+    }
+}

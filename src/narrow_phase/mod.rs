@@ -1,0 +1,55 @@
+//! The exact solver: closest approach and contacts of one pair.
+//!
+//! Works on [`Party`]s (a body's cubics and spheres) span by span. The flow within a span:
+//! [`relative`] cubic, [`filter`], [`stationary`] points, [`stretches`], joined across spans and
+//! spheres by [`contact`].
+
+mod contact;
+mod filter;
+mod relative;
+mod stationary;
+mod stretches;
+
+pub(crate) use contact::{
+    Approach, Contact, Solved, closest_approach, contacts, contacts_of, may_touch, solve,
+};
+
+use crate::hitbox::Sphere;
+use crate::trajectory::Segment;
+
+/// What the narrow phase needs to know of a body.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Party<'a> {
+    /// One more than segments; `knots[k]..knots[k + 1]` is the interval of `segments[k]`.
+    pub(crate) knots: &'a [f64],
+    pub(crate) segments: &'a [Segment],
+    pub(crate) spheres: &'a [Sphere],
+    pub(crate) bounding: Sphere,
+}
+
+/// The centre distance at which two spheres have the separation `margin`: the exact sum of the
+/// three numbers, rounded once (m). Negative: no distance is small enough.
+pub(crate) fn contact_radius(a: f64, b: f64, margin: f64) -> f64 {
+    let (radii, lost_radii) = two_sum(a, b);
+    let (sum, lost_sum) = two_sum(radii, margin);
+    sum + (lost_radii + lost_sum)
+}
+
+/// Knuth's exact sum: the rounded sum and what the rounding lost.
+fn two_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    let shadow = sum - a;
+    (sum, (a - (sum - shadow)) + (b - shadow))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::contact_radius;
+
+    #[test]
+    fn the_radius_is_the_rounded_exact_sum() {
+        assert!(contact_radius(1.0, 1e-20, -1.0).to_bits() == 1e-20_f64.to_bits());
+        assert!(contact_radius(0.1, 0.2, -(0.1 + 0.2)) < 0.0);
+        assert!(contact_radius(0.5, 0.5, -1.0).abs() <= 0.0);
+    }
+}

@@ -1,0 +1,164 @@
+//! The motion of one body relative to another over a span: difference first, then local.
+
+use crate::rounding::{CLEARANCE, UNDERFLOW, UNIT_ROUNDOFF, norm};
+use crate::trajectory::Segment;
+use glam::DVec3;
+
+/// The relative position over `start..end` as a cubic in the local parameter s in 0..=1.
+///
+/// The control points are differences of local quantities; neither absolute time nor absolute
+/// position enters their error.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RelativeCubic {
+    pub(crate) start: f64,
+    pub(crate) end: f64,
+    /// Bézier control points of (position of a) - (position of b), m.
+    pub(crate) points: [DVec3; 4],
+    /// |computed - exact| <= error at every instant of the span, for exact evaluation, m.
+    pub(crate) error: f64,
+    /// Largest norm of a control point, m.
+    pub(crate) size: f64,
+}
+
+impl RelativeCubic {
+    /// The difference of two cubics over `start..end`, plus `offset` (a's sphere centre minus
+    /// b's, in their bodies' frames, m).
+    pub(crate) fn between(
+        a: &Segment,
+        b: &Segment,
+        (start, end): (f64, f64),
+        offset: DVec3,
+    ) -> Self {
+        let apart = (a.origin() - b.origin()) + offset;
+        let part_a = a.restrict(start, end);
+        let part_b = b.restrict(start, end);
+        let mut points = [DVec3::ZERO; 4];
+        let mut size = 0.0_f64;
+        let mut spread = 0.0_f64;
+        for (j, point) in points.iter_mut().enumerate() {
+            let local = part_a.points[j] - part_b.points[j];
+            *point = apart + local;
+            size = size.max(norm(*point));
+            spread = spread.max(norm(local));
+        }
+        // One rounding each of the origins' difference, of the offset's (and the sum with it), of
+        // the local difference and of the last sum. Second-order terms are covered by the 2^-40.
+        let roundings = 2.0 * norm(apart) + 2.0 * norm(offset) + spread + size;
+        let error = (part_a.error + part_b.error + UNIT_ROUNDOFF * roundings)
+            * (1.0 + 2f64.powi(-40))
+            + UNDERFLOW;
+        Self {
+            start,
+            end,
+            points,
+            error,
+            size,
+        }
+    }
+
+    /// How far the computed relative position at any s can be from the exact one, evaluation
+    /// included (m; 48 roundings of the size: forming the power coefficients 18, Horner 21, norm 3).
+    /// What comes within this of a threshold counts as contact.
+    pub(crate) fn tolerance(&self) -> f64 {
+        self.error + 48.0 * UNIT_ROUNDOFF * self.size
+    }
+
+    /// Whether the relative motion is zero, as far as its rounding can tell.
+    pub(crate) fn is_constant(&self) -> bool {
+        let tolerance = self.tolerance();
+        self.points[1..]
+            .iter()
+            .all(|&point| norm(point - self.points[0]) <= tolerance)
+    }
+
+    /// Relative position and its derivative by s (m), formed from the nearer end so that what is
+    /// constant stays exactly constant.
+    pub(crate) fn at(&self, s: f64) -> (DVec3, DVec3) {
+        let [p0, p1, p2, p3] = self.points;
+        if s <= 0.5 {
+            let (c1, c2, c3) = (
+                3.0 * (p1 - p0),
+                3.0 * ((p2 - p1) - (p1 - p0)),
+                (p3 - p0) - 3.0 * (p2 - p1),
+            );
+            (
+                p0 + s * (c1 + s * (c2 + s * c3)),
+                c1 + s * (2.0 * c2 + s * (3.0 * c3)),
+            )
+        } else {
+            let r = 1.0 - s;
+            let (c1, c2, c3) = (
+                3.0 * (p2 - p3),
+                3.0 * ((p1 - p2) - (p2 - p3)),
+                (p0 - p3) - 3.0 * (p1 - p2),
+            );
+            (
+                p3 + r * (c1 + r * (c2 + r * c3)),
+                -(c1 + r * (2.0 * c2 + r * (3.0 * c3))),
+            )
+        }
+    }
+
+    /// Second derivative by s, m.
+    pub(crate) fn curvature(&self, s: f64) -> DVec3 {
+        let [p0, p1, p2, p3] = self.points;
+        6.0 * ((1.0 - s) * ((p2 - p1) - (p1 - p0)) + s * ((p3 - p2) - (p2 - p1)))
+    }
+
+    /// Centre distance at s, m.
+    pub(crate) fn distance(&self, s: f64) -> f64 {
+        norm(self.at(s).0)
+    }
+
+    /// The instant of a local parameter; the span's own ends are met exactly.
+    pub(crate) fn time(&self, s: f64) -> f64 {
+        let time = if s <= 0.5 {
+            self.start + s * (self.end - self.start)
+        } else {
+            self.end - (1.0 - s) * (self.end - self.start)
+        };
+        time.clamp(self.start, self.end)
+    }
+
+    /// The local parameter of an instant of the span.
+    pub(crate) fn parameter(&self, time: f64) -> f64 {
+        let duration = self.end - self.start;
+        if duration > 0.0 {
+            ((time - self.start) / duration).clamp(0.0, 1.0)
+        } else {
+            0.0
+        }
+    }
+}
+
+/// The relative control points alone, for filters: those of [`RelativeCubic::between`].
+pub(crate) fn relative_points(
+    a: &Segment,
+    b: &Segment,
+    (start, end): (f64, f64),
+    offset: DVec3,
+) -> [DVec3; 4] {
+    let apart = (a.origin() - b.origin()) + offset;
+    let part_a = a.restrict(start, end).points;
+    let part_b = b.restrict(start, end).points;
+    [0, 1, 2, 3].map(|j| apart + (part_a[j] - part_b[j]))
+}
+
+/// A bound on the size that all rounding of a pair over a span is relative to, before anything is
+/// formed: origin difference, extents of both cubics over it, offsets (m).
+pub(crate) fn local_scale(
+    a: &Segment,
+    b: &Segment,
+    (start, end): (f64, f64),
+    offset: DVec3,
+) -> f64 {
+    (a.origin() - b.origin()).abs().element_sum()
+        + offset.abs().element_sum()
+        + a.reach(start, end)
+        + b.reach(start, end)
+}
+
+/// Distance below which a filter must let a pair through, for the threshold `radius`.
+pub(crate) fn filter_threshold(radius: f64, scale: f64) -> f64 {
+    radius + CLEARANCE * (scale + radius.abs()) + UNDERFLOW
+}

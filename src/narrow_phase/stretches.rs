@@ -1,0 +1,230 @@
+//! The stretches of one span in which two spheres are within a threshold of each other.
+//!
+//! Between neighbouring stationary points the distance is monotonic, so each crossing of the
+//! threshold is bracketed; it is solved on the relative position vector. Everything is found on
+//! the whole span first and clipped to the window afterwards, so that a stretch has the same bits
+//! whatever the window.
+
+use super::relative::RelativeCubic;
+use super::stationary::{MOST_STATIONARY, stationary_points};
+use crate::rounding::normalising_power;
+
+/// An instant of a span at which the distance of two sphere centres is known.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Instant {
+    pub(crate) time: f64,
+    /// m.
+    pub(crate) distance: f64,
+    /// Where the distance is constant over the span: how far rounding can move it, m; else 0.
+    pub(crate) plateau: f64,
+}
+
+/// A maximal part of a span within the threshold, with the instant of least distance.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stretch {
+    pub(crate) enter: f64,
+    pub(crate) exit: f64,
+    pub(crate) closest: Instant,
+}
+
+/// The distance at a span's ends and at its stationary points: monotonic in between.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Profile {
+    nodes: [Node; MOST_STATIONARY + 2],
+    count: usize,
+    /// See [`Instant::plateau`].
+    plateau: f64,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Node {
+    s: f64,
+    time: f64,
+    distance: f64,
+}
+
+impl Profile {
+    pub(crate) fn of(cubic: &RelativeCubic) -> Self {
+        let node = |s: f64| Node {
+            s,
+            time: cubic.time(s),
+            distance: cubic.distance(s),
+        };
+        let first = node(0.0);
+        let mut profile = Self {
+            nodes: [first; MOST_STATIONARY + 2],
+            count: 1,
+            plateau: 0.0,
+        };
+        let mut push = |new: Node| {
+            profile.nodes[profile.count] = new;
+            profile.count += 1;
+        };
+        if cubic.is_constant() {
+            // One distance for the whole span: what differs at its end is rounding.
+            push(Node {
+                distance: first.distance,
+                ..node(1.0)
+            });
+            profile.plateau = cubic.tolerance();
+        } else {
+            for &s in stationary_points(cubic).as_slice() {
+                push(node(s));
+            }
+            push(node(1.0));
+        }
+        profile
+    }
+
+    fn nodes(&self) -> &[Node] {
+        &self.nodes[..self.count]
+    }
+
+    fn instant(&self, node: &Node) -> Instant {
+        Instant {
+            time: node.time,
+            distance: node.distance,
+            plateau: self.plateau,
+        }
+    }
+
+    /// The instant of least distance within `from..=to` (which meets the span); the earliest.
+    pub(crate) fn closest(&self, cubic: &RelativeCubic, from: f64, to: f64) -> Instant {
+        let cut = |time: f64| Instant {
+            time,
+            distance: cubic.distance(cubic.parameter(time)),
+            plateau: self.plateau,
+        };
+        let (from, to) = (from.max(cubic.start), to.min(cubic.end));
+        let mut closest = if self.plateau > 0.0 {
+            Instant {
+                time: from,
+                ..self.instant(&self.nodes[0])
+            }
+        } else {
+            cut(from)
+        };
+        let inside = self
+            .nodes()
+            .iter()
+            .filter(|node| from <= node.time && node.time <= to)
+            .map(|node| self.instant(node));
+        for instant in inside.chain((to < cubic.end).then(|| cut(to))) {
+            closest = closest.or_lower(instant);
+        }
+        closest
+    }
+
+    /// All stretches with distance <= `radius` that meet `from..=to`, clipped to it, in the order
+    /// of time. What comes within the rounding of the radius counts.
+    pub(crate) fn stretches(
+        &self,
+        cubic: &RelativeCubic,
+        radius: f64,
+        (from, to): (f64, f64),
+        mut found: impl FnMut(Stretch),
+    ) {
+        let threshold = radius + cubic.tolerance();
+        let nodes = self.nodes();
+        let is_inside = |node: &Node| node.distance <= threshold;
+        let mut k = 0;
+        while k < nodes.len() {
+            if !is_inside(&nodes[k]) {
+                k += 1;
+                continue;
+            }
+            let first = k;
+            while k + 1 < nodes.len() && is_inside(&nodes[k + 1]) {
+                k += 1;
+            }
+            let enter = match first {
+                0 => nodes[0].time,
+                _ => crossing(cubic, radius, &nodes[first], &nodes[first - 1]),
+            };
+            let exit = match nodes.get(k + 1) {
+                None => nodes[k].time,
+                Some(outside) => crossing(cubic, radius, &nodes[k], outside),
+            };
+            let (enter, exit) = (enter.max(from), exit.min(to));
+            if enter <= exit {
+                found(Stretch {
+                    enter,
+                    exit,
+                    closest: self.closest(cubic, enter, exit),
+                });
+            }
+            k += 1;
+        }
+    }
+}
+
+impl Instant {
+    /// The lower of two instants, `self` being the earlier; the earlier where they tie, also
+    /// within rounding where both are on plateaus.
+    pub(crate) fn or_lower(self, later: Self) -> Self {
+        let tie = self.plateau.min(later.plateau);
+        if later.distance < self.distance - tie {
+            later
+        } else {
+            self
+        }
+    }
+}
+
+/// The instant between two nodes at which the distance is `radius`: it is monotonic between them,
+/// `inside` is within the radius, `outside` beyond it.
+///
+/// A node that is inside only by rounding touches: it is the crossing itself.
+fn crossing(cubic: &RelativeCubic, radius: f64, inside: &Node, outside: &Node) -> f64 {
+    /// Bisection alone ends after the 1075 binary digits that an f64 can resolve near 0; Newton's
+    /// steps end it after half a dozen.
+    const MOST_STEPS: usize = 1100;
+    /// Steps of the local parameter this small may be nothing but rounding.
+    const ROUNDING: f64 = 1e-10;
+    if inside.distance >= radius {
+        return inside.time;
+    }
+    let power = normalising_power(cubic.size.max(radius));
+    let radius = radius * power;
+    let excess = |s: f64| {
+        let (position, rate) = cubic.at(s);
+        let (h, h1) = (position * power, rate * power);
+        (h.length_squared() - radius * radius, 2.0 * h.dot(h1))
+    };
+    let (mut within, mut beyond) = (inside.s, outside.s);
+    let mut s = 0.5 * (within + beyond);
+    let mut last_step = f64::INFINITY;
+    for _ in 0..MOST_STEPS {
+        let (value, slope) = excess(s);
+        let step = value / slope;
+        if value.abs() <= 0.0 {
+            break;
+        }
+        if value < 0.0 {
+            within = s;
+        } else {
+            beyond = s;
+        }
+        let (low, high) = (within.min(beyond), within.max(beyond));
+        let newton = s - step;
+        let bracketed = newton > low && newton < high;
+        // Tiny steps that no longer shrink, or that leave the bracket, are rounding: the last one
+        // is taken, and ends it.
+        if step.abs() <= ROUNDING && (step.abs() >= 0.5 * last_step || !bracketed) {
+            s = newton.max(low).min(high);
+            break;
+        }
+        let next = if bracketed {
+            last_step = step.abs();
+            newton
+        } else {
+            last_step = f64::INFINITY;
+            0.5 * (low + high)
+        };
+        if next <= low || next >= high {
+            break;
+        }
+        s = next;
+    }
+    cubic.time(s)
+}

@@ -1,0 +1,53 @@
+//! Work on all threads of the current rayon pool, or on this one without the feature `parallel`.
+
+use std::cmp::Ordering;
+
+/// `work(scratch, index)` for each index below `count`, results in the order of the indices.
+/// Each thread makes its own scratch.
+#[cfg(feature = "parallel")]
+pub(crate) fn map<I, S, T>(
+    count: I,
+    scratch: impl Fn() -> S + Sync + Send,
+    work: impl Fn(&mut S, I) -> T + Sync + Send,
+) -> Vec<T>
+where
+    I: Default + Send,
+    std::ops::Range<I>: rayon::iter::IntoParallelIterator<Item = I>,
+    <std::ops::Range<I> as rayon::iter::IntoParallelIterator>::Iter:
+        rayon::iter::IndexedParallelIterator,
+    T: Send,
+{
+    use rayon::iter::{IntoParallelIterator, ParallelIterator};
+    (I::default()..count)
+        .into_par_iter()
+        .map_init(scratch, work)
+        .collect()
+}
+
+/// `work(scratch, index)` for each index below `count`, in order.
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn map<I, S, T>(
+    count: I,
+    scratch: impl Fn() -> S,
+    work: impl Fn(&mut S, I) -> T,
+) -> Vec<T>
+where
+    I: Default,
+    std::ops::Range<I>: Iterator<Item = I>,
+{
+    let mut scratch = scratch();
+    (I::default()..count)
+        .map(|index| work(&mut scratch, index))
+        .collect()
+}
+
+/// Sorts by a total order without ties that matter: the same result on any number of threads.
+pub(crate) fn sort<T: Send>(values: &mut [T], order: impl Fn(&T, &T) -> Ordering + Sync) {
+    #[cfg(feature = "parallel")]
+    {
+        use rayon::slice::ParallelSliceMut;
+        values.par_sort_by(order);
+    }
+    #[cfg(not(feature = "parallel"))]
+    values.sort_by(order);
+}

@@ -1,0 +1,67 @@
+//! The quadratic formula without cancellation.
+
+use super::roots::RootList;
+
+/// The real roots of `c0 + c1 x + c2 x²`, sorted; a double root once.
+///
+/// Of the two textbook formulas for a root the one without cancellation is used for each, so a
+/// root has a relative error of a few units of rounding unless the discriminant itself is within
+/// rounding of zero. A vanishing `c2` gives the root of the line, and a `c2` so small that the
+/// second root overflows gives the first one alone. Where `c0`, `c1` and `c2` are all zero, or
+/// only `c0` is not, the list is empty: [`Polynomial::roots_in`](super::Polynomial::roots_in)
+/// tells these apart.
+///
+/// Any finite coefficients are allowed: those outside 1e±120 are scaled by a power of two first.
+///
+/// ```
+/// use nearmiss::polynomial::quadratic;
+///
+/// // The small root keeps all its digits.
+/// assert_eq!(&quadratic([1.0, -1e9, 1.0])[..], &[1e-9, 1e9]);
+/// ```
+#[must_use]
+pub fn quadratic(coefficients: [f64; 3]) -> RootList {
+    let [c0, c1, c2] = coefficients;
+    let largest = c0.abs().max(c1.abs()).max(c2.abs());
+    if (1e-120..=1e120).contains(&largest) {
+        return scaled_quadratic(c0, c1, c2);
+    }
+    let factor = unit_factor(largest);
+    scaled_quadratic(c0 * factor, c1 * factor, c2 * factor)
+}
+
+/// A power of two that brings `largest`, finite and not negative, to about 1.
+///
+/// Ratios of numbers multiplied by it stay exact as long as the smaller ones do not underflow.
+pub(super) fn unit_factor(largest: f64) -> f64 {
+    let biased_exponent = (largest.to_bits() >> 52) & 0x7ff;
+    f64::from_bits((2046 - biased_exponent).max(1) << 52)
+}
+
+/// The formula for coefficients whose squares do not overflow.
+#[inline]
+pub(super) fn scaled_quadratic(c0: f64, c1: f64, c2: f64) -> RootList {
+    let mut roots = RootList::default();
+    let discriminant = c1 * c1 - 4.0 * c2 * c0;
+    if discriminant < 0.0 {
+        return roots;
+    }
+    let root = discriminant.sqrt();
+    // -c1 and the root of the discriminant are added with the same sign.
+    let q = -0.5 * if c1 < 0.0 { c1 - root } else { c1 + root };
+    // q = 0 only if c1 and c0 c2 are 0: then x = 0 is the double root, or there is none.
+    let first = if q == 0.0 { q / c2 } else { c0 / q };
+    let second = q / c2;
+    let (low, high) = if first < second {
+        (first, second)
+    } else {
+        (second, first)
+    };
+    if low.is_finite() {
+        roots.push(low);
+    }
+    if high.is_finite() && (high > low || !low.is_finite()) {
+        roots.push(high);
+    }
+    roots
+}

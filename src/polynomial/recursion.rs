@@ -1,0 +1,322 @@
+//! Yuksel's recursion: the roots of the derivative bracket the roots.
+//!
+//! All levels work on seven coefficients, those above the degree `D` unused: a derivative has one
+//! coefficient less, which the type cannot say. Loops over a constant range vanish in compilation.
+
+use super::isolation::{Isolated, isolate};
+use super::quadratic::scaled_quadratic;
+use super::roots::RootList;
+
+/// Newton steps before bisection joins in: an isolated simple root takes 3 to 6.
+const PATIENCE: u32 = 8;
+
+/// Beyond this, values are formed by Horner's rule, which overflows with the right sign.
+const FAR: f64 = 1e30;
+
+/// A polynomial of degree at most `D` (the rest of the seven coefficients is zero) and its slope.
+struct Level<const D: usize> {
+    coefficients: [f64; 7],
+    slope: [f64; 7],
+}
+
+/// The roots of a polynomial of degree at most `D` in `low..=high`, touching ones included.
+///
+/// The coefficients are at most 1e90 and not all zero.
+pub(super) fn solve<const D: usize>(
+    coefficients: &[f64; 7],
+    low: f64,
+    high: f64,
+    tolerance: f64,
+) -> RootList {
+    let level = Level::<D>::new(coefficients);
+    if D > 2
+        && let Some(isolation) = isolate::<D>(coefficients, low, high)
+    {
+        let mut roots = RootList::default();
+        for interval in isolation.intervals() {
+            push_apart(&mut roots, level.refine(*interval, tolerance));
+        }
+        return roots;
+    }
+    let turning = level.turning_points(low, high, tolerance);
+    let near_zero = level.near_zero_test(low, high, tolerance);
+
+    let mut roots = RootList::default();
+    let mut left = low;
+    let mut left_value = level.value(low);
+    let mut left_near = near_zero(left, left_value);
+    // Whether the root that makes `left` nearly zero is in the list already. A piece with both
+    // ends nearly zero is nearly zero throughout, so a chain of such ends is one root.
+    let mut reported = false;
+    for right in turning.iter().copied().chain([high]) {
+        let right_value = level.value(right);
+        let right_near = near_zero(right, right_value);
+        let crossing =
+            (left_value < 0.0 && right_value > 0.0) || (left_value > 0.0 && right_value < 0.0);
+        if !reported && (crossing || left_near) {
+            push_apart(
+                &mut roots,
+                if crossing {
+                    level.refine(
+                        monotone_piece(left, left_value, right, right_value),
+                        tolerance,
+                    )
+                } else {
+                    left
+                },
+            );
+        }
+        reported = right_near && (crossing || left_near);
+        (left, left_value, left_near) = (right, right_value, right_near);
+    }
+    if left_near && !reported {
+        push_apart(&mut roots, left);
+    }
+    roots
+}
+
+/// The points in the open interval where a polynomial of degree at most `D` changes its sign.
+///
+/// For bracketing only: a point where it merely touches zero may be missed or reported.
+fn crossings<const D: usize>(
+    coefficients: &[f64; 7],
+    low: f64,
+    high: f64,
+    tolerance: f64,
+) -> RootList {
+    let level = Level::<D>::new(coefficients);
+    let turning = level.turning_points(low, high, tolerance);
+    let mut roots = RootList::default();
+    let mut left = low;
+    let mut left_value = level.value(low);
+    for right in turning.iter().copied().chain([high]) {
+        let right_value = level.value(right);
+        if (left_value < 0.0) != (right_value < 0.0) {
+            let piece = monotone_piece(left, left_value, right, right_value);
+            push_apart(&mut roots, level.refine(piece, tolerance));
+        }
+        (left, left_value) = (right, right_value);
+    }
+    roots
+}
+
+/// A piece between two points of different sign.
+#[inline]
+fn monotone_piece(low: f64, low_value: f64, high: f64, high_value: f64) -> Isolated {
+    // Between two turning points a polynomial looks like 3 x² - 2 x³, whose inverse is
+    // 1/2 - sin(asin(1 - 2 y) / 3); this agrees with it at the ends and the middle.
+    let y = low_value / (low_value - high_value);
+    let z = 1.0 - 2.0 * y;
+    let x = 0.5 - z * (1.0 / 3.0 + z * z / 6.0);
+    let guess = low + (high - low) * x;
+    // Values that overflow give no guess.
+    let start = if guess > low && guess < high {
+        guess
+    } else {
+        0.5 * low + 0.5 * high
+    };
+    Isolated {
+        low,
+        high,
+        negative_at_low: low_value < 0.0,
+        start,
+    }
+}
+
+/// Appends a root unless it is the last one again.
+#[inline]
+fn push_apart(roots: &mut RootList, root: f64) {
+    if roots.last().is_none_or(|&last| last < root) {
+        roots.push(root);
+    }
+}
+
+/// Those of the numbers that are in the open interval.
+#[inline]
+fn inside(numbers: &RootList, low: f64, high: f64) -> RootList {
+    let mut kept = RootList::default();
+    for &number in numbers {
+        if number > low && number < high {
+            kept.push(number);
+        }
+    }
+    kept
+}
+
+impl<const D: usize> Level<D> {
+    #[inline]
+    fn new(coefficients: &[f64; 7]) -> Self {
+        let mut slope = [0.0; 7];
+        let mut power = 0.0;
+        for i in 0..D {
+            power += 1.0;
+            slope[i] = power * coefficients[i + 1];
+        }
+        Self {
+            coefficients: *coefficients,
+            slope,
+        }
+    }
+
+    #[inline]
+    fn value(&self, x: f64) -> f64 {
+        evaluate::<D>(&self.coefficients, x)
+    }
+
+    #[inline]
+    fn slope(&self, x: f64) -> f64 {
+        match D {
+            6 => evaluate::<5>(&self.slope, x),
+            5 => evaluate::<4>(&self.slope, x),
+            4 => evaluate::<3>(&self.slope, x),
+            3 => evaluate::<2>(&self.slope, x),
+            2 => evaluate::<1>(&self.slope, x),
+            _ => self.slope[0],
+        }
+    }
+
+    /// Where the slope changes its sign: between two of these points the polynomial is monotone.
+    #[inline]
+    fn turning_points(&self, low: f64, high: f64, tolerance: f64) -> RootList {
+        let [c0, c1, c2, ..] = self.slope;
+        match D {
+            6 => crossings::<5>(&self.slope, low, high, tolerance),
+            5 => crossings::<4>(&self.slope, low, high, tolerance),
+            4 => crossings::<3>(&self.slope, low, high, tolerance),
+            3 => inside(&scaled_quadratic(c0, c1, c2), low, high),
+            2 => inside(&scaled_quadratic(c0, c1, 0.0), low, high),
+            _ => RootList::default(),
+        }
+    }
+
+    /// The test whether a value cannot be told from zero: within `tolerance` of a zero to first
+    /// order, or within the rounding of the coefficients (one unit each) and of `evaluate`
+    /// (at most 3 D / 2 + 2 units of each term).
+    #[inline]
+    fn near_zero_test(&self, low: f64, high: f64, tolerance: f64) -> impl Fn(f64, f64) -> bool {
+        let units = [4.0, 8.0, 12.0, 16.0, 20.0, 24.0, 28.0][D] * (0.5 * f64::EPSILON);
+        let noise = self.coefficients.map(|c| c.abs() * units);
+        let steepness = self.slope.map(|c| c.abs() * tolerance);
+        let reach = if high.abs() > low.abs() {
+            high.abs()
+        } else {
+            low.abs()
+        };
+        // No value above this passes the test anywhere in the interval.
+        let limit = horner::<D>(&noise, reach) + horner::<D>(&steepness, reach);
+        move |x: f64, value: f64| {
+            if value.abs() > limit || value.is_infinite() {
+                return false;
+            }
+            let allowed = tolerance * self.slope(x).abs() + horner::<D>(&noise, x.abs());
+            value.abs() <= allowed && allowed.is_finite()
+        }
+    }
+
+    /// The only root in an interval, by Newton's method kept inside by bisection.
+    ///
+    /// The error after a step is estimated from the last two: `step³ / last²` where the
+    /// convergence is quadratic, and with a factor of 16 to spare also where it is linear. A
+    /// small step can be luck, so the steps must have shrunk twice in a row. Bisection between the
+    /// bit patterns ends the search after at most some 150 evaluations on any interval.
+    fn refine(&self, interval: Isolated, tolerance: f64) -> f64 {
+        let Isolated {
+            mut low,
+            mut high,
+            negative_at_low,
+            start: mut x,
+        } = interval;
+        // The last two Newton steps, 0 where the point was not reached by one.
+        let (mut last, mut before_last) = (0.0, 0.0);
+        let mut evaluations = 0;
+        loop {
+            let value = self.value(x);
+            if value == 0.0 {
+                return x;
+            }
+            if (value < 0.0) == negative_at_low {
+                low = x;
+            } else {
+                high = x;
+            }
+            let newton = x - value / self.slope(x);
+            let limit = tolerance + f64::EPSILON * newton.abs();
+            evaluations += 1;
+            let step = (newton - x).abs();
+            // A NaN (zero or infinite slope) is not between.
+            let between = newton >= low && newton <= high;
+            let ratio = step / last;
+            let shrinking = 2.0 * last <= before_last;
+            if between && shrinking && 16.0 * step * (ratio * ratio) <= limit {
+                return newton;
+            }
+            // Exactly at an end it would stand still.
+            let usable = newton > low && newton < high;
+            let next = if usable && (evaluations < PATIENCE || evaluations.is_multiple_of(2)) {
+                (last, before_last) = (step, last);
+                newton
+            } else {
+                (last, before_last) = (0.0, 0.0);
+                if evaluations < PATIENCE {
+                    0.5 * low + 0.5 * high
+                } else {
+                    middle_of_bits(low, high)
+                }
+            };
+            if high - low <= tolerance || next <= low || next >= high {
+                return next;
+            }
+            x = next;
+        }
+    }
+}
+
+/// The value of a polynomial of degree `D`, even and odd powers apart: half the latency of
+/// Horner's rule, with the same order of rounding.
+#[inline(always)]
+fn evaluate<const D: usize>(coefficients: &[f64; 7], x: f64) -> f64 {
+    if x.abs() > FAR {
+        return horner::<D>(coefficients, x);
+    }
+    let square = x * x;
+    let (even_top, odd_top) = if D.is_multiple_of(2) {
+        (D, D.max(1) - 1)
+    } else {
+        (D - 1, D)
+    };
+    let mut even = coefficients[even_top];
+    let mut odd = if D == 0 { 0.0 } else { coefficients[odd_top] };
+    for k in 1..=D / 2 {
+        if even_top >= 2 * k {
+            even = even * square + coefficients[even_top - 2 * k];
+        }
+        if odd_top > 2 * k {
+            odd = odd * square + coefficients[odd_top - 2 * k];
+        }
+    }
+    even + x * odd
+}
+
+/// The value by Horner's rule.
+#[inline]
+fn horner<const D: usize>(coefficients: &[f64; 7], x: f64) -> f64 {
+    let mut value = 0.0;
+    for &coefficient in coefficients[..=D].iter().rev() {
+        value = value * x + coefficient;
+    }
+    value
+}
+
+/// A number half-way between two others in the order of all floating-point numbers, so that 64
+/// halvings end in neighbours whatever the range.
+fn middle_of_bits(low: f64, high: f64) -> f64 {
+    /// Maps the bit pattern to an integer that grows with the number, and back.
+    fn ordered(bits: i64) -> i64 {
+        bits ^ (((bits >> 63).cast_unsigned() >> 1).cast_signed())
+    }
+    let low = ordered(low.to_bits().cast_signed());
+    let high = ordered(high.to_bits().cast_signed());
+    // Rounds down without overflow.
+    let middle = (low & high) + ((low ^ high) >> 1);
+    f64::from_bits(ordered(middle).cast_unsigned())
+}

@@ -1,0 +1,65 @@
+//! What is asked of a scene.
+
+use crate::broad_phase::Method;
+use crate::error::{Error, LARGEST_MAGNITUDE};
+use crate::window::Window;
+
+/// A question to a scene: when, and how close is too close.
+///
+/// The default asks for overlaps (margin 0) at all times.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Query {
+    window: Window,
+    margin: f64,
+    method: Method,
+}
+
+impl Query {
+    /// Conflicts within `window`, margin 0.
+    #[must_use]
+    pub fn new(window: Window) -> Self {
+        Self {
+            window,
+            ..Self::default()
+        }
+    }
+
+    /// The same query with a margin: bodies are in conflict while their separation is at most
+    /// this (m; negative asks for overlaps of at least that depth).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Margin`] if it is NaN, infinite or beyond ±1e300.
+    pub fn with_margin(mut self, margin: f64) -> Result<Self, Error> {
+        if margin.is_nan() || margin.abs() > LARGEST_MAGNITUDE {
+            return Err(Error::Margin { margin });
+        }
+        self.margin = margin;
+        Ok(self)
+    }
+
+    /// The same query by another broad-phase method. The answer is the same.
+    #[must_use]
+    pub const fn with_method(mut self, method: Method) -> Self {
+        self.method = method;
+        self
+    }
+
+    /// The time asked about.
+    #[must_use]
+    pub const fn window(&self) -> Window {
+        self.window
+    }
+
+    /// The margin, m.
+    #[must_use]
+    pub const fn margin(&self) -> f64 {
+        self.margin
+    }
+
+    /// How candidates are found.
+    #[must_use]
+    pub const fn method(&self) -> Method {
+        self.method
+    }
+}

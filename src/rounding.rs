@@ -1,0 +1,70 @@
+//! The unit roundoff, and norms that neither overflow nor underflow.
+
+use glam::DVec3;
+
+/// Unit roundoff of f64, 2^-53: the largest relative error of one operation.
+pub(crate) const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
+
+/// Absolute error that underflow can add to a chain of linear operations (numerator of all the
+/// bounds' additive terms): 2^-1022.
+pub(crate) const UNDERFLOW: f64 = f64::MIN_POSITIVE;
+
+/// What a filter must see a pair clear by, relative to the pair's local scale, before it may
+/// reject it: 2^-44 = 512 roundings.
+///
+/// The exact solver counts as contact whatever comes within its own rounding of the threshold:
+/// at most 70 roundings of the local scale, and what it finds there is wrong by as much again.
+/// A filter's own error is at most 100. 512 covers their sum, so no filter rejects what the
+/// solver would report.
+pub(crate) const CLEARANCE: f64 = 512.0 * UNIT_ROUNDOFF;
+
+/// The power of two that brings `magnitude` into [1, 2); 1 where there is nothing to bring.
+///
+/// Exact; a subnormal magnitude is brought as near as one factor can.
+pub(crate) fn normalising_power(magnitude: f64) -> f64 {
+    const EXPONENT_MASK: u64 = 0x7ff;
+    let exponent = (magnitude.to_bits() >> 52) & EXPONENT_MASK;
+    match exponent {
+        // Zero and subnormal: the largest power of two whose inverse is still normal.
+        0 => f64::from_bits(0x7fd_u64 << 52),
+        // 2^1023 and above would need a subnormal factor: not reached below `LARGEST_MAGNITUDE`.
+        0x7fe | 0x7ff => 1.0,
+        normal => f64::from_bits((0x7fe - normal) << 52),
+    }
+}
+
+/// Euclidean norm, correct to a few roundings from the smallest to the largest numbers.
+pub(crate) fn norm(vector: DVec3) -> f64 {
+    let largest = vector.abs().max_element();
+    if (1e-140..1e140).contains(&largest) {
+        vector.length()
+    } else {
+        let power = normalising_power(largest);
+        (vector * power).length() / power
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn norms_at_both_ends_of_the_range() {
+        for scale in [f64::MIN_POSITIVE, 1e-200, 1.0, 1e200, 1e300] {
+            let expected = 5.0 * scale;
+            let found = norm(DVec3::new(3.0, 0.0, -4.0) * scale);
+            assert!((found / expected - 1.0).abs() < 1e-15, "{scale}: {found}");
+        }
+        assert!(norm(DVec3::ZERO).to_bits() == 0);
+        // A subnormal is served too; its own precision is that of its few bits.
+        assert!(norm(DVec3::new(0.0, 5e-324, 0.0)) > 0.0);
+    }
+
+    #[test]
+    fn normalising_brings_into_one_to_two() {
+        for magnitude in [1e-300, 0.3, 1.0, 1.999, 2.0, 1e9, 1e300] {
+            let scaled = magnitude * normalising_power(magnitude);
+            assert!((1.0..2.0).contains(&scaled), "{magnitude}: {scaled}");
+        }
+    }
+}

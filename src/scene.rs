@@ -1,0 +1,350 @@
+//! Bodies under ids: what is screened.
+
+use crate::bounds::Extremes;
+use crate::error::Error;
+use crate::hitbox::Hitbox;
+use crate::id::BodyId;
+use crate::layers::Layers;
+use crate::trajectory::Trajectory;
+use std::collections::BTreeSet;
+
+/// A trajectory with a hitbox around it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// Where it goes.
+    pub trajectory: Trajectory,
+    /// What it occupies; a point by default.
+    pub hitbox: Hitbox,
+    /// Which bodies it is screened against; all by default.
+    pub layers: Layers,
+    /// The user's own name for it; 0 by default. Errors speak of bodies by their tag.
+    pub tag: u64,
+}
+
+impl Body {
+    /// A point that follows `trajectory`, in all layers, with tag 0.
+    #[must_use]
+    pub fn new(trajectory: Trajectory) -> Self {
+        Self {
+            trajectory,
+            hitbox: Hitbox::POINT,
+            layers: Layers::ALL,
+            tag: 0,
+        }
+    }
+
+    /// The same body with this hitbox.
+    #[must_use]
+    pub fn with_hitbox(mut self, hitbox: Hitbox) -> Self {
+        self.hitbox = hitbox;
+        self
+    }
+
+    /// The same body in these layers.
+    #[must_use]
+    pub const fn with_layers(mut self, layers: Layers) -> Self {
+        self.layers = layers;
+        self
+    }
+
+    /// The same body with this tag.
+    #[must_use]
+    pub const fn with_tag(mut self, tag: u64) -> Self {
+        self.tag = tag;
+        self
+    }
+}
+
+/// What the choice of slices and frame needs to know of a motion, computed once.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Outline {
+    /// Rough extremes of all segments, m.
+    pub(crate) extremes: Extremes,
+    /// Sum of the segments' extents: a bound on the way flown, m.
+    pub(crate) path: f64,
+}
+
+impl Outline {
+    fn of(trajectory: &Trajectory) -> Self {
+        let mut outline = Self {
+            extremes: Extremes::NOTHING,
+            path: 0.0,
+        };
+        for segment in trajectory.segments() {
+            let extent = segment.extent();
+            outline
+                .extremes
+                .include(Extremes::of_segment(segment, extent));
+            outline.path += extent;
+        }
+        if trajectory.segments().is_empty() {
+            let position = trajectory.position(0.0).unwrap_or_default();
+            outline.extremes.include(Extremes {
+                low: position,
+                high: position,
+            });
+        }
+        outline
+    }
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct Occupant {
+    pub(crate) body: Body,
+    pub(crate) outline: Outline,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Slot {
+    generation: u32,
+    occupant: Option<Occupant>,
+}
+
+/// The bodies that are screened against each other.
+///
+/// ```
+/// use glam::DVec3;
+/// use nearmiss::{Body, Hitbox, Query, Scene, State, Trajectory};
+///
+/// let fly = |from: DVec3, to: DVec3| {
+///     let velocity = (to - from) / 10.0;
+///     Trajectory::from_states(&[State::new(0.0, from, velocity), State::new(10.0, to, velocity)])
+/// };
+/// let mut scene = Scene::new();
+/// let hitbox = Hitbox::sphere(0.5)?;
+/// let a = scene.insert(
+///     Body::new(fly(DVec3::ZERO, DVec3::new(10.0, 0.0, 0.0))?).with_hitbox(hitbox.clone()),
+/// )?;
+/// let b = scene.insert(
+///     Body::new(fly(DVec3::new(5.0, -5.0, 0.0), DVec3::new(5.0, 5.0, 0.0))?).with_hitbox(hitbox),
+/// )?;
+/// let conflicts = scene.screen(&Query::default())?.conflicts;
+/// assert_eq!((conflicts[0].a, conflicts[0].b), (a, b));
+/// assert_eq!(conflicts[0].closest.time, 5.0);
+/// # Ok::<(), nearmiss::Error>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    slots: Vec<Slot>,
+    free: Vec<u32>,
+    /// Pairs that are never screened, smaller id first.
+    ignored: BTreeSet<(BodyId, BodyId)>,
+    len: usize,
+}
+
+impl Scene {
+    /// An empty scene.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// How many bodies there are.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Adds a body; its id stays valid until it is removed.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::SceneFull`] after 2^32 - 1 bodies.
+    pub fn insert(&mut self, body: Body) -> Result<BodyId, Error> {
+        let occupant = Some(Occupant {
+            outline: Outline::of(&body.trajectory),
+            body,
+        });
+        let id = if let Some(slot) = self.free.pop() {
+            let place = &mut self.slots[slot as usize];
+            place.occupant = occupant;
+            BodyId {
+                slot,
+                generation: place.generation,
+            }
+        } else {
+            let slot = u32::try_from(self.slots.len())
+                .ok()
+                .filter(|&slot| slot < u32::MAX)
+                .ok_or(Error::SceneFull)?;
+            self.slots.push(Slot {
+                generation: 0,
+                occupant,
+            });
+            BodyId {
+                slot,
+                generation: 0,
+            }
+        };
+        self.len += 1;
+        Ok(id)
+    }
+
+    /// Takes a body out. Its id, and the pairs ignored with it, are gone for good.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownBody`].
+    pub fn remove(&mut self, id: BodyId) -> Result<Body, Error> {
+        let slot = self.slot_mut(id)?;
+        let occupant = slot.occupant.take().ok_or(Error::UnknownBody { id })?;
+        // A slot whose generations are used up is never handed out again.
+        if let Some(generation) = slot.generation.checked_add(1) {
+            slot.generation = generation;
+            self.free.push(id.slot);
+        }
+        self.ignored.retain(|&(a, b)| a != id && b != id);
+        self.len -= 1;
+        Ok(occupant.body)
+    }
+
+    /// The body with this id, if it is still there.
+    #[must_use]
+    pub fn body(&self, id: BodyId) -> Option<&Body> {
+        let slot = self.slots.get(id.slot as usize)?;
+        let occupant = slot.occupant.as_ref()?;
+        (slot.generation == id.generation).then_some(&occupant.body)
+    }
+
+    /// All bodies, in the order of their ids' slots.
+    pub fn bodies(&self) -> impl Iterator<Item = (BodyId, &Body)> {
+        self.occupants().map(|(id, occupant)| (id, &occupant.body))
+    }
+
+    /// Replaces a body's trajectory and returns the old one.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownBody`].
+    pub fn set_trajectory(
+        &mut self,
+        id: BodyId,
+        trajectory: Trajectory,
+    ) -> Result<Trajectory, Error> {
+        let outline = Outline::of(&trajectory);
+        let occupant = self.occupant_mut(id)?;
+        occupant.outline = outline;
+        Ok(std::mem::replace(&mut occupant.body.trajectory, trajectory))
+    }
+
+    /// Replaces a body's hitbox and returns the old one.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownBody`].
+    pub fn set_hitbox(&mut self, id: BodyId, hitbox: Hitbox) -> Result<Hitbox, Error> {
+        Ok(std::mem::replace(
+            &mut self.occupant_mut(id)?.body.hitbox,
+            hitbox,
+        ))
+    }
+
+    /// Replaces a body's layers and returns the old ones.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownBody`].
+    pub fn set_layers(&mut self, id: BodyId, layers: Layers) -> Result<Layers, Error> {
+        Ok(std::mem::replace(
+            &mut self.occupant_mut(id)?.body.layers,
+            layers,
+        ))
+    }
+
+    /// Leaves this pair out of all screenings (a tug and its tow). No effect if it already is.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownBody`], [`Error::SameBody`].
+    pub fn ignore_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
+        let pair = self.pair(a, b)?;
+        self.ignored.insert(pair);
+        Ok(())
+    }
+
+    /// Screens this pair again. No effect if it was not ignored.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownBody`], [`Error::SameBody`].
+    pub fn heed_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
+        let pair = self.pair(a, b)?;
+        self.ignored.remove(&pair);
+        Ok(())
+    }
+
+    /// The pairs that are left out, smaller id first.
+    pub fn ignored_pairs(&self) -> impl Iterator<Item = (BodyId, BodyId)> {
+        self.ignored.iter().copied()
+    }
+
+    /// Two different bodies of the scene, smaller id first.
+    pub(crate) fn pair(&self, a: BodyId, b: BodyId) -> Result<(BodyId, BodyId), Error> {
+        for id in [a, b] {
+            if self.body(id).is_none() {
+                return Err(Error::UnknownBody { id });
+            }
+        }
+        if a == b {
+            return Err(Error::SameBody { id: a });
+        }
+        Ok((a.min(b), a.max(b)))
+    }
+
+    pub(crate) fn occupants(&self) -> impl Iterator<Item = (BodyId, &Occupant)> {
+        (0_u32..).zip(&self.slots).filter_map(|(slot, place)| {
+            let id = BodyId {
+                slot,
+                generation: place.generation,
+            };
+            place.occupant.as_ref().map(|occupant| (id, occupant))
+        })
+    }
+
+    /// The body in a slot, if there is one.
+    pub(crate) fn in_slot(&self, slot: u32) -> Option<(BodyId, &Occupant)> {
+        let place = self.slots.get(slot as usize)?;
+        let id = BodyId {
+            slot,
+            generation: place.generation,
+        };
+        Some((id, place.occupant.as_ref()?))
+    }
+
+    /// Whether two slots' bodies are a pair: layers and ignored pairs.
+    pub(crate) fn admits(&self, a: u32, b: u32) -> bool {
+        let (Some((id_a, a)), Some((id_b, b))) = (self.in_slot(a), self.in_slot(b)) else {
+            return false;
+        };
+        a.body.layers.admits(b.body.layers)
+            && (self.ignored.is_empty()
+                || !self.ignored.contains(&(id_a.min(id_b), id_a.max(id_b))))
+    }
+
+    /// Replaces a body as a whole.
+    pub(crate) fn replace(&mut self, id: BodyId, body: Body) -> Result<(), Error> {
+        let outline = Outline::of(&body.trajectory);
+        *self.occupant_mut(id)? = Occupant { body, outline };
+        Ok(())
+    }
+
+    fn slot_mut(&mut self, id: BodyId) -> Result<&mut Slot, Error> {
+        self.slots
+            .get_mut(id.slot as usize)
+            .filter(|slot| slot.generation == id.generation)
+            .ok_or(Error::UnknownBody { id })
+    }
+
+    fn occupant_mut(&mut self, id: BodyId) -> Result<&mut Occupant, Error> {
+        self.slot_mut(id)?
+            .occupant
+            .as_mut()
+            .ok_or(Error::UnknownBody { id })
+    }
+}

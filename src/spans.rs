@@ -1,0 +1,189 @@
+//! Merging two bodies' knots: the maximal intervals in which neither changes its cubic.
+//!
+//! Spans depend on the two trajectories alone. A window selects which spans are looked at; it
+//! never cuts one.
+
+/// A merged interval: body a follows its cubic number `a`, body b its number `b`, from `start`
+/// to `end` (s), with `start < end` unless the two domains share a single instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Span {
+    pub(crate) start: f64,
+    pub(crate) end: f64,
+    pub(crate) a: u32,
+    pub(crate) b: u32,
+}
+
+/// The interval in which both motions exist: latest first knot, earliest last knot.
+pub(crate) fn common_domain(a: &[f64], b: &[f64]) -> Option<(f64, f64)> {
+    let start = a.first()?.max(*b.first()?);
+    let end = a.last()?.min(*b.last()?);
+    (start <= end).then_some((start, end))
+}
+
+/// The spans of two knot sequences that meet `from..=to`, in the order of time.
+///
+/// A motion with `n + 1` knots has cubics `0..n`. Touching counts as meeting.
+pub(crate) fn spans<'k>(a: &'k [f64], b: &'k [f64], from: f64, to: f64) -> Spans<'k> {
+    let first = |knots: &[f64]| index(knots.partition_point(|&knot| knot < from).max(1) - 1);
+    spans_from(a, b, (first(a), first(b)), from, to)
+}
+
+/// The same, with a cubic of each body that is not later than the first one that meets the
+/// interval: the search goes on from there.
+pub(crate) fn spans_from<'k>(
+    a: &'k [f64],
+    b: &'k [f64],
+    hints: (u32, u32),
+    from: f64,
+    to: f64,
+) -> Spans<'k> {
+    let mut spans = Spans {
+        a,
+        b,
+        i: hints.0 as usize,
+        j: hints.1 as usize,
+        to,
+        lone: None,
+    };
+    match common_domain(a, b) {
+        Some((start, end)) if start < end => {
+            let from = from.max(start);
+            spans.i += skip(&a[spans.i..], from);
+            spans.j += skip(&b[spans.j..], from);
+        }
+        shared => {
+            // One shared instant is the only span that is a point; no cubic has another.
+            (spans.i, spans.j) = (a.len(), b.len());
+            spans.lone = shared
+                .filter(|&(instant, _)| from <= instant && instant <= to)
+                .map(|(start, end)| Span {
+                    start,
+                    end,
+                    a: cubic_at(a, start),
+                    b: cubic_at(b, start),
+                });
+        }
+    }
+    spans
+}
+
+/// How many cubics from the first of `knots` on end before `from`.
+fn skip(knots: &[f64], from: f64) -> usize {
+    knots
+        .iter()
+        .skip(1)
+        .take_while(|&&knot| knot < from)
+        .count()
+}
+
+/// Iterator over [`spans`].
+#[derive(Clone, Debug)]
+pub(crate) struct Spans<'k> {
+    a: &'k [f64],
+    b: &'k [f64],
+    /// Cubics at hand.
+    i: usize,
+    j: usize,
+    to: f64,
+    lone: Option<Span>,
+}
+
+impl Iterator for Spans<'_> {
+    type Item = Span;
+
+    fn next(&mut self) -> Option<Span> {
+        if let Some(lone) = self.lone.take() {
+            return Some(lone);
+        }
+        loop {
+            let (&a_end, &b_end) = (self.a.get(self.i + 1)?, self.b.get(self.j + 1)?);
+            let start = self.a[self.i].max(self.b[self.j]);
+            let end = a_end.min(b_end);
+            if start > self.to {
+                return None;
+            }
+            let (i, j) = (self.i, self.j);
+            // Coincident knots move both on.
+            if a_end <= end {
+                self.i += 1;
+            }
+            if b_end <= end {
+                self.j += 1;
+            }
+            if start < end {
+                return Some(Span {
+                    start,
+                    end,
+                    a: index(i),
+                    b: index(j),
+                });
+            }
+        }
+    }
+}
+
+fn cubic_at(knots: &[f64], time: f64) -> u32 {
+    let after = knots.partition_point(|&knot| knot <= time);
+    index(after.clamp(1, knots.len() - 1) - 1)
+}
+
+/// Segments of one body are counted in 32 bits; a longer list does not fit into memory.
+fn index(cubic: usize) -> u32 {
+    u32::try_from(cubic).unwrap_or(u32::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn all(a: &[f64], b: &[f64]) -> Vec<(f64, f64, u32, u32)> {
+        windowed(a, b, f64::NEG_INFINITY, f64::INFINITY)
+    }
+
+    fn windowed(a: &[f64], b: &[f64], from: f64, to: f64) -> Vec<(f64, f64, u32, u32)> {
+        spans(a, b, from, to)
+            .map(|span| (span.start, span.end, span.a, span.b))
+            .collect()
+    }
+
+    #[test]
+    fn knots_of_both_are_merged_within_the_common_domain() {
+        // The example of the article: a has knots 0, 2, 4, 6 and b has knots 1, 3, 5.
+        assert_eq!(
+            all(&[0.0, 2.0, 4.0, 6.0], &[1.0, 3.0, 5.0]),
+            [
+                (1.0, 2.0, 0, 0),
+                (2.0, 3.0, 1, 0),
+                (3.0, 4.0, 1, 1),
+                (4.0, 5.0, 2, 1)
+            ]
+        );
+    }
+
+    #[test]
+    fn coincident_knots_make_no_empty_span() {
+        assert_eq!(
+            all(&[0.0, 1.0, 2.0], &[0.0, 1.0, 1.5, 2.0]),
+            [(0.0, 1.0, 0, 0), (1.0, 1.5, 1, 1), (1.5, 2.0, 1, 2)]
+        );
+    }
+
+    #[test]
+    fn disjoint_and_touching_domains() {
+        assert_eq!(all(&[0.0, 1.0], &[2.0, 3.0]), []);
+        assert_eq!(all(&[0.0, 1.0], &[1.0, 3.0]), [(1.0, 1.0, 0, 0)]);
+        assert_eq!(all(&[1.0, 3.0], &[0.0, 0.5, 1.0]), [(1.0, 1.0, 0, 1)]);
+        assert_eq!(windowed(&[0.0, 1.0], &[1.0, 3.0], 1.5, 2.0), []);
+    }
+
+    #[test]
+    fn a_window_selects_whole_spans() {
+        let (a, b) = ([0.0, 2.0, 4.0], [0.0, 3.0, 4.0]);
+        let whole = all(&a, &b);
+        assert_eq!(windowed(&a, &b, 2.5, 2.6), whole[1..2]);
+        // Touching a knot meets the spans on both sides.
+        assert_eq!(windowed(&a, &b, 3.0, 3.0), whole[1..3]);
+        assert_eq!(windowed(&a, &b, 4.5, 9.0), []);
+        assert_eq!(windowed(&a, &b, -2.0, -1.0), []);
+    }
+}

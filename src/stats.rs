@@ -1,0 +1,56 @@
+//! How many entered and left each stage of the funnel, and how long each took.
+
+use std::ops::AddAssign;
+use std::time::Duration;
+
+/// The funnel of one screening.
+///
+/// Counts depend on the scene and the query alone, not on threads. Stage times add up over
+/// threads; `total` is wall time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stats {
+    /// Bodies in the scene.
+    pub bodies: u64,
+    /// Bodies whose plan, hitbox or layers changed since the last tick (a monitor's).
+    pub changed: u64,
+    /// Their cubic segments, pieces beyond the knots included.
+    pub segments: u64,
+    /// Slices of time that the window was cut into.
+    pub slices: u64,
+    /// Boxes formed: one for each body in each slice in which it exists.
+    pub boxes: u64,
+    /// Pairs in a slice that the broad phase could not rule out.
+    pub candidates: u64,
+    /// Spans of candidates looked at by the cheap tests of the narrow phase.
+    pub spans: u64,
+    /// Spans that reach the exact solver (each once).
+    pub survivors: u64,
+    /// Conflicts reported.
+    pub conflicts: u64,
+    /// Forming the boxes.
+    pub bounds_time: Duration,
+    /// Finding candidates.
+    pub broad_time: Duration,
+    /// Filtering and solving.
+    pub narrow_time: Duration,
+    /// All of it, wall time.
+    pub total_time: Duration,
+}
+
+impl AddAssign for Stats {
+    fn add_assign(&mut self, other: Self) {
+        self.bodies += other.bodies;
+        self.changed += other.changed;
+        self.segments += other.segments;
+        self.slices += other.slices;
+        self.boxes += other.boxes;
+        self.candidates += other.candidates;
+        self.spans += other.spans;
+        self.survivors += other.survivors;
+        self.conflicts += other.conflicts;
+        self.bounds_time += other.bounds_time;
+        self.broad_time += other.broad_time;
+        self.narrow_time += other.narrow_time;
+        self.total_time += other.total_time;
+    }
+}

@@ -1,0 +1,287 @@
+//! The ways to make a trajectory, each with all its checks.
+
+use super::double_double::DoubleDouble;
+use super::{Outside, Segment, State, Trajectory};
+use crate::error::{Error, LARGEST_MAGNITUDE, Quantity};
+use crate::rounding::{UNIT_ROUNDOFF, norm};
+use glam::DVec3;
+
+/// What the variable of a segment's polynomial is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TimeBase {
+    /// The absolute time t of the scene, as in `a t³ + b t² + c t + d`.
+    Absolute,
+    /// The time since the segment's first knot.
+    SegmentLocal,
+}
+
+impl Trajectory {
+    /// Cubic Hermite segments through states at irregular, increasing times.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooFewStates`] below two, [`Error::TimeNotIncreasing`], [`Error::NotFinite`] and
+    /// [`Error::OutOfRange`], each with the knot and the value.
+    pub fn from_states(states: &[State]) -> Result<Self, Error> {
+        let [first, .., last] = states else {
+            return Err(Error::TooFewStates {
+                count: states.len(),
+            });
+        };
+        check_states(states)?;
+        let segments = states
+            .windows(2)
+            .enumerate()
+            .map(|(index, pair)| Segment::hermite(&pair[0], &pair[1], index + 1))
+            .collect::<Result<Vec<_>, _>>()?;
+        let last_knot = states.len() - 1;
+        let coast = [
+            Segment::line(first, states[1].time - first.time, 0.0, 0)?,
+            Segment::line(last, last.time - states[last_knot - 1].time, 0.0, last_knot)?,
+        ];
+        Ok(Self {
+            knots: states.iter().map(|state| state.time).collect(),
+            segments,
+            coast,
+            outside: Outside::default(),
+        })
+    }
+
+    /// Cubic Hermite segments through positions only, `(time, position)`; velocities by the
+    /// non-uniform Catmull-Rom rule.
+    ///
+    /// Inside: the velocity of the parabola through a position and its two neighbours. At the
+    /// ends: of the parabola through the three positions there; with two positions, the chord's.
+    ///
+    /// # Errors
+    ///
+    /// As [`from_states`](Self::from_states).
+    pub fn from_positions(positions: &[(f64, DVec3)]) -> Result<Self, Error> {
+        let at_rest: Vec<State> = positions
+            .iter()
+            .map(|&(time, position)| State::new(time, position, DVec3::ZERO))
+            .collect();
+        if at_rest.len() < 2 {
+            return Err(Error::TooFewStates {
+                count: at_rest.len(),
+            });
+        }
+        check_states(&at_rest)?;
+        let chords: Vec<(f64, DVec3)> = at_rest
+            .windows(2)
+            .map(|pair| {
+                let duration = pair[1].time - pair[0].time;
+                (duration, (pair[1].position - pair[0].position) / duration)
+            })
+            .collect();
+        let inner = |k: usize| {
+            let ((before, arriving), (after, leaving)) = (chords[k - 1], chords[k]);
+            let share = before / (before + after);
+            arriving * (1.0 - share) + leaving * share
+        };
+        let last = at_rest.len() - 1;
+        let states: Vec<State> = at_rest
+            .iter()
+            .enumerate()
+            .map(|(k, state)| {
+                let velocity = match k {
+                    _ if last == 1 => chords[0].1,
+                    0 => 2.0 * chords[0].1 - inner(1),
+                    _ if k == last => 2.0 * chords[last - 1].1 - inner(last - 1),
+                    _ => inner(k),
+                };
+                State { velocity, ..*state }
+            })
+            .collect();
+        Self::from_states(&states)
+    }
+
+    /// One polynomial for each segment, `a t³ + b t² + c t + d` as `[a, b, c, d]`, between
+    /// consecutive knots (m and s).
+    ///
+    /// Absolute-time polynomials are moved to local time in twice the precision of f64, so that
+    /// the segment is that of the given coefficients to a few roundings of its own size. (The
+    /// coefficients themselves, as f64, may no longer describe the motion that was meant: at
+    /// t = 1e6 s they are good to metres only. Prefer local time.) Segments need not meet.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::SegmentCount`], [`Error::TooFewStates`], [`Error::TimeNotIncreasing`],
+    /// [`Error::NotFinite`] and [`Error::OutOfRange`], each with the knot at which the segment
+    /// begins and the value.
+    pub fn from_coefficients(
+        knots: &[f64],
+        coefficients: &[[DVec3; 4]],
+        base: TimeBase,
+    ) -> Result<Self, Error> {
+        if knots.len() < 2 {
+            return Err(Error::TooFewStates { count: knots.len() });
+        }
+        if knots.len() != coefficients.len() + 1 {
+            return Err(Error::SegmentCount {
+                knots: knots.len(),
+                segments: coefficients.len(),
+            });
+        }
+        check_times(knots.iter().copied())?;
+        let segments = coefficients
+            .iter()
+            .enumerate()
+            .map(|(knot, polynomial)| {
+                let interval = (knots[knot], knots[knot + 1]);
+                polynomial_segment(interval, polynomial, base, knot)
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        let end_line = |segment: &Segment, time: f64, knot: usize| {
+            let (position, velocity, _) = segment.motion_at(time);
+            // The state at a segment's end carries that segment's rounding, and one of its own.
+            let error = 16.0 * UNIT_ROUNDOFF * (norm(position) + 8.0 * segment.extent())
+                + 16.0 * segment.error();
+            Segment::line(
+                &State::new(time, position, velocity),
+                segment.end() - segment.start(),
+                error,
+                knot,
+            )
+        };
+        let last = segments.len() - 1;
+        let coast = [
+            end_line(&segments[0], knots[0], 0)?,
+            end_line(&segments[last], knots[last + 1], last + 1)?,
+        ];
+        Ok(Self {
+            knots: knots.to_vec(),
+            segments,
+            coast,
+            outside: Outside::default(),
+        })
+    }
+
+    /// A body that stays at `position` for all time (m).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotFinite`] and [`Error::OutOfRange`] if the position is no position.
+    pub fn at_rest(position: DVec3) -> Result<Self, Error> {
+        let state = State::new(0.0, position, DVec3::ZERO);
+        check_states(&[state])?;
+        let line = Segment::line(&state, 1.0, 0.0, 0)?;
+        Ok(Self {
+            knots: vec![0.0],
+            segments: Vec::new(),
+            coast: [line, line],
+            outside: Outside::Coast,
+        })
+    }
+}
+
+fn check_number(knot: usize, quantity: Quantity, value: f64) -> Result<(), Error> {
+    if !value.is_finite() {
+        return Err(Error::NotFinite {
+            knot,
+            quantity,
+            value,
+        });
+    }
+    if value.abs() >= LARGEST_MAGNITUDE {
+        return Err(Error::OutOfRange {
+            knot,
+            quantity,
+            value,
+        });
+    }
+    Ok(())
+}
+
+fn check_times(times: impl Iterator<Item = f64>) -> Result<(), Error> {
+    let mut previous = f64::NEG_INFINITY;
+    for (knot, time) in times.enumerate() {
+        check_number(knot, Quantity::Time, time)?;
+        if time <= previous {
+            return Err(Error::TimeNotIncreasing {
+                knot,
+                previous,
+                time,
+            });
+        }
+        previous = time;
+    }
+    Ok(())
+}
+
+fn check_states(states: &[State]) -> Result<(), Error> {
+    check_times(states.iter().map(|state| state.time))?;
+    for (knot, state) in states.iter().enumerate() {
+        for axis in 0..3 {
+            check_number(knot, Quantity::Position(axis), state.position[axis])?;
+            check_number(knot, Quantity::Velocity(axis), state.velocity[axis])?;
+        }
+    }
+    Ok(())
+}
+
+/// The Bézier form of one polynomial over the interval that begins at knot `knot`.
+fn polynomial_segment(
+    (start, end): (f64, f64),
+    polynomial: &[DVec3; 4],
+    base: TimeBase,
+    knot: usize,
+) -> Result<Segment, Error> {
+    for (index, coefficient) in polynomial.iter().enumerate() {
+        for axis in 0..3 {
+            let quantity = Quantity::Coefficient {
+                power: 3 - index,
+                axis,
+            };
+            check_number(knot, quantity, coefficient[axis])?;
+        }
+    }
+    let shift = match base {
+        TimeBase::Absolute => start,
+        TimeBase::SegmentLocal => 0.0,
+    };
+    let mut origin = DVec3::ZERO;
+    let mut control = [DVec3::ZERO; 3];
+    for axis in 0..3 {
+        let [a, b, c, d] = polynomial.map(|coefficient| DoubleDouble::from(coefficient[axis]));
+        let [shift, two, three] = [shift, 2.0, 3.0].map(DoubleDouble::from);
+        let duration = DoubleDouble::difference(end, start);
+        // Taylor shift to the segment's own time, then to its own unit.
+        let position = ((a * shift + b) * shift + c) * shift + d;
+        let linear = ((three * a * shift + two * b) * shift + c) * duration;
+        let quadratic = (three * a * shift + b) * duration * duration;
+        let cubic = a * duration * duration * duration;
+        origin[axis] = position.rounded();
+        control[0][axis] = linear.rounded() / 3.0;
+        control[1][axis] = (two * linear + quadratic).rounded() / 3.0;
+        control[2][axis] = (linear + quadratic + cubic).rounded();
+    }
+    let size = |time: f64| {
+        let [a, b, c, d] = polynomial.map(norm);
+        let time = time.abs();
+        ((a * time + b) * time + c) * time + d
+    };
+    // One rounding of the origin where it was computed, one (and a third's) of each point, and
+    // 2^-100 of everything that was added up, which covers the double-double arithmetic.
+    let reached = match base {
+        TimeBase::Absolute => 32.0 * (size(start) + size(end)),
+        TimeBase::SegmentLocal => 32.0 * size(end - start),
+    };
+    let origin_error = match base {
+        TimeBase::Absolute => UNIT_ROUNDOFF * norm(origin),
+        TimeBase::SegmentLocal => 0.0,
+    };
+    let largest = control.iter().map(|&point| norm(point)).fold(0.0, f64::max);
+    let error = origin_error + 4.0 * UNIT_ROUNDOFF * largest + 2f64.powi(-100) * reached;
+    let unusable = [origin, control[0], control[1], control[2]]
+        .into_iter()
+        .find(|point| !point.is_finite() || point.abs().max_element() > LARGEST_MAGNITUDE);
+    if let Some(point) = unusable {
+        return Err(Error::OutOfRange {
+            knot,
+            quantity: Quantity::Position(0),
+            value: point.abs().max_element(),
+        });
+    }
+    Segment::from_control((start, end), origin, control, error, knot)
+}

@@ -1,0 +1,133 @@
+//! Trajectories: irregular states in, cubic segments out. All validation of motion happens here.
+
+mod build;
+mod double_double;
+mod outside;
+mod rows;
+mod segment;
+mod splice;
+mod state;
+
+pub use build::TimeBase;
+pub use outside::Outside;
+pub(crate) use outside::Pieces;
+pub use rows::trajectories_from_rows;
+pub use segment::Segment;
+pub use state::State;
+
+use crate::window::Window;
+use glam::DVec3;
+
+/// The motion of one body: cubic segments between knots, and what it does before and after.
+///
+/// ```
+/// use glam::DVec3;
+/// use nearmiss::{State, Trajectory};
+///
+/// let plan = Trajectory::from_states(&[
+///     State::new(0.0, DVec3::ZERO, DVec3::X),
+///     State::new(2.0, DVec3::new(2.0, 0.0, 0.0), DVec3::X),
+/// ])?;
+/// assert_eq!(plan.position(1.0), Some(DVec3::X));
+/// assert_eq!(plan.position(3.0), None); // absent after its last knot
+/// # Ok::<(), nearmiss::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trajectory {
+    /// One more than segments. A body at rest has one knot and no segment.
+    knots: Vec<f64>,
+    segments: Vec<Segment>,
+    /// Straight motion before the first and after the last knot.
+    coast: [Segment; 2],
+    outside: Outside,
+}
+
+impl Trajectory {
+    /// The same motion, with another rule for the time before and after its knots.
+    ///
+    /// A body [`at_rest`](Self::at_rest) stays there for all time, whatever the rule.
+    #[must_use]
+    pub fn with_outside(mut self, outside: Outside) -> Self {
+        if !self.segments.is_empty() {
+            self.outside = outside;
+        }
+        self
+    }
+
+    /// What the body does before its first and after its last knot.
+    #[must_use]
+    pub const fn outside(&self) -> Outside {
+        self.outside
+    }
+
+    /// The times of the knots, s, increasing.
+    #[must_use]
+    pub fn knots(&self) -> &[f64] {
+        &self.knots
+    }
+
+    /// The cubics, one between each two knots. Of a cubic that a splice has cut, only the part
+    /// between its knots is flown.
+    #[must_use]
+    pub fn segments(&self) -> &[Segment] {
+        &self.segments
+    }
+
+    /// When the body exists: its knots' range if `Absent` outside, else all of time.
+    #[must_use]
+    pub fn domain(&self) -> Window {
+        match self.outside {
+            Outside::Absent => self.planned(),
+            Outside::Extrapolate | Outside::Coast => Window::ALL,
+        }
+    }
+
+    /// Position at `time`, m; none where the body does not exist.
+    ///
+    /// Relative to the segment's first knot good to a few roundings of the segment's extent;
+    /// the sum with the absolute position is rounded once more.
+    #[must_use]
+    pub fn position(&self, time: f64) -> Option<DVec3> {
+        self.motion_at(time).map(|(position, _, _)| position)
+    }
+
+    /// Velocity at `time`, m/s; none where the body does not exist. At a knot: of the segment
+    /// that begins there.
+    #[must_use]
+    pub fn velocity(&self, time: f64) -> Option<DVec3> {
+        self.motion_at(time).map(|(_, velocity, _)| velocity)
+    }
+
+    /// Acceleration at `time`, m/s²; none where the body does not exist. At a knot: of the
+    /// segment that begins there.
+    #[must_use]
+    pub fn acceleration(&self, time: f64) -> Option<DVec3> {
+        self.motion_at(time)
+            .map(|(_, _, acceleration)| acceleration)
+    }
+
+    fn motion_at(&self, time: f64) -> Option<(DVec3, DVec3, DVec3)> {
+        if !time.is_finite() || !self.domain().contains(time) {
+            return None;
+        }
+        let motion = self.carrier(time).motion_at(time);
+        // Far outside its knots an extrapolated cubic can leave the range of f64.
+        motion.0.is_finite().then_some(motion)
+    }
+
+    /// The cubic that the body follows at `time`.
+    fn carrier(&self, time: f64) -> &Segment {
+        let after = self.knots.partition_point(|&knot| knot <= time);
+        if after == 0 {
+            self.before()
+        } else if after < self.knots.len() {
+            &self.segments[after - 1]
+        } else {
+            match (self.segments.last(), self.knots.last()) {
+                // The last knot itself belongs to the last segment.
+                (Some(last), Some(&knot)) if time <= knot => last,
+                _ => self.after(),
+            }
+        }
+    }
+}

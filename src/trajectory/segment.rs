@@ -1,0 +1,334 @@
+//! One cubic between two knots, in local form: what everything downstream computes with.
+
+use crate::error::{Error, LARGEST_MAGNITUDE, Quantity};
+use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, norm, normalising_power};
+use crate::trajectory::state::State;
+use glam::DVec3;
+
+/// One cubic over [`start`](Self::start)..[`end`](Self::end), as Bézier control points relative
+/// to its first position.
+///
+/// Neither the absolute time nor the absolute position enters the rounding of the control points:
+/// they come from differences of the user's own numbers. 128 bytes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Segment {
+    start: f64,
+    end: f64,
+    /// Position at `start`: the user's own number.
+    origin: DVec3,
+    /// Bézier control points 1, 2, 3 relative to `origin` (point 0 is zero).
+    control: [DVec3; 3],
+    /// No control point is farther from the origin than this, m.
+    extent: f64,
+    /// Bound on the error of each point `origin + control`, m.
+    error: f64,
+}
+
+/// Control points of a part of a segment, relative to the segment's origin, and their error.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Restriction {
+    pub(crate) points: [DVec3; 4],
+    /// Bound on the error of each point, m (without the rounding of the origin: it has none).
+    pub(crate) error: f64,
+}
+
+impl Segment {
+    /// The cubic Hermite segment between two consecutive states; `knot` is the second one's number.
+    ///
+    /// The caller has checked that the states are finite and their times increase.
+    pub(super) fn hermite(first: &State, second: &State, knot: usize) -> Result<Self, Error> {
+        let duration = second.time - first.time;
+        let end = second.position - first.position;
+        let leave = first.velocity * duration / 3.0;
+        let arrive = second.velocity * duration / 3.0;
+        let longest = norm(leave).max(norm(arrive));
+        let extent = (norm(end) + longest) * (1.0 + 8.0 * UNIT_ROUNDOFF);
+        Self {
+            start: first.time,
+            end: second.time,
+            origin: first.position,
+            control: [leave, end - arrive, end],
+            extent,
+            // numerics: u S for point 3, 3 u W for point 1, u (2 S + 4 W) for point 2.
+            error: 4.0 * UNIT_ROUNDOFF * extent + UNDERFLOW,
+        }
+        .checked(knot)
+    }
+
+    /// Straight motion from `state` on (and back in time, as the carrier of `Coast` and of rest).
+    ///
+    /// `duration` is only the unit of its parameter. It is rounded to three times a power of two,
+    /// so that all its control points but the last are exact; `error` is that of the state itself
+    /// (position, and velocity times duration).
+    pub(super) fn line(
+        state: &State,
+        duration: f64,
+        error: f64,
+        knot: usize,
+    ) -> Result<Self, Error> {
+        // At least an ulp of the knot's time, so that `end - start` is the duration exactly.
+        let third = (duration / 3.0)
+            .max(2.0 * f64::EPSILON * state.time.abs())
+            .max(f64::MIN_POSITIVE / f64::EPSILON);
+        let third = 1.0 / normalising_power(third.min(LARGEST_MAGNITUDE));
+        let step = state.velocity * third;
+        let control = [step, 2.0 * step, 3.0 * step];
+        let extent = norm(control[2]) * (1.0 + 8.0 * UNIT_ROUNDOFF);
+        Self {
+            start: state.time,
+            end: state.time + 3.0 * third,
+            origin: state.position,
+            control,
+            extent,
+            error,
+        }
+        .checked(knot)
+    }
+
+    /// The segment with these Bézier points relative to `origin`, each good to `error`;
+    /// `knot` is the number of the knot at its end.
+    pub(super) fn from_control(
+        (start, end): (f64, f64),
+        origin: DVec3,
+        control: [DVec3; 3],
+        error: f64,
+        knot: usize,
+    ) -> Result<Self, Error> {
+        let extent = control.iter().map(|&point| norm(point)).fold(0.0, f64::max)
+            * (1.0 + 8.0 * UNIT_ROUNDOFF);
+        Self {
+            start,
+            end,
+            origin,
+            control,
+            extent,
+            error: error + UNDERFLOW,
+        }
+        .checked(knot)
+    }
+
+    /// Refuses what could overflow later: positions, velocities or accelerations beyond 1e300.
+    fn checked(self, knot: usize) -> Result<Self, Error> {
+        let duration = self.end - self.start;
+        // The largest acceleration of a cubic with these control points is 6 · 4 extents.
+        let acceleration = 24.0 * (self.extent / duration / duration);
+        let out_of_range = |quantity, value| {
+            Err(Error::OutOfRange {
+                knot,
+                quantity,
+                value,
+            })
+        };
+        if duration.is_infinite() {
+            return out_of_range(Quantity::Time, duration);
+        }
+        if self.extent.is_nan() || self.extent > LARGEST_MAGNITUDE {
+            return out_of_range(Quantity::Position(0), self.extent);
+        }
+        if self.extent > 0.0 && (acceleration.is_nan() || acceleration > LARGEST_MAGNITUDE) {
+            return out_of_range(Quantity::Acceleration, acceleration);
+        }
+        if 6.0 * (self.extent / duration) > LARGEST_MAGNITUDE {
+            return out_of_range(Quantity::Velocity(0), 6.0 * (self.extent / duration));
+        }
+        Ok(self)
+    }
+
+    /// Time of the first knot, s.
+    #[must_use]
+    pub const fn start(&self) -> f64 {
+        self.start
+    }
+
+    /// Time of the second knot, s.
+    #[must_use]
+    pub const fn end(&self) -> f64 {
+        self.end
+    }
+
+    /// Position at [`start`](Self::start), m: exactly the user's number where states were given.
+    #[must_use]
+    pub const fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// The four Bézier control points relative to [`origin`](Self::origin), m.
+    #[must_use]
+    pub const fn control(&self) -> [DVec3; 4] {
+        [
+            DVec3::ZERO,
+            self.control[0],
+            self.control[1],
+            self.control[2],
+        ]
+    }
+
+    /// No control point is farther from the origin than this, m.
+    #[must_use]
+    pub const fn extent(&self) -> f64 {
+        self.extent
+    }
+
+    /// Bound on the error of each point `origin + control`, m.
+    pub(super) const fn error(&self) -> f64 {
+        self.error
+    }
+
+    /// Position, velocity and acceleration at `time` (m, m/s, m/s²), also outside its knots: the
+    /// cubic goes on.
+    #[must_use]
+    pub fn motion_at(&self, time: f64) -> (DVec3, DVec3, DVec3) {
+        let duration = self.end - self.start;
+        let [_, first, second, third] = self.control();
+        // Power form around the nearer knot, so that the states themselves are met exactly.
+        if time - self.start <= self.end - time {
+            let s = (time - self.start) / duration;
+            let [linear, quadratic, cubic] = power_form(first, second, third);
+            let offset = s * (linear + s * (quadratic + s * cubic));
+            let rate = linear + s * (2.0 * quadratic + s * 3.0 * cubic);
+            let curve = 2.0 * quadratic + s * 6.0 * cubic;
+            (
+                self.origin + offset,
+                rate / duration,
+                curve / duration / duration,
+            )
+        } else {
+            let s = (self.end - time) / duration;
+            let [linear, quadratic, cubic] =
+                power_form(second - third, first - third, DVec3::ZERO - third);
+            let offset = third + s * (linear + s * (quadratic + s * cubic));
+            let rate = linear + s * (2.0 * quadratic + s * 3.0 * cubic);
+            let curve = 2.0 * quadratic + s * 6.0 * cubic;
+            (
+                self.origin + offset,
+                -rate / duration,
+                curve / duration / duration,
+            )
+        }
+    }
+
+    /// The control points of the part over `from..to`, relative to the segment's origin.
+    ///
+    /// Inside the knots by blossoming with weights of sum one, beyond them (`Extrapolate`,
+    /// `Coast`) in power form around the first knot. `from == to` gives one point four times.
+    pub(crate) fn restrict(&self, from: f64, to: f64) -> Restriction {
+        if from <= self.start && to >= self.end && from >= self.start && to <= self.end {
+            return Restriction {
+                points: self.control(),
+                error: self.error + UNIT_ROUNDOFF * self.extent,
+            };
+        }
+        if self.covers(from, to) {
+            self.restrict_inside(from, to)
+        } else {
+            self.restrict_beyond(from, to)
+        }
+    }
+
+    fn restrict_inside(&self, from: f64, to: f64) -> Restriction {
+        let duration = self.end - self.start;
+        let weights = |time: f64| Weights {
+            first: (self.end - time) / duration,
+            second: (time - self.start) / duration,
+        };
+        let [b0, b1, b2, b3] = self.control();
+        let (low, high) = (weights(from), weights(to));
+        let (l0, l1, l2) = (low.mix(b0, b1), low.mix(b1, b2), low.mix(b2, b3));
+        let (ll0, ll1) = (low.mix(l0, l1), low.mix(l1, l2));
+        let (h0, h1, h2) = (high.mix(b0, b1), high.mix(b1, b2), high.mix(b2, b3));
+        let (hh0, hh1) = (high.mix(h0, h1), high.mix(h1, h2));
+        Restriction {
+            points: [
+                low.mix(ll0, ll1),
+                high.mix(ll0, ll1),
+                low.mix(hh0, hh1),
+                high.mix(hh0, hh1),
+            ],
+            // Three levels of lerps with relative weight errors: γ5 each (numerics, section 3).
+            error: self.error + 16.0 * UNIT_ROUNDOFF * self.extent + UNDERFLOW,
+        }
+    }
+
+    fn restrict_beyond(&self, from: f64, to: f64) -> Restriction {
+        let duration = self.end - self.start;
+        let (a, b) = ((from - self.start) / duration, (to - self.start) / duration);
+        let [linear, quadratic, cubic] =
+            power_form(self.control[0], self.control[1], self.control[2]);
+        // The blossom of c1 s + c2 s² + c3 s³ at (x, y, z).
+        let blossom = |x: f64, y: f64, z: f64| {
+            linear * ((x + y + z) / 3.0)
+                + quadratic * ((x * y + y * z + z * x) / 3.0)
+                + cubic * (x * y * z)
+        };
+        let reach = a.abs().max(b.abs());
+        let size = norm(linear) * reach
+            + norm(quadratic) * reach * reach
+            + norm(cubic) * reach * reach * reach;
+        // A control point's error, its own or from forming the power coefficients (4 roundings of
+        // the extent at most), grows like the sum of the Bernstein weights: (1 + 2 reach)³. The
+        // points of a line are exact, and so are its vanishing coefficients: nothing grows.
+        let growth = (1.0 + 2.0 * reach).powi(3);
+        let grown = if self.is_exact_line() {
+            0.0
+        } else {
+            (self.error + 4.0 * UNIT_ROUNDOFF * self.extent) * growth + UNDERFLOW * growth
+        };
+        Restriction {
+            points: [
+                blossom(a, a, a),
+                blossom(a, a, b),
+                blossom(a, b, b),
+                blossom(b, b, b),
+            ],
+            // The blossom: at most 12 roundings of each term.
+            error: grown + 12.0 * UNIT_ROUNDOFF * size + UNDERFLOW,
+        }
+    }
+
+    /// Whether an interval lies within the segment's own knots.
+    pub(crate) fn covers(&self, from: f64, to: f64) -> bool {
+        from >= self.start && to <= self.end
+    }
+
+    /// A bound on how far the part between `from` and `to` is from the origin, m: the size that
+    /// its rounding is relative to.
+    pub(crate) fn reach(&self, from: f64, to: f64) -> f64 {
+        if self.covers(from, to) {
+            return self.extent;
+        }
+        let duration = self.end - self.start;
+        let s = ((from - self.start).abs().max((to - self.start).abs())) / duration;
+        if self.is_exact_line() {
+            self.extent * s.max(1.0)
+        } else {
+            self.extent * (1.0 + 2.0 * s).powi(3)
+        }
+    }
+
+    /// Made by [`line`](Self::line) from exact numbers: marked by the error 0, which no other
+    /// constructor gives.
+    fn is_exact_line(&self) -> bool {
+        self.error <= 0.0
+    }
+}
+
+/// Coefficients of s, s², s³ of the cubic with Bézier points 0, first, second, third.
+fn power_form(first: DVec3, second: DVec3, third: DVec3) -> [DVec3; 3] {
+    [
+        3.0 * first,
+        3.0 * (second - 2.0 * first),
+        third - 3.0 * (second - first),
+    ]
+}
+
+/// Barycentric weights of an instant: each has its own relative error, however near to a knot.
+struct Weights {
+    first: f64,
+    second: f64,
+}
+
+impl Weights {
+    fn mix(&self, x: DVec3, y: DVec3) -> DVec3 {
+        x * self.first + y * self.second
+    }
+}

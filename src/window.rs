@@ -1,0 +1,71 @@
+//! The closed time interval a question is about.
+
+use crate::error::Error;
+
+/// A closed interval of time, s. May be a single instant; may be open-ended (infinite).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    start: f64,
+    end: f64,
+}
+
+impl Window {
+    /// All of time.
+    pub const ALL: Self = Self {
+        start: f64::NEG_INFINITY,
+        end: f64::INFINITY,
+    };
+
+    /// The window from `start` to `end`, both included (s; infinities mean open-ended).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Window`] if the start is later than the end, either is NaN, or no finite instant
+    /// lies between them.
+    pub fn new(start: f64, end: f64) -> Result<Self, Error> {
+        let holds_an_instant = start <= end && start < f64::INFINITY && end > f64::NEG_INFINITY;
+        if holds_an_instant {
+            Ok(Self { start, end })
+        } else {
+            Err(Error::Window { start, end })
+        }
+    }
+
+    /// First instant, s (or minus infinity).
+    #[must_use]
+    pub const fn start(self) -> f64 {
+        self.start
+    }
+
+    /// Last instant, s (or infinity).
+    #[must_use]
+    pub const fn end(self) -> f64 {
+        self.end
+    }
+
+    /// Whether both ends are finite.
+    #[must_use]
+    pub fn is_closed(self) -> bool {
+        self.start.is_finite() && self.end.is_finite()
+    }
+
+    /// Whether `time` lies in it.
+    #[must_use]
+    pub fn contains(self, time: f64) -> bool {
+        self.start <= time && time <= self.end
+    }
+
+    /// What two windows share; none if they do not even touch.
+    #[must_use]
+    pub fn intersection(self, other: Self) -> Option<Self> {
+        let start = self.start.max(other.start);
+        let end = self.end.min(other.end);
+        (start <= end).then_some(Self { start, end })
+    }
+}
+
+impl Default for Window {
+    fn default() -> Self {
+        Self::ALL
+    }
+}

@@ -1,0 +1,220 @@
+//! What must not matter does not: the order of bodies, the origin of space and time, extra knots,
+//! where the window is cut. And a dense sampling that would see a conflict that was lost.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "a scene that cannot be built fails the test"
+)]
+
+mod support;
+
+use glam::DVec3;
+use nearmiss::{Clip, Conflict, State, Trajectory, Window};
+use support::{bits, scene_of, screen, swarm};
+
+const MARGIN: f64 = 1.5;
+
+/// A swarm with some hundred conflicts.
+fn bodies(seed: u64) -> Vec<(Vec<State>, f64)> {
+    swarm(seed, 60, 40.0)
+}
+
+/// The same conflicts up to rounding: times to `time` s, lengths to `length` m.
+fn assert_alike(found: &[Conflict], expected: &[Conflict], time: f64, length: f64) {
+    assert_eq!(found.len(), expected.len());
+    assert!(!expected.is_empty());
+    for (x, y) in found.iter().zip(expected) {
+        assert_eq!((x.a.slot(), x.b.slot()), (y.a.slot(), y.b.slot()));
+        assert!((x.enter - y.enter).abs() < time, "{x:?} {y:?}");
+        assert!((x.exit - y.exit).abs() < time, "{x:?} {y:?}");
+        assert!((x.closest.time - y.closest.time).abs() < 1e3 * time);
+        assert!((x.closest.separation - y.closest.separation).abs() < length);
+        assert_eq!(x.clip, y.clip);
+    }
+}
+
+#[test]
+fn the_order_of_bodies() {
+    let bodies = bodies(1);
+    let mut reversed = bodies.clone();
+    reversed.reverse();
+    let expected = screen(&scene_of(&bodies), Window::ALL, MARGIN);
+    let mut found = screen(&scene_of(&reversed), Window::ALL, MARGIN);
+    let last = u32::try_from(bodies.len() - 1).unwrap();
+    let key = |c: &Conflict, flip: bool| {
+        let slots = if flip {
+            (last - c.b.slot(), last - c.a.slot())
+        } else {
+            (c.a.slot(), c.b.slot())
+        };
+        (slots, c.enter.to_bits(), c.exit.to_bits())
+    };
+    // h and -h have the same rounding: even the bits agree.
+    let mut a: Vec<_> = expected.iter().map(|c| key(c, false)).collect();
+    let mut b: Vec<_> = found.drain(..).map(|c| key(&c, true)).collect();
+    a.sort_unstable();
+    b.sort_unstable();
+    assert_eq!(a, b);
+}
+
+#[test]
+fn the_origin_of_space_and_time() {
+    let original = bodies(2);
+    let expected = screen(&scene_of(&original), Window::ALL, MARGIN);
+    // Exact shifts would change nothing at all; these round the states (1e9 m: 1.2e-7 m, which
+    // moves a crossing at 0.1 m/s by a microsecond).
+    let moved = |time: f64, space: DVec3| -> Vec<(Vec<State>, f64)> {
+        let shift = |state: &State| State {
+            time: state.time + time,
+            position: state.position + space,
+            velocity: state.velocity,
+        };
+        original
+            .iter()
+            .map(|(states, radius)| (states.iter().map(shift).collect(), *radius))
+            .collect()
+    };
+    let far = screen(
+        &scene_of(&moved(0.0, DVec3::new(1e9, -2e9, 5e8))),
+        Window::ALL,
+        MARGIN,
+    );
+    assert_alike(&far, &expected, 1e-5, 1e-6);
+    let mut late = screen(&scene_of(&moved(1.7e9, DVec3::ZERO)), Window::ALL, MARGIN);
+    for conflict in &mut late {
+        conflict.enter -= 1.7e9;
+        conflict.exit -= 1.7e9;
+        conflict.closest.time -= 1.7e9;
+    }
+    // The knots themselves move by an ulp of 1.7e9 s: 2.4e-7 s.
+    assert_alike(&late, &expected, 5e-6, 1e-5);
+}
+
+#[test]
+fn a_knot_more_changes_nothing_but_roundings() {
+    let original = bodies(3);
+    let expected = screen(&scene_of(&original), Window::ALL, MARGIN);
+    let split: Vec<_> = original
+        .iter()
+        .map(|(states, radius)| {
+            let trajectory = Trajectory::from_states(states).unwrap();
+            let mut more = Vec::new();
+            for pair in states.windows(2) {
+                let time = pair[0].time * 0.3 + pair[1].time * 0.7;
+                more.push(pair[0]);
+                more.push(State::new(
+                    time,
+                    trajectory.position(time).unwrap(),
+                    trajectory.velocity(time).unwrap(),
+                ));
+            }
+            more.push(*states.last().unwrap());
+            (more, *radius)
+        })
+        .collect();
+    let found = screen(&scene_of(&split), Window::ALL, MARGIN);
+    assert_alike(&found, &expected, 1e-9, 1e-12);
+}
+
+#[test]
+fn a_window_only_clips() {
+    // Denser than elsewhere: many conflicts that a cut goes through.
+    let scene = scene_of(&swarm(4, 60, 15.0));
+    let whole = screen(&scene, Window::ALL, MARGIN);
+    let mut cut_inside = 0;
+    for (start, end) in [
+        (3.0, 9.0),
+        (7.5, 7.5),
+        (8.0, 8.25),
+        (-5.0, 4.0),
+        (15.0, 99.0),
+    ] {
+        let found = screen(&scene, Window::new(start, end).unwrap(), MARGIN);
+        let expected: Vec<&Conflict> = whole
+            .iter()
+            .filter(|c| c.exit >= start && c.enter <= end)
+            .collect();
+        assert_eq!(found.len(), expected.len());
+        for full in expected {
+            let same_pair = |c: &&Conflict| {
+                (c.a, c.b) == (full.a, full.b)
+                    && c.enter.to_bits() == full.enter.max(start).to_bits()
+            };
+            let part = found.iter().find(same_pair).unwrap();
+            assert_eq!(part.exit.to_bits(), full.exit.min(end).to_bits());
+            let cut = full.enter < start || full.exit > end;
+            if cut {
+                cut_inside += 1;
+                assert!(part.closest.separation >= full.closest.separation);
+                let clip = Clip {
+                    at_enter: full.clip.at_enter || full.enter <= start,
+                    at_exit: full.clip.at_exit || full.exit >= end,
+                };
+                assert_eq!(part.clip, clip);
+            } else {
+                // Wholly inside: the same bits.
+                assert_eq!(bits(&[*part]), bits(&[*full]));
+            }
+        }
+    }
+    assert!(cut_inside > 10);
+}
+
+#[test]
+fn the_closest_approach_agrees_with_the_conflicts() {
+    let scene = scene_of(&bodies(5));
+    let conflicts = screen(&scene, Window::ALL, MARGIN);
+    for conflict in &conflicts {
+        let window = Window::new(conflict.enter, conflict.exit).unwrap();
+        let within = scene.closest_approach(conflict.a, conflict.b, window);
+        assert_eq!(within.unwrap(), Some(conflict.closest));
+        let ever = scene
+            .closest_approach(conflict.a, conflict.b, Window::ALL)
+            .unwrap()
+            .unwrap();
+        assert!(ever.separation <= conflict.closest.separation);
+        let least = conflicts
+            .iter()
+            .filter(|other| (other.a, other.b) == (conflict.a, conflict.b))
+            .map(|other| other.closest.separation)
+            .fold(f64::INFINITY, f64::min);
+        assert_eq!(ever.separation.to_bits(), least.to_bits());
+    }
+}
+
+#[test]
+fn dense_sampling_finds_no_conflict_that_was_lost() {
+    let bodies = bodies(6);
+    let scene = scene_of(&bodies);
+    let conflicts = screen(&scene, Window::ALL, MARGIN);
+    let trajectories: Vec<_> = bodies
+        .iter()
+        .map(|(states, radius)| (Trajectory::from_states(states).unwrap(), *radius))
+        .collect();
+    let mut inside = 0;
+    for step in 0..6000 {
+        let time = f64::from(step) * 0.004;
+        let present: Vec<(u32, DVec3, f64)> = (0..)
+            .zip(&trajectories)
+            .filter_map(|(slot, (t, radius))| Some((slot, t.position(time)?, *radius)))
+            .collect();
+        for (k, &(a, position_a, radius_a)) in present.iter().enumerate() {
+            for &(b, position_b, radius_b) in &present[k + 1..] {
+                let separation = position_a.distance(position_b) - radius_a - radius_b;
+                let reported = conflicts.iter().any(|c| {
+                    (c.a.slot(), c.b.slot()) == (a, b) && c.enter <= time && time <= c.exit
+                });
+                // Sampling itself rounds: at the margin to within 1e-12 m either is right.
+                if (separation - MARGIN).abs() > 1e-12 {
+                    assert_eq!(
+                        reported,
+                        separation < MARGIN,
+                        "{a} {b} at {time}: {separation}"
+                    );
+                }
+                inside += u32::from(reported);
+            }
+        }
+    }
+    assert!(inside > 1000);
+}

@@ -1,0 +1,530 @@
+//! The monitor against one-shot screening at every tick, and its events against a plain reference.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "exact cases are exact; a monitor that cannot be built fails the test"
+)]
+
+mod support;
+
+use glam::DVec3;
+use nearmiss::{
+    AlertLevel, Body, BodyId, Budget, Command, EncounterId, EndReason, Error, Event, EventKind,
+    Hitbox, Layers, LeastChange, Monitor, Outside, Query, Scene, Sphere, State, Trajectory, Window,
+};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use std::collections::BTreeMap;
+use support::{bits, line, rng, vector, wander};
+
+const LEVELS: [AlertLevel; 3] = [
+    AlertLevel::at(4.0),
+    AlertLevel::at(1.0),
+    AlertLevel::at(-0.1),
+];
+
+fn hitbox(rng: &mut ChaCha8Rng) -> Hitbox {
+    if rng.random_bool(0.3) {
+        let spheres = (0..3)
+            .map(|_| Sphere {
+                offset: vector(rng, 1.0),
+                radius: rng.random_range(0.1..0.5),
+            })
+            .collect();
+        Hitbox::cluster(spheres).unwrap()
+    } else {
+        Hitbox::sphere(rng.random_range(0.0..0.5)).unwrap()
+    }
+}
+
+fn plan(rng: &mut ChaCha8Rng, start: f64, from: Option<State>, cube: f64) -> Trajectory {
+    let segments = rng.random_range(1..8);
+    let mut states = wander(rng, start, segments, 1.0, cube, 4.0);
+    if let Some(from) = from {
+        // Meets where the body is, as a steering game would.
+        let shift = from.position - states[0].position;
+        for (k, state) in (0..).zip(&mut states) {
+            let share: f64 = 1.0 - f64::from(k) / 8.0;
+            state.position += shift * share;
+        }
+        states[0].velocity = from.velocity;
+    }
+    let outside = match rng.random_range(0..4) {
+        0 => Outside::Extrapolate,
+        1 => Outside::Coast,
+        _ => Outside::Absent,
+    };
+    Trajectory::from_states(&states)
+        .unwrap()
+        .with_outside(outside)
+}
+
+fn body(rng: &mut ChaCha8Rng, start: f64, cube: f64) -> Body {
+    let layers = if rng.random_bool(0.2) {
+        Layers::new(1 << rng.random_range(0..3), 0b101)
+    } else {
+        Layers::ALL
+    };
+    Body::new(plan(rng, start, None, cube))
+        .with_hitbox(hitbox(rng))
+        .with_layers(layers)
+}
+
+/// One random change of plans; refusals (a splice where there is no plan) are part of life.
+fn change(rng: &mut ChaCha8Rng, monitor: &mut Monitor, ids: &mut Vec<BodyId>, cube: f64) {
+    let now = monitor.now();
+    let pick = |rng: &mut ChaCha8Rng, ids: &[BodyId]| ids[rng.random_range(0..ids.len())];
+    match rng.random_range(0..10) {
+        0 => {
+            let start = now + rng.random_range(-2.0..3.0);
+            let new = body(rng, start, cube);
+            ids.push(monitor.insert(new).unwrap());
+        }
+        1 if ids.len() > 6 => {
+            let gone = ids.swap_remove(rng.random_range(0..ids.len()));
+            monitor.remove(gone).unwrap();
+        }
+        2 => {
+            let id = pick(rng, ids);
+            let hitbox = hitbox(rng);
+            monitor.set_hitbox(id, hitbox).unwrap();
+        }
+        3 => {
+            let id = pick(rng, ids);
+            let layers = Layers::new(rng.random_range(1..8), rng.random_range(1..8));
+            monitor.set_layers(id, layers).unwrap();
+        }
+        4 => {
+            let (a, b) = (pick(rng, ids), pick(rng, ids));
+            if a != b && rng.random_bool(0.5) {
+                monitor.ignore_pair(a, b).unwrap();
+            } else if a != b {
+                monitor.heed_pair(a, b).unwrap();
+            }
+        }
+        5 => {
+            let id = pick(rng, ids);
+            let end = *monitor
+                .scene()
+                .body(id)
+                .unwrap()
+                .trajectory
+                .knots()
+                .last()
+                .unwrap();
+            let more = plan(rng, end, None, cube);
+            monitor.extend(id, more).unwrap();
+        }
+        6 => {
+            let id = pick(rng, ids);
+            let start = now - 1.0;
+            let new = plan(rng, start, None, cube);
+            monitor.set_trajectory(id, new).unwrap();
+        }
+        _ => {
+            let id = pick(rng, ids);
+            let from = now + rng.random_range(0.0..2.0);
+            let old = &monitor.scene().body(id).unwrap().trajectory;
+            let state = old
+                .position(from)
+                .map(|position| State::new(from, position, old.velocity(from).unwrap()));
+            let new = plan(rng, from, state, cube);
+            match monitor.replan(id, from, new) {
+                Ok(()) => {}
+                Err(Error::InBody { error, .. }) => {
+                    assert!(matches!(
+                        *error,
+                        Error::NoPlanAt { .. } | Error::OutOfRange { .. }
+                    ));
+                }
+                Err(other) => panic!("{other}"),
+            }
+        }
+    }
+}
+
+/// Follows every encounter through its events.
+#[derive(Default)]
+struct Ledger {
+    open: BTreeMap<EncounterId, bool>,
+    closed: BTreeMap<EncounterId, EndReason>,
+}
+
+impl Ledger {
+    fn read(&mut self, events: &[Event]) {
+        for event in events {
+            match event.kind {
+                EventKind::Predicted(encounter) => {
+                    assert!(self.open.insert(encounter.id, false).is_none());
+                }
+                EventKind::Revised(encounter) => assert!(self.open.contains_key(&encounter.id)),
+                EventKind::Withdrawn(encounter) => {
+                    assert_eq!(self.open.remove(&encounter.id), Some(false), "{event:?}");
+                }
+                EventKind::Began(encounter) => {
+                    assert_ne!(
+                        self.open.insert(encounter.id, true),
+                        Some(true),
+                        "{event:?}"
+                    );
+                    assert_eq!(event.time, encounter.enter);
+                }
+                EventKind::Ended(encounter, reason) => {
+                    assert_eq!(self.open.remove(&encounter.id), Some(true), "{event:?}");
+                    assert!(self.closed.insert(encounter.id, reason).is_none());
+                    assert!(encounter.enter <= encounter.exit);
+                }
+                _ => {}
+            }
+        }
+    }
+}
+
+fn one_shot(monitor: &Monitor, level: AlertLevel, until: f64) -> Vec<Vec<u64>> {
+    let window = Window::new(monitor.now(), until).unwrap();
+    let query = Query::new(window).with_margin(level.margin).unwrap();
+    bits(&monitor.scene().screen(&query).unwrap().conflicts)
+}
+
+/// Ticks of a long random run; `NEARMISS_TICKS` asks for more.
+fn ticks(default: u32) -> u32 {
+    let asked = std::env::var("NEARMISS_TICKS").ok();
+    asked.and_then(|text| text.parse().ok()).unwrap_or(default)
+}
+
+#[test]
+fn equals_one_shot_screening_at_every_tick() {
+    const CUBE: f64 = 14.0;
+    let mut rng = rng(31);
+    let mut scene = Scene::new();
+    let mut ids: Vec<BodyId> = (0..24)
+        .map(|_| scene.insert(body(&mut rng, -1.0, CUBE)).unwrap())
+        .collect();
+    let mut monitor = Monitor::new(scene, 0.0, 3.0, &LEVELS).unwrap();
+    let mut ledger = Ledger::default();
+    let (mut conflicts, mut events) = (0, Vec::new());
+    let mut told = 0;
+    for tick in 0..ticks(1500) {
+        for _ in 0..rng.random_range(0..3) {
+            change(&mut rng, &mut monitor, &mut ids, CUBE);
+        }
+        let step = match rng.random_range(0..40) {
+            0 => 0.0,
+            1 => rng.random_range(1.0..9.0),
+            _ => 1.0 / 60.0 * rng.random_range(0.5..3.0),
+        };
+        let now = monitor.now() + step;
+        // A third of the ticks with so little budget that some of the lookahead stays unknown.
+        let budget = match tick % 3 {
+            0 => Budget::Work(rng.random_range(0..60)),
+            _ => Budget::Unlimited,
+        };
+        events.clear();
+        match monitor.advance_within(now, budget, &mut events) {
+            Ok(()) => {}
+            Err(Error::InBody { .. }) => {
+                // An extrapolated cubic left the range of numbers: take such bodies out.
+                for id in std::mem::take(&mut ids) {
+                    monitor.remove(id).unwrap();
+                }
+                continue;
+            }
+            Err(other) => panic!("{other}"),
+        }
+        ledger.read(&events);
+        told += events.len();
+        assert!(events.is_sorted_by(|x, y| x.order(y).is_le()));
+        let known = monitor.certified_until();
+        if budget == Budget::Unlimited {
+            assert_eq!(known, now + 3.0);
+        }
+        for (index, level) in LEVELS.into_iter().enumerate() {
+            let expected = if known >= now {
+                one_shot(&monitor, level, known)
+            } else {
+                vec![]
+            };
+            let found = bits(monitor.conflicts(index));
+            for (found, expected) in found.iter().zip(&expected) {
+                assert_eq!(found, expected, "tick {tick}, level {index}");
+            }
+            assert_eq!(found.len(), expected.len(), "tick {tick}, level {index}");
+            conflicts += expected.len();
+        }
+        if ids.len() < 12 {
+            let start = now - 1.0;
+            ids.push(monitor.insert(body(&mut rng, start, CUBE)).unwrap());
+        }
+    }
+    events.clear();
+    monitor.close(&mut events);
+    ledger.read(&events);
+    assert!(ledger.open.is_empty(), "every encounter has its end");
+    assert!(conflicts > 10_000 && told > 1_000, "{conflicts} {told}");
+    for reason in [
+        EndReason::Separated,
+        EndReason::TrajectoryEnded,
+        EndReason::PlanChanged,
+        EndReason::BodyRemoved,
+    ] {
+        assert!(
+            ledger.closed.values().any(|&found| found == reason),
+            "{reason:?}"
+        );
+    }
+}
+
+/// A monitor of two points on straight lines, and what it tells at each tick.
+fn two(a: Trajectory, b: Trajectory, levels: &[AlertLevel]) -> (Monitor, BodyId, BodyId) {
+    let mut scene = Scene::new();
+    let a = scene.insert(Body::new(a)).unwrap();
+    let b = scene.insert(Body::new(b)).unwrap();
+    (Monitor::new(scene, 0.0, 10.0, levels).unwrap(), a, b)
+}
+
+fn tick(monitor: &mut Monitor, now: f64) -> Vec<Event> {
+    let mut events = Vec::new();
+    monitor.advance(now, &mut events).unwrap();
+    events
+}
+
+fn kinds(events: &[Event]) -> Vec<String> {
+    let name = |event: &Event| match event.kind {
+        EventKind::Predicted(e) => format!("predicted {}", e.level),
+        EventKind::Revised(e) => format!("revised {}", e.level),
+        EventKind::Withdrawn(e) => format!("withdrawn {}", e.level),
+        EventKind::Began(e) => format!("began {}", e.level),
+        EventKind::Ended(e, reason) => format!("ended {} {reason:?}", e.level),
+        EventKind::PlanEnds(_) => "plan ends".to_owned(),
+        _ => "another".to_owned(),
+    };
+    events.iter().map(name).collect()
+}
+
+/// Head on along x, 20 m apart at t = 0, each 1 m/s, passing at 0.5 m; they meet at t = 10.
+fn head_on() -> (Trajectory, Trajectory) {
+    let end = 100.0;
+    (
+        line(0.0, end, DVec3::ZERO, DVec3::X),
+        line(0.0, end, DVec3::new(20.0, 0.5, 0.0), -DVec3::X),
+    )
+}
+
+#[test]
+fn an_encounter_from_first_sight_to_end() {
+    let (a, b) = head_on();
+    let (mut monitor, ..) = two(a, b, &[AlertLevel::at(2.0)]);
+    // Enters 2 m at 10 - sqrt(3.75)/2 = 9.03: within the lookahead of 10 s, its exit is not.
+    assert_eq!(kinds(&tick(&mut monitor, 0.0)), ["predicted 0"]);
+    assert!(monitor.encounters().next().unwrap().open);
+    // The closest approach at 10 s is inside the lookahead now, and told once.
+    assert_eq!(kinds(&tick(&mut monitor, 0.5)), ["revised 0"]);
+    assert_eq!(kinds(&tick(&mut monitor, 0.6)), [""; 0]);
+    // Now the whole of it is known: the exit is told once.
+    assert_eq!(kinds(&tick(&mut monitor, 2.0)), ["revised 0"]);
+    assert_eq!(kinds(&tick(&mut monitor, 2.0)), [""; 0]);
+    let began = tick(&mut monitor, 9.5);
+    assert_eq!(kinds(&began), ["began 0"]);
+    assert!((began[0].time - (10.0 - 3.75_f64.sqrt() / 2.0)).abs() < 1e-12);
+    let ended = tick(&mut monitor, 11.0);
+    assert_eq!(kinds(&ended), ["ended 0 Separated"]);
+    assert_eq!(ended[0].kind.encounter().unwrap().closest.separation, 0.5);
+    assert_eq!(kinds(&tick(&mut monitor, 30.0)), [""; 0]);
+}
+
+#[test]
+fn a_jump_over_an_encounter_tells_both_its_ends() {
+    let (a, b) = head_on();
+    let (mut monitor, ..) = two(a, b, &[AlertLevel::at(2.0), AlertLevel::at(1.0)]);
+    let events = tick(&mut monitor, 50.0);
+    assert_eq!(
+        kinds(&events),
+        [
+            "began 0",
+            "began 1",
+            "ended 1 Separated",
+            "ended 0 Separated"
+        ]
+    );
+    let back = monitor.advance(49.0, &mut Vec::new());
+    assert_eq!(
+        back.unwrap_err(),
+        Error::ClockWentBack {
+            now: 50.0,
+            time: 49.0
+        }
+    );
+    assert_eq!(monitor.now(), 50.0);
+}
+
+#[test]
+fn plans_that_change() {
+    let (a, b) = head_on();
+    let (mut monitor, id, _) = two(a.clone(), b, &[AlertLevel::at(2.0)]);
+    tick(&mut monitor, 1.0);
+    // Away in time: withdrawn. Back again: another encounter.
+    let away = line(0.0, 100.0, DVec3::ZERO, DVec3::new(1.0, -1.0, 0.0));
+    let would = monitor.what_if(id, &away, 0).unwrap();
+    assert_eq!(would, []);
+    assert_eq!(monitor.what_if(id, &a, 0).unwrap(), monitor.conflicts(0));
+    monitor.replan(id, 1.0, away.clone()).unwrap();
+    assert_eq!(kinds(&tick(&mut monitor, 1.5)), ["withdrawn 0"]);
+    monitor.replan(id, 2.0, a).unwrap();
+    assert_eq!(kinds(&tick(&mut monitor, 2.0)), ["predicted 0"]);
+    // In the middle of it: it ends where the clock last stood, with what had passed.
+    assert_eq!(kinds(&tick(&mut monitor, 9.5)), ["began 0"]);
+    monitor.set_trajectory(id, away).unwrap();
+    let ended = tick(&mut monitor, 9.6);
+    assert_eq!(kinds(&ended), ["ended 0 PlanChanged"]);
+    let encounter = ended[0].kind.encounter().unwrap();
+    assert_eq!(encounter.exit, 9.5);
+    // At 9.5 s they were 1 m apart along x, 0.5 m across.
+    assert!((encounter.closest.separation - 1.25_f64.sqrt()).abs() < 1e-12);
+}
+
+#[test]
+fn inside_from_the_start_removed_and_closed() {
+    let rest = |x: f64| line(0.0, 100.0, DVec3::new(x, 0.0, 0.0), DVec3::ZERO);
+    let (mut monitor, a, _) = two(rest(0.0), rest(1.0), &[AlertLevel::at(2.0)]);
+    assert_eq!(kinds(&tick(&mut monitor, 0.0)), ["began 0"]);
+    // A clip that moves with the window is no revision.
+    for now in 1..50 {
+        assert_eq!(kinds(&tick(&mut monitor, f64::from(now))), [""; 0]);
+    }
+    let third = monitor.insert(Body::new(rest(1.5))).unwrap();
+    assert_eq!(kinds(&tick(&mut monitor, 50.0)), ["began 0", "began 0"]);
+    monitor.remove(a).unwrap();
+    assert_eq!(
+        kinds(&tick(&mut monitor, 51.0)),
+        ["ended 0 BodyRemoved", "ended 0 BodyRemoved"]
+    );
+    assert!(monitor.remove(a).is_err());
+    assert_eq!(monitor.conflicts_of(third, 0).count(), 1);
+    let mut last = Vec::new();
+    let scene = monitor.close(&mut last);
+    assert_eq!(kinds(&last), ["ended 0 MonitorClosed"]);
+    assert_eq!(scene.len(), 2);
+}
+
+#[test]
+fn trajectories_and_plans_that_end() {
+    let (a, b) = (
+        line(0.0, 12.0, DVec3::ZERO, DVec3::ZERO),
+        line(0.0, 100.0, DVec3::X, DVec3::ZERO),
+    );
+    let (mut monitor, id, _) = two(a, b, &[AlertLevel::at(2.0)]);
+    assert_eq!(kinds(&tick(&mut monitor, 1.0)), ["began 0"]);
+    let told = tick(&mut monitor, 2.0);
+    // The exit is known now, and so is the end of the plan.
+    assert_eq!(kinds(&told), ["revised 0", "plan ends"]);
+    assert_eq!(told[1].time, 12.0);
+    // Extended: the end moves out of sight again.
+    let more = line(12.0, 60.0, DVec3::ZERO, DVec3::ZERO);
+    monitor.extend(id, more).unwrap();
+    assert_eq!(kinds(&tick(&mut monitor, 3.0)), ["revised 0"]);
+    assert_eq!(kinds(&tick(&mut monitor, 50.0)), ["revised 0", "plan ends"]);
+    assert_eq!(
+        kinds(&tick(&mut monitor, 61.0)),
+        ["ended 0 TrajectoryEnded"]
+    );
+}
+
+#[test]
+fn hysteresis_keeps_an_encounter_that_hovers() {
+    // Hovers around 2 m: 1.8 m and 2.2 m in turn, every second, then leaves.
+    let mut states: Vec<State> = (0..9)
+        .map(|k| {
+            let x = if k % 2 == 0 { 2.2 } else { 1.8 };
+            State::new(f64::from(k), DVec3::new(x, 0.0, 0.0), DVec3::ZERO)
+        })
+        .collect();
+    states.push(State::new(9.0, DVec3::new(5.0, 0.0, 0.0), DVec3::ZERO));
+    let hover = Trajectory::from_states(&states).unwrap();
+    let post = line(0.0, 100.0, DVec3::ZERO, DVec3::ZERO);
+    let count = |release: f64| {
+        let level = AlertLevel {
+            margin: 2.0,
+            release,
+        };
+        let (mut monitor, ..) = two(hover.clone(), post.clone(), &[level]);
+        let mut began = 0;
+        let mut ended = 0;
+        for now in 0..90 {
+            for event in tick(&mut monitor, f64::from(now) * 0.11) {
+                began += u32::from(matches!(event.kind, EventKind::Began(_)));
+                ended += u32::from(matches!(event.kind, EventKind::Ended(..)));
+            }
+        }
+        assert_eq!(began, ended);
+        began
+    };
+    assert_eq!(count(2.0), 4);
+    assert_eq!(count(2.5), 1);
+}
+
+#[test]
+fn small_changes_are_not_told() {
+    let (a, b) = head_on();
+    let (mut monitor, id, _) = two(a.clone(), b, &[AlertLevel::at(2.0)]);
+    monitor.set_least_change(LeastChange {
+        time: 0.1,
+        separation: 0.1,
+    });
+    tick(&mut monitor, 2.0);
+    let nudged = |y: f64| line(0.0, 100.0, DVec3::new(0.0, y, 0.0), DVec3::X);
+    monitor.set_trajectory(id, nudged(0.05)).unwrap();
+    assert_eq!(kinds(&tick(&mut monitor, 2.1)), [""; 0]);
+    // Measured from what was last sent, not from the last tick.
+    monitor.set_trajectory(id, nudged(0.15)).unwrap();
+    assert_eq!(kinds(&tick(&mut monitor, 2.2)), ["revised 0"]);
+}
+
+#[test]
+fn a_batch_is_all_or_nothing() {
+    let (a, b) = head_on();
+    let (mut monitor, id, other) = two(a.clone(), b, &[AlertLevel::at(2.0)]);
+    tick(&mut monitor, 0.0);
+    let before = bits(monitor.conflicts(0));
+    let refused = monitor.apply([
+        Command::Remove(other),
+        Command::Insert(Body::new(a.clone())),
+        Command::SetHitbox(other, Hitbox::POINT),
+    ]);
+    assert_eq!(refused.unwrap_err(), Error::UnknownBody { id: other });
+    assert_eq!(kinds(&tick(&mut monitor, 0.0)), [""; 0]);
+    assert_eq!(bits(monitor.conflicts(0)), before);
+    let gap = line(40.0, 50.0, DVec3::ZERO, DVec3::X);
+    assert!(monitor.replan(id, 5.0, gap).is_err());
+    assert_eq!(bits(monitor.conflicts(0)), before);
+    let inserted = monitor
+        .apply([Command::Remove(other), Command::Insert(Body::new(a))])
+        .unwrap();
+    assert_eq!(inserted.len(), 1);
+    assert_eq!(monitor.scene().len(), 2);
+}
+
+#[test]
+fn a_splice_keeps_what_was_flown() {
+    let mut rng = rng(8);
+    for _ in 0..200 {
+        let old = Trajectory::from_states(&wander(&mut rng, 0.0, 6, 1.0, 20.0, 4.0)).unwrap();
+        let end = *old.knots().last().unwrap();
+        let from = rng.random_range(0.0..end);
+        let states = wander(&mut rng, from - 1.0, 6, 1.0, 20.0, 4.0);
+        let new = Trajectory::from_states(&states).unwrap();
+        let both = old.spliced(from, &new).unwrap();
+        for step in 0..=100 {
+            let time = f64::from(step) * 0.01 * (from + 3.0);
+            let expected = if time < from { &old } else { &new };
+            assert_eq!(
+                both.position(time),
+                expected.position(time),
+                "{time} {from}"
+            );
+        }
+        let late = both.clone().since(from);
+        assert_eq!(late.position(from + 0.5), both.position(from + 0.5));
+        assert!(late.knots().len() < both.knots().len() || from < old.knots()[1]);
+    }
+}

@@ -1,0 +1,188 @@
+//! Real trajectories against their independent oracles: the folder in `NEARMISS_DATA`.
+//!
+//! Its files may not be copied into the project, so without the variable these tests say that
+//! they were skipped.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "a file that cannot be read fails the test"
+)]
+
+use flate2::read::MultiGzDecoder;
+use glam::DVec3;
+use nearmiss::{Body, Conflict, Query, Scene, State, Window, trajectories_from_rows};
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::path::PathBuf;
+
+/// What goes less than this under the threshold may be reported or not, m.
+const SHALLOW: f64 = 1e-6;
+/// How far separations may be off, m: the oracle itself is good to 2e-9.
+const SEPARATION: f64 = 1e-6;
+
+struct OracleInterval {
+    enter: f64,
+    exit: f64,
+    tca: f64,
+    distance: f64,
+    clip: u8,
+}
+
+/// Tolerance of times, s: satellites drift past each other for minutes, their oracle is good to
+/// 2e-7 s there.
+fn compare(name: &str, intervals: &str, threshold: f64, time_tolerance: f64) {
+    let Some(folder) = std::env::var_os("NEARMISS_DATA").map(PathBuf::from) else {
+        eprintln!("{name}: skipped, NEARMISS_DATA is not set");
+        return;
+    };
+    let scene = load(&folder.join(format!("{name}.csv.gz")));
+    let query = Query::new(Window::ALL).with_margin(threshold).unwrap();
+    let conflicts = scene.screen(&query).unwrap().conflicts;
+    let oracle = load_oracle(&folder.join(format!("{intervals}.intervals.csv")));
+    let mut found: BTreeMap<(u64, u64), Vec<&Conflict>> = BTreeMap::new();
+    for conflict in &conflicts {
+        let tags = [conflict.a, conflict.b].map(|id| scene.body(id).unwrap().tag);
+        found.entry((tags[0], tags[1])).or_default().push(conflict);
+    }
+    let mut matched = 0;
+    for (pair, expected) in &oracle {
+        let of_pair = found.remove(pair).unwrap_or_default();
+        let mut extra = of_pair;
+        for interval in expected {
+            let place = extra
+                .iter()
+                .position(|conflict| agrees(conflict, interval, time_tolerance));
+            match place {
+                Some(place) => {
+                    check(name, *pair, extra.remove(place), interval, time_tolerance);
+                    matched += 1;
+                }
+                None => assert!(
+                    interval.distance > threshold - SHALLOW,
+                    "{name}: {pair:?} misses [{}, {}]; has {extra:?}",
+                    interval.enter,
+                    interval.exit
+                ),
+            }
+        }
+        check_extras(name, *pair, &extra, threshold);
+    }
+    for (pair, extra) in &found {
+        check_extras(name, *pair, extra, threshold);
+    }
+    eprintln!("{name} at {threshold} m: {matched} intervals agree");
+    assert!(matched > 0);
+}
+
+fn agrees(conflict: &Conflict, interval: &OracleInterval, tolerance: f64) -> bool {
+    (conflict.enter - interval.enter).abs() <= tolerance
+        && (conflict.exit - interval.exit).abs() <= tolerance
+}
+
+fn check(
+    name: &str,
+    pair: (u64, u64),
+    conflict: &Conflict,
+    interval: &OracleInterval,
+    tolerance: f64,
+) {
+    let closest = &conflict.closest;
+    assert!(
+        (closest.separation - interval.distance).abs() <= SEPARATION,
+        "{name}: {pair:?} separation {} against {}",
+        closest.separation,
+        interval.distance
+    );
+    // Bit 4 of the oracle's clip: the distance is constant, any instant is the closest.
+    assert!(
+        interval.clip & 4 != 0 || (closest.time - interval.tca).abs() <= tolerance,
+        "{name}: {pair:?} closest at {} against {}",
+        closest.time,
+        interval.tca
+    );
+    assert_eq!(conflict.clip.bits(), interval.clip & 3, "{name}: {pair:?}");
+}
+
+/// The oracle's condition is open, the crate's closed: a common domain of one instant, and what
+/// only just touches, are the crate's own.
+fn check_extras(name: &str, pair: (u64, u64), extra: &[&Conflict], threshold: f64) {
+    for conflict in extra {
+        let an_instant = conflict.enter.to_bits() == conflict.exit.to_bits();
+        assert!(
+            an_instant || conflict.closest.separation > threshold - SHALLOW,
+            "{name}: {pair:?} has an interval too many: {conflict:?}"
+        );
+    }
+}
+
+fn load(path: &PathBuf) -> Scene {
+    let mut reader = csv::Reader::from_reader(MultiGzDecoder::new(File::open(path).unwrap()));
+    let rows = reader
+        .deserialize::<(u64, f64, f64, f64, f64, f64, f64, f64)>()
+        .map(|row| {
+            let (body, t, px, py, pz, vx, vy, vz) = row.unwrap();
+            let position = DVec3::new(px, py, pz);
+            (body, State::new(t, position, DVec3::new(vx, vy, vz)))
+        });
+    let mut scene = Scene::new();
+    for (tag, trajectory) in trajectories_from_rows(rows).unwrap() {
+        scene.insert(Body::new(trajectory).with_tag(tag)).unwrap();
+    }
+    scene
+}
+
+fn load_oracle(path: &PathBuf) -> BTreeMap<(u64, u64), Vec<OracleInterval>> {
+    let mut oracle: BTreeMap<_, Vec<_>> = BTreeMap::new();
+    let mut reader = csv::Reader::from_path(path).unwrap();
+    for row in reader.deserialize::<(u64, u64, f64, f64, f64, f64, u8)>() {
+        let (i, j, enter, exit, tca, distance, clip) = row.unwrap();
+        oracle.entry((i, j)).or_default().push(OracleInterval {
+            enter,
+            exit,
+            tca,
+            distance,
+            clip,
+        });
+    }
+    oracle
+}
+
+#[test]
+fn game() {
+    compare("game-a", "game-a", 1.5, 1e-6);
+}
+
+#[test]
+fn crowd() {
+    compare("crowd-a", "crowd-a", 0.4, 1e-6);
+}
+
+#[test]
+fn campus() {
+    compare("campus-a", "campus-a", 0.6, 1e-6);
+}
+
+#[test]
+fn pedestrians() {
+    compare("peds-a", "peds-a", 0.5, 1e-6);
+}
+
+#[test]
+fn aircraft() {
+    compare("aircraft-a", "aircraft-a", 1852.0, 1e-6);
+}
+
+#[test]
+fn aircraft_at_five_miles() {
+    compare("aircraft-a", "aircraft-a-D9260", 9260.0, 1e-6);
+}
+
+#[test]
+fn satellites() {
+    compare("sat-small-a", "sat-small-a", 5000.0, 1e-4);
+}
+
+#[test]
+fn the_low_orbit_catalogue() {
+    compare("sat-large-a", "sat-large-a", 5000.0, 1e-4);
+}

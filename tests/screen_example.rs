@@ -1,0 +1,199 @@
+//! The `screen` example as a tool: its output, and one clear line for each kind of bad input.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "a file or process that fails, fails the test"
+)]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const HEADER: &str = "body,t,px,py,pz,vx,vy,vz\n";
+
+/// Two bodies that pass at 2 m, at t = 6. (12 s: a third of it has no rounding, nor has the rest.)
+const PASS: &str = "0,0,-6,2,0,1,0,0\n0,12,6,2,0,1,0,0\n\
+                    3,0,0,0,0,0,0,0\n3,12,0,0,0,0,0,0\n";
+
+/// The example beside this test's own binary: `cargo test` builds both.
+fn example() -> PathBuf {
+    let tests = std::env::current_exe().unwrap();
+    let example = tests
+        .parent()
+        .and_then(Path::parent)
+        .unwrap()
+        .join("examples")
+        .join(format!("screen{}", std::env::consts::EXE_SUFFIX));
+    assert!(
+        example.exists(),
+        "{} is missing: run `cargo build --example screen` with the tests' profile, or all tests",
+        example.display()
+    );
+    example
+}
+
+/// A folder of its own for each test.
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("nearmiss-{name}-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn screen(name: &str, content: &str, options: &[&str]) -> (Output, PathBuf) {
+    let folder = folder(name);
+    let states = folder.join("states.csv");
+    std::fs::write(&states, content).unwrap();
+    let output = folder.join("out.csv");
+    let result = Command::new(example())
+        .arg(&states)
+        .arg("--output")
+        .arg(&output)
+        .args(options)
+        .output()
+        .unwrap();
+    (result, output)
+}
+
+/// Runs on bad input: exit 1, one line that holds all of `parts`, no output file.
+fn refuses(name: &str, content: &str, options: &[&str], parts: &[&str]) {
+    let (result, output) = screen(name, content, options);
+    let said = String::from_utf8(result.stderr).unwrap();
+    assert_eq!(result.status.code(), Some(1), "{name}: {said}");
+    assert_eq!(said.lines().count(), 1, "{name}: {said}");
+    for part in parts {
+        assert!(said.contains(part), "{name}: no {part:?} in {said}");
+    }
+    assert!(!output.exists(), "{name}: an output was left behind");
+    assert!(result.stdout.is_empty());
+}
+
+#[test]
+fn conflicts_as_a_table() {
+    let (result, output) = screen(
+        "table",
+        &format!("{HEADER}{PASS}"),
+        &["--radius", "0.5", "--margin", "1.5", "--stats", "json"],
+    );
+    assert!(result.status.success());
+    let table = std::fs::read_to_string(&output).unwrap();
+    assert_eq!(
+        table,
+        "a,b,enter,exit,tca,separation,error,clip,resolved\n0,3,4.5,7.5,6,1,,0,\n"
+    );
+    let stats = String::from_utf8(result.stderr).unwrap();
+    assert!(stats.starts_with("{\"bodies\":2,\"segments\":2,"));
+    assert!(stats.contains("\"conflicts\":1,"));
+}
+
+#[test]
+fn windows_and_outside_rules() {
+    let states = format!("{HEADER}{PASS}");
+    let margin = ["--margin", "2.5"];
+    let rows = |name: &str, options: &[&str]| {
+        let (result, output) = screen(name, &states, &[&margin[..], options].concat());
+        assert!(result.status.success(), "{:?}", result.stderr);
+        let table = std::fs::read_to_string(output).unwrap();
+        table.lines().skip(1).map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(rows("window", &["--window=5..7"]), ["0,3,5,7,6,2,,3,"]);
+    assert_eq!(
+        rows("until", &["--window=..5"]),
+        ["0,3,4.5,5,5,2.23606797749979,,2,"]
+    );
+    assert_eq!(rows("later", &["--window=8.."]).len(), 0);
+    let coast = ["--window=-20..30", "--outside", "coast"];
+    assert_eq!(rows("coast", &coast), ["0,3,4.5,7.5,6,2,,0,"]);
+    refuses(
+        "open",
+        &states,
+        &["--outside", "extrapolate"],
+        &["window must be closed"],
+    );
+}
+
+#[test]
+fn broken_files() {
+    let file = |rows: &str| format!("{HEADER}{rows}");
+    refuses("empty", "", &[], &["states.csv", "row 1", "empty"]);
+    refuses("no-rows", HEADER, &[], &["states.csv", "row 2"]);
+    refuses(
+        "column",
+        "body,t,px,py,pz,vx,vy\n0,0,0,0,0,0,0\n",
+        &[],
+        &["states.csv", "row 1", "column vz", "missing"],
+    );
+    refuses(
+        "text",
+        &file("0,0,0,0,0,0,0,0\n0,1,0,fast,0,0,0,0\n"),
+        &[],
+        &["states.csv", "row 3", "column py", "\"fast\""],
+    );
+    refuses(
+        "nan",
+        &file("0,0,0,0,0,0,0,0\n0,1,0,0,0,0,NaN,0\n"),
+        &[],
+        &["row 3", "column vy", "NaN"],
+    );
+    refuses(
+        "huge",
+        &file("0,0,0,0,0,0,0,0\n0,1,1e300,0,0,0,0,0\n"),
+        &[],
+        &["row 3", "column px", "1e300"],
+    );
+    refuses(
+        "back",
+        &file("0,0,0,0,0,0,0,0\n0,2,0,0,0,0,0,0\n0,1.5,0,0,0,0,0,0\n"),
+        &[],
+        &["row 4", "column t", "1.5", "2"],
+    );
+    refuses(
+        "single",
+        &file("0,0,0,0,0,0,0,0\n1,0,0,0,0,0,0,0\n"),
+        &[],
+        &["row 2", "column body", "body 0 has 1 row"],
+    );
+    refuses(
+        "apart",
+        &file(
+            "0,0,0,0,0,0,0,0\n0,1,0,0,0,0,0,0\n1,0,0,0,0,0,0,0\n1,1,0,0,0,0,0,0\n0,2,0,0,0,0,0,0\n",
+        ),
+        &[],
+        &["row 6", "column body", "body 0", "together"],
+    );
+    refuses(
+        "short",
+        &file("0,0,0,0,0,0,0,0\n0,1,0,0,0\n"),
+        &[],
+        &["row 3", "column vx", "5 values"],
+    );
+    refuses(
+        "label",
+        &file("x,0,0,0,0,0,0,0\n"),
+        &[],
+        &["row 2", "column body", "\"x\""],
+    );
+}
+
+#[test]
+fn bad_options() {
+    let states = format!("{HEADER}{PASS}");
+    refuses("radius", &states, &["--radius", "-1"], &["--radius", "-1"]);
+    refuses("margin", &states, &["--margin", "NaN"], &["margin NaN"]);
+    for accuracy in ["fast", "certified"] {
+        refuses(
+            accuracy,
+            &states,
+            &["--accuracy", accuracy],
+            &["not there yet"],
+        );
+    }
+    let absent = Command::new(example())
+        .arg("no-such-file.csv")
+        .output()
+        .unwrap();
+    assert_eq!(absent.status.code(), Some(1));
+    let bad_window = Command::new(example())
+        .args(["x.csv", "--window=5..1"])
+        .output()
+        .unwrap();
+    assert_eq!(bad_window.status.code(), Some(1));
+}

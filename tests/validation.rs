@@ -1,0 +1,244 @@
+//! Every error says what is wrong and where, and leaves the scene as it was.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "a scene that cannot be built fails the test"
+)]
+
+mod support;
+
+use glam::DVec3;
+use nearmiss::{
+    Body, Error, Hitbox, Outside, Quantity, Query, Scene, Sphere, State, TimeBase, Trajectory,
+    Window, trajectories_from_rows,
+};
+
+fn state(time: f64, x: f64) -> State {
+    State::new(time, DVec3::new(x, 0.0, 0.0), DVec3::ZERO)
+}
+
+#[test]
+fn states() {
+    let build = |states: &[State]| Trajectory::from_states(states).unwrap_err();
+    assert_eq!(build(&[]), Error::TooFewStates { count: 0 });
+    assert_eq!(build(&[state(0.0, 0.0)]), Error::TooFewStates { count: 1 });
+    assert_eq!(
+        build(&[state(0.0, 0.0), state(2.0, 0.0), state(2.0, 1.0)]),
+        Error::TimeNotIncreasing {
+            knot: 2,
+            previous: 2.0,
+            time: 2.0
+        }
+    );
+    let mut nan = state(1.0, 0.0);
+    nan.velocity.z = f64::NAN;
+    assert!(matches!(
+        build(&[state(0.0, 0.0), nan]),
+        Error::NotFinite { knot: 1, quantity: Quantity::Velocity(2), value } if value.is_nan()
+    ));
+    assert_eq!(
+        build(&[state(f64::NEG_INFINITY, 0.0), state(0.0, 0.0)]),
+        Error::NotFinite {
+            knot: 0,
+            quantity: Quantity::Time,
+            value: f64::NEG_INFINITY
+        }
+    );
+    assert_eq!(
+        build(&[state(0.0, 0.0), state(1.0, -1e300)]),
+        Error::OutOfRange {
+            knot: 1,
+            quantity: Quantity::Position(0),
+            value: -1e300
+        }
+    );
+    // 1e200 m in 1e-100 s: the numbers are in range, the motion is not.
+    assert!(matches!(
+        build(&[state(0.0, 0.0), state(1e-100, 1e200)]),
+        Error::OutOfRange { knot: 1, .. }
+    ));
+}
+
+#[test]
+fn positions_and_coefficients() {
+    assert_eq!(
+        Trajectory::from_positions(&[(0.0, DVec3::ZERO)]).unwrap_err(),
+        Error::TooFewStates { count: 1 }
+    );
+    let coefficients = |knots: &[f64], polynomials: &[[DVec3; 4]]| {
+        Trajectory::from_coefficients(knots, polynomials, TimeBase::Absolute).unwrap_err()
+    };
+    let rest = [DVec3::ZERO; 4];
+    assert_eq!(coefficients(&[0.0], &[]), Error::TooFewStates { count: 1 });
+    assert_eq!(
+        coefficients(&[0.0, 1.0, 2.0], &[rest]),
+        Error::SegmentCount {
+            knots: 3,
+            segments: 1
+        }
+    );
+    assert!(matches!(
+        coefficients(&[1.0, 0.0], &[rest]),
+        Error::TimeNotIncreasing { knot: 1, .. }
+    ));
+    let mut broken = rest;
+    broken[1].y = f64::INFINITY;
+    assert_eq!(
+        coefficients(&[0.0, 1.0, 2.0], &[rest, broken]),
+        Error::NotFinite {
+            knot: 1,
+            quantity: Quantity::Coefficient { power: 2, axis: 1 },
+            value: f64::INFINITY
+        }
+    );
+    assert!(matches!(
+        Trajectory::at_rest(DVec3::new(0.0, f64::NAN, 0.0)),
+        Err(Error::NotFinite { knot: 0, .. })
+    ));
+}
+
+#[test]
+fn rows() {
+    let rows = |rows: Vec<(u64, State)>| trajectories_from_rows(rows).unwrap_err();
+    assert_eq!(
+        rows(vec![
+            (7, state(0.0, 0.0)),
+            (7, state(1.0, 0.0)),
+            (8, state(0.0, 0.0)),
+            (8, state(1.0, 0.0)),
+            (7, state(2.0, 0.0)),
+        ]),
+        Error::RowsApart { row: 4 }.in_body(7)
+    );
+    assert_eq!(
+        rows(vec![(1, state(1.0, 0.0)), (1, state(0.0, 0.0))]),
+        Error::TimeNotIncreasing {
+            knot: 1,
+            previous: 1.0,
+            time: 0.0
+        }
+        .in_body(1)
+    );
+    assert_eq!(
+        rows(vec![(1, state(1.0, 0.0)), (2, state(0.0, 0.0))]),
+        Error::TooFewStates { count: 1 }.in_body(1)
+    );
+    assert_eq!(trajectories_from_rows([]).unwrap(), []);
+}
+
+#[test]
+fn messages_name_place_and_value() {
+    let error = Error::NotFinite {
+        knot: 3,
+        quantity: Quantity::Position(1),
+        value: f64::NAN,
+    };
+    assert_eq!(
+        error.in_body(12).to_string(),
+        "body 12: knot 3: position y is NaN, not a finite number"
+    );
+}
+
+#[test]
+fn windows_and_margins() {
+    assert!(matches!(
+        Window::new(2.0, 1.0),
+        Err(Error::Window { start, end }) if start > end
+    ));
+    assert!(Window::new(f64::NAN, 1.0).is_err());
+    assert!(Window::new(f64::INFINITY, f64::INFINITY).is_err());
+    assert!(Window::new(1.0, 1.0).is_ok());
+    for margin in [f64::NAN, f64::INFINITY, -1e301] {
+        assert!(matches!(
+            Query::default().with_margin(margin),
+            Err(Error::Margin { .. })
+        ));
+    }
+}
+
+#[test]
+fn hitboxes() {
+    for radius in [-1.0, f64::NAN, f64::INFINITY] {
+        assert!(matches!(
+            Hitbox::sphere(radius),
+            Err(Error::Radius { sphere: 0, .. })
+        ));
+    }
+    assert_eq!(Hitbox::cluster(vec![]).unwrap_err(), Error::EmptyCluster);
+    let good = Sphere::default();
+    let bad = Sphere {
+        offset: DVec3::new(f64::INFINITY, 0.0, 0.0),
+        radius: 1.0,
+    };
+    assert!(matches!(
+        Hitbox::cluster(vec![good, bad]),
+        Err(Error::Offset { sphere: 1, .. })
+    ));
+}
+
+#[test]
+fn a_failed_call_leaves_the_scene_as_it_was() {
+    let mut scene = support::scene_of(&support::swarm(1, 6, 20.0));
+    let before = support::bits(&support::screen(&scene, Window::ALL, 5.0));
+    let ids: Vec<_> = scene.bodies().map(|(id, _)| id).collect();
+    let removed = scene.remove(ids[5]).unwrap();
+    let gone = ids[5];
+    assert_eq!(
+        scene.remove(gone).unwrap_err(),
+        Error::UnknownBody { id: gone }
+    );
+    assert!(scene.body(gone).is_none());
+    let trajectory = removed.trajectory.clone();
+    assert_eq!(
+        scene.set_trajectory(gone, trajectory).unwrap_err(),
+        Error::UnknownBody { id: gone }
+    );
+    assert!(scene.set_hitbox(gone, Hitbox::POINT).is_err());
+    assert!(scene.set_layers(gone, nearmiss::Layers::NONE).is_err());
+    assert!(scene.ignore_pair(ids[0], gone).is_err());
+    assert_eq!(
+        scene.ignore_pair(ids[0], ids[0]).unwrap_err(),
+        Error::SameBody { id: ids[0] }
+    );
+    assert!(scene.closest_approach(ids[0], gone, Window::ALL).is_err());
+    // A reused slot is another body: the old id stays invalid.
+    let new = scene.insert(removed).unwrap();
+    assert_eq!(new.slot(), gone.slot());
+    assert!(scene.body(gone).is_none());
+    assert_eq!(
+        support::bits(&support::screen(&scene, Window::ALL, 5.0)),
+        before
+    );
+}
+
+#[test]
+fn endless_bodies_need_a_closed_window() {
+    let mut scene = Scene::new();
+    let plan = support::line(0.0, 1.0, DVec3::ZERO, DVec3::X).with_outside(Outside::Coast);
+    scene.insert(Body::new(plan).with_tag(77)).unwrap();
+    assert_eq!(
+        scene.screen(&Query::default()).unwrap_err(),
+        Error::WindowNotClosed { body: 77 }
+    );
+    let half_open = Query::new(Window::new(0.0, f64::INFINITY).unwrap());
+    assert!(scene.screen(&half_open).is_err());
+    let closed = Query::new(Window::new(0.0, 1e9).unwrap());
+    assert!(scene.screen(&closed).is_ok());
+}
+
+#[test]
+fn an_extrapolation_out_of_range_is_an_error() {
+    let mut scene = Scene::new();
+    let plan = Trajectory::from_states(&[
+        State::new(0.0, DVec3::ZERO, DVec3::X),
+        State::new(1.0, DVec3::ZERO, DVec3::X),
+    ])
+    .unwrap()
+    .with_outside(Outside::Extrapolate);
+    scene.insert(Body::new(plan).with_tag(5)).unwrap();
+    let far = Query::new(Window::new(0.0, 1e120).unwrap());
+    assert!(matches!(
+        scene.screen(&far).unwrap_err(),
+        Error::InBody { body: 5, error } if matches!(*error, Error::OutOfRange { .. })
+    ));
+}
