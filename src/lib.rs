@@ -33,6 +33,7 @@
 //!   -> spans         merged intervals: both bodies on one segment each
 //!   -> narrow phase  relative cubic -> degree-6 distance -> closest approach, contact intervals
 //!   -> conflicts     maximal intervals per pair, sorted, the same bits on any number of threads
+//!   -> monitor       clock + plans that change -> events
 //! ```
 //!
 //! Cheap stages may only reject what is certainly clear, their own rounding accounted for; one
@@ -51,6 +52,9 @@
 //! | margin | a conflict is a maximal interval with separation <= margin |
 //! | [`Window`] | the closed time interval asked about |
 //! | [`Conflict`] | pair, enter, exit, and the [`ClosestApproach`] in between |
+//! | [`Monitor`] | a scene with a clock and a lookahead, whose plans change |
+//! | [`Encounter`] | a conflict as the monitor follows it, per pair and [`AlertLevel`] |
+//! | [`Event`] | `Predicted`, `Revised`, `Withdrawn`, `Began`, `Ended`, `PlanEnds` |
 //!
 //! # Accuracy
 //!
@@ -65,12 +69,13 @@
 mod bounds;
 pub mod broad_phase;
 mod conflict;
+pub mod enclosure;
 mod error;
 mod hitbox;
 mod id;
 mod layers;
 mod monitor;
-mod narrow_phase;
+pub mod narrow_phase;
 mod parallel;
 pub mod polynomial;
 mod query;

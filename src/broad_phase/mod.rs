@@ -1,9 +1,9 @@
 //! Which bodies may meet in one time slice: boxes in, candidate pairs out.
 //!
 //! Three methods stand behind one contract, [`BroadPhase`], and give the same pairs:
-//! [`BruteForce`] compares every box with every other and is what the others are checked against;
-//! [`Tree`] builds parry's bounding volume hierarchy; [`Sweep`], the default, sorts packed boxes
-//! into rows and sweeps along them. The crate cuts the window into slices and forms the boxes.
+//! [`Sweep`], the default, is the one to use; [`Tree`], parry's bounding volume hierarchy, is what it
+//! is measured against; [`BruteForce`] compares every box with every other and is what both are
+//! checked against. The crate cuts the window into slices and forms the boxes.
 
 mod brute_force;
 pub(crate) mod slices;

@@ -1,11 +1,12 @@
 //! The exact solver: closest approach and contacts of one pair.
 //!
-//! Works on [`Party`]s (a body's cubics and spheres) span by span. The flow within a span:
-//! [`relative`] cubic, [`filter`], [`stationary`] points, [`stretches`], joined across spans and
-//! spheres by [`contact`].
+//! Works on a body's cubics and spheres, span by span. The flow within a span:
+//! `relative` cubic, `filter`, `stationary` points, `stretches`, joined across spans and
+//! spheres by `contact`. [`kernels`] answers many independent pairs at once.
 
 mod contact;
 mod filter;
+pub mod kernels;
 mod relative;
 mod stationary;
 mod stretches;

@@ -3,6 +3,7 @@
 //! All levels work on seven coefficients, those above the degree `D` unused: a derivative has one
 //! coefficient less, which the type cannot say. Loops over a constant range vanish in compilation.
 
+use super::isolation::{Isolated, isolate};
 use super::quadratic::scaled_quadratic;
 use super::roots::RootList;
 
@@ -18,13 +19,6 @@ struct Level<const D: usize> {
     slope: [f64; 7],
 }
 
-/// A piece of the line on which a polynomial is monotone and changes its sign.
-struct Bracket {
-    low: f64,
-    high: f64,
-    negative_at_low: bool,
-}
-
 /// The roots of a polynomial of degree at most `D` in `low..=high`, touching ones included.
 ///
 /// The coefficients are at most 1e90 and not all zero.
@@ -35,6 +29,15 @@ pub(super) fn solve<const D: usize>(
     tolerance: f64,
 ) -> RootList {
     let level = Level::<D>::new(coefficients);
+    if D > 2
+        && let Some(isolation) = isolate::<D>(coefficients, low, high)
+    {
+        let mut roots = RootList::default();
+        for interval in isolation.intervals() {
+            push_apart(&mut roots, level.refine(*interval, tolerance));
+        }
+        return roots;
+    }
     let turning = level.turning_points(low, high, tolerance);
     let near_zero = level.near_zero_test(low, high, tolerance);
 
@@ -54,13 +57,8 @@ pub(super) fn solve<const D: usize>(
             push_apart(
                 &mut roots,
                 if crossing {
-                    let negative_at_low = left_value < 0.0;
                     level.refine(
-                        Bracket {
-                            low: left,
-                            high: right,
-                            negative_at_low,
-                        },
+                        monotone_piece(left, left_value, right, right_value),
                         tolerance,
                     )
                 } else {
@@ -90,20 +88,39 @@ fn crossings<const D: usize>(
     let turning = level.turning_points(low, high, tolerance);
     let mut roots = RootList::default();
     let mut left = low;
-    let mut left_negative = level.value(low) < 0.0;
+    let mut left_value = level.value(low);
     for right in turning.iter().copied().chain([high]) {
-        let right_negative = level.value(right) < 0.0;
-        if left_negative != right_negative {
-            let bracket = Bracket {
-                low: left,
-                high: right,
-                negative_at_low: left_negative,
-            };
-            push_apart(&mut roots, level.refine(bracket, tolerance));
+        let right_value = level.value(right);
+        if (left_value < 0.0) != (right_value < 0.0) {
+            let piece = monotone_piece(left, left_value, right, right_value);
+            push_apart(&mut roots, level.refine(piece, tolerance));
         }
-        (left, left_negative) = (right, right_negative);
+        (left, left_value) = (right, right_value);
     }
     roots
+}
+
+/// A piece between two points of different sign.
+#[inline]
+fn monotone_piece(low: f64, low_value: f64, high: f64, high_value: f64) -> Isolated {
+    // Between two turning points a polynomial looks like 3 x² - 2 x³, whose inverse is
+    // 1/2 - sin(asin(1 - 2 y) / 3); this agrees with it at the ends and the middle.
+    let y = low_value / (low_value - high_value);
+    let z = 1.0 - 2.0 * y;
+    let x = 0.5 - z * (1.0 / 3.0 + z * z / 6.0);
+    let guess = low + (high - low) * x;
+    // Values that overflow give no guess.
+    let start = if guess > low && guess < high {
+        guess
+    } else {
+        0.5 * low + 0.5 * high
+    };
+    Isolated {
+        low,
+        high,
+        negative_at_low: low_value < 0.0,
+        start,
+    }
 }
 
 /// Appends a root unless it is the last one again.
@@ -196,20 +213,21 @@ impl<const D: usize> Level<D> {
         }
     }
 
-    /// The root in a bracket, by Newton's method kept inside by bisection.
+    /// The only root in an interval, by Newton's method kept inside by bisection.
     ///
-    /// Ends when a step is within the tolerance and shrinks faster than it would at a multiple
-    /// root, or when the bracket is within the tolerance. Bisection between the bit patterns
-    /// ends it after at most some 150 evaluations on any bracket.
-    #[inline]
-    fn refine(&self, bracket: Bracket, tolerance: f64) -> f64 {
-        let Bracket {
+    /// The error after a step is estimated from the last two: `step³ / last²` where the
+    /// convergence is quadratic, and with a factor of 16 to spare also where it is linear. A
+    /// small step can be luck, so the steps must have shrunk twice in a row. Bisection between the
+    /// bit patterns ends the search after at most some 150 evaluations on any interval.
+    fn refine(&self, interval: Isolated, tolerance: f64) -> f64 {
+        let Isolated {
             mut low,
             mut high,
             negative_at_low,
-        } = bracket;
-        let mut x = 0.5 * low + 0.5 * high;
-        let mut last_step = high - low;
+            start: mut x,
+        } = interval;
+        // The last two Newton steps, 0 where the point was not reached by one.
+        let (mut last, mut before_last) = (0.0, 0.0);
         let mut evaluations = 0;
         loop {
             let value = self.value(x);
@@ -222,25 +240,32 @@ impl<const D: usize> Level<D> {
                 high = x;
             }
             let newton = x - value / self.slope(x);
-            let limit = tolerance + f64::EPSILON * x.abs();
+            let limit = tolerance + f64::EPSILON * newton.abs();
             evaluations += 1;
-            // A NaN (zero or infinite slope) is not between.
             let step = (newton - x).abs();
-            if newton >= low && newton <= high && step <= limit && 4.0 * step <= last_step {
+            // A NaN (zero or infinite slope) is not between.
+            let between = newton >= low && newton <= high;
+            let ratio = step / last;
+            let shrinking = 2.0 * last <= before_last;
+            if between && shrinking && 16.0 * step * (ratio * ratio) <= limit {
                 return newton;
             }
+            // Exactly at an end it would stand still.
             let usable = newton > low && newton < high;
             let next = if usable && (evaluations < PATIENCE || evaluations.is_multiple_of(2)) {
+                (last, before_last) = (step, last);
                 newton
-            } else if evaluations < PATIENCE {
-                0.5 * low + 0.5 * high
             } else {
-                middle_of_bits(low, high)
+                (last, before_last) = (0.0, 0.0);
+                if evaluations < PATIENCE {
+                    0.5 * low + 0.5 * high
+                } else {
+                    middle_of_bits(low, high)
+                }
             };
-            if high - low <= limit || next <= low || next >= high {
+            if high - low <= tolerance || next <= low || next >= high {
                 return next;
             }
-            last_step = (next - x).abs();
             x = next;
         }
     }

@@ -28,18 +28,6 @@ impl Shape {
             .collect()
     }
 
-    /// `count` boxes of each of two shapes in one world.
-    pub(crate) fn mixed_with(&self, other: &Self, count: usize, seed: u64) -> Vec<BodyBox> {
-        let mut boxes = self.boxes(count, seed);
-        let more = other.boxes(count, seed + 1).into_iter().map(|one| BodyBox {
-            // Bodies of one shape are multiples of three.
-            body: one.body + 1,
-            ..one
-        });
-        boxes.extend(more);
-        boxes
-    }
-
     pub(crate) fn named(name: &str) -> Self {
         SHAPES
             .into_iter()

@@ -7,8 +7,9 @@
 //! the boxes themselves, so the pairs are exactly those that meet.
 //!
 //! A sample of the boxes (`survey`) chooses the grid; no size of world or cell is asked for. What
-//! one grid cannot serve is divided first (`parts`): clusters with much empty space between them,
-//! more boxes than stay in the cache, and what turns out to be compared mostly in vain.
+//! one grid does not serve is divided first (`parts`): clusters with much empty space between
+//! them, and what turns out to be compared mostly in vain. Few boxes, and boxes that nearly all
+//! meet, are compared directly.
 
 mod dispatch;
 mod parts;
@@ -30,8 +31,12 @@ use self::scale::Scale;
 use self::survey::Survey;
 use super::{BodyBox, BroadPhase, Candidate, PairFilter, emit};
 
-/// Sorts boxes on a 16-bit grid into rows and sweeps along them: linear in the number of boxes at
-/// constant density, for any shape of the world.
+/// Sorts boxes on a 16-bit grid into rows and sweeps along them: the method for everything.
+///
+/// At even density the time is about linear in the number of boxes; where nearly all boxes meet,
+/// all are compared. Scratch is kept from slice to slice, so that a steady scene allocates nothing:
+/// 40 to 130 bytes a box in the scenes measured, and by the limits on copies never more than 1 KiB
+/// a box of the largest slice so far.
 #[derive(Clone, Debug)]
 pub struct Sweep {
     level: Level,
@@ -46,15 +51,17 @@ pub struct Sweep {
 impl Sweep {
     /// Fewer boxes are compared directly.
     const FEW: usize = 128;
+    /// More boxes are compared directly too: their copies could not be counted in 32 bits.
+    const MOST: usize = 1 << 28;
     /// Dividing makes no more copies in a slice than this many times its boxes.
     const MOST_COPIES: usize = 8;
     /// Comparisons a box from which it is asked whether they are in vain: what they cost is then
     /// twice what dividing costs.
-    const LONG_RUNS: u64 = 256;
-    /// In vain if fewer than one in this many boxes that are compared meet.
-    const IN_VAIN: u64 = 16;
-    /// Crowded if more than one in this many of all pairs meet: then nothing beats comparing all.
-    const CROWDED: u64 = 4;
+    const LONG_RUNS: f64 = 256.0;
+    /// In vain if a smaller share of the boxes that are compared meet.
+    const IN_VAIN: f64 = 1.0 / 16.0;
+    /// Crowded if a larger share of all pairs meet: then nothing beats comparing all.
+    const CROWDED: f64 = 1.0 / 4.0;
 
     /// A sweep with the instructions of a level. All levels find the same pairs in the same order.
     #[must_use]
@@ -77,7 +84,7 @@ impl Sweep {
         filter: &F,
         candidates: &mut Vec<Candidate>,
     ) {
-        if boxes.len() < Self::FEW {
+        if boxes.len() < Self::FEW || boxes.len() > Self::MOST {
             return directly(boxes, &region, filter, candidates);
         }
         self.survey.take(boxes, &region);
@@ -99,13 +106,15 @@ impl Sweep {
             plan,
             rows: &mut self.rows,
         });
-        let long = comparisons > Self::LONG_RUNS * boxes.len() as u64;
-        if long || 2 * comparisons > pairs_of(boxes.len()) {
-            let probe = self.rows.probe(boxes);
-            if probe.expect_of(comparisons) * Self::CROWDED > pairs_of(boxes.len()) {
+        let (comparisons, count) = (comparisons as f64, boxes.len() as f64);
+        let pairs = 0.5 * count * count;
+        let long = comparisons > Self::LONG_RUNS * count;
+        if long || comparisons > 0.5 * pairs {
+            let share = self.rows.probe(boxes).share();
+            if share * comparisons > Self::CROWDED * pairs {
                 return directly(boxes, &region, filter, candidates);
             }
-            if long && probe.met * Self::IN_VAIN < probe.tested {
+            if long && share < Self::IN_VAIN {
                 let parts = &mut self.parts[depth];
                 self.survey.cut_evenly(&mut parts.cuts);
                 if parts.divide(boxes, &mut self.copies_left) {
@@ -172,9 +181,4 @@ fn directly<F: PairFilter>(
             }
         }
     }
-}
-
-fn pairs_of(count: usize) -> u64 {
-    let count = count as u64;
-    count * (count - 1) / 2
 }

@@ -36,7 +36,7 @@ impl Plan {
 
     /// The plan of least expected cost where boxes are spread evenly.
     pub(super) fn choose(crowd: &Crowd) -> Self {
-        let count = real(crowd.count);
+        let count = crowd.count as f64;
         let mut best = (f64::INFINITY, 0, [1, 1]);
         for sweep in 0..3 {
             let [first, second] = across(sweep).map(|axis| crowd.extents[axis]);
@@ -91,14 +91,6 @@ const fn across(sweep: usize) -> [usize; 2] {
         1 => [0, 2],
         _ => [0, 1],
     }
-}
-
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "counts of boxes, and only a cost"
-)]
-fn real(count: usize) -> f64 {
-    count as f64
 }
 
 #[allow(

@@ -41,12 +41,9 @@ pub(super) struct Probe {
 }
 
 impl Probe {
-    /// How many of so many comparisons find boxes that meet.
-    pub(super) const fn expect_of(&self, comparisons: u64) -> u64 {
-        match (comparisons * self.met).checked_div(self.tested) {
-            Some(meeting) => meeting,
-            None => 0,
-        }
+    /// The share of comparisons that find boxes that meet, 0..=1.
+    pub(super) fn share(&self) -> f64 {
+        self.met as f64 / self.tested.max(1) as f64
     }
 }
 

@@ -63,7 +63,7 @@ impl<F: PairFilter> Task for Run<'_, F> {
                 count += usize::from(u128::from_ne_bytes(lanes) != 0);
                 if count == HITS {
                     self.report(&hits);
-                    count = 1;
+                    count = 0;
                 }
                 next += STEP;
             }

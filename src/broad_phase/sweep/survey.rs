@@ -46,7 +46,7 @@ impl Survey {
                 let extent = f64::from(high) - f64::from(low(&boxes[place], region, axis));
                 sum += if extent < width { extent / width } else { 1.0 };
             }
-            self.shares[axis] = sum / real(size);
+            self.shares[axis] = sum / size as f64;
         }
     }
 
@@ -70,7 +70,7 @@ impl Survey {
             let strays = lows.len() / Self::STRAYS;
             let lows = &lows[strays..lows.len() - strays];
             let whole = width((lows[0], lows[lows.len() - 1]));
-            let wide = (Self::WIDE / real(lows.len())).max(4.0 * self.shares[axis]) * whole;
+            let wide = (Self::WIDE / lows.len() as f64).max(4.0 * self.shares[axis]) * whole;
             let mut empty = 0.0;
             for gap in lows.windows(2) {
                 let size = width((gap[0], gap[1]));
@@ -145,9 +145,4 @@ pub(super) fn scattered(size: usize, count: usize) -> impl Iterator<Item = usize
             ((u64::from(turn) * count as u64) >> 32) as usize
         }
     })
-}
-
-#[allow(clippy::cast_precision_loss, reason = "sizes of samples")]
-fn real(size: usize) -> f64 {
-    size as f64
 }

@@ -1,0 +1,147 @@
+//! How a squared distance lies to the levels of a threshold.
+
+use super::Side;
+use super::normal::{TINY, UNIT};
+
+/// Squared thresholds: what is below `inside` is certainly inside, above `outside` certainly
+/// outside. Minus infinity where nothing can be inside, or everything must be outside.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Levels {
+    pub(super) inside: f64,
+    pub(super) outside: f64,
+}
+
+impl Levels {
+    /// For distances wrong by at most `error`.
+    pub(super) fn new(low: f64, high: f64, error: f64) -> Self {
+        let (near, far) = (low - error, high + error);
+        Self {
+            inside: if near > 0.0 {
+                near * near * (1.0 - 8.0 * UNIT) - TINY
+            } else {
+                f64::NEG_INFINITY
+            },
+            outside: if far >= 0.0 {
+                far * far * (1.0 + 8.0 * UNIT) + TINY
+            } else {
+                f64::NEG_INFINITY
+            },
+        }
+    }
+
+    /// Of what lies within `low..=high`.
+    pub(super) fn side(&self, low: f64, high: f64) -> Side {
+        if high < self.inside {
+            Side::Inside
+        } else if low > self.outside {
+            Side::Outside
+        } else {
+            Side::Undecided
+        }
+    }
+}
+
+/// How the Bernstein coefficients of a part lie to one level.
+///
+/// With at most one uncertain coefficient between the certain ones of either side, the number of
+/// sign changes is known whatever its sign: none or one, and so is the number of crossings
+/// (Descartes' rule in Bernstein form).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Course {
+    Below,
+    Above,
+    /// Crosses once, from below.
+    Rising,
+    /// Crosses once, from above.
+    Falling,
+    Unclear,
+}
+
+impl Course {
+    pub(super) fn of(coefficients: &[f64; 7], error: f64, level: f64) -> Self {
+        let (low, high) = (level - error, level + error);
+        let first = coefficients[0];
+        let mut course = if first < low {
+            Self::Below
+        } else if first > high {
+            Self::Above
+        } else {
+            return Self::Unclear;
+        };
+        let mut is_doubtful = false;
+        for &c in &coefficients[1..] {
+            course = match course {
+                Self::Below if c > high => Self::Rising,
+                Self::Above if c < low => Self::Falling,
+                Self::Below if c < low && !is_doubtful => continue,
+                Self::Above if c > high && !is_doubtful => continue,
+                Self::Rising if c > high => continue,
+                Self::Falling if c < low => continue,
+                // Neither: once, right before the course changes.
+                Self::Below | Self::Above if !is_doubtful && low <= c && c <= high => {
+                    is_doubtful = true;
+                    continue;
+                }
+                _ => return Self::Unclear,
+            };
+            is_doubtful = false;
+        }
+        if is_doubtful { Self::Unclear } else { course }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn course(coefficients: [f64; 7]) -> Course {
+        Course::of(&coefficients, 0.5, 10.0)
+    }
+
+    #[test]
+    fn only_what_is_certain_counts() {
+        assert_eq!(course([1.0; 7]), Course::Below);
+        assert_eq!(course([20.0; 7]), Course::Above);
+        assert_eq!(
+            course([1.0, 1.0, 1.0, 20.0, 20.0, 20.0, 20.0]),
+            Course::Rising
+        );
+        assert_eq!(
+            course([20.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]),
+            Course::Falling
+        );
+        // One uncertain coefficient where the course changes, and nowhere else.
+        assert_eq!(
+            course([1.0, 1.0, 10.2, 20.0, 20.0, 20.0, 20.0]),
+            Course::Rising
+        );
+        assert_eq!(
+            course([20.0, 10.0, 1.0, 1.0, 1.0, 1.0, 1.0]),
+            Course::Falling
+        );
+        for unclear in [
+            [10.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0],
+            [1.0, 1.0, 10.0, 1.0, 1.0, 1.0, 1.0],
+            [1.0, 10.0, 1.0, 20.0, 20.0, 20.0, 20.0],
+            [20.0, 10.0, 20.0, 1.0, 1.0, 1.0, 1.0],
+            [1.0, 10.0, 10.0, 20.0, 20.0, 20.0, 20.0],
+            [1.0, 20.0, 20.0, 10.0, 20.0, 20.0, 20.0],
+            [1.0, 20.0, 1.0, 20.0, 20.0, 20.0, 20.0],
+            [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 10.0],
+            [1.0, 1.0, 1.0, 1.0, 1.0, 20.0, 10.0],
+            [f64::NAN, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0],
+            [1.0, f64::NAN, 1.0, 1.0, 1.0, 1.0, 1.0],
+        ] {
+            assert_eq!(course(unclear), Course::Unclear, "{unclear:?}");
+        }
+    }
+
+    #[test]
+    fn impossible_levels_are_at_minus_infinity() {
+        let nothing_inside = Levels::new(1.0, 1.0, 2.0);
+        assert_eq!(nothing_inside.side(-9.0, -9.0), Side::Undecided);
+        assert_eq!(nothing_inside.side(9.1, 9.2), Side::Outside);
+        let all_outside = Levels::new(-3.0, -3.0, 2.0);
+        assert_eq!(all_outside.side(-9.0, 0.0), Side::Outside);
+    }
+}

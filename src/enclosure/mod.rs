@@ -1,0 +1,300 @@
+//! Certified enclosures: how near a cubic comes to the origin, when, and on which side of a
+//! threshold it is, each with a proof that rounding has not spoilt it.
+//!
+//! The input is an [`UncertainCubic`]: four Bézier control points in `f64`, and a bound for how far
+//! the exact relative motion can be from the cubic that they define. The answers are
+//! [`LeastDistance`] and [`Stretches`]. Every bound below is a worst case for IEEE 754 binary64,
+//! rounded to nearest; fused operations are not used and would not break it. The same input gives
+//! the same bits on every machine.
+//!
+//! # Symbols
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | u | 2^-53, the largest relative error of one operation |
+//! | n u | stands for n u / (1 - n u): the relative error of a term that passes n roundings |
+//! | s | parameter in 0..=1; x: the same on a part, counted from its base (one of its ends) |
+//! | h | the cubic defined by the given control points, taken as exact; h', h'' by x |
+//! | E | bound on the distance of h from the exact motion, at all s |
+//! | M | largest norm of a given control point |
+//! | F | E + 9 u M: the same as E for any part computed from the control points (section 1) |
+//! | d | the squared norm of a cubic, of degree 6, with Bernstein coefficients d0..d6 |
+//! | k0..k3 | computed control points of a part, k0 at its base; m: the norm of k0 |
+//! | δj | kj - k0; A: the largest of their norms |
+//!
+//! Norms are Euclidean; an error of at most c |v| in every component v of a vector is one of at most
+//! c times its norm. A factor 1 + 2^-40 on the bounds covers all terms of second order and the
+//! rounding of the bounds themselves, an additive 1e-250 covers underflow (section 7).
+//!
+//! Three ideas keep the bounds small. The error is carried as a length, in front of the squares:
+//! if h is known to E, so is its least norm, however small it is (an error of the square, seen
+//! from a norm m, is divided by 2 m). Parts are computed from the given control points, never from
+//! other parts, so the error does not grow with the depth of a search. And squared distances are
+//! compared as differences from the one at a nearby point.
+//!
+//! # 1. Parts
+//!
+//! A control point of the part over a..=b is formed in three levels of (1 - t) p + t q, with t = a
+//! or b (the blossom; where a = 0 or b = 1 it is de Casteljau's scheme). A term passes at most three
+//! roundings per level (1 - t, the product, the sum), nine in all. The weights are not negative
+//! and sum to one, hence
+//!
+//! ```text
+//! |computed - exact control point| <= 9 u M        for every part, however short
+//! ```
+//!
+//! and by convexity the same holds all along the part, and for single points.
+//!
+//! # 2. Squares
+//!
+//! ```text
+//! d0 = h0·h0        d2 = (2 h0·h2 + 3 h1·h1)/5    d4 = (2 h1·h3 + 3 h2·h2)/5    d6 = h3·h3
+//! d1 = h0·h1        d3 = (h0·h3 + 9 h1·h2)/10     d5 = h2·h3
+//! ```
+//!
+//! A scalar product of p and q has an error of 3 u |p| |q|, the weighted sums four roundings more
+//! (factor, sum, and 0.2 or 0.1, themselves rounded), and the weights sum to one: 7 u M² for the
+//! points as computed. 8 u M² is used; it covers the rounding of M² and of one sum. Control
+//! points wrong by e add 2 M e + e². Between its ends, d lies between its least and its greatest
+//! coefficient.
+//!
+//! # 3. Difference form
+//!
+//! With aj = k0·δj and gij = δi·δj the Bernstein coefficients of d - m² on a part are exactly
+//!
+//! ```text
+//! e1 = a1                          e3 = (a3 + 9 (a1 + a2 + g12))/10                e5 = a2 + a3 + g23
+//! e2 = (2 a2 + 6 a1 + 3 g11)/5     e4 = (2 (a1 + a3 + g13) + 3 (2 a2 + g22))/5     e6 = 2 a3 + g33
+//! ```
+//!
+//! δj has a relative error of u, hence aj one of 4 u m |δj|, and gij one of 5 u |δi| |δj|. The
+//! roundings that each term passes, times its weight:
+//!
+//! | | terms of m A | terms of A² |
+//! |---|---|---|
+//! | e2 | 8/5 × 9 = 14.4 | 3/5 × 9 = 5.4 |
+//! | e3 | 19/10 × 10 = 19 | 9/10 × 10 = 9 |
+//! | e4 | 4/5 × 9 + 6/5 × 9 = 18 | 2/5 × 9 + 3/5 × 10 = 9.6 |
+//! | e5 | 2 × 6 = 12 | 1 × 6 = 6 |
+//! | e6 | 2 × 5 = 10 | 1 × 6 = 6 |
+//!
+//! ```text
+//! |error of e1| <= 4 u m |δ1|        |error of e2..e6| <= u A (19 m + 10 A)
+//! ```
+//!
+//! Unlike 8 u M², these vanish with the length of the part.
+//!
+//! # 4. A quadratic from below
+//!
+//! On 0..=1, x has the Bernstein coefficients k/6 and x² has k (k - 1)/30. So with lower bounds bk of
+//! the coefficients ek, c1 = 6 b1, and c2 the least of 30 (bk - k b1) / (k (k - 1)) for k = 2..=6:
+//!
+//! ```text
+//! d(x) >= m² + c1 x + c2 x²
+//! d(x) >= m² - sink,     sink = c1² / (4 c2)          where c1 < 0 and -c1 <= 2 c2,
+//!                               max(0, -(c1 + c2))    elsewhere;  at most max(0, -b1, .., -b6)
+//! ```
+//!
+//! Where k0 is a minimum up to rounding, c1 is of the order of u m A, so sink is of the order of u² m²:
+//! the lower bound is m² but for a few roundings of m², even for m far below M. The computed
+//! m² has a relative error of 3 u; 4 u m² is subtracted. In c2, 4 u (|bk| + k |b1|) is subtracted from
+//! each difference: the roundings of bk, of k b1, and of the difference. The quadratic also tells
+//! beyond which x the distance is certainly above a level.
+//!
+//! # 5. The least distance
+//!
+//! A guess (samples and Newton steps; not trusted) divides 0..=1 in two parts that have it as
+//! their base. Where their lower bounds are not good enough, the part with the smallest is divided,
+//! and so on, best first. With m the least norm met at a base, and B the least lower bound of all
+//! parts, each rounded outward,
+//!
+//! ```text
+//! low = max(0, sqrt(B) - F)        high = m + F
+//! ```
+//!
+//! enclose the least exact distance, whenever the search stops: a part's computed cubic is nowhere
+//! farther than F from the exact motion. It stops where sqrt(B) >= m - max(F/4, 8 u M), or where m is
+//! below 16 u M (the spacing of s below 1 alone moves h by up to 6 u M), or at a limit of work.
+//!
+//! **When.** At a minimiser of the exact distance that distance is at most m + F, the computed one
+//! at most m + 2 F. What the quadratics of all parts leave below that level is a first enclosure of
+//! all minimisers; its width is of the order of sqrt(m F / c2), the best that values can tell. Slopes tell
+//! more. The error is a cubic that stays below F on the part, so by Markov's inequalities (along any
+//! direction) its three derivatives by x stay below 18 F, 96 F and 192 F. So at the base h·h' is
+//! known to F |h'| + 18 F |h|; let G be the largest value it can have. Over the first enclosure,
+//! |h'|² + h·h'' is at least its value at the base, less the errors of that, less the reach of the
+//! enclosure times a bound of its derivative 3 h'·h'' + h·h'''; let that be L. If L > 0 the exact
+//! squared distance is strictly convex there, and no minimiser, at the ends of 0..=1 neither, is farther than
+//! G/L from the base. That is of the order of F/|h'|: the square of the first.
+//!
+//! # 6. Stretches
+//!
+//! For a threshold R between R1 and R2, what has |h| < R1 - E is certainly inside, what has |h| > R2 + E
+//! certainly outside. Parts are judged by the coefficients of section 2, with e = 9 u M:
+//!
+//! - all on one side of a level: then so is the part;
+//! - certain signs that change once, with at most one uncertain coefficient where they change: by
+//!   Descartes' rule of signs in Bernstein form the level is crossed exactly once. Newton's method
+//!   finds where; then the nearest points are sought at which the computed distance differs from the
+//!   threshold by F and a few roundings. As there is no second crossing, all of the part before the
+//!   one and beyond the other is certain;
+//! - else the quadratic of section 4 cuts off what is outside, or the part is divided;
+//! - what stays within four times the error of the threshold is undecided: dividing is of no use.
+//!
+//! So an undecided stretch ends where the distance differs from the threshold by a few F (about one
+//! at a crossing). At a crossing with the closing speed v, per unit of s, it is 2 F / v long; at a
+//! touch its length is of the order of sqrt(F).
+//!
+//! # 7. Range
+//!
+//! For lengths from 1e-60 to 1e60 all squares, and products of two squares, are in range, and what is
+//! added against underflow (1e-250, to lengths and to squares) does not show. Other input is multiplied
+//! by a power of two first. That is exact but for results below 2^-1022, which the same 1e-250,
+//! added to the error of a cubic of size one, covers. The answer is multiplied back and moved outward
+//! by a unit in the last place. So subnormal control points are served like all others. Flushing of
+//! subnormal numbers to zero must be off in the threads that call this.
+
+mod crossings;
+mod guess;
+mod levels;
+mod meeting;
+mod minimum;
+mod normal;
+mod piece;
+mod stretches;
+
+pub use stretches::Stretches;
+
+use glam::DVec3;
+
+/// A cubic from which the exact relative motion is nowhere farther than an error bound.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UncertainCubic {
+    points: [DVec3; 4],
+    error: f64,
+}
+
+/// A number of the input is not finite or beyond 1e300.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("a control point or its error is not finite, negative or beyond 1e300")]
+pub struct OutOfRange;
+
+/// The exact distance lies in `low..=high` (m, both finite and not negative).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DistanceEnclosure {
+    /// Lower end, m.
+    pub low: f64,
+    /// Upper end, m.
+    pub high: f64,
+}
+
+/// Every exact answer lies in `first..=last`, a part of 0..=1 (local parameter).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ParameterEnclosure {
+    /// Lower end.
+    pub first: f64,
+    /// Upper end.
+    pub last: f64,
+}
+
+/// The exact threshold lies in `low..=high` (m); it may be negative, and then nothing is inside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Threshold {
+    /// Lower end, m.
+    pub low: f64,
+    /// Upper end, m.
+    pub high: f64,
+}
+
+/// What is certain about the distance over a stretch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Nearer than the threshold all over the stretch, its ends included.
+    Inside,
+    /// Farther than the threshold all over the stretch, its ends included.
+    Outside,
+    /// Within the error of the threshold, or left open by the work limit.
+    Undecided,
+}
+
+/// A part of 0..=1 on which the same is certain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
+    /// Where it begins.
+    pub first: f64,
+    /// Where it ends.
+    pub last: f64,
+    /// What is certain about it.
+    pub side: Side,
+}
+
+/// Whether a search ended by itself or by its limit; the answer is certified in both cases.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effort {
+    /// The enclosure is as tight as the error of its input allows.
+    Tight,
+    /// The work limit was reached; the enclosure holds, but could be narrower.
+    Limited,
+}
+
+/// The certified least distance of a cubic from the origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LeastDistance {
+    /// The least distance.
+    pub distance: DistanceEnclosure,
+    /// All parameters at which it can be reached.
+    pub parameter: ParameterEnclosure,
+    /// The parameter with the least distance found; within 0..=1.
+    pub guess: f64,
+    /// Whether the search came to its end.
+    pub effort: Effort,
+}
+
+impl ParameterEnclosure {
+    const WHOLE: Self = Self {
+        first: 0.0,
+        last: 1.0,
+    };
+}
+
+impl UncertainCubic {
+    /// The cubic with these Bézier control points (m) on 0..=1, of which the exact cubic is
+    /// nowhere farther than `error` (m).
+    ///
+    /// # Errors
+    ///
+    /// [`OutOfRange`] for what is not finite, beyond 1e300, or a negative error.
+    pub fn new(points: [DVec3; 4], error: f64) -> Result<Self, OutOfRange> {
+        const LARGEST: f64 = 1e300;
+        let is_in_range = |p: &DVec3| p.abs().max_element() <= LARGEST && !p.is_nan();
+        if points.iter().all(is_in_range) && (0.0..=LARGEST).contains(&error) {
+            Ok(Self { points, error })
+        } else {
+            Err(OutOfRange)
+        }
+    }
+
+    /// The least distance from the origin.
+    #[must_use]
+    pub fn least_distance(&self) -> LeastDistance {
+        minimum::least_distance(self)
+    }
+
+    /// The distance from the origin at a parameter in 0..=1.
+    ///
+    /// # Panics
+    ///
+    /// In debug builds, for a parameter outside 0..=1.
+    #[must_use]
+    pub fn distance_at(&self, parameter: f64) -> DistanceEnclosure {
+        debug_assert!((0.0..=1.0).contains(&parameter), "a parameter within 0..=1");
+        minimum::distance_at(self, parameter)
+    }
+
+    /// Where the distance is certainly below the threshold, where certainly above, and where that
+    /// cannot be told: a partition of 0..=1.
+    #[must_use]
+    pub fn stretches(&self, threshold: Threshold) -> Stretches {
+        crossings::stretches(self, threshold)
+    }
+}

@@ -1,0 +1,139 @@
+//! Relative cubics of many pairs, coordinate by coordinate.
+
+use super::cubic::ControlPoints;
+use super::real::Real;
+
+/// A view of the relative cubics of many pairs in structure-of-arrays form.
+///
+/// Twelve slices of one length: the x, y and z coordinates of the four Bezier control points.
+#[derive(Clone, Copy, Debug)]
+pub struct Lanes<'a, R> {
+    /// `coordinates[axis][point][pair]`.
+    pub(super) coordinates: [[&'a [R]; 4]; 3],
+}
+
+impl<'a, R: Real> Lanes<'a, R> {
+    /// A view of twelve slices, `[[x0, x1, x2, x3], [y0, …], [z0, …]]`; nothing if their lengths
+    /// differ.
+    #[must_use]
+    pub fn new(coordinates: [[&'a [R]; 4]; 3]) -> Option<Self> {
+        let length = coordinates[0][0].len();
+        let even = coordinates
+            .iter()
+            .flatten()
+            .all(|slice| slice.len() == length);
+        even.then_some(Self { coordinates })
+    }
+
+    /// The number of pairs.
+    #[inline]
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.coordinates[0][0].len()
+    }
+
+    /// Whether there is no pair.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The control points of one pair.
+    ///
+    /// # Panics
+    ///
+    /// If `pair` is not less than the number of pairs.
+    #[inline]
+    #[must_use]
+    pub fn control_points(&self, pair: usize) -> ControlPoints<R> {
+        std::array::from_fn(|point| std::array::from_fn(|axis| self.coordinates[axis][point][pair]))
+    }
+
+    /// The first `count` pairs.
+    #[inline(always)]
+    pub(super) fn first(&self, count: usize) -> Self {
+        let [x, y, z] = self.coordinates;
+        Self {
+            coordinates: [
+                [
+                    &x[0][..count],
+                    &x[1][..count],
+                    &x[2][..count],
+                    &x[3][..count],
+                ],
+                [
+                    &y[0][..count],
+                    &y[1][..count],
+                    &y[2][..count],
+                    &y[3][..count],
+                ],
+                [
+                    &z[0][..count],
+                    &z[1][..count],
+                    &z[2][..count],
+                    &z[3][..count],
+                ],
+            ],
+        }
+    }
+
+    /// The pairs from `start` up to `end`.
+    #[inline]
+    pub(super) fn range(&self, start: usize, end: usize) -> Self {
+        Self {
+            coordinates: self
+                .coordinates
+                .map(|axis| axis.map(|slice| &slice[start..end])),
+        }
+    }
+}
+
+/// The relative cubics of many pairs, owned and growing; reuse one to avoid allocation.
+#[derive(Clone, Debug, Default)]
+pub struct CubicBatch<R> {
+    coordinates: [[Vec<R>; 4]; 3],
+}
+
+impl<R: Real> CubicBatch<R> {
+    /// An empty batch.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Appends a pair.
+    #[inline]
+    pub fn push(&mut self, points: ControlPoints<R>) {
+        for (axis, column) in self.coordinates.iter_mut().enumerate() {
+            for (slot, point) in column.iter_mut().zip(&points) {
+                slot.push(point[axis]);
+            }
+        }
+    }
+
+    /// Removes all pairs and keeps the memory.
+    pub fn clear(&mut self) {
+        for slot in self.coordinates.iter_mut().flatten() {
+            slot.clear();
+        }
+    }
+
+    /// The pairs as the kernels take them.
+    #[must_use]
+    pub fn lanes(&self) -> Lanes<'_, R> {
+        Lanes {
+            coordinates: self
+                .coordinates
+                .each_ref()
+                .map(|axis| axis.each_ref().map(Vec::as_slice)),
+        }
+    }
+}
+
+impl<R: Real> Extend<ControlPoints<R>> for CubicBatch<R> {
+    fn extend<T: IntoIterator<Item = ControlPoints<R>>>(&mut self, pairs: T) {
+        for points in pairs {
+            self.push(points);
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! The closest approach of many pairs: guess, prove, try again, and at last branch and bound.
+
+use std::cmp::Ordering;
+
+use super::batch::Lanes;
+use super::cubic::{CentredCubic, ControlPoints};
+use super::dispatch::{Level, enclose_block_finely, guess_block};
+use super::enclosure::{enclose_from, is_nearest_at};
+use super::exhaustive::{normalised, square_at};
+use super::guess::{guess, halley_step};
+use super::loops::{BLOCK, Block, Bounds, FIRST, distance, local_time};
+use super::pending::Pending;
+use super::real::Real;
+
+/// Samples on each side of the middle in the second try.
+const SECOND: usize = 8;
+
+/// Steps of refinement before a proof is tried, and where none was found: at a root of
+/// multiplicity five a step shortens the error by a third.
+const QUICK: u32 = 2;
+const THOROUGH: u32 = 40;
+
+/// Whether a certificate is one: not if it is not a number.
+#[inline]
+fn is_positive<R: Real>(certificate: R) -> bool {
+    certificate > R::from_f64(0.0)
+}
+
+/// The closest approach of one pair: local time and distance.
+pub(super) fn closest_approach_of<R: Real>(points: &ControlPoints<R>) -> (R, R) {
+    let mut found = guess::<R, FIRST, 2>(*points);
+    if !is_positive(found.certificate) {
+        found = guess::<R, SECOND, 8>(*points);
+    }
+    if is_positive(found.certificate) {
+        return (local_time(found.time), distance(found.square));
+    }
+    let wide = points.map(|point| point.map(R::to_f64));
+    let mut nearest = refined(&wide, local_time(found.time).to_f64(), QUICK);
+    if !is_nearest_at(&wide, nearest.0) {
+        nearest = searched(&wide, nearest.0);
+    }
+    (R::from_f64(nearest.0), R::from_f64(nearest.1))
+}
+
+/// A guess in local time refined until the distance shrinks no more; time and distance.
+fn refined(points: &ControlPoints<f64>, time: f64, steps: u32) -> (f64, f64) {
+    let (points, unit) = normalised(points);
+    let cubic = CentredCubic::new(points);
+    let mut u = 2.0 * time - 1.0;
+    let mut square = square_at(&cubic, u);
+    for _ in 0..steps {
+        let next = (u - halley_step(&cubic, u).step).clamp(-1.0, 1.0);
+        let there = square_at(&cubic, next);
+        // Also where the step is not a number.
+        if there.partial_cmp(&square) != Some(Ordering::Less) {
+            break;
+        }
+        (u, square) = (next, there);
+    }
+    (local_time(u), distance(square) * unit)
+}
+
+/// The closest approach by branch and bound from a good time on.
+fn searched(points: &ControlPoints<f64>, time: f64) -> (f64, f64) {
+    refined(points, enclose_from(points, time).time, THOROUGH)
+}
+
+/// The work of one call of [`closest_approach`].
+struct Work<'a, R> {
+    level: Level,
+    times: &'a mut [R],
+    distances: &'a mut [R],
+    block: Block<R>,
+    /// Not certified at the first try.
+    second: Pending<R, 0>,
+    /// Not certified at the second try: with time and distance, refined, in f64.
+    third: Pending<f64, 2>,
+}
+
+/// The closest approach of each pair, on one thread: local times in 0..=1, distances in metres.
+pub(super) fn closest_approach<R: Real>(
+    level: Level,
+    lanes: &Lanes<'_, R>,
+    times: &mut [R],
+    distances: &mut [R],
+) {
+    let mut work = Work {
+        level,
+        times,
+        distances,
+        block: Block::new(),
+        second: Pending::new(),
+        third: Pending::new(),
+    };
+    let mut start = 0;
+    while start < lanes.len() {
+        let end = (start + BLOCK).min(lanes.len());
+        work.guess(lanes, start, end);
+        start = end;
+    }
+    work.guess_again();
+    work.prove();
+}
+
+impl<R: Real> Work<'_, R> {
+    /// The first try for a part of the batch.
+    fn guess(&mut self, lanes: &Lanes<'_, R>, start: usize, end: usize) {
+        let mut certificates = [R::default(); BLOCK];
+        let certificates = &mut certificates[..end - start];
+        guess_block::<R, FIRST, 2>(
+            self.level,
+            &mut self.block,
+            &lanes.range(start, end),
+            &mut self.times[start..end],
+            &mut self.distances[start..end],
+            certificates,
+        );
+        // Without branches: which pairs failed cannot be predicted.
+        let mut failed = [0; BLOCK];
+        let mut count = 0;
+        for (pair, certificate) in (start..end).zip(certificates.iter()) {
+            failed[count] = pair;
+            count += usize::from(!is_positive(*certificate));
+        }
+        for &pair in &failed[..count] {
+            self.second.push(pair, lanes.control_points(pair), []);
+            if self.second.is_full() {
+                self.guess_again();
+            }
+        }
+    }
+
+    /// The second try, with more samples and a finer certificate.
+    fn guess_again(&mut self) {
+        let mut found = [[R::default(); BLOCK]; 3];
+        let [times, distances, certificates] =
+            found.each_mut().map(|slot| &mut slot[..self.second.len()]);
+        guess_block::<R, SECOND, 8>(
+            self.level,
+            &mut self.block,
+            &self.second.lanes(),
+            times,
+            distances,
+            certificates,
+        );
+        for i in 0..self.second.len() {
+            let pair = self.second.pair(i);
+            if is_positive(certificates[i]) {
+                (self.times[pair], self.distances[pair]) = (times[i], distances[i]);
+                continue;
+            }
+            let points = self.second.lanes().control_points(i);
+            let wide = points.map(|point| point.map(R::to_f64));
+            let (time, distance) = refined(&wide, times[i].to_f64(), QUICK);
+            self.third.push(pair, wide, [time, distance]);
+            if self.third.is_full() {
+                self.prove();
+            }
+        }
+        self.second.clear();
+    }
+
+    /// The third try: quarters of both sides of the refined time. What is still not proven is
+    /// searched by branch and bound.
+    fn prove(&mut self) {
+        let mut bounds = Bounds::new();
+        let lanes = self.third.lanes();
+        let [times, distances] = self.third.extras();
+        let errors = [0.0; BLOCK];
+        let errors = &errors[..self.third.len()];
+        enclose_block_finely(self.level, &lanes, errors, times, &mut bounds);
+        for i in 0..self.third.len() {
+            let (time, distance) = if is_positive(bounds.tight[i]) {
+                (times[i], distances[i])
+            } else {
+                searched(&lanes.control_points(i), times[i])
+            };
+            let pair = self.third.pair(i);
+            self.times[pair] = R::from_f64(time);
+            self.distances[pair] = R::from_f64(distance);
+        }
+        self.third.clear();
+    }
+}

@@ -1,0 +1,115 @@
+//! One relative cubic, and vectors of three numbers.
+
+use super::real::Real;
+
+/// A vector in space.
+pub(super) type Vector<R> = [R; 3];
+
+/// The motion of one body relative to another over a span: four Bezier control points, metres.
+///
+/// At the local time `s` in 0..=1 the relative position is
+/// `(1-s)³ p0 + 3 s (1-s)² p1 + 3 s² (1-s) p2 + s³ p3`.
+pub type ControlPoints<R> = [[R; 3]; 4];
+
+#[inline(always)]
+pub(super) fn add<R: Real>(a: Vector<R>, b: Vector<R>) -> Vector<R> {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+#[inline(always)]
+pub(super) fn subtract<R: Real>(a: Vector<R>, b: Vector<R>) -> Vector<R> {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline(always)]
+pub(super) fn scale<R: Real>(factor: R, a: Vector<R>) -> Vector<R> {
+    [factor * a[0], factor * a[1], factor * a[2]]
+}
+
+#[inline(always)]
+pub(super) fn dot<R: Real>(a: Vector<R>, b: Vector<R>) -> R {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// A relative cubic in powers of the centred time `u = 2 s - 1` in -1..=1, times eight.
+///
+/// The factor saves the divisions; distances are divided by eight at the end. Around the middle
+/// the coefficients are as small as they get (`numerics`: 5 M in sum for a polygon within M).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CentredCubic<R> {
+    pub(super) coefficients: [Vector<R>; 4],
+}
+
+impl<R: Real> CentredCubic<R> {
+    #[inline(always)]
+    pub(super) fn new(points: ControlPoints<R>) -> Self {
+        let three = R::from_f64(3.0);
+        let [p0, p1, p2, p3] = points;
+        let outer_sum = add(p0, p3);
+        let outer_difference = subtract(p3, p0);
+        let inner_sum = add(p1, p2);
+        let inner_difference = subtract(p2, p1);
+        Self {
+            coefficients: [
+                add(outer_sum, scale(three, inner_sum)),
+                scale(three, add(outer_difference, inner_difference)),
+                scale(three, subtract(outer_sum, inner_sum)),
+                subtract(outer_difference, scale(three, inner_difference)),
+            ],
+        }
+    }
+
+    /// The position at `u`, times eight.
+    #[inline(always)]
+    pub(super) fn position(&self, u: R) -> Vector<R> {
+        let [c0, c1, c2, c3] = self.coefficients;
+        add(c0, scale(u, add(c1, scale(u, add(c2, scale(u, c3))))))
+    }
+
+    /// Position, velocity, half the second and a sixth of the third derivative at `u`, all times
+    /// eight, by repeated division by `u - u*`.
+    #[inline(always)]
+    pub(super) fn derivatives(&self, u: R) -> [Vector<R>; 4] {
+        let [c0, c1, c2, c3] = self.coefficients;
+        let p2 = add(c2, scale(u, c3));
+        let p1 = add(c1, scale(u, p2));
+        let p0 = add(c0, scale(u, p1));
+        let v2 = add(p2, scale(u, c3));
+        let v1 = add(p1, scale(u, v2));
+        let b2 = add(v2, scale(u, c3));
+        [p0, v1, b2, c3]
+    }
+
+    /// The coefficients of the squared distance in powers of `u`, times 64.
+    #[inline(always)]
+    pub(super) fn squared_distance(&self) -> [R; 7] {
+        let [c0, c1, c2, c3] = self.coefficients;
+        let two = R::from_f64(2.0);
+        [
+            dot(c0, c0),
+            two * dot(c0, c1),
+            two * dot(c0, c2) + dot(c1, c1),
+            two * (dot(c0, c3) + dot(c1, c2)),
+            two * dot(c1, c3) + dot(c2, c2),
+            two * dot(c2, c3),
+            dot(c3, c3),
+        ]
+    }
+}
+
+/// The largest absolute value of a coordinate.
+#[inline]
+pub(super) fn largest_coordinate(points: &ControlPoints<f64>) -> f64 {
+    let mut largest = 0.0;
+    for coordinate in points.iter().flatten() {
+        let size = coordinate.abs();
+        largest = if size > largest { size } else { largest };
+    }
+    largest
+}
+
+/// The greatest power of two that is not above a finite number, or the smallest normal number.
+#[inline]
+pub(super) fn power_of_two(number: f64) -> f64 {
+    f64::from_bits((number.to_bits() & (0x7ff << 52)).max(1 << 52))
+}

@@ -1,0 +1,144 @@
+//! A lower bound of the distance on a piece that is good to the last digits.
+//!
+//! Let `k0..k3` be the control points of a piece, `δ_j = k_j - k0`, `m = |k0|` and `A = max |δ_j|`.
+//! The Bernstein coefficients of `d - m²` on the piece are formed from the differences, so that
+//! their rounding is proportional to `A` and not to the square of the whole polygon. Then the
+//! quadratic `c1 x + c2 x²` below them all bounds `d - m²` on the piece: the slope at `k0`, which
+//! is rounding at a minimum, enters squared.
+
+use super::cubic::{ControlPoints, Vector, dot, subtract};
+use super::real::Real;
+
+/// The control points of the two pieces on either side of `s`, both from the common point on.
+///
+/// De Casteljau's algorithm with weights `1 - s` and `s`: three levels of three roundings each,
+/// so every point is within 9 units of rounding of the polygon's size.
+#[inline(always)]
+pub(super) fn split<R: Real>(points: ControlPoints<R>, s: R) -> [ControlPoints<R>; 2] {
+    let t = R::from_f64(1.0) - s;
+    let [p0, p1, p2, p3] = points;
+    let p01 = lerp(t, p0, s, p1);
+    let p12 = lerp(t, p1, s, p2);
+    let p23 = lerp(t, p2, s, p3);
+    let p012 = lerp(t, p01, s, p12);
+    let p123 = lerp(t, p12, s, p23);
+    let p0123 = lerp(t, p012, s, p123);
+    [[p0123, p012, p01, p0], [p0123, p123, p23, p3]]
+}
+
+#[inline(always)]
+fn lerp<R: Real>(t: R, a: Vector<R>, s: R, b: Vector<R>) -> Vector<R> {
+    [
+        t * a[0] + s * b[0],
+        t * a[1] + s * b[1],
+        t * a[2] + s * b[2],
+    ]
+}
+
+/// A lower bound of the squared distance on a piece, for its points as they are.
+///
+/// For polygons between 1e-60 and 1e60 (f64): the slack is of fourth degree in lengths before
+/// the division.
+#[inline(always)]
+pub(super) fn lower_bound<R: Real>(points: ControlPoints<R>) -> R {
+    let [k0, k1, k2, k3] = points;
+    let (zero, u) = (R::from_f64(0.0), R::ROUNDING);
+    let (two, three) = (R::from_f64(2.0), R::from_f64(3.0));
+    let (d1, d2, d3) = (subtract(k1, k0), subtract(k2, k0), subtract(k3, k0));
+    let (a1, a2, a3) = (dot(k0, d1), dot(k0, d2), dot(k0, d3));
+    let (g11, g22, g33) = (dot(d1, d1), dot(d2, d2), dot(d3, d3));
+    let (g12, g13, g23) = (dot(d1, d2), dot(d1, d3), dot(d2, d3));
+    let square = dot(k0, k0);
+
+    // Rounding: 4 m |δ1| for the first coefficient, A (19 m + 10 A) for the others, in units; one
+    // more in 20 covers that of these bounds themselves.
+    let reach = g11.or_more(g22).or_more(g33);
+    let product = (square * reach).sqrt();
+    let first_error = R::from_f64(4.2) * u * product + R::UNDERFLOW;
+    let error = u * (R::from_f64(20.0) * product + R::from_f64(10.5) * reach) + R::UNDERFLOW;
+
+    let e1 = a1 - first_error;
+    let e2 = R::from_f64(0.2) * (two * a2 + R::from_f64(6.0) * a1 + three * g11) - error;
+    let e3 = R::from_f64(0.1) * (a3 + R::from_f64(9.0) * (a1 + a2 + g12)) - error;
+    let e4 = R::from_f64(0.2) * (two * (a1 + a3 + g13) + three * (two * a2 + g22)) - error;
+    let e5 = a2 + a3 + g23 - error;
+    let e6 = two * a3 + g33 - error;
+
+    // x has the coefficients k / 6, x² has k (k - 1) / 30.
+    let c1 = R::from_f64(6.0) * e1;
+    let c2 = curvature(e2, e1, 2.0)
+        .or_less(curvature(e3, e1, 3.0))
+        .or_less(curvature(e4, e1, 4.0))
+        .or_less(curvature(e5, e1, 5.0))
+        .or_less(curvature(e6, e1, 6.0));
+    // The least value of c1 x + c2 x² on 0..=1, negated.
+    let vertex = c1 * (c1 / (R::from_f64(4.0) * c2)) * (R::from_f64(1.0) + R::from_f64(16.0) * u);
+    let end = (-(c1 + c2)).or_more(zero) * (R::from_f64(1.0) + R::from_f64(8.0) * u);
+    let inside = (c1 < zero) & (c2 > zero) & (-c1 <= two * c2);
+    let slack = if inside { vertex } else { end };
+    // And the plain convex hull.
+    let lowest = e1
+        .or_less(e2)
+        .or_less(e3)
+        .or_less(e4)
+        .or_less(e5)
+        .or_less(e6);
+    let slack = slack.or_less((-lowest).or_more(zero));
+    square - R::from_f64(4.0) * u * square - slack * (R::from_f64(1.0) + R::from_f64(4.0) * u)
+}
+
+/// A lower bound of the squared distance on the first half of a piece, from its quarters.
+///
+/// Halving rounds three times more.
+#[inline(always)]
+pub(super) fn lower_bound_near<R: Real>(points: ControlPoints<R>) -> R {
+    let [near, _] = split(points, R::from_f64(0.5));
+    let [first, second] = split(reversed(near), R::from_f64(0.5));
+    lower_bound(reversed(first)).or_less(lower_bound(from_nearer(second)))
+}
+
+/// A lower bound of the squared distance on the second half of a piece, from its quarters.
+#[inline(always)]
+pub(super) fn lower_bound_far<R: Real>(points: ControlPoints<R>) -> R {
+    let [_, far] = split(points, R::from_f64(0.5));
+    let [third, fourth] = split(far, R::from_f64(0.5));
+    lower_bound(from_nearer(third)).or_less(lower_bound(from_nearer(fourth)))
+}
+
+#[inline(always)]
+fn reversed<R: Real>(points: ControlPoints<R>) -> ControlPoints<R> {
+    let [p0, p1, p2, p3] = points;
+    [p3, p2, p1, p0]
+}
+
+/// The piece in the direction in which it starts at its nearer end.
+#[inline(always)]
+pub(super) fn from_nearer<R: Real>(points: ControlPoints<R>) -> ControlPoints<R> {
+    let [p0, p1, p2, p3] = points;
+    let turn = dot(p3, p3) < dot(p0, p0);
+    [
+        select(turn, p3, p0),
+        select(turn, p2, p1),
+        select(turn, p1, p2),
+        select(turn, p0, p3),
+    ]
+}
+
+#[inline(always)]
+fn select<R: Real>(first: bool, a: Vector<R>, b: Vector<R>) -> Vector<R> {
+    [
+        if first { a[0] } else { b[0] },
+        if first { a[1] } else { b[1] },
+        if first { a[2] } else { b[2] },
+    ]
+}
+
+/// What coefficient `k` allows for the factor of x², rounded down.
+#[inline(always)]
+fn curvature<R: Real>(height: R, first: R, k: f64) -> R {
+    let u = R::ROUNDING;
+    let part = R::from_f64(k) * first;
+    let difference = height - part - R::from_f64(4.0) * u * (height.abs() + part.abs());
+    let scaled = R::from_f64(30.0 / (k * (k - 1.0))) * difference;
+    scaled - R::from_f64(8.0) * u * scaled.abs()
+}

@@ -1,0 +1,161 @@
+//! Batch kernels: the closest approach of thousands of pairs, on vectors of 2 to 16 lanes.
+//!
+//! A pair is a relative cubic over a span: four Bezier control points over the local time 0..=1.
+//! A batch is twelve slices, one for each coordinate of each point ([`Lanes`], or [`CubicBatch`]
+//! to fill them). Three questions can be asked of it, in `f64` and, but for the second, in `f32`:
+//!
+//! - [`closest_approach`]: how near, and when;
+//! - [`enclose`]: proven bounds of the least distance, for a given error of the cubic;
+//! - [`within`]: nearer than a threshold, certainly not, or undecided.
+//!
+//! [`scalar`] asks the same of a single pair. The functions here work on the caller's thread;
+//! those in `parallel` (a feature) on all threads of the current rayon pool.
+//!
+//! ```
+//! use nearmiss::narrow_phase::kernels::{CubicBatch, Level, closest_approach};
+//!
+//! // One body passes the other on a straight line, 3 m off, nearest in the middle of the span.
+//! let mut batch = CubicBatch::new();
+//! batch.push([[-6.0, 3.0, 0.0], [-2.0, 3.0, 0.0], [2.0, 3.0, 0.0], [6.0, 3.0, 0.0]]);
+//! let (mut times, mut distances) = ([0.0_f64], [0.0]);
+//! closest_approach(Level::best(), &batch.lanes(), &mut times, &mut distances);
+//! assert_eq!((times[0], distances[0]), (0.5, 3.0));
+//! ```
+//!
+//! # How
+//!
+//! *Guess, then prove the guess* (`guess.rs`): the lowest of nine samples, two Halley steps on the
+//! slope of the squared distance, one more on the vectors. Then the squared distance, less its
+//! value at the guess, is divided twice by the distance in time from the guess; if the quotient, a
+//! quartic, has positive Bernstein coefficients on both halves of the span, no other point is
+//! lower. Pairs without that proof are gathered and tried again with more samples on eighths of
+//! the span, and the last ones get all roots of the slope ([`crate::polynomial`]).
+//!
+//! *Enclosures* (`minorant.rs`): the span is split at the guess; on each side a quadratic below
+//! the Bernstein coefficients of the squared distance, formed from differences, bounds it to the
+//! last digits. Then quarters, then branch and bound.
+//!
+//! *Verdicts* (`screen.rs`): Bernstein coefficients on halves, then eighths, then enclosures.
+//!
+//! Each stage is a plain function of one lane, without branches. A loop over it is compiled for
+//! each instruction set (`dispatch.rs`, the only file with `unsafe`), and the compiler makes the
+//! vectors. No operation is fused or reordered, so all [`Level`]s give the same bits, and a pair
+//! has the same result in any batch, at any place of it, and on any thread.
+//!
+//! # Rounding
+//!
+//! `u` is the unit of rounding of the type, `M` the size of the polygon (its farthest control
+//! point), `C0..C3` the coefficient vectors of the centred cubic, `S²` the sum of their squares.
+//!
+//! - *Certificate of a guess.* The coefficients of the squared distance have an error of at most
+//!   `5 u A_k`, where `A_k` sums the products `|C_i| |C_j|`, `i + j = k`. Two divisions with
+//!   `|u*| <= 1` and the change to Bernstein form round each term 14 times more, and sum
+//!   `A_k` with the factor `k (k - 1) / 2`; with `2 |C_i| |C_j| <= |C_i|² + |C_j|²` that is at most
+//!   `19 · 34 u S²`. Three halvings add `12 · 34 u S²`. At an end the slope enters with a factor
+//!   of up to 20 and an error of `16 · 18 u S²`. The sum is below the margin of `8192 u S²`. What
+//!   is proven is that no point is lower by more than the residual slope allows; that slope is
+//!   rounding after the last Halley step. For a bound of everything use [`enclose`].
+//! - *Enclosure.* Splitting the polygon moves it by `9 u M` at most, halvings add `3 u M` each. The
+//!   error of the distance is that plus the given error of the cubic, once; the rounding of the
+//!   lower bound itself is counted term by term where it is formed.
+//! - *Verdict.* The Bernstein coefficients of the squared distance have an error of `7 u M²`;
+//!   of `8 u M²` with respect to points that were rounded to the type of the lanes. Halvings add
+//!   `6 u M²` each. The margins are 16 (one halving) and 32 (three) `u M²`. So `f32` lanes filled
+//!   with rounded `f64` points never lose a conflict of these points.
+//!
+//! Squares that overflow or underflow fail every test; such pairs end in the scalar `f64` code,
+//! which scales by powers of two first. Coordinates must be finite.
+
+mod batch;
+mod closest;
+mod cubic;
+mod dispatch;
+mod enclosure;
+mod enclosures;
+mod exhaustive;
+mod guess;
+mod loops;
+mod minorant;
+#[cfg(feature = "parallel")]
+pub mod parallel;
+mod pending;
+mod real;
+pub mod scalar;
+mod screen;
+mod within;
+
+pub use batch::{CubicBatch, Lanes};
+pub use cubic::ControlPoints;
+pub use dispatch::Level;
+pub use enclosure::Enclosure;
+pub use real::Real;
+pub use within::Verdict;
+
+/// The closest approach of each pair: local times in 0..=1, distances in metres.
+///
+/// The distance is the global minimum over the span up to rounding: some 1e-15 (f64) or 1e-6
+/// (f32) of the size of the polygon. Of several equal minima, or where the distance is constant,
+/// any one of the times may be reported. Where the minimum is flat the time is less certain than
+/// the distance: to the square root of the rounding. Both are the same bits at every level.
+///
+/// # Panics
+///
+/// If the slices do not have one entry for each pair.
+pub fn closest_approach<R: Real>(
+    level: Level,
+    lanes: &Lanes<'_, R>,
+    times: &mut [R],
+    distances: &mut [R],
+) {
+    assert_eq!(lanes.len(), times.len(), "one time for each pair");
+    assert_eq!(lanes.len(), distances.len(), "one distance for each pair");
+    closest::closest_approach(level, lanes, times, distances);
+}
+
+/// Proven bounds of the least distance of each pair, metres.
+///
+/// `errors[i]` bounds, in metres and at every instant, the distance between the true relative
+/// position of pair `i` and the one its control points give. Then the true least distance lies in
+/// the enclosure, whatever rounds. Its width is a little more than twice the error plus 18 units
+/// of rounding of the polygon's size.
+///
+/// # Panics
+///
+/// If the slices do not have one entry for each pair.
+pub fn enclose(level: Level, lanes: &Lanes<'_, f64>, errors: &[f64], enclosures: &mut [Enclosure]) {
+    assert_eq!(lanes.len(), errors.len(), "one error for each pair");
+    assert_eq!(lanes.len(), enclosures.len(), "one enclosure for each pair");
+    enclosures::enclosures(level, lanes, errors, enclosures);
+}
+
+/// Whether each pair comes near: certainly nearer than `inner` at some instant, or certainly
+/// farther apart than `outer` at every instant, both in metres.
+///
+/// For a threshold `R` and control points with an error of up to `E` metres these are `R - E`
+/// and `R + E`, rounded away from each other. A pair whose least distance is between them, or
+/// within rounding of them, is undecided. `f32` control points may have been rounded from `f64`:
+/// the verdict holds for the points before. A negative `inner` is never reached.
+///
+/// # Panics
+///
+/// If the slices do not have one entry for each pair.
+pub fn within<R: Real>(
+    level: Level,
+    lanes: &Lanes<'_, R>,
+    inner: &[R],
+    outer: &[R],
+    verdicts: &mut [Verdict],
+) {
+    assert_eq!(
+        lanes.len(),
+        inner.len(),
+        "one inner threshold for each pair"
+    );
+    assert_eq!(
+        lanes.len(),
+        outer.len(),
+        "one outer threshold for each pair"
+    );
+    assert_eq!(lanes.len(), verdicts.len(), "one verdict for each pair");
+    within::within(level, lanes, inner, outer, verdicts);
+}

@@ -1,0 +1,81 @@
+//! The kernels on all threads of the current rayon pool: the same bits, sooner.
+//!
+//! Worth it from some ten thousand pairs on; smaller batches stay on the caller's thread.
+
+use super::{Enclosure, Lanes, Level, Real, Verdict};
+
+/// Pairs that are not worth handing to another thread: some 50 microseconds of work.
+const CHUNK: usize = 4096;
+
+/// [`closest_approach`](super::closest_approach) on all threads.
+///
+/// # Panics
+///
+/// If the slices do not have one entry for each pair.
+pub fn closest_approach<R: Real>(
+    level: Level,
+    lanes: &Lanes<'_, R>,
+    times: &mut [R],
+    distances: &mut [R],
+) {
+    let Some((left, right)) = halves(lanes) else {
+        super::closest_approach(level, lanes, times, distances);
+        return;
+    };
+    let (times_a, times_b) = times.split_at_mut(left.len());
+    let (distances_a, distances_b) = distances.split_at_mut(left.len());
+    rayon::join(
+        || closest_approach(level, &left, times_a, distances_a),
+        || closest_approach(level, &right, times_b, distances_b),
+    );
+}
+
+/// [`enclose`](super::enclose) on all threads.
+///
+/// # Panics
+///
+/// If the slices do not have one entry for each pair.
+pub fn enclose(level: Level, lanes: &Lanes<'_, f64>, errors: &[f64], enclosures: &mut [Enclosure]) {
+    let Some((left, right)) = halves(lanes) else {
+        super::enclose(level, lanes, errors, enclosures);
+        return;
+    };
+    let (errors_a, errors_b) = errors.split_at(left.len());
+    let (enclosures_a, enclosures_b) = enclosures.split_at_mut(left.len());
+    rayon::join(
+        || enclose(level, &left, errors_a, enclosures_a),
+        || enclose(level, &right, errors_b, enclosures_b),
+    );
+}
+
+/// [`within`](super::within) on all threads.
+///
+/// # Panics
+///
+/// If the slices do not have one entry for each pair.
+pub fn within<R: Real>(
+    level: Level,
+    lanes: &Lanes<'_, R>,
+    inner: &[R],
+    outer: &[R],
+    verdicts: &mut [Verdict],
+) {
+    let Some((left, right)) = halves(lanes) else {
+        super::within(level, lanes, inner, outer, verdicts);
+        return;
+    };
+    let (inner_a, inner_b) = inner.split_at(left.len());
+    let (outer_a, outer_b) = outer.split_at(left.len());
+    let (verdicts_a, verdicts_b) = verdicts.split_at_mut(left.len());
+    rayon::join(
+        || within(level, &left, inner_a, outer_a, verdicts_a),
+        || within(level, &right, inner_b, outer_b, verdicts_b),
+    );
+}
+
+/// The two halves of a batch that is worth splitting.
+fn halves<'a, R: Real>(lanes: &Lanes<'a, R>) -> Option<(Lanes<'a, R>, Lanes<'a, R>)> {
+    let count = lanes.len();
+    let middle = count / 2;
+    (count > CHUNK).then(|| (lanes.range(0, middle), lanes.range(middle, count)))
+}

@@ -1,0 +1,122 @@
+//! The two floating-point types the kernels are written for.
+
+use std::fmt::Debug;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for f32 {}
+    impl Sealed for f64 {}
+}
+
+/// `f32` or `f64`, as the kernels need them: arithmetic, comparison and square roots, all of them
+/// correctly rounded, so that a lane of a vector computes the same bits as a scalar.
+pub trait Real:
+    Copy
+    + Debug
+    + Default
+    + PartialOrd
+    + Send
+    + Sync
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + sealed::Sealed
+    + 'static
+{
+    /// The unit of rounding: half the distance from 1 to the next number.
+    const ROUNDING: Self;
+
+    /// More than what underflow can take from a sum of some hundred products.
+    ///
+    /// So much more that it does not underflow itself when it is multiplied by a rounding: a
+    /// subnormal result costs a hundred times an ordinary one.
+    const UNDERFLOW: Self;
+
+    /// Squares up to this size do not overflow in sums of some hundred products.
+    const LARGE: Self;
+
+    /// A step of Halley's method up to this size leaves an error of a few units of rounding:
+    /// about the cube root of the rounding.
+    const SETTLED: Self;
+
+    /// The nearest number of this type.
+    #[must_use]
+    fn from_f64(value: f64) -> Self;
+
+    /// The same number as `f64`.
+    #[must_use]
+    fn to_f64(self) -> f64;
+
+    /// The absolute value.
+    #[must_use]
+    fn abs(self) -> Self;
+
+    /// The square root.
+    #[must_use]
+    fn sqrt(self) -> Self;
+
+    /// The smaller number; the second one if either is not a number.
+    #[inline(always)]
+    #[must_use]
+    fn or_less(self, other: Self) -> Self {
+        if self < other { self } else { other }
+    }
+
+    /// The larger number; the second one if either is not a number.
+    #[inline(always)]
+    #[must_use]
+    fn or_more(self, other: Self) -> Self {
+        if self > other { self } else { other }
+    }
+}
+
+macro_rules! implement_real {
+    ($float:ident, $narrow:expr, $settled:expr, $underflow:expr) => {
+        impl Real for $float {
+            const ROUNDING: Self = 0.5 * $float::EPSILON;
+            const SETTLED: Self = $settled;
+            const LARGE: Self = $float::MAX / 1024.0;
+            const UNDERFLOW: Self = $underflow;
+
+            #[inline(always)]
+            fn from_f64(value: f64) -> Self {
+                $narrow(value)
+            }
+
+            #[inline(always)]
+            fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
+
+            #[inline(always)]
+            fn abs(self) -> Self {
+                self.abs()
+            }
+
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                self.sqrt()
+            }
+        }
+    };
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "rounding to the nearest f32 is what is wanted"
+)]
+#[inline(always)]
+fn narrow(value: f64) -> f32 {
+    value as f32
+}
+
+#[inline(always)]
+fn keep(value: f64) -> f64 {
+    value
+}
+
+implement_real!(f32, narrow, 3e-3, 1e-28);
+implement_real!(f64, keep, 5e-6, 1e-270);

@@ -1,0 +1,117 @@
+//! Is a pair certainly farther apart than a threshold, or certainly nearer? Bernstein bounds.
+//!
+//! The squared distance of a relative cubic is a sextic, and stays above the least of its seven
+//! Bernstein coefficients. With `M` the size of the polygon and `u` the unit of rounding, every
+//! computed coefficient is within 7 u M² of that of the given points, or 8 u M² of that of the
+//! points before they were rounded to the type of the lanes; a halving adds 6 u M² at most. The
+//! margins below are at least twice that.
+
+use super::cubic::{ControlPoints, dot};
+use super::real::Real;
+
+/// What a screen found: positive means certainly outside, negative certainly inside, 0 undecided.
+pub(super) type Finding<R> = R;
+
+/// First screen: the two halves of the span.
+#[inline(always)]
+pub(super) fn screen_halves<R: Real>(points: ControlPoints<R>, inner: R, outer: R) -> Finding<R> {
+    let (coefficients, size) = squared_distance(points);
+    let (left, right) = halves(coefficients);
+    let lowest = least(left).or_less(least(right));
+    let nearest = left[0].or_less(left[6]).or_less(right[6]);
+    finding::<R>(lowest, nearest, inner, outer, 16.0, size)
+}
+
+/// Second screen: the eight eighths of the span.
+#[inline(always)]
+pub(super) fn screen_eighths<R: Real>(points: ControlPoints<R>, inner: R, outer: R) -> Finding<R> {
+    let (coefficients, size) = squared_distance(points);
+    let (left, right) = halves(coefficients);
+    let (low_a, near_a) = quarters(left);
+    let (low_b, near_b) = quarters(right);
+    finding::<R>(
+        low_a.or_less(low_b),
+        near_a.or_less(near_b),
+        inner,
+        outer,
+        32.0,
+        size,
+    )
+}
+
+/// The least coefficient and the least value at a cut, over the four quarters of a piece.
+#[inline(always)]
+fn quarters<R: Real>(coefficients: [R; 7]) -> (R, R) {
+    let (left, right) = halves(coefficients);
+    let (a, b) = halves(left);
+    let (c, d) = halves(right);
+    (
+        (least(a).or_less(least(b))).or_less(least(c).or_less(least(d))),
+        (a[0].or_less(a[6]))
+            .or_less(b[6].or_less(c[6]))
+            .or_less(d[6]),
+    )
+}
+
+/// The decision from the least coefficient and the least value of the squared distance.
+#[inline(always)]
+fn finding<R: Real>(lowest: R, nearest: R, inner: R, outer: R, units: f64, size: R) -> Finding<R> {
+    let u = R::ROUNDING;
+    let (zero, one) = (R::from_f64(0.0), R::from_f64(1.0));
+    let margin = R::from_f64(units) * u * size + R::UNDERFLOW;
+    let above = outer * outer * (one + R::from_f64(8.0) * u) + margin;
+    let below = inner * inner * (one - R::from_f64(8.0) * u) - margin;
+    // Not a number compares false, and stays undecided; so do infinities.
+    let outside = (lowest > above) & (size < R::LARGE) & (outer >= zero);
+    let inside = (nearest < below) & (inner >= zero);
+    if outside {
+        one
+    } else if inside {
+        -one
+    } else {
+        zero
+    }
+}
+
+/// The Bernstein coefficients of the squared distance, and the square of the polygon's size.
+#[inline(always)]
+fn squared_distance<R: Real>(points: ControlPoints<R>) -> ([R; 7], R) {
+    let [p0, p1, p2, p3] = points;
+    let (two, three) = (R::from_f64(2.0), R::from_f64(3.0));
+    let (d00, d11, d22, d33) = (dot(p0, p0), dot(p1, p1), dot(p2, p2), dot(p3, p3));
+    let coefficients = [
+        d00,
+        dot(p0, p1),
+        R::from_f64(0.2) * (two * dot(p0, p2) + three * d11),
+        R::from_f64(0.1) * (dot(p0, p3) + R::from_f64(9.0) * dot(p1, p2)),
+        R::from_f64(0.2) * (two * dot(p1, p3) + three * d22),
+        dot(p2, p3),
+        d33,
+    ];
+    (coefficients, (d00.or_more(d11)).or_more(d22.or_more(d33)))
+}
+
+/// The least coefficient.
+#[inline(always)]
+fn least<R: Real>(k: [R; 7]) -> R {
+    ((k[0].or_less(k[1])).or_less(k[2].or_less(k[3]))).or_less((k[4].or_less(k[5])).or_less(k[6]))
+}
+
+/// The Bernstein coefficients on the two halves of the interval.
+#[inline(always)]
+fn halves<R: Real>(k: [R; 7]) -> ([R; 7], [R; 7]) {
+    let half = R::from_f64(0.5);
+    let mut left = k;
+    let mut right = k;
+    let mut level = 1;
+    while level < 7 {
+        let mut i = 0;
+        while i < 7 - level {
+            right[i] = half * (right[i] + right[i + 1]);
+            i += 1;
+        }
+        left[level] = right[0];
+        level += 1;
+    }
+    (left, right)
+}

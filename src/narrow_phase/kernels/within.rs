@@ -1,0 +1,196 @@
+//! Verdicts for many pairs: two Bernstein screens, then an enclosure for the few that are left.
+
+use super::batch::Lanes;
+use super::cubic::{ControlPoints, largest_coordinate};
+use super::dispatch::{Level, enclose_block, screen_block, screen_block_finely};
+use super::enclosure::enclose_for;
+use super::loops::{BLOCK, Block, Bounds};
+use super::pending::Pending;
+use super::real::Real;
+use super::screen::{Finding, screen_eighths, screen_halves};
+
+/// Whether the bodies of a pair come within a threshold of each other during a span.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Verdict {
+    /// At every instant certainly farther apart than the outer threshold.
+    Outside,
+    /// At some instant certainly nearer than the inner threshold.
+    Inside,
+    /// Rounding hides which of the two, or it lies between the thresholds: ask the exact solver.
+    #[default]
+    Undecided,
+}
+
+/// The verdict of a screen.
+#[inline]
+fn verdict<R: Real>(finding: Finding<R>) -> Verdict {
+    if finding > R::from_f64(0.0) {
+        Verdict::Outside
+    } else if finding < R::from_f64(0.0) {
+        Verdict::Inside
+    } else {
+        Verdict::Undecided
+    }
+}
+
+/// The verdict on one pair.
+pub(super) fn within_of<R: Real>(points: &ControlPoints<R>, inner: R, outer: R) -> Verdict {
+    let first = verdict(screen_halves(*points, inner, outer));
+    if first != Verdict::Undecided {
+        return first;
+    }
+    let second = verdict(screen_eighths(*points, inner, outer));
+    if second != Verdict::Undecided {
+        return second;
+    }
+    let wide = points.map(|point| point.map(R::to_f64));
+    last_verdict(
+        &wide,
+        conversion_error::<R>(&wide),
+        inner.to_f64(),
+        outer.to_f64(),
+    )
+}
+
+/// The verdict from an enclosure by branch and bound.
+fn last_verdict(points: &ControlPoints<f64>, error: f64, inner: f64, outer: f64) -> Verdict {
+    let enclosure = enclose_for(points, error, inner, outer);
+    verdict_between(enclosure.low, enclosure.high, inner, outer)
+}
+
+/// The verdict if the least distance is between two numbers.
+#[inline]
+fn verdict_between(low: f64, high: f64, inner: f64, outer: f64) -> Verdict {
+    if low > outer {
+        Verdict::Outside
+    } else if high < inner {
+        Verdict::Inside
+    } else {
+        Verdict::Undecided
+    }
+}
+
+/// How far the points can be from those before they were rounded to the type of the lanes.
+#[inline]
+fn conversion_error<R: Real>(points: &ControlPoints<f64>) -> f64 {
+    let rounding = R::ROUNDING.to_f64();
+    if rounding < f64::EPSILON {
+        return 0.0;
+    }
+    // sqrt(3) times the largest coordinate bounds the size of the polygon.
+    1.8 * (rounding * largest_coordinate(points) + R::UNDERFLOW.to_f64())
+}
+
+/// The work of one call of [`within`].
+struct Screening<'a, R> {
+    level: Level,
+    verdicts: &'a mut [Verdict],
+    /// Undecided after the first screen: with the thresholds.
+    second: Pending<R, 2>,
+    /// Undecided after the second screen: with the thresholds and the error, in f64.
+    third: Pending<f64, 3>,
+}
+
+/// The verdict on each pair, on one thread.
+pub(super) fn within<R: Real>(
+    level: Level,
+    lanes: &Lanes<'_, R>,
+    inner: &[R],
+    outer: &[R],
+    verdicts: &mut [Verdict],
+) {
+    let mut screening = Screening {
+        level,
+        verdicts,
+        second: Pending::new(),
+        third: Pending::new(),
+    };
+    let mut findings = [R::default(); BLOCK];
+    let mut undecided = [0; BLOCK];
+    let mut start = 0;
+    while start < lanes.len() {
+        let end = (start + BLOCK).min(lanes.len());
+        let findings = &mut findings[..end - start];
+        let block = lanes.range(start, end);
+        screen_block(
+            level,
+            &block,
+            &inner[start..end],
+            &outer[start..end],
+            findings,
+        );
+        // Without branches: which pairs are left cannot be predicted.
+        let mut count = 0;
+        for (i, finding) in findings.iter().enumerate() {
+            let found = verdict(*finding);
+            screening.verdicts[start + i] = found;
+            undecided[count] = start + i;
+            count += usize::from(found == Verdict::Undecided);
+        }
+        for &pair in &undecided[..count] {
+            screening
+                .second
+                .push(pair, lanes.control_points(pair), [inner[pair], outer[pair]]);
+            if screening.second.is_full() {
+                screening.screen_again();
+            }
+        }
+        start = end;
+    }
+    screening.screen_again();
+    screening.enclose();
+}
+
+impl<R: Real> Screening<'_, R> {
+    /// The second screen for the pairs that wait for it.
+    fn screen_again(&mut self) {
+        let mut findings = [R::default(); BLOCK];
+        let findings = &mut findings[..self.second.len()];
+        let [inner, outer] = self.second.extras();
+        screen_block_finely(self.level, &self.second.lanes(), inner, outer, findings);
+        for (i, finding) in findings.iter().enumerate() {
+            let found = verdict(*finding);
+            let pair = self.second.pair(i);
+            self.verdicts[pair] = found;
+            if found == Verdict::Undecided {
+                let points = self.second.lanes().control_points(i);
+                let wide = points.map(|point| point.map(R::to_f64));
+                let [inner, outer] = self.second.extras().map(|extra| extra[i].to_f64());
+                self.third
+                    .push(pair, wide, [inner, outer, conversion_error::<R>(&wide)]);
+                if self.third.is_full() {
+                    Self::enclose_pending(self.level, &mut self.third, self.verdicts);
+                }
+            }
+        }
+        self.second.clear();
+    }
+
+    /// Enclosures for the pairs that wait for them.
+    fn enclose(&mut self) {
+        Self::enclose_pending(self.level, &mut self.third, self.verdicts);
+    }
+
+    fn enclose_pending(level: Level, third: &mut Pending<f64, 3>, verdicts: &mut [Verdict]) {
+        if third.len() == 0 {
+            return;
+        }
+        let mut bounds = Bounds::new();
+        let lanes = third.lanes();
+        let [inner, outer, errors] = third.extras();
+        enclose_block(level, &mut Block::new(), &lanes, errors, &mut bounds);
+        for i in 0..third.len() {
+            let tight = bounds.tight[i];
+            let mut found = Verdict::Undecided;
+            if tight >= 0.0 {
+                found = verdict_between(bounds.lows[i], bounds.highs[i], inner[i], outer[i]);
+            }
+            // A tight enclosure that is undecided stays so.
+            if found == Verdict::Undecided && (tight <= 0.0 || tight.is_nan()) {
+                found = last_verdict(&lanes.control_points(i), errors[i], inner[i], outer[i]);
+            }
+            verdicts[third.pair(i)] = found;
+        }
+        third.clear();
+    }
+}
