@@ -90,8 +90,8 @@ impl Encounters {
         self.tracked.iter().map(|tracked| &tracked.now)
     }
 
-    /// One tick: `plain` is sorted by (a, b, start).
-    pub(super) fn update(
+    /// Works one tick out, without letting it take effect. `plain` is sorted by (a, b, start).
+    pub(super) fn work_out(
         &mut self,
         plain: &[Plain],
         tick: &Tick,
@@ -127,6 +127,10 @@ impl Encounters {
                 }
             }
         }
+    }
+
+    /// Lets what was worked out last take effect.
+    pub(super) fn take_over(&mut self) {
         std::mem::swap(&mut self.tracked, &mut self.next);
     }
 
@@ -312,24 +316,33 @@ fn clock(
     Some(tracked)
 }
 
-/// Whether the numbers that are known differ by more than the least change. An end that is not
-/// known yet moves with the window, and so may the closest approach at it: no revision.
+/// Whether the numbers differ by more than the least change, as far as both are known: what lies
+/// beyond the end of what is known, which moves, is no revision.
 fn differs(now: &Encounter, sent: &Encounter, least: &LeastChange) -> bool {
     let moved = |x: f64, y: f64| (x - y).abs() > least.time;
-    let closest_is_known =
-        |encounter: &Encounter| !(encounter.open && encounter.closest.time >= encounter.exit);
-    let ends = match (now.open, sent.open) {
+    let exit = match (now.open, sent.open) {
         (false, false) => moved(now.exit, sent.exit),
         (true, true) => false,
-        _ => true,
+        // A budget may have hidden an exit that was known.
+        (true, false) => now.exit > sent.exit + least.time,
+        (false, true) => true,
     };
-    let closest = match (closest_is_known(now), closest_is_known(sent)) {
-        (true, true) => {
-            moved(now.closest.time, sent.closest.time)
-                || (now.closest.separation - sent.closest.separation).abs() > least.separation
-        }
-        (false, false) => false,
-        _ => true,
-    };
-    moved(now.enter, sent.enter) || ends || closest
+    moved(now.enter, sent.enter) || exit || closest_differs(now, sent, least)
+}
+
+fn closest_differs(now: &Encounter, sent: &Encounter, least: &LeastChange) -> bool {
+    // At an open end the bodies may still be closing in.
+    let is_known =
+        |encounter: &Encounter| !(encounter.open && encounter.closest.time >= encounter.exit);
+    let (x, y) = (&now.closest, &sent.closest);
+    if !is_known(sent) {
+        return is_known(now);
+    }
+    let hidden = now.open && y.time > now.exit;
+    if hidden {
+        return is_known(now) && x.separation < y.separation - least.separation;
+    }
+    !is_known(now)
+        || (x.time - y.time).abs() > least.time
+        || (x.separation - y.separation).abs() > least.separation
 }

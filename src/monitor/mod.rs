@@ -6,10 +6,13 @@
 
 mod boxes;
 mod budget;
+mod change;
 mod command;
 mod encounters;
 mod event;
+mod foresight;
 mod outlook;
+mod tick;
 
 pub use budget::Budget;
 pub use command::Command;
@@ -20,20 +23,12 @@ use crate::bounds::{Extremes, Frame};
 use crate::broad_phase::{PairFilter, Sweep};
 use crate::conflict::Conflict;
 use crate::error::{Error, LARGEST_MAGNITUDE};
-use crate::hitbox::Hitbox;
 use crate::id::BodyId;
-use crate::layers::Layers;
 use crate::narrow_phase::Contact;
-use crate::scene::{Body, Scene};
-use crate::screen::conflict;
+use crate::scene::Scene;
 use crate::stats::Stats;
-use crate::trajectory::{Outside, Trajectory};
-use crate::window::Window;
-use budget::Meter;
-use command::Outcome;
-use encounters::{Encounters, Plain, Tick};
-use outlook::{Flight, Group, Outlook};
-use std::time::Instant;
+use encounters::{Encounters, Plain};
+use outlook::Outlook;
 
 /// A margin that is watched, and when to let go.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,6 +91,8 @@ pub struct Monitor {
     waiting: Vec<Event>,
     /// By slot: whether the end of the present plan has been told.
     end_told: Vec<bool>,
+    /// No plan whose end has not been told ends before this, s.
+    next_plan_end: f64,
     stats: Stats,
     changed_bodies: u64,
     plain: Vec<Plain>,
@@ -175,19 +172,16 @@ impl Monitor {
             next_id: 0,
             waiting: Vec::new(),
             end_told: Vec::new(),
+            next_plan_end: f64::INFINITY,
             stats: Stats::default(),
             changed_bodies: 0,
             plain: Vec::new(),
             contacts: Vec::new(),
             released: Vec::new(),
             passed: Vec::new(),
-            scene: Scene::new(),
+            scene,
         };
-        for (id, body) in scene.bodies() {
-            let flight = monitor.flight(body)?;
-            monitor.place(id.slot, Some(flight));
-        }
-        monitor.scene = scene;
+        monitor.lay_out()?;
         Ok(monitor)
     }
 
@@ -248,410 +242,4 @@ impl Monitor {
     pub const fn stats(&self) -> &Stats {
         &self.stats
     }
-
-    /// Adds a body.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::InBody`] if its plan leaves the range of numbers; [`Error::SceneFull`].
-    pub fn insert(&mut self, body: Body) -> Result<BodyId, Error> {
-        let flight = self.flight(&body)?;
-        let id = self.scene.insert(body)?;
-        self.place(id.slot, Some(flight));
-        Ok(id)
-    }
-
-    /// Takes a body out. Its encounters end, or are withdrawn, at the present clock.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::UnknownBody`].
-    pub fn remove(&mut self, id: BodyId) -> Result<Body, Error> {
-        let body = self.scene.remove(id)?;
-        self.place(id.slot, None);
-        for encounters in &mut self.encounters {
-            let gone = |encounter: &Encounter| encounter.a == id || encounter.b == id;
-            encounters.end(self.now, EndReason::BodyRemoved, gone, &mut self.waiting);
-        }
-        Ok(body)
-    }
-
-    /// Replaces a body's trajectory as a whole, the past included.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::UnknownBody`], [`Error::InBody`].
-    pub fn set_trajectory(&mut self, id: BodyId, trajectory: Trajectory) -> Result<(), Error> {
-        self.apply([Command::SetTrajectory(id, trajectory)])
-            .map(drop)
-    }
-
-    /// Replaces a body's hitbox.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::UnknownBody`], [`Error::InBody`].
-    pub fn set_hitbox(&mut self, id: BodyId, hitbox: Hitbox) -> Result<(), Error> {
-        self.apply([Command::SetHitbox(id, hitbox)]).map(drop)
-    }
-
-    /// Replaces a body's layers.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::UnknownBody`], [`Error::InBody`].
-    pub fn set_layers(&mut self, id: BodyId, layers: Layers) -> Result<(), Error> {
-        self.apply([Command::SetLayers(id, layers)]).map(drop)
-    }
-
-    /// From `from` (s) on the body follows `plan`; what it has flown until then stays. See
-    /// [`Trajectory::spliced`].
-    ///
-    /// # Errors
-    ///
-    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::NoPlanAt`] or
-    /// [`Error::OutOfRange`].
-    pub fn replan(&mut self, id: BodyId, from: f64, plan: Trajectory) -> Result<(), Error> {
-        self.apply([Command::Replan(id, from, plan)]).map(drop)
-    }
-
-    /// Appends `plan` to the body's plan, from its last knot on.
-    ///
-    /// # Errors
-    ///
-    /// As [`replan`](Self::replan).
-    pub fn extend(&mut self, id: BodyId, plan: Trajectory) -> Result<(), Error> {
-        self.apply([Command::Extend(id, plan)]).map(drop)
-    }
-
-    /// Several changes that take effect together, or, if one is refused, not at all. Returns the
-    /// ids of the inserted bodies, in order.
-    ///
-    /// # Errors
-    ///
-    /// That of the first command that is refused; nothing was changed then.
-    pub fn apply(
-        &mut self,
-        commands: impl IntoIterator<Item = Command>,
-    ) -> Result<Vec<BodyId>, Error> {
-        let outcome = Outcome::of(&self.scene, commands, self.told - self.history)?;
-        let mut flights = Vec::with_capacity(outcome.changed.len());
-        for body in outcome.changed.values() {
-            flights.push(body.as_ref().map(|body| self.flight(body)).transpose()?);
-        }
-        for body in &outcome.inserted {
-            self.flight(body)?;
-        }
-        // Nothing below is refused: the scene has room for 2^32 bodies, and all ids were found.
-        for ((id, body), flight) in outcome.changed.into_iter().zip(flights) {
-            match body {
-                Some(body) => {
-                    self.scene.replace(id, body)?;
-                    self.place(id.slot, flight);
-                }
-                None => drop(self.remove(id)?),
-            }
-        }
-        outcome
-            .inserted
-            .into_iter()
-            .map(|body| self.insert(body))
-            .collect()
-    }
-
-    /// Leaves a pair out; its encounters end with [`EndReason::PlanChanged`] at the next tick.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::UnknownBody`], [`Error::SameBody`].
-    pub fn ignore_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
-        self.scene.ignore_pair(a, b)?;
-        self.outlook.forget(a.slot);
-        Ok(())
-    }
-
-    /// Watches a pair again.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::UnknownBody`], [`Error::SameBody`].
-    pub fn heed_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
-        self.scene.heed_pair(a, b)?;
-        self.outlook.forget(a.slot);
-        Ok(())
-    }
-
-    /// Which conflicts at a level the body would have from now to
-    /// [`certified_until`](Self::certified_until) if it followed `plan` from now on. Changes
-    /// nothing.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::UnknownBody`], [`Error::InBody`]; [`Error::AlertLevel`] if there is no such level.
-    pub fn what_if(
-        &self,
-        id: BodyId,
-        plan: &Trajectory,
-        level: usize,
-    ) -> Result<Vec<Conflict>, Error> {
-        let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
-        let alert = self.levels.get(level).ok_or(Error::AlertLevel {
-            level,
-            margin: f64::NAN,
-            release: f64::NAN,
-        })?;
-        let would = Body {
-            trajectory: plan.clone(),
-            ..body.clone()
-        };
-        let flight = self.flight(&would)?;
-        let window = (self.now, self.known);
-        let filter = Admission(&self.scene);
-        let mut conflicts = Vec::new();
-        self.outlook.contacts_with(
-            id.slot,
-            &flight,
-            alert.margin,
-            window,
-            &filter,
-            |other, clip, theirs, contact| {
-                let Some((other, _)) = self.scene.in_slot(other) else {
-                    return;
-                };
-                let own = flight.party();
-                conflicts.push(if id.slot < other.slot {
-                    conflict(contact, (id, other), (&own, theirs), clip)
-                } else {
-                    conflict(contact, (other, id), (theirs, &own), clip)
-                });
-            },
-        );
-        conflicts.sort_unstable_by(Conflict::order);
-        Ok(conflicts)
-    }
-
-    /// Moves the clock to `now` (s) and appends what happened to `events`, in their order. The
-    /// clock may stand still, or jump.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::ClockWentBack`]; [`Error::InBody`] if an extrapolated plan leaves the range of
-    /// numbers. The clock stays where it was.
-    pub fn advance(&mut self, now: f64, events: &mut Vec<Event>) -> Result<(), Error> {
-        self.advance_within(now, Budget::Unlimited, events)
-    }
-
-    /// The same within a budget, soonest first. When it is spent,
-    /// [`certified_until`](Self::certified_until) says up to when nothing is missing; what happens
-    /// later waits for later ticks.
-    ///
-    /// # Errors
-    ///
-    /// As [`advance`](Self::advance).
-    pub fn advance_within(
-        &mut self,
-        now: f64,
-        budget: Budget,
-        events: &mut Vec<Event>,
-    ) -> Result<(), Error> {
-        let begin = Instant::now();
-        if now.is_nan() || now < self.now || now >= LARGEST_MAGNITUDE {
-            return Err(Error::ClockWentBack {
-                now: self.now,
-                time: now,
-            });
-        }
-        let end = now + self.lookahead;
-        self.outlook.extend_beyond(end).map_err(|(slot, error)| {
-            let tag = self.scene.in_slot(slot).map_or(0, |(_, o)| o.body.tag);
-            error.in_body(tag)
-        })?;
-        let mut meter = Meter::start(budget);
-        self.stats = Stats {
-            bodies: self.scene.len() as u64,
-            changed: std::mem::take(&mut self.changed_bodies),
-            ..Stats::default()
-        };
-        self.known = self.outlook.catch_up(
-            (self.told, end),
-            &Admission(&self.scene),
-            &mut meter,
-            &mut self.stats,
-        );
-        self.now = now;
-        let first = events.len();
-        events.append(&mut self.waiting);
-        let tick = Tick {
-            now,
-            told: now.min(self.known),
-            before: self.told,
-            known: self.known,
-            least_change: self.least_change,
-        };
-        for level in 0..self.levels.len() {
-            self.read_conflicts(level);
-            self.read_plain(level, &tick);
-            self.encounters[level].update(&self.plain, &tick, &mut self.next_id, events);
-        }
-        self.told = tick.told;
-        self.tell_plan_ends(end, events);
-        events[first..].sort_unstable_by(Event::order);
-        self.stats.conflicts = self.conflicts.iter().map(|level| level.len() as u64).sum();
-        self.stats.total_time = begin.elapsed();
-        Ok(())
-    }
-
-    /// Ends everything: each encounter under way ends, each ahead is withdrawn. Gives back the
-    /// scene.
-    pub fn close(mut self, events: &mut Vec<Event>) -> Scene {
-        let first = events.len();
-        events.append(&mut self.waiting);
-        for encounters in &mut self.encounters {
-            encounters.end(self.now, EndReason::MonitorClosed, |_| true, events);
-        }
-        events[first..].sort_unstable_by(Event::order);
-        self.scene
-    }
-
-    fn flight(&self, body: &Body) -> Result<Flight, Error> {
-        let end = self.outlook.laid_out(self.now + self.lookahead);
-        let window = Window::new(self.told, end)?;
-        self.outlook
-            .prepare(
-                &body.trajectory,
-                body.hitbox.spheres(),
-                body.hitbox.bounding(),
-                window,
-            )
-            .map_err(|error| error.in_body(body.tag))
-    }
-
-    fn place(&mut self, slot: u32, flight: Option<Flight>) {
-        self.changed_bodies += 1;
-        self.outlook.set(slot, flight);
-        let place = slot as usize;
-        if self.end_told.len() <= place {
-            self.end_told.resize(place + 1, false);
-        }
-        self.end_told[place] = false;
-    }
-
-    /// The conflicts of a level from now to the end of what is known.
-    fn read_conflicts(&mut self, level: usize) {
-        let margin = self.levels[level].margin;
-        let conflicts = &mut self.conflicts[level];
-        conflicts.clear();
-        if self.known < self.now {
-            return;
-        }
-        let (outlook, scene, contacts) = (&self.outlook, &self.scene, &mut self.contacts);
-        outlook.each_pair((self.now, self.known), |pair, clip, group| {
-            group.contacts(margin, clip, contacts);
-            for contact in &*contacts {
-                conflicts.extend(report(outlook, scene, pair, clip, contact));
-            }
-        });
-        conflicts.sort_unstable_by(Conflict::order);
-    }
-
-    /// The plain encounters of a level from the last tick's clock to the end of what is known.
-    fn read_plain(&mut self, level: usize, tick: &Tick) {
-        let alert = self.levels[level];
-        self.plain.clear();
-        let Self {
-            outlook,
-            scene,
-            contacts,
-            released,
-            passed,
-            plain,
-            ..
-        } = self;
-        outlook.each_pair((tick.before, tick.known), |pair, clip, group| {
-            group.contacts(alert.margin, clip, contacts);
-            if alert.release > alert.margin {
-                group.contacts(alert.release, clip, released);
-            } else {
-                released.clone_from(contacts);
-            }
-            let ends = outlook.domain(pair).map_or(tick.known, |(_, end)| end);
-            for hold in &*released {
-                let within = contacts
-                    .iter()
-                    .filter(|contact| contact.enter >= hold.enter && contact.exit <= hold.exit);
-                let first = within.clone().next();
-                let closest = report(outlook, scene, pair, clip, hold);
-                let Some(closest) = closest else { continue };
-                plain.push(Plain {
-                    a: closest.a,
-                    b: closest.b,
-                    enter: first.map(|contact| contact.enter),
-                    start: hold.enter,
-                    exit: hold.exit,
-                    open: hold.exit >= tick.known && ends > tick.known,
-                    with_trajectory: hold.exit >= ends,
-                    closest: closest.closest,
-                    passed: passed_closest(
-                        (outlook, scene),
-                        pair,
-                        group,
-                        alert.release,
-                        (hold.enter, hold.exit.min(tick.told)),
-                        passed,
-                    ),
-                });
-            }
-        });
-    }
-
-    /// Tells each plan that ends within the lookahead, once.
-    fn tell_plan_ends(&mut self, end: f64, events: &mut Vec<Event>) {
-        for (id, occupant) in self.scene.occupants() {
-            let trajectory = &occupant.body.trajectory;
-            let Some(&last) = trajectory.knots().last() else {
-                continue;
-            };
-            let told = &mut self.end_told[id.slot as usize];
-            if !*told && trajectory.outside() == Outside::Absent && last <= end {
-                *told = true;
-                events.push(Event {
-                    time: last,
-                    kind: EventKind::PlanEnds(id),
-                });
-            }
-        }
-    }
-}
-
-fn report(
-    outlook: &Outlook<Sweep>,
-    scene: &Scene,
-    (a, b): (u32, u32),
-    clip: (f64, f64),
-    contact: &Contact,
-) -> Option<Conflict> {
-    let ids = (scene.in_slot(a)?.0, scene.in_slot(b)?.0);
-    let parties = (outlook.flight(a)?.party(), outlook.flight(b)?.party());
-    Some(conflict(contact, ids, (&parties.0, &parties.1), clip))
-}
-
-/// The closest approach over the part of an encounter that the clock has passed.
-fn passed_closest(
-    (outlook, scene): (&Outlook<Sweep>, &Scene),
-    pair: (u32, u32),
-    group: &Group<'_>,
-    margin: f64,
-    part: (f64, f64),
-    scratch: &mut Vec<Contact>,
-) -> Option<crate::conflict::ClosestApproach> {
-    if part.0 > part.1 {
-        return None;
-    }
-    group.contacts(margin, part, scratch);
-    let conflicts = scratch
-        .iter()
-        .filter_map(|contact| report(outlook, scene, pair, part, contact));
-    conflicts
-        .map(|conflict| conflict.closest)
-        .reduce(|x, y| if y.separation < x.separation { y } else { x })
 }

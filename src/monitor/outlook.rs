@@ -15,7 +15,6 @@ use crate::spans::{Span, common_domain, spans};
 use crate::stats::Stats;
 use crate::trajectory::{Pieces, Trajectory};
 use crate::window::Window;
-use parry3d::bounding_volume::BoundingVolume;
 use std::collections::VecDeque;
 use std::time::Instant;
 
@@ -33,6 +32,16 @@ pub(super) struct Flight {
 }
 
 impl Flight {
+    /// Up to where the pieces reach of a body that exists for ever, s.
+    fn endless_until(&self) -> f64 {
+        if self.trajectory.domain() == Window::ALL {
+            let last = self.party().knots.last().copied();
+            last.unwrap_or(f64::NEG_INFINITY)
+        } else {
+            f64::INFINITY
+        }
+    }
+
     pub(super) fn party(&self) -> Party<'_> {
         let (knots, segments) = match &self.beyond {
             Some(pieces) => (&pieces.knots[..], &pieces.segments[..]),
@@ -104,6 +113,11 @@ pub(super) struct Outlook<B> {
     listed: Vec<BodyBox>,
     candidates: Vec<Candidate>,
     survivors: Vec<(Key, Span)>,
+    /// Bodies that changed since the last catching up, each once.
+    dirty: Vec<u32>,
+    is_dirty: Vec<bool>,
+    /// No body that exists for ever is laid out less far than this, s.
+    endless_until: f64,
 }
 
 impl<B: BroadPhase> Outlook<B> {
@@ -123,6 +137,9 @@ impl<B: BroadPhase> Outlook<B> {
             listed: Vec::new(),
             candidates: Vec::new(),
             survivors: Vec::new(),
+            dirty: Vec::new(),
+            is_dirty: Vec::new(),
+            endless_until: f64::INFINITY,
         }
     }
 
@@ -158,18 +175,38 @@ impl<B: BroadPhase> Outlook<B> {
         if self.flights.len() <= place {
             self.flights.resize(place + 1, None);
         }
+        if let Some(flight) = &flight {
+            self.endless_until = self.endless_until.min(flight.endless_until());
+        }
         self.flights[place] = flight;
         self.forget(slot);
     }
 
     /// Looks for a body's pairs anew: its filter changed.
     pub(super) fn forget(&mut self, slot: u32) {
+        let place = slot as usize;
+        if self.is_dirty.len() <= place {
+            self.is_dirty.resize(place + 1, false);
+        }
+        if !std::mem::replace(&mut self.is_dirty[place], true) {
+            self.dirty.push(slot);
+        }
+    }
+
+    /// Drops what was found of changed bodies, and marks them in each slice: once for all of them.
+    fn spread_changes(&mut self) {
+        if self.dirty.is_empty() {
+            return;
+        }
+        self.is_dirty.resize(self.flights.len(), false);
+        let is_dirty = |slot: u32| self.is_dirty[slot as usize];
         self.finds
-            .retain(|find| find.key.a != slot && find.key.b != slot);
-        for slice in &mut self.slices {
-            if slice.built && !slice.changed.contains(&slot) {
-                slice.changed.push(slot);
-            }
+            .retain(|find| !is_dirty(find.key.a) && !is_dirty(find.key.b));
+        for slice in self.slices.iter_mut().filter(|slice| slice.built) {
+            slice.changed.extend_from_slice(&self.dirty);
+        }
+        for slot in self.dirty.drain(..) {
+            self.is_dirty[slot as usize] = false;
         }
     }
 
@@ -182,16 +219,20 @@ impl<B: BroadPhase> Outlook<B> {
     /// Extends plans that go on beyond their knots so that they cover a lookahead until `end`.
     pub(super) fn extend_beyond(&mut self, end: f64) -> Result<(), (u32, Error)> {
         let end = self.laid_out(end);
+        if self.endless_until >= end {
+            return Ok(());
+        }
+        let mut until = f64::INFINITY;
         for (slot, flight) in (0..).zip(&mut self.flights) {
             let Some(flight) = flight else { continue };
-            let endless = flight.trajectory.domain() == Window::ALL;
-            let covered = flight.party().knots.last().copied();
-            if endless && covered.is_none_or(|covered| covered < end) {
+            if flight.endless_until() < end {
                 let window = Window::new(flight.begin, end).map_err(|error| (slot, error))?;
                 let pieces = flight.trajectory.pieces(window);
                 flight.beyond = Some(pieces.map_err(|error| (slot, error))?.into_owned());
             }
+            until = until.min(flight.endless_until());
         }
+        self.endless_until = until;
         Ok(())
     }
 
@@ -205,6 +246,7 @@ impl<B: BroadPhase> Outlook<B> {
         stats: &mut Stats,
     ) -> f64 {
         self.drop_before(from);
+        self.spread_changes();
         let mut index = self.index(from);
         let mut known = from;
         for place in 0.. {
@@ -249,39 +291,41 @@ impl<B: BroadPhase> Outlook<B> {
         let slice = &mut self.slices[place];
         self.candidates.clear();
         let frame = &self.frame;
-        let box_of = |body: u32, flight: &Option<Flight>| {
-            let flight = flight.as_ref()?;
-            Some(box_of(flight, body, interval, frame)?.aabb)
-        };
+        self.listed.clear();
+        // A slice without a body is work as well: a budget of counted work stops at one place only.
+        meter.count(1);
         if slice.built {
+            slice.changed.sort_unstable();
+            slice.changed.dedup();
             for &body in &slice.changed {
-                let aabb = box_of(body, &self.flights[body as usize]);
-                slice.boxes.set(body, aabb);
-                stats.boxes += 1;
+                let flight = self.flights[body as usize].as_ref();
+                let moved = flight.and_then(|flight| box_of(flight, body, interval, frame));
+                slice
+                    .boxes
+                    .set(body, moved.as_ref().map(|moved| &moved.aabb));
+                self.listed.extend(moved);
             }
-            for &body in &slice.changed {
-                let Some(aabb) = box_of(body, &self.flights[body as usize]) else {
-                    continue;
-                };
-                slice.boxes.meeting(&aabb, |other| {
-                    if other != body && filter.admits(body, other) {
-                        self.candidates.push(Candidate::new(body, other));
+            for moved in &self.listed {
+                slice.boxes.meeting(&moved.aabb, |other| {
+                    let pair = (moved.body.min(other), moved.body.max(other));
+                    if other != moved.body && filter.admits(pair.0, pair.1) {
+                        self.candidates.push(Candidate::new(pair.0, pair.1));
                     }
                 });
             }
-            meter.count(slice.changed.len() * (1 + self.flights.len() / 64));
+            meter.count(slice.changed.len() * (1 + self.flights.len() / 1024));
         } else {
-            slice.boxes.clear(self.flights.len());
-            for (body, flight) in (0..).zip(&self.flights) {
-                slice.boxes.set(body, box_of(body, flight));
-            }
-            slice.boxes.list(&mut self.listed);
+            let flights = (0..).zip(&self.flights);
+            let boxes = flights
+                .filter_map(|(body, flight)| box_of(flight.as_ref()?, body, interval, frame));
+            self.listed.extend(boxes);
+            slice.boxes.build(&self.listed);
             self.method
                 .pairs(&self.listed, filter, &mut self.candidates);
-            stats.boxes += self.listed.len() as u64;
             stats.slices += 1;
             meter.count(self.listed.len());
         }
+        stats.boxes += self.listed.len() as u64;
         slice.built = true;
         slice.changed.clear();
         stats.candidates += self.candidates.len() as u64;
@@ -383,19 +427,23 @@ impl<B: BroadPhase> Outlook<B> {
         mut visit: impl FnMut(u32, (f64, f64), &Party<'_>, &Contact),
     ) {
         let own = plan.party();
-        let whole = box_of(plan, slot, (from, to), &self.frame);
+        let mut near = self.dirty.clone();
+        for slice in &self.slices {
+            let interval = self.interval(slice.index);
+            let boxed = box_of(plan, slot, interval, &self.frame);
+            if let Some(boxed) = boxed.filter(|_| interval.0 <= to && interval.1 >= from) {
+                slice.boxes.meeting(&boxed.aabb, |other| near.push(other));
+                near.extend_from_slice(&slice.changed);
+            }
+        }
+        near.sort_unstable();
+        near.dedup();
         let mut found = Vec::new();
-        for (other, flight) in (0..).zip(&self.flights) {
-            let Some(flight) = flight.as_ref().filter(|_| other != slot) else {
+        for other in near {
+            let admitted = other != slot && filter.admits(slot.min(other), slot.max(other));
+            let Some(flight) = self.flight(other).filter(|_| admitted) else {
                 continue;
             };
-            if !filter.admits(slot.min(other), slot.max(other)) {
-                continue;
-            }
-            let theirs = box_of(flight, other, (from, to), &self.frame);
-            let meet = whole
-                .zip(theirs)
-                .is_some_and(|(x, y)| x.aabb.intersects(&y.aabb));
             let party = flight.party();
             // The smaller slot is a: the same order, and so the same bits, as everywhere.
             let (a, b) = if slot < other {
@@ -404,13 +452,10 @@ impl<B: BroadPhase> Outlook<B> {
                 (&party, &own)
             };
             let domain = common_domain(a.knots, b.knots);
-            let Some((start, end)) = domain.filter(|_| meet) else {
+            let clip = domain.map(|(start, end)| (start.max(from), end.min(to)));
+            let Some(clip) = clip.filter(|clip| clip.0 <= clip.1) else {
                 continue;
             };
-            let clip = (start.max(from), end.min(to));
-            if clip.0 > clip.1 {
-                continue;
-            }
             let near = spans(a.knots, b.knots, clip.0, clip.1)
                 .filter(|&span| may_touch(a, b, span, margin, clip));
             found.clear();

@@ -1,0 +1,185 @@
+//! Changes between ticks: each is checked as a whole before any of it takes effect.
+
+use super::Monitor;
+use super::command::{Command, Outcome};
+use super::event::{Encounter, EndReason};
+use super::outlook::Flight;
+use super::tick::plan_end;
+use crate::error::Error;
+use crate::hitbox::Hitbox;
+use crate::id::BodyId;
+use crate::layers::Layers;
+use crate::scene::Body;
+use crate::trajectory::Trajectory;
+use crate::window::Window;
+
+impl Monitor {
+    /// Adds a body.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InBody`] if its plan leaves the range of numbers; [`Error::SceneFull`].
+    pub fn insert(&mut self, body: Body) -> Result<BodyId, Error> {
+        let flight = self.flight(&body)?;
+        let id = self.scene.insert(body)?;
+        self.place(id, Some(flight));
+        Ok(id)
+    }
+
+    /// Takes a body out. Its encounters end, or are withdrawn, where the last tick stood.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownBody`].
+    pub fn remove(&mut self, id: BodyId) -> Result<Body, Error> {
+        let body = self.scene.remove(id)?;
+        self.place(id, None);
+        for encounters in &mut self.encounters {
+            let gone = |encounter: &Encounter| encounter.a == id || encounter.b == id;
+            encounters.end(self.told, EndReason::BodyRemoved, gone, &mut self.waiting);
+        }
+        Ok(body)
+    }
+
+    /// Replaces a body's trajectory as a whole, the past included.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownBody`], [`Error::InBody`].
+    pub fn set_trajectory(&mut self, id: BodyId, trajectory: Trajectory) -> Result<(), Error> {
+        self.apply([Command::SetTrajectory(id, trajectory)])
+            .map(drop)
+    }
+
+    /// Replaces a body's hitbox.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownBody`], [`Error::InBody`].
+    pub fn set_hitbox(&mut self, id: BodyId, hitbox: Hitbox) -> Result<(), Error> {
+        self.apply([Command::SetHitbox(id, hitbox)]).map(drop)
+    }
+
+    /// Replaces a body's layers.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownBody`], [`Error::InBody`].
+    pub fn set_layers(&mut self, id: BodyId, layers: Layers) -> Result<(), Error> {
+        self.apply([Command::SetLayers(id, layers)]).map(drop)
+    }
+
+    /// From `from` (s) on the body follows `plan`; what it has flown until then stays. See
+    /// [`Trajectory::spliced`].
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::NoPlanAt`] or
+    /// [`Error::OutOfRange`].
+    pub fn replan(&mut self, id: BodyId, from: f64, plan: Trajectory) -> Result<(), Error> {
+        self.apply([Command::Replan(id, from, plan)]).map(drop)
+    }
+
+    /// Appends `plan` to the body's plan, from its last knot on.
+    ///
+    /// # Errors
+    ///
+    /// As [`replan`](Self::replan).
+    pub fn extend(&mut self, id: BodyId, plan: Trajectory) -> Result<(), Error> {
+        self.apply([Command::Extend(id, plan)]).map(drop)
+    }
+
+    /// Several changes that take effect together, or, if one is refused, not at all. Returns the
+    /// ids of the inserted bodies, in order.
+    ///
+    /// # Errors
+    ///
+    /// That of the first command that is refused; nothing was changed then.
+    pub fn apply(
+        &mut self,
+        commands: impl IntoIterator<Item = Command>,
+    ) -> Result<Vec<BodyId>, Error> {
+        let outcome = Outcome::of(&self.scene, commands, self.told - self.history)?;
+        let mut flights = Vec::with_capacity(outcome.changed.len());
+        for body in outcome.changed.values() {
+            flights.push(body.as_ref().map(|body| self.flight(body)).transpose()?);
+        }
+        for body in &outcome.inserted {
+            self.flight(body)?;
+        }
+        // Nothing below is refused: the scene has room for 2^32 bodies, and all ids were found.
+        for ((id, body), flight) in outcome.changed.into_iter().zip(flights) {
+            match body {
+                Some(body) => {
+                    self.scene.replace(id, body)?;
+                    self.place(id, flight);
+                }
+                None => drop(self.remove(id)?),
+            }
+        }
+        outcome
+            .inserted
+            .into_iter()
+            .map(|body| self.insert(body))
+            .collect()
+    }
+
+    /// Leaves a pair out; its encounters end with [`EndReason::PlanChanged`] at the next tick.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownBody`], [`Error::SameBody`].
+    pub fn ignore_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
+        self.scene.ignore_pair(a, b)?;
+        self.outlook.forget(a.slot);
+        Ok(())
+    }
+
+    /// Watches a pair again.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownBody`], [`Error::SameBody`].
+    pub fn heed_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
+        self.scene.heed_pair(a, b)?;
+        self.outlook.forget(a.slot);
+        Ok(())
+    }
+
+    pub(super) fn flight(&self, body: &Body) -> Result<Flight, Error> {
+        let end = self.outlook.laid_out(self.now + self.lookahead);
+        let window = Window::new(self.told, end)?;
+        self.outlook
+            .prepare(
+                &body.trajectory,
+                body.hitbox.spheres(),
+                body.hitbox.bounding(),
+                window,
+            )
+            .map_err(|error| error.in_body(body.tag))
+    }
+
+    /// Prepares all bodies anew, as when the monitor was made.
+    pub(super) fn lay_out(&mut self) -> Result<(), Error> {
+        let bodies = self.scene.bodies();
+        let flights = bodies.map(|(id, body)| Ok((id, self.flight(body)?)));
+        for (id, flight) in flights.collect::<Result<Vec<_>, Error>>()? {
+            self.place(id, Some(flight));
+        }
+        Ok(())
+    }
+
+    fn place(&mut self, id: BodyId, flight: Option<Flight>) {
+        self.changed_bodies += 1;
+        self.outlook.set(id.slot, flight);
+        let place = id.slot as usize;
+        if self.end_told.len() <= place {
+            self.end_told.resize(place + 1, false);
+        }
+        self.end_told[place] = false;
+        let body = self.scene.body(id);
+        if let Some(end) = body.and_then(|body| plan_end(&body.trajectory)) {
+            self.next_plan_end = self.next_plan_end.min(end);
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! Plans that are only thought of: what would they lead into?
+
+use super::{Admission, Monitor};
+use crate::conflict::Conflict;
+use crate::error::Error;
+use crate::id::BodyId;
+use crate::scene::Body;
+use crate::screen::conflict;
+use crate::trajectory::Trajectory;
+
+impl Monitor {
+    /// Which conflicts at a level the body would have from now to
+    /// [`certified_until`](Self::certified_until) if it followed `plan` from now on. Changes
+    /// nothing.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownBody`], [`Error::InBody`]; [`Error::AlertLevel`] if there is no such level.
+    pub fn what_if(
+        &self,
+        id: BodyId,
+        plan: &Trajectory,
+        level: usize,
+    ) -> Result<Vec<Conflict>, Error> {
+        let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
+        let alert = self.levels.get(level).ok_or(Error::AlertLevel {
+            level,
+            margin: f64::NAN,
+            release: f64::NAN,
+        })?;
+        let would = Body {
+            trajectory: plan.clone(),
+            ..body.clone()
+        };
+        let flight = self.flight(&would)?;
+        let window = (self.now, self.known);
+        if window.1 < window.0 {
+            return Ok(Vec::new());
+        }
+        let filter = Admission(&self.scene);
+        let mut conflicts = Vec::new();
+        self.outlook.contacts_with(
+            id.slot,
+            &flight,
+            alert.margin,
+            window,
+            &filter,
+            |other, clip, theirs, contact| {
+                let Some((other, _)) = self.scene.in_slot(other) else {
+                    return;
+                };
+                let own = flight.party();
+                conflicts.push(if id.slot < other.slot {
+                    conflict(contact, (id, other), (&own, theirs), clip)
+                } else {
+                    conflict(contact, (other, id), (theirs, &own), clip)
+                });
+            },
+        );
+        conflicts.sort_unstable_by(Conflict::order);
+        Ok(conflicts)
+    }
+}

@@ -1,0 +1,238 @@
+//! One tick: catch up with the clock, read what is known, tell what changed.
+//!
+//! Everything is worked out first and takes effect at the end, so that a tick that fails has done
+//! nothing.
+
+use super::budget::{Budget, Meter};
+use super::encounters::{Encounters, Plain, Tick};
+use super::event::{EndReason, Event, EventKind};
+use super::outlook::{Group, Outlook};
+use super::{Admission, Monitor};
+use crate::broad_phase::Sweep;
+use crate::conflict::{ClosestApproach, Conflict};
+use crate::error::{Error, LARGEST_MAGNITUDE};
+use crate::narrow_phase::Contact;
+use crate::scene::Scene;
+use crate::screen::conflict;
+use crate::stats::Stats;
+use crate::trajectory::{Outside, Trajectory};
+use std::time::Instant;
+
+impl Monitor {
+    /// Moves the clock to `now` (s) and appends what happened to `events`, in their order. The
+    /// clock may stand still, or jump.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::ClockWentBack`]; [`Error::InBody`] if an extrapolated plan leaves the range of
+    /// numbers. The clock stays where it was.
+    pub fn advance(&mut self, now: f64, events: &mut Vec<Event>) -> Result<(), Error> {
+        self.advance_within(now, Budget::Unlimited, events)
+    }
+
+    /// The same within a budget, soonest first. When it is spent,
+    /// [`certified_until`](Self::certified_until) says up to when nothing is missing; what happens
+    /// later waits for later ticks.
+    ///
+    /// # Errors
+    ///
+    /// As [`advance`](Self::advance).
+    pub fn advance_within(
+        &mut self,
+        now: f64,
+        budget: Budget,
+        events: &mut Vec<Event>,
+    ) -> Result<(), Error> {
+        let begin = Instant::now();
+        if now.is_nan() || now < self.now || now >= LARGEST_MAGNITUDE {
+            return Err(Error::ClockWentBack {
+                now: self.now,
+                time: now,
+            });
+        }
+        let end = now + self.lookahead;
+        self.outlook.extend_beyond(end).map_err(|(slot, error)| {
+            let tag = self.scene.in_slot(slot).map_or(0, |(_, o)| o.body.tag);
+            error.in_body(tag)
+        })?;
+        let mut meter = Meter::start(budget);
+        self.stats = Stats {
+            bodies: self.scene.len() as u64,
+            changed: self.changed_bodies,
+            ..Stats::default()
+        };
+        let known = self.outlook.catch_up(
+            (self.told, end),
+            &Admission(&self.scene),
+            &mut meter,
+            &mut self.stats,
+        );
+        let tick = Tick {
+            now,
+            told: now.min(known),
+            before: self.told,
+            known,
+            least_change: self.least_change,
+        };
+        let mut next_id = self.next_id;
+        let first = events.len();
+        for level in 0..self.levels.len() {
+            self.read_conflicts(level, (now, known));
+            self.read_plain(level, &tick);
+            self.encounters[level].work_out(&self.plain, &tick, &mut next_id, events);
+        }
+        // Nothing below can fail.
+        self.encounters.iter_mut().for_each(Encounters::take_over);
+        (self.now, self.told, self.known) = (now, tick.told, known);
+        self.next_id = next_id;
+        events.append(&mut self.waiting);
+        self.tell_plan_ends(end, events);
+        events[first..].sort_unstable_by(Event::order);
+        self.changed_bodies = 0;
+        self.stats.conflicts = self.conflicts.iter().map(|level| level.len() as u64).sum();
+        self.stats.total_time = begin.elapsed();
+        Ok(())
+    }
+
+    /// Ends everything: each encounter under way ends, each ahead is withdrawn. Gives back the
+    /// scene.
+    pub fn close(mut self, events: &mut Vec<Event>) -> Scene {
+        let first = events.len();
+        events.append(&mut self.waiting);
+        for encounters in &mut self.encounters {
+            encounters.end(self.told, EndReason::MonitorClosed, |_| true, events);
+        }
+        events[first..].sort_unstable_by(Event::order);
+        self.scene
+    }
+
+    /// The conflicts of a level from now to the end of what is known.
+    fn read_conflicts(&mut self, level: usize, window: (f64, f64)) {
+        let margin = self.levels[level].margin;
+        let conflicts = &mut self.conflicts[level];
+        conflicts.clear();
+        if window.1 < window.0 {
+            return;
+        }
+        let (outlook, scene, contacts) = (&self.outlook, &self.scene, &mut self.contacts);
+        outlook.each_pair(window, |pair, clip, group| {
+            group.contacts(margin, clip, contacts);
+            for contact in &*contacts {
+                conflicts.extend(report(outlook, scene, pair, clip, contact));
+            }
+        });
+        conflicts.sort_unstable_by(Conflict::order);
+    }
+
+    /// The plain encounters of a level from the last tick's clock to the end of what is known.
+    fn read_plain(&mut self, level: usize, tick: &Tick) {
+        let alert = self.levels[level];
+        self.plain.clear();
+        let Self {
+            outlook,
+            scene,
+            contacts,
+            released,
+            passed,
+            plain,
+            ..
+        } = self;
+        outlook.each_pair((tick.before, tick.known), |pair, clip, group| {
+            group.contacts(alert.margin, clip, contacts);
+            if alert.release > alert.margin {
+                group.contacts(alert.release, clip, released);
+            } else {
+                released.clone_from(contacts);
+            }
+            let ends = outlook.domain(pair).map_or(tick.known, |(_, end)| end);
+            for hold in &*released {
+                let within = contacts
+                    .iter()
+                    .filter(|contact| contact.enter >= hold.enter && contact.exit <= hold.exit);
+                let first = within.clone().next();
+                let closest = report(outlook, scene, pair, clip, hold);
+                let Some(closest) = closest else { continue };
+                plain.push(Plain {
+                    a: closest.a,
+                    b: closest.b,
+                    enter: first.map(|contact| contact.enter),
+                    start: hold.enter,
+                    exit: hold.exit,
+                    open: hold.exit >= tick.known && ends > tick.known,
+                    with_trajectory: hold.exit >= ends,
+                    closest: closest.closest,
+                    passed: passed_closest(
+                        (outlook, scene),
+                        pair,
+                        group,
+                        alert.release,
+                        (hold.enter, hold.exit.min(tick.told)),
+                        passed,
+                    ),
+                });
+            }
+        });
+    }
+
+    /// Tells each plan that ends within the lookahead, once.
+    fn tell_plan_ends(&mut self, end: f64, events: &mut Vec<Event>) {
+        if self.next_plan_end > end {
+            return;
+        }
+        self.next_plan_end = f64::INFINITY;
+        for (id, occupant) in self.scene.occupants() {
+            let told = &mut self.end_told[id.slot as usize];
+            let Some(last) = plan_end(&occupant.body.trajectory).filter(|_| !*told) else {
+                continue;
+            };
+            if last <= end {
+                *told = true;
+                events.push(Event {
+                    time: last,
+                    kind: EventKind::PlanEnds(id),
+                });
+            } else {
+                self.next_plan_end = self.next_plan_end.min(last);
+            }
+        }
+    }
+}
+
+/// When a body that has only its plan runs out of it, s.
+pub(super) fn plan_end(trajectory: &Trajectory) -> Option<f64> {
+    let last = trajectory.knots().last().copied();
+    last.filter(|_| trajectory.outside() == Outside::Absent)
+}
+
+fn report(
+    outlook: &Outlook<Sweep>,
+    scene: &Scene,
+    (a, b): (u32, u32),
+    clip: (f64, f64),
+    contact: &Contact,
+) -> Option<Conflict> {
+    let ids = (scene.in_slot(a)?.0, scene.in_slot(b)?.0);
+    let parties = (outlook.flight(a)?.party(), outlook.flight(b)?.party());
+    Some(conflict(contact, ids, (&parties.0, &parties.1), clip))
+}
+
+/// The closest approach over the part of an encounter that the clock has passed.
+fn passed_closest(
+    (outlook, scene): (&Outlook<Sweep>, &Scene),
+    pair: (u32, u32),
+    group: &Group<'_>,
+    margin: f64,
+    part: (f64, f64),
+    scratch: &mut Vec<Contact>,
+) -> Option<ClosestApproach> {
+    if part.0 > part.1 {
+        return None;
+    }
+    group.contacts(margin, part, scratch);
+    let conflicts = scratch
+        .iter()
+        .filter_map(|contact| report(outlook, scene, pair, part, contact));
+    conflicts
+        .map(|conflict| conflict.closest)
+        .reduce(|x, y| if y.separation < x.separation { y } else { x })
+}
