@@ -58,7 +58,7 @@ fn circling(index: u32, rng: &mut rand_chacha::ChaCha8Rng) -> Trajectory {
             State::new(time, position, (across * cos - along * sin) * pace)
         })
         .collect();
-    let outside = if index % 2 == 0 {
+    let outside = if index.is_multiple_of(2) {
         Outside::Absent
     } else {
         Outside::Coast
