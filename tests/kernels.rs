@@ -12,6 +12,7 @@
 #[path = "kernels/exact.rs"]
 mod exact;
 #[path = "../benches/kernels/workloads.rs"]
+#[allow(dead_code, reason = "the benchmarks use the names as well")]
 mod workloads;
 
 use exact::Exact;
@@ -326,7 +327,9 @@ fn hash(level: Level, pairs: &[ControlPoints<f64>]) -> u64 {
         .chain(&distances_f32)
         .for_each(|x| add(u64::from(x.to_bits())));
     for found in enclosures(level, pairs, &vec![1e-13; pairs.len()]) {
-        [found.low, found.high, found.time].map(|x| add(x.to_bits()));
+        for x in [found.low, found.high, found.time] {
+            add(x.to_bits());
+        }
     }
     let mut verdicts = vec![Verdict::Undecided; pairs.len()];
     // Thresholds on both sides of the distances, and very close.

@@ -194,11 +194,11 @@ fn halves(coefficients: &[IBig; 7], depth: usize) -> [Part; 2] {
     let mut right = coefficients.clone();
     let mut left = coefficients.clone();
     left[0] = left[0].clone() << 6;
-    for level in 1..7 {
+    for (level, end) in left.iter_mut().enumerate().skip(1) {
         for i in 0..7 - level {
             right[i] = &right[i] + &right[i + 1];
         }
-        left[level] = right[0].clone() << (6 - level);
+        *end = right[0].clone() << (6 - level);
     }
     // right[i] has been summed 6 - i times.
     for (i, coefficient) in right.iter_mut().enumerate() {
