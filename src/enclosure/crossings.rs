@@ -64,6 +64,10 @@ enum Cut {
 }
 
 pub(super) fn stretches(given: &UncertainCubic, threshold: Threshold) -> Stretches {
+    // No distance is negative, however large the error.
+    if threshold.high < 0.0 {
+        return Stretches::all(Side::Outside);
+    }
     let cubic = Normal::new(&given.points, given.error);
     let low = cubic.bring_below(threshold.low);
     let high = cubic.bring_above(threshold.high);

@@ -66,6 +66,7 @@ pub(super) fn nearest_certain(
     is_certain: impl Fn(f64) -> bool,
 ) -> Option<f64> {
     const COARSE: f64 = 1e-10;
+    debug_assert!(step >= 0.0 || step.is_nan(), "a step forward");
     // Also where it is infinite or NaN.
     step = if step < COARSE { step } else { COARSE };
     while step < room {

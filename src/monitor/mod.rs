@@ -12,6 +12,7 @@ mod encounters;
 mod event;
 mod foresight;
 mod outlook;
+mod read;
 mod tick;
 
 pub use budget::Budget;

@@ -92,6 +92,18 @@ fn thresholds_of_all_signs() {
 }
 
 #[test]
+fn nothing_is_inside_a_negative_threshold() {
+    // Found by the long campaign (seed 1000030, Zeros): a negative threshold nearer to zero than
+    // the error, where the cubic rests at the origin.
+    let mut points = [[0.0; 3]; 4];
+    points[3] = [0.936_899, 0.294_404, -0.853_524];
+    for threshold in [-1e-300, -0.009_318, -0.1] {
+        let found = cubic(points, 0.009_368_9).stretches(exactly(threshold));
+        assert_eq!(sides(found.as_slice()), [Side::Outside], "{threshold}");
+    }
+}
+
+#[test]
 fn a_touch_is_undecided_and_nothing_else() {
     let found = cubic(fly_by(), 0.0).stretches(exactly(1.0));
     let found = found.as_slice();
