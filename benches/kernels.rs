@@ -2,7 +2,8 @@
 //!
 //! `cargo bench --bench kernels` prints the accuracy of every method against exact arithmetic, the
 //! ratios of their speeds (taken in turns, so that they hold on a busy machine), and then times
-//! them one by one. `NEARMISS_ACCURACY_PAIRS` sets the number of pairs of the first table (4096; 0
+//! them one by one. `NEARMISS_LEVEL` (`portable`, `avx2`, `avx512`) forces the instruction set;
+//! `NEARMISS_ACCURACY_PAIRS` sets the number of pairs of the first table (4096; 0
 //! leaves it out).
 #![allow(
     missing_docs,
@@ -27,7 +28,20 @@ use nearmiss::narrow_phase::kernels::{
     ControlPoints, CubicBatch, Enclosure, Level, Verdict, closest_approach, enclose, scalar, within,
 };
 use std::hint::black_box;
+use std::sync::OnceLock;
 use workloads::Workload;
+
+/// The instruction set of the batch kernels: the best, or the one named in `NEARMISS_LEVEL`.
+fn level() -> Level {
+    static LEVEL: OnceLock<Level> = OnceLock::new();
+    *LEVEL.get_or_init(|| {
+        let name = std::env::var("NEARMISS_LEVEL").unwrap_or_default();
+        let named = Level::available()
+            .into_iter()
+            .find(|level| level.name() == name);
+        named.unwrap_or_else(Level::best)
+    })
+}
 
 /// The pairs of every iteration.
 const PAIRS: usize = 4096;
@@ -183,13 +197,13 @@ impl Batch {
 
     fn closest_approach(&mut self) {
         let lanes = self.cubics.lanes();
-        closest_approach(Level::best(), &lanes, &mut self.times, &mut self.distances);
+        closest_approach(level(), &lanes, &mut self.times, &mut self.distances);
     }
 
     fn closest_approach_f32(&mut self) {
         let lanes = self.cubics_f32.lanes();
         closest_approach(
-            Level::best(),
+            level(),
             &lanes,
             &mut self.times_f32,
             &mut self.distances_f32,
@@ -198,7 +212,7 @@ impl Batch {
 
     fn enclose(&mut self) {
         enclose(
-            Level::best(),
+            level(),
             &self.cubics.lanes(),
             &self.errors,
             &mut self.enclosures,
@@ -275,7 +289,7 @@ impl Screening {
             each,
             each_f32,
         } = limits;
-        let (level, verdicts) = (Level::best(), &mut work.verdicts);
+        let (level, verdicts) = (level(), &mut work.verdicts);
         match self {
             Self::Yuksel => {
                 for (verdict, pair) in verdicts.iter_mut().zip(pairs) {
@@ -328,8 +342,8 @@ fn main() {
     // A smoke test (`cargo test --benches`) passes `--test`: the table would only take time.
     let timing = std::env::args().any(|argument| argument == "--bench");
     let count = count.unwrap_or(if timing { PAIRS } else { 16 });
+    println!("Level: {}", level().name());
     if count > 0 {
-        println!("Level: {}", Level::best().name());
         accuracy::print_table(count);
     }
     if timing {
