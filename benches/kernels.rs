@@ -1,7 +1,9 @@
 //! The closest approach of two cubics: this crate's kernels, its scalar solvers, and others.
 //!
-//! `cargo bench --bench kernels` prints the accuracy of every method against exact arithmetic,
-//! then times them. `NEARMISS_ACCURACY_PAIRS` sets the number of pairs of the table (4096; 0
+//! `cargo bench --bench kernels` prints the accuracy of every method against exact arithmetic, the
+//! ratios of their speeds (taken in turns, so that they hold on a busy machine), and then times
+//! them one by one. `NEARMISS_LEVEL` (`portable`, `avx2`, `avx512`) forces the instruction set;
+//! `NEARMISS_ACCURACY_PAIRS` sets the number of pairs of the first table (4096; 0
 //! leaves it out).
 #![allow(
     missing_docs,
@@ -16,6 +18,8 @@ mod accuracy;
 mod exact;
 #[path = "kernels/peers.rs"]
 mod peers;
+#[path = "kernels/ratios.rs"]
+mod ratios;
 #[path = "kernels/workloads.rs"]
 mod workloads;
 
@@ -24,7 +28,20 @@ use nearmiss::narrow_phase::kernels::{
     ControlPoints, CubicBatch, Enclosure, Level, Verdict, closest_approach, enclose, scalar, within,
 };
 use std::hint::black_box;
+use std::sync::OnceLock;
 use workloads::Workload;
+
+/// The instruction set of the batch kernels: the best, or the one named in `NEARMISS_LEVEL`.
+fn level() -> Level {
+    static LEVEL: OnceLock<Level> = OnceLock::new();
+    *LEVEL.get_or_init(|| {
+        let name = std::env::var("NEARMISS_LEVEL").unwrap_or_default();
+        let named = Level::available()
+            .into_iter()
+            .find(|level| level.name() == name);
+        named.unwrap_or_else(Level::best)
+    })
+}
 
 /// The pairs of every iteration.
 const PAIRS: usize = 4096;
@@ -96,6 +113,21 @@ impl Method {
         }
     }
 
+    /// One run over all pairs.
+    fn run(self, pairs: &[ControlPoints<f64>], work: &mut Batch) {
+        match (self, self.single()) {
+            (_, Some(single)) => {
+                for (i, pair) in pairs.iter().enumerate() {
+                    (work.times[i], work.distances[i]) = single(pair);
+                }
+            }
+            (Self::BatchF32, _) => work.closest_approach_f32(),
+            (Self::Certified, _) => work.enclose(),
+            _ => work.closest_approach(),
+        }
+        black_box(work);
+    }
+
     /// The distances of many pairs; for enclosures their middle.
     fn distances(self, pairs: &[ControlPoints<f64>]) -> Vec<f64> {
         if let Some(method) = self.single() {
@@ -165,13 +197,13 @@ impl Batch {
 
     fn closest_approach(&mut self) {
         let lanes = self.cubics.lanes();
-        closest_approach(Level::best(), &lanes, &mut self.times, &mut self.distances);
+        closest_approach(level(), &lanes, &mut self.times, &mut self.distances);
     }
 
     fn closest_approach_f32(&mut self) {
         let lanes = self.cubics_f32.lanes();
         closest_approach(
-            Level::best(),
+            level(),
             &lanes,
             &mut self.times_f32,
             &mut self.distances_f32,
@@ -180,7 +212,7 @@ impl Batch {
 
     fn enclose(&mut self) {
         enclose(
-            Level::best(),
+            level(),
             &self.cubics.lanes(),
             &self.errors,
             &mut self.enclosures,
@@ -195,87 +227,109 @@ fn closest_approach_group(criterion: &mut Criterion) {
         let pairs = workload.pairs(PAIRS, 1);
         let mut work = Batch::new(&pairs);
         for method in Method::ALL {
-            group.bench_function(
-                BenchmarkId::new(method.name(), workload.name()),
-                |bencher| {
-                    if let Some(single) = method.single() {
-                        bencher.iter(|| {
-                            for (i, pair) in pairs.iter().enumerate() {
-                                (work.times[i], work.distances[i]) = single(black_box(pair));
-                            }
-                            black_box(&mut work.distances);
-                        });
-                        return;
-                    }
-                    bencher.iter(|| {
-                        match method {
-                            Method::BatchF32 => work.closest_approach_f32(),
-                            Method::Certified => work.enclose(),
-                            _ => work.closest_approach(),
-                        }
-                        black_box(&mut work);
-                    });
-                },
-            );
+            let id = BenchmarkId::new(method.name(), workload.name());
+            group.bench_function(id, |bencher| {
+                bencher.iter(|| method.run(black_box(&pairs), &mut work));
+            });
         }
     }
     group.finish();
 }
 
-/// A threshold that 2 % of the pairs come within.
-fn sparse_threshold(pairs: &[ControlPoints<f64>]) -> f64 {
-    let mut distances: Vec<f64> = pairs
-        .iter()
-        .map(|p| scalar::closest_approach(p).1)
-        .collect();
-    distances.sort_by(f64::total_cmp);
-    let rank = distances.len() / 50;
-    // Between two distances, so that rounding to f32 does not matter.
-    0.5 * (distances[rank - 1] + distances[rank])
+/// A way to screen pairs, by the names of the benchmark ids.
+#[derive(Clone, Copy, Debug)]
+enum Screening {
+    Yuksel,
+    Scalar,
+    BatchF64,
+    BatchF32,
+}
+
+/// A threshold that 2 % of the pairs come within, once and for each pair.
+struct Limits {
+    threshold: f64,
+    each: Vec<f64>,
+    each_f32: Vec<f32>,
+}
+
+impl Limits {
+    fn new(pairs: &[ControlPoints<f64>]) -> Self {
+        let mut distances: Vec<f64> = pairs
+            .iter()
+            .map(|pair| scalar::closest_approach(pair).1)
+            .collect();
+        distances.sort_by(f64::total_cmp);
+        let rank = distances.len() / 50;
+        // Between two distances, so that rounding to f32 does not matter.
+        let threshold = 0.5 * (distances[rank - 1] + distances[rank]);
+        Self {
+            threshold,
+            each: vec![threshold; pairs.len()],
+            each_f32: vec![threshold as f32; pairs.len()],
+        }
+    }
+}
+
+impl Screening {
+    const ALL: [Self; 4] = [Self::Yuksel, Self::Scalar, Self::BatchF64, Self::BatchF32];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Yuksel => "yuksel",
+            Self::Scalar => "scalar",
+            Self::BatchF64 => "batch_f64",
+            Self::BatchF32 => "batch_f32",
+        }
+    }
+
+    /// One run over all pairs.
+    fn run(self, pairs: &[ControlPoints<f64>], limits: &Limits, work: &mut Batch) {
+        let Limits {
+            threshold,
+            each,
+            each_f32,
+        } = limits;
+        let (level, verdicts) = (level(), &mut work.verdicts);
+        match self {
+            Self::Yuksel => {
+                for (verdict, pair) in verdicts.iter_mut().zip(pairs) {
+                    let near = peers::within_by_roots(pair, *threshold);
+                    *verdict = if near {
+                        Verdict::Inside
+                    } else {
+                        Verdict::Outside
+                    };
+                }
+            }
+            Self::Scalar => {
+                for (verdict, pair) in verdicts.iter_mut().zip(pairs) {
+                    *verdict = scalar::within(pair, *threshold, *threshold);
+                }
+            }
+            Self::BatchF64 => within(level, &work.cubics.lanes(), each, each, verdicts),
+            Self::BatchF32 => within(
+                level,
+                &work.cubics_f32.lanes(),
+                each_f32,
+                each_f32,
+                verdicts,
+            ),
+        }
+        black_box(work);
+    }
 }
 
 fn within_group(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("within");
     group.throughput(Throughput::Elements(PAIRS as u64));
     let pairs = Workload::Random.pairs(PAIRS, 1);
-    let threshold = sparse_threshold(&pairs);
-    let limits = vec![threshold; PAIRS];
-    let limits_f32 = vec![threshold as f32; PAIRS];
+    let limits = Limits::new(&pairs);
     let mut work = Batch::new(&pairs);
-    group.bench_function(BenchmarkId::new("yuksel", "sparse"), |bencher| {
-        bencher.iter(|| {
-            let near = |pair| peers::within_by_roots(black_box(pair), threshold);
-            pairs.iter().filter(|pair| near(pair)).count()
+    for screening in Screening::ALL {
+        group.bench_function(BenchmarkId::new(screening.name(), "sparse"), |bencher| {
+            bencher.iter(|| screening.run(black_box(&pairs), &limits, &mut work));
         });
-    });
-    group.bench_function(BenchmarkId::new("scalar", "sparse"), |bencher| {
-        bencher.iter(|| {
-            for (verdict, pair) in work.verdicts.iter_mut().zip(&pairs) {
-                *verdict = scalar::within(black_box(pair), threshold, threshold);
-            }
-            black_box(&mut work.verdicts);
-        });
-    });
-    group.bench_function(BenchmarkId::new("batch_f64", "sparse"), |bencher| {
-        bencher.iter(|| {
-            let lanes = work.cubics.lanes();
-            within(Level::best(), &lanes, &limits, &limits, &mut work.verdicts);
-            black_box(&mut work.verdicts);
-        });
-    });
-    group.bench_function(BenchmarkId::new("batch_f32", "sparse"), |bencher| {
-        bencher.iter(|| {
-            let lanes = work.cubics_f32.lanes();
-            within(
-                Level::best(),
-                &lanes,
-                &limits_f32,
-                &limits_f32,
-                &mut work.verdicts,
-            );
-            black_box(&mut work.verdicts);
-        });
-    });
+    }
     group.finish();
 }
 
@@ -288,9 +342,12 @@ fn main() {
     // A smoke test (`cargo test --benches`) passes `--test`: the table would only take time.
     let timing = std::env::args().any(|argument| argument == "--bench");
     let count = count.unwrap_or(if timing { PAIRS } else { 16 });
+    println!("Level: {}", level().name());
     if count > 0 {
-        println!("Level: {}", Level::best().name());
         accuracy::print_table(count);
+    }
+    if timing {
+        ratios::print_table();
     }
     benches();
     Criterion::default().configure_from_args().final_summary();

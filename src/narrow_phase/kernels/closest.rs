@@ -9,7 +9,7 @@ use super::enclosure::{enclose_from, is_nearest_at};
 use super::exhaustive::{normalised, square_at};
 use super::guess::{guess, halley_step};
 use super::loops::{BLOCK, Block, Bounds, FIRST, distance, local_time};
-use super::pending::Pending;
+use super::pending::{Pending, Selection};
 use super::real::Real;
 
 /// Samples on each side of the middle in the second try.
@@ -108,23 +108,18 @@ impl<R: Real> Work<'_, R> {
     fn guess(&mut self, lanes: &Lanes<'_, R>, start: usize, end: usize) {
         let mut certificates = [R::default(); BLOCK];
         let certificates = &mut certificates[..end - start];
+        let part = lanes.range(start, end);
         guess_block::<R, FIRST, 2>(
             self.level,
             &mut self.block,
-            &lanes.range(start, end),
+            &part,
             &mut self.times[start..end],
             &mut self.distances[start..end],
             certificates,
         );
-        // Without branches: which pairs failed cannot be predicted.
-        let mut failed = [0; BLOCK];
-        let mut count = 0;
-        for (pair, certificate) in (start..end).zip(certificates.iter()) {
-            failed[count] = pair;
-            count += usize::from(!is_positive(*certificate));
-        }
-        for &pair in &failed[..count] {
-            self.second.push(pair, lanes.control_points(pair), []);
+        let failed = Selection::new(certificates.iter().map(|found| !is_positive(*found)));
+        for &i in failed.places() {
+            self.second.push(start + i, part.control_points(i), []);
             if self.second.is_full() {
                 self.guess_again();
             }

@@ -299,30 +299,27 @@ impl Search {
         reason = "whether an end is the very time that was noted"
     )]
     fn cut(&self, piece: &Piece) -> f64 {
-        let middle = 0.5 * (piece.low + piece.high);
-        if piece.halve {
-            // Next to the nearest point a piece is not tight because the minimum is flat there.
-            // All but a small part is, since away from it the position does not turn back.
-            let part = FLAT * (piece.high - piece.low);
-            return if piece.low == self.time {
-                piece.low + part
-            } else if piece.high == self.time {
-                piece.high - part
-            } else {
-                middle
-            };
+        if !piece.halve {
+            let [polygon, _] = sub_polygons(&self.points, piece.low, piece.high, piece.high);
+            let cubic = CentredCubic::new(polygon);
+            let square = cubic.squared_distance();
+            let rough = descend::<f64, 4>(&square, lowest_sample::<f64, 4>(&square));
+            let time = settle(&cubic, &square, rough).time;
+            let cut = piece.low + (piece.high - piece.low) * local_time(time);
+            // A minimum at an end, or one that is not a number, gives no cut.
+            if cut > piece.low && cut < piece.high {
+                return cut;
+            }
         }
-        let [polygon, _] = sub_polygons(&self.points, piece.low, piece.high, piece.high);
-        let cubic = CentredCubic::new(polygon);
-        let square = cubic.squared_distance();
-        let rough = descend::<f64, 4>(&square, lowest_sample::<f64, 4>(&square));
-        let time = settle(&cubic, &square, rough).time;
-        let cut = piece.low + (piece.high - piece.low) * local_time(time);
-        // A minimum at an end, or one that is not a number, gives no cut.
-        if cut > piece.low && cut < piece.high {
-            cut
+        // Next to the nearest point a piece is not tight because the minimum is flat there. All
+        // but a small part is, since away from it the position does not turn back.
+        let part = FLAT * (piece.high - piece.low);
+        if piece.low == self.time {
+            piece.low + part
+        } else if piece.high == self.time {
+            piece.high - part
         } else {
-            middle
+            0.5 * (piece.low + piece.high)
         }
     }
 

@@ -14,6 +14,11 @@
 use super::cubic::{CentredCubic, ControlPoints, dot};
 use super::real::Real;
 
+/// Units of rounding of the deflated coefficients, and that of the slope as a part of it (the
+/// derivation is in the documentation of `kernels`).
+const MARGIN: f64 = 36.0;
+const SLOPE_MARGIN: f64 = 0.75;
+
 /// A guessed closest approach.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Guess<R> {
@@ -47,7 +52,7 @@ pub(super) fn guess<R: Real, const HALF: usize, const PIECES: usize>(
     Guess {
         time: settled.time,
         square: settled.square,
-        certificate: least_of_deflated::<R, PIECES>(&square, settled.time) - settled.margin,
+        certificate: certify::<R, PIECES>(&square, settled.time, settled.margin),
     }
 }
 
@@ -131,11 +136,13 @@ pub(super) fn settle<R: Real>(cubic: &CentredCubic<R>, square: &[R; 7], u: R) ->
     // The rounding of the deflated coefficients in terms of the coefficient vectors (see
     // `kernels`).
     let [_, c1, c2, _] = cubic.coefficients;
-    let motion = square[6] + (dot(c1, c1) + dot(c2, c2));
-    let size = square[0] + motion;
-    let margin = R::from_f64(8192.0) * R::ROUNDING * size + R::UNDERFLOW;
+    let (s0, s1, s2, s3) = (square[0], dot(c1, c1), dot(c2, c2), square[6]);
+    let size = R::from_f64(4.0) * s0
+        + R::from_f64(10.0) * s1
+        + (R::from_f64(20.0) * s2 + R::from_f64(34.0) * s3);
+    let margin = R::from_f64(MARGIN) * R::ROUNDING * size + R::UNDERFLOW;
     // A pair at rest but for rounding is as near at any time.
-    let still = motion + R::UNDERFLOW <= R::ROUNDING * R::ROUNDING * square[0];
+    let still = s1 + s2 + s3 + R::UNDERFLOW <= R::ROUNDING * R::ROUNDING * s0;
     let huge = R::from_f64(f64::INFINITY);
     let margin = if settled { margin } else { huge };
     let margin = if still { -huge } else { margin };
@@ -177,9 +184,15 @@ pub(super) fn halley_step<R: Real>(cubic: &CentredCubic<R>, u: R) -> HalleyStep<
     }
 }
 
-/// The least Bernstein coefficient of the deflated quartic, an inward slope at an end included.
+/// The least Bernstein coefficient of the deflated quartic, an inward slope at an end included,
+/// less a margin for its rounding.
 #[inline(always)]
-pub(super) fn least_of_deflated<R: Real, const PIECES: usize>(square: &[R; 7], u: R) -> R {
+pub(super) fn certify<R: Real, const PIECES: usize>(square: &[R; 7], u: R, margin: R) -> R {
+    least_of_deflated::<R, PIECES>(square, u, margin) - margin
+}
+
+#[inline(always)]
+fn least_of_deflated<R: Real, const PIECES: usize>(square: &[R; 7], u: R, margin: R) -> R {
     let zero = R::from_f64(0.0);
     let one = R::from_f64(1.0);
     let [_, a1, a2, a3, a4, a5, a6] = *square;
@@ -202,7 +215,9 @@ pub(super) fn least_of_deflated<R: Real, const PIECES: usize>(square: &[R; 7], u
     let at_high = (u >= one) & (r < zero);
     let q1 = if at_high { -q1 } else { q1 };
     let q3 = if at_high { -q3 } else { q3 };
-    let inward = if at_low | at_high { r.abs() } else { zero };
+    // The slope has a rounding of its own, and enters with factors of up to 20.
+    let certain = (r.abs() - R::from_f64(SLOPE_MARGIN) * margin).or_more(zero);
+    let inward = if at_low | at_high { certain } else { zero };
 
     // Bernstein coefficients from the middle outward, to both sides at once.
     let even = [

@@ -12,7 +12,7 @@
 use super::batch::Lanes;
 use super::cubic::{CentredCubic, ControlPoints};
 use super::enclosure::{SPLIT, SPLIT_AND_HALVED, enclose_between};
-use super::guess::{descend, least_of_deflated, lowest_sample, settle};
+use super::guess::{certify, descend, lowest_sample, settle};
 use super::minorant::{lower_bound, lower_bound_far, lower_bound_near, split};
 use super::real::Real;
 use super::screen::{screen_eighths, screen_halves};
@@ -160,8 +160,8 @@ pub(super) fn guess_block<R: Real, const HALF: usize, const PIECES: usize>(
         certificates[i] = found.margin;
     }
     for i in 0..count {
-        let least = least_of_deflated::<R, PIECES>(&block.square(i), block.times[i]);
-        certificates[i] = least - certificates[i];
+        let (square, time) = (block.square(i), block.times[i]);
+        certificates[i] = certify::<R, PIECES>(&square, time, certificates[i]);
     }
 }
 

@@ -45,16 +45,18 @@
 //! # Rounding
 //!
 //! `u` is the unit of rounding of the type, `M` the size of the polygon (its farthest control
-//! point), `C0..C3` the coefficient vectors of the centred cubic, `S²` the sum of their squares.
+//! point), `C0..C3` the coefficient vectors of the centred cubic.
 //!
-//! - *Certificate of a guess.* The coefficients of the squared distance have an error of at most
-//!   `5 u A_k`, where `A_k` sums the products `|C_i| |C_j|`, `i + j = k`. Two divisions with
-//!   `|u*| <= 1` and the change to Bernstein form round each term 14 times more, and sum
-//!   `A_k` with the factor `k (k - 1) / 2`; with `2 |C_i| |C_j| <= |C_i|² + |C_j|²` that is at most
-//!   `19 · 34 u S²`. Three halvings add `12 · 34 u S²`. At an end the slope enters with a factor
-//!   of up to 20 and an error of `16 · 18 u S²`. The sum is below the margin of `8192 u S²`. What
-//!   is proven is that no point is lower by more than the residual slope allows; that slope is
-//!   rounding after the last Halley step. For a bound of everything use [`enclose`].
+//! - *Certificate of a guess.* The coefficients `a_k` of the squared distance have an error of at
+//!   most `5 u A_k`, where `A_k` sums the products `|C_i| |C_j|`, `i + j = k`. Two divisions with
+//!   `|u*| <= 1` round each term 9 times more, the change to Bernstein form 5 times, three halvings
+//!   12 times; `A_k` enters the quotient with the factor `k (k - 1) / 2`. With
+//!   `2 |C_i| |C_j| <= |C_i|² + |C_j|²` the error is at most `31 u W`,
+//!   `W = 4 |C0|² + 10 |C1|² + 20 |C2|² + 34 |C3|²`; the margin is `36 u W`. The slope at an end has
+//!   an error of at most `16 u` times the sum of `k A_k`, which is below `24 u W`; it is lowered by
+//!   `27 u W` before it is used. What is proven is that no point is lower by more than the
+//!   residual slope allows; that slope is rounding after the last Halley step. For a bound of
+//!   everything use [`enclose`].
 //! - *Enclosure.* Splitting the polygon moves it by `9 u M` at most, halvings add `3 u M` each. The
 //!   error of the distance is that plus the given error of the cubic, once; the rounding of the
 //!   lower bound itself is counted term by term where it is formed.

@@ -73,3 +73,30 @@ impl<R: Real, const EXTRAS: usize> Pending<R, EXTRAS> {
         self.extras.each_ref().map(|slot| &slot[..self.count])
     }
 }
+
+/// The places in a block where something holds, in order.
+#[derive(Debug)]
+pub(super) struct Selection {
+    places: [usize; BLOCK],
+    count: usize,
+}
+
+impl Selection {
+    /// Without branches: which places they are cannot be predicted.
+    #[inline]
+    pub(super) fn new(holds: impl Iterator<Item = bool>) -> Self {
+        let mut places = [0; BLOCK];
+        let mut count = 0;
+        for (i, holds) in holds.take(BLOCK).enumerate() {
+            // Not more than i, so the remainder changes nothing but the bounds check.
+            places[count % BLOCK] = i;
+            count += usize::from(holds);
+        }
+        Self { places, count }
+    }
+
+    #[inline]
+    pub(super) fn places(&self) -> &[usize] {
+        &self.places[..self.count]
+    }
+}

@@ -98,20 +98,29 @@ fn least<R: Real>(k: [R; 7]) -> R {
 }
 
 /// The Bernstein coefficients on the two halves of the interval.
+///
+/// Sums first and powers of two last: the same numbers as averages, with fewer products.
 #[inline(always)]
 fn halves<R: Real>(k: [R; 7]) -> ([R; 7], [R; 7]) {
-    let half = R::from_f64(0.5);
     let mut left = k;
     let mut right = k;
     let mut level = 1;
+    let mut share = 1.0;
     while level < 7 {
         let mut i = 0;
         while i < 7 - level {
-            right[i] = half * (right[i] + right[i + 1]);
+            right[i] = right[i] + right[i + 1];
             i += 1;
         }
-        left[level] = right[0];
+        share *= 0.5;
+        left[level] = R::from_f64(share) * right[0];
         level += 1;
+    }
+    let mut i = 0;
+    while i < 6 {
+        right[i] = R::from_f64(share) * right[i];
+        share *= 2.0;
+        i += 1;
     }
     (left, right)
 }

@@ -5,7 +5,7 @@ use super::cubic::{ControlPoints, largest_coordinate};
 use super::dispatch::{Level, enclose_block, screen_block, screen_block_finely};
 use super::enclosure::enclose_for;
 use super::loops::{BLOCK, Block, Bounds};
-use super::pending::Pending;
+use super::pending::{Pending, Selection};
 use super::real::Real;
 use super::screen::{Finding, screen_eighths, screen_halves};
 
@@ -106,7 +106,6 @@ pub(super) fn within<R: Real>(
         third: Pending::new(),
     };
     let mut findings = [R::default(); BLOCK];
-    let mut undecided = [0; BLOCK];
     let mut start = 0;
     while start < lanes.len() {
         let end = (start + BLOCK).min(lanes.len());
@@ -119,18 +118,16 @@ pub(super) fn within<R: Real>(
             &outer[start..end],
             findings,
         );
-        // Without branches: which pairs are left cannot be predicted.
-        let mut count = 0;
-        for (i, finding) in findings.iter().enumerate() {
-            let found = verdict(*finding);
-            screening.verdicts[start + i] = found;
-            undecided[count] = start + i;
-            count += usize::from(found == Verdict::Undecided);
+        let found = &mut screening.verdicts[start..end];
+        for (found, finding) in found.iter_mut().zip(findings.iter()) {
+            *found = verdict(*finding);
         }
-        for &pair in &undecided[..count] {
+        let left = Selection::new(found.iter().map(|found| *found == Verdict::Undecided));
+        for &i in left.places() {
+            let pair = start + i;
             screening
                 .second
-                .push(pair, lanes.control_points(pair), [inner[pair], outer[pair]]);
+                .push(pair, block.control_points(i), [inner[pair], outer[pair]]);
             if screening.second.is_full() {
                 screening.screen_again();
             }
