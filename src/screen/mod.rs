@@ -1,0 +1,138 @@
+//! One-shot screening: a window in, all conflicts out.
+//!
+//! Slices find candidates, cheap tests leave survivors (a pair and a span each), and the exact
+//! solver works on whole spans of the survivors, each once. Which slice a survivor came from, and
+//! on which thread, is forgotten before the solver sees it: hence the same bits whatever the
+//! slicing and the number of threads.
+
+mod line_up;
+mod solve;
+mod survivors;
+
+pub(crate) use solve::conflict;
+
+use crate::broad_phase::{BruteForce, Everyone, Method, PairFilter, Sweep, Tree};
+use crate::conflict::{ClosestApproach, Conflict};
+use crate::error::Error;
+use crate::id::BodyId;
+use crate::narrow_phase::closest_approach;
+use crate::parallel;
+use crate::query::Query;
+use crate::scene::Scene;
+use crate::spans::spans;
+use crate::stats::Stats;
+use crate::window::Window;
+use line_up::{Admission, LineUp, clip_of, party, pieces_of};
+use solve::describe;
+use std::time::Instant;
+
+/// The answer to a [`Query`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Screening {
+    /// All conflicts, sorted by (enter, a, b).
+    pub conflicts: Vec<Conflict>,
+    /// The funnel they came through.
+    pub stats: Stats,
+}
+
+impl Scene {
+    /// All conflicts of the scene within the query's window and margin.
+    ///
+    /// Runs on the threads of the current rayon pool (feature `parallel`); the result is the same
+    /// bits for any number of them.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::WindowNotClosed`] if a body exists beyond its knots and the window has no end;
+    /// [`Error::InBody`] with [`Error::OutOfRange`] if an extrapolated cubic leaves the range of
+    /// numbers within the window.
+    pub fn screen(&self, query: &Query) -> Result<Screening, Error> {
+        self.screen_with_progress(query, |_| {})
+    }
+
+    /// The same as [`screen`](Self::screen); `progress` is told now and then, from any of the
+    /// threads, which share of the time slices is done (0 to 1; the last call says 1).
+    ///
+    /// # Errors
+    ///
+    /// As [`screen`](Self::screen).
+    pub fn screen_with_progress(
+        &self,
+        query: &Query,
+        progress: impl Fn(f64) + Sync,
+    ) -> Result<Screening, Error> {
+        let begin = Instant::now();
+        let line_up = LineUp::new(self, query)?;
+        let mut screening = if line_up.is_unfiltered(self) {
+            line_up.screen(query.method(), &Everyone, &progress)
+        } else {
+            line_up.screen(query.method(), &Admission::new(self, &line_up), &progress)
+        };
+        screening.stats.total_time = begin.elapsed();
+        Ok(screening)
+    }
+
+    /// The least separation of two bodies within a window, and when; none where they do not exist
+    /// at the same time. Layers and ignored pairs play no part.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownBody`], [`Error::SameBody`]; [`Error::WindowNotClosed`] and
+    /// [`Error::InBody`] as for [`screen`](Self::screen).
+    pub fn closest_approach(
+        &self,
+        a: BodyId,
+        b: BodyId,
+        window: Window,
+    ) -> Result<Option<ClosestApproach>, Error> {
+        // The answer is about a and b as given, whichever id is smaller.
+        self.pair(a, b)?;
+        let body = |id| self.body(id).ok_or(Error::UnknownBody { id });
+        let (body_a, body_b) = (body(a)?, body(b)?);
+        let (pieces_a, pieces_b) = (pieces_of(body_a, window)?, pieces_of(body_b, window)?);
+        let (party_a, party_b) = (party(body_a, &pieces_a), party(body_b, &pieces_b));
+        let Some(clip) = clip_of(&party_a, &party_b, window) else {
+            return Ok(None);
+        };
+        let met = spans(party_a.knots, party_b.knots, clip.0, clip.1);
+        Ok(closest_approach(&party_a, &party_b, met, clip)
+            .map(|approach| describe(&approach, &party_a, &party_b)))
+    }
+}
+
+impl LineUp<'_> {
+    fn screen<F: PairFilter>(
+        &self,
+        method: Method,
+        filter: &F,
+        progress: &(impl Fn(f64) + Sync),
+    ) -> Screening {
+        let parties = self.parties();
+        let mut stats = Stats {
+            bodies: parties.len() as u64,
+            segments: parties
+                .iter()
+                .map(|party| party.segments.len() as u64)
+                .sum(),
+            ..Stats::default()
+        };
+        let survivors = if parties.len() < 2 {
+            Vec::new()
+        } else {
+            match method {
+                Method::BruteForce => {
+                    self.survivors::<BruteForce, F>(&parties, filter, progress, &mut stats)
+                }
+                Method::Tree => self.survivors::<Tree, F>(&parties, filter, progress, &mut stats),
+                Method::Sweep => self.survivors::<Sweep, F>(&parties, filter, progress, &mut stats),
+            }
+        };
+        let begin = Instant::now();
+        let mut conflicts = self.solve(&parties, &survivors);
+        parallel::sort(&mut conflicts, Conflict::order);
+        stats.narrow_time += begin.elapsed();
+        stats.survivors = survivors.len() as u64;
+        stats.conflicts = conflicts.len() as u64;
+        Screening { conflicts, stats }
+    }
+}

@@ -1,0 +1,161 @@
+//! From slices to survivors: boxes, candidates, and cheap tests of their spans.
+
+use super::line_up::LineUp;
+use crate::bounds::{Frame, Inflation};
+use crate::broad_phase::slices::{Block, Slices};
+use crate::broad_phase::{BroadPhase, Candidate, PairFilter};
+use crate::narrow_phase::{Party, may_touch};
+use crate::parallel;
+use crate::spans::{Span, spans_from};
+use crate::stats::Stats;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Instant;
+
+/// A pair's span that cheap tests could not rule out; bodies by their place in the line-up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Survivor {
+    pub(super) a: u32,
+    pub(super) b: u32,
+    span_a: u32,
+    span_b: u32,
+}
+
+/// What one thread reuses from slice to slice.
+#[derive(Default)]
+struct Scratch<B> {
+    method: B,
+    block: Block,
+    candidates: Vec<Candidate>,
+}
+
+impl LineUp<'_> {
+    /// Slices and cheap tests: every span of every pair in which they may touch, each once.
+    pub(super) fn survivors<B: BroadPhase, F: PairFilter>(
+        &self,
+        parties: &[Party<'_>],
+        filter: &F,
+        progress: &(impl Fn(f64) + Sync),
+        stats: &mut Stats,
+    ) -> Vec<Survivor> {
+        let inflations: Vec<Inflation> = parties
+            .iter()
+            .map(|party| Inflation::of(party.spheres, self.margin))
+            .collect();
+        let largest = inflations.iter().map(Inflation::size).fold(0.0, f64::max);
+        let frame = Frame::around(self.extremes(parties), largest);
+        let slices = self.slices(largest);
+        stats.slices = u64::from(slices.count());
+        let blocks = slices.count().div_ceil(Block::SLICES);
+        let done_blocks = AtomicU32::new(0);
+        let results = parallel::map(blocks, Scratch::<B>::default, |scratch, block| {
+            let start = block * Block::SLICES;
+            let range = start..(start + Block::SLICES).min(slices.count());
+            let found = self.block(
+                parties,
+                &inflations,
+                &frame,
+                &slices,
+                range,
+                filter,
+                scratch,
+            );
+            let done = done_blocks.fetch_add(1, Ordering::Relaxed) + 1;
+            progress(f64::from(done) / f64::from(blocks));
+            found
+        });
+        let mut survivors = Vec::new();
+        for (found, counted) in results {
+            survivors.extend(found);
+            *stats += counted;
+        }
+        let begin = Instant::now();
+        parallel::sort(&mut survivors, Survivor::cmp);
+        survivors.dedup();
+        stats.narrow_time += begin.elapsed();
+        survivors
+    }
+
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "one stage's inputs, each of its own kind"
+    )]
+    fn block<B: BroadPhase, F: PairFilter>(
+        &self,
+        parties: &[Party<'_>],
+        inflations: &[Inflation],
+        frame: &Frame,
+        slices: &Slices,
+        range: std::ops::Range<u32>,
+        filter: &F,
+        scratch: &mut Scratch<B>,
+    ) -> (Vec<Survivor>, Stats) {
+        let mut stats = Stats::default();
+        let mut survivors = Vec::new();
+        let begin = Instant::now();
+        let Scratch {
+            method,
+            block,
+            candidates,
+        } = scratch;
+        block.fill(parties, inflations, frame, slices, range.clone());
+        stats.bounds_time += begin.elapsed();
+        for (slice, boxes) in range.zip(&block.boxes) {
+            let begin = Instant::now();
+            candidates.clear();
+            method.pairs(boxes, filter, candidates);
+            let found = Instant::now();
+            let interval = slices.interval(slice);
+            for &candidate in &*candidates {
+                stats.spans +=
+                    self.sift(parties, &block.firsts, candidate, interval, &mut survivors);
+            }
+            stats.boxes += boxes.len() as u64;
+            stats.candidates += candidates.len() as u64;
+            stats.broad_time += found - begin;
+            stats.narrow_time += found.elapsed();
+        }
+        (survivors, stats)
+    }
+
+    /// The spans of a candidate in a slice that cheap tests cannot rule out; how many were looked
+    /// at.
+    fn sift(
+        &self,
+        parties: &[Party<'_>],
+        firsts: &[u32],
+        candidate: Candidate,
+        interval: (f64, f64),
+        survivors: &mut Vec<Survivor>,
+    ) -> u64 {
+        let (a, b) = (
+            &parties[candidate.a as usize],
+            &parties[candidate.b as usize],
+        );
+        let mut looked_at = 0;
+        let hints = (firsts[candidate.a as usize], firsts[candidate.b as usize]);
+        for span in spans_from(a.knots, b.knots, hints, interval.0, interval.1) {
+            looked_at += 1;
+            if may_touch(a, b, span, self.margin, interval) {
+                survivors.push(Survivor {
+                    a: candidate.a,
+                    b: candidate.b,
+                    span_a: span.a,
+                    span_b: span.b,
+                });
+            }
+        }
+        looked_at
+    }
+}
+
+impl Survivor {
+    pub(super) fn span(&self, a: &Party<'_>, b: &Party<'_>) -> Span {
+        let (i, j) = (self.span_a as usize, self.span_b as usize);
+        Span {
+            start: a.knots[i].max(b.knots[j]),
+            end: a.knots[i + 1].min(b.knots[j + 1]),
+            a: self.span_a,
+            b: self.span_b,
+        }
+    }
+}
