@@ -1,5 +1,6 @@
 //! What a screening reports, and its total order.
 
+use crate::accuracy::Certificate;
 use crate::id::BodyId;
 use glam::DVec3;
 use std::cmp::Ordering;
@@ -38,6 +39,8 @@ pub struct Conflict {
     pub closest: ClosestApproach,
     /// Whether the interval is cut short by the window or the bodies' common domain.
     pub clip: Clip,
+    /// What is proven of it; with [`Accuracy::Certified`](crate::Accuracy::Certified) only.
+    pub certificate: Option<Certificate>,
 }
 
 /// Which ends of a conflict are not crossings but ends of the window or the common domain.

@@ -66,6 +66,7 @@
 //!
 //! - `parallel` (default): screening on the current rayon pool. Without it, on the caller's thread.
 
+mod accuracy;
 mod bounds;
 pub mod broad_phase;
 mod conflict;
@@ -87,6 +88,7 @@ mod stats;
 mod trajectory;
 mod window;
 
+pub use accuracy::{Accuracy, Certificate, TimeEnclosure};
 pub use broad_phase::Method;
 pub use conflict::{Clip, ClosestApproach, Conflict};
 pub use error::{Error, LARGEST_MAGNITUDE, Quantity};
@@ -100,7 +102,7 @@ pub use monitor::{
 };
 pub use query::Query;
 pub use scene::{Body, Scene};
-pub use screen::Screening;
+pub use screen::{CertifiedApproach, Screening};
 pub use stats::Stats;
 pub use trajectory::{Outside, Segment, State, TimeBase, Trajectory, trajectories_from_rows};
 pub use window::Window;

@@ -1,5 +1,6 @@
 //! What is asked of a scene.
 
+use crate::accuracy::Accuracy;
 use crate::broad_phase::Method;
 use crate::error::{Error, LARGEST_MAGNITUDE};
 use crate::window::Window;
@@ -12,6 +13,7 @@ pub struct Query {
     window: Window,
     margin: f64,
     method: Method,
+    accuracy: Accuracy,
 }
 
 impl Query {
@@ -45,6 +47,13 @@ impl Query {
         self
     }
 
+    /// The same query at another accuracy.
+    #[must_use]
+    pub const fn with_accuracy(mut self, accuracy: Accuracy) -> Self {
+        self.accuracy = accuracy;
+        self
+    }
+
     /// The time asked about.
     #[must_use]
     pub const fn window(&self) -> Window {
@@ -61,5 +70,11 @@ impl Query {
     #[must_use]
     pub const fn method(&self) -> Method {
         self.method
+    }
+
+    /// What is promised of the answer.
+    #[must_use]
+    pub const fn accuracy(&self) -> Accuracy {
+        self.accuracy
     }
 }

@@ -15,11 +15,12 @@ mod write;
 
 use clap::{Parser, ValueEnum};
 use indicatif::ProgressBar;
-use nearmiss::{Body, Hitbox, Outside, Query, Scene, Screening, Window};
+use nearmiss::{Accuracy, Body, Hitbox, Outside, Query, Scene, Screening, Window};
 use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
+use write::Table;
 
 /// Every conflict among the bodies of a file of states.
 #[derive(Debug, Parser)]
@@ -40,8 +41,8 @@ struct Arguments {
     #[arg(long, value_enum, default_value_t = OutsideRule::Absent)]
     outside: OutsideRule,
     /// How exact the answer is.
-    #[arg(long, value_enum, default_value_t = Accuracy::Exact)]
-    accuracy: Accuracy,
+    #[arg(long, value_enum, default_value_t = AccuracyName::Exact)]
+    accuracy: AccuracyName,
     /// Threads to run on; all cores if not given.
     #[arg(long)]
     threads: Option<usize>,
@@ -64,12 +65,12 @@ enum OutsideRule {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum Accuracy {
+enum AccuracyName {
     /// f32 (not there yet).
     Fast,
     /// f64, good to a few roundings.
     Exact,
-    /// With error bounds (not there yet).
+    /// With proven enclosures, in six more columns.
     Certified,
 }
 
@@ -108,19 +109,18 @@ fn print_or_ignore(error: &clap::Error) {
 }
 
 fn run(arguments: &Arguments) -> Result<(), String> {
-    match arguments.accuracy {
-        Accuracy::Exact => {}
-        Accuracy::Fast => return Err("--accuracy fast is not there yet; use exact".into()),
-        Accuracy::Certified => {
-            return Err("--accuracy certified is not there yet; use exact".into());
-        }
-    }
+    let accuracy = match arguments.accuracy {
+        AccuracyName::Exact => Accuracy::Exact,
+        AccuracyName::Certified => Accuracy::Certified,
+        AccuracyName::Fast => return Err("--accuracy fast is not there yet; use exact".into()),
+    };
     let progress = spinner();
     progress.set_message("reading");
     let scene = build_scene(arguments)?;
     let query = Query::new(arguments.window)
         .with_margin(arguments.margin)
-        .map_err(|error| error.to_string())?;
+        .map_err(|error| error.to_string())?
+        .with_accuracy(accuracy);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(arguments.threads.unwrap_or(0))
         .build()
@@ -130,7 +130,12 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         .install(|| scene.screen(&query))
         .map_err(|error| error.to_string())?;
     progress.finish_and_clear();
-    report(arguments, &scene, &screening, pool.current_num_threads())
+    let table = Table {
+        scene: &scene,
+        conflicts: &screening.conflicts,
+        accuracy,
+    };
+    report(arguments, &table, &screening, pool.current_num_threads())
 }
 
 fn build_scene(arguments: &Arguments) -> Result<Scene, String> {
@@ -155,13 +160,13 @@ fn build_scene(arguments: &Arguments) -> Result<Scene, String> {
 
 fn report(
     arguments: &Arguments,
-    scene: &Scene,
+    table: &Table<'_>,
     screening: &Screening,
     threads: usize,
 ) -> Result<(), String> {
     match &arguments.output {
-        None => write::to_standard_output(scene, &screening.conflicts)?,
-        Some(path) => write::to_file(path, scene, &screening.conflicts)?,
+        None => write::to_standard_output(table)?,
+        Some(path) => write::to_file(path, table)?,
     }
     if let Some(StatsFormat::Json) = arguments.stats {
         eprintln!("{}", write::stats_line(&screening.stats, threads));

@@ -1,26 +1,34 @@
 //! Writing conflicts as CSV, and the funnel as JSON.
 
-use nearmiss::{BodyId, Conflict, Scene, Stats};
+use nearmiss::{Accuracy, BodyId, Conflict, Scene, Stats};
 use std::fs::File;
 use std::io::{BufWriter, ErrorKind, Write};
 use std::path::Path;
 use std::time::Duration;
 
 const HEADER: &str = "a,b,enter,exit,tca,separation,error,clip,resolved";
+const ENCLOSURES: &str = "enter_lo,enter_hi,exit_lo,exit_hi,tca_lo,tca_hi";
+
+/// What is written: a row for each conflict, with labels from the scene.
+pub(crate) struct Table<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) conflicts: &'a [Conflict],
+    pub(crate) accuracy: Accuracy,
+}
 
 /// A reader that has seen enough (`| head`) is no error.
-pub(crate) fn to_standard_output(scene: &Scene, conflicts: &[Conflict]) -> Result<(), String> {
-    match write(std::io::stdout().lock(), scene, conflicts) {
+pub(crate) fn to_standard_output(table: &Table<'_>) -> Result<(), String> {
+    match table.write(std::io::stdout().lock()) {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
         result => result.map_err(|error| format!("standard output: {error}")),
     }
 }
 
 /// A file that could not be written whole is removed.
-pub(crate) fn to_file(path: &Path, scene: &Scene, conflicts: &[Conflict]) -> Result<(), String> {
+pub(crate) fn to_file(path: &Path, table: &Table<'_>) -> Result<(), String> {
     let explain = |error: std::io::Error| format!("{}: {error}", path.display());
     let file = File::create(path).map_err(explain)?;
-    write(file, scene, conflicts).map_err(|error| {
+    table.write(file).map_err(|error| {
         let message = explain(error);
         match std::fs::remove_file(path) {
             Ok(()) => message,
@@ -29,25 +37,40 @@ pub(crate) fn to_file(path: &Path, scene: &Scene, conflicts: &[Conflict]) -> Res
     })
 }
 
-fn write(target: impl Write, scene: &Scene, conflicts: &[Conflict]) -> std::io::Result<()> {
-    let mut out = BufWriter::new(target);
-    let label = |id: BodyId| scene.body(id).map_or(0, |body| body.tag);
-    writeln!(out, "{HEADER}")?;
-    for conflict in conflicts {
-        // The error and whether it is resolved are said only where the accuracy certifies.
-        writeln!(
-            out,
-            "{},{},{},{},{},{},,{},",
-            label(conflict.a),
-            label(conflict.b),
-            shortest(conflict.enter),
-            shortest(conflict.exit),
-            shortest(conflict.closest.time),
-            shortest(conflict.closest.separation),
-            conflict.clip.bits(),
-        )?;
+impl Table<'_> {
+    fn write(&self, target: impl Write) -> std::io::Result<()> {
+        let mut out = BufWriter::new(target);
+        match self.accuracy {
+            Accuracy::Certified => writeln!(out, "{HEADER},{ENCLOSURES}")?,
+            _ => writeln!(out, "{HEADER}")?,
+        }
+        let label = |id: BodyId| self.scene.body(id).map_or(0, |body| body.tag);
+        for conflict in self.conflicts {
+            let (error, resolved) = match conflict.certificate {
+                Some(proof) => (shortest(proof.error), u8::from(proof.resolved).to_string()),
+                None => Default::default(),
+            };
+            write!(
+                out,
+                "{},{},{},{},{},{},{error},{},{resolved}",
+                label(conflict.a),
+                label(conflict.b),
+                shortest(conflict.enter),
+                shortest(conflict.exit),
+                shortest(conflict.closest.time),
+                shortest(conflict.closest.separation),
+                conflict.clip.bits(),
+            )?;
+            if let Some(proof) = conflict.certificate {
+                for times in [proof.enter, proof.exit, proof.closest] {
+                    let (low, high) = (shortest(times.earliest), shortest(times.latest));
+                    write!(out, ",{low},{high}")?;
+                }
+            }
+            writeln!(out)?;
+        }
+        out.flush()
     }
-    out.flush()
 }
 
 /// The shortest digits that read back as the same number; an exponent where that is shorter.

@@ -265,13 +265,20 @@ impl UncertainCubic {
     ///
     /// [`OutOfRange`] for what is not finite, beyond 1e300, or a negative error.
     pub fn new(points: [DVec3; 4], error: f64) -> Result<Self, OutOfRange> {
-        const LARGEST: f64 = 1e300;
-        let is_in_range = |p: &DVec3| p.abs().max_element() <= LARGEST && !p.is_nan();
-        if points.iter().all(is_in_range) && (0.0..=LARGEST).contains(&error) {
+        if is_in_range(&points, error, 1e300) {
             Ok(Self { points, error })
         } else {
             Err(OutOfRange)
         }
+    }
+
+    /// The same for the difference of two motions, each of which is in range.
+    pub(crate) fn within_range(points: [DVec3; 4], error: f64) -> Self {
+        debug_assert!(
+            is_in_range(&points, error, 1e305),
+            "differences of numbers in range"
+        );
+        Self { points, error }
     }
 
     /// The least distance from the origin.
@@ -297,4 +304,9 @@ impl UncertainCubic {
     pub fn stretches(&self, threshold: Threshold) -> Stretches {
         crossings::stretches(self, threshold)
     }
+}
+
+fn is_in_range(points: &[DVec3; 4], error: f64, largest: f64) -> bool {
+    let is_served = |p: &DVec3| p.abs().max_element() <= largest && !p.is_nan();
+    points.iter().all(is_served) && (0.0..=largest).contains(&error)
 }

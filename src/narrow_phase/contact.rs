@@ -30,7 +30,7 @@ pub(crate) struct Contact {
 
 impl Approach {
     /// The earlier and the later of two approaches as instants; the lower one.
-    fn or_lower(self, other: Self) -> Self {
+    pub(super) fn or_lower(self, other: Self) -> Self {
         let (first, second) = if other.time < self.time {
             (other, self)
         } else {
@@ -54,17 +54,17 @@ impl Approach {
 
 /// One sphere of each body over one span.
 #[derive(Clone, Copy, Debug)]
-struct SpherePair {
-    a: u32,
-    b: u32,
-    radius_a: f64,
-    radius_b: f64,
-    cubic: RelativeCubic,
+pub(super) struct SpherePair {
+    pub(super) a: u32,
+    pub(super) b: u32,
+    pub(super) radius_a: f64,
+    pub(super) radius_b: f64,
+    pub(super) cubic: RelativeCubic,
     scale: f64,
 }
 
 impl SpherePair {
-    fn approach(&self, span: Span, instant: Instant) -> Approach {
+    pub(super) fn approach(&self, span: Span, instant: Instant) -> Approach {
         Approach {
             time: instant.time,
             separation: instant.distance - (self.radius_a + self.radius_b),
@@ -76,7 +76,7 @@ impl SpherePair {
     }
 
     /// Whether cheap tests show that the separation stays above `margin` all along the span.
-    fn is_beyond(&self, margin: f64) -> bool {
+    pub(super) fn is_beyond(&self, margin: f64) -> bool {
         let radius = contact_radius(self.radius_a, self.radius_b, margin);
         // Below zero no distance is small enough, whatever the rounding.
         radius < 0.0 || certainly_beyond(&self.cubic.points, filter_threshold(radius, self.scale))
@@ -116,7 +116,12 @@ impl Solved {
 }
 
 /// Calls `visit` with each pair of spheres over a span.
-fn each_sphere_pair(a: &Party<'_>, b: &Party<'_>, span: Span, mut visit: impl FnMut(&SpherePair)) {
+pub(super) fn each_sphere_pair(
+    a: &Party<'_>,
+    b: &Party<'_>,
+    span: Span,
+    mut visit: impl FnMut(&SpherePair),
+) {
     let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
     let interval = (span.start, span.end);
     for (index_a, sphere_a) in (0..).zip(a.spheres) {

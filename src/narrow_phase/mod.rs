@@ -2,8 +2,9 @@
 //!
 //! Works on a body's cubics and spheres, span by span. The flow within a span:
 //! `relative` cubic, `filter`, `stationary` points, `stretches`, joined across spans and
-//! spheres by `contact`. [`kernels`] answers many independent pairs at once.
+//! spheres by `contact`, with proofs by `certified`. [`kernels`] answers many independent pairs at once.
 
+mod certified;
 mod contact;
 mod filter;
 pub mod kernels;
@@ -11,6 +12,7 @@ mod relative;
 mod stationary;
 mod stretches;
 
+pub(crate) use certified::{CertifiedContact, Workspace, certified_approach, certified_contacts};
 pub(crate) use contact::{
     Approach, Contact, Solved, closest_approach, contacts, contacts_of, may_touch, solve,
 };

@@ -1,5 +1,6 @@
 //! The motion of one body relative to another over a span: difference first, then local.
 
+use crate::enclosure::UncertainCubic;
 use crate::rounding::{CLEARANCE, UNDERFLOW, UNIT_ROUNDOFF, norm};
 use crate::trajectory::Segment;
 use glam::DVec3;
@@ -118,6 +119,40 @@ impl RelativeCubic {
             self.end - (1.0 - s) * (self.end - self.start)
         };
         time.clamp(self.start, self.end)
+    }
+
+    /// The same cubic as an input of certified enclosures.
+    pub(crate) fn uncertain(&self) -> UncertainCubic {
+        UncertainCubic::within_range(self.points, self.error)
+    }
+
+    /// Not after the exact instant of a local parameter; the span's own ends are met exactly.
+    pub(crate) fn earliest(&self, s: f64) -> f64 {
+        self.enclosed_time(s, f64::next_down, -1.0)
+    }
+
+    /// Not before the exact instant of a local parameter; the span's own ends are met exactly.
+    pub(crate) fn latest(&self, s: f64) -> f64 {
+        self.enclosed_time(s, f64::next_up, 1.0)
+    }
+
+    /// The instant counted from the nearer end. What is added to that end has three roundings
+    /// (difference, product, and the correction's own; 1 - s has none above 1/2), the sum one.
+    fn enclosed_time(&self, s: f64, outward: fn(f64) -> f64, direction: f64) -> f64 {
+        if s <= 0.0 {
+            return self.start;
+        }
+        if s >= 1.0 {
+            return self.end;
+        }
+        let duration = self.end - self.start;
+        let stretched = |step: f64, direction: f64| step * (1.0 + 4.0 * UNIT_ROUNDOFF * direction);
+        let time = if s <= 0.5 {
+            self.start + stretched(s * duration, direction)
+        } else {
+            self.end - stretched((1.0 - s) * duration, -direction)
+        };
+        outward(time).clamp(self.start, self.end)
     }
 
     /// The local parameter of an instant of the span.

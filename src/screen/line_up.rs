@@ -1,5 +1,6 @@
 //! The bodies of a scene as the pipeline sees them: by place, in the order of their ids.
 
+use crate::accuracy::Accuracy;
 use crate::bounds::Extremes;
 use crate::broad_phase::PairFilter;
 use crate::broad_phase::slices::{Slices, Traffic};
@@ -21,6 +22,7 @@ pub(super) struct LineUp<'a> {
     pub(super) pieces: Vec<Pieces<'a>>,
     pub(super) window: Window,
     pub(super) margin: f64,
+    pub(super) accuracy: Accuracy,
 }
 
 impl<'a> LineUp<'a> {
@@ -47,6 +49,7 @@ impl<'a> LineUp<'a> {
             pieces,
             window: window.unwrap_or(query.window()),
             margin: query.margin(),
+            accuracy: query.accuracy(),
         })
     }
 

@@ -11,15 +11,16 @@ mod survivors;
 
 pub(crate) use solve::conflict;
 
+use crate::accuracy::TimeEnclosure;
 use crate::broad_phase::{BruteForce, Everyone, Method, PairFilter, Sweep, Tree};
 use crate::conflict::{ClosestApproach, Conflict};
 use crate::error::Error;
 use crate::id::BodyId;
-use crate::narrow_phase::closest_approach;
+use crate::narrow_phase::{Party, certified_approach, closest_approach};
 use crate::parallel;
 use crate::query::Query;
 use crate::scene::Scene;
-use crate::spans::spans;
+use crate::spans::{Spans, spans};
 use crate::stats::Stats;
 use crate::window::Window;
 use line_up::{Admission, LineUp, clip_of, party, pieces_of};
@@ -33,6 +34,17 @@ pub struct Screening {
     pub conflicts: Vec<Conflict>,
     /// The funnel they came through.
     pub stats: Stats,
+}
+
+/// A closest approach with what is proven of it, as in [`Certificate`](crate::Certificate).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CertifiedApproach {
+    /// When, how close, and where.
+    pub approach: ClosestApproach,
+    /// The least separation lies in `approach.separation ± error` (m).
+    pub error: f64,
+    /// When it is reached; all such instants where there are several.
+    pub time: TimeEnclosure,
 }
 
 impl Scene {
@@ -85,7 +97,42 @@ impl Scene {
         b: BodyId,
         window: Window,
     ) -> Result<Option<ClosestApproach>, Error> {
-        // The answer is about a and b as given, whichever id is smaller.
+        self.with_spans(a, b, window, |party_a, party_b, met, clip| {
+            closest_approach(party_a, party_b, met, clip)
+                .map(|approach| describe(&approach, party_a, party_b))
+        })
+    }
+
+    /// The same with a proof; some 2 times dearer.
+    ///
+    /// # Errors
+    ///
+    /// As [`closest_approach`](Self::closest_approach).
+    pub fn certified_closest_approach(
+        &self,
+        a: BodyId,
+        b: BodyId,
+        window: Window,
+    ) -> Result<Option<CertifiedApproach>, Error> {
+        self.with_spans(a, b, window, |party_a, party_b, met, clip| {
+            let (approach, error, time) = certified_approach(party_a, party_b, met, clip)?;
+            Some(CertifiedApproach {
+                approach: describe(&approach, party_a, party_b),
+                error,
+                time,
+            })
+        })
+    }
+
+    /// Answers from the spans of a pair within a window, if both exist there. The answer is about
+    /// a and b as given, whichever id is smaller.
+    fn with_spans<T>(
+        &self,
+        a: BodyId,
+        b: BodyId,
+        window: Window,
+        answer: impl FnOnce(&Party<'_>, &Party<'_>, Spans<'_>, (f64, f64)) -> Option<T>,
+    ) -> Result<Option<T>, Error> {
         self.pair(a, b)?;
         let body = |id| self.body(id).ok_or(Error::UnknownBody { id });
         let (body_a, body_b) = (body(a)?, body(b)?);
@@ -95,8 +142,7 @@ impl Scene {
             return Ok(None);
         };
         let met = spans(party_a.knots, party_b.knots, clip.0, clip.1);
-        Ok(closest_approach(&party_a, &party_b, met, clip)
-            .map(|approach| describe(&approach, &party_a, &party_b)))
+        Ok(answer(&party_a, &party_b, met, clip))
     }
 }
 

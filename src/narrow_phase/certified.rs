@@ -1,0 +1,363 @@
+//! Contacts and closest approach of one pair with proofs.
+//!
+//! Each pair of spheres over a span is a cubic with an error bound; [`enclosure`](crate::enclosure)
+//! cuts the span into what is certainly inside the threshold, certainly outside, and undecided.
+//! What is not outside, over all spans and spheres, is joined where it meets: a conflict. So
+//! nothing that may be inside is lost, and an undecided gap is bridged, and marked.
+//!
+//! The plain solver gives the numbers that are reported; they are moved into the enclosures where
+//! its rounding left them outside.
+
+use super::contact::{Approach, Contact, SpherePair, each_sphere_pair};
+use super::relative::RelativeCubic;
+use super::stretches::Profile;
+use super::{Party, contact_radius, two_sum};
+use crate::accuracy::{Certificate, TimeEnclosure};
+use crate::enclosure::{Side, Stretch, Threshold};
+use crate::spans::Span;
+
+/// A contact and what is proven of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct CertifiedContact {
+    pub(crate) contact: Contact,
+    pub(crate) certificate: Certificate,
+}
+
+/// What a pair's work reuses.
+#[derive(Debug, Default)]
+pub(crate) struct Workspace {
+    members: Vec<Member>,
+    parts: Vec<Part>,
+}
+
+/// Two spheres over a span in which they are not certainly apart.
+#[derive(Clone, Copy, Debug)]
+struct Member {
+    span: Span,
+    pair: SpherePair,
+}
+
+/// A time in which a member is not certainly apart.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    start: f64,
+    end: f64,
+    side: Side,
+    member: usize,
+}
+
+/// The least separation lies in `low..=high` (m), and is reached within `time` only.
+#[derive(Clone, Copy, Debug)]
+struct Least {
+    low: f64,
+    high: f64,
+    time: TimeEnclosure,
+}
+
+/// The contacts within `margin` and `clip` found in `spans` (those not given are known to be free
+/// of contact), in the order of time; appends to `found`.
+pub(crate) fn certified_contacts(
+    a: &Party<'_>,
+    b: &Party<'_>,
+    spans: impl Iterator<Item = Span>,
+    margin: f64,
+    clip: (f64, f64),
+    Workspace { members, parts }: &mut Workspace,
+    found: &mut Vec<CertifiedContact>,
+) {
+    members.clear();
+    parts.clear();
+    for span in spans {
+        each_sphere_pair(a, b, span, |pair| {
+            if !pair.is_beyond(margin) {
+                let count = parts.len();
+                let member = members.len();
+                push_parts(pair, margin, clip, member, parts);
+                if parts.len() > count {
+                    members.push(Member { span, pair: *pair });
+                }
+            }
+        });
+    }
+    parts.sort_unstable_by(|x, y| {
+        let order = x.start.total_cmp(&y.start);
+        order
+            .then(x.end.total_cmp(&y.end))
+            .then(x.member.cmp(&y.member))
+    });
+    let mut first = 0;
+    while first < parts.len() {
+        let mut end = parts[first].end;
+        let mut next = first + 1;
+        while next < parts.len() && parts[next].start <= end {
+            end = end.max(parts[next].end);
+            next += 1;
+        }
+        let group = Group {
+            members,
+            all: parts,
+            parts: &parts[first..next],
+            start: parts[first].start,
+            end,
+        };
+        found.push(group.contact((a, b), margin, clip));
+        first = next;
+    }
+}
+
+/// The least separation over `spans` within `clip`, its error half-width, and when it is reached;
+/// none without a span.
+pub(crate) fn certified_approach(
+    a: &Party<'_>,
+    b: &Party<'_>,
+    spans: impl Iterator<Item = Span>,
+    (from, to): (f64, f64),
+) -> Option<(Approach, f64, TimeEnclosure)> {
+    let mut closest: Option<Approach> = None;
+    let mut found: Vec<Least> = Vec::new();
+    let mut reached = f64::INFINITY;
+    for span in spans {
+        each_sphere_pair(a, b, span, |pair| {
+            if reached < f64::INFINITY && pair.is_beyond(reached) {
+                return;
+            }
+            let (start, end) = (span.start.max(from), span.end.min(to));
+            let is_whole = start <= span.start && end >= span.end;
+            let least = least_separation((a, b), span, pair, is_whole, (start, end));
+            let instant = Profile::of(&pair.cubic).closest(&pair.cubic, start, end);
+            let approach = pair.approach(span, instant);
+            closest = Some(closest.map_or(approach, |best| best.or_lower(approach)));
+            reached = reached.min(least.high);
+            found.push(least);
+        });
+    }
+    let least = Least::of_all(&found)?;
+    let (approach, error) = least.settle(closest?);
+    Some((approach, error, least.time))
+}
+
+/// What of a pair of spheres over its span is not certainly apart, clipped.
+fn push_parts(
+    pair: &SpherePair,
+    margin: f64,
+    clip: (f64, f64),
+    member: usize,
+    parts: &mut Vec<Part>,
+) {
+    let threshold = threshold(pair.radius_a, pair.radius_b, margin);
+    let stretches = pair.cubic.uncertain().stretches(threshold);
+    for &Stretch { first, last, side } in stretches.as_slice() {
+        if side == Side::Outside {
+            continue;
+        }
+        let outer = (pair.cubic.earliest(first), pair.cubic.latest(last));
+        let inner = (pair.cubic.latest(first), pair.cubic.earliest(last));
+        // What the rounding of its times eats up is not certain any more.
+        let (times, side) = if side == Side::Inside && inner.0 <= inner.1 {
+            (inner, side)
+        } else {
+            (outer, Side::Undecided)
+        };
+        let (start, end) = (times.0.max(clip.0), times.1.min(clip.1));
+        if start <= end {
+            parts.push(Part {
+                start,
+                end,
+                side,
+                member,
+            });
+        }
+    }
+}
+
+/// An outward enclosure of the exact sum of two radii and a margin.
+fn threshold(a: f64, b: f64, margin: f64) -> Threshold {
+    let radius = contact_radius(a, b, margin);
+    let (radii, lost_radii) = two_sum(a, b);
+    let (sum, lost_sum) = two_sum(radii, margin);
+    let is_exact =
+        lost_radii.abs() <= 0.0 && lost_sum.abs() <= 0.0 && radius.to_bits() == sum.to_bits();
+    if is_exact {
+        Threshold {
+            low: radius,
+            high: radius,
+        }
+    } else {
+        // The rounded exact sum is within one unit in the last place of it.
+        Threshold {
+            low: radius.next_down(),
+            high: radius.next_up(),
+        }
+    }
+}
+
+/// Encloses the least separation of two spheres over `start..=end`, a part of their span or all
+/// of it.
+fn least_separation(
+    (a, b): (&Party<'_>, &Party<'_>),
+    span: Span,
+    pair: &SpherePair,
+    is_whole: bool,
+    (start, end): (f64, f64),
+) -> Least {
+    let cubic = if is_whole {
+        pair.cubic
+    } else {
+        RelativeCubic::between(
+            &a.segments[span.a as usize],
+            &b.segments[span.b as usize],
+            (start, end),
+            a.spheres[pair.a as usize].offset - b.spheres[pair.b as usize].offset,
+        )
+    };
+    let least = cubic.uncertain().least_distance();
+    let (radii, lost) = two_sum(pair.radius_a, pair.radius_b);
+    let minus_radii = |distance: f64, outward: fn(f64) -> f64| {
+        let (separation, rest) = two_sum(distance, -radii);
+        let exact = rest.abs() <= 0.0 && lost.abs() <= 0.0;
+        if exact {
+            separation
+        } else {
+            outward(separation + (rest - lost))
+        }
+    };
+    Least {
+        low: minus_radii(least.distance.low, f64::next_down),
+        high: minus_radii(least.distance.high, f64::next_up),
+        time: TimeEnclosure {
+            earliest: cubic.earliest(least.parameter.first),
+            latest: cubic.latest(least.parameter.last),
+        },
+    }
+}
+
+impl Least {
+    /// The least of several: the time is the hull of all that can be the least.
+    fn of_all(found: &[Self]) -> Option<Self> {
+        let low = found.iter().map(|least| least.low).reduce(f64::min)?;
+        let high = found.iter().map(|least| least.high).reduce(f64::min)?;
+        let possible = found.iter().filter(|least| least.low <= high);
+        let time = possible
+            .map(|least| least.time)
+            .reduce(TimeEnclosure::hull)?;
+        Some(Self { low, high, time })
+    }
+
+    /// An approach moved into the enclosure, and the half-width around its separation.
+    fn settle(&self, mut approach: Approach) -> (Approach, f64) {
+        approach.time = self.time.nearest(approach.time);
+        approach.separation = approach.separation.max(self.low).min(self.high);
+        let (below, above) = (
+            approach.separation - self.low,
+            self.high - approach.separation,
+        );
+        let error = below.max(above);
+        (approach, if error > 0.0 { error.next_up() } else { 0.0 })
+    }
+}
+
+/// Parts that meet: one conflict.
+struct Group<'w> {
+    members: &'w [Member],
+    /// All parts of the pair of bodies, and those of this group, by start.
+    all: &'w [Part],
+    parts: &'w [Part],
+    start: f64,
+    end: f64,
+}
+
+impl Group<'_> {
+    fn contact(
+        &self,
+        parties: (&Party<'_>, &Party<'_>),
+        margin: f64,
+        clip: (f64, f64),
+    ) -> CertifiedContact {
+        let (enter, exit, resolved) = self.ends();
+        let mut found = Vec::new();
+        let mut closest: Option<Approach> = None;
+        let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
+        for (index, Member { span, pair }) in self.members.iter().enumerate() {
+            let Some((start, end)) = self.times_of(index) else {
+                continue;
+            };
+            let is_whole = self.is_all_of(index, span, clip);
+            found.push(least_separation(
+                parties,
+                *span,
+                pair,
+                is_whole,
+                (start, end),
+            ));
+            let profile = Profile::of(&pair.cubic);
+            let instant = profile.closest(&pair.cubic, start, end);
+            let approach = pair.approach(*span, instant);
+            closest = Some(closest.map_or(approach, |best| best.or_lower(approach)));
+            let radius = contact_radius(pair.radius_a, pair.radius_b, margin);
+            profile.stretches(&pair.cubic, radius.max(0.0), clip, |stretch| {
+                if stretch.exit >= self.start && stretch.enter <= self.end {
+                    first = first.min(stretch.enter);
+                    last = last.max(stretch.exit);
+                }
+            });
+        }
+        let (Some(least), Some(closest)) = (Least::of_all(&found), closest) else {
+            unreachable!("a group has parts, and each part a member")
+        };
+        let (closest, error) = least.settle(closest);
+        CertifiedContact {
+            contact: Contact {
+                enter: enter.nearest(first.min(closest.time)),
+                exit: exit.nearest(last.max(closest.time)),
+                closest,
+            },
+            certificate: Certificate {
+                error,
+                resolved,
+                enter,
+                exit,
+                closest: least.time,
+            },
+        }
+    }
+
+    /// When it begins and ends, and whether it is certainly one conflict: that some part is
+    /// inside, and all between the first and the last of these.
+    fn ends(&self) -> (TimeEnclosure, TimeEnclosure, bool) {
+        let mut inside: Option<(f64, f64)> = None;
+        let mut has_gap = false;
+        for part in self.parts.iter().filter(|part| part.side == Side::Inside) {
+            let (start, end) = inside.unwrap_or((part.start, part.end));
+            has_gap |= part.start > end;
+            inside = Some((start, end.max(part.end)));
+        }
+        let (first, last) = inside.unwrap_or((self.end, self.start));
+        let enter = TimeEnclosure {
+            earliest: self.start,
+            latest: first,
+        };
+        let exit = TimeEnclosure {
+            earliest: last,
+            latest: self.end,
+        };
+        (enter, exit, inside.is_some() && !has_gap)
+    }
+
+    /// From the first to the last instant of a member's parts in this group.
+    fn times_of(&self, member: usize) -> Option<(f64, f64)> {
+        let own = self.parts.iter().filter(|part| part.member == member);
+        own.map(|part| (part.start, part.end))
+            .reduce(|x, y| (x.0.min(y.0), x.1.max(y.1)))
+    }
+
+    /// Whether a member's least distance over its whole span is that over its parts in this
+    /// group: it is certainly inside there, and elsewhere in the span certainly apart.
+    fn is_all_of(&self, member: usize, span: &Span, clip: (f64, f64)) -> bool {
+        let count = |parts: &[Part]| parts.iter().filter(|part| part.member == member).count();
+        let is_inside = |part: &Part| part.member == member && part.side == Side::Inside;
+        clip.0 <= span.start
+            && span.end <= clip.1
+            && self.parts.iter().any(is_inside)
+            && count(self.parts) == count(self.all)
+    }
+}
