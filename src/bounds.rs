@@ -127,14 +127,15 @@ impl Part {
     pub(crate) fn of(segment: &Segment, (from, to): (f64, f64), frame: &Frame) -> Self {
         let base = (segment.origin() - frame.origin) * frame.power;
         let reach = segment.reach(from, to).max(segment.extent()) * frame.power;
+        let scale = segment.rounding_scale(from, to).max(segment.extent()) * frame.power;
         let points = segment.restrict(from, to).points;
         Self {
             points: points.map(|point| (point * frame.power).as_vec3a()),
             from,
             to,
             base,
-            error: (PART_ERROR + 4.0 * CLEARANCE) * reach
-                + 4.0 * CLEARANCE * base.abs().element_sum()
+            error: PART_ERROR * reach
+                + 4.0 * CLEARANCE * (scale + base.abs().element_sum())
                 + f64::from(f32::MIN_POSITIVE),
         }
     }

@@ -8,11 +8,17 @@
 
 mod support;
 
-use nearmiss::{Method, Query, Window};
+use nearmiss::{Accuracy, Method, Query, Window};
 use support::{bits, scene_of, swarm};
 
 #[test]
 fn threads_and_methods() {
+    for accuracy in [Accuracy::Exact, Accuracy::Certified] {
+        threads_and_methods_at(accuracy);
+    }
+}
+
+fn threads_and_methods_at(accuracy: Accuracy) {
     let scene = scene_of(&swarm(11, 150, 60.0));
     let mut answers = Vec::new();
     for method in Method::EVERY {
@@ -20,6 +26,7 @@ fn threads_and_methods() {
             let query = Query::new(Window::ALL)
                 .with_margin(1.0)
                 .unwrap()
+                .with_accuracy(accuracy)
                 .with_method(method);
             let pool = rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)

@@ -189,8 +189,8 @@ pub(crate) fn local_scale(
 ) -> f64 {
     (a.origin() - b.origin()).abs().element_sum()
         + offset.abs().element_sum()
-        + a.reach(start, end)
-        + b.reach(start, end)
+        + a.rounding_scale(start, end)
+        + b.rounding_scale(start, end)
 }
 
 /// Distance below which a filter must let a pair through, for the threshold `radius`.

@@ -103,7 +103,7 @@ impl Scene {
         })
     }
 
-    /// The same with a proof; some 2 times dearer.
+    /// The same with a proof; dearer by the proof.
     ///
     /// # Errors
     ///

@@ -305,6 +305,19 @@ impl Segment {
         }
     }
 
+    /// The size that all rounding of the part between `from` and `to` is relative to, m: its
+    /// reach, or more where the segment itself is known less well than to a few roundings of its
+    /// extent (a polynomial in absolute time, far from the origin).
+    pub(crate) fn rounding_scale(&self, from: f64, to: f64) -> f64 {
+        let known = self.error / (16.0 * UNIT_ROUNDOFF);
+        if self.covers(from, to) {
+            return self.extent + known;
+        }
+        let duration = self.end - self.start;
+        let s = ((from - self.start).abs().max((to - self.start).abs())) / duration;
+        self.reach(from, to) + known * (1.0 + 2.0 * s).powi(3)
+    }
+
     /// Made by [`line`](Self::line) from exact numbers: marked by the error 0, which no other
     /// constructor gives.
     fn is_exact_line(&self) -> bool {

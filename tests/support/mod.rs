@@ -110,6 +110,12 @@ pub(crate) fn bits(conflicts: &[Conflict]) -> Vec<Vec<u64>> {
             ] {
                 bits.extend(vector.to_array().map(f64::to_bits));
             }
+            if let Some(proof) = conflict.certificate {
+                bits.extend([proof.error.to_bits(), u64::from(proof.resolved)]);
+                for times in [proof.enter, proof.exit, proof.closest] {
+                    bits.extend([times.earliest.to_bits(), times.latest.to_bits()]);
+                }
+            }
             bits
         })
         .collect()

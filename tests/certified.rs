@@ -1,0 +1,198 @@
+//! Certificates through the public API: what they say where it can be worked out by hand.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "a scene that cannot be built fails the test"
+)]
+
+mod support;
+
+use glam::DVec3;
+use nearmiss::{
+    Accuracy, Body, Certificate, Conflict, Hitbox, Query, Scene, Sphere, State, TimeBase,
+    TimeEnclosure, Trajectory, Window,
+};
+use support::{scene_of, swarm};
+
+fn line(times: [f64; 2], from: DVec3, velocity: DVec3) -> Trajectory {
+    let states = times.map(|t| State::new(t, from + velocity * (t - times[0]), velocity));
+    Trajectory::from_states(&states).unwrap()
+}
+
+fn scene(bodies: impl IntoIterator<Item = (Trajectory, Hitbox)>) -> Scene {
+    let mut scene = Scene::new();
+    for (trajectory, hitbox) in bodies {
+        let body = Body::new(trajectory).with_hitbox(hitbox);
+        scene.insert(body).unwrap();
+    }
+    scene
+}
+
+fn certified(scene: &Scene, margin: f64, window: Window) -> Vec<(Conflict, Certificate)> {
+    let query = Query::new(window)
+        .with_margin(margin)
+        .unwrap()
+        .with_accuracy(Accuracy::Certified);
+    let conflicts = scene.screen(&query).unwrap().conflicts;
+    conflicts
+        .into_iter()
+        .map(|conflict| (conflict, conflict.certificate.unwrap()))
+        .collect()
+}
+
+fn holds(enclosure: TimeEnclosure, time: f64) -> bool {
+    (enclosure.earliest..=enclosure.latest).contains(&time)
+}
+
+/// A pass at 3 m with 5 m/s: within 5 m from 0.8 s before to 0.8 s after.
+fn pass() -> Scene {
+    let flying = line([0.0, 12.0], DVec3::new(-30.0, 3.0, 0.0), 5.0 * DVec3::X);
+    let resting = line([0.0, 12.0], DVec3::ZERO, DVec3::ZERO);
+    scene([flying, resting].map(|trajectory| (trajectory, Hitbox::POINT)))
+}
+
+#[test]
+fn a_pass_is_enclosed_to_a_few_roundings() {
+    let found = certified(&pass(), 5.0, Window::ALL);
+    assert_eq!(found.len(), 1);
+    let (conflict, proof) = found[0];
+    assert!(proof.resolved);
+    for (enclosure, time) in [(proof.enter, 5.2), (proof.exit, 6.8), (proof.closest, 6.0)] {
+        assert!(holds(enclosure, time), "{enclosure:?} {time}");
+    }
+    assert!((conflict.closest.separation - 3.0).abs() <= proof.error);
+    // The local scale is some 100 m, its unit roundoff 1e-14.
+    assert!(proof.error < 1e-12, "{}", proof.error);
+    assert!(proof.enter.latest - proof.enter.earliest < 1e-12);
+}
+
+#[test]
+fn a_window_cuts_the_enclosures() {
+    let window = Window::new(6.5, 7.0).unwrap();
+    let (conflict, proof) = certified(&pass(), 5.0, window)[0];
+    let cut = TimeEnclosure {
+        earliest: 6.5,
+        latest: 6.5,
+    };
+    assert_eq!(proof.enter, cut);
+    assert!(conflict.clip.at_enter && !conflict.clip.at_exit);
+    assert!(holds(proof.closest, 6.5));
+    // 2.5 m along and 3 m beside at the cut.
+    let least = (2.5_f64 * 2.5 + 9.0).sqrt();
+    assert!((conflict.closest.separation - least).abs() <= proof.error + 1e-15);
+    assert!(certified(&pass(), 5.0, Window::new(7.0, 8.0).unwrap()).is_empty());
+}
+
+/// Rounding cannot tell a touch from a miss: reported, and marked.
+#[test]
+fn a_touch_is_unresolved() {
+    let found = certified(&pass(), 3.0, Window::ALL);
+    assert_eq!(found.len(), 1);
+    let (conflict, proof) = found[0];
+    assert!(!proof.resolved);
+    assert!(holds(proof.enter, 6.0) && holds(proof.exit, 6.0) && holds(proof.closest, 6.0));
+    assert!((conflict.closest.separation - 3.0).abs() <= proof.error);
+    // Certainly apart, and certainly not: a thousand roundings to either side.
+    assert!(certified(&pass(), 3.0 - 1e-11, Window::ALL).is_empty());
+    assert!(certified(&pass(), 3.0 + 1e-11, Window::ALL)[0].1.resolved);
+}
+
+/// A constant distance exactly at the margin is one unresolved conflict all along.
+#[test]
+fn formation_at_the_margin() {
+    let plan = |y: f64| {
+        line(
+            [0.0, 9.0],
+            DVec3::new(0.1, y, 0.3),
+            DVec3::new(1.7, 0.3, 0.0),
+        )
+    };
+    let pair = scene([0.0, 2.0].map(|y| (plan(y), Hitbox::POINT)));
+    let (conflict, proof) = certified(&pair, 2.0, Window::ALL)[0];
+    assert!(!proof.resolved);
+    assert_eq!((conflict.enter, conflict.exit), (0.0, 9.0));
+    assert!(holds(proof.enter, 0.0) && holds(proof.exit, 9.0));
+}
+
+/// Two spheres of a cluster follow each other through the margin. Where the gap between them is
+/// there for certain, these are two conflicts; where they overlap, one; where the one leaves as
+/// the other comes, nobody can tell.
+#[test]
+fn gaps_between_spheres() {
+    let behind = |gap: f64| {
+        let sphere = |x: f64| Sphere {
+            offset: DVec3::new(x, 0.0, 0.0),
+            radius: 0.1,
+        };
+        let cluster = Hitbox::cluster(vec![sphere(0.0), sphere(-2.0 - gap)]).unwrap();
+        let flying = line([0.0, 12.0], DVec3::new(-5.0, 0.1, 0.0), DVec3::X);
+        let resting = line([0.0, 12.0], DVec3::new(0.0, 0.1, 0.0), DVec3::ZERO);
+        scene([(flying, cluster), (resting, Hitbox::sphere(0.4).unwrap())])
+    };
+    // Each sphere is within 1 m for 2 s.
+    let found = |gap: f64| certified(&behind(gap), 0.5, Window::ALL);
+    let resolved =
+        |found: &[(Conflict, Certificate)]| found.iter().all(|(_, proof)| proof.resolved);
+    let apart = found(1e-9);
+    assert!(apart.len() == 2 && resolved(&apart), "{apart:?}");
+    let over = found(-1e-9);
+    assert!(over.len() == 1 && resolved(&over), "{over:?}");
+    let open = found(0.0);
+    assert!(open.len() == 1 && !resolved(&open), "{open:?}");
+    assert!(holds(open[0].1.enter, 4.0) && holds(open[0].1.exit, 8.0));
+}
+
+/// A polynomial in absolute time, a million kilometres out, is known to 6e-8 m only. Its true
+/// distance is 1 m less half of that; no filter may forget it.
+#[test]
+fn what_is_known_less_well_is_not_lost() {
+    let far = 1e9;
+    // Just less than half a unit in the last place of 1e9: lost when it is added.
+    let lost = 5.9e-8;
+    let creeping = [DVec3::ZERO, DVec3::ZERO, DVec3::ZERO, DVec3::X * far];
+    let creeping = [
+        creeping[0],
+        creeping[1],
+        DVec3::X * (lost / 1000.0),
+        creeping[3],
+    ];
+    let plan =
+        Trajectory::from_coefficients(&[1000.0, 1001.0], &[creeping], TimeBase::Absolute).unwrap();
+    let resting = line([1000.0, 1001.0], DVec3::X * (far + 1.0), DVec3::ZERO);
+    let pair = scene([plan, resting].map(|trajectory| (trajectory, Hitbox::POINT)));
+    let found = certified(&pair, 1.0 - lost / 2.0, Window::ALL);
+    assert_eq!(found.len(), 1);
+    let (conflict, proof) = found[0];
+    assert!(!proof.resolved);
+    let truth = 1.0 - lost * 1.001;
+    assert!((conflict.closest.separation - truth).abs() <= proof.error);
+}
+
+/// The same conflicts as without certificates, their numbers within the enclosures.
+#[test]
+fn certified_and_exact_agree() {
+    let scene = scene_of(&swarm(23, 150, 60.0));
+    for window in [Window::ALL, Window::new(10.0, 31.0).unwrap()] {
+        let query = Query::new(window).with_margin(1.5).unwrap();
+        let exact = scene.screen(&query).unwrap().conflicts;
+        let found = certified(&scene, 1.5, window);
+        assert!(exact.len() > 20);
+        assert_eq!(exact.len(), found.len());
+        for (plain, (conflict, proof)) in exact.iter().zip(&found) {
+            assert!(proof.resolved);
+            assert_eq!(
+                (plain.a, plain.b, plain.clip),
+                (conflict.a, conflict.b, conflict.clip)
+            );
+            // Both are good to a few roundings of some 1000 m and 60 s.
+            assert!((plain.enter - conflict.enter).abs() < 1e-11);
+            assert!((plain.closest.separation - conflict.closest.separation).abs() < 1e-12);
+            assert!(holds(proof.enter, conflict.enter) && holds(proof.exit, conflict.exit));
+            assert!(holds(proof.closest, conflict.closest.time));
+            let pair = scene.certified_closest_approach(plain.a, plain.b, window);
+            let least = pair.unwrap().unwrap();
+            let below = least.approach.separation - least.error;
+            assert!(below <= conflict.closest.separation + proof.error);
+        }
+    }
+}
