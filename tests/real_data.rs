@@ -10,7 +10,7 @@
 
 use flate2::read::MultiGzDecoder;
 use glam::DVec3;
-use nearmiss::{Body, Conflict, Query, Scene, State, Window, trajectories_from_rows};
+use nearmiss::{Accuracy, Body, Conflict, Query, Scene, State, Window, trajectories_from_rows};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::PathBuf;
@@ -72,6 +72,39 @@ fn compare(name: &str, intervals: &str, threshold: f64, time_tolerance: f64) {
     }
     eprintln!("{name} at {threshold} m: {matched} intervals agree");
     assert!(matched > 0);
+    check_certificates(name, &scene, &query, &conflicts);
+}
+
+/// Certified answers are the same conflicts, none of them open, narrowly enclosed.
+fn check_certificates(name: &str, scene: &Scene, query: &Query, exact: &[Conflict]) {
+    let certified = query.with_accuracy(Accuracy::Certified);
+    let certified = scene.screen(&certified).unwrap().conflicts;
+    assert_eq!(certified.len(), exact.len(), "{name}");
+    let mut widths = Vec::new();
+    for (plain, conflict) in exact.iter().zip(&certified) {
+        let proof = conflict.certificate.unwrap();
+        assert!(proof.resolved, "{name}: {conflict:?}");
+        let off = (plain.closest.separation - conflict.closest.separation).abs();
+        assert!(off <= 2.0 * proof.error, "{name}: {plain:?} {conflict:?}");
+        // A lower bound of the local scale: what the pair moves in this conflict is left out.
+        let origins = [plain.a, plain.b].map(|id| {
+            let trajectory = &scene.body(id).unwrap().trajectory;
+            let segments = trajectory.segments();
+            let time = conflict.closest.time;
+            let place = segments.partition_point(|segment| segment.end() < time);
+            let segment = segments[place.min(segments.len() - 1)];
+            (segment.origin(), segment.extent())
+        });
+        let scale = origins[0].0.distance(origins[1].0) + origins[0].1 + origins[1].1;
+        widths.push(2.0 * proof.error / scale);
+    }
+    widths.sort_unstable_by(f64::total_cmp);
+    let (median, largest) = (widths[widths.len() / 2], widths[widths.len() - 1]);
+    eprintln!("{name}: width of the separation {median:.1e} (median), {largest:.1e} (largest)");
+    assert!(
+        median <= 1e-14 && largest <= 1e-12,
+        "{name}: {median} {largest}"
+    );
 }
 
 fn agrees(conflict: &Conflict, interval: &OracleInterval, tolerance: f64) -> bool {
