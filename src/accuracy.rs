@@ -35,6 +35,13 @@ pub enum Accuracy {
     /// worst case of that rounding of the margin is reported, so a touch is never lost.
     #[default]
     Exact,
+    /// f32 from the relative motion on. The separation is good to 1e-5 of the local scale. It errs
+    /// on the side of reporting: a pair that comes within 1e-5 of the local scale of the margin
+    /// may be reported, a conflict may begin earlier or end later by what that takes and by
+    /// 2^-16 of a span, and conflicts with a gap within one span may be reported as one. The same
+    /// bits on every instruction set and any number of threads; a window that cuts a span may
+    /// change them.
+    Fast,
     /// Every conflict carries a [`Certificate`]: enclosures of its separation and of its times,
     /// proven against the exact real-arithmetic motion through the given numbers. What is
     /// certainly outside is not reported; what f64 cannot decide is, marked as unresolved.

@@ -13,7 +13,7 @@ use support::{bits, scene_of, swarm};
 
 #[test]
 fn threads_and_methods() {
-    for accuracy in [Accuracy::Exact, Accuracy::Certified] {
+    for accuracy in [Accuracy::Fast, Accuracy::Exact, Accuracy::Certified] {
         threads_and_methods_at(accuracy);
     }
 }

@@ -29,6 +29,23 @@ pub(crate) struct Contact {
 }
 
 impl Approach {
+    /// An approach at an instant that is no plateau.
+    pub(super) const fn at(
+        time: f64,
+        separation: f64,
+        (sphere_a, sphere_b): (u32, u32),
+        span: Span,
+    ) -> Self {
+        Self {
+            time,
+            separation,
+            plateau: 0.0,
+            sphere_a,
+            sphere_b,
+            span,
+        }
+    }
+
     /// The earlier and the later of two approaches as instants; the lower one.
     pub(super) fn or_lower(self, other: Self) -> Self {
         let (first, second) = if other.time < self.time {
@@ -124,17 +141,32 @@ pub(super) fn each_sphere_pair(
 ) {
     let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
     let interval = (span.start, span.end);
+    each_sphere_pair_offset(a, b, |(index_a, index_b), (radius_a, radius_b), offset| {
+        visit(&SpherePair {
+            a: index_a,
+            b: index_b,
+            radius_a,
+            radius_b,
+            cubic: RelativeCubic::between(segment_a, segment_b, interval, offset),
+            scale: local_scale(segment_a, segment_b, interval, offset),
+        });
+    });
+}
+
+/// Calls `visit` with each pair of spheres: their numbers, their radii, and the centre of a's
+/// less that of b's in their bodies' frames.
+pub(super) fn each_sphere_pair_offset(
+    a: &Party<'_>,
+    b: &Party<'_>,
+    mut visit: impl FnMut((u32, u32), (f64, f64), DVec3),
+) {
     for (index_a, sphere_a) in (0..).zip(a.spheres) {
         for (index_b, sphere_b) in (0..).zip(b.spheres) {
-            let offset = sphere_a.offset - sphere_b.offset;
-            visit(&SpherePair {
-                a: index_a,
-                b: index_b,
-                radius_a: sphere_a.radius,
-                radius_b: sphere_b.radius,
-                cubic: RelativeCubic::between(segment_a, segment_b, interval, offset),
-                scale: local_scale(segment_a, segment_b, interval, offset),
-            });
+            visit(
+                (index_a, index_b),
+                (sphere_a.radius, sphere_b.radius),
+                sphere_a.offset - sphere_b.offset,
+            );
         }
     }
 }
@@ -221,7 +253,7 @@ pub(crate) fn contacts_of<'s>(
 }
 
 /// Joins the contacts from `first` on that overlap or meet: across spans and across spheres.
-fn join(contacts: &mut Vec<Contact>, first: usize) {
+pub(super) fn join(contacts: &mut Vec<Contact>, first: usize) {
     contacts[first..].sort_unstable_by(|x, y| {
         x.enter
             .total_cmp(&y.enter)

@@ -2,10 +2,11 @@
 //!
 //! Works on a body's cubics and spheres, span by span. The flow within a span:
 //! `relative` cubic, `filter`, `stationary` points, `stretches`, joined across spans and
-//! spheres by `contact`, with proofs by `certified`. [`kernels`] answers many independent pairs at once.
+//! spheres by `contact`, with proofs by `certified`, in f32 by `fast`. [`kernels`] answers many independent pairs at once.
 
 mod certified;
 mod contact;
+mod fast;
 mod filter;
 pub mod kernels;
 mod relative;
@@ -16,6 +17,7 @@ pub(crate) use certified::{CertifiedContact, Workspace, certified_approach, cert
 pub(crate) use contact::{
     Approach, Contact, Solved, closest_approach, contacts, contacts_of, may_touch, solve,
 };
+pub(crate) use fast::FastBatch;
 
 use crate::hitbox::Sphere;
 use crate::trajectory::Segment;

@@ -6,9 +6,10 @@ use crate::accuracy::Accuracy;
 use crate::conflict::{Clip, ClosestApproach, Conflict};
 use crate::id::BodyId;
 use crate::narrow_phase::{
-    Approach, CertifiedContact, Contact, Party, Workspace, certified_contacts, contacts,
+    Approach, CertifiedContact, Contact, FastBatch, Party, Workspace, certified_contacts, contacts,
 };
 use crate::parallel;
+use crate::spans::Span;
 
 /// What one thread reuses from pair to pair.
 #[derive(Default)]
@@ -16,56 +17,131 @@ struct Scratch {
     contacts: Vec<Contact>,
     certified: Vec<CertifiedContact>,
     workspace: Workspace,
+    fast: FastBatch,
 }
 
+/// Pairs of bodies that one thread solves at a time.
+const CHUNK: usize = 64;
+
+/// The survivors of one pair of bodies.
+type OfPair<'s> = &'s [Survivor];
+
 impl LineUp<'_> {
-    /// The exact answer for the survivors (sorted), a pair at a time.
+    /// The answer for the survivors (sorted), pair by pair.
     pub(super) fn solve(&self, parties: &[Party<'_>], survivors: &[Survivor]) -> Vec<Conflict> {
-        let pairs: Vec<&[Survivor]> = survivors
+        let pairs: Vec<OfPair<'_>> = survivors
             .chunk_by(|x, y| (x.a, x.b) == (y.a, y.b))
             .collect();
-        let solved = parallel::map(pairs.len(), Scratch::default, |scratch, pair| {
-            self.conflicts_of(parties, pairs[pair], scratch)
+        let chunks: Vec<&[OfPair<'_>]> = pairs.chunks(CHUNK).collect();
+        let solved = parallel::map(chunks.len(), Scratch::default, |scratch, chunk| {
+            let mut conflicts = Vec::new();
+            let chunk = chunks[chunk];
+            match self.accuracy {
+                Accuracy::Exact => self.exact(parties, chunk, scratch, &mut conflicts),
+                Accuracy::Certified => self.certified(parties, chunk, scratch, &mut conflicts),
+                Accuracy::Fast => self.fast(parties, chunk, scratch, &mut conflicts),
+            }
+            conflicts
         });
         solved.into_iter().flatten().collect()
     }
 
-    /// All conflicts of one pair.
-    fn conflicts_of(
+    fn exact(
         &self,
         parties: &[Party<'_>],
-        survivors: &[Survivor],
+        pairs: &[OfPair<'_>],
         scratch: &mut Scratch,
-    ) -> Vec<Conflict> {
-        let (place_a, place_b) = (survivors[0].a as usize, survivors[0].b as usize);
-        let pair = (&parties[place_a], &parties[place_b]);
-        let ids = (self.ids[place_a], self.ids[place_b]);
-        let Some(clip) = clip_of(pair.0, pair.1, self.window) else {
-            return Vec::new();
-        };
-        let met = survivors
-            .iter()
-            .map(|survivor| survivor.span(pair.0, pair.1));
-        match self.accuracy {
-            Accuracy::Exact => {
-                let found = &mut scratch.contacts;
-                found.clear();
-                contacts(pair.0, pair.1, met, self.margin, clip, found);
-                let report = |contact: &Contact| conflict(contact, ids, pair, clip);
-                found.iter().map(report).collect()
-            }
-            Accuracy::Certified => {
-                let found = &mut scratch.certified;
-                found.clear();
-                let workspace = &mut scratch.workspace;
-                certified_contacts(pair.0, pair.1, met, self.margin, clip, workspace, found);
-                let report = |certified: &CertifiedContact| Conflict {
-                    certificate: Some(certified.certificate),
-                    ..conflict(&certified.contact, ids, pair, clip)
-                };
-                found.iter().map(report).collect()
+        conflicts: &mut Vec<Conflict>,
+    ) {
+        let found = &mut scratch.contacts;
+        for survivors in pairs {
+            let Some(pair) = self.pair(parties, survivors) else {
+                continue;
+            };
+            found.clear();
+            let (a, b) = pair.parties;
+            contacts(a, b, pair.spans(), self.margin, pair.clip, found);
+            conflicts.extend(found.iter().map(|contact| pair.conflict(contact)));
+        }
+    }
+
+    fn certified(
+        &self,
+        parties: &[Party<'_>],
+        pairs: &[OfPair<'_>],
+        scratch: &mut Scratch,
+        conflicts: &mut Vec<Conflict>,
+    ) {
+        let (found, workspace) = (&mut scratch.certified, &mut scratch.workspace);
+        for survivors in pairs {
+            let Some(pair) = self.pair(parties, survivors) else {
+                continue;
+            };
+            found.clear();
+            let (a, b) = pair.parties;
+            certified_contacts(a, b, pair.spans(), self.margin, pair.clip, workspace, found);
+            conflicts.extend(found.iter().map(|certified| Conflict {
+                certificate: Some(certified.certificate),
+                ..pair.conflict(&certified.contact)
+            }));
+        }
+    }
+
+    fn fast(
+        &self,
+        parties: &[Party<'_>],
+        pairs: &[OfPair<'_>],
+        scratch: &mut Scratch,
+        conflicts: &mut Vec<Conflict>,
+    ) {
+        let batch = &mut scratch.fast;
+        batch.clear();
+        for (number, survivors) in pairs.iter().enumerate() {
+            if let Some(pair) = self.pair(parties, survivors) {
+                batch.push(number, pair.parties, pair.spans(), self.margin, pair.clip);
             }
         }
+        batch.solve(|number, contacts| {
+            if let Some(pair) = self.pair(parties, pairs[number]) {
+                conflicts.extend(contacts.iter().map(|contact| pair.conflict(contact)));
+            }
+        });
+    }
+
+    /// The pair of bodies that survivors are of; none if they do not exist at the same time
+    /// within the window.
+    fn pair<'p>(
+        &self,
+        parties: &'p [Party<'p>],
+        survivors: OfPair<'p>,
+    ) -> Option<PairOfBodies<'p>> {
+        let (place_a, place_b) = (survivors[0].a as usize, survivors[0].b as usize);
+        let pair = (&parties[place_a], &parties[place_b]);
+        Some(PairOfBodies {
+            ids: (self.ids[place_a], self.ids[place_b]),
+            parties: pair,
+            clip: clip_of(pair.0, pair.1, self.window)?,
+            survivors,
+        })
+    }
+}
+
+/// Two bodies with the spans in which they may touch.
+struct PairOfBodies<'p> {
+    ids: (BodyId, BodyId),
+    parties: (&'p Party<'p>, &'p Party<'p>),
+    clip: (f64, f64),
+    survivors: OfPair<'p>,
+}
+
+impl PairOfBodies<'_> {
+    fn spans(&self) -> impl Iterator<Item = Span> {
+        let (a, b) = self.parties;
+        self.survivors.iter().map(|survivor| survivor.span(a, b))
+    }
+
+    fn conflict(&self, contact: &Contact) -> Conflict {
+        conflict(contact, self.ids, self.parties, self.clip)
     }
 }
 

@@ -1,0 +1,134 @@
+//! `Accuracy::Fast` against `Exact`: nothing is missed, separations are good to 1e-5 of the local
+//! scale, and what is too much is within that of the margin.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "a scene that cannot be built fails the test"
+)]
+
+mod support;
+
+use glam::DVec3;
+use nearmiss::{
+    Accuracy, Body, BodyId, Conflict, Hitbox, Query, Scene, Sphere, State, Trajectory, Window,
+};
+use support::{scene_of, swarm};
+
+fn screen(scene: &Scene, window: Window, margin: f64, accuracy: Accuracy) -> Vec<Conflict> {
+    let query = Query::new(window)
+        .with_margin(margin)
+        .unwrap()
+        .with_accuracy(accuracy);
+    scene.screen(&query).unwrap().conflicts
+}
+
+/// An upper bound of the local scale of a pair: over all of its segments, hitboxes included.
+fn scale(scene: &Scene, a: BodyId, b: BodyId, margin: f64) -> f64 {
+    let reach = |id: BodyId, from: DVec3| {
+        let body = scene.body(id).unwrap();
+        let bounding = body.hitbox.bounding();
+        let segments = body.trajectory.segments().iter();
+        let farthest = segments
+            .map(|segment| segment.origin().distance(from) + segment.extent())
+            .fold(0.0, f64::max);
+        farthest + bounding.offset.length() + bounding.radius
+    };
+    let middle = scene.body(a).unwrap().trajectory.segments()[0].origin();
+    reach(a, middle) + reach(b, middle) + margin.abs()
+}
+
+/// Returns how many of the exact conflicts were found, and how many were reported.
+fn compare(scene: &Scene, window: Window, margin: f64) -> (usize, usize) {
+    let exact = screen(scene, window, margin, Accuracy::Exact);
+    let fast = screen(scene, window, margin, Accuracy::Fast);
+    let is_same = |x: &Conflict, y: &Conflict| (x.a, x.b) == (y.a, y.b);
+    for conflict in &exact {
+        let covers = |found: &&Conflict| is_same(conflict, found) && found.enter <= conflict.enter;
+        let found = fast
+            .iter()
+            .filter(covers)
+            .find(|found| found.exit >= conflict.exit);
+        let found = found.unwrap_or_else(|| panic!("missed: {conflict:?}"));
+        let off = found.closest.separation - conflict.closest.separation;
+        let allowed = 1e-5 * scale(scene, conflict.a, conflict.b, margin);
+        // One that joins several has the least of all.
+        assert!(off <= allowed, "{off:e} {allowed:e} {conflict:?}");
+    }
+    for conflict in &fast {
+        assert!(conflict.enter <= conflict.closest.time && conflict.closest.time <= conflict.exit);
+        let part = Window::new(conflict.enter, conflict.exit).unwrap();
+        let least = scene.closest_approach(conflict.a, conflict.b, part);
+        let least = least.unwrap().unwrap().separation;
+        let allowed = 1e-5 * scale(scene, conflict.a, conflict.b, margin);
+        assert!(
+            (least - conflict.closest.separation).abs() <= allowed,
+            "{conflict:?}"
+        );
+        assert!(least <= margin + allowed, "{conflict:?}");
+    }
+    (exact.len(), fast.len())
+}
+
+#[test]
+fn a_swarm() {
+    let scene = scene_of(&swarm(31, 200, 60.0));
+    for window in [Window::ALL, Window::new(7.3, 19.0).unwrap()] {
+        let (exact, fast) = compare(&scene, window, 1.0);
+        // Few margins are hit to 1e-5: nearly nothing is joined or too much.
+        assert!(exact > 100 && fast.abs_diff(exact) <= 2, "{exact} {fast}");
+    }
+}
+
+/// In other units and elsewhere: what f32 loses is relative to the pair, not to the world.
+#[test]
+fn any_unit_and_any_place() {
+    for (unit, shift) in [
+        (1e-150, 0.0),
+        (1e-30, 1e-24),
+        (1.0, 1e9),
+        (1e40, 0.0),
+        (1e140, 1e144),
+    ] {
+        let bodies = swarm(5, 60, 40.0).into_iter().map(|(states, radius)| {
+            let states = states.iter().map(|state| {
+                let position = state.position * unit + DVec3::splat(shift);
+                State::new(state.time, position, state.velocity * unit)
+            });
+            (states.collect(), radius * unit)
+        });
+        let (exact, fast) = compare(&scene_of(&bodies.collect::<Vec<_>>()), Window::ALL, unit);
+        assert!(
+            exact > 10 && fast.abs_diff(exact) <= 1,
+            "{unit:e}: {exact} {fast}"
+        );
+    }
+}
+
+/// Clusters whose bodies rest, touch, overlap and fly in formation.
+#[test]
+fn clusters_and_constant_distances() {
+    let sphere = |x: f64| Sphere {
+        offset: DVec3::new(x, 0.0, 0.0),
+        radius: 0.5,
+    };
+    let cluster = Hitbox::cluster([-2.0, 0.0, 3.0].map(sphere).to_vec()).unwrap();
+    let mut scene = Scene::new();
+    for (y, speed) in [
+        (0.0, 1.0),
+        (2.0, 1.0),
+        (1.0, -3.0),
+        (-1.0, 0.0),
+        (-1.5, 0.0),
+    ] {
+        let velocity = DVec3::X * speed;
+        let states = [0.0, 4.0, 9.0]
+            .map(|t| State::new(t, DVec3::new(-5.0, y, 0.0) + velocity * t, velocity));
+        let body = Body::new(Trajectory::from_states(&states).unwrap());
+        scene.insert(body.with_hitbox(cluster.clone())).unwrap();
+    }
+    let exact = [-0.4, 0.0, 0.5, 1.0].map(|margin| compare(&scene, Window::ALL, margin).0);
+    assert!(
+        exact[0] > 0 && exact.is_sorted() && exact[3] > 5,
+        "{exact:?}"
+    );
+}
