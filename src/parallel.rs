@@ -41,6 +41,19 @@ where
         .collect()
 }
 
+/// `work(item)` for each item.
+pub(crate) fn for_each<T: Send>(items: &mut [T], work: impl Fn(&mut T) + Sync + Send) {
+    #[cfg(feature = "parallel")]
+    {
+        use rayon::iter::{IntoParallelRefMutIterator, ParallelIterator};
+        if items.len() > 1 {
+            items.par_iter_mut().for_each(work);
+            return;
+        }
+    }
+    items.iter_mut().for_each(work);
+}
+
 /// Sorts by a total order without ties that matter: the same result on any number of threads.
 pub(crate) fn sort<T: Send>(values: &mut [T], order: impl Fn(&T, &T) -> Ordering + Sync) {
     #[cfg(feature = "parallel")]

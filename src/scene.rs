@@ -327,13 +327,6 @@ impl Scene {
                 || !self.ignored.contains(&(id_a.min(id_b), id_a.max(id_b))))
     }
 
-    /// Replaces a body as a whole.
-    pub(crate) fn replace(&mut self, id: BodyId, body: Body) -> Result<(), Error> {
-        let outline = Outline::of(&body.trajectory);
-        *self.occupant_mut(id)? = Occupant { body, outline };
-        Ok(())
-    }
-
     fn slot_mut(&mut self, id: BodyId) -> Result<&mut Slot, Error> {
         self.slots
             .get_mut(id.slot as usize)

@@ -216,8 +216,13 @@ impl Boxes {
         });
     }
 
+    /// How many bodies have a box, at least; some of these may have lost theirs.
+    pub(super) fn len(&self) -> usize {
+        self.slot_at.len()
+    }
+
     /// All boxes.
-    fn list(&self, boxes: &mut Vec<BodyBox>) {
+    pub(super) fn list(&self, boxes: &mut Vec<BodyBox>) {
         boxes.extend(
             self.slot_at
                 .iter()

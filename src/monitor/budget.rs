@@ -37,6 +37,10 @@ impl Meter {
         }
     }
 
+    pub(super) fn is_unlimited(&self) -> bool {
+        self.deadline.is_none() && self.left.is_none()
+    }
+
     pub(super) fn count(&mut self, work: usize) {
         self.done += work as u64;
     }

@@ -1,9 +1,9 @@
 //! Changes between ticks: each is checked as a whole before any of it takes effect.
 
 use super::Monitor;
-use super::command::{Command, Outcome};
+use super::command::{Command, Outcome, Revision};
 use super::event::{Encounter, EndReason};
-use super::outlook::Flight;
+use super::flights::Flight;
 use super::tick::plan_end;
 use crate::error::Error;
 use crate::hitbox::Hitbox;
@@ -20,7 +20,7 @@ impl Monitor {
     ///
     /// [`Error::InBody`] if its plan leaves the range of numbers; [`Error::SceneFull`].
     pub fn insert(&mut self, body: Body) -> Result<BodyId, Error> {
-        let flight = self.flight(&body)?;
+        let flight = self.flight_of(&body)?;
         let id = self.scene.insert(body)?;
         self.place(id, Some(flight));
         Ok(id)
@@ -101,21 +101,28 @@ impl Monitor {
     ) -> Result<Vec<BodyId>, Error> {
         let outcome = Outcome::of(&self.scene, commands, self.told - self.history)?;
         let mut flights = Vec::with_capacity(outcome.changed.len());
-        for body in outcome.changed.values() {
-            flights.push(body.as_ref().map(|body| self.flight(body)).transpose()?);
+        for (&id, revision) in &outcome.changed {
+            flights.push(self.flight_after(id, revision)?);
         }
         for body in &outcome.inserted {
-            self.flight(body)?;
+            self.flight_of(body)?;
         }
         // Nothing below is refused: the scene has room for 2^32 bodies, and all ids were found.
-        for ((id, body), flight) in outcome.changed.into_iter().zip(flights) {
-            match body {
-                Some(body) => {
-                    self.scene.replace(id, body)?;
-                    self.place(id, flight);
-                }
-                None => drop(self.remove(id)?),
+        for ((id, revision), flight) in outcome.changed.into_iter().zip(flights) {
+            if revision.is_removed {
+                drop(self.remove(id)?);
+                continue;
             }
+            if let Some(trajectory) = revision.trajectory {
+                drop(self.scene.set_trajectory(id, trajectory)?);
+            }
+            if let Some(hitbox) = revision.hitbox {
+                drop(self.scene.set_hitbox(id, hitbox)?);
+            }
+            if let Some(layers) = revision.layers {
+                self.scene.set_layers(id, layers)?;
+            }
+            self.place(id, flight);
         }
         outcome
             .inserted
@@ -146,23 +153,34 @@ impl Monitor {
         Ok(())
     }
 
-    pub(super) fn flight(&self, body: &Body) -> Result<Flight, Error> {
+    /// What a plan means over the lookahead.
+    pub(super) fn flight(&self, trajectory: &Trajectory, hitbox: &Hitbox) -> Result<Flight, Error> {
         let end = self.outlook.laid_out(self.now + self.lookahead);
         let window = Window::new(self.told, end)?;
-        self.outlook
-            .prepare(
-                &body.trajectory,
-                body.hitbox.spheres(),
-                body.hitbox.bounding(),
-                window,
-            )
-            .map_err(|error| error.in_body(body.tag))
+        Flight::of(trajectory, hitbox, self.outlook.margin(), window)
+    }
+
+    fn flight_of(&self, body: &Body) -> Result<Flight, Error> {
+        let flight = self.flight(&body.trajectory, &body.hitbox);
+        flight.map_err(|error| error.in_body(body.tag))
+    }
+
+    /// The flight of a body as a revision leaves it; none if it is removed.
+    fn flight_after(&self, id: BodyId, revision: &Revision) -> Result<Option<Flight>, Error> {
+        let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
+        if revision.is_removed {
+            return Ok(None);
+        }
+        let trajectory = revision.trajectory.as_ref().unwrap_or(&body.trajectory);
+        let hitbox = revision.hitbox.as_ref().unwrap_or(&body.hitbox);
+        let flight = self.flight(trajectory, hitbox);
+        Ok(Some(flight.map_err(|error| error.in_body(body.tag))?))
     }
 
     /// Prepares all bodies anew, as when the monitor was made.
     pub(super) fn lay_out(&mut self) -> Result<(), Error> {
         let bodies = self.scene.bodies();
-        let flights = bodies.map(|(id, body)| Ok((id, self.flight(body)?)));
+        let flights = bodies.map(|(id, body)| Ok((id, self.flight_of(body)?)));
         for (id, flight) in flights.collect::<Result<Vec<_>, Error>>()? {
             self.place(id, Some(flight));
         }

@@ -29,11 +29,20 @@ pub enum Command {
     Extend(BodyId, Trajectory),
 }
 
-/// What a batch comes to: the changed bodies as they will be, and the new ones.
+/// What a batch comes to: what becomes of the bodies that it changes, and the new ones.
 #[derive(Debug, Default)]
 pub(super) struct Outcome {
-    pub(super) changed: BTreeMap<BodyId, Option<Body>>,
+    pub(super) changed: BTreeMap<BodyId, Revision>,
     pub(super) inserted: Vec<Body>,
+}
+
+/// What of a body is replaced.
+#[derive(Debug, Default)]
+pub(super) struct Revision {
+    pub(super) is_removed: bool,
+    pub(super) trajectory: Option<Trajectory>,
+    pub(super) hitbox: Option<Hitbox>,
+    pub(super) layers: Option<Layers>,
 }
 
 impl Outcome {
@@ -49,39 +58,57 @@ impl Outcome {
         for command in commands {
             match command {
                 Command::Insert(body) => outcome.inserted.push(body),
-                Command::Remove(id) => {
-                    outcome.body(scene, id)?;
-                    outcome.changed.insert(id, None);
-                }
+                Command::Remove(id) => outcome.revision(scene, id)?.1.is_removed = true,
                 Command::SetTrajectory(id, trajectory) => {
-                    outcome.body(scene, id)?.trajectory = trajectory;
+                    outcome.revision(scene, id)?.1.trajectory = Some(trajectory);
                 }
-                Command::SetHitbox(id, hitbox) => outcome.body(scene, id)?.hitbox = hitbox,
-                Command::SetLayers(id, layers) => outcome.body(scene, id)?.layers = layers,
+                Command::SetHitbox(id, hitbox) => {
+                    outcome.revision(scene, id)?.1.hitbox = Some(hitbox);
+                }
+                Command::SetLayers(id, layers) => {
+                    outcome.revision(scene, id)?.1.layers = Some(layers);
+                }
                 Command::Replan(id, from, plan) => {
-                    let body = outcome.body(scene, id)?;
-                    let spliced = body.trajectory.spliced(from, &plan);
-                    let spliced = spliced.map_err(|error| error.in_body(body.tag))?;
-                    body.trajectory = spliced.since(forget_before);
+                    let (body, revision) = outcome.revision(scene, id)?;
+                    revision.follow(body, Some(from), plan, forget_before)?;
                 }
                 Command::Extend(id, plan) => {
-                    let body = outcome.body(scene, id)?;
-                    let from = body.trajectory.knots().last().copied().unwrap_or(0.0);
-                    let spliced = body.trajectory.spliced(from, &plan);
-                    let spliced = spliced.map_err(|error| error.in_body(body.tag))?;
-                    body.trajectory = spliced.since(forget_before);
+                    let (body, revision) = outcome.revision(scene, id)?;
+                    revision.follow(body, None, plan, forget_before)?;
                 }
             }
         }
         Ok(outcome)
     }
 
-    /// The body as the commands so far have left it.
-    fn body(&mut self, scene: &Scene, id: BodyId) -> Result<&mut Body, Error> {
-        let entry = self
-            .changed
-            .entry(id)
-            .or_insert_with(|| scene.body(id).cloned());
-        entry.as_mut().ok_or(Error::UnknownBody { id })
+    /// The body as it is, and what the commands so far replace of it.
+    fn revision<'s>(
+        &mut self,
+        scene: &'s Scene,
+        id: BodyId,
+    ) -> Result<(&'s Body, &mut Revision), Error> {
+        let body = scene.body(id).ok_or(Error::UnknownBody { id })?;
+        let revision = self.changed.entry(id).or_default();
+        if revision.is_removed {
+            return Err(Error::UnknownBody { id });
+        }
+        Ok((body, revision))
+    }
+}
+
+impl Revision {
+    /// The plan so far up to `from` (none: its last knot), then `plan`.
+    fn follow(
+        &mut self,
+        body: &Body,
+        from: Option<f64>,
+        plan: Trajectory,
+        forget_before: f64,
+    ) -> Result<(), Error> {
+        let flown = self.trajectory.as_ref().unwrap_or(&body.trajectory);
+        let from = from.or(flown.knots().last().copied()).unwrap_or(0.0);
+        let spliced = plan.preceded_by(flown, from, forget_before);
+        self.trajectory = Some(spliced.map_err(|error| error.in_body(body.tag))?);
+        Ok(())
     }
 }

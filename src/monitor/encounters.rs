@@ -57,7 +57,7 @@ pub(super) struct Encounters {
 }
 
 /// What a tick knows about time.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Tick {
     /// The clock, s.
     pub(super) now: f64,

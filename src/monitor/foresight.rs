@@ -4,7 +4,6 @@ use super::{Admission, Monitor};
 use crate::conflict::Conflict;
 use crate::error::Error;
 use crate::id::BodyId;
-use crate::scene::Body;
 use crate::screen::conflict;
 use crate::trajectory::Trajectory;
 
@@ -28,11 +27,9 @@ impl Monitor {
             margin: f64::NAN,
             release: f64::NAN,
         })?;
-        let would = Body {
-            trajectory: plan.clone(),
-            ..body.clone()
-        };
-        let flight = self.flight(&would)?;
+        let flight = self.flight(plan, &body.hitbox);
+        let flight = flight.map_err(|error| error.in_body(body.tag))?;
+        let own = flight.party(plan, &body.hitbox);
         let window = (self.now, self.known);
         if window.1 < window.0 {
             return Ok(Vec::new());
@@ -40,8 +37,8 @@ impl Monitor {
         let filter = Admission(&self.scene);
         let mut conflicts = Vec::new();
         self.outlook.contacts_with(
-            id.slot,
-            &flight,
+            &self.scene,
+            (id.slot, &flight, &own),
             alert.margin,
             window,
             &filter,
@@ -49,7 +46,6 @@ impl Monitor {
                 let Some((other, _)) = self.scene.in_slot(other) else {
                     return;
                 };
-                let own = flight.party();
                 conflicts.push(if id.slot < other.slot {
                     conflict(contact, (id, other), (&own, theirs), clip)
                 } else {

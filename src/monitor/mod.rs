@@ -10,9 +10,12 @@ mod change;
 mod command;
 mod encounters;
 mod event;
+mod finds;
+mod flights;
 mod foresight;
 mod outlook;
 mod read;
+mod slice;
 mod tick;
 
 pub use budget::Budget;
@@ -21,15 +24,15 @@ pub use encounters::LeastChange;
 pub use event::{Encounter, EncounterId, EndReason, Event, EventKind};
 
 use crate::bounds::{Extremes, Frame};
-use crate::broad_phase::{PairFilter, Sweep};
+use crate::broad_phase::PairFilter;
 use crate::conflict::Conflict;
 use crate::error::{Error, LARGEST_MAGNITUDE};
 use crate::id::BodyId;
-use crate::narrow_phase::Contact;
 use crate::scene::Scene;
 use crate::stats::Stats;
 use encounters::{Encounters, Plain};
 use outlook::Outlook;
+use read::{Readings, Scratch};
 
 /// A margin that is watched, and when to let go.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,7 +78,7 @@ impl AlertLevel {
 #[derive(Debug)]
 pub struct Monitor {
     scene: Scene,
-    outlook: Outlook<Sweep>,
+    outlook: Outlook,
     levels: Vec<AlertLevel>,
     encounters: Vec<Encounters>,
     conflicts: Vec<Vec<Conflict>>,
@@ -96,10 +99,10 @@ pub struct Monitor {
     next_plan_end: f64,
     stats: Stats,
     changed_bodies: u64,
+    /// By level.
+    readings: Vec<Readings>,
     plain: Vec<Plain>,
-    contacts: Vec<Contact>,
-    released: Vec<Contact>,
-    passed: Vec<Contact>,
+    scratch: Scratch,
 }
 
 /// Layers and ignored pairs, by slot.
@@ -176,10 +179,9 @@ impl Monitor {
             next_plan_end: f64::INFINITY,
             stats: Stats::default(),
             changed_bodies: 0,
+            readings: levels.iter().map(|_| Readings::default()).collect(),
             plain: Vec::new(),
-            contacts: Vec::new(),
-            released: Vec::new(),
-            passed: Vec::new(),
+            scratch: Scratch::default(),
             scene,
         };
         monitor.lay_out()?;

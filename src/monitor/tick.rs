@@ -46,10 +46,7 @@ impl Monitor {
             });
         }
         let end = now + self.lookahead;
-        self.outlook.extend_beyond(end).map_err(|(slot, error)| {
-            let tag = self.scene.in_slot(slot).map_or(0, |(_, o)| o.body.tag);
-            error.in_body(tag)
-        })?;
+        self.outlook.extend_beyond(&self.scene, end)?;
         let mut meter = Meter::start(budget);
         self.stats = Stats {
             bodies: self.scene.len() as u64,
@@ -57,6 +54,7 @@ impl Monitor {
             ..Stats::default()
         };
         let known = self.outlook.catch_up(
+            &self.scene,
             (self.told, end),
             &Admission(&self.scene),
             &mut meter,
@@ -69,6 +67,7 @@ impl Monitor {
             known,
             least_change: self.least_change,
         };
+        self.read_new_pairs();
         let mut next_id = self.next_id;
         let first = events.len();
         for level in 0..self.levels.len() {

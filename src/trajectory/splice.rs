@@ -16,53 +16,76 @@ impl Trajectory {
     /// [`Error::NoPlanAt`] if `from` is not a time at which both plans exist, and the new one goes
     /// on from.
     pub fn spliced(&self, from: f64, plan: &Self) -> Result<Self, Error> {
-        let exists = |trajectory: &Self| from.is_finite() && trajectory.domain().contains(from);
-        let ahead = plan.knots.partition_point(|&knot| knot <= from);
-        let ends = ahead == plan.knots.len() && plan.outside == Outside::Absent;
-        if !exists(self) || !exists(plan) || ends {
-            return Err(Error::NoPlanAt { time: from });
-        }
-        // Flown: whole pieces, then the one that is cut. Beyond its knots a plan goes on along its
-        // carrier, which becomes a piece like any other.
-        let flown = self.knots.partition_point(|&knot| knot < from);
-        let mut knots = self.knots[..flown].to_vec();
-        let mut segments = self.segments[..flown.min(self.segments.len())].to_vec();
-        if flown > self.segments.len() {
-            segments.push(*self.after());
-        }
-        knots.push(from);
-        // To come: the piece of the new plan that holds at `from`, and the rest.
-        let mut coast = [*self.before(), plan.coast[1]];
-        let mut outside = plan.outside;
-        match ahead {
-            0 => segments.push(*plan.before()),
-            _ if ahead < plan.knots.len() => segments.push(plan.segments[ahead - 1]),
-            _ => {
-                // No knot left: the carrier goes on for ever, whatever its rule was called.
-                coast[1] = *plan.after();
-                outside = Outside::Coast;
-            }
-        }
-        knots.extend_from_slice(&plan.knots[ahead..]);
-        segments.extend_from_slice(&plan.segments[ahead.min(plan.segments.len())..]);
-        Ok(Self {
-            knots,
-            segments,
-            coast,
-            outside,
-        })
+        plan.clone().preceded_by(self, from, f64::NEG_INFINITY)
     }
 
     /// The same motion without the cubics that end before `time` (s): they are forgotten.
     /// At least one is kept.
     #[must_use]
     pub fn since(mut self, time: f64) -> Self {
-        let past = self.knots.partition_point(|&knot| knot < time);
-        let dropped = past
-            .saturating_sub(1)
-            .min(self.segments.len().saturating_sub(1));
+        let dropped = self.past(time);
         self.knots.drain(..dropped);
         self.segments.drain(..dropped);
         self
+    }
+
+    /// `flown` up to `from` (s), then this plan; of `flown` only what [`since`](Self::since) would
+    /// keep at `since`. In place: this plan's own memory is used.
+    ///
+    /// # Errors
+    ///
+    /// As [`spliced`](Self::spliced).
+    pub(crate) fn preceded_by(
+        mut self,
+        flown: &Self,
+        from: f64,
+        since: f64,
+    ) -> Result<Self, Error> {
+        let exists = |trajectory: &Self| from.is_finite() && trajectory.domain().contains(from);
+        let ahead = self.knots.partition_point(|&knot| knot <= from);
+        let ends = ahead == self.knots.len() && self.outside == Outside::Absent;
+        if !exists(flown) || !exists(&self) || ends {
+            return Err(Error::NoPlanAt { time: from });
+        }
+        // Flown: whole pieces, then the one that is cut. Beyond its knots a plan goes on along its
+        // carrier, which becomes a piece like any other.
+        let cut = flown.knots.partition_point(|&knot| knot < from);
+        // Not copied only to be dropped.
+        let dropped = flown.past(since.min(from)).min(cut);
+        let beyond = (cut > flown.segments.len()).then(|| *flown.after());
+        let flown_knots = flown.knots[dropped..cut].iter().copied();
+        let flown_segments = flown.segments[dropped..cut.min(flown.segments.len())].iter();
+        // To come: the piece of this plan that holds at `from`, and the rest.
+        let present = match ahead {
+            0 => *self.before(),
+            _ if ahead < self.knots.len() => self.segments[ahead - 1],
+            _ => {
+                // No knot left: the carrier goes on for ever, whatever its rule was called.
+                self.coast[1] = *self.after();
+                self.outside = Outside::Coast;
+                self.coast[1]
+            }
+        };
+        let goes_on = ahead < self.knots.len();
+        self.coast[0] = *flown.before();
+        let replaced = ahead.min(self.segments.len());
+        self.segments.splice(
+            ..replaced,
+            flown_segments
+                .copied()
+                .chain(beyond)
+                .chain(goes_on.then_some(present)),
+        );
+        self.knots
+            .splice(..ahead, flown_knots.chain(std::iter::once(from)));
+        Ok(self.since(since))
+    }
+
+    /// How many cubics end before `time`, but for the last one.
+    fn past(&self, time: f64) -> usize {
+        self.knots
+            .partition_point(|&knot| knot < time)
+            .saturating_sub(1)
+            .min(self.segments.len().saturating_sub(1))
     }
 }

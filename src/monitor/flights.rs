@@ -1,0 +1,136 @@
+//! Bodies as the outlook sees them, by slot: their plans as far as the lookahead reaches.
+
+use crate::bounds::Inflation;
+use crate::error::Error;
+use crate::hitbox::Hitbox;
+use crate::narrow_phase::Party;
+use crate::scene::Scene;
+use crate::trajectory::{Pieces, Trajectory};
+use crate::window::Window;
+
+/// What is worked out about a body's plan and hitbox once, when they are set.
+#[derive(Clone, Debug)]
+pub(super) struct Flight {
+    pub(super) inflation: Inflation,
+    /// Pieces beyond the knots, where the body exists there: they begin with the monitor's window
+    /// at the time the plan was set, so that their numbers stay as the window's end moves on.
+    beyond: Option<Pieces<'static>>,
+    begin: f64,
+}
+
+impl Flight {
+    /// What a plan means over `window`, for pairs within `margin` (m).
+    pub(super) fn of(
+        trajectory: &Trajectory,
+        hitbox: &Hitbox,
+        margin: f64,
+        window: Window,
+    ) -> Result<Self, Error> {
+        let has_end = trajectory.domain() != Window::ALL;
+        let beyond = if has_end {
+            None
+        } else {
+            Some(trajectory.pieces(window)?.into_owned())
+        };
+        Ok(Self {
+            inflation: Inflation::of(hitbox.spheres(), margin),
+            beyond,
+            begin: window.start(),
+        })
+    }
+
+    /// The plan and the hitbox it was made of, as the narrow phase takes them.
+    pub(super) fn party<'s>(&'s self, trajectory: &'s Trajectory, hitbox: &'s Hitbox) -> Party<'s> {
+        let (knots, segments) = match &self.beyond {
+            Some(pieces) => (&pieces.knots[..], &pieces.segments[..]),
+            None => (trajectory.knots(), trajectory.segments()),
+        };
+        Party {
+            knots,
+            segments,
+            spheres: hitbox.spheres(),
+            bounding: hitbox.bounding(),
+        }
+    }
+
+    /// Up to where the pieces reach of a body that exists for ever, s.
+    fn endless_until(&self) -> f64 {
+        match &self.beyond {
+            Some(pieces) => pieces.knots.last().copied().unwrap_or(f64::NEG_INFINITY),
+            None => f64::INFINITY,
+        }
+    }
+}
+
+/// By slot; a slot without a body has none.
+#[derive(Debug)]
+pub(super) struct Flights {
+    by_slot: Vec<Option<Flight>>,
+    /// No body that exists for ever is laid out less far than this, s.
+    endless_until: f64,
+}
+
+impl Default for Flights {
+    fn default() -> Self {
+        Self {
+            by_slot: Vec::new(),
+            endless_until: f64::INFINITY,
+        }
+    }
+}
+
+impl Flights {
+    /// One more than the last slot.
+    pub(super) fn len(&self) -> usize {
+        self.by_slot.len()
+    }
+
+    pub(super) fn set(&mut self, slot: u32, flight: Option<Flight>) {
+        let place = slot as usize;
+        if self.by_slot.len() <= place {
+            self.by_slot.resize(place + 1, None);
+        }
+        if let Some(flight) = &flight {
+            self.endless_until = self.endless_until.min(flight.endless_until());
+        }
+        self.by_slot[place] = flight;
+    }
+
+    /// The body in a slot.
+    pub(super) fn get<'s>(
+        &'s self,
+        scene: &'s Scene,
+        slot: u32,
+    ) -> Option<(&'s Flight, Party<'s>)> {
+        let flight = self.by_slot.get(slot as usize)?.as_ref()?;
+        let body = &scene.in_slot(slot)?.1.body;
+        Some((flight, flight.party(&body.trajectory, &body.hitbox)))
+    }
+
+    pub(super) fn party<'s>(&'s self, scene: &'s Scene, slot: u32) -> Option<Party<'s>> {
+        self.get(scene, slot).map(|(_, party)| party)
+    }
+
+    /// Extends plans that go on beyond their knots so that they reach `end` (s).
+    pub(super) fn extend_beyond(&mut self, scene: &Scene, end: f64) -> Result<(), Error> {
+        if self.endless_until >= end {
+            return Ok(());
+        }
+        let mut until = f64::INFINITY;
+        for (slot, flight) in (0..).zip(&mut self.by_slot) {
+            let (Some(flight), Some((_, occupant))) = (flight, scene.in_slot(slot)) else {
+                continue;
+            };
+            if flight.endless_until() < end {
+                let body = &occupant.body;
+                let window = Window::new(flight.begin, end)?;
+                let pieces = body.trajectory.pieces(window);
+                let pieces = pieces.map_err(|error| error.in_body(body.tag))?;
+                flight.beyond = Some(pieces.into_owned());
+            }
+            until = until.min(flight.endless_until());
+        }
+        self.endless_until = until;
+        Ok(())
+    }
+}

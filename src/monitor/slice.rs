@@ -1,0 +1,285 @@
+//! One slice of the lookahead: the boxes of all bodies in it, and what has not been compared yet.
+
+use super::boxes::Boxes;
+use super::finds::Key;
+use super::flights::{Flight, Flights};
+use crate::bounds::{Frame, Hull, Part};
+use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter, Sweep};
+use crate::narrow_phase::{Party, may_touch};
+use crate::scene::Scene;
+use crate::spans::{Span, spans};
+use crate::stats::Stats;
+use std::time::Instant;
+
+/// What a slice needs to know of the bodies.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bodies<'m> {
+    pub(super) scene: &'m Scene,
+    pub(super) flights: &'m Flights,
+    pub(super) frame: &'m Frame,
+    /// Pairs within this are looked for, m.
+    pub(super) margin: f64,
+}
+
+/// See the module.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Slice {
+    /// Place on the monitor's grid of time.
+    pub(super) index: i64,
+    interval: (f64, f64),
+    boxes: Boxes,
+    /// All boxes are there and were compared with each other, but for the changed bodies'.
+    built: bool,
+    /// Not built yet: slots below this have their boxes in `listed`.
+    prepared: usize,
+    /// Bodies that changed since they were boxed.
+    changed: Vec<u32>,
+    is_changed: Vec<bool>,
+    listed: Vec<BodyBox>,
+    candidates: Vec<Candidate>,
+    sweep: Sweep,
+    /// What the last refresh found.
+    pub(super) survivors: Vec<(Key, Span)>,
+    pub(super) stats: Stats,
+}
+
+impl Slice {
+    /// Sweeping over all boxes costs as much as asking for what meets the boxes of this share of
+    /// the bodies (measured with 10,000 bodies; the sweep's share falls slowly with their number).
+    const FEW_CHANGED: usize = 16;
+
+    /// An empty slice in this one's memory.
+    pub(super) fn begin(&mut self, index: i64, interval: (f64, f64)) {
+        self.index = index;
+        self.interval = interval;
+        self.built = false;
+        self.prepared = 0;
+        self.listed.clear();
+        self.forget_changes();
+    }
+
+    /// Whether all is compared.
+    pub(super) fn is_fresh(&self) -> bool {
+        self.built && self.changed.is_empty()
+    }
+
+    /// Notes that bodies have changed; each slot once.
+    pub(super) fn note(&mut self, slots: &[u32]) {
+        for &slot in slots {
+            let place = slot as usize;
+            // Not boxed yet.
+            if !self.built && place >= self.prepared {
+                continue;
+            }
+            if self.is_changed.len() <= place {
+                self.is_changed.resize(place + 1, false);
+            }
+            if !std::mem::replace(&mut self.is_changed[place], true) {
+                self.changed.push(slot);
+            }
+        }
+    }
+
+    fn forget_changes(&mut self) {
+        for slot in self.changed.drain(..) {
+            self.is_changed[slot as usize] = false;
+        }
+    }
+
+    /// Forms boxes of a slice that is not needed yet, up to `share` (0 to 1) of them; returns how
+    /// many.
+    pub(super) fn prepare(&mut self, bodies: &Bodies<'_>, share: f64) -> usize {
+        let count = bodies.flights.len();
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            clippy::cast_precision_loss,
+            reason = "a share of a number of slots"
+        )]
+        let until = ((count as f64 * share).ceil() as usize).min(count);
+        let first = self.prepared;
+        if self.built || until <= first {
+            return 0;
+        }
+        let slots = first..until;
+        let (interval, listed) = (self.interval, &mut self.listed);
+        listed.extend(slots.filter_map(|slot| {
+            let slot = u32::try_from(slot).ok()?;
+            bodies.boxed(slot, interval)
+        }));
+        self.prepared = until;
+        until - first
+    }
+
+    /// Compares what has not been compared. Afterwards `survivors` and `stats` are those of this
+    /// refresh; returns the work done.
+    pub(super) fn refresh<F: PairFilter>(&mut self, bodies: &Bodies<'_>, filter: &F) -> usize {
+        let begin = Instant::now();
+        self.stats = Stats::default();
+        self.candidates.clear();
+        self.survivors.clear();
+        let boxes = if self.built {
+            self.compare_changed(bodies, filter)
+        } else {
+            self.build(bodies, filter)
+        };
+        self.built = true;
+        self.forget_changes();
+        self.stats.boxes = boxes as u64;
+        self.stats.candidates = self.candidates.len() as u64;
+        let found = Instant::now();
+        self.stats.broad_time = found - begin;
+        self.sift(bodies);
+        self.stats.narrow_time = found.elapsed();
+        // A slice without a body is work as well: a budget of counted work stops at one place only.
+        1 + boxes + self.candidates.len()
+    }
+
+    /// All boxes, all pairs.
+    fn build<F: PairFilter>(&mut self, bodies: &Bodies<'_>, filter: &F) -> usize {
+        self.prepare(bodies, 1.0);
+        self.boxes.build(&self.listed);
+        if !self.changed.is_empty() {
+            self.box_changed(bodies);
+            self.list_all();
+        }
+        self.sweep.pairs(&self.listed, filter, &mut self.candidates);
+        self.stats.slices = 1;
+        self.listed.len()
+    }
+
+    /// Changed bodies against all.
+    fn compare_changed<F: PairFilter>(&mut self, bodies: &Bodies<'_>, filter: &F) -> usize {
+        let changed = self.changed.len();
+        self.box_changed(bodies);
+        if changed > self.boxes.len() / Self::FEW_CHANGED {
+            self.list_all();
+            let filter = Concerns {
+                is_changed: &self.is_changed,
+                filter,
+            };
+            self.sweep
+                .pairs(&self.listed, &filter, &mut self.candidates);
+        } else {
+            for moved in &self.listed {
+                self.boxes.meeting(&moved.aabb, |other| {
+                    let pair = (moved.body.min(other), moved.body.max(other));
+                    if other != moved.body && filter.admits(pair.0, pair.1) {
+                        self.candidates.push(Candidate::new(pair.0, pair.1));
+                    }
+                });
+            }
+        }
+        changed
+    }
+
+    /// Sets the boxes of the changed bodies, and lists these.
+    fn box_changed(&mut self, bodies: &Bodies<'_>) {
+        self.listed.clear();
+        for &slot in &self.changed {
+            let moved = bodies.boxed(slot, self.interval);
+            self.boxes
+                .set(slot, moved.as_ref().map(|moved| &moved.aabb));
+            self.listed.extend(moved);
+        }
+    }
+
+    fn list_all(&mut self) {
+        self.listed.clear();
+        self.boxes.list(&mut self.listed);
+    }
+
+    /// Keeps the spans of the candidates that cheap tests cannot rule out.
+    fn sift(&mut self, bodies: &Bodies<'_>) {
+        for candidate in &self.candidates {
+            let parties = [candidate.a, candidate.b].map(|slot| bodies.party(slot));
+            let [Some(a), Some(b)] = parties else {
+                continue;
+            };
+            for span in spans(a.knots, b.knots, self.interval.0, self.interval.1) {
+                self.stats.spans += 1;
+                if may_touch(&a, &b, span, bodies.margin, self.interval) {
+                    let key = Key {
+                        a: candidate.a,
+                        b: candidate.b,
+                        span_a: span.a,
+                        span_b: span.b,
+                    };
+                    self.survivors.push((key, span));
+                }
+            }
+        }
+    }
+
+    /// Bodies that a body's box over the slice may meet.
+    pub(super) fn near(
+        &self,
+        (flight, party): (&Flight, &Party<'_>),
+        frame: &Frame,
+        near: &mut Vec<u32>,
+    ) {
+        if let Some(boxed) = box_of(flight, party, 0, self.interval, frame) {
+            self.boxes.meeting(&boxed.aabb, |other| near.push(other));
+            near.extend_from_slice(&self.changed);
+        }
+    }
+
+    /// Whether the slice has all bodies' boxes, and a time in common with an interval.
+    pub(super) fn covers_some_of(&self, (from, to): (f64, f64)) -> bool {
+        self.built && self.interval.0 <= to && self.interval.1 >= from
+    }
+}
+
+impl<'m> Bodies<'m> {
+    pub(super) fn party(&self, slot: u32) -> Option<Party<'m>> {
+        self.flights.party(self.scene, slot)
+    }
+
+    fn boxed(&self, slot: u32, interval: (f64, f64)) -> Option<BodyBox> {
+        let (flight, party) = self.flights.get(self.scene, slot)?;
+        box_of(flight, &party, slot, interval, self.frame)
+    }
+}
+
+/// Wants pairs with a changed body.
+struct Concerns<'f, F> {
+    is_changed: &'f [bool],
+    filter: &'f F,
+}
+
+impl<F: PairFilter> PairFilter for Concerns<'_, F> {
+    fn admits(&self, a: u32, b: u32) -> bool {
+        let is_changed = |slot: u32| self.is_changed.get(slot as usize) == Some(&true);
+        (is_changed(a) || is_changed(b)) && self.filter.admits(a, b)
+    }
+}
+
+/// A body's box over an interval, if it exists in it.
+fn box_of(
+    flight: &Flight,
+    party: &Party<'_>,
+    body: u32,
+    (from, to): (f64, f64),
+    frame: &Frame,
+) -> Option<BodyBox> {
+    let (&first, &last) = (party.knots.first()?, party.knots.last()?);
+    if first > to || last < from {
+        return None;
+    }
+    let mut hull = Hull::EMPTY;
+    let begin = party.knots.partition_point(|&knot| knot < from).max(1) - 1;
+    for (ends, segment) in party.knots[begin..]
+        .windows(2)
+        .zip(&party.segments[begin..])
+    {
+        if ends[0] > to {
+            break;
+        }
+        let part = (ends[0].max(from), ends[1].min(to));
+        hull.include(&Part::of(segment, part, frame));
+    }
+    Some(BodyBox {
+        aabb: hull.inflated(&flight.inflation, frame),
+        body,
+    })
+}
