@@ -91,6 +91,8 @@ mod window;
 pub use accuracy::{Accuracy, Certificate, TimeEnclosure};
 pub use broad_phase::Method;
 pub use conflict::{Clip, ClosestApproach, Conflict};
+#[cfg(feature = "live")]
+pub use crossbeam_channel;
 pub use error::{Error, LARGEST_MAGNITUDE, Quantity};
 pub use glam;
 pub use hitbox::{Hitbox, Sphere};
@@ -99,6 +101,10 @@ pub use layers::Layers;
 pub use monitor::{
     AlertLevel, Budget, Command, Encounter, EncounterId, EndReason, Event, EventKind, LeastChange,
     Monitor,
+};
+#[cfg(feature = "live")]
+pub use monitor::{
+    Counts, Handle, Live, LiveOptions, Order, Panicked, Report, Stopped, Ticket, Unsent,
 };
 pub use query::Query;
 pub use scene::{Body, Scene};

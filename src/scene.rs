@@ -307,6 +307,11 @@ impl Scene {
         })
     }
 
+    /// How many slots there are, free ones included.
+    pub(crate) fn slots(&self) -> usize {
+        self.slots.len()
+    }
+
     /// The body in a slot, if there is one.
     pub(crate) fn in_slot(&self, slot: u32) -> Option<(BodyId, &Occupant)> {
         let place = self.slots.get(slot as usize)?;

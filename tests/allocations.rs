@@ -49,7 +49,7 @@ fn circling(index: u32, rng: &mut rand_chacha::ChaCha8Rng) -> Trajectory {
     const PERIOD: f64 = 10.0;
     let middle = support::vector(rng, 12.0);
     let (across, along) = (support::vector(rng, 10.0), support::vector(rng, 10.0));
-    let states: Vec<State> = (0..=12 * 8)
+    let states: Vec<State> = (0..=12 * 14)
         .map(|knot| {
             let time = f64::from(knot) * PERIOD / 12.0;
             let pace = std::f64::consts::TAU / PERIOD;
@@ -97,9 +97,9 @@ fn a_tick_with_unchanged_plans_allocates_nothing() {
         monitor.advance(now, events).unwrap();
         events.len()
     };
-    // The slices of the lookahead, 1.25 s each and six in use, are back at the same bodies' places
-    // after 30 s.
-    for _ in 0..50 * 60 {
+    // Up to seven slices of 1.25 s are in use, each with its own buffers: after 70 s all of them
+    // have held every part of the round.
+    for _ in 0..100 * 60 {
         tick(&mut monitor, &mut events);
     }
     let before = allocations();

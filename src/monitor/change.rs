@@ -177,14 +177,22 @@ impl Monitor {
         Ok(Some(flight.map_err(|error| error.in_body(body.tag))?))
     }
 
-    /// Prepares all bodies anew, as when the monitor was made.
+    /// Prepares all bodies for an outlook that knows none yet.
     pub(super) fn lay_out(&mut self) -> Result<(), Error> {
         let bodies = self.scene.bodies();
         let flights = bodies.map(|(id, body)| Ok((id, self.flight_of(body)?)));
         for (id, flight) in flights.collect::<Result<Vec<_>, Error>>()? {
-            self.place(id, Some(flight));
+            self.outlook.set(id.slot, Some(flight));
         }
         Ok(())
+    }
+
+    /// The same monitor with all that can be worked out again worked out from the scene.
+    #[cfg(feature = "live")]
+    pub(super) fn repaired(mut self) -> Result<Self, Error> {
+        self.outlook = self.outlook.renewed();
+        self.lay_out()?;
+        Ok(self)
     }
 
     fn place(&mut self, id: BodyId, flight: Option<Flight>) {

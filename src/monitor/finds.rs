@@ -103,10 +103,10 @@ impl Finds {
         count
     }
 
-    /// Brings the list of pairs up to date.
-    pub(super) fn list_pairs(&mut self) {
+    /// Brings the list of pairs up to date; whether it has changed.
+    pub(super) fn list_pairs(&mut self) -> bool {
         if !self.is_stale {
-            return;
+            return false;
         }
         self.is_stale = false;
         self.pairs.clear();
@@ -123,6 +123,7 @@ impl Finds {
             });
             first = end;
         }
+        true
     }
 
     /// All pairs, sorted.

@@ -13,6 +13,8 @@ mod event;
 mod finds;
 mod flights;
 mod foresight;
+#[cfg(feature = "live")]
+mod live;
 mod outlook;
 mod read;
 mod slice;
@@ -22,6 +24,10 @@ pub use budget::Budget;
 pub use command::Command;
 pub use encounters::LeastChange;
 pub use event::{Encounter, EncounterId, EndReason, Event, EventKind};
+#[cfg(feature = "live")]
+pub use live::{
+    Counts, Handle, Live, LiveOptions, Order, Panicked, Report, Stopped, Ticket, Unsent,
+};
 
 use crate::bounds::{Extremes, Frame};
 use crate::broad_phase::PairFilter;
@@ -175,8 +181,8 @@ impl Monitor {
             least_change: LeastChange::default(),
             next_id: 0,
             waiting: Vec::new(),
-            end_told: Vec::new(),
-            next_plan_end: f64::INFINITY,
+            end_told: vec![false; scene.slots()],
+            next_plan_end: f64::NEG_INFINITY,
             stats: Stats::default(),
             changed_bodies: 0,
             readings: levels.iter().map(|_| Readings::default()).collect(),
@@ -214,6 +220,12 @@ impl Monitor {
     #[must_use]
     pub const fn certified_until(&self) -> f64 {
         self.known
+    }
+
+    /// Whether all of the lookahead is known.
+    #[must_use]
+    pub fn is_caught_up(&self) -> bool {
+        self.known >= self.now + self.lookahead
     }
 
     /// All conflicts of a level from now to [`certified_until`](Self::certified_until), as of the

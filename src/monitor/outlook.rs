@@ -56,6 +56,12 @@ impl Outlook {
         }
     }
 
+    /// One with the same grid and frame that knows no body.
+    #[cfg(feature = "live")]
+    pub(super) fn renewed(&self) -> Self {
+        Self::new(self.margin, self.frame, self.origin, self.length)
+    }
+
     pub(super) const fn margin(&self) -> f64 {
         self.margin
     }
@@ -194,9 +200,9 @@ impl Outlook {
         }
     }
 
-    /// Pairs that may have contacts, as they are now.
-    pub(super) fn list_pairs(&mut self) {
-        self.finds.list_pairs();
+    /// Brings the list of pairs that may have contacts up to date; whether it has changed.
+    pub(super) fn list_pairs(&mut self) -> bool {
+        self.finds.list_pairs()
     }
 
     pub(super) const fn finds(&self) -> &Finds {

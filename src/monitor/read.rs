@@ -65,7 +65,9 @@ impl Place {
 impl Monitor {
     /// Reads the pairs to which spans were added.
     pub(super) fn read_new_pairs(&mut self) {
-        self.outlook.list_pairs();
+        if !self.outlook.list_pairs() {
+            return;
+        }
         let source = Source {
             outlook: &self.outlook,
             scene: &self.scene,

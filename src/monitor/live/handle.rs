@@ -1,0 +1,197 @@
+//! The sending side of a live monitor.
+
+#![allow(
+    clippy::result_large_err,
+    reason = "an order that is not sent is handed back as it is, without an allocation"
+)]
+
+use super::order::Order;
+use crossbeam_channel::{Sender, TrySendError};
+use std::fmt;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, PoisonError, RwLock};
+
+/// Names one order: reports about it carry the same ticket.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Ticket(pub(super) u64);
+
+/// An order that was not sent, handed back.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Unsent {
+    /// As many orders wait as may: try again later, or leave it.
+    Busy(Order),
+    /// The monitor was shut down, or panicked.
+    Closed(Order),
+}
+
+impl Unsent {
+    /// The order.
+    #[must_use]
+    pub fn into_order(self) -> Order {
+        match self {
+            Self::Busy(order) | Self::Closed(order) => order,
+        }
+    }
+}
+
+impl fmt::Display for Unsent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Busy(_) => write!(f, "the live monitor has as many orders as may wait"),
+            Self::Closed(_) => write!(f, "the live monitor has stopped"),
+        }
+    }
+}
+
+impl std::error::Error for Unsent {}
+
+/// How many orders came to what end.
+///
+/// `sent = applied + superseded + refused + waiting`, and nothing waits after a shutdown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Accepted by [`Handle::send`].
+    pub sent: u64,
+    /// Taken effect.
+    pub applied: u64,
+    /// Left out because a later order replaces it.
+    pub superseded: u64,
+    /// Refused with an error, or not applied before the shutdown.
+    pub refused: u64,
+}
+
+/// What the thread and the handles share.
+#[derive(Debug)]
+pub(super) struct Shared {
+    now: AtomicU64,
+    certified_until: AtomicU64,
+    sent: AtomicU64,
+    applied: AtomicU64,
+    superseded: AtomicU64,
+    refused: AtomicU64,
+    tickets: AtomicU64,
+    /// Taken for writing once, at the end: after it no order slips into a queue nobody reads.
+    closed: RwLock<bool>,
+}
+
+impl Shared {
+    pub(super) fn publish(&self, now: f64, certified_until: f64) {
+        self.now.store(now.to_bits(), Ordering::Release);
+        self.certified_until
+            .store(certified_until.to_bits(), Ordering::Release);
+    }
+
+    pub(super) fn applied(&self) {
+        self.applied.fetch_add(1, Ordering::Relaxed);
+    }
+
+    pub(super) fn superseded(&self, count: u64) {
+        self.superseded.fetch_add(count, Ordering::Relaxed);
+    }
+
+    pub(super) fn refused(&self, count: u64) {
+        self.refused.fetch_add(count, Ordering::Relaxed);
+    }
+
+    pub(super) fn close(&self) {
+        *self.closed.write().unwrap_or_else(PoisonError::into_inner) = true;
+    }
+}
+
+/// Sends orders to a live monitor. Cheap to clone; usable from any thread.
+#[derive(Clone, Debug)]
+pub struct Handle {
+    orders: Sender<(Ticket, Order)>,
+    shared: Arc<Shared>,
+}
+
+impl Handle {
+    pub(super) fn new(orders: Sender<(Ticket, Order)>, now: f64, certified_until: f64) -> Self {
+        Self {
+            orders,
+            shared: Arc::new(Shared {
+                now: AtomicU64::new(now.to_bits()),
+                certified_until: AtomicU64::new(certified_until.to_bits()),
+                sent: AtomicU64::new(0),
+                applied: AtomicU64::new(0),
+                superseded: AtomicU64::new(0),
+                refused: AtomicU64::new(0),
+                tickets: AtomicU64::new(0),
+                closed: RwLock::new(false),
+            }),
+        }
+    }
+
+    pub(super) const fn shared(&self) -> &Arc<Shared> {
+        &self.shared
+    }
+
+    /// Sends one change, a batch, or a clock order. Never blocks.
+    ///
+    /// # Errors
+    ///
+    /// [`Unsent`], with the order.
+    pub fn send(&self, order: impl Into<Order>) -> Result<Ticket, Unsent> {
+        let order = order.into();
+        let closed = self.shared.closed.read();
+        let closed = closed.unwrap_or_else(PoisonError::into_inner);
+        if *closed {
+            return Err(Unsent::Closed(order));
+        }
+        // Still held: the thread does not empty the queue for the last time before this is in it.
+        self.try_send(order)
+    }
+
+    /// Moves the clock to `now` (s). Never blocks.
+    ///
+    /// # Errors
+    ///
+    /// As [`send`](Self::send).
+    pub fn advance(&self, now: f64) -> Result<Ticket, Unsent> {
+        self.send(Order::Clock(now))
+    }
+
+    fn try_send(&self, order: Order) -> Result<Ticket, Unsent> {
+        let ticket = Ticket(self.shared.tickets.fetch_add(1, Ordering::Relaxed));
+        // Counted before it can be applied, so that the sum is never short.
+        self.shared.sent.fetch_add(1, Ordering::Relaxed);
+        match self.orders.try_send((ticket, order)) {
+            Ok(()) => Ok(ticket),
+            Err(error) => {
+                self.shared.sent.fetch_sub(1, Ordering::Relaxed);
+                Err(match error {
+                    TrySendError::Full((_, order)) => Unsent::Busy(order),
+                    TrySendError::Disconnected((_, order)) => Unsent::Closed(order),
+                })
+            }
+        }
+    }
+
+    /// The monitor's clock, s.
+    #[must_use]
+    pub fn now(&self) -> f64 {
+        f64::from_bits(self.shared.now.load(Ordering::Acquire))
+    }
+
+    /// Before this nothing is missing, s, and all events up to the clock have been reported or wait
+    /// to be read.
+    #[must_use]
+    pub fn certified_until(&self) -> f64 {
+        f64::from_bits(self.shared.certified_until.load(Ordering::Acquire))
+    }
+
+    /// What has become of the orders so far.
+    #[must_use]
+    pub fn counts(&self) -> Counts {
+        // The ends before the beginning: what is added in between makes `sent` larger, not smaller.
+        let applied = self.shared.applied.load(Ordering::Acquire);
+        let superseded = self.shared.superseded.load(Ordering::Acquire);
+        let refused = self.shared.refused.load(Ordering::Acquire);
+        Counts {
+            sent: self.shared.sent.load(Ordering::Acquire),
+            applied,
+            superseded,
+            refused,
+        }
+    }
+}

@@ -1,0 +1,254 @@
+//! A monitor on a thread of its own: orders go in, reports come out, nobody blocks the game.
+//!
+//! # Contract
+//!
+//! - Both queues are bounded. When the one for orders is full, [`Handle::send`] returns
+//!   [`Unsent::Busy`] with the order handed back: it never blocks and never drops.
+//! - Between two clock orders the latest plan for a body wins: a plan that a later one replaces
+//!   altogether (see [`Order`]) is superseded without being tried. Clock orders merge only where
+//!   nothing lies between them. Batches are never taken apart, and nothing is merged across them.
+//! - Every order sent is in the end applied, superseded or refused: [`Counts`] adds up.
+//! - Reports come in order, and none is dropped. A reader that stalls stalls the monitor, not the
+//!   senders: [`Handle::certified_until`] then stands still.
+//! - A tick works within [`LiveOptions::budget`] at a time; what is left is caught up while no
+//!   orders wait.
+//! - [`Live::shutdown`] returns in under 100 ms (one budget and one order's work) with the monitor,
+//!   every report that was not read and every order that was not applied. A panic inside the
+//!   thread comes back as an error, with the monitor as the last whole order left it.
+
+mod handle;
+mod order;
+mod worker;
+
+pub use handle::{Counts, Handle, Ticket, Unsent};
+pub use order::Order;
+
+use super::{Event, Monitor};
+use crate::error::Error;
+use crate::id::BodyId;
+use crossbeam_channel::{Receiver, Sender, bounded};
+use std::fmt;
+use std::io;
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::Duration;
+use worker::{Outcome, Worker};
+
+/// How a live monitor runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LiveOptions {
+    /// Orders that may wait; at least 1.
+    pub orders: usize,
+    /// Reports that may wait; at least 1.
+    pub reports: usize,
+    /// How long the monitor works at a stretch before it looks for orders again.
+    pub budget: Duration,
+}
+
+impl Default for LiveOptions {
+    /// 4,096 orders, 4,096 reports, 10 ms.
+    fn default() -> Self {
+        Self {
+            orders: 4_096,
+            reports: 4_096,
+            budget: Duration::from_millis(10),
+        }
+    }
+}
+
+/// What comes out of a live monitor.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Report {
+    /// Something happened.
+    Event(Event),
+    /// The clock was moved, or more was caught up; all events of it have come before this.
+    Ticked {
+        /// The clock, s.
+        now: f64,
+        /// Before this nothing is missing, s.
+        certified_until: f64,
+    },
+    /// An order put bodies into the scene.
+    Inserted {
+        /// The order.
+        ticket: Ticket,
+        /// The bodies' ids, in the order in which they were given.
+        ids: Vec<BodyId>,
+    },
+    /// An order was refused, and changed nothing.
+    Refused {
+        /// The order.
+        ticket: Ticket,
+        /// Why.
+        error: Error,
+    },
+}
+
+/// A monitor at work on its own thread. Dropping it stops the thread.
+///
+/// ```
+/// use nearmiss::glam::DVec3;
+/// use nearmiss::{
+///     AlertLevel, Body, Command, Hitbox, LiveOptions, Monitor, Report, Scene, Trajectory,
+/// };
+///
+/// let monitor = Monitor::new(Scene::new(), 0.0, 10.0, &[AlertLevel::at(2.0)])?;
+/// let live = monitor.spawn(LiveOptions::default())?;
+/// let game = live.handle();
+/// game.send(Command::Insert(Body::new(Trajectory::at_rest(DVec3::ZERO)?)))?;
+/// game.advance(0.5)?;
+/// while !matches!(live.reports().recv()?, Report::Ticked { now, .. } if now == 0.5) {}
+/// let stopped = live.shutdown()?;
+/// assert_eq!(stopped.monitor.scene().len(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Live {
+    handle: Handle,
+    reports: Receiver<Report>,
+    /// Dropped to stop the thread.
+    stop: Option<Sender<()>>,
+    thread: Option<JoinHandle<Box<Outcome>>>,
+}
+
+/// What a live monitor leaves.
+#[derive(Debug)]
+pub struct Stopped {
+    /// As the last order left it.
+    pub monitor: Monitor,
+    /// Reports that nobody has read, in order.
+    pub reports: Vec<Report>,
+    /// Orders that were not applied, in order; counted as refused.
+    pub unapplied: Vec<(Ticket, Order)>,
+    /// All orders, by what became of them.
+    pub counts: Counts,
+}
+
+/// The thread panicked.
+#[derive(Debug)]
+pub struct Panicked {
+    /// What the panic said.
+    pub message: String,
+    /// The monitor as the last whole order left it; none if even that cannot be made of it.
+    pub monitor: Option<Box<Monitor>>,
+    /// As in [`Stopped`].
+    pub reports: Vec<Report>,
+    /// As in [`Stopped`]; the order that panicked is counted as refused, and not among these.
+    pub unapplied: Vec<(Ticket, Order)>,
+    /// As in [`Stopped`].
+    pub counts: Counts,
+}
+
+impl fmt::Display for Panicked {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "the monitor's thread panicked: {}", self.message)
+    }
+}
+
+impl std::error::Error for Panicked {}
+
+impl Monitor {
+    /// Goes on on a thread of its own.
+    ///
+    /// # Errors
+    ///
+    /// If the system gives no thread.
+    pub fn spawn(self, options: LiveOptions) -> io::Result<Live> {
+        let (orders_in, orders) = bounded(options.orders.max(1));
+        let (reports_in, reports) = bounded(options.reports.max(1));
+        let (stop, stopped) = bounded(0);
+        let handle = Handle::new(orders_in, self.now(), self.certified_until());
+        let worker = Worker::new(
+            self,
+            (orders, reports_in, stopped),
+            Arc::clone(handle.shared()),
+            options,
+        );
+        let thread = std::thread::Builder::new()
+            .name("nearmiss".to_owned())
+            .spawn(move || Box::new(worker.run()))?;
+        Ok(Live {
+            handle,
+            reports,
+            stop: Some(stop),
+            thread: Some(thread),
+        })
+    }
+}
+
+impl Live {
+    /// A handle to send orders with; cheap to clone, usable from any thread.
+    #[must_use]
+    pub fn handle(&self) -> Handle {
+        self.handle.clone()
+    }
+
+    /// Where reports come out, also in a `select!`. Clones share the reports: each goes to one.
+    #[must_use]
+    pub const fn reports(&self) -> &Receiver<Report> {
+        &self.reports
+    }
+
+    /// Stops the thread and takes back all there is.
+    ///
+    /// # Errors
+    ///
+    /// [`Panicked`], if the thread did.
+    pub fn shutdown(mut self) -> Result<Stopped, Box<Panicked>> {
+        let outcome = self.join();
+        let mut reports: Vec<Report> = self.reports.try_iter().collect();
+        let counts = self.handle.counts();
+        match outcome {
+            Outcome::Stopped {
+                monitor,
+                undelivered,
+                unapplied,
+            } => {
+                reports.extend(undelivered);
+                Ok(Stopped {
+                    monitor: *monitor,
+                    reports,
+                    unapplied,
+                    counts,
+                })
+            }
+            Outcome::Panicked {
+                message,
+                monitor,
+                undelivered,
+                unapplied,
+            } => {
+                reports.extend(undelivered);
+                Err(Box::new(Panicked {
+                    message,
+                    monitor,
+                    reports,
+                    unapplied,
+                    counts,
+                }))
+            }
+        }
+    }
+
+    fn join(&mut self) -> Outcome {
+        self.stop = None;
+        match self.thread.take().map(JoinHandle::join) {
+            Some(Ok(outcome)) => *outcome,
+            // The worker catches its own panics; this is one while it was cleaning up.
+            Some(Err(payload)) => Outcome::lost(worker::message_of(payload.as_ref())),
+            None => Outcome::lost("it was joined before".to_owned()),
+        }
+    }
+}
+
+impl Drop for Live {
+    fn drop(&mut self) {
+        if self.thread.is_some() {
+            drop(self.join());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

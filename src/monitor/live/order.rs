@@ -1,0 +1,131 @@
+//! What is sent to a live monitor, and how it waits there.
+
+use super::handle::Ticket;
+use crate::id::BodyId;
+use crate::monitor::Command;
+use std::collections::{BTreeMap, VecDeque};
+
+/// What is sent to a live monitor.
+///
+/// A plan replaces an earlier one of the same body altogether if it is
+/// [`Command::SetTrajectory`], or if both are [`Command::Replan`] and the later one begins no
+/// later than the earlier.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "nearly all orders are changes; a box for each would cost more than the room"
+)]
+#[non_exhaustive]
+pub enum Order {
+    /// One change.
+    Change(Command),
+    /// Several changes that take effect together, or not at all.
+    Batch(Vec<Command>),
+    /// The clock moves on to this time, s.
+    Clock(f64),
+    /// Panics, to see what becomes of it.
+    #[cfg(test)]
+    Panic,
+}
+
+impl From<Command> for Order {
+    fn from(command: Command) -> Self {
+        Self::Change(command)
+    }
+}
+
+impl From<Vec<Command>> for Order {
+    fn from(commands: Vec<Command>) -> Self {
+        Self::Batch(commands)
+    }
+}
+
+/// The plan of a body that an order sets.
+fn plan_of(order: &Order) -> Option<BodyId> {
+    match order {
+        Order::Change(
+            Command::SetTrajectory(id, _) | Command::Replan(id, ..) | Command::Extend(id, _),
+        ) => Some(*id),
+        _ => None,
+    }
+}
+
+/// Whether the later of two plans for one body leaves nothing of the earlier.
+fn replaces(later: &Order, earlier: &Order) -> bool {
+    match (later, earlier) {
+        (Order::Change(Command::SetTrajectory(..)), _) => true,
+        (
+            Order::Change(Command::Replan(_, from, _)),
+            Order::Change(Command::Replan(_, earlier_from, _)),
+        ) => from <= earlier_from,
+        _ => false,
+    }
+}
+
+/// Orders received and not yet applied, superseded ones taken out.
+#[derive(Debug, Default)]
+pub(super) struct Waiting {
+    orders: VecDeque<Option<(Ticket, Order)>>,
+    /// How many have been taken from the front: the number of the first in `orders`.
+    taken: usize,
+    /// Numbers of the plans of each body since the last clock order or batch.
+    plans: BTreeMap<BodyId, Vec<usize>>,
+}
+
+impl Waiting {
+    /// How much room the orders take, superseded ones included.
+    pub(super) fn len(&self) -> usize {
+        self.orders.len()
+    }
+
+    /// Adds an order; returns how many were superseded by it.
+    pub(super) fn push(&mut self, ticket: Ticket, order: Order) -> u64 {
+        let mut superseded = 0;
+        match (&order, plan_of(&order)) {
+            (_, Some(body)) => {
+                let plans = self.plans.entry(body).or_default();
+                let (orders, taken) = (&mut self.orders, self.taken);
+                plans.retain(|&number| {
+                    let waiting = number
+                        .checked_sub(taken)
+                        .and_then(|index| orders.get_mut(index));
+                    let Some(waiting) = waiting else { return false };
+                    let gone = waiting
+                        .as_ref()
+                        .is_some_and(|(_, earlier)| replaces(&order, earlier));
+                    if gone {
+                        *waiting = None;
+                        superseded += 1;
+                    }
+                    !gone
+                });
+                plans.push(self.taken + self.orders.len());
+            }
+            (Order::Clock(time), _) => {
+                if let Some(Some((_, Order::Clock(before)))) = self.orders.back()
+                    && before <= time
+                {
+                    self.orders.pop_back();
+                    superseded += 1;
+                }
+                self.plans.clear();
+            }
+            (Order::Batch(_), _) => self.plans.clear(),
+            _ => {}
+        }
+        self.orders.push_back(Some((ticket, order)));
+        superseded
+    }
+
+    /// The next order.
+    pub(super) fn pop(&mut self) -> Option<(Ticket, Order)> {
+        while let Some(next) = self.orders.pop_front() {
+            self.taken += 1;
+            if next.is_some() {
+                return next;
+            }
+        }
+        self.plans.clear();
+        None
+    }
+}

@@ -1,0 +1,110 @@
+//! What needs the inside: a panic, and how orders wait.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "times are handed on unchanged; a monitor that cannot be built fails the test"
+)]
+
+use super::order::Waiting;
+use super::*;
+use crate::layers::Layers;
+use crate::monitor::{AlertLevel, Command, EndReason, EventKind};
+use crate::scene::{Body, Scene};
+use crate::trajectory::Trajectory;
+use glam::DVec3;
+
+fn rest(x: f64) -> Trajectory {
+    Trajectory::at_rest(DVec3::new(x, 0.0, 0.0)).unwrap()
+}
+
+/// Two bodies 1 m apart, watched at 2 m.
+fn monitor() -> (Monitor, [BodyId; 2]) {
+    let mut scene = Scene::new();
+    let ids = [0.0, 1.0].map(|x| scene.insert(Body::new(rest(x))).unwrap());
+    (
+        Monitor::new(scene, 0.0, 10.0, &[AlertLevel::at(2.0)]).unwrap(),
+        ids,
+    )
+}
+
+#[test]
+fn a_panic_comes_back_with_the_monitor() {
+    let (monitor, [a, _]) = monitor();
+    let live = monitor.spawn(LiveOptions::default()).unwrap();
+    let handle = live.handle();
+    handle.advance(1.0).unwrap();
+    handle.send(Order::Panic).unwrap();
+    // The reports end where the thread does.
+    let seen: Vec<Report> = live.reports().iter().collect();
+    assert!(matches!(seen[0], Report::Event(event) if matches!(event.kind, EventKind::Began(_))));
+    assert!(matches!(handle.advance(2.0), Err(Unsent::Closed(Order::Clock(time))) if time == 2.0));
+    let panicked = live.shutdown().unwrap_err();
+    assert_eq!(panicked.message, "ordered to");
+    let counts = panicked.counts;
+    assert_eq!((counts.sent, counts.applied, counts.refused), (2, 1, 1));
+    // It goes on where it was: the encounter that began is known and ends once.
+    let mut monitor = *panicked.monitor.unwrap();
+    assert_eq!(monitor.now(), 1.0);
+    monitor.remove(a).unwrap();
+    let mut events = Vec::new();
+    monitor.advance(3.0, &mut events).unwrap();
+    assert_eq!(events.len(), 1);
+    assert!(matches!(
+        events[0].kind,
+        EventKind::Ended(_, EndReason::BodyRemoved)
+    ));
+}
+
+#[test]
+fn waiting_orders_coalesce_as_the_contract_says() {
+    let (_, [a, b]) = monitor();
+    let mut waiting = Waiting::default();
+    let mut number = 0;
+    let mut push = |waiting: &mut Waiting, order: Order| {
+        number += 1;
+        waiting.push(Ticket(number), order)
+    };
+    let plan = |id, from| Order::Change(Command::Replan(id, from, rest(0.0)));
+    let set = |id| Order::Change(Command::SetTrajectory(id, rest(0.0)));
+    let layers = |id| Order::Change(Command::SetLayers(id, Layers::NONE));
+    // The latest plan wins, whatever else lies between.
+    assert_eq!(push(&mut waiting, plan(a, 5.0)), 0);
+    assert_eq!(push(&mut waiting, plan(b, 5.0)), 0);
+    assert_eq!(push(&mut waiting, layers(a)), 0);
+    assert_eq!(push(&mut waiting, plan(a, 5.0)), 1);
+    // A later beginning leaves a part of the earlier plan: both are needed.
+    assert_eq!(push(&mut waiting, plan(a, 6.0)), 0);
+    assert_eq!(push(&mut waiting, set(a)), 2);
+    // Not across a clock order; clock orders merge only side by side, and only forwards.
+    assert_eq!(push(&mut waiting, Order::Clock(1.0)), 0);
+    assert_eq!(push(&mut waiting, Order::Clock(2.0)), 1);
+    assert_eq!(push(&mut waiting, Order::Clock(1.5)), 0);
+    assert_eq!(push(&mut waiting, set(a)), 0);
+    assert_eq!(push(&mut waiting, Order::Clock(3.0)), 0);
+    // Nor across a batch.
+    assert_eq!(push(&mut waiting, set(b)), 0);
+    assert_eq!(push(&mut waiting, Order::Batch(vec![])), 0);
+    assert_eq!(push(&mut waiting, set(b)), 0);
+    let left: Vec<Order> = std::iter::from_fn(|| waiting.pop())
+        .map(|(_, order)| order)
+        .collect();
+    assert_eq!(
+        left,
+        [
+            plan(b, 5.0),
+            layers(a),
+            set(a),
+            Order::Clock(2.0),
+            Order::Clock(1.5),
+            set(a),
+            Order::Clock(3.0),
+            set(b),
+            Order::Batch(vec![]),
+            set(b),
+        ]
+    );
+    // Numbers go on after orders were taken.
+    assert_eq!(push(&mut waiting, set(a)), 0);
+    assert_eq!(push(&mut waiting, set(a)), 1);
+}

@@ -1,0 +1,242 @@
+//! The thread of a live monitor.
+
+use super::handle::{Shared, Ticket};
+use super::order::{Order, Waiting};
+use super::{LiveOptions, Report};
+use crate::error::Error;
+use crate::monitor::{Budget, Event, Monitor};
+use crossbeam_channel::{Receiver, Sender, TryRecvError, TrySendError, select};
+use std::any::Any;
+use std::collections::VecDeque;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+
+/// How the thread ended, with all it had.
+#[derive(Debug)]
+pub(super) enum Outcome {
+    Stopped {
+        monitor: Box<Monitor>,
+        undelivered: VecDeque<Report>,
+        unapplied: Vec<(Ticket, Order)>,
+    },
+    Panicked {
+        message: String,
+        monitor: Option<Box<Monitor>>,
+        undelivered: VecDeque<Report>,
+        unapplied: Vec<(Ticket, Order)>,
+    },
+}
+
+impl Outcome {
+    /// Nothing is left but a message.
+    pub(super) fn lost(message: String) -> Self {
+        Self::Panicked {
+            message,
+            monitor: None,
+            undelivered: VecDeque::new(),
+            unapplied: Vec::new(),
+        }
+    }
+}
+
+/// Asked to stop.
+#[derive(Debug)]
+struct Stop;
+
+#[derive(Debug)]
+pub(super) struct Worker {
+    monitor: Monitor,
+    orders: Receiver<(Ticket, Order)>,
+    reports: Sender<Report>,
+    /// Disconnects when the thread is to stop.
+    stop: Receiver<()>,
+    shared: Arc<Shared>,
+    options: LiveOptions,
+    waiting: Waiting,
+    /// Reports that the reader has no room for.
+    outbox: VecDeque<Report>,
+    events: Vec<Event>,
+    /// Catching up was refused: it is not tried again before something is ordered.
+    stuck: bool,
+}
+
+impl Worker {
+    pub(super) fn new(
+        monitor: Monitor,
+        (orders, reports, stop): (Receiver<(Ticket, Order)>, Sender<Report>, Receiver<()>),
+        shared: Arc<Shared>,
+        options: LiveOptions,
+    ) -> Self {
+        Self {
+            monitor,
+            orders,
+            reports,
+            stop,
+            shared,
+            options,
+            waiting: Waiting::default(),
+            outbox: VecDeque::new(),
+            events: Vec::new(),
+            stuck: false,
+        }
+    }
+
+    /// Works until it is stopped or panics.
+    pub(super) fn run(mut self) -> Outcome {
+        let mut in_hand = 0;
+        let panic = loop {
+            if self.receive().is_err() {
+                break None;
+            }
+            let next = self.waiting.pop();
+            in_hand = u64::from(next.is_some());
+            // A panic leaves at worst half-filled buffers and an outlook to be made anew: all else
+            // takes effect at the end of a step, by moves that do not panic.
+            let step = catch_unwind(AssertUnwindSafe(|| self.step(next)));
+            if let Err(payload) = step {
+                break Some(message_of(payload.as_ref()));
+            }
+            if self.deliver().is_err() {
+                break None;
+            }
+        };
+        self.shared.close();
+        let mut unapplied = Vec::new();
+        unapplied.extend(std::iter::from_fn(|| self.waiting.pop()));
+        unapplied.extend(self.orders.try_iter());
+        self.shared.refused(unapplied.len() as u64);
+        match panic {
+            None => Outcome::Stopped {
+                monitor: Box::new(self.monitor),
+                undelivered: self.outbox,
+                unapplied,
+            },
+            Some(message) => {
+                // The order that panicked has come to no other end.
+                self.shared.refused(in_hand);
+                Outcome::Panicked {
+                    message,
+                    monitor: self.monitor.repaired().ok().map(Box::new),
+                    undelivered: self.outbox,
+                    unapplied,
+                }
+            }
+        }
+    }
+
+    /// Takes in what has been sent; waits for something only if there is nothing else to do.
+    fn receive(&mut self) -> Result<(), Stop> {
+        if self.stop.try_recv() == Err(TryRecvError::Disconnected) {
+            return Err(Stop);
+        }
+        let idle = self.waiting.len() == 0 && (self.monitor.is_caught_up() || self.stuck);
+        if idle {
+            select! {
+                recv(self.orders) -> order => match order {
+                    Ok((ticket, order)) => self.take(ticket, order),
+                    Err(_) => return Err(Stop),
+                },
+                recv(self.stop) -> _ => return Err(Stop),
+            }
+        }
+        while self.waiting.len() < self.options.orders.max(1) {
+            match self.orders.try_recv() {
+                Ok((ticket, order)) => self.take(ticket, order),
+                Err(_) => break,
+            }
+        }
+        Ok(())
+    }
+
+    fn take(&mut self, ticket: Ticket, order: Order) {
+        self.stuck = false;
+        let superseded = self.waiting.push(ticket, order);
+        self.shared.superseded(superseded);
+    }
+
+    /// Carries out one order, or catches up if there is none.
+    fn step(&mut self, next: Option<(Ticket, Order)>) {
+        let Some((ticket, order)) = next else {
+            // Time stands still.
+            self.stuck = self.tick(self.monitor.now()).is_err();
+            return;
+        };
+        let outcome = match order {
+            Order::Change(command) => self.monitor.apply([command]),
+            Order::Batch(commands) => self.monitor.apply(commands),
+            Order::Clock(now) => self.tick(now).map(|()| Vec::new()),
+            #[cfg(test)]
+            Order::Panic => panic!("ordered to"),
+        };
+        match outcome {
+            Ok(ids) => {
+                self.shared.applied();
+                if !ids.is_empty() {
+                    self.outbox.push_back(Report::Inserted { ticket, ids });
+                }
+            }
+            Err(error) => {
+                self.shared.refused(1);
+                self.outbox.push_back(Report::Refused { ticket, error });
+            }
+        }
+    }
+
+    fn tick(&mut self, now: f64) -> Result<(), Error> {
+        self.events.clear();
+        let budget = Budget::Time(self.options.budget);
+        self.monitor.advance_within(now, budget, &mut self.events)?;
+        let certified_until = self.monitor.certified_until();
+        self.outbox.extend(self.events.drain(..).map(Report::Event));
+        self.outbox.push_back(Report::Ticked {
+            now,
+            certified_until,
+        });
+        self.shared.publish(now, certified_until);
+        Ok(())
+    }
+
+    /// Hands the reports over; waits for the reader where there is no room.
+    fn deliver(&mut self) -> Result<(), Stop> {
+        while let Some(report) = self.outbox.pop_front() {
+            match self.reports.try_send(report) {
+                Ok(()) => {}
+                Err(TrySendError::Disconnected(report)) => {
+                    self.outbox.push_front(report);
+                    return Err(Stop);
+                }
+                Err(TrySendError::Full(report)) => {
+                    self.outbox.push_front(report);
+                    self.wait_for_reader()?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Hands one report over as soon as there is room.
+    fn wait_for_reader(&mut self) -> Result<(), Stop> {
+        let Some(report) = self.outbox.front() else {
+            return Ok(());
+        };
+        select! {
+            send(self.reports, report.clone()) -> sent => match sent {
+                Ok(()) => {
+                    self.outbox.pop_front();
+                    Ok(())
+                }
+                Err(_) => Err(Stop),
+            },
+            recv(self.stop) -> _ => Err(Stop),
+        }
+    }
+}
+
+/// What a panic said.
+pub(super) fn message_of(payload: &(dyn Any + Send)) -> String {
+    payload
+        .downcast_ref::<&str>()
+        .map(|text| (*text).to_owned())
+        .or_else(|| payload.downcast_ref::<String>().cloned())
+        .unwrap_or_else(|| "no message".to_owned())
+}
