@@ -138,7 +138,8 @@ impl Outlook {
         };
         self.survivors.clear();
         let mut known = to;
-        if meter.is_unlimited() {
+        let stale = slices[..needed].iter().filter(|slice| !slice.is_fresh());
+        if meter.is_unlimited() && stale.count() > 1 {
             parallel::for_each(&mut slices[..needed], |slice| {
                 if !slice.is_fresh() {
                     slice.refresh(&bodies, filter);
