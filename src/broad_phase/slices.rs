@@ -1,8 +1,10 @@
 //! Cutting the window into slices, and one box for each body in each of them.
 
 use super::BodyBox;
-use crate::bounds::{Frame, Hull, Inflation, MOST_SPLITS, Part};
+use crate::bounds::{Chord, Course, Frame, Hull, Inflation, MOST_SPLITS, Part};
 use crate::narrow_phase::Party;
+use crate::simd::Task;
+use crate::trajectory::Segment;
 use std::ops::Range;
 
 /// A window cut into slices of equal length. Slices never change an answer, only its cost.
@@ -83,75 +85,183 @@ impl Slices {
     }
 }
 
-/// The boxes of all bodies in each of a few consecutive slices.
+/// One slice: a box and a course for each body that exists in it, side by side.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Slice {
+    /// Bodies of boxes are places in these lists.
+    pub(crate) boxes: Vec<BodyBox>,
+    pub(crate) courses: Vec<Course>,
+    /// Which body a place is about, ascending.
+    pub(crate) bodies: Vec<u32>,
+}
+
+/// A few consecutive slices.
 ///
 /// Bodies are walked one by one, each through all slices at once: its segments are read once.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Block {
-    /// For each slice of the block, a box for each body that exists in it.
-    pub(crate) boxes: [Vec<BodyBox>; Block::SLICES as usize],
-    /// For each body, its first cubic in the block: where a search for its cubics begins.
-    pub(crate) firsts: Vec<u32>,
+    pub(crate) slices: [Slice; Block::SLICES as usize],
+    /// For each body, its first cubic in the block: where the next search begins.
+    firsts: Vec<u32>,
 }
 
 impl Block {
-    /// Slices in a block. Each slice splits a cubic once at most, which bounds the splits' rounding.
-    pub(crate) const SLICES: u32 = MOST_SPLITS;
+    /// Slices in a block. Each slice splits a cubic once at most, and the block's start once more,
+    /// which bounds the splits' rounding.
+    pub(crate) const SLICES: u32 = MOST_SPLITS - 1;
+}
 
-    /// Forms the boxes of the slices `range` (at most [`SLICES`](Self::SLICES)).
-    pub(crate) fn fill(
-        &mut self,
-        parties: &[Party<'_>],
-        inflations: &[Inflation],
-        frame: &Frame,
-        slices: &Slices,
-        range: Range<u32>,
-    ) {
-        self.boxes.iter_mut().for_each(Vec::clear);
-        self.firsts.clear();
-        let (start, end) = (slices.cut(range.start), slices.cut(range.end));
-        for (body, (party, inflation)) in (0_u32..).zip(parties.iter().zip(inflations)) {
+/// Forms the boxes and courses of some slices (at most [`Block::SLICES`]).
+pub(crate) struct Fill<'a> {
+    pub(crate) block: &'a mut Block,
+    pub(crate) parties: &'a [Party<'a>],
+    pub(crate) inflations: &'a [Inflation],
+    pub(crate) frame: &'a Frame,
+    pub(crate) cuts: &'a Slices,
+    pub(crate) range: Range<u32>,
+}
+
+impl Task for Fill<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for slice in &mut self.block.slices {
+            slice.boxes.clear();
+            slice.courses.clear();
+            slice.bodies.clear();
+        }
+        self.block.firsts.resize(self.parties.len(), 0);
+        let mut ends = [0.0; Block::SLICES as usize + 1];
+        let count = self.range.len();
+        for (end, cut) in ends.iter_mut().zip(self.range.start..=self.range.end) {
+            *end = self.cuts.cut(cut);
+        }
+        let ends = &ends[..=count];
+        for body in 0..self.parties.len() {
+            let party = &self.parties[body];
             let knots = party.knots;
             let (Some(&first), Some(&last)) = (knots.first(), knots.last()) else {
-                self.firsts.push(0);
                 continue;
             };
-            let mut piece = knots.partition_point(|&knot| knot < start).max(1) - 1;
-            self.firsts.push(u32::try_from(piece).unwrap_or(u32::MAX));
-            if first > end || last < start {
+            if first > ends[count] || last < ends[0] {
                 continue;
             }
-            let part_of = |piece: usize, from: f64| {
-                let until = knots[piece + 1].min(end);
-                Part::of(&party.segments[piece], (from, until), frame)
-            };
-            let mut part = part_of(piece, knots[piece].max(start));
-            for (slice, boxes) in range.clone().zip(&mut self.boxes) {
-                let (from, to) = slices.interval(slice);
-                if first > to || last < from {
-                    continue;
-                }
-                let mut hull = Hull::EMPTY;
-                // Whole parts that end within the slice, then what reaches into the next. Slices
-                // are closed: a cubic that begins where the slice ends counts with its first point.
-                while part.end() <= to {
-                    hull.include(&part);
-                    if piece + 1 >= party.segments.len() || knots[piece + 1] > end {
-                        break;
-                    }
-                    piece += 1;
-                    part = part_of(piece, knots[piece]);
-                }
-                if part.end() > to {
-                    hull.include(&part.split_off(to));
-                }
-                boxes.push(BodyBox {
-                    aabb: hull.inflated(inflation, frame),
-                    body,
-                });
+            let piece = cubic_before(knots, ends[0], self.block.firsts[body]);
+            self.block.firsts[body] = short(piece);
+            Walk {
+                knots,
+                segments: party.segments,
+                frame: self.frame,
+                ends,
             }
+            .through(piece, &self.inflations[body], short(body), self.block);
         }
     }
+}
+
+/// The last cubic that begins before `time` (the first one if none does), searched from a guess.
+#[inline(always)]
+fn cubic_before(knots: &[f64], time: f64, guess: u32) -> usize {
+    /// Steps to the next cubic before the rest is halved.
+    const STEPS: usize = 8;
+    let guess = guess as usize;
+    let known = guess < knots.len() && knots[guess] < time;
+    let mut piece = if known { guess } else { 0 };
+    for _ in 0..STEPS {
+        if piece + 1 >= knots.len() || knots[piece + 1] >= time {
+            return piece;
+        }
+        piece += 1;
+    }
+    piece + knots[piece + 1..].partition_point(|&knot| knot < time)
+}
+
+/// One body's way through the slices of a block.
+struct Walk<'a> {
+    knots: &'a [f64],
+    segments: &'a [Segment],
+    frame: &'a Frame,
+    /// Where slices begin and end.
+    ends: &'a [f64],
+}
+
+impl Walk<'_> {
+    /// The part of a piece from `start` on; it may end after the block does.
+    #[inline(always)]
+    fn part(&self, piece: usize, start: f64) -> Part {
+        let segment = &self.segments[piece];
+        let (from, to) = (self.knots[piece], self.knots[piece + 1]);
+        if segment.start().to_bits() == from.to_bits() && segment.end().to_bits() == to.to_bits() {
+            let mut part = Part::whole(segment, self.frame);
+            if from < start {
+                part.split_off(start);
+            }
+            part
+        } else {
+            let end = self.ends[self.ends.len() - 1];
+            Part::of(segment, (from.max(start), to.min(end)), self.frame)
+        }
+    }
+
+    /// Appends the body's box and course to each slice in which it exists.
+    #[inline(always)]
+    fn through(&self, mut piece: usize, inflation: &Inflation, body: u32, block: &mut Block) {
+        let Self { knots, ends, .. } = *self;
+        let (first, last) = (knots[0], knots[knots.len() - 1]);
+        let mut part = self.part(piece, ends[0]);
+        for (slice, ends) in block.slices.iter_mut().zip(ends.windows(2)) {
+            let (from, to) = (ends[0], ends[1]);
+            if first > to || last < from {
+                continue;
+            }
+            let begin = piece;
+            // Slices are closed: a cubic that begins where the slice ends counts with its first
+            // point.
+            while piece + 2 < knots.len() && knots[piece + 1] <= to {
+                piece += 1;
+            }
+            let head = part;
+            if piece > begin {
+                part = self.part(piece, knots[piece]);
+            }
+            let tail = if part.end() > to {
+                part.split_off(to)
+            } else {
+                part
+            };
+            let head = if piece > begin { head } else { tail };
+            let mut hull = Hull::EMPTY;
+            let mut chord = Chord::between(&head, &tail, (from, to));
+            hull.include(&head);
+            chord.follow(&head);
+            for between in begin + 1..piece {
+                let whole = self.part(between, knots[between]);
+                hull.include(&whole);
+                chord.follow(&whole);
+            }
+            if piece > begin {
+                hull.include(&tail);
+                chord.follow(&tail);
+            }
+            let place = short(slice.bodies.len());
+            slice.boxes.push(BodyBox {
+                aabb: hull.inflated(inflation, self.frame),
+                body: place,
+            });
+            slice
+                .courses
+                .push(chord.course(&hull, inflation, self.frame, short(begin)));
+            slice.bodies.push(body);
+        }
+    }
+}
+
+/// Bodies, and the segments of one, are counted in 32 bits; a longer list does not fit into memory.
+#[inline(always)]
+#[allow(clippy::cast_possible_truncation, reason = "see above")]
+fn short(count: usize) -> u32 {
+    count as u32
 }
 
 #[allow(
@@ -168,6 +278,7 @@ mod tests {
     use super::*;
     use crate::bounds::Extremes;
     use crate::hitbox::Hitbox;
+    use crate::simd::Level;
     use crate::trajectory::{State, Trajectory};
     use glam::DVec3;
     use rand::{RngExt, SeedableRng};
@@ -215,7 +326,7 @@ mod tests {
             count: 19,
         };
         let hitbox = Hitbox::POINT;
-        let inflation = Inflation::of(hitbox.spheres(), 0.0);
+        let inflation = Inflation::of(hitbox.spheres(), hitbox.bounding(), 0.0);
         for seed in 0..200 {
             let far = if seed % 2 == 0 { 10.0 } else { 1e6 };
             let mut vector =
@@ -245,8 +356,16 @@ mod tests {
             let mut block = Block::default();
             for first in (0..slices.count()).step_by(Block::SLICES as usize) {
                 let range = first..(first + Block::SLICES).min(slices.count());
-                block.fill(&[party], &[inflation], &frame, &slices, range.clone());
-                for (slice, boxes) in range.zip(&block.boxes) {
+                Level::best().run(Fill {
+                    block: &mut block,
+                    parties: &[party],
+                    inflations: &[inflation],
+                    frame: &frame,
+                    cuts: &slices,
+                    range: range.clone(),
+                });
+                for (slice, found) in range.zip(&block.slices) {
+                    let boxes = &found.boxes;
                     let (from, to) = slices.interval(slice);
                     let mut sampled = Extremes::NOTHING;
                     for step in 0..=50 {

@@ -161,7 +161,7 @@ impl<B: BroadPhase> Outlook<B> {
         Ok(Flight {
             spheres: spheres.to_vec(),
             bounding,
-            inflation: Inflation::of(spheres, self.margin),
+            inflation: Inflation::of(spheres, bounding, self.margin),
             trajectory: trajectory.clone(),
             beyond,
             begin: window.start(),

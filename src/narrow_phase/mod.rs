@@ -4,6 +4,7 @@
 //! `relative` cubic, `filter`, `stationary` points, `stretches`, joined across spans and
 //! spheres by `contact`. [`kernels`] answers many independent pairs at once.
 
+mod approach;
 mod contact;
 mod filter;
 pub mod kernels;
@@ -11,6 +12,7 @@ mod relative;
 mod stationary;
 mod stretches;
 
+pub(crate) use approach::approaching;
 pub(crate) use contact::{
     Approach, Contact, Solved, closest_approach, contacts, contacts_of, may_touch, solve,
 };

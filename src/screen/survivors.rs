@@ -2,10 +2,11 @@
 
 use super::line_up::LineUp;
 use crate::bounds::{Frame, Inflation};
-use crate::broad_phase::slices::{Block, Slices};
+use crate::broad_phase::slices::{Block, Fill, Slice, Slices};
 use crate::broad_phase::{BroadPhase, Candidate, PairFilter};
-use crate::narrow_phase::{Party, may_touch};
+use crate::narrow_phase::{Party, approaching, may_touch};
 use crate::parallel;
+use crate::simd::Level;
 use crate::spans::{Span, spans_from};
 use crate::stats::Stats;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -39,7 +40,7 @@ impl LineUp<'_> {
     ) -> Vec<Survivor> {
         let inflations: Vec<Inflation> = parties
             .iter()
-            .map(|party| Inflation::of(party.spheres, self.margin))
+            .map(|party| Inflation::of(party.spheres, party.bounding, self.margin))
             .collect();
         let largest = inflations.iter().map(Inflation::size).fold(0.0, f64::max);
         let frame = Frame::around(self.extremes(parties), largest);
@@ -97,19 +98,29 @@ impl LineUp<'_> {
             block,
             candidates,
         } = scratch;
-        block.fill(parties, inflations, frame, slices, range.clone());
+        Level::best().run(Fill {
+            block: &mut *block,
+            parties,
+            inflations,
+            frame,
+            cuts: slices,
+            range: range.clone(),
+        });
         stats.bounds_time += begin.elapsed();
-        for (slice, boxes) in range.zip(&block.boxes) {
+        for (number, slice) in range.zip(&block.slices) {
             let begin = Instant::now();
             candidates.clear();
-            method.pairs(boxes, filter, candidates);
+            let admission = ByPlace {
+                bodies: &slice.bodies,
+                filter,
+            };
+            method.pairs(&slice.boxes, &admission, candidates);
             let found = Instant::now();
-            let interval = slices.interval(slice);
+            let interval = slices.interval(number);
             for &candidate in &*candidates {
-                stats.spans +=
-                    self.sift(parties, &block.firsts, candidate, interval, &mut survivors);
+                stats.spans += self.sift(parties, slice, candidate, interval, &mut survivors);
             }
-            stats.boxes += boxes.len() as u64;
+            stats.boxes += slice.boxes.len() as u64;
             stats.candidates += candidates.len() as u64;
             stats.broad_time += found - begin;
             stats.narrow_time += found.elapsed();
@@ -122,29 +133,47 @@ impl LineUp<'_> {
     fn sift(
         &self,
         parties: &[Party<'_>],
-        firsts: &[u32],
+        slice: &Slice,
         candidate: Candidate,
         interval: (f64, f64),
         survivors: &mut Vec<Survivor>,
     ) -> u64 {
-        let (a, b) = (
-            &parties[candidate.a as usize],
-            &parties[candidate.b as usize],
-        );
+        let (place_a, place_b) = (candidate.a as usize, candidate.b as usize);
+        let (course_a, course_b) = (&slice.courses[place_a], &slice.courses[place_b]);
+        let Some(near) = approaching(course_a, course_b, interval) else {
+            return 0;
+        };
+        let (body_a, body_b) = (slice.bodies[place_a], slice.bodies[place_b]);
+        let (a, b) = (&parties[body_a as usize], &parties[body_b as usize]);
         let mut looked_at = 0;
-        let hints = (firsts[candidate.a as usize], firsts[candidate.b as usize]);
-        for span in spans_from(a.knots, b.knots, hints, interval.0, interval.1) {
+        let hints = (course_a.first, course_b.first);
+        for span in spans_from(a.knots, b.knots, hints, near.0, near.1) {
             looked_at += 1;
-            if may_touch(a, b, span, self.margin, interval) {
+            if may_touch(a, b, span, self.margin, near) {
                 survivors.push(Survivor {
-                    a: candidate.a,
-                    b: candidate.b,
+                    a: body_a,
+                    b: body_b,
                     span_a: span.a,
                     span_b: span.b,
                 });
             }
         }
         looked_at
+    }
+}
+
+/// A filter of bodies asked about their places in a slice.
+struct ByPlace<'a, F> {
+    bodies: &'a [u32],
+    filter: &'a F,
+}
+
+impl<F: PairFilter> PairFilter for ByPlace<'_, F> {
+    #[inline]
+    fn admits(&self, a: u32, b: u32) -> bool {
+        // Bodies ascend with places: they are in the same order.
+        self.filter
+            .admits(self.bodies[a as usize], self.bodies[b as usize])
     }
 }
 
