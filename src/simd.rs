@@ -104,6 +104,24 @@ fn run_avx2<T: Task>(task: T) -> T::Output {
     task.run()
 }
 
+/// Asks the processor to bring values into its caches, a line of which is 64 bytes: for what will
+/// be read a microsecond later, in an order that it cannot guess.
+#[inline(always)]
+pub(crate) fn prefetch<T>(values: &[T]) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        const LINE: usize = 64;
+        let first = values.as_ptr().cast::<i8>();
+        let mut offset = 0;
+        while offset < size_of_val(values) {
+            // SAFETY: a prefetch reads nothing that a program can see, whatever the address.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(first.wrapping_add(offset)) };
+            offset += LINE;
+        }
+    }
+}
+
 /// Compiles a loop of a module `loops` at hand for each instruction set, under the same name.
 ///
 /// The loop is inlined into functions that may use the set, where the compiler makes vectors of

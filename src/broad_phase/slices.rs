@@ -3,7 +3,7 @@
 use super::BodyBox;
 use crate::bounds::{Chord, Course, Frame, Hull, Inflation, MOST_SPLITS, Part};
 use crate::narrow_phase::Party;
-use crate::simd::Task;
+use crate::simd::{Task, prefetch};
 use crate::trajectory::Segment;
 use std::ops::Range;
 
@@ -138,7 +138,9 @@ impl Task for Fill<'_> {
             *end = self.cuts.cut(cut);
         }
         let ends = &ends[..=count];
+        let mut walked = 1;
         for body in 0..self.parties.len() {
+            self.fetch(body + Self::AHEAD, walked);
             let party = &self.parties[body];
             let knots = party.knots;
             let (Some(&first), Some(&last)) = (knots.first(), knots.last()) else {
@@ -149,13 +151,36 @@ impl Task for Fill<'_> {
             }
             let piece = cubic_before(knots, ends[0], self.block.firsts[body]);
             self.block.firsts[body] = short(piece);
-            Walk {
+            let last_piece = Walk {
                 knots,
                 segments: party.segments,
                 frame: self.frame,
                 ends,
             }
             .through(piece, &self.inflations[body], short(body), self.block);
+            walked = last_piece + 1 - piece;
+        }
+    }
+}
+
+impl Fill<'_> {
+    /// How many bodies ahead segments are brought into the caches. They are what there is most of,
+    /// and each body's lie somewhere else: without it, half of the time is waiting.
+    const AHEAD: usize = 4;
+    /// Not more than this many of a body's.
+    const MOST_AHEAD: usize = 32;
+
+    /// Prefetches the knots of a body and, of one that comes sooner, `count` segments.
+    #[inline(always)]
+    fn fetch(&self, body: usize, count: usize) {
+        if let Some(party) = self.parties.get(body + Self::AHEAD) {
+            let first = (self.block.firsts[body + Self::AHEAD] as usize).min(party.knots.len());
+            prefetch(&party.knots[first..(first + 8).min(party.knots.len())]);
+        }
+        if let Some(party) = self.parties.get(body) {
+            let length = party.segments.len();
+            let first = (self.block.firsts[body] as usize).min(length);
+            prefetch(&party.segments[first..(first + count.min(Self::MOST_AHEAD)).min(length)]);
         }
     }
 }
@@ -204,9 +229,15 @@ impl Walk<'_> {
         }
     }
 
-    /// Appends the body's box and course to each slice in which it exists.
+    /// Appends the body's box and course to each slice in which it exists; gives its last cubic.
     #[inline(always)]
-    fn through(&self, mut piece: usize, inflation: &Inflation, body: u32, block: &mut Block) {
+    fn through(
+        &self,
+        mut piece: usize,
+        inflation: &Inflation,
+        body: u32,
+        block: &mut Block,
+    ) -> usize {
         let Self { knots, ends, .. } = *self;
         let (first, last) = (knots[0], knots[knots.len() - 1]);
         let mut part = self.part(piece, ends[0]);
@@ -254,6 +285,7 @@ impl Walk<'_> {
                 .push(chord.course(&hull, inflation, self.frame, short(begin)));
             slice.bodies.push(body);
         }
+        piece
     }
 }
 
