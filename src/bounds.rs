@@ -5,15 +5,15 @@
 //! every filter keeps (see `rounding`). A [`Course`] says the same more closely: a straight line,
 //! and how far from it.
 //!
-//! All is computed in f64 relative to the frame's origin. What rounding can have moved (a share of
-//! 2^-53 a step, of the segment's reach or of the coordinates, some 120 steps at most) is within
-//! the clearance.
+//! Computed in f32 relative to an anchor near the body, so that rounding is a share of how far the
+//! body comes in a few slices, wherever in the world it is. That rounding is accounted for with
+//! more than a hundred units of 2^-24; next to it the clearance of filters, 2^-44, is nothing.
 
 use crate::hitbox::Sphere;
-use crate::quad::{Quad, difference, least, most, quad, size, sum, times};
-use crate::rounding::{CLEARANCE, UNDERFLOW, norm, normalising_power};
+
+use crate::rounding::{norm, normalising_power};
 use crate::trajectory::Segment;
-use glam::DVec3;
+use glam::{DVec3, Vec4};
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
 
@@ -74,87 +74,141 @@ impl Frame {
     }
 }
 
-/// How much larger than its hull a body's box is.
+/// How much larger than its hull a body's box is, in the frame's unit. (Of four lanes, the last
+/// holds nothing of use, here and in what follows.)
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Inflation {
-    /// Extremes of the hitbox in the body's frame, half the margin and its own clearance included.
-    low: Quad,
-    high: Quad,
+    /// Extremes of the hitbox in the body's frame, half the margin included.
+    low: Vec4,
+    high: Vec4,
     /// Largest distance from the body's position that the bounding sphere and half the margin
-    /// reach, its own clearance included.
-    reach: f64,
-    /// The hitbox' size, which its rounding is relative to.
-    size: f64,
+    /// reach.
+    reach: f32,
+    /// What the rounding of these is relative to.
+    size: f32,
 }
 
 impl Inflation {
-    pub(crate) fn of(spheres: &[Sphere], bounding: Sphere, margin: f64) -> Self {
-        // Never inverted: a negative margin that swallows one body's radius leaves a point,
-        // and the other body's box is then at worst too large.
-        let half_size = |sphere: &Sphere| (sphere.radius + 0.5 * margin).max(0.0);
+    /// Of a hitbox and its bounding sphere (m).
+    pub(crate) fn of(spheres: &[Sphere], bounding: Sphere, margin: f64, frame: &Frame) -> Self {
         let mut hitbox = Extremes::NOTHING;
         for sphere in spheres {
-            let reach = half_size(sphere);
+            let reach = half_size(sphere, margin);
             hitbox.include(Extremes {
                 low: sphere.offset - reach,
                 high: sphere.offset + reach,
             });
         }
-        let size = norm(hitbox.low.abs().max(hitbox.high.abs()))
-            + norm(bounding.offset)
-            + bounding.radius
-            + margin.abs();
-        let pad = 4.0 * CLEARANCE * size;
+        let lanes = |DVec3 { x, y, z }: DVec3| scaled([x, y, z, 0.0], frame.power);
+        let reach = norm(bounding.offset) + half_size(&bounding, margin);
         Self {
-            low: quad(hitbox.low - pad),
-            high: quad(hitbox.high + pad),
-            reach: norm(bounding.offset) + half_size(&bounding) + pad,
-            size,
+            low: lanes(hitbox.low),
+            high: lanes(hitbox.high),
+            reach: nearest(reach * frame.power),
+            size: nearest(Self::size(spheres, bounding, margin) * frame.power),
         }
     }
 
-    /// Largest distance from the body's position that it adds, m.
-    pub(crate) const fn size(&self) -> f64 {
-        self.size
+    /// Largest distance from the body's position that it adds, and more where numbers cancel, m.
+    pub(crate) fn size(spheres: &[Sphere], bounding: Sphere, margin: f64) -> f64 {
+        let largest = |sphere: &Sphere| norm(sphere.offset) + sphere.radius;
+        spheres
+            .iter()
+            .map(largest)
+            .fold(largest(&bounding), f64::max)
+            + margin.abs()
     }
 }
 
-/// A part of a cubic, as control points relative to its segment's origin (m).
+/// The radius and half the margin. Never negative: a margin that swallows one body's radius leaves
+/// a point, and the other body's box is then at worst too large.
+fn half_size(sphere: &Sphere, margin: f64) -> f64 {
+    (sphere.radius + 0.5 * margin).max(0.0)
+}
+
+/// What a body's coordinates are relative to for a few slices: a position near it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Anchor {
+    position: [f64; 4],
+    power: f64,
+    /// The position in the frame and its unit, rounded to the nearest.
+    place: Vec4,
+}
+
+impl Anchor {
+    /// At the origin of a segment.
+    #[inline(always)]
+    pub(crate) fn at(segment: &Segment, frame: &Frame) -> Self {
+        let position = segment.lanes()[0];
+        let DVec3 { x, y, z } = frame.origin;
+        Self {
+            position,
+            power: frame.power,
+            place: scaled(difference(position, [x, y, z, 0.0]), frame.power),
+        }
+    }
+
+    /// A position relative to the anchor, in the frame's unit.
+    #[inline(always)]
+    fn offset(&self, position: [f64; 4]) -> Vec4 {
+        self.scaled(difference(position, self.position))
+    }
+
+    /// A vector in the frame's unit.
+    #[inline(always)]
+    fn scaled(&self, vector: [f64; 4]) -> Vec4 {
+        scaled(vector, self.power)
+    }
+}
+
+/// A part of a cubic, as control points relative to an anchor, in the frame's unit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Part {
-    points: [Quad; 4],
-    /// The segment's origin relative to the frame's, m.
-    base: Quad,
-    /// What the rounding of the points is relative to, m.
-    reach: f64,
+    points: [Vec4; 4],
+    /// What the rounding of the points is relative to on each axis: none of the segment is farther
+    /// away.
+    size: Vec4,
     from: f64,
     to: f64,
 }
 
-/// How often a part may be split: each time rounds its points 9 times more.
+/// How often a part may be split: each time rounds its points 9 times more (three levels of two
+/// weights and a sum).
 pub(crate) const MOST_SPLITS: u32 = 9;
 
 impl Part {
+    /// Roundings of the size that the points can carry: from the conversion, all splits, and
+    /// some more than what follows until a box or a course is made.
+    const ROUNDINGS: f32 = 3.0 + 9.0 * MOST_SPLITS as f32 + 36.0;
+
     /// The part of a segment over `from..=to`, within its knots or not.
-    pub(crate) fn of(segment: &Segment, (from, to): (f64, f64), frame: &Frame) -> Self {
+    pub(crate) fn of(segment: &Segment, (from, to): (f64, f64), anchor: &Anchor) -> Self {
+        let reach = segment.reach(from, to).max(segment.extent());
+        let points = segment.restrict(from, to).points;
+        let offset = anchor.offset(segment.lanes()[0]);
         Self {
-            points: segment.restrict(from, to).points.map(quad),
-            reach: segment.reach(from, to).max(segment.extent()),
+            points: points.map(|point| offset + anchor.scaled([point.x, point.y, point.z, 0.0])),
+            size: offset.abs() + Vec4::splat(nearest(reach * anchor.power)),
             from,
             to,
-            base: difference(quad(segment.origin()), quad(frame.origin)),
         }
     }
 
     /// A whole segment.
     #[inline(always)]
-    pub(crate) fn whole(segment: &Segment, frame: &Frame) -> Self {
+    pub(crate) fn whole(segment: &Segment, anchor: &Anchor) -> Self {
+        let [origin, first, second, third] = segment.lanes();
+        let offset = anchor.offset(origin);
         Self {
-            points: segment.control().map(quad),
-            reach: segment.extent(),
+            points: [
+                offset,
+                offset + anchor.scaled(first),
+                offset + anchor.scaled(second),
+                offset + anchor.scaled(third),
+            ],
+            size: offset.abs() + Vec4::splat(nearest(segment.extent() * anchor.power)),
             from: segment.start(),
             to: segment.end(),
-            base: difference(quad(segment.origin()), quad(frame.origin)),
         }
     }
 
@@ -167,16 +221,14 @@ impl Part {
     /// Splits off what lies before `cut`, by de Casteljau; the rest stays.
     #[inline(always)]
     pub(crate) fn split_off(&mut self, cut: f64) -> Self {
-        let duration = self.to - self.from;
-        let (first, second) = ((self.to - cut) / duration, (cut - self.from) / duration);
+        let rate = 1.0 / (self.to - self.from);
+        let first = Vec4::splat(nearest((self.to - cut) * rate));
+        let second = Vec4::splat(nearest((cut - self.from) * rate));
+        let mix = |x: Vec4, y: Vec4| x * first + y * second;
         let [p0, p1, p2, p3] = self.points;
-        let (q0, q1, q2) = (
-            mix(p0, first, p1, second),
-            mix(p1, first, p2, second),
-            mix(p2, first, p3, second),
-        );
-        let (r0, r1) = (mix(q0, first, q1, second), mix(q1, first, q2, second));
-        let middle = mix(r0, first, r1, second);
+        let (q0, q1, q2) = (mix(p0, p1), mix(p1, p2), mix(p2, p3));
+        let (r0, r1) = (mix(q0, q1), mix(q1, q2));
+        let middle = mix(r0, r1);
         let before = Self {
             points: [p0, q0, r0, middle],
             to: cut,
@@ -188,86 +240,61 @@ impl Part {
     }
 }
 
-#[inline(always)]
-fn mix(a: Quad, first: f64, b: Quad, second: f64) -> Quad {
-    sum(times(a, first), times(b, second))
-}
-
-/// A box under construction: the hull of one body's parts, relative to the frame's origin (m).
+/// A box under construction: the hull of one body's parts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Hull {
-    low: Quad,
-    high: Quad,
-    reach: f64,
+    low: Vec4,
+    high: Vec4,
+    size: Vec4,
 }
 
 impl Hull {
     pub(crate) const EMPTY: Self = Self {
-        low: [f64::INFINITY; 4],
-        high: [f64::NEG_INFINITY; 4],
-        reach: 0.0,
+        low: Vec4::INFINITY,
+        high: Vec4::NEG_INFINITY,
+        size: Vec4::ZERO,
     };
 
     #[inline(always)]
     pub(crate) fn include(&mut self, part: &Part) {
         let [p0, p1, p2, p3] = part.points;
-        let low = least(least(p0, p1), least(p2, p3));
-        let high = most(most(p0, p1), most(p2, p3));
-        self.low = least(self.low, sum(part.base, low));
-        self.high = most(self.high, sum(part.base, high));
-        if part.reach > self.reach {
-            self.reach = part.reach;
+        self.low = self.low.min(p0.min(p1).min(p2.min(p3)));
+        self.high = self.high.max(p0.max(p1).max(p2.max(p3)));
+        self.size = self.size.max(part.size);
+    }
+
+    /// How far rounding can have moved each coordinate, in the frame's unit.
+    #[inline(always)]
+    fn rounding(&self, inflation: &Inflation) -> Vec4 {
+        self.size * (ROUNDING * Part::ROUNDINGS)
+            + Vec4::splat(8.0 * ROUNDING * inflation.size + f32::MIN_POSITIVE)
+    }
+
+    /// Whether a body is where the frame serves its coordinates: it always is where the frame was
+    /// chosen for all bodies.
+    #[inline(always)]
+    fn is_served(&self, inflation: &Inflation, anchor: &Anchor) -> bool {
+        const FAR: f32 = 1e37;
+        let far = self.size + anchor.place.abs() + Vec4::splat(inflation.size);
+        // Not so for NaN.
+        (far.x < FAR) & (far.y < FAR) & (far.z < FAR)
+    }
+
+    /// The outward-rounded box in the frame's unit; everywhere, where the frame does not serve.
+    #[inline(always)]
+    pub(crate) fn inflated(&self, inflation: &Inflation, anchor: &Anchor) -> Aabb {
+        if !self.is_served(inflation, anchor) {
+            return Aabb::new(Vector::splat(f32::MIN), Vector::splat(f32::MAX));
         }
-    }
-
-    /// The clearance that contacts are seen within, m: of the parts' own sizes and of the
-    /// distance of their origins, which is at most that of the hull's farther side and a reach.
-    #[inline(always)]
-    fn clearance(&self) -> f64 {
-        let far = most(size(self.low), size(self.high));
-        CLEARANCE * (24.0 * self.reach + 4.0 * (far[0] + far[1] + far[2])) + UNDERFLOW
-    }
-
-    /// The outward-rounded box in the frame's unit.
-    #[inline(always)]
-    pub(crate) fn inflated(&self, inflation: &Inflation, frame: &Frame) -> Aabb {
-        let clearance = [self.clearance(); 4];
-        let low = difference(sum(self.low, inflation.low), clearance);
-        let high = sum(sum(self.high, inflation.high), clearance);
-        let (low, high) = (
-            representable(times(low, frame.power)),
-            representable(times(high, frame.power)),
-        );
-        // Wider by two roundings to f32, so that rounding to the nearest is outward.
+        // Of the anchor, of the sum with it, and of the subtraction below.
+        let rounding = self.rounding(inflation) + anchor.place.abs() * (4.0 * ROUNDING);
+        let low = anchor.place + (self.low + inflation.low) - rounding;
+        let high = anchor.place + (self.high + inflation.high) + rounding;
         Aabb::new(
-            corner(difference(low, slack_of(low))),
-            corner(sum(high, slack_of(high))),
+            Vector::new(low.x, low.y, low.z),
+            Vector::new(high.x, high.y, high.z),
         )
     }
-}
-
-/// Beyond the largest f32 only as far as is seen to be beyond it.
-#[inline(always)]
-fn representable(lanes: Quad) -> Quad {
-    const BEYOND: f64 = 2.0 * f32::MAX as f64;
-    least(most(lanes, [-BEYOND; 4]), [BEYOND; 4])
-}
-
-/// The nearest corner of finite numbers.
-#[inline(always)]
-fn corner(lanes: Quad) -> Vector {
-    let finite = |lane: f64| nearest(lane).max(f32::MIN).min(f32::MAX);
-    Vector::new(finite(lanes[0]), finite(lanes[1]), finite(lanes[2]))
-}
-
-/// Two roundings to f32 of each lane: of its size, or of the smallest normal number.
-#[inline(always)]
-fn slack_of(lanes: Quad) -> Quad {
-    const TWO_ROUNDINGS: f64 = f32::EPSILON as f64;
-    sum(
-        times(size(lanes), TWO_ROUNDINGS),
-        [f32::MIN_POSITIVE as f64; 4],
-    )
 }
 
 /// A straight line through a slice of time, and how far a body strays from it, in the frame's unit.
@@ -278,37 +305,35 @@ fn slack_of(lanes: Quad) -> Quad {
 pub(crate) struct Course {
     pub(crate) start: [f32; 3],
     pub(crate) change: [f32; 3],
+    /// Infinite where the frame does not serve.
     pub(crate) slack: f32,
     /// The cubic that the body follows first in the slice.
     pub(crate) first: u32,
 }
 
-/// A [`Course`] under construction (m).
+/// A [`Course`] under construction, relative to the anchor.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Chord {
-    start: Quad,
-    change: Quad,
+    start: Vec4,
+    change: Vec4,
     /// Largest deviation on each axis.
-    deviation: Quad,
+    deviation: Vec4,
     /// The slice: from when, and the inverse of its duration.
     from: f64,
     rate: f64,
 }
 
 impl Chord {
-    /// From where one part begins to where another ends; any line would do, but this one is close.
+    /// From where one part begins to where another ends, in a slice that begins at `from`; `rate`
+    /// is the inverse of its duration, or 0 for a single instant.
     #[inline(always)]
-    pub(crate) fn between(head: &Part, tail: &Part, (from, to): (f64, f64)) -> Self {
-        let start = sum(head.points[0], head.base);
-        let end = sum(tail.points[3], tail.base);
-        let duration = to - from;
+    pub(crate) fn between(head: &Part, tail: &Part, from: f64, rate: f64) -> Self {
         Self {
-            start,
-            change: difference(end, start),
-            deviation: [0.0; 4],
+            start: head.points[0],
+            change: tail.points[3] - head.points[0],
+            deviation: Vec4::ZERO,
             from,
-            // At a single instant the line is a point.
-            rate: if duration > 0.0 { 1.0 / duration } else { 0.0 },
+            rate,
         }
     }
 
@@ -316,16 +341,16 @@ impl Chord {
     /// control points are those differences at every third of the part.
     #[inline(always)]
     pub(crate) fn follow(&mut self, part: &Part) {
-        let begin = (part.from - self.from) * self.rate;
-        let third = (part.to - part.from) * self.rate * (1.0 / 3.0);
-        let step = times(self.change, third);
-        let offset = difference(sum(self.start, times(self.change, begin)), part.base);
+        let begin = nearest((part.from - self.from) * self.rate);
+        let third = nearest((part.to - part.from) * (self.rate * (1.0 / 3.0)));
+        let step = self.change * third;
+        let line = self.start + self.change * begin;
         let [p0, p1, p2, p3] = part.points;
-        let (one, two) = (sum(offset, step), sum(offset, times(step, 2.0)));
-        let three = sum(offset, times(step, 3.0));
-        let first = most(size(difference(p0, offset)), size(difference(p1, one)));
-        let second = most(size(difference(p2, two)), size(difference(p3, three)));
-        self.deviation = most(self.deviation, most(first, second));
+        let (line_1, line_2) = (line + step, line + (step + step));
+        let line_3 = line_1 + (step + step);
+        let first = (p0 - line).abs().max((p1 - line_1).abs());
+        let second = (p2 - line_2).abs().max((p3 - line_3).abs());
+        self.deviation = self.deviation.max(first.max(second));
     }
 
     /// The line for a body whose parts have this hull.
@@ -334,28 +359,48 @@ impl Chord {
         &self,
         hull: &Hull,
         inflation: &Inflation,
-        frame: &Frame,
+        anchor: &Anchor,
         first: u32,
     ) -> Course {
-        let [x, y, z, _] = self.deviation;
-        // Scaled before it is squared: neither overflows nor vanishes.
-        let [x, y, z] = [x * frame.power, y * frame.power, z * frame.power];
-        let stray = (x * x + y * y + z * z).sqrt();
-        let (start, change) = (
-            times(self.start, frame.power),
-            times(self.change, frame.power),
-        );
-        let rounding = sum(slack_of(start), slack_of(change));
-        let around = (inflation.reach + hull.clearance()) * frame.power;
-        let slack = (stray + around) * (1.0 + 2.0 * f64::from(f32::EPSILON))
-            + 4.0 * (rounding[0] + rounding[1] + rounding[2]);
+        let start = anchor.place + self.start;
+        let change = self.change;
+        let stray = self.deviation * self.deviation;
+        let rounding = hull.rounding(inflation) + (start.abs() + change.abs()) * (8.0 * ROUNDING);
+        let slack = if hull.is_served(inflation, anchor) {
+            // Squares that vanish are less than what is added for rounding.
+            (stray.x + stray.y + stray.z).sqrt()
+                + inflation.reach
+                + 4.0 * (rounding.x + rounding.y + rounding.z)
+        } else {
+            f32::INFINITY
+        };
         Course {
-            start: [nearest(start[0]), nearest(start[1]), nearest(start[2])],
-            change: [nearest(change[0]), nearest(change[1]), nearest(change[2])],
-            slack: nearest(slack),
+            start: [start.x, start.y, start.z],
+            change: [change.x, change.y, change.z],
+            // A few roundings of itself.
+            slack: slack * (1.0 + 8.0 * ROUNDING),
             first,
         }
     }
+}
+
+/// Half a unit in the last place of f32, relative.
+const ROUNDING: f32 = 0.5 * f32::EPSILON;
+
+#[inline(always)]
+fn difference(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3]]
+}
+
+/// The nearest f32 vector in another unit.
+#[inline(always)]
+fn scaled(vector: [f64; 4], power: f64) -> Vec4 {
+    Vec4::new(
+        nearest(vector[0] * power),
+        nearest(vector[1] * power),
+        nearest(vector[2] * power),
+        nearest(vector[3] * power),
+    )
 }
 
 #[allow(

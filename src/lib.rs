@@ -78,7 +78,6 @@ mod monitor;
 pub mod narrow_phase;
 mod parallel;
 pub mod polynomial;
-mod quad;
 mod query;
 mod rounding;
 mod scene;

@@ -1,7 +1,7 @@
 //! Cutting the window into slices, and one box for each body in each of them.
 
 use super::BodyBox;
-use crate::bounds::{Chord, Course, Frame, Hull, Inflation, MOST_SPLITS, Part};
+use crate::bounds::{Anchor, Chord, Course, Frame, Hull, Inflation, MOST_SPLITS, Part};
 use crate::narrow_phase::Party;
 use crate::simd::{Task, prefetch};
 use crate::trajectory::Segment;
@@ -138,9 +138,7 @@ impl Task for Fill<'_> {
             *end = self.cuts.cut(cut);
         }
         let ends = &ends[..=count];
-        let mut walked = 1;
         for body in 0..self.parties.len() {
-            self.fetch(body + Self::AHEAD, walked);
             let party = &self.parties[body];
             let knots = party.knots;
             let (Some(&first), Some(&last)) = (knots.first(), knots.last()) else {
@@ -151,14 +149,20 @@ impl Task for Fill<'_> {
             }
             let piece = cubic_before(knots, ends[0], self.block.firsts[body]);
             self.block.firsts[body] = short(piece);
-            let last_piece = Walk {
+            Walk {
                 knots,
                 segments: party.segments,
-                frame: self.frame,
+                anchor: Anchor::at(&party.segments[piece], self.frame),
                 ends,
+                ahead: Self::ahead(self.parties, &self.block.firsts, body),
+                begin: piece,
             }
-            .through(piece, &self.inflations[body], short(body), self.block);
-            walked = last_piece + 1 - piece;
+            .through(
+                piece,
+                &self.inflations[body],
+                short(body),
+                &mut self.block.slices,
+            );
         }
     }
 }
@@ -166,21 +170,23 @@ impl Task for Fill<'_> {
 impl Fill<'_> {
     /// How many bodies ahead segments are brought into the caches. They are what there is most of,
     /// and each body's lie somewhere else: without it, half of the time is waiting.
-    const AHEAD: usize = 4;
-    /// Not more than this many of a body's.
-    const MOST_AHEAD: usize = 32;
+    const AHEAD: usize = 2;
 
-    /// Prefetches the knots of a body and, of one that comes sooner, `count` segments.
+    /// Prefetches the knots of a body, and gives the segments that one which comes sooner begins
+    /// with.
     #[inline(always)]
-    fn fetch(&self, body: usize, count: usize) {
-        if let Some(party) = self.parties.get(body + Self::AHEAD) {
-            let first = (self.block.firsts[body + Self::AHEAD] as usize).min(party.knots.len());
+    fn ahead<'a>(parties: &'a [Party<'_>], firsts: &[u32], body: usize) -> &'a [Segment] {
+        let (later, soon) = (body + 2 * Self::AHEAD, body + Self::AHEAD);
+        if let Some(party) = parties.get(later) {
+            let first = (firsts[later] as usize).min(party.knots.len());
             prefetch(&party.knots[first..(first + 8).min(party.knots.len())]);
         }
-        if let Some(party) = self.parties.get(body) {
-            let length = party.segments.len();
-            let first = (self.block.firsts[body] as usize).min(length);
-            prefetch(&party.segments[first..(first + count.min(Self::MOST_AHEAD)).min(length)]);
+        match parties.get(soon) {
+            Some(party) => {
+                let first = (firsts[soon] as usize).min(party.segments.len());
+                &party.segments[first..]
+            }
+            None => &[],
         }
     }
 }
@@ -206,42 +212,42 @@ fn cubic_before(knots: &[f64], time: f64, guess: u32) -> usize {
 struct Walk<'a> {
     knots: &'a [f64],
     segments: &'a [Segment],
-    frame: &'a Frame,
+    anchor: Anchor,
     /// Where slices begin and end.
     ends: &'a [f64],
+    /// Segments of a body that is still to come, fetched one for one of this body's.
+    ahead: &'a [Segment],
+    begin: usize,
 }
 
 impl Walk<'_> {
     /// The part of a piece from `start` on; it may end after the block does.
     #[inline(always)]
     fn part(&self, piece: usize, start: f64) -> Part {
+        if let Some(later) = self.ahead.get(piece - self.begin) {
+            prefetch(std::slice::from_ref(later));
+        }
         let segment = &self.segments[piece];
         let (from, to) = (self.knots[piece], self.knots[piece + 1]);
         if segment.start().to_bits() == from.to_bits() && segment.end().to_bits() == to.to_bits() {
-            let mut part = Part::whole(segment, self.frame);
+            let mut part = Part::whole(segment, &self.anchor);
             if from < start {
                 part.split_off(start);
             }
             part
         } else {
             let end = self.ends[self.ends.len() - 1];
-            Part::of(segment, (from.max(start), to.min(end)), self.frame)
+            Part::of(segment, (from.max(start), to.min(end)), &self.anchor)
         }
     }
 
-    /// Appends the body's box and course to each slice in which it exists; gives its last cubic.
+    /// Appends the body's box and course to each slice in which it exists.
     #[inline(always)]
-    fn through(
-        &self,
-        mut piece: usize,
-        inflation: &Inflation,
-        body: u32,
-        block: &mut Block,
-    ) -> usize {
+    fn through(&self, mut piece: usize, inflation: &Inflation, body: u32, slices: &mut [Slice]) {
         let Self { knots, ends, .. } = *self;
         let (first, last) = (knots[0], knots[knots.len() - 1]);
         let mut part = self.part(piece, ends[0]);
-        for (slice, ends) in block.slices.iter_mut().zip(ends.windows(2)) {
+        for (slice, ends) in slices.iter_mut().zip(ends.windows(2)) {
             let (from, to) = (ends[0], ends[1]);
             if first > to || last < from {
                 continue;
@@ -263,7 +269,9 @@ impl Walk<'_> {
             };
             let head = if piece > begin { head } else { tail };
             let mut hull = Hull::EMPTY;
-            let mut chord = Chord::between(&head, &tail, (from, to));
+            // At a single instant the line is a point.
+            let rate = if to > from { 1.0 / (to - from) } else { 0.0 };
+            let mut chord = Chord::between(&head, &tail, from, rate);
             hull.include(&head);
             chord.follow(&head);
             for between in begin + 1..piece {
@@ -277,15 +285,14 @@ impl Walk<'_> {
             }
             let place = short(slice.bodies.len());
             slice.boxes.push(BodyBox {
-                aabb: hull.inflated(inflation, self.frame),
+                aabb: hull.inflated(inflation, &self.anchor),
                 body: place,
             });
             slice
                 .courses
-                .push(chord.course(&hull, inflation, self.frame, short(begin)));
+                .push(chord.course(&hull, inflation, &self.anchor, short(begin)));
             slice.bodies.push(body);
         }
-        piece
     }
 }
 
@@ -358,7 +365,7 @@ mod tests {
             count: 19,
         };
         let hitbox = Hitbox::POINT;
-        let inflation = Inflation::of(hitbox.spheres(), hitbox.bounding(), 0.0);
+        let inflation = Inflation::of(hitbox.spheres(), hitbox.bounding(), 0.0, &frame);
         for seed in 0..200 {
             let far = if seed % 2 == 0 { 10.0 } else { 1e6 };
             let mut vector =

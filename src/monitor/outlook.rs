@@ -6,7 +6,7 @@
 
 use super::boxes::Boxes;
 use super::budget::Meter;
-use crate::bounds::{Frame, Hull, Inflation, Part};
+use crate::bounds::{Anchor, Frame, Hull, Inflation, Part};
 use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter};
 use crate::error::Error;
 use crate::hitbox::Sphere;
@@ -161,7 +161,7 @@ impl<B: BroadPhase> Outlook<B> {
         Ok(Flight {
             spheres: spheres.to_vec(),
             bounding,
-            inflation: Inflation::of(spheres, bounding, self.margin),
+            inflation: Inflation::of(spheres, bounding, self.margin, &self.frame),
             trajectory: trajectory.clone(),
             beyond,
             begin: window.start(),
@@ -514,6 +514,7 @@ fn box_of(flight: &Flight, body: u32, (from, to): (f64, f64), frame: &Frame) -> 
     }
     let mut hull = Hull::EMPTY;
     let begin = party.knots.partition_point(|&knot| knot < from).max(1) - 1;
+    let anchor = Anchor::at(party.segments.get(begin)?, frame);
     for (ends, segment) in party.knots[begin..]
         .windows(2)
         .zip(&party.segments[begin..])
@@ -522,10 +523,10 @@ fn box_of(flight: &Flight, body: u32, (from, to): (f64, f64), frame: &Frame) -> 
             break;
         }
         let part = (ends[0].max(from), ends[1].min(to));
-        hull.include(&Part::of(segment, part, frame));
+        hull.include(&Part::of(segment, part, &anchor));
     }
     Some(BodyBox {
-        aabb: hull.inflated(&flight.inflation, frame),
+        aabb: hull.inflated(&flight.inflation, &anchor),
         body,
     })
 }

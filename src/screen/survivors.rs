@@ -38,12 +38,13 @@ impl LineUp<'_> {
         progress: &(impl Fn(f64) + Sync),
         stats: &mut Stats,
     ) -> Vec<Survivor> {
+        let size = |party: &Party<'_>| Inflation::size(party.spheres, party.bounding, self.margin);
+        let largest = parties.iter().map(size).fold(0.0, f64::max);
+        let frame = Frame::around(self.extremes(parties), largest);
         let inflations: Vec<Inflation> = parties
             .iter()
-            .map(|party| Inflation::of(party.spheres, party.bounding, self.margin))
+            .map(|party| Inflation::of(party.spheres, party.bounding, self.margin, &frame))
             .collect();
-        let largest = inflations.iter().map(Inflation::size).fold(0.0, f64::max);
-        let frame = Frame::around(self.extremes(parties), largest);
         let slices = self.slices(largest);
         stats.slices = u64::from(slices.count());
         let blocks = slices.count().div_ceil(Block::SLICES);
