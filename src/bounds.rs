@@ -109,6 +109,11 @@ impl Inflation {
         }
     }
 
+    /// Largest distance from the body's position that it adds, in the frame's unit.
+    pub(crate) fn reach(&self) -> f64 {
+        f64::from(self.reach)
+    }
+
     /// Largest distance from the body's position that it adds, and more where numbers cancel, m.
     pub(crate) fn size(spheres: &[Sphere], bounding: Sphere, margin: f64) -> f64 {
         let largest = |sphere: &Sphere| norm(sphere.offset) + sphere.radius;

@@ -38,6 +38,8 @@ impl Slices {
     const MOST_SEGMENTS_PER_SLICE: f64 = 16.0;
     /// However fast the traffic, no more boxes than this in all.
     const MOST_BOXES: f64 = 5e7;
+    /// Nor slices.
+    const MOST_SLICES: f64 = 1e6;
 
     /// Slices of `start..=end` (s, finite) by the rule above, from counts alone.
     pub(crate) fn choose(start: f64, end: f64, traffic: &Traffic) -> Self {
@@ -54,16 +56,27 @@ impl Slices {
         let length = (Self::SPACINGS_PER_SLICE * spacing / speed)
             .min(Self::MOST_SEGMENTS_PER_SLICE * traffic.body_time / traffic.segments)
             .max(traffic.body_time / Self::MOST_BOXES);
-        let count = (duration / length).ceil();
-        Self {
+        let one = Self {
             start,
             end,
-            count: if count >= 1.0 && count.is_finite() {
-                whole(count.min(Self::MOST_BOXES))
-            } else {
-                1
-            },
-        }
+            count: 1,
+        };
+        one.with_count((duration / length).ceil())
+    }
+
+    /// The same window cut into about `count` slices; one where that is no number.
+    pub(crate) fn with_count(self, count: f64) -> Self {
+        let count = if count >= 1.0 && count.is_finite() {
+            whole(count.round().min(Self::MOST_SLICES))
+        } else {
+            1
+        };
+        Self { count, ..self }
+    }
+
+    /// The slice at a share of the window, 0..1.
+    pub(crate) fn number_at(&self, share: f64) -> u32 {
+        whole((share * f64::from(self.count)).floor()).min(self.count - 1)
     }
 
     pub(crate) const fn count(&self) -> u32 {
@@ -306,7 +319,7 @@ fn short(count: usize) -> u32 {
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    reason = "a whole number between 1 and MOST_BOXES"
+    reason = "a whole number up to MOST_SLICES"
 )]
 fn whole(count: f64) -> u32 {
     count as u32

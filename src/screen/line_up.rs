@@ -81,14 +81,15 @@ impl<'a> LineUp<'a> {
         extremes
     }
 
-    pub(super) fn slices(&self, reach: f64) -> Slices {
+    /// Slices by the mean speed and density alone.
+    pub(super) fn first_guess(&self) -> Slices {
         let (start, end) = (self.window.start(), self.window.end());
         let mut traffic = Traffic {
             body_time: 0.0,
             path: 0.0,
             segments: 0.0,
             world: [0.0; 3],
-            reach: 2.0 * reach,
+            reach: self.margin.max(0.0),
         };
         let mut extremes = Extremes::NOTHING;
         for occupant in &self.occupants {

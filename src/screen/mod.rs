@@ -6,6 +6,7 @@
 //! slicing and the number of threads.
 
 mod line_up;
+mod pilot;
 mod solve;
 mod survivors;
 

@@ -45,7 +45,7 @@ impl LineUp<'_> {
             .iter()
             .map(|party| Inflation::of(party.spheres, party.bounding, self.margin, &frame))
             .collect();
-        let slices = self.slices(largest);
+        let slices = self.slices(parties, &inflations, &frame);
         stats.slices = u64::from(slices.count());
         let blocks = slices.count().div_ceil(Block::SLICES);
         let done_blocks = AtomicU32::new(0);
