@@ -3,6 +3,7 @@
 use crate::broad_phase::Method;
 use crate::error::{Error, LARGEST_MAGNITUDE};
 use crate::window::Window;
+use std::num::NonZeroU32;
 
 /// A question to a scene: when, and how close is too close.
 ///
@@ -12,6 +13,7 @@ pub struct Query {
     window: Window,
     margin: f64,
     method: Method,
+    slices: Option<NonZeroU32>,
 }
 
 impl Query {
@@ -45,6 +47,14 @@ impl Query {
         self
     }
 
+    /// The same query with the window cut into this many slices, instead of as many as are
+    /// expected to cost least: for measuring how good that choice is. The answer is the same.
+    #[must_use]
+    pub const fn with_slices(mut self, slices: NonZeroU32) -> Self {
+        self.slices = Some(slices);
+        self
+    }
+
     /// The time asked about.
     #[must_use]
     pub const fn window(&self) -> Window {
@@ -55,6 +65,12 @@ impl Query {
     #[must_use]
     pub const fn margin(&self) -> f64 {
         self.margin
+    }
+
+    /// How many slices the window is cut into, if that was prescribed.
+    #[must_use]
+    pub const fn slices(&self) -> Option<NonZeroU32> {
+        self.slices
     }
 
     /// How candidates are found.

@@ -13,6 +13,7 @@ use crate::spans::common_domain;
 use crate::trajectory::Pieces;
 use crate::window::Window;
 use std::collections::BTreeSet;
+use std::num::NonZeroU32;
 
 /// The bodies of a scene as the pipeline sees them: by place, in the order of their ids.
 pub(super) struct LineUp<'a> {
@@ -21,6 +22,8 @@ pub(super) struct LineUp<'a> {
     pub(super) pieces: Vec<Pieces<'a>>,
     pub(super) window: Window,
     pub(super) margin: f64,
+    /// How many slices, if that was prescribed.
+    pub(super) prescribed: Option<NonZeroU32>,
 }
 
 impl<'a> LineUp<'a> {
@@ -47,6 +50,7 @@ impl<'a> LineUp<'a> {
             pieces,
             window: window.unwrap_or(query.window()),
             margin: query.margin(),
+            prescribed: query.slices(),
         })
     }
 

@@ -7,6 +7,7 @@
 
 mod line_up;
 mod pilot;
+mod sift;
 mod solve;
 mod survivors;
 

@@ -80,6 +80,9 @@ impl LineUp<'_> {
         /// Each may change the length fourfold.
         const MOST_TRIALS: usize = 6;
         let mut slices = self.first_guess();
+        if let Some(count) = self.prescribed {
+            return slices.with_count(f64::from(count.get()));
+        }
         if parties.len() < FEW {
             return slices;
         }

@@ -1,25 +1,16 @@
 //! From slices to survivors: boxes, candidates, and cheap tests of their spans.
 
 use super::line_up::LineUp;
+use super::sift::{Sieve, Survivor};
 use crate::bounds::{Frame, Inflation};
-use crate::broad_phase::slices::{Block, Fill, Slice, Slices};
+use crate::broad_phase::slices::{Block, Fill, Slices};
 use crate::broad_phase::{BroadPhase, Candidate, PairFilter};
-use crate::narrow_phase::{Party, approaching, may_touch};
+use crate::narrow_phase::Party;
 use crate::parallel;
 use crate::simd::Level;
-use crate::spans::{Span, spans_from};
 use crate::stats::Stats;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
-
-/// A pair's span that cheap tests could not rule out; bodies by their place in the line-up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Survivor {
-    pub(super) a: u32,
-    pub(super) b: u32,
-    span_a: u32,
-    span_b: u32,
-}
 
 /// What one thread reuses from slice to slice.
 #[derive(Default)]
@@ -27,6 +18,7 @@ struct Scratch<B> {
     method: B,
     block: Block,
     candidates: Vec<Candidate>,
+    sieve: Sieve,
 }
 
 impl LineUp<'_> {
@@ -98,6 +90,7 @@ impl LineUp<'_> {
             method,
             block,
             candidates,
+            sieve,
         } = scratch;
         Level::best().run(Fill {
             block: &mut *block,
@@ -117,49 +110,14 @@ impl LineUp<'_> {
             };
             method.pairs(&slice.boxes, &admission, candidates);
             let found = Instant::now();
-            let interval = slices.interval(number);
-            for &candidate in &*candidates {
-                stats.spans += self.sift(parties, slice, candidate, interval, &mut survivors);
-            }
+            let at = (slice, slices.interval(number));
+            stats.spans += sieve.sift(parties, at, candidates, self.margin, &mut survivors);
             stats.boxes += slice.boxes.len() as u64;
             stats.candidates += candidates.len() as u64;
             stats.broad_time += found - begin;
             stats.narrow_time += found.elapsed();
         }
         (survivors, stats)
-    }
-
-    /// The spans of a candidate in a slice that cheap tests cannot rule out; how many were looked
-    /// at.
-    fn sift(
-        &self,
-        parties: &[Party<'_>],
-        slice: &Slice,
-        candidate: Candidate,
-        interval: (f64, f64),
-        survivors: &mut Vec<Survivor>,
-    ) -> u64 {
-        let (place_a, place_b) = (candidate.a as usize, candidate.b as usize);
-        let (course_a, course_b) = (&slice.courses[place_a], &slice.courses[place_b]);
-        let Some(near) = approaching(course_a, course_b, interval) else {
-            return 0;
-        };
-        let (body_a, body_b) = (slice.bodies[place_a], slice.bodies[place_b]);
-        let (a, b) = (&parties[body_a as usize], &parties[body_b as usize]);
-        let mut looked_at = 0;
-        let hints = (course_a.first, course_b.first);
-        for span in spans_from(a.knots, b.knots, hints, near.0, near.1) {
-            looked_at += 1;
-            if may_touch(a, b, span, self.margin, near) {
-                survivors.push(Survivor {
-                    a: body_a,
-                    b: body_b,
-                    span_a: span.a,
-                    span_b: span.b,
-                });
-            }
-        }
-        looked_at
     }
 }
 
@@ -175,17 +133,5 @@ impl<F: PairFilter> PairFilter for ByPlace<'_, F> {
         // Bodies ascend with places: they are in the same order.
         self.filter
             .admits(self.bodies[a as usize], self.bodies[b as usize])
-    }
-}
-
-impl Survivor {
-    pub(super) fn span(&self, a: &Party<'_>, b: &Party<'_>) -> Span {
-        let (i, j) = (self.span_a as usize, self.span_b as usize);
-        Span {
-            start: a.knots[i].max(b.knots[j]),
-            end: a.knots[i + 1].min(b.knots[j + 1]),
-            a: self.span_a,
-            b: self.span_b,
-        }
     }
 }
