@@ -2,12 +2,18 @@
 //!
 //! A box contains every position from which the exact solver would report a contact, the solver's
 //! own rounding included: it is inflated by the hitbox, half the margin and the clearance that
-//! every filter keeps (see `rounding`).
+//! every filter keeps (see `rounding`). A [`Course`] says the same more closely: a straight line,
+//! and how far from it.
+//!
+//! Computed in f32 relative to an anchor near the body, so that rounding is a share of how far the
+//! body comes in a few slices, wherever in the world it is. That rounding is accounted for with
+//! more than a hundred units of 2^-24; next to it the clearance of filters, 2^-44, is nothing.
 
 use crate::hitbox::Sphere;
-use crate::rounding::{CLEARANCE, norm, normalising_power};
+
+use crate::rounding::{norm, normalising_power};
 use crate::trajectory::Segment;
-use glam::{DVec3, Vec3A};
+use glam::{DVec3, Vec4};
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
 
@@ -68,91 +74,164 @@ impl Frame {
     }
 }
 
-/// How much larger than its hull a body's box is.
+/// How much larger than its hull a body's box is, in the frame's unit. (Of four lanes, the last
+/// holds nothing of use, here and in what follows.)
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Inflation {
     /// Extremes of the hitbox in the body's frame, half the margin included.
-    hitbox: Extremes,
-    /// Its size, which its rounding is relative to.
-    size: f64,
+    low: Vec4,
+    high: Vec4,
+    /// Largest distance from the body's position that the bounding sphere and half the margin
+    /// reach.
+    reach: f32,
+    /// What the rounding of these is relative to.
+    size: f32,
 }
 
 impl Inflation {
-    pub(crate) fn of(spheres: &[Sphere], margin: f64) -> Self {
+    /// Of a hitbox and its bounding sphere (m).
+    pub(crate) fn of(spheres: &[Sphere], bounding: Sphere, margin: f64, frame: &Frame) -> Self {
         let mut hitbox = Extremes::NOTHING;
         for sphere in spheres {
-            // Never inverted: a negative margin that swallows one body's radius leaves a point,
-            // and the other body's box is then at worst too large.
-            let reach = DVec3::splat((sphere.radius + 0.5 * margin).max(0.0));
+            let reach = half_size(sphere, margin);
             hitbox.include(Extremes {
                 low: sphere.offset - reach,
                 high: sphere.offset + reach,
             });
         }
-        let size = norm(hitbox.low.abs().max(hitbox.high.abs())) + margin.abs();
-        Self { hitbox, size }
+        let lanes = |DVec3 { x, y, z }: DVec3| scaled([x, y, z, 0.0], frame.power);
+        let reach = norm(bounding.offset) + half_size(&bounding, margin);
+        Self {
+            low: lanes(hitbox.low),
+            high: lanes(hitbox.high),
+            reach: nearest(reach * frame.power),
+            size: nearest(Self::size(spheres, bounding, margin) * frame.power),
+        }
     }
 
-    /// Largest distance from the body's position that it adds, m.
-    pub(crate) const fn size(&self) -> f64 {
-        self.size
+    /// Largest distance from the body's position that it adds, in the frame's unit.
+    pub(crate) fn reach(&self) -> f64 {
+        f64::from(self.reach)
+    }
+
+    /// Largest distance from the body's position that it adds, and more where numbers cancel, m.
+    pub(crate) fn size(spheres: &[Sphere], bounding: Sphere, margin: f64) -> f64 {
+        let largest = |sphere: &Sphere| norm(sphere.offset) + sphere.radius;
+        spheres
+            .iter()
+            .map(largest)
+            .fold(largest(&bounding), f64::max)
+            + margin.abs()
     }
 }
 
-/// The part of a segment that is still to be boxed, in f32 relative to the segment's origin, in the
-/// frame's unit.
-///
-/// Relative to the origin f32 is fine enough: its error is a share of the segment's own extent,
-/// wherever the segment lies.
+/// The radius and half the margin. Never negative: a margin that swallows one body's radius leaves
+/// a point, and the other body's box is then at worst too large.
+fn half_size(sphere: &Sphere, margin: f64) -> f64 {
+    (sphere.radius + 0.5 * margin).max(0.0)
+}
+
+/// What a body's coordinates are relative to for a few slices: a position near it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Anchor {
+    position: [f64; 4],
+    power: f64,
+    /// The position in the frame and its unit, rounded to the nearest.
+    place: Vec4,
+}
+
+impl Anchor {
+    /// At the origin of a segment.
+    #[inline(always)]
+    pub(crate) fn at(segment: &Segment, frame: &Frame) -> Self {
+        let position = segment.lanes()[0];
+        let DVec3 { x, y, z } = frame.origin;
+        Self {
+            position,
+            power: frame.power,
+            place: scaled(difference(position, [x, y, z, 0.0]), frame.power),
+        }
+    }
+
+    /// A position relative to the anchor, in the frame's unit.
+    #[inline(always)]
+    fn offset(&self, position: [f64; 4]) -> Vec4 {
+        self.scaled(difference(position, self.position))
+    }
+
+    /// A vector in the frame's unit.
+    #[inline(always)]
+    fn scaled(&self, vector: [f64; 4]) -> Vec4 {
+        scaled(vector, self.power)
+    }
+}
+
+/// A part of a cubic, as control points relative to an anchor, in the frame's unit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Part {
-    points: [Vec3A; 4],
+    points: [Vec4; 4],
+    /// What the rounding of the points is relative to on each axis: none of the segment is farther
+    /// away; more where the segment itself is known less well than f32 could tell.
+    size: Vec4,
     from: f64,
     to: f64,
-    /// Position of the origin in the frame.
-    base: DVec3,
-    /// How much rounding can have moved the points.
-    error: f64,
 }
 
-/// Roundings of f32, of the segment's reach, that a part's points can carry: one from the
-/// conversion and 9 from each of the splits before it (three levels of two weights and a sum).
-const PART_ERROR: f64 = (1.0 + 9.0 * MOST_SPLITS as f64) * (f32::EPSILON as f64 / 2.0) * 1.01;
-
-/// How often a part may be split.
-pub(crate) const MOST_SPLITS: u32 = 8;
+/// How often a part may be split: each time rounds its points 9 times more (three levels of two
+/// weights and a sum).
+pub(crate) const MOST_SPLITS: u32 = 9;
 
 impl Part {
-    /// The part of a segment over `from..=to`.
-    pub(crate) fn of(segment: &Segment, (from, to): (f64, f64), frame: &Frame) -> Self {
-        let base = (segment.origin() - frame.origin) * frame.power;
-        let reach = segment.reach(from, to).max(segment.extent()) * frame.power;
-        let scale = segment.rounding_scale(from, to).max(segment.extent()) * frame.power;
+    /// Roundings of the size that the points can carry: from the conversion, all splits, and
+    /// some more than what follows until a box or a course is made.
+    const ROUNDINGS: f32 = 3.0 + 9.0 * MOST_SPLITS as f32 + 36.0;
+
+    /// The part of a segment over `from..=to`, within its knots or not.
+    pub(crate) fn of(segment: &Segment, (from, to): (f64, f64), anchor: &Anchor) -> Self {
+        let reach = segment.reach(from, to).max(segment.extent())
+            + segment.own_error(from, to) / f64::from(ROUNDING);
         let points = segment.restrict(from, to).points;
+        let offset = anchor.offset(segment.lanes()[0]);
         Self {
-            points: points.map(|point| (point * frame.power).as_vec3a()),
+            points: points.map(|point| offset + anchor.scaled([point.x, point.y, point.z, 0.0])),
+            size: offset.abs() + Vec4::splat(nearest(reach * anchor.power)),
             from,
             to,
-            base,
-            error: PART_ERROR * reach
-                + 4.0 * CLEARANCE * (scale + base.abs().element_sum())
-                + f64::from(f32::MIN_POSITIVE),
+        }
+    }
+
+    /// A whole segment.
+    #[inline(always)]
+    pub(crate) fn whole(segment: &Segment, anchor: &Anchor) -> Self {
+        let [origin, first, second, third] = segment.lanes();
+        let offset = anchor.offset(origin);
+        let size = segment.extent() + segment.error() / f64::from(ROUNDING);
+        Self {
+            points: [
+                offset,
+                offset + anchor.scaled(first),
+                offset + anchor.scaled(second),
+                offset + anchor.scaled(third),
+            ],
+            size: offset.abs() + Vec4::splat(nearest(size * anchor.power)),
+            from: segment.start(),
+            to: segment.end(),
         }
     }
 
     /// Last instant, s.
+    #[inline(always)]
     pub(crate) const fn end(&self) -> f64 {
         self.to
     }
 
     /// Splits off what lies before `cut`, by de Casteljau; the rest stays.
+    #[inline(always)]
     pub(crate) fn split_off(&mut self, cut: f64) -> Self {
-        let duration = self.to - self.from;
-        let (first, second) = (
-            nearest((self.to - cut) / duration),
-            nearest((cut - self.from) / duration),
-        );
-        let mix = |x: Vec3A, y: Vec3A| x * first + y * second;
+        let rate = 1.0 / (self.to - self.from);
+        let first = Vec4::splat(nearest((self.to - cut) * rate));
+        let second = Vec4::splat(nearest((cut - self.from) * rate));
+        let mix = |x: Vec4, y: Vec4| x * first + y * second;
         let [p0, p1, p2, p3] = self.points;
         let (q0, q1, q2) = (mix(p0, p1), mix(p1, p2), mix(p2, p3));
         let (r0, r1) = (mix(q0, q1), mix(q1, q2));
@@ -168,54 +247,174 @@ impl Part {
     }
 }
 
-/// A box under construction, in the frame's coordinates and unit: hulls of one body's parts.
+/// A box under construction: the hull of one body's parts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Hull {
-    extremes: Extremes,
+    low: Vec4,
+    high: Vec4,
+    size: Vec4,
 }
 
 impl Hull {
     pub(crate) const EMPTY: Self = Self {
-        extremes: Extremes::NOTHING,
+        low: Vec4::INFINITY,
+        high: Vec4::NEG_INFINITY,
+        size: Vec4::ZERO,
     };
 
-    /// Includes a part, its rounding included.
+    #[inline(always)]
     pub(crate) fn include(&mut self, part: &Part) {
         let [p0, p1, p2, p3] = part.points;
-        let low = p0.min(p1).min(p2.min(p3)).as_dvec3();
-        let high = p0.max(p1).max(p2.max(p3)).as_dvec3();
-        self.extremes.include(Extremes {
-            low: part.base + low - part.error,
-            high: part.base + high + part.error,
-        });
+        self.low = self.low.min(p0.min(p1).min(p2.min(p3)));
+        self.high = self.high.max(p0.max(p1).max(p2.max(p3)));
+        self.size = self.size.max(part.size);
     }
 
-    /// The outward-rounded box.
-    pub(crate) fn inflated(&self, inflation: &Inflation, frame: &Frame) -> Aabb {
-        let pad = DVec3::splat(4.0 * CLEARANCE * inflation.size);
-        let low = self.extremes.low + (inflation.hitbox.low - pad) * frame.power;
-        let high = self.extremes.high + (inflation.hitbox.high + pad) * frame.power;
+    /// How far rounding can have moved each coordinate, in the frame's unit.
+    #[inline(always)]
+    fn rounding(&self, inflation: &Inflation) -> Vec4 {
+        self.size * (ROUNDING * Part::ROUNDINGS)
+            + Vec4::splat(8.0 * ROUNDING * inflation.size + f32::MIN_POSITIVE)
+    }
+
+    /// Whether a body is where the frame serves its coordinates: it always is where the frame was
+    /// chosen for all bodies.
+    #[inline(always)]
+    fn is_served(&self, inflation: &Inflation, anchor: &Anchor) -> bool {
+        const FAR: f32 = 1e37;
+        let far = self.size + anchor.place.abs() + Vec4::splat(inflation.size);
+        // Not so for NaN.
+        (far.x < FAR) & (far.y < FAR) & (far.z < FAR)
+    }
+
+    /// The outward-rounded box in the frame's unit; everywhere, where the frame does not serve.
+    #[inline(always)]
+    pub(crate) fn inflated(&self, inflation: &Inflation, anchor: &Anchor) -> Aabb {
+        if !self.is_served(inflation, anchor) {
+            return Aabb::new(Vector::splat(f32::MIN), Vector::splat(f32::MAX));
+        }
+        // Of the anchor, of the sum with it, and of the subtraction below.
+        let rounding = self.rounding(inflation) + anchor.place.abs() * (4.0 * ROUNDING);
+        let low = anchor.place + (self.low + inflation.low) - rounding;
+        let high = anchor.place + (self.high + inflation.high) + rounding;
         Aabb::new(
-            Vector::from(low.to_array().map(below)),
-            Vector::from(high.to_array().map(above)),
+            Vector::new(low.x, low.y, low.z),
+            Vector::new(high.x, high.y, high.z),
         )
     }
 }
 
-/// An f32 that is certainly not above `value`.
-fn below(value: f64) -> f32 {
-    nearest(value).next_down().max(f32::MIN)
+/// A straight line through a slice of time, and how far a body strays from it, in the frame's unit.
+///
+/// At the share `s` of the slice, 0..=1, every sphere of the body with half the margin around it is
+/// within `slack` of `start + s change`, what the exact solver's rounding can add included.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Course {
+    pub(crate) start: [f32; 3],
+    pub(crate) change: [f32; 3],
+    /// Infinite where the frame does not serve.
+    pub(crate) slack: f32,
+    /// The cubic that the body follows first in the slice.
+    pub(crate) first: u32,
 }
 
-/// An f32 that is certainly not below `value`.
-fn above(value: f64) -> f32 {
-    nearest(value).next_up().min(f32::MAX)
+/// A [`Course`] under construction, relative to the anchor.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Chord {
+    start: Vec4,
+    change: Vec4,
+    /// Largest deviation on each axis.
+    deviation: Vec4,
+    /// The slice: from when, and the inverse of its duration.
+    from: f64,
+    rate: f64,
+}
+
+impl Chord {
+    /// From where one part begins to where another ends, in a slice that begins at `from`; `rate`
+    /// is the inverse of its duration, or 0 for a single instant.
+    #[inline(always)]
+    pub(crate) fn between(head: &Part, tail: &Part, from: f64, rate: f64) -> Self {
+        Self {
+            start: head.points[0],
+            change: tail.points[3] - head.points[0],
+            deviation: Vec4::ZERO,
+            from,
+            rate,
+        }
+    }
+
+    /// Takes a part's deviation into account. The difference to the line is a cubic as well, whose
+    /// control points are those differences at every third of the part.
+    #[inline(always)]
+    pub(crate) fn follow(&mut self, part: &Part) {
+        let begin = nearest((part.from - self.from) * self.rate);
+        let third = nearest((part.to - part.from) * (self.rate * (1.0 / 3.0)));
+        let step = self.change * third;
+        let line = self.start + self.change * begin;
+        let [p0, p1, p2, p3] = part.points;
+        let (line_1, line_2) = (line + step, line + (step + step));
+        let line_3 = line_1 + (step + step);
+        let first = (p0 - line).abs().max((p1 - line_1).abs());
+        let second = (p2 - line_2).abs().max((p3 - line_3).abs());
+        self.deviation = self.deviation.max(first.max(second));
+    }
+
+    /// The line for a body whose parts have this hull.
+    #[inline(always)]
+    pub(crate) fn course(
+        &self,
+        hull: &Hull,
+        inflation: &Inflation,
+        anchor: &Anchor,
+        first: u32,
+    ) -> Course {
+        let start = anchor.place + self.start;
+        let change = self.change;
+        let stray = self.deviation * self.deviation;
+        let rounding = hull.rounding(inflation) + (start.abs() + change.abs()) * (8.0 * ROUNDING);
+        let slack = if hull.is_served(inflation, anchor) {
+            // Squares that vanish are less than what is added for rounding.
+            (stray.x + stray.y + stray.z).sqrt()
+                + inflation.reach
+                + 4.0 * (rounding.x + rounding.y + rounding.z)
+        } else {
+            f32::INFINITY
+        };
+        Course {
+            start: [start.x, start.y, start.z],
+            change: [change.x, change.y, change.z],
+            // A few roundings of itself.
+            slack: slack * (1.0 + 8.0 * ROUNDING),
+            first,
+        }
+    }
+}
+
+/// Half a unit in the last place of f32, relative.
+const ROUNDING: f32 = 0.5 * f32::EPSILON;
+
+#[inline(always)]
+fn difference(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3]]
+}
+
+/// The nearest f32 vector in another unit.
+#[inline(always)]
+fn scaled(vector: [f64; 4], power: f64) -> Vec4 {
+    Vec4::new(
+        nearest(vector[0] * power),
+        nearest(vector[1] * power),
+        nearest(vector[2] * power),
+        nearest(vector[3] * power),
+    )
 }
 
 #[allow(
     clippy::cast_possible_truncation,
     reason = "rounding to f32 is the purpose; callers round outward"
 )]
+#[inline(always)]
 fn nearest(value: f64) -> f32 {
     value as f32
 }

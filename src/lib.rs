@@ -83,6 +83,7 @@ mod query;
 mod rounding;
 mod scene;
 mod screen;
+mod simd;
 mod spans;
 mod stats;
 mod trajectory;

@@ -4,6 +4,7 @@ use crate::accuracy::Accuracy;
 use crate::broad_phase::Method;
 use crate::error::{Error, LARGEST_MAGNITUDE};
 use crate::window::Window;
+use std::num::NonZeroU32;
 
 /// A question to a scene: when, and how close is too close.
 ///
@@ -14,6 +15,7 @@ pub struct Query {
     margin: f64,
     method: Method,
     accuracy: Accuracy,
+    slices: Option<NonZeroU32>,
 }
 
 impl Query {
@@ -54,6 +56,14 @@ impl Query {
         self
     }
 
+    /// The same query with the window cut into this many slices, instead of as many as are
+    /// expected to cost least: for measuring how good that choice is. The answer is the same.
+    #[must_use]
+    pub const fn with_slices(mut self, slices: NonZeroU32) -> Self {
+        self.slices = Some(slices);
+        self
+    }
+
     /// The time asked about.
     #[must_use]
     pub const fn window(&self) -> Window {
@@ -64,6 +74,12 @@ impl Query {
     #[must_use]
     pub const fn margin(&self) -> f64 {
         self.margin
+    }
+
+    /// How many slices the window is cut into, if that was prescribed.
+    #[must_use]
+    pub const fn slices(&self) -> Option<NonZeroU32> {
+        self.slices
     }
 
     /// How candidates are found.

@@ -12,8 +12,9 @@ mod tree;
 
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
+pub use crate::simd::Level;
 pub use brute_force::BruteForce;
-pub use sweep::{Level, Sweep};
+pub use sweep::Sweep;
 pub use tree::Tree;
 
 /// How candidates are found. The answer is the same; the time is not.

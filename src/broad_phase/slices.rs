@@ -1,8 +1,10 @@
 //! Cutting the window into slices, and one box for each body in each of them.
 
 use super::BodyBox;
-use crate::bounds::{Frame, Hull, Inflation, MOST_SPLITS, Part};
+use crate::bounds::{Anchor, Chord, Course, Frame, Hull, Inflation, MOST_SPLITS, Part};
 use crate::narrow_phase::Party;
+use crate::simd::{Task, prefetch};
+use crate::trajectory::Segment;
 use std::ops::Range;
 
 /// A window cut into slices of equal length. Slices never change an answer, only its cost.
@@ -36,6 +38,8 @@ impl Slices {
     const MOST_SEGMENTS_PER_SLICE: f64 = 16.0;
     /// However fast the traffic, no more boxes than this in all.
     const MOST_BOXES: f64 = 5e7;
+    /// Nor slices.
+    const MOST_SLICES: f64 = 1e6;
 
     /// Slices of `start..=end` (s, finite) by the rule above, from counts alone.
     pub(crate) fn choose(start: f64, end: f64, traffic: &Traffic) -> Self {
@@ -52,16 +56,27 @@ impl Slices {
         let length = (Self::SPACINGS_PER_SLICE * spacing / speed)
             .min(Self::MOST_SEGMENTS_PER_SLICE * traffic.body_time / traffic.segments)
             .max(traffic.body_time / Self::MOST_BOXES);
-        let count = (duration / length).ceil();
-        Self {
+        let one = Self {
             start,
             end,
-            count: if count >= 1.0 && count.is_finite() {
-                whole(count.min(Self::MOST_BOXES))
-            } else {
-                1
-            },
-        }
+            count: 1,
+        };
+        one.with_count((duration / length).ceil())
+    }
+
+    /// The same window cut into about `count` slices; one where that is no number.
+    pub(crate) fn with_count(self, count: f64) -> Self {
+        let count = if count >= 1.0 && count.is_finite() {
+            whole(count.round().min(Self::MOST_SLICES))
+        } else {
+            1
+        };
+        Self { count, ..self }
+    }
+
+    /// The slice at a share of the window, 0..1.
+    pub(crate) fn number_at(&self, share: f64) -> u32 {
+        whole((share * f64::from(self.count)).floor()).min(self.count - 1)
     }
 
     pub(crate) const fn count(&self) -> u32 {
@@ -83,81 +98,228 @@ impl Slices {
     }
 }
 
-/// The boxes of all bodies in each of a few consecutive slices.
+/// One slice: a box and a course for each body that exists in it, side by side.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Slice {
+    /// Bodies of boxes are places in these lists.
+    pub(crate) boxes: Vec<BodyBox>,
+    pub(crate) courses: Vec<Course>,
+    /// Which body a place is about, ascending.
+    pub(crate) bodies: Vec<u32>,
+}
+
+/// A few consecutive slices.
 ///
 /// Bodies are walked one by one, each through all slices at once: its segments are read once.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Block {
-    /// For each slice of the block, a box for each body that exists in it.
-    pub(crate) boxes: [Vec<BodyBox>; Block::SLICES as usize],
-    /// For each body, its first cubic in the block: where a search for its cubics begins.
-    pub(crate) firsts: Vec<u32>,
+    pub(crate) slices: [Slice; Block::SLICES as usize],
+    /// For each body, its first cubic in the block: where the next search begins.
+    firsts: Vec<u32>,
 }
 
 impl Block {
-    /// Slices in a block. Each slice splits a cubic once at most, which bounds the splits' rounding.
-    pub(crate) const SLICES: u32 = MOST_SPLITS;
+    /// Slices in a block. Each slice splits a cubic once at most, and the block's start once more,
+    /// which bounds the splits' rounding.
+    pub(crate) const SLICES: u32 = MOST_SPLITS - 1;
+}
 
-    /// Forms the boxes of the slices `range` (at most [`SLICES`](Self::SLICES)).
-    pub(crate) fn fill(
-        &mut self,
-        parties: &[Party<'_>],
-        inflations: &[Inflation],
-        frame: &Frame,
-        slices: &Slices,
-        range: Range<u32>,
-    ) {
-        self.boxes.iter_mut().for_each(Vec::clear);
-        self.firsts.clear();
-        let (start, end) = (slices.cut(range.start), slices.cut(range.end));
-        for (body, (party, inflation)) in (0_u32..).zip(parties.iter().zip(inflations)) {
+/// Forms the boxes and courses of some slices (at most [`Block::SLICES`]).
+pub(crate) struct Fill<'a> {
+    pub(crate) block: &'a mut Block,
+    pub(crate) parties: &'a [Party<'a>],
+    pub(crate) inflations: &'a [Inflation],
+    pub(crate) frame: &'a Frame,
+    pub(crate) cuts: &'a Slices,
+    pub(crate) range: Range<u32>,
+}
+
+impl Task for Fill<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for slice in &mut self.block.slices {
+            slice.boxes.clear();
+            slice.courses.clear();
+            slice.bodies.clear();
+        }
+        self.block.firsts.resize(self.parties.len(), 0);
+        let mut ends = [0.0; Block::SLICES as usize + 1];
+        let count = self.range.len();
+        for (end, cut) in ends.iter_mut().zip(self.range.start..=self.range.end) {
+            *end = self.cuts.cut(cut);
+        }
+        let ends = &ends[..=count];
+        for body in 0..self.parties.len() {
+            let party = &self.parties[body];
             let knots = party.knots;
             let (Some(&first), Some(&last)) = (knots.first(), knots.last()) else {
-                self.firsts.push(0);
                 continue;
             };
-            let mut piece = knots.partition_point(|&knot| knot < start).max(1) - 1;
-            self.firsts.push(u32::try_from(piece).unwrap_or(u32::MAX));
-            if first > end || last < start {
+            if first > ends[count] || last < ends[0] {
                 continue;
             }
-            let part_of = |piece: usize, from: f64| {
-                let until = knots[piece + 1].min(end);
-                Part::of(&party.segments[piece], (from, until), frame)
-            };
-            let mut part = part_of(piece, knots[piece].max(start));
-            for (slice, boxes) in range.clone().zip(&mut self.boxes) {
-                let (from, to) = slices.interval(slice);
-                if first > to || last < from {
-                    continue;
-                }
-                let mut hull = Hull::EMPTY;
-                // Whole parts that end within the slice, then what reaches into the next. Slices
-                // are closed: a cubic that begins where the slice ends counts with its first point.
-                while part.end() <= to {
-                    hull.include(&part);
-                    if piece + 1 >= party.segments.len() || knots[piece + 1] > end {
-                        break;
-                    }
-                    piece += 1;
-                    part = part_of(piece, knots[piece]);
-                }
-                if part.end() > to {
-                    hull.include(&part.split_off(to));
-                }
-                boxes.push(BodyBox {
-                    aabb: hull.inflated(inflation, frame),
-                    body,
-                });
+            let piece = cubic_before(knots, ends[0], self.block.firsts[body]);
+            self.block.firsts[body] = short(piece);
+            Walk {
+                knots,
+                segments: party.segments,
+                anchor: Anchor::at(&party.segments[piece], self.frame),
+                ends,
+                ahead: Self::ahead(self.parties, &self.block.firsts, body),
+                begin: piece,
             }
+            .through(
+                piece,
+                &self.inflations[body],
+                short(body),
+                &mut self.block.slices,
+            );
         }
     }
+}
+
+impl Fill<'_> {
+    /// How many bodies ahead segments are brought into the caches. They are what there is most of,
+    /// and each body's lie somewhere else: without it, half of the time is waiting.
+    const AHEAD: usize = 2;
+
+    /// Prefetches the knots of a body, and gives the segments that one which comes sooner begins
+    /// with.
+    #[inline(always)]
+    fn ahead<'a>(parties: &'a [Party<'_>], firsts: &[u32], body: usize) -> &'a [Segment] {
+        let (later, soon) = (body + 2 * Self::AHEAD, body + Self::AHEAD);
+        if let Some(party) = parties.get(later) {
+            let first = (firsts[later] as usize).min(party.knots.len());
+            prefetch(&party.knots[first..(first + 8).min(party.knots.len())]);
+        }
+        match parties.get(soon) {
+            Some(party) => {
+                let first = (firsts[soon] as usize).min(party.segments.len());
+                &party.segments[first..]
+            }
+            None => &[],
+        }
+    }
+}
+
+/// The last cubic that begins before `time` (the first one if none does), searched from a guess.
+#[inline(always)]
+fn cubic_before(knots: &[f64], time: f64, guess: u32) -> usize {
+    /// Steps to the next cubic before the rest is halved.
+    const STEPS: usize = 8;
+    let guess = guess as usize;
+    let known = guess < knots.len() && knots[guess] < time;
+    let mut piece = if known { guess } else { 0 };
+    for _ in 0..STEPS {
+        if piece + 1 >= knots.len() || knots[piece + 1] >= time {
+            return piece;
+        }
+        piece += 1;
+    }
+    piece + knots[piece + 1..].partition_point(|&knot| knot < time)
+}
+
+/// One body's way through the slices of a block.
+struct Walk<'a> {
+    knots: &'a [f64],
+    segments: &'a [Segment],
+    anchor: Anchor,
+    /// Where slices begin and end.
+    ends: &'a [f64],
+    /// Segments of a body that is still to come, fetched one for one of this body's.
+    ahead: &'a [Segment],
+    begin: usize,
+}
+
+impl Walk<'_> {
+    /// The part of a piece from `start` on; it may end after the block does.
+    #[inline(always)]
+    fn part(&self, piece: usize, start: f64) -> Part {
+        if let Some(later) = self.ahead.get(piece - self.begin) {
+            prefetch(std::slice::from_ref(later));
+        }
+        let segment = &self.segments[piece];
+        let (from, to) = (self.knots[piece], self.knots[piece + 1]);
+        if segment.start().to_bits() == from.to_bits() && segment.end().to_bits() == to.to_bits() {
+            let mut part = Part::whole(segment, &self.anchor);
+            if from < start {
+                part.split_off(start);
+            }
+            part
+        } else {
+            let end = self.ends[self.ends.len() - 1];
+            Part::of(segment, (from.max(start), to.min(end)), &self.anchor)
+        }
+    }
+
+    /// Appends the body's box and course to each slice in which it exists.
+    #[inline(always)]
+    fn through(&self, mut piece: usize, inflation: &Inflation, body: u32, slices: &mut [Slice]) {
+        let Self { knots, ends, .. } = *self;
+        let (first, last) = (knots[0], knots[knots.len() - 1]);
+        let mut part = self.part(piece, ends[0]);
+        for (slice, ends) in slices.iter_mut().zip(ends.windows(2)) {
+            let (from, to) = (ends[0], ends[1]);
+            if first > to || last < from {
+                continue;
+            }
+            let begin = piece;
+            // Slices are closed: a cubic that begins where the slice ends counts with its first
+            // point.
+            while piece + 2 < knots.len() && knots[piece + 1] <= to {
+                piece += 1;
+            }
+            let head = part;
+            if piece > begin {
+                part = self.part(piece, knots[piece]);
+            }
+            let tail = if part.end() > to {
+                part.split_off(to)
+            } else {
+                part
+            };
+            let head = if piece > begin { head } else { tail };
+            let mut hull = Hull::EMPTY;
+            // At a single instant the line is a point.
+            let rate = if to > from { 1.0 / (to - from) } else { 0.0 };
+            let mut chord = Chord::between(&head, &tail, from, rate);
+            hull.include(&head);
+            chord.follow(&head);
+            for between in begin + 1..piece {
+                let whole = self.part(between, knots[between]);
+                hull.include(&whole);
+                chord.follow(&whole);
+            }
+            if piece > begin {
+                hull.include(&tail);
+                chord.follow(&tail);
+            }
+            let place = short(slice.bodies.len());
+            slice.boxes.push(BodyBox {
+                aabb: hull.inflated(inflation, &self.anchor),
+                body: place,
+            });
+            slice
+                .courses
+                .push(chord.course(&hull, inflation, &self.anchor, short(begin)));
+            slice.bodies.push(body);
+        }
+    }
+}
+
+/// Bodies, and the segments of one, are counted in 32 bits; a longer list does not fit into memory.
+#[inline(always)]
+#[allow(clippy::cast_possible_truncation, reason = "see above")]
+fn short(count: usize) -> u32 {
+    count as u32
 }
 
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    reason = "a whole number between 1 and MOST_BOXES"
+    reason = "a whole number up to MOST_SLICES"
 )]
 fn whole(count: f64) -> u32 {
     count as u32
@@ -168,6 +330,7 @@ mod tests {
     use super::*;
     use crate::bounds::Extremes;
     use crate::hitbox::Hitbox;
+    use crate::simd::Level;
     use crate::trajectory::{State, Trajectory};
     use glam::DVec3;
     use rand::{RngExt, SeedableRng};
@@ -215,7 +378,7 @@ mod tests {
             count: 19,
         };
         let hitbox = Hitbox::POINT;
-        let inflation = Inflation::of(hitbox.spheres(), 0.0);
+        let inflation = Inflation::of(hitbox.spheres(), hitbox.bounding(), 0.0, &frame);
         for seed in 0..200 {
             let far = if seed % 2 == 0 { 10.0 } else { 1e6 };
             let mut vector =
@@ -245,8 +408,16 @@ mod tests {
             let mut block = Block::default();
             for first in (0..slices.count()).step_by(Block::SLICES as usize) {
                 let range = first..(first + Block::SLICES).min(slices.count());
-                block.fill(&[party], &[inflation], &frame, &slices, range.clone());
-                for (slice, boxes) in range.zip(&block.boxes) {
+                Level::best().run(Fill {
+                    block: &mut block,
+                    parties: &[party],
+                    inflations: &[inflation],
+                    frame: &frame,
+                    cuts: &slices,
+                    range: range.clone(),
+                });
+                for (slice, found) in range.zip(&block.slices) {
+                    let boxes = &found.boxes;
                     let (from, to) = slices.interval(slice);
                     let mut sampled = Extremes::NOTHING;
                     for step in 0..=50 {

@@ -157,7 +157,7 @@ impl Monitor {
     pub(super) fn flight(&self, trajectory: &Trajectory, hitbox: &Hitbox) -> Result<Flight, Error> {
         let end = self.outlook.laid_out(self.now + self.lookahead);
         let window = Window::new(self.told, end)?;
-        Flight::of(trajectory, hitbox, self.outlook.margin(), window)
+        Flight::of(trajectory, hitbox, self.outlook.reach(), window)
     }
 
     fn flight_of(&self, body: &Body) -> Result<Flight, Error> {

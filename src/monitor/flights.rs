@@ -1,6 +1,6 @@
 //! Bodies as the outlook sees them, by slot: their plans as far as the lookahead reaches.
 
-use crate::bounds::Inflation;
+use crate::bounds::{Frame, Inflation};
 use crate::error::Error;
 use crate::hitbox::Hitbox;
 use crate::narrow_phase::Party;
@@ -19,11 +19,11 @@ pub(super) struct Flight {
 }
 
 impl Flight {
-    /// What a plan means over `window`, for pairs within `margin` (m).
+    /// What a plan means over `window`, for pairs within `margin` (m) in `frame`.
     pub(super) fn of(
         trajectory: &Trajectory,
         hitbox: &Hitbox,
-        margin: f64,
+        (margin, frame): (f64, &Frame),
         window: Window,
     ) -> Result<Self, Error> {
         let has_end = trajectory.domain() != Window::ALL;
@@ -33,7 +33,7 @@ impl Flight {
             Some(trajectory.pieces(window)?.into_owned())
         };
         Ok(Self {
-            inflation: Inflation::of(hitbox.spheres(), margin),
+            inflation: Inflation::of(hitbox.spheres(), hitbox.bounding(), margin, frame),
             beyond,
             begin: window.start(),
         })

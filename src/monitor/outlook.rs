@@ -62,8 +62,9 @@ impl Outlook {
         Self::new(self.margin, self.frame, self.origin, self.length)
     }
 
-    pub(super) const fn margin(&self) -> f64 {
-        self.margin
+    /// Within what pairs are looked for (m), and where their boxes are measured from.
+    pub(super) const fn reach(&self) -> (f64, &Frame) {
+        (self.margin, &self.frame)
     }
 
     pub(super) fn party<'s>(&'s self, scene: &'s Scene, slot: u32) -> Option<Party<'s>> {

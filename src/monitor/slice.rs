@@ -3,7 +3,7 @@
 use super::boxes::Boxes;
 use super::finds::Key;
 use super::flights::{Flight, Flights};
-use crate::bounds::{Frame, Hull, Part};
+use crate::bounds::{Anchor, Frame, Hull, Part};
 use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter, Sweep};
 use crate::narrow_phase::{Party, may_touch};
 use crate::scene::Scene;
@@ -268,6 +268,7 @@ fn box_of(
     }
     let mut hull = Hull::EMPTY;
     let begin = party.knots.partition_point(|&knot| knot < from).max(1) - 1;
+    let anchor = Anchor::at(party.segments.get(begin)?, frame);
     for (ends, segment) in party.knots[begin..]
         .windows(2)
         .zip(&party.segments[begin..])
@@ -276,10 +277,10 @@ fn box_of(
             break;
         }
         let part = (ends[0].max(from), ends[1].min(to));
-        hull.include(&Part::of(segment, part, frame));
+        hull.include(&Part::of(segment, part, &anchor));
     }
     Some(BodyBox {
-        aabb: hull.inflated(&flight.inflation, frame),
+        aabb: hull.inflated(&flight.inflation, &anchor),
         body,
     })
 }

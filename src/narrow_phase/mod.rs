@@ -4,6 +4,7 @@
 //! `relative` cubic, `filter`, `stationary` points, `stretches`, joined across spans and
 //! spheres by `contact`, with proofs by `certified`, in f32 by `fast`. [`kernels`] answers many independent pairs at once.
 
+mod approach;
 mod certified;
 mod contact;
 mod fast;
@@ -13,6 +14,7 @@ mod relative;
 mod stationary;
 mod stretches;
 
+pub(crate) use approach::approaching;
 pub(crate) use certified::{CertifiedContact, Workspace, certified_approach, certified_contacts};
 pub(crate) use contact::{
     Approach, Contact, Solved, closest_approach, contacts, contacts_of, may_touch, solve,

@@ -14,6 +14,7 @@ use crate::spans::common_domain;
 use crate::trajectory::Pieces;
 use crate::window::Window;
 use std::collections::BTreeSet;
+use std::num::NonZeroU32;
 
 /// The bodies of a scene as the pipeline sees them: by place, in the order of their ids.
 pub(super) struct LineUp<'a> {
@@ -23,6 +24,8 @@ pub(super) struct LineUp<'a> {
     pub(super) window: Window,
     pub(super) margin: f64,
     pub(super) accuracy: Accuracy,
+    /// How many slices, if that was prescribed.
+    pub(super) prescribed: Option<NonZeroU32>,
 }
 
 impl<'a> LineUp<'a> {
@@ -50,6 +53,7 @@ impl<'a> LineUp<'a> {
             window: window.unwrap_or(query.window()),
             margin: query.margin(),
             accuracy: query.accuracy(),
+            prescribed: query.slices(),
         })
     }
 
@@ -84,14 +88,15 @@ impl<'a> LineUp<'a> {
         extremes
     }
 
-    pub(super) fn slices(&self, reach: f64) -> Slices {
+    /// Slices by the mean speed and density alone.
+    pub(super) fn first_guess(&self) -> Slices {
         let (start, end) = (self.window.start(), self.window.end());
         let mut traffic = Traffic {
             body_time: 0.0,
             path: 0.0,
             segments: 0.0,
             world: [0.0; 3],
-            reach: 2.0 * reach,
+            reach: self.margin.max(0.0),
         };
         let mut extremes = Extremes::NOTHING;
         for occupant in &self.occupants {

@@ -6,6 +6,8 @@
 //! slicing and the number of threads.
 
 mod line_up;
+mod pilot;
+mod sift;
 mod solve;
 mod survivors;
 

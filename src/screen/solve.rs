@@ -1,7 +1,7 @@
 //! The exact answer for the survivors, and how it is reported.
 
 use super::line_up::{LineUp, clip_of};
-use super::survivors::Survivor;
+use super::sift::Survivor;
 use crate::accuracy::Accuracy;
 use crate::conflict::{Clip, ClosestApproach, Conflict};
 use crate::id::BodyId;

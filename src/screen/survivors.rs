@@ -1,24 +1,16 @@
 //! From slices to survivors: boxes, candidates, and cheap tests of their spans.
 
 use super::line_up::LineUp;
+use super::sift::{Sieve, Survivor};
 use crate::bounds::{Frame, Inflation};
-use crate::broad_phase::slices::{Block, Slices};
+use crate::broad_phase::slices::{Block, Fill, Slices};
 use crate::broad_phase::{BroadPhase, Candidate, PairFilter};
-use crate::narrow_phase::{Party, may_touch};
+use crate::narrow_phase::Party;
 use crate::parallel;
-use crate::spans::{Span, spans_from};
+use crate::simd::Level;
 use crate::stats::Stats;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
-
-/// A pair's span that cheap tests could not rule out; bodies by their place in the line-up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Survivor {
-    pub(super) a: u32,
-    pub(super) b: u32,
-    span_a: u32,
-    span_b: u32,
-}
 
 /// What one thread reuses from slice to slice.
 #[derive(Default)]
@@ -26,6 +18,7 @@ struct Scratch<B> {
     method: B,
     block: Block,
     candidates: Vec<Candidate>,
+    sieve: Sieve,
 }
 
 impl LineUp<'_> {
@@ -37,13 +30,14 @@ impl LineUp<'_> {
         progress: &(impl Fn(f64) + Sync),
         stats: &mut Stats,
     ) -> Vec<Survivor> {
+        let size = |party: &Party<'_>| Inflation::size(party.spheres, party.bounding, self.margin);
+        let largest = parties.iter().map(size).fold(0.0, f64::max);
+        let frame = Frame::around(self.extremes(parties), largest);
         let inflations: Vec<Inflation> = parties
             .iter()
-            .map(|party| Inflation::of(party.spheres, self.margin))
+            .map(|party| Inflation::of(party.spheres, party.bounding, self.margin, &frame))
             .collect();
-        let largest = inflations.iter().map(Inflation::size).fold(0.0, f64::max);
-        let frame = Frame::around(self.extremes(parties), largest);
-        let slices = self.slices(largest);
+        let slices = self.slices(parties, &inflations, &frame);
         stats.slices = u64::from(slices.count());
         let blocks = slices.count().div_ceil(Block::SLICES);
         let done_blocks = AtomicU32::new(0);
@@ -96,66 +90,48 @@ impl LineUp<'_> {
             method,
             block,
             candidates,
+            sieve,
         } = scratch;
-        block.fill(parties, inflations, frame, slices, range.clone());
+        Level::best().run(Fill {
+            block: &mut *block,
+            parties,
+            inflations,
+            frame,
+            cuts: slices,
+            range: range.clone(),
+        });
         stats.bounds_time += begin.elapsed();
-        for (slice, boxes) in range.zip(&block.boxes) {
+        for (number, slice) in range.zip(&block.slices) {
             let begin = Instant::now();
             candidates.clear();
-            method.pairs(boxes, filter, candidates);
+            let admission = ByPlace {
+                bodies: &slice.bodies,
+                filter,
+            };
+            method.pairs(&slice.boxes, &admission, candidates);
             let found = Instant::now();
-            let interval = slices.interval(slice);
-            for &candidate in &*candidates {
-                stats.spans +=
-                    self.sift(parties, &block.firsts, candidate, interval, &mut survivors);
-            }
-            stats.boxes += boxes.len() as u64;
+            let at = (slice, slices.interval(number));
+            stats.spans += sieve.sift(parties, at, candidates, self.margin, &mut survivors);
+            stats.boxes += slice.boxes.len() as u64;
             stats.candidates += candidates.len() as u64;
             stats.broad_time += found - begin;
             stats.narrow_time += found.elapsed();
         }
         (survivors, stats)
     }
-
-    /// The spans of a candidate in a slice that cheap tests cannot rule out; how many were looked
-    /// at.
-    fn sift(
-        &self,
-        parties: &[Party<'_>],
-        firsts: &[u32],
-        candidate: Candidate,
-        interval: (f64, f64),
-        survivors: &mut Vec<Survivor>,
-    ) -> u64 {
-        let (a, b) = (
-            &parties[candidate.a as usize],
-            &parties[candidate.b as usize],
-        );
-        let mut looked_at = 0;
-        let hints = (firsts[candidate.a as usize], firsts[candidate.b as usize]);
-        for span in spans_from(a.knots, b.knots, hints, interval.0, interval.1) {
-            looked_at += 1;
-            if may_touch(a, b, span, self.margin, interval) {
-                survivors.push(Survivor {
-                    a: candidate.a,
-                    b: candidate.b,
-                    span_a: span.a,
-                    span_b: span.b,
-                });
-            }
-        }
-        looked_at
-    }
 }
 
-impl Survivor {
-    pub(super) fn span(&self, a: &Party<'_>, b: &Party<'_>) -> Span {
-        let (i, j) = (self.span_a as usize, self.span_b as usize);
-        Span {
-            start: a.knots[i].max(b.knots[j]),
-            end: a.knots[i + 1].min(b.knots[j + 1]),
-            a: self.span_a,
-            b: self.span_b,
-        }
+/// A filter of bodies asked about their places in a slice.
+struct ByPlace<'a, F> {
+    bodies: &'a [u32],
+    filter: &'a F,
+}
+
+impl<F: PairFilter> PairFilter for ByPlace<'_, F> {
+    #[inline]
+    fn admits(&self, a: u32, b: u32) -> bool {
+        // Bodies ascend with places: they are in the same order.
+        self.filter
+            .admits(self.bodies[a as usize], self.bodies[b as usize])
     }
 }

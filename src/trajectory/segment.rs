@@ -10,7 +10,11 @@ use glam::DVec3;
 ///
 /// Neither the absolute time nor the absolute position enters the rounding of the control points:
 /// they come from differences of the user's own numbers. 128 bytes.
+///
+/// Numbers lie in the order of the fields, so that three coordinates and the next number load as
+/// one vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Segment {
     start: f64,
     end: f64,
@@ -169,8 +173,20 @@ impl Segment {
         self.extent
     }
 
+    /// Origin and control points 1 to 3 (m), each with whatever number follows it in a fourth lane.
+    #[inline(always)]
+    pub(crate) const fn lanes(&self) -> [[f64; 4]; 4] {
+        let (o, [a, b, c]) = (&self.origin, &self.control);
+        [
+            [o.x, o.y, o.z, a.x],
+            [a.x, a.y, a.z, b.x],
+            [b.x, b.y, b.z, c.x],
+            [c.x, c.y, c.z, self.extent],
+        ]
+    }
+
     /// Bound on the error of each point `origin + control`, m.
-    pub(super) const fn error(&self) -> f64 {
+    pub(crate) const fn error(&self) -> f64 {
         self.error
     }
 
@@ -309,13 +325,17 @@ impl Segment {
     /// reach, or more where the segment itself is known less well than to a few roundings of its
     /// extent (a polynomial in absolute time, far from the origin).
     pub(crate) fn rounding_scale(&self, from: f64, to: f64) -> f64 {
-        let known = self.error / (16.0 * UNIT_ROUNDOFF);
+        self.reach(from, to) + self.own_error(from, to) / (16.0 * UNIT_ROUNDOFF)
+    }
+
+    /// A bound on what the control points' own error amounts to between `from` and `to`, m.
+    pub(crate) fn own_error(&self, from: f64, to: f64) -> f64 {
         if self.covers(from, to) {
-            return self.extent + known;
+            return self.error;
         }
         let duration = self.end - self.start;
         let s = ((from - self.start).abs().max((to - self.start).abs())) / duration;
-        self.reach(from, to) + known * (1.0 + 2.0 * s).powi(3)
+        self.error * (1.0 + 2.0 * s).powi(3)
     }
 
     /// Made by [`line`](Self::line) from exact numbers: marked by the error 0, which no other

@@ -11,7 +11,6 @@
 //! them, and what turns out to be compared mostly in vain. Few boxes, and boxes that nearly all
 //! meet, are compared directly.
 
-mod dispatch;
 mod parts;
 mod plan;
 mod region;
@@ -19,8 +18,6 @@ mod rows;
 mod run;
 mod scale;
 mod survey;
-
-pub use dispatch::Level;
 
 use self::parts::Parts;
 use self::plan::{Crowd, Plan};
@@ -30,6 +27,7 @@ use self::run::Run;
 use self::scale::Scale;
 use self::survey::Survey;
 use super::{BodyBox, BroadPhase, Candidate, PairFilter, emit};
+use crate::simd::Level;
 
 /// Sorts boxes on a 16-bit grid into rows and sweeps along them: the method for everything.
 ///

@@ -1,10 +1,10 @@
 //! Sorting boxes into rows, and by bins within a row.
 
-use super::dispatch::Task;
 use super::plan::Plan;
 use super::scale::{Packed, Scale, part};
 use super::survey::scattered;
 use crate::broad_phase::BodyBox;
+use crate::simd::Task;
 
 /// Records compared in one step.
 pub(super) const STEP: usize = 16;
@@ -354,8 +354,8 @@ mod tests {
     use parry3d::bounding_volume::Aabb;
     use parry3d::math::Vector;
 
-    use super::super::dispatch::Level;
     use super::*;
+    use crate::simd::Level;
 
     const PLAN: Plan = Plan {
         sweep: 1,

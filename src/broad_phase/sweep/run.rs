@@ -1,9 +1,9 @@
 //! The sweep itself: every record against the run that follows it in its row.
 
-use super::dispatch::Task;
 use super::region::Region;
 use super::rows::{Rows, STEP};
 use crate::broad_phase::{BodyBox, Candidate, PairFilter, emit};
+use crate::simd::Task;
 
 /// Hits kept until they are reported.
 const HITS: usize = 256;

@@ -4,13 +4,14 @@ use std::cmp::Ordering;
 
 use super::batch::Lanes;
 use super::cubic::{CentredCubic, ControlPoints};
-use super::dispatch::{Level, enclose_block_finely, guess_block};
+use super::dispatch::{enclose_block_finely, guess_block};
 use super::enclosure::{enclose_from, is_nearest_at};
 use super::exhaustive::{normalised, square_at};
 use super::guess::{guess, halley_step};
 use super::loops::{BLOCK, Block, Bounds, FIRST, distance, local_time};
 use super::pending::{Pending, Selection};
 use super::real::Real;
+use crate::simd::Level;
 
 /// Samples on each side of the middle in the second try.
 const SECOND: usize = 8;

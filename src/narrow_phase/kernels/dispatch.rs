@@ -1,116 +1,13 @@
-//! Instruction sets: choosing one at run time, and compiling the loops for each.
-#![allow(
-    unsafe_code,
-    reason = "calling a function compiled for an instruction set is unsafe; each call is guarded by the detection of that set"
-)]
-
-use std::sync::OnceLock;
+//! The loops of `loops.rs`, compiled for each instruction set.
 
 use super::batch::Lanes;
 use super::loops::{self, Block, Bounds};
 use super::real::Real;
-
-/// An instruction set the kernels are compiled for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-enum Set {
-    Portable,
-    #[cfg(target_arch = "x86_64")]
-    Avx2,
-    #[cfg(target_arch = "x86_64")]
-    Avx512,
-}
-
-/// An instruction set that this processor has.
-///
-/// A value of this type is the proof that the processor has the set: it is only made by asking
-/// the processor. All levels give identical bits, because every operation in the kernels is
-/// correctly rounded and none is fused; a level only changes the speed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Level(Set);
-
-impl Level {
-    /// What every processor of the target has; the compiler may still use vectors of its own.
-    pub const PORTABLE: Self = Self(Set::Portable);
-
-    /// The fastest level of this processor; asked once.
-    #[must_use]
-    pub fn best() -> Self {
-        static BEST: OnceLock<Level> = OnceLock::new();
-        *BEST.get_or_init(|| Self::available().pop().unwrap_or(Self::PORTABLE))
-    }
-
-    /// The levels of this processor, from the slowest to the fastest.
-    #[must_use]
-    pub fn available() -> Vec<Self> {
-        let mut levels = vec![Self::PORTABLE];
-        #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx2") {
-            levels.push(Self(Set::Avx2));
-            if is_x86_feature_detected!("avx512f")
-                && is_x86_feature_detected!("avx512dq")
-                && is_x86_feature_detected!("avx512bw")
-                && is_x86_feature_detected!("avx512vl")
-            {
-                levels.push(Self(Set::Avx512));
-            }
-        }
-        levels
-    }
-
-    /// A short name: `portable`, `avx2` or `avx512`.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self.0 {
-            Set::Portable => "portable",
-            #[cfg(target_arch = "x86_64")]
-            Set::Avx2 => "avx2",
-            #[cfg(target_arch = "x86_64")]
-            Set::Avx512 => "avx512",
-        }
-    }
-}
-
-/// Compiles a loop of `loops.rs` for each instruction set, under the same name.
-///
-/// The loop is inlined into functions that may use the set, where the compiler makes vectors of
-/// its lanes. The outputs are separate parameters: only so does the compiler know that they do not
-/// overlap the inputs.
-macro_rules! for_each_level {
-    (
-        $(#[$documentation:meta])*
-        $name:ident<$R:ident $(, const $N:ident: usize)*>($($argument:ident: $type:ty),* $(,)?)
-    ) => {
-        $(#[$documentation])*
-        pub(super) fn $name<$R: Real $(, const $N: usize)*>(level: Level, $($argument: $type),*) {
-            #[cfg(target_arch = "x86_64")]
-            #[target_feature(enable = "avx2")]
-            fn avx2<$R: Real $(, const $N: usize)*>($($argument: $type),*) {
-                loops::$name::<$R $(, $N)*>($($argument),*);
-            }
-
-            #[cfg(target_arch = "x86_64")]
-            #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl")]
-            fn avx512<$R: Real $(, const $N: usize)*>($($argument: $type),*) {
-                loops::$name::<$R $(, $N)*>($($argument),*);
-            }
-
-            match level.0 {
-                Set::Portable => loops::$name::<$R $(, $N)*>($($argument),*),
-                #[cfg(target_arch = "x86_64")]
-                // SAFETY: a `Level` of this set is only made where the processor has AVX2.
-                Set::Avx2 => unsafe { avx2::<$R $(, $N)*>($($argument),*) },
-                #[cfg(target_arch = "x86_64")]
-                // SAFETY: a `Level` of this set is only made where the processor has AVX-512 F,
-                // DQ, BW and VL.
-                Set::Avx512 => unsafe { avx512::<$R $(, $N)*>($($argument),*) },
-            }
-        }
-    };
-}
+use crate::simd::{Level, for_each_level};
 
 for_each_level! {
     /// Guesses the closest approach of each pair of a block.
-    guess_block<R, const HALF: usize, const PIECES: usize>(
+    guess_block<R: Real, const HALF: usize, const PIECES: usize>(
         block: &mut Block<R>,
         lanes: &Lanes<'_, R>,
         times: &mut [R],
@@ -121,7 +18,7 @@ for_each_level! {
 
 for_each_level! {
     /// Encloses the least distance of each pair of a block, from one split at the guess.
-    enclose_block<R>(
+    enclose_block<R: Real>(
         block: &mut Block<R>,
         lanes: &Lanes<'_, R>,
         errors: &[R],
@@ -132,7 +29,7 @@ for_each_level! {
 for_each_level! {
     /// Encloses the least distance of each pair of a block, from a split at given times and
     /// quarters of both sides.
-    enclose_block_finely<R>(
+    enclose_block_finely<R: Real>(
         lanes: &Lanes<'_, R>,
         errors: &[R],
         times: &[R],
@@ -142,10 +39,10 @@ for_each_level! {
 
 for_each_level! {
     /// Screens each pair of a block on the halves of its span.
-    screen_block<R>(lanes: &Lanes<'_, R>, inner: &[R], outer: &[R], findings: &mut [R])
+    screen_block<R: Real>(lanes: &Lanes<'_, R>, inner: &[R], outer: &[R], findings: &mut [R])
 }
 
 for_each_level! {
     /// Screens each pair of a block on the eighths of its span.
-    screen_block_finely<R>(lanes: &Lanes<'_, R>, inner: &[R], outer: &[R], findings: &mut [R])
+    screen_block_finely<R: Real>(lanes: &Lanes<'_, R>, inner: &[R], outer: &[R], findings: &mut [R])
 }

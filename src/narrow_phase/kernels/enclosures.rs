@@ -1,10 +1,11 @@
 //! Enclosures for many pairs: one split, then quarters, then branch and bound.
 
 use super::batch::Lanes;
-use super::dispatch::{Level, enclose_block, enclose_block_finely};
+use super::dispatch::{enclose_block, enclose_block_finely};
 use super::enclosure::{Enclosure, enclose};
 use super::loops::{BLOCK, Block, Bounds};
 use super::pending::Pending;
+use crate::simd::Level;
 
 /// The enclosure of the least distance of each pair, on one thread.
 pub(super) fn enclosures(

@@ -38,7 +38,7 @@
 //! *Verdicts* (`screen.rs`): Bernstein coefficients on halves, then eighths, then enclosures.
 //!
 //! Each stage is a plain function of one lane, without branches. A loop over it is compiled for
-//! each instruction set (`dispatch.rs`, the only file with `unsafe`), and the compiler makes the
+//! each instruction set (`simd.rs`, the only file with `unsafe`), and the compiler makes the
 //! vectors. No operation is fused or reordered, so all [`Level`]s give the same bits, and a pair
 //! has the same result in any batch, at any place of it, and on any thread.
 //!
@@ -86,9 +86,9 @@ pub mod scalar;
 mod screen;
 mod within;
 
+pub use crate::simd::Level;
 pub use batch::{CubicBatch, Lanes};
 pub use cubic::ControlPoints;
-pub use dispatch::Level;
 pub use enclosure::Enclosure;
 pub use real::Real;
 pub use within::Verdict;

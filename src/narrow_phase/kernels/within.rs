@@ -2,12 +2,13 @@
 
 use super::batch::Lanes;
 use super::cubic::{ControlPoints, largest_coordinate};
-use super::dispatch::{Level, enclose_block, screen_block, screen_block_finely};
+use super::dispatch::{enclose_block, screen_block, screen_block_finely};
 use super::enclosure::enclose_for;
 use super::loops::{BLOCK, Block, Bounds};
 use super::pending::{Pending, Selection};
 use super::real::Real;
 use super::screen::{Finding, screen_eighths, screen_halves};
+use crate::simd::Level;
 
 /// Whether the bodies of a pair come within a threshold of each other during a span.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -1,0 +1,102 @@
+//! Time of a whole screening, from trajectories to conflicts, on one thread: `screen/METHOD/SCENE`.
+//!
+//! `elem/s` counts bodies.
+
+#[path = "../examples/scenes/mod.rs"]
+mod scenes;
+
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+use criterion::measurement::WallTime;
+use criterion::{
+    BenchmarkGroup, BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group,
+    criterion_main,
+};
+use nearmiss::{Body, Hitbox, Method, Query, Scene, Trajectory};
+use rayon::ThreadPool;
+use scenes::{Generated, Shape, satellites, swarm};
+
+/// Names, and how to make them. `swarm_N`: N bodies at constant density; the three that follow
+/// have the bodies of `swarm_10k` in another shape.
+const SCENES: [(&str, fn() -> Generated); 7] = [
+    ("swarm_1k", || swarm(1_000, Shape::Cube, SEED)),
+    ("swarm_10k", || swarm(10_000, Shape::Cube, SEED)),
+    ("swarm_40k", || swarm(40_000, Shape::Cube, SEED)),
+    ("clusters", || swarm(10_000, Shape::Clusters, SEED)),
+    ("flat", || swarm(10_000, Shape::Flat, SEED)),
+    ("fast_few", || swarm(10_000, Shape::FastFew, SEED)),
+    ("satellites", || satellites(10_000, SEED)),
+];
+const SEED: u64 = 1;
+
+/// Scenes in which every pair of boxes is compared in bearable time.
+const SMALL: usize = 1_000;
+
+fn build(generated: &Generated) -> (Scene, Query) {
+    let mut scene = Scene::new();
+    for actor in &generated.actors {
+        let body = Trajectory::from_states(&actor.states)
+            .and_then(|plan| Ok(Body::new(plan).with_hitbox(Hitbox::sphere(actor.radius)?)));
+        let inserted = body.and_then(|body| scene.insert(body));
+        inserted.unwrap_or_else(|error| panic!("a generated body is refused: {error}"));
+    }
+    let query = Query::default().with_margin(generated.margin);
+    (
+        scene,
+        query.unwrap_or_else(|error| panic!("a generated margin is refused: {error}")),
+    )
+}
+
+/// Screens on the pool; entering it is not timed.
+fn measure(
+    group: &mut BenchmarkGroup<'_, WallTime>,
+    id: BenchmarkId,
+    pool: &ThreadPool,
+    scene: &Scene,
+    query: &Query,
+) {
+    group.throughput(Throughput::Elements(scene.len() as u64));
+    group.bench_function(id, |bencher| {
+        bencher.iter_custom(|rounds| {
+            pool.install(|| {
+                let begin = Instant::now();
+                for _ in 0..rounds {
+                    let _ = black_box(scene.screen(black_box(query)));
+                }
+                begin.elapsed()
+            })
+        });
+    });
+}
+
+fn screen(criterion: &mut Criterion) {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build()
+        .unwrap_or_else(|error| panic!("one thread: {error}"));
+    let mut group = criterion.benchmark_group("screen");
+    group
+        .sample_size(10)
+        .sampling_mode(SamplingMode::Flat)
+        .warm_up_time(Duration::from_millis(300))
+        .measurement_time(Duration::from_secs(2));
+    for (name, generate) in SCENES {
+        let (scene, query) = build(&generate());
+        for (method, title) in [
+            (Method::Sweep, "sweep"),
+            (Method::Tree, "bvh"),
+            (Method::BruteForce, "brute_force"),
+        ] {
+            if method == Method::BruteForce && scene.len() > SMALL {
+                continue;
+            }
+            let (query, id) = (query.with_method(method), BenchmarkId::new(title, name));
+            measure(&mut group, id, &pool, &scene, &query);
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(benches, screen);
+criterion_main!(benches);

@@ -1,0 +1,180 @@
+//! How long a slice should be, from a cost model and a sample of the bodies: counts, no clock, so
+//! that the same scene is always cut alike. It decides about time, never about answers.
+//!
+//! Short slices cost boxes; long ones cost candidates, which grow with the cube of a box's size. A
+//! sample of the bodies is put through slices of a length at a few places of the window. From the
+//! candidates found, and from how boxes grow with time, the cheapest length is extrapolated, and
+//! tried in turn.
+
+use super::line_up::LineUp;
+use crate::bounds::{Frame, Inflation};
+use crate::broad_phase::slices::{Block, Fill, Slices};
+use crate::broad_phase::{BroadPhase, Everyone, Sweep};
+use crate::narrow_phase::{Party, approaching};
+use crate::simd::Level;
+
+/// Nanoseconds of each kind of work, one thread, measured on the reference swarm; only their
+/// ratios matter.
+mod cost {
+    /// Forming a box and a course, cutting a segment for it, and sorting it.
+    pub(super) const BOX: f64 = 65.0;
+    /// Comparing a box with its neighbours, times the 3/4 power of its candidates.
+    pub(super) const SWEEP: f64 = 25.0;
+    /// Judging a candidate by its courses.
+    pub(super) const CANDIDATE: f64 = 15.0;
+    /// Looking at the spans of one that they do not rule out.
+    pub(super) const NEAR: f64 = 300.0;
+}
+
+/// How many times as many near candidates there are in a slice of twice the length: twice as many
+/// in any case, and courses become less straight.
+const NEAR_GROWTH: f64 = 2.5;
+
+/// What was counted in slices of one length, for all bodies.
+struct Trial {
+    /// Boxes, candidates, and candidates not ruled out by their courses, a slice.
+    boxes: f64,
+    candidates: f64,
+    near: f64,
+    /// Mean extent of a box, and how much of it is there in however short a slice (frame's unit).
+    extents: [f64; 3],
+    least: f64,
+}
+
+impl Trial {
+    /// Expected cost of `1 / factor` slices that are `factor` times as long.
+    fn cost(&self, factor: f64) -> f64 {
+        let growth: f64 = self
+            .extents
+            .iter()
+            .map(|&extent| {
+                let grown = (extent - self.least).max(0.0) * factor + self.least;
+                // Where boxes are points two of them never meet, however long.
+                if extent > 0.0 { grown / extent } else { 1.0 }
+            })
+            .product();
+        let candidates = self.candidates * growth;
+        let per_box = cost::BOX + cost::SWEEP * (candidates / self.boxes.max(1.0)).powf(0.75);
+        let near = self.near * factor.powf(NEAR_GROWTH);
+        (self.boxes * per_box + candidates * cost::CANDIDATE + near * cost::NEAR) / factor
+    }
+
+    /// The cheapest factor as far as one trial can be trusted.
+    fn best_factor(&self) -> f64 {
+        let factors = (-8..=8).map(|quarter| 2_f64.powf(f64::from(quarter) / 4.0));
+        let cheaper = |&one: &f64, &other: &f64| self.cost(one).total_cmp(&self.cost(other));
+        factors.min_by(cheaper).unwrap_or(1.0)
+    }
+}
+
+impl LineUp<'_> {
+    /// The window cut into slices of the length that is expected to cost least.
+    pub(super) fn slices(
+        &self,
+        parties: &[Party<'_>],
+        inflations: &[Inflation],
+        frame: &Frame,
+    ) -> Slices {
+        /// Fewer bodies are not worth a trial.
+        const FEW: usize = 64;
+        /// Each may change the length fourfold.
+        const MOST_TRIALS: usize = 6;
+        let mut slices = self.first_guess();
+        if let Some(count) = self.prescribed {
+            return slices.with_count(f64::from(count.get()));
+        }
+        if parties.len() < FEW {
+            return slices;
+        }
+        let sample = sample(parties.len());
+        let parties: Vec<Party<'_>> = sample.iter().map(|&place| parties[place]).collect();
+        let sampled: Vec<Inflation> = sample.iter().map(|&place| inflations[place]).collect();
+        let whole = inflations.len() as f64 / sample.len() as f64;
+        for _ in 0..MOST_TRIALS {
+            let trial = self.trial(&parties, &sampled, frame, &slices, whole);
+            let factor = trial.best_factor();
+            let next = slices.with_count(f64::from(slices.count()) / factor);
+            let settled = (0.7..1.5).contains(&factor) || next.count() == slices.count();
+            slices = next;
+            if settled {
+                break;
+            }
+        }
+        slices
+    }
+
+    /// Counts in a few slices of a length, scaled from the sample to all bodies.
+    fn trial(
+        &self,
+        parties: &[Party<'_>],
+        inflations: &[Inflation],
+        frame: &Frame,
+        slices: &Slices,
+        whole: f64,
+    ) -> Trial {
+        const PLACES: u32 = 3;
+        let places = PLACES.min(slices.count());
+        let mut block = Block::default();
+        let mut sweep = Sweep::default();
+        let mut candidates = Vec::new();
+        let (mut boxes, mut found, mut near) = (0.0, 0.0, 0.0);
+        let mut extents = [0.0; 3];
+        for place in 0..places {
+            let share = (f64::from(place) + 0.5) / f64::from(places);
+            let first = slices.number_at(share);
+            Level::best().run(Fill {
+                block: &mut block,
+                parties,
+                inflations,
+                frame,
+                cuts: slices,
+                range: first..first + 1,
+            });
+            let slice = &block.slices[0];
+            candidates.clear();
+            sweep.pairs(&slice.boxes, &Everyone, &mut candidates);
+            let interval = slices.interval(first);
+            let is_near = |pair: &&crate::broad_phase::Candidate| {
+                let (a, b) = (pair.a as usize, pair.b as usize);
+                approaching(&slice.courses[a], &slice.courses[b], interval).is_some()
+            };
+            boxes += slice.boxes.len() as f64;
+            found += candidates.len() as f64;
+            near += candidates.iter().filter(is_near).count() as f64;
+            for one in &slice.boxes {
+                for (axis, extent) in extents.iter_mut().enumerate() {
+                    *extent += f64::from(one.aabb.maxs[axis]) - f64::from(one.aabb.mins[axis]);
+                }
+            }
+        }
+        let reach: f64 = inflations.iter().map(Inflation::reach).sum();
+        let places = f64::from(places);
+        Trial {
+            boxes: boxes * whole / places,
+            candidates: found * whole * whole / places,
+            near: near * whole * whole / places,
+            extents: extents.map(|extent| extent / boxes.max(1.0)),
+            least: 2.0 * reach / inflations.len() as f64,
+        }
+    }
+}
+
+/// Different places below `count`, spread evenly but not in equal strides, so that no order of the
+/// bodies can hide some of them: enough for a dozen pairs of the sample to meet in a slice of the
+/// best length.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "between 1 and count"
+)]
+fn sample(count: usize) -> Vec<usize> {
+    let size = ((6.0 * (count as f64).sqrt()) as usize).clamp(1, count);
+    let stride = count / size;
+    (0..size)
+        .map(|k| {
+            // Multiples of the golden ratio.
+            let turn = (k as u32).wrapping_mul(0x9E37_79B9) as usize;
+            k * count / size + ((turn * stride) >> 32)
+        })
+        .collect()
+}

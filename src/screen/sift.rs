@@ -1,0 +1,159 @@
+//! From candidates to survivors: which spans of a pair may hold a contact.
+//!
+//! Tests in the order of their cost: courses, then knots, then segments. Each stage goes through a
+//! batch of what the one before left, and what it reads is fetched a few entries ahead: the bodies
+//! of neighbouring candidates lie anywhere in memory, and waiting for them would be most of the
+//! time.
+
+use crate::broad_phase::Candidate;
+use crate::broad_phase::slices::Slice;
+use crate::narrow_phase::{Party, approaching, may_touch};
+use crate::simd::prefetch;
+use crate::spans::{Span, spans_from};
+use std::slice::from_ref;
+
+/// A pair's span that cheap tests could not rule out; bodies by their place in the line-up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Survivor {
+    pub(super) a: u32,
+    pub(super) b: u32,
+    span_a: u32,
+    span_b: u32,
+}
+
+impl Survivor {
+    pub(super) fn span(&self, a: &Party<'_>, b: &Party<'_>) -> Span {
+        let (i, j) = (self.span_a as usize, self.span_b as usize);
+        Span {
+            start: a.knots[i].max(b.knots[j]),
+            end: a.knots[i + 1].min(b.knots[j + 1]),
+            a: self.span_a,
+            b: self.span_b,
+        }
+    }
+}
+
+/// A pair that may be near from its courses: when, and a cubic of each body that is not later.
+#[derive(Clone, Copy, Debug)]
+struct Near {
+    a: u32,
+    b: u32,
+    interval: (f64, f64),
+    hints: (u32, u32),
+}
+
+/// A span of such a pair, and the part of it to look at.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    a: u32,
+    b: u32,
+    span: Span,
+    interval: (f64, f64),
+}
+
+/// Sifts candidates; owns the batches between its stages.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sieve {
+    near: Vec<Near>,
+    pieces: Vec<Piece>,
+}
+
+impl Sieve {
+    /// Candidates in a batch: its lists stay in the second-level cache.
+    const BATCH: usize = 1024;
+    /// Entries that are fetched ahead of the one at hand.
+    const AHEAD: usize = 8;
+
+    /// Appends each span of the candidates of a slice that cheap tests cannot rule out; gives how
+    /// many were looked at.
+    pub(super) fn sift(
+        &mut self,
+        parties: &[Party<'_>],
+        (slice, interval): (&Slice, (f64, f64)),
+        candidates: &[Candidate],
+        margin: f64,
+        survivors: &mut Vec<Survivor>,
+    ) -> u64 {
+        let mut looked_at = 0;
+        for batch in candidates.chunks(Self::BATCH) {
+            self.judge(slice, interval, batch);
+            self.cut(parties);
+            self.test(parties, margin, survivors);
+            looked_at += self.pieces.len() as u64;
+        }
+        looked_at
+    }
+
+    /// The candidates that may be near from their courses.
+    fn judge(&mut self, slice: &Slice, interval: (f64, f64), batch: &[Candidate]) {
+        self.near.clear();
+        for (i, candidate) in batch.iter().enumerate() {
+            if let Some(later) = batch.get(i + Self::AHEAD) {
+                prefetch(from_ref(&slice.courses[later.a as usize]));
+                prefetch(from_ref(&slice.courses[later.b as usize]));
+            }
+            let (a, b) = (candidate.a as usize, candidate.b as usize);
+            let (course_a, course_b) = (&slice.courses[a], &slice.courses[b]);
+            if let Some(interval) = approaching(course_a, course_b, interval) {
+                self.near.push(Near {
+                    a: slice.bodies[a],
+                    b: slice.bodies[b],
+                    interval,
+                    hints: (course_a.first, course_b.first),
+                });
+            }
+        }
+    }
+
+    /// Their spans.
+    fn cut(&mut self, parties: &[Party<'_>]) {
+        self.pieces.clear();
+        for (i, near) in self.near.iter().enumerate() {
+            if let Some(later) = self.near.get(i + 2 * Self::AHEAD) {
+                prefetch(from_ref(&parties[later.a as usize]));
+                prefetch(from_ref(&parties[later.b as usize]));
+            }
+            if let Some(later) = self.near.get(i + Self::AHEAD) {
+                fetch_knots(&parties[later.a as usize], later.hints.0);
+                fetch_knots(&parties[later.b as usize], later.hints.1);
+            }
+            let (a, b) = (&parties[near.a as usize], &parties[near.b as usize]);
+            let (from, to) = near.interval;
+            for span in spans_from(a.knots, b.knots, near.hints, from, to) {
+                self.pieces.push(Piece {
+                    a: near.a,
+                    b: near.b,
+                    span,
+                    interval: near.interval,
+                });
+            }
+        }
+    }
+
+    /// The spans whose cubics may come within the margin.
+    fn test(&self, parties: &[Party<'_>], margin: f64, survivors: &mut Vec<Survivor>) {
+        for (i, piece) in self.pieces.iter().enumerate() {
+            if let Some(later) = self.pieces.get(i + Self::AHEAD) {
+                let (a, b) = (&parties[later.a as usize], &parties[later.b as usize]);
+                prefetch(from_ref(&a.segments[later.span.a as usize]));
+                prefetch(from_ref(&b.segments[later.span.b as usize]));
+            }
+            let (a, b) = (&parties[piece.a as usize], &parties[piece.b as usize]);
+            if may_touch(a, b, piece.span, margin, piece.interval) {
+                survivors.push(Survivor {
+                    a: piece.a,
+                    b: piece.b,
+                    span_a: piece.span.a,
+                    span_b: piece.span.b,
+                });
+            }
+        }
+    }
+}
+
+fn fetch_knots(party: &Party<'_>, first: u32) {
+    /// Two lines.
+    const KNOTS: usize = 16;
+    let first = (first as usize).min(party.knots.len());
+    prefetch(&party.knots[first..(first + KNOTS).min(party.knots.len())]);
+}

@@ -1,0 +1,172 @@
+//! Instruction sets: choosing one at run time, and compiling work for each.
+//!
+//! The work itself is plain loops over lanes, which the compiler turns into vectors. Nothing in
+//! them is fused or reordered, so every set gives the same bits.
+#![allow(
+    unsafe_code,
+    reason = "calling a function compiled for an instruction set is unsafe; each call is guarded by the detection of that set"
+)]
+
+use std::sync::OnceLock;
+
+/// An instruction set that work is compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(crate) enum Set {
+    Portable,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+/// An instruction set that this processor has.
+///
+/// A value of this type is the proof that the processor has the set: it is only made by asking
+/// the processor. All levels give identical bits, because every operation is correctly rounded and
+/// none is fused; a level only changes the speed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Level(Set);
+
+impl Level {
+    /// What every processor of the target has; the compiler may still use vectors of its own.
+    pub const PORTABLE: Self = Self(Set::Portable);
+
+    /// The fastest level of this processor; asked once.
+    #[must_use]
+    pub fn best() -> Self {
+        static BEST: OnceLock<Level> = OnceLock::new();
+        *BEST.get_or_init(|| Self::available().pop().unwrap_or(Self::PORTABLE))
+    }
+
+    /// The levels of this processor, from the slowest to the fastest.
+    #[must_use]
+    pub fn available() -> Vec<Self> {
+        let mut levels = vec![Self::PORTABLE];
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("avx2")
+            && is_x86_feature_detected!("bmi1")
+            && is_x86_feature_detected!("bmi2")
+        {
+            levels.push(Self(Set::Avx2));
+            if is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512dq")
+                && is_x86_feature_detected!("avx512bw")
+                && is_x86_feature_detected!("avx512vl")
+            {
+                levels.push(Self(Set::Avx512));
+            }
+        }
+        levels
+    }
+
+    /// A short name: `portable`, `avx2` or `avx512`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self.0 {
+            Set::Portable => "portable",
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx2 => "avx2",
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx512 => "avx512",
+        }
+    }
+
+    pub(crate) const fn set(self) -> Set {
+        self.0
+    }
+
+    /// Runs a task as compiled for this level, but for AVX-512: for tasks it was measured no
+    /// faster than AVX2, which is what they get there.
+    pub(crate) fn run<T: Task>(self, task: T) -> T::Output {
+        match self.0 {
+            Set::Portable => task.run(),
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: a `Level` of these sets is only made where the processor has AVX2, BMI1 and
+            // BMI2.
+            Set::Avx2 | Set::Avx512 => unsafe { run_avx2(task) },
+        }
+    }
+}
+
+/// A piece of work to be compiled once for each level.
+///
+/// `run` and what it calls in its loops are `#[inline(always)]`: only so are they compiled with
+/// the level's instructions. They hold no operation whose result differs between levels.
+pub(crate) trait Task {
+    type Output;
+
+    fn run(self) -> Self::Output;
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,bmi1,bmi2")]
+fn run_avx2<T: Task>(task: T) -> T::Output {
+    task.run()
+}
+
+/// Asks the processor to bring values into its caches, a line of which is 64 bytes: for what will
+/// be read a microsecond later, in an order that it cannot guess.
+#[inline(always)]
+pub(crate) fn prefetch<T>(values: &[T]) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        const LINE: usize = 64;
+        let first = values.as_ptr().cast::<i8>();
+        let mut offset = 0;
+        while offset < size_of_val(values) {
+            // SAFETY: a prefetch reads nothing that a program can see, whatever the address.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(first.wrapping_add(offset)) };
+            offset += LINE;
+        }
+    }
+}
+
+/// Compiles a loop of a module `loops` at hand for each instruction set, under the same name.
+///
+/// The loop is inlined into functions that may use the set, where the compiler makes vectors of
+/// its lanes. The outputs are separate parameters: only so does the compiler know that they do not
+/// overlap the inputs (a [`Task`] cannot say that).
+macro_rules! for_each_level {
+    (
+        $(#[$documentation:meta])*
+        $name:ident<$R:ident: $bound:ident $(, const $N:ident: usize)*>(
+            $($argument:ident: $type:ty),* $(,)?
+        )
+    ) => {
+        $(#[$documentation])*
+        #[allow(
+            unsafe_code,
+            reason = "a level of a set is only made where the processor has the set"
+        )]
+        pub(super) fn $name<$R: $bound $(, const $N: usize)*>(
+            level: Level,
+            $($argument: $type),*
+        ) {
+            #[cfg(target_arch = "x86_64")]
+            #[target_feature(enable = "avx2")]
+            fn avx2<$R: $bound $(, const $N: usize)*>($($argument: $type),*) {
+                loops::$name::<$R $(, $N)*>($($argument),*);
+            }
+
+            #[cfg(target_arch = "x86_64")]
+            #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl")]
+            fn avx512<$R: $bound $(, const $N: usize)*>($($argument: $type),*) {
+                loops::$name::<$R $(, $N)*>($($argument),*);
+            }
+
+            match level.set() {
+                $crate::simd::Set::Portable => loops::$name::<$R $(, $N)*>($($argument),*),
+                #[cfg(target_arch = "x86_64")]
+                // SAFETY: a `Level` of this set is only made where the processor has AVX2.
+                $crate::simd::Set::Avx2 => unsafe { avx2::<$R $(, $N)*>($($argument),*) },
+                #[cfg(target_arch = "x86_64")]
+                // SAFETY: a `Level` of this set is only made where the processor has AVX-512 F,
+                // DQ, BW and VL.
+                $crate::simd::Set::Avx512 => unsafe { avx512::<$R $(, $N)*>($($argument),*) },
+            }
+        }
+    };
+}
+
+pub(crate) use for_each_level;
