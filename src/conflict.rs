@@ -7,6 +7,7 @@ use std::cmp::Ordering;
 
 /// The instant of least separation of two bodies, within a window or a conflict.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ClosestApproach {
     /// When, s. The first such instant where there are several, or a stretch of them.
     pub time: f64,

@@ -9,6 +9,7 @@ use glam::DVec3;
 
 /// A sphere in the body's frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sphere {
     /// Centre relative to the body's position, m.
     pub offset: DVec3,
@@ -32,6 +33,11 @@ pub struct Sphere {
 /// # Ok::<(), nearmiss::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "Vec<Sphere>", into = "Vec<Sphere>")
+)]
 pub struct Hitbox {
     bounding: Sphere,
     /// The spheres of a cluster; empty for a single sphere, which is then `bounding` itself.
@@ -103,6 +109,22 @@ impl Hitbox {
     #[must_use]
     pub const fn bounding(&self) -> Sphere {
         self.bounding
+    }
+}
+
+#[cfg(feature = "serde")]
+impl From<Hitbox> for Vec<Sphere> {
+    fn from(hitbox: Hitbox) -> Self {
+        hitbox.spheres().to_vec()
+    }
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Vec<Sphere>> for Hitbox {
+    type Error = Error;
+
+    fn try_from(spheres: Vec<Sphere>) -> Result<Self, Error> {
+        Self::cluster(spheres)
     }
 }
 

@@ -6,6 +6,7 @@ use std::fmt;
 ///
 /// Ordered by slot, then generation: bodies inserted into a fresh scene are in insertion order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BodyId {
     pub(crate) slot: u32,
     pub(crate) generation: u32,

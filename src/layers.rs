@@ -5,6 +5,7 @@
 /// Two bodies are a pair if each is a member of a layer that the other filters for. Checked
 /// before a candidate leaves the broad phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Layers {
     /// The layers that the body belongs to, one bit each.
     pub membership: u32,

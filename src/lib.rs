@@ -107,6 +107,8 @@ pub use monitor::{
 pub use monitor::{
     Counts, Handle, Live, LiveOptions, Order, Panicked, Report, Stopped, Ticket, Unsent,
 };
+#[cfg(feature = "serde")]
+pub use monitor::{RecordingError, Replay};
 pub use query::Query;
 pub use scene::{Body, Scene};
 pub use screen::{CertifiedApproach, Screening};

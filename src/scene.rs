@@ -1,5 +1,8 @@
 //! Bodies under ids: what is screened.
 
+#[cfg(feature = "serde")]
+mod serial;
+
 use crate::bounds::Extremes;
 use crate::error::Error;
 use crate::hitbox::Hitbox;
@@ -10,6 +13,7 @@ use std::collections::BTreeSet;
 
 /// A trajectory with a hitbox around it.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Body {
     /// Where it goes.
     pub trajectory: Trajectory,
@@ -124,6 +128,11 @@ struct Slot {
 /// # Ok::<(), nearmiss::Error>(())
 /// ```
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "serial::Parts", into = "serial::Parts")
+)]
 pub struct Scene {
     slots: Vec<Slot>,
     free: Vec<u32>,

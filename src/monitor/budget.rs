@@ -19,6 +19,7 @@ pub enum Budget {
 pub(super) struct Meter {
     deadline: Option<Instant>,
     left: Option<u64>,
+    until: Option<f64>,
     done: u64,
 }
 
@@ -33,12 +34,35 @@ impl Meter {
                 Budget::Work(work) => Some(work),
                 Budget::Unlimited | Budget::Time(_) => None,
             },
+            until: None,
             done: 0,
         }
     }
 
+    /// Of a tick that is to know everything up to `until` (s), and no more.
+    #[cfg(feature = "serde")]
+    pub(super) fn up_to(until: f64) -> Self {
+        Self {
+            deadline: None,
+            left: None,
+            until: Some(until),
+            done: 0,
+        }
+    }
+
+    /// Up to when everything is to be known, if that was prescribed, s.
+    pub(super) const fn until(&self) -> Option<f64> {
+        self.until
+    }
+
+    /// Boxes formed and candidates found so far.
+    #[cfg(feature = "serde")]
+    pub(super) const fn done(&self) -> u64 {
+        self.done
+    }
+
     pub(super) fn is_unlimited(&self) -> bool {
-        self.deadline.is_none() && self.left.is_none()
+        self.deadline.is_none() && self.left.is_none() && self.until.is_none()
     }
 
     pub(super) fn count(&mut self, work: usize) {

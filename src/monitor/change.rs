@@ -4,6 +4,8 @@ use super::Monitor;
 use super::command::{Command, Outcome, Revision};
 use super::event::{Encounter, EndReason};
 use super::flights::Flight;
+#[cfg(feature = "serde")]
+use super::recording::Record;
 use super::tick::plan_end;
 use crate::error::Error;
 use crate::hitbox::Hitbox;
@@ -20,6 +22,17 @@ impl Monitor {
     ///
     /// [`Error::InBody`] if its plan leaves the range of numbers; [`Error::SceneFull`].
     pub fn insert(&mut self, body: Body) -> Result<BodyId, Error> {
+        #[cfg(feature = "serde")]
+        let record = self.tape.is_some().then(|| Record::Insert(body.clone()));
+        let id = self.put_in(body)?;
+        #[cfg(feature = "serde")]
+        if let Some(record) = record {
+            self.write_down(|| record);
+        }
+        Ok(id)
+    }
+
+    fn put_in(&mut self, body: Body) -> Result<BodyId, Error> {
         let flight = self.flight_of(&body)?;
         let id = self.scene.insert(body)?;
         self.place(id, Some(flight));
@@ -32,6 +45,13 @@ impl Monitor {
     ///
     /// [`Error::UnknownBody`].
     pub fn remove(&mut self, id: BodyId) -> Result<Body, Error> {
+        let body = self.take_out(id)?;
+        #[cfg(feature = "serde")]
+        self.write_down(|| Record::Remove(id));
+        Ok(body)
+    }
+
+    fn take_out(&mut self, id: BodyId) -> Result<Body, Error> {
         let body = self.scene.remove(id)?;
         self.place(id, None);
         for encounters in &mut self.encounters {
@@ -99,6 +119,21 @@ impl Monitor {
         &mut self,
         commands: impl IntoIterator<Item = Command>,
     ) -> Result<Vec<BodyId>, Error> {
+        #[cfg(feature = "serde")]
+        if self.tape.is_some() {
+            let commands: Vec<Command> = commands.into_iter().collect();
+            let record = Record::Apply(commands.clone());
+            let ids = self.carry_out(commands)?;
+            self.write_down(|| record);
+            return Ok(ids);
+        }
+        self.carry_out(commands)
+    }
+
+    fn carry_out(
+        &mut self,
+        commands: impl IntoIterator<Item = Command>,
+    ) -> Result<Vec<BodyId>, Error> {
         let outcome = Outcome::of(&self.scene, commands, self.told - self.history)?;
         let mut flights = Vec::with_capacity(outcome.changed.len());
         for (&id, revision) in &outcome.changed {
@@ -110,7 +145,7 @@ impl Monitor {
         // Nothing below is refused: the scene has room for 2^32 bodies, and all ids were found.
         for ((id, revision), flight) in outcome.changed.into_iter().zip(flights) {
             if revision.is_removed {
-                drop(self.remove(id)?);
+                drop(self.take_out(id)?);
                 continue;
             }
             if let Some(trajectory) = revision.trajectory {
@@ -127,7 +162,7 @@ impl Monitor {
         outcome
             .inserted
             .into_iter()
-            .map(|body| self.insert(body))
+            .map(|body| self.put_in(body))
             .collect()
     }
 
@@ -139,6 +174,8 @@ impl Monitor {
     pub fn ignore_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
         self.scene.ignore_pair(a, b)?;
         self.outlook.forget(a.slot);
+        #[cfg(feature = "serde")]
+        self.write_down(|| Record::Ignore(a, b));
         Ok(())
     }
 
@@ -150,6 +187,8 @@ impl Monitor {
     pub fn heed_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
         self.scene.heed_pair(a, b)?;
         self.outlook.forget(a.slot);
+        #[cfg(feature = "serde")]
+        self.write_down(|| Record::Heed(a, b));
         Ok(())
     }
 

@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 
 /// One change to a monitor's scene.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Command {
     /// Adds a body.

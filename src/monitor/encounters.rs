@@ -11,10 +11,13 @@ use crate::id::BodyId;
 
 /// Changes smaller than this are not told.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LeastChange {
     /// Of enter, exit and the time of closest approach, s.
+    #[cfg_attr(feature = "serde", serde(with = "super::recording::number"))]
     pub time: f64,
     /// Of the least separation, m.
+    #[cfg_attr(feature = "serde", serde(with = "super::recording::number"))]
     pub separation: f64,
 }
 
@@ -38,7 +41,8 @@ pub(super) struct Plain {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Tracked {
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Tracked {
     now: Encounter,
     sent: Encounter,
     begun: bool,
@@ -46,6 +50,11 @@ struct Tracked {
     /// The closest so far, once it has begun.
     passed: Option<ClosestApproach>,
 }
+
+/// What the encounters of a level are remembered by.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+pub(super) struct Saved(Vec<Tracked>);
 
 /// The encounters of one alert level.
 #[derive(Clone, Debug, Default)]
@@ -132,6 +141,18 @@ impl Encounters {
     /// Lets what was worked out last take effect.
     pub(super) fn take_over(&mut self) {
         std::mem::swap(&mut self.tracked, &mut self.next);
+    }
+
+    /// What is remembered.
+    #[cfg(feature = "serde")]
+    pub(super) fn save(&self) -> Saved {
+        Saved(self.tracked.clone())
+    }
+
+    /// Remembers what was saved.
+    #[cfg(feature = "serde")]
+    pub(super) fn restore(&mut self, saved: Saved) {
+        self.tracked = saved.0;
     }
 
     /// Ends or withdraws what `gone` says, at the clock.

@@ -7,6 +7,7 @@ use std::fmt;
 
 /// Names one encounter of one monitor; never used twice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EncounterId(pub(super) u64);
 
 impl fmt::Display for EncounterId {
@@ -17,6 +18,7 @@ impl fmt::Display for EncounterId {
 
 /// A conflict as the monitor follows it over time: one per pair and alert level.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Encounter {
     /// Stays the same from the first event to the last.
     pub id: EncounterId,
@@ -39,6 +41,7 @@ pub struct Encounter {
 /// Why an encounter that had begun is over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum EndReason {
     /// The bodies are apart again.
     Separated,
@@ -55,6 +58,7 @@ pub enum EndReason {
 /// What happened.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum EventKind {
     /// A new encounter lies ahead.
     Predicted(Encounter),
@@ -72,6 +76,7 @@ pub enum EventKind {
 
 /// Something that happened, and when.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Event {
     /// s: the enter of what began, the exit of what ended, the end of the plan that ends; else the
     /// monitor's clock.

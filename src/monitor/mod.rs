@@ -17,6 +17,8 @@ mod foresight;
 mod live;
 mod outlook;
 mod read;
+#[cfg(feature = "serde")]
+mod recording;
 mod slice;
 mod tick;
 
@@ -29,6 +31,9 @@ pub use live::{
     Counts, Handle, Live, LiveOptions, Order, Panicked, Report, Stopped, Ticket, Unsent,
 };
 
+#[cfg(feature = "serde")]
+pub use recording::{RecordingError, Replay};
+
 use crate::bounds::{Extremes, Frame};
 use crate::broad_phase::PairFilter;
 use crate::conflict::Conflict;
@@ -39,9 +44,12 @@ use crate::stats::Stats;
 use encounters::{Encounters, Plain};
 use outlook::Outlook;
 use read::{Readings, Scratch};
+#[cfg(feature = "serde")]
+use recording::Record;
 
 /// A margin that is watched, and when to let go.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AlertLevel {
     /// An encounter begins when the separation falls to this, m.
     pub margin: f64,
@@ -109,6 +117,8 @@ pub struct Monitor {
     readings: Vec<Readings>,
     plain: Vec<Plain>,
     scratch: Scratch,
+    #[cfg(feature = "serde")]
+    tape: Option<recording::Tape>,
 }
 
 /// Layers and ignored pairs, by slot.
@@ -188,6 +198,8 @@ impl Monitor {
             readings: levels.iter().map(|_| Readings::default()).collect(),
             plain: Vec::new(),
             scratch: Scratch::default(),
+            #[cfg(feature = "serde")]
+            tape: None,
             scene,
         };
         monitor.lay_out()?;
@@ -196,12 +208,16 @@ impl Monitor {
 
     /// Tells revisions only if numbers differ from those last sent by more than this.
     pub fn set_least_change(&mut self, least_change: LeastChange) {
+        #[cfg(feature = "serde")]
+        self.write_down(|| Record::LeastChange(least_change));
         self.least_change = least_change;
     }
 
     /// Keeps plans this many seconds back when bodies are replanned (0 at first).
     pub fn set_history(&mut self, history: f64) {
         self.history = history.max(0.0);
+        #[cfg(feature = "serde")]
+        self.write_down(|| Record::History(history.max(0.0)));
     }
 
     /// The bodies and their plans.

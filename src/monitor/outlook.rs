@@ -148,19 +148,25 @@ impl Outlook {
             });
         } else {
             for slice in slices[..needed].iter_mut() {
+                let start = self.origin + self.length * as_number(slice.index);
+                if meter.until().is_some_and(|until| start >= until) {
+                    break;
+                }
                 if slice.is_fresh() {
                     continue;
                 }
                 if meter.is_spent() {
-                    let start = self.origin + self.length * as_number(slice.index);
                     known = start.max(from).min(to);
                     break;
                 }
-                meter.count(slice.refresh(&bodies, filter));
+                slice.refresh(&bodies, filter);
+                meter.count(std::mem::take(&mut slice.work));
             }
         }
+        known = meter.until().unwrap_or(known);
         for slice in &mut slices[..needed] {
             self.survivors.append(&mut slice.survivors);
+            meter.count(std::mem::take(&mut slice.work));
             *stats += std::mem::take(&mut slice.stats);
         }
         let begin = Instant::now();

@@ -41,6 +41,8 @@ pub(super) struct Slice {
     /// What the last refresh found.
     pub(super) survivors: Vec<(Key, Span)>,
     pub(super) stats: Stats,
+    /// What that took: boxes and candidates.
+    pub(super) work: usize,
 }
 
 impl Slice {
@@ -111,9 +113,9 @@ impl Slice {
         until - first
     }
 
-    /// Compares what has not been compared. Afterwards `survivors` and `stats` are those of this
-    /// refresh; returns the work done.
-    pub(super) fn refresh<F: PairFilter>(&mut self, bodies: &Bodies<'_>, filter: &F) -> usize {
+    /// Compares what has not been compared. Afterwards `survivors`, `stats` and `work` are those of
+    /// this refresh.
+    pub(super) fn refresh<F: PairFilter>(&mut self, bodies: &Bodies<'_>, filter: &F) {
         let begin = Instant::now();
         self.stats = Stats::default();
         self.candidates.clear();
@@ -132,7 +134,7 @@ impl Slice {
         self.sift(bodies);
         self.stats.narrow_time = found.elapsed();
         // A slice without a body is work as well: a budget of counted work stops at one place only.
-        1 + boxes + self.candidates.len()
+        self.work = 1 + boxes + self.candidates.len();
     }
 
     /// All boxes, all pairs.

@@ -6,6 +6,8 @@
 use super::budget::{Budget, Meter};
 use super::encounters::{Encounters, Tick};
 use super::event::{EndReason, Event, EventKind};
+#[cfg(feature = "serde")]
+use super::recording::Record;
 use super::{Admission, Monitor};
 use crate::error::{Error, LARGEST_MAGNITUDE};
 use crate::scene::Scene;
@@ -38,6 +40,27 @@ impl Monitor {
         budget: Budget,
         events: &mut Vec<Event>,
     ) -> Result<(), Error> {
+        self.advance_by(now, Meter::start(budget), events)
+    }
+
+    /// Moves the clock, and knows everything up to `known` (s) afterwards, as an earlier run did.
+    #[cfg(feature = "serde")]
+    pub(super) fn advance_to(
+        &mut self,
+        now: f64,
+        known: f64,
+        events: &mut Vec<Event>,
+    ) -> Result<(), Error> {
+        let known = known.clamp(self.told, (now + self.lookahead).max(self.told));
+        self.advance_by(now, Meter::up_to(known), events)
+    }
+
+    fn advance_by(
+        &mut self,
+        now: f64,
+        mut meter: Meter,
+        events: &mut Vec<Event>,
+    ) -> Result<(), Error> {
         let begin = Instant::now();
         if now.is_nan() || now < self.now || now >= LARGEST_MAGNITUDE {
             return Err(Error::ClockWentBack {
@@ -47,7 +70,6 @@ impl Monitor {
         }
         let end = now + self.lookahead;
         self.outlook.extend_beyond(&self.scene, end)?;
-        let mut meter = Meter::start(budget);
         self.stats = Stats {
             bodies: self.scene.len() as u64,
             changed: self.changed_bodies,
@@ -85,19 +107,39 @@ impl Monitor {
         self.changed_bodies = 0;
         self.stats.conflicts = self.conflicts.iter().map(|level| level.len() as u64).sum();
         self.stats.total_time = begin.elapsed();
+        #[cfg(feature = "serde")]
+        self.write_down(|| Record::Tick {
+            now,
+            known,
+            work: meter.done(),
+        });
         Ok(())
     }
 
     /// Ends everything: each encounter under way ends, each ahead is withdrawn. Gives back the
     /// scene.
+    ///
+    /// A recording under way ends with it; [`stop_recording`](Self::stop_recording) before tells
+    /// whether all of it could be written.
     pub fn close(mut self, events: &mut Vec<Event>) -> Scene {
+        self.end_all(events);
+        #[cfg(feature = "serde")]
+        {
+            self.write_down(|| Record::Close);
+            // There is nobody left to tell; a replay would say that the end is missing.
+            let _ = self.stop_recording();
+        }
+        self.scene
+    }
+
+    /// Ends all encounters, with the monitor.
+    pub(super) fn end_all(&mut self, events: &mut Vec<Event>) {
         let first = events.len();
         events.append(&mut self.waiting);
         for encounters in &mut self.encounters {
             encounters.end(self.told, EndReason::MonitorClosed, |_| true, events);
         }
         events[first..].sort_unstable_by(Event::order);
-        self.scene
     }
 
     /// Tells each plan that ends within the lookahead, once.

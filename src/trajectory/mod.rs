@@ -5,6 +5,8 @@ mod double_double;
 mod outside;
 mod rows;
 mod segment;
+#[cfg(feature = "serde")]
+mod serial;
 mod splice;
 mod state;
 
@@ -33,6 +35,11 @@ use glam::DVec3;
 /// # Ok::<(), nearmiss::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "serial::Numbers", into = "serial::Numbers")
+)]
 pub struct Trajectory {
     /// One more than segments. A body at rest has one knot and no segment.
     knots: Vec<f64>,

@@ -12,6 +12,7 @@ use std::borrow::Cow;
 
 /// What a body does before its first and after its last knot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Outside {
     /// It does not exist there.
     #[default]

@@ -111,6 +111,26 @@ impl Segment {
         .checked(knot)
     }
 
+    /// A segment of these fields: start and end, origin, control points, extent and error.
+    #[cfg(feature = "serde")]
+    pub(super) fn from_parts(
+        (start, end): (f64, f64),
+        origin: DVec3,
+        control: [DVec3; 3],
+        (extent, error): (f64, f64),
+        knot: usize,
+    ) -> Result<Self, Error> {
+        Self {
+            start,
+            end,
+            origin,
+            control,
+            extent,
+            error,
+        }
+        .checked(knot)
+    }
+
     /// Refuses what could overflow later: positions, velocities or accelerations beyond 1e300.
     fn checked(self, knot: usize) -> Result<Self, Error> {
         let duration = self.end - self.start;

@@ -1,0 +1,72 @@
+//! A monitor as it is written at the beginning of a recording.
+
+use crate::error::Error;
+use crate::monitor::encounters::Saved;
+use crate::monitor::{AlertLevel, Event, LeastChange, Monitor};
+use crate::scene::Scene;
+use serde::{Deserialize, Serialize};
+
+/// What a monitor cannot work out from the rest.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(in crate::monitor) struct Begin {
+    scene: Scene,
+    now: f64,
+    told: f64,
+    lookahead: f64,
+    levels: Vec<AlertLevel>,
+    least_change: LeastChange,
+    #[serde(with = "super::number")]
+    history: f64,
+    next_id: u64,
+    /// By level.
+    encounters: Vec<Saved>,
+    waiting: Vec<Event>,
+    end_told: Vec<bool>,
+}
+
+impl Begin {
+    pub(super) fn of(monitor: &Monitor) -> Self {
+        Self {
+            scene: monitor.scene.clone(),
+            now: monitor.now,
+            told: monitor.told,
+            lookahead: monitor.lookahead,
+            levels: monitor.levels.clone(),
+            least_change: monitor.least_change,
+            history: monitor.history,
+            next_id: monitor.next_id,
+            encounters: monitor
+                .encounters
+                .iter()
+                .map(|level| level.save())
+                .collect(),
+            waiting: monitor.waiting.clone(),
+            end_told: monitor.end_told.clone(),
+        }
+    }
+
+    /// The same monitor, with nothing looked at yet.
+    pub(super) fn monitor(self) -> Result<Monitor, Error> {
+        let mut monitor = Monitor::new(self.scene, self.told, self.lookahead, &self.levels)?;
+        if self.now.is_nan() || self.now < self.told {
+            return Err(Error::ClockWentBack {
+                now: self.told,
+                time: self.now,
+            });
+        }
+        monitor.now = self.now;
+        monitor.known = self.told;
+        monitor.least_change = self.least_change;
+        monitor.history = self.history;
+        monitor.next_id = self.next_id;
+        for (level, saved) in monitor.encounters.iter_mut().zip(self.encounters) {
+            level.restore(saved);
+        }
+        monitor.waiting = self.waiting;
+        for (told, was_told) in monitor.end_told.iter_mut().zip(self.end_told) {
+            *told = was_told;
+        }
+        Ok(monitor)
+    }
+}

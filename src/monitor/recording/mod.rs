@@ -1,0 +1,63 @@
+//! Recordings: what a monitor was told, so that what it said can be had again.
+//!
+//! [`Monitor::start_recording`] writes the monitor as it is, then everything that changes it, as it
+//! is applied (a live monitor's orders after they were coalesced), and for each tick how far it
+//! came. [`Replay`] reads that and goes through the same events, bit for bit, budgets included: a
+//! tick that ran out of time stops in the replay where it stopped then, however fast the machine.
+//!
+//! The format is in the documentation of [`Replay`].
+
+mod begin;
+pub(in crate::monitor) mod number;
+mod record;
+mod replay;
+mod tape;
+
+pub(in crate::monitor) use record::Record;
+pub use record::RecordingError;
+pub use replay::Replay;
+pub(in crate::monitor) use tape::Tape;
+
+use super::Monitor;
+use begin::Begin;
+use std::io::{self, Write};
+
+impl Monitor {
+    /// Writes down everything from now on, in the format that [`Replay`] reads; a recording under way
+    /// is given up.
+    ///
+    /// # Errors
+    ///
+    /// If the beginning cannot be written. What fails later is told by
+    /// [`stop_recording`](Self::stop_recording), and does not disturb the monitor.
+    pub fn start_recording(&mut self, target: impl Write + Send + 'static) -> io::Result<()> {
+        self.tape = None;
+        let mut tape = Tape::start(Box::new(target))?;
+        tape.write(&Record::Begin(Begin::of(self)));
+        tape.flush()?;
+        self.tape = Some(tape);
+        Ok(())
+    }
+
+    /// Ends the recording, if there is one; returns how many records it has.
+    ///
+    /// # Errors
+    ///
+    /// The first error that writing it has met: what was written until then is good.
+    pub fn stop_recording(&mut self) -> io::Result<u64> {
+        self.tape.take().map_or(Ok(0), Tape::finish)
+    }
+
+    /// Writes a record, if a recording is under way.
+    pub(in crate::monitor) fn write_down(&mut self, record: impl FnOnce() -> Record) {
+        if let Some(tape) = &mut self.tape {
+            tape.write(&record());
+        }
+    }
+
+    /// Whether a recording is under way, and nothing has gone wrong with it.
+    #[must_use]
+    pub fn is_recording(&self) -> bool {
+        self.tape.as_ref().is_some_and(Tape::is_whole)
+    }
+}

@@ -1,0 +1,36 @@
+//! Numbers that may be infinite, which JSON has no word for.
+
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serializer};
+
+/// What is read: a number, or the name of one.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Number {
+    Finite(f64),
+    Named(String),
+}
+
+#[allow(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "the signature that serde asks for"
+)]
+pub(in crate::monitor) fn serialize<S: Serializer>(
+    value: &f64,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    if value.is_finite() {
+        serializer.serialize_f64(*value)
+    } else {
+        serializer.serialize_str(&value.to_string())
+    }
+}
+
+pub(in crate::monitor) fn deserialize<'d, D: Deserializer<'d>>(
+    deserializer: D,
+) -> Result<f64, D::Error> {
+    match Number::deserialize(deserializer)? {
+        Number::Finite(value) => Ok(value),
+        Number::Named(name) => name.parse().map_err(D::Error::custom),
+    }
+}

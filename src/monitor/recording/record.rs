@@ -1,0 +1,94 @@
+//! One record of a recording, as a line.
+
+use super::begin::Begin;
+use crate::error::Error;
+use crate::id::BodyId;
+use crate::monitor::{Command, LeastChange};
+use crate::scene::Body;
+use serde::{Deserialize, Serialize};
+use std::io;
+
+/// The first line; the number is the version of the format.
+pub(super) const TITLE: &str = "nearmiss recording 1\n";
+
+/// Length and checksum, and the spaces after them.
+pub(super) const PREFIX: usize = 18;
+
+/// See the module.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub(in crate::monitor) enum Record {
+    Begin(Begin),
+    Apply(Vec<Command>),
+    Insert(Body),
+    Remove(BodyId),
+    Ignore(BodyId, BodyId),
+    Heed(BodyId, BodyId),
+    LeastChange(LeastChange),
+    /// s.
+    History(#[serde(with = "super::number")] f64),
+    Tick {
+        now: f64,
+        known: f64,
+        work: u64,
+    },
+    Close,
+    End {
+        records: u64,
+    },
+}
+
+/// Why a recording cannot be replayed, or not to its end. Offsets are in bytes from the beginning
+/// of the file, to the line that is at fault.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RecordingError {
+    /// It does not begin like a recording of a version that is known.
+    #[error("not a recording of this version: it begins with {found:?}")]
+    NotARecording {
+        /// What its first line says instead, as far as it is text.
+        found: String,
+    },
+    /// It ends before its end.
+    #[error("byte {offset}: the recording was cut short")]
+    Truncated {
+        /// Where the line that is cut, or missing, begins.
+        offset: u64,
+    },
+    /// A line is not what was written: its length, its checksum or what it says is wrong.
+    #[error("byte {offset}: the recording is damaged: {problem}")]
+    Damaged {
+        /// Where the line begins.
+        offset: u64,
+        /// What is wrong.
+        problem: String,
+    },
+    /// A record was refused by the monitor.
+    #[error("byte {offset}: {error}")]
+    Refused {
+        /// Where the line begins.
+        offset: u64,
+        /// Why.
+        error: Error,
+    },
+    /// The file cannot be read.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+}
+
+impl Record {
+    /// The line, with its prefix and its end.
+    pub(super) fn line(&self) -> serde_json::Result<String> {
+        let json = serde_json::to_string(self)?;
+        let checksum = crc32fast::hash(json.as_bytes());
+        Ok(format!("{:08x} {checksum:08x} {json}\n", json.len()))
+    }
+
+    /// The record in the body of a line, if its checksum is this.
+    pub(super) fn parse(json: &[u8], checksum: u32) -> Result<Self, String> {
+        if crc32fast::hash(json) != checksum {
+            return Err("its checksum is wrong".to_owned());
+        }
+        serde_json::from_slice(json).map_err(|error| error.to_string())
+    }
+}

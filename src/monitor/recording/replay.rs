@@ -1,0 +1,209 @@
+//! Reading a recording and doing it all again.
+
+use super::record::{PREFIX, Record, RecordingError, TITLE};
+use crate::monitor::{Event, Monitor};
+use std::io::{BufRead, Read};
+
+/// Goes through a recording tick by tick: the same events, bit for bit, deadlines included.
+///
+/// ```
+/// use nearmiss::{AlertLevel, Monitor, Replay, Scene};
+/// # #[derive(Clone, Default)]
+/// # struct Memory(std::sync::Arc<std::sync::Mutex<Vec<u8>>>);
+/// # impl std::io::Write for Memory {
+/// #     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+/// #         self.0.lock().unwrap().write(bytes)
+/// #     }
+/// #     fn flush(&mut self) -> std::io::Result<()> { Ok(()) }
+/// # }
+/// # let file = Memory::default();
+/// let mut monitor = Monitor::new(Scene::new(), 0.0, 10.0, &[AlertLevel::at(2.0)])?;
+/// monitor.start_recording(file.clone())?; // anything that can be written to
+/// let mut said = Vec::new();
+/// monitor.advance(0.5, &mut said)?;
+/// monitor.stop_recording()?;
+///
+/// # let file = file.0.lock().unwrap().clone();
+/// let mut replay = Replay::open(&file[..])?;
+/// let mut again = Vec::new();
+/// while let Some(now) = replay.tick(&mut again)? {
+///     println!("{now} s: {} events so far", again.len());
+/// }
+/// assert_eq!(said, again);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Format, version 1
+///
+/// A text file. The first line is `nearmiss recording 1`. Each further line is one record:
+///
+/// ```text
+/// LENGTH CHECKSUM JSON
+/// ```
+///
+/// LENGTH is the number of bytes of JSON, CHECKSUM its CRC-32 (IEEE 802.3), both in eight
+/// hexadecimal digits; JSON is one object with one key, the kind of record:
+///
+/// | kind | content |
+/// |---|---|
+/// | `begin` | the monitor: scene with its slots, clock, lookahead, levels, encounters; first and only once |
+/// | `apply` | a batch of commands that was applied |
+/// | `insert`, `remove` | a body put in or taken out by itself |
+/// | `ignore`, `heed` | a pair of ids |
+/// | `least_change`, `history` | settings |
+/// | `tick` | the clock, up to when everything was known after it, and the work done in it (boxes formed and candidates found) |
+/// | `close` | the monitor was closed |
+/// | `end` | how many records came before; a recording without one was cut short |
+///
+/// Numbers are the shortest digits that read back as the same bits. Segments are sixteen numbers:
+/// start, end, origin, the control points 1 to 3 relative to it, extent, error.
+#[derive(Debug)]
+pub struct Replay<R> {
+    source: R,
+    /// Where the next line begins.
+    offset: u64,
+    records: u64,
+    monitor: Monitor,
+}
+
+impl<R: BufRead> Replay<R> {
+    /// Reads the beginning.
+    ///
+    /// # Errors
+    ///
+    /// [`RecordingError`], if it is none, damaged or of another version.
+    pub fn open(mut source: R) -> Result<Self, RecordingError> {
+        let mut title = Vec::new();
+        source
+            .by_ref()
+            .take(TITLE.len() as u64)
+            .read_to_end(&mut title)?;
+        if title != TITLE.as_bytes() {
+            let found = String::from_utf8_lossy(&title).into_owned();
+            return Err(RecordingError::NotARecording { found });
+        }
+        let offset = TITLE.len() as u64;
+        let (record, length) = read(&mut source, offset)?;
+        let Record::Begin(begin) = record else {
+            return Err(damaged(offset, "it does not begin with a monitor"));
+        };
+        let monitor = begin
+            .monitor()
+            .map_err(|error| RecordingError::Refused { offset, error })?;
+        Ok(Self {
+            source,
+            offset: offset + length,
+            records: 1,
+            monitor,
+        })
+    }
+
+    /// The monitor as it was after the last tick gone through.
+    pub const fn monitor(&self) -> &Monitor {
+        &self.monitor
+    }
+
+    /// The monitor, to go on with.
+    pub fn into_monitor(self) -> Monitor {
+        self.monitor
+    }
+
+    /// Goes on to the end of the next tick, and appends what it said. Returns its time (s); none at
+    /// the end of the recording, with the events of closing, if it was closed.
+    ///
+    /// # Errors
+    ///
+    /// [`RecordingError`], with the place. Everything before it has been replayed.
+    pub fn tick(&mut self, events: &mut Vec<Event>) -> Result<Option<f64>, RecordingError> {
+        loop {
+            let offset = self.offset;
+            let (record, length) = read(&mut self.source, offset)?;
+            if let Record::End { records } = record {
+                if records != self.records {
+                    return Err(damaged(offset, "records are missing"));
+                }
+                return Ok(None);
+            }
+            self.offset += length;
+            self.records += 1;
+            let done = self.repeat(record, offset, events)?;
+            if let Some(now) = done {
+                return Ok(Some(now));
+            }
+        }
+    }
+
+    /// Does again what a record says; returns the time of a tick.
+    fn repeat(
+        &mut self,
+        record: Record,
+        offset: u64,
+        events: &mut Vec<Event>,
+    ) -> Result<Option<f64>, RecordingError> {
+        let monitor = &mut self.monitor;
+        let refused = |error| RecordingError::Refused { offset, error };
+        match record {
+            Record::Begin(_) | Record::End { .. } => {
+                return Err(damaged(offset, "it begins or ends twice"));
+            }
+            Record::Apply(commands) => drop(monitor.apply(commands).map_err(refused)?),
+            Record::Insert(body) => drop(monitor.insert(body).map_err(refused)?),
+            Record::Remove(id) => drop(monitor.remove(id).map_err(refused)?),
+            Record::Ignore(a, b) => monitor.ignore_pair(a, b).map_err(refused)?,
+            Record::Heed(a, b) => monitor.heed_pair(a, b).map_err(refused)?,
+            Record::LeastChange(least) => monitor.set_least_change(least),
+            Record::History(history) => monitor.set_history(history),
+            Record::Tick { now, known, .. } => {
+                monitor.advance_to(now, known, events).map_err(refused)?;
+                return Ok(Some(now));
+            }
+            Record::Close => monitor.end_all(events),
+        }
+        Ok(None)
+    }
+}
+
+/// The record on the line that begins at `offset`, and the length of the line.
+fn read(source: &mut impl BufRead, offset: u64) -> Result<(Record, u64), RecordingError> {
+    let mut prefix = Vec::new();
+    let wanted = PREFIX as u64;
+    source.by_ref().take(wanted).read_to_end(&mut prefix)?;
+    if prefix.len() < PREFIX {
+        return Err(RecordingError::Truncated { offset });
+    }
+    let (length, checksum) = numbers(&prefix)
+        .ok_or_else(|| damaged(offset, "it does not begin with a length and a checksum"))?;
+    let mut line = Vec::new();
+    let wanted = u64::from(length) + 1;
+    source.by_ref().take(wanted).read_to_end(&mut line)?;
+    if (line.len() as u64) < wanted {
+        return Err(RecordingError::Truncated { offset });
+    }
+    if line.pop() != Some(b'\n') {
+        return Err(damaged(offset, "its length is wrong"));
+    }
+    let record = Record::parse(&line, checksum);
+    let record = record.map_err(|problem| RecordingError::Damaged { offset, problem })?;
+    Ok((record, PREFIX as u64 + wanted))
+}
+
+/// Length and checksum: eight hexadecimal digits and a space, twice.
+fn numbers(prefix: &[u8]) -> Option<(u32, u32)> {
+    let text = std::str::from_utf8(prefix).ok()?;
+    let number = |digits: &str| {
+        let plain = |digit: u8| digit.is_ascii_digit() || (b'a'..=b'f').contains(&digit);
+        digits
+            .bytes()
+            .all(plain)
+            .then(|| u32::from_str_radix(digits, 16).ok())?
+    };
+    let spaces = text.get(8..9)? == " " && text.get(17..18)? == " ";
+    spaces.then_some((number(text.get(..8)?)?, number(text.get(9..17)?)?))
+}
+
+fn damaged(offset: u64, problem: &str) -> RecordingError {
+    RecordingError::Damaged {
+        offset,
+        problem: problem.to_owned(),
+    }
+}

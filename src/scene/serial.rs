@@ -1,0 +1,70 @@
+//! Scenes in files: bodies with their slots, so that ids stay what they were.
+
+use super::{Body, Occupant, Outline, Scene, Slot};
+use crate::error::Error;
+use crate::id::BodyId;
+use serde::{Deserialize, Serialize};
+
+/// What a scene is made of.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Parts {
+    /// Generation and body of each slot.
+    slots: Vec<(u32, Option<Body>)>,
+    /// Empty slots, the next one to be used last.
+    free: Vec<u32>,
+    ignored: Vec<(BodyId, BodyId)>,
+}
+
+impl From<Scene> for Parts {
+    fn from(scene: Scene) -> Self {
+        let body = |slot: Slot| (slot.generation, slot.occupant.map(|occupant| occupant.body));
+        Self {
+            slots: scene.slots.into_iter().map(body).collect(),
+            free: scene.free,
+            ignored: scene.ignored.into_iter().collect(),
+        }
+    }
+}
+
+impl TryFrom<Parts> for Scene {
+    type Error = Error;
+
+    fn try_from(parts: Parts) -> Result<Self, Error> {
+        if u32::try_from(parts.slots.len()).is_err() {
+            return Err(Error::SceneFull);
+        }
+        let mut scene = Self::default();
+        for (generation, body) in parts.slots {
+            scene.len += usize::from(body.is_some());
+            scene.slots.push(Slot {
+                generation,
+                occupant: body.map(|body| Occupant {
+                    outline: Outline::of(&body.trajectory),
+                    body,
+                }),
+            });
+        }
+        // Each free slot is one that is empty, once.
+        let mut is_free = vec![false; scene.slots.len()];
+        for &slot in &parts.free {
+            let place = slot as usize;
+            let is_empty = |slot: &Slot| slot.occupant.is_none();
+            let taken = is_free
+                .get_mut(place)
+                .is_none_or(|free| std::mem::replace(free, true));
+            if taken || !scene.slots.get(place).is_some_and(is_empty) {
+                let id = BodyId {
+                    slot,
+                    generation: 0,
+                };
+                return Err(Error::UnknownBody { id });
+            }
+        }
+        scene.free = parts.free;
+        for (a, b) in parts.ignored {
+            scene.ignore_pair(a, b)?;
+        }
+        Ok(scene)
+    }
+}

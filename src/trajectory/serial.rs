@@ -1,0 +1,167 @@
+//! Trajectories in files: the exact numbers that are computed with, checked when they come back.
+
+use super::{Outside, Segment, Trajectory};
+use crate::error::{Error, LARGEST_MAGNITUDE, Quantity};
+use crate::rounding::norm;
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+/// What a trajectory is made of.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Numbers {
+    knots: Vec<f64>,
+    segments: Vec<[f64; 16]>,
+    coast: [[f64; 16]; 2],
+    outside: Outside,
+}
+
+impl From<Trajectory> for Numbers {
+    fn from(trajectory: Trajectory) -> Self {
+        Self {
+            knots: trajectory.knots,
+            segments: trajectory.segments.iter().map(Segment::numbers).collect(),
+            coast: trajectory.coast.each_ref().map(Segment::numbers),
+            outside: trajectory.outside,
+        }
+    }
+}
+
+impl TryFrom<Numbers> for Trajectory {
+    type Error = Error;
+
+    fn try_from(numbers: Numbers) -> Result<Self, Error> {
+        let Numbers {
+            knots,
+            segments,
+            coast,
+            outside,
+        } = numbers;
+        let Some(last) = knots.len().checked_sub(1) else {
+            return Err(Error::TooFewStates { count: 0 });
+        };
+        if segments.len() != last || (last == 0 && outside != Outside::Coast) {
+            return Err(Error::SegmentCount {
+                knots: knots.len(),
+                segments: segments.len(),
+            });
+        }
+        let mut previous = f64::NEG_INFINITY;
+        for (knot, &time) in knots.iter().enumerate() {
+            check(knot, Quantity::Time, time)?;
+            if time <= previous {
+                return Err(Error::TimeNotIncreasing {
+                    knot,
+                    previous,
+                    time,
+                });
+            }
+            previous = time;
+        }
+        let segment = |(knot, numbers)| Segment::from_numbers(numbers, knot);
+        let [before, after] = coast;
+        Ok(Self {
+            segments: (1..)
+                .zip(segments)
+                .map(segment)
+                .collect::<Result<Vec<_>, _>>()?,
+            coast: [segment((0, before))?, segment((last, after))?],
+            knots,
+            outside,
+        })
+    }
+}
+
+impl Segment {
+    fn numbers(&self) -> [f64; 16] {
+        let [_, a, b, c] = self.control();
+        let o = self.origin();
+        [
+            self.start(),
+            self.end(),
+            o.x,
+            o.y,
+            o.z,
+            a.x,
+            a.y,
+            a.z,
+            b.x,
+            b.y,
+            b.z,
+            c.x,
+            c.y,
+            c.z,
+            self.extent(),
+            self.error(),
+        ]
+    }
+
+    /// The same segment again, if these are the numbers of one; `knot` is that at its end.
+    fn from_numbers(numbers: [f64; 16], knot: usize) -> Result<Self, Error> {
+        let [
+            start,
+            end,
+            ox,
+            oy,
+            oz,
+            ax,
+            ay,
+            az,
+            bx,
+            by,
+            bz,
+            cx,
+            cy,
+            cz,
+            extent,
+            error,
+        ] = numbers;
+        check(knot, Quantity::Time, start)?;
+        check(knot, Quantity::Time, end)?;
+        for (place, value) in numbers[2..].iter().enumerate() {
+            check(knot, Quantity::Position(place % 3), *value)?;
+        }
+        if end <= start {
+            return Err(Error::TimeNotIncreasing {
+                knot,
+                previous: start,
+                time: end,
+            });
+        }
+        let control = [[ax, ay, az], [bx, by, bz], [cx, cy, cz]].map(DVec3::from_array);
+        let farthest = control.iter().map(|&point| norm(point)).fold(0.0, f64::max);
+        // What bounds the others must do so.
+        if extent < farthest * (1.0 - 8.0 * f64::EPSILON) || error < 0.0 {
+            return Err(Error::OutOfRange {
+                knot,
+                quantity: Quantity::Position(0),
+                value: extent.min(error),
+            });
+        }
+        Self::from_parts(
+            (start, end),
+            DVec3::new(ox, oy, oz),
+            control,
+            (extent, error),
+            knot,
+        )
+    }
+}
+
+fn check(knot: usize, quantity: Quantity, value: f64) -> Result<(), Error> {
+    if !value.is_finite() {
+        return Err(Error::NotFinite {
+            knot,
+            quantity,
+            value,
+        });
+    }
+    if value.abs() > LARGEST_MAGNITUDE {
+        return Err(Error::OutOfRange {
+            knot,
+            quantity,
+            value,
+        });
+    }
+    Ok(())
+}

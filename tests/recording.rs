@@ -1,0 +1,339 @@
+//! Recordings: replays say the same to the last bit, and damage is found where it is.
+
+#![cfg(feature = "serde")]
+#![allow(
+    clippy::unwrap_used,
+    reason = "a monitor that cannot be built or recorded fails the test"
+)]
+
+mod support;
+
+use glam::DVec3;
+use nearmiss::{
+    AlertLevel, Body, BodyId, Budget, Command, Event, Hitbox, Layers, LeastChange, Monitor,
+    Outside, RecordingError, Replay, Scene, Sphere, State, Trajectory,
+};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use std::io::{self, Write};
+use std::sync::{Arc, Mutex};
+use support::{rng, vector, wander};
+
+/// A file in memory that can be looked into.
+#[derive(Clone, Default)]
+struct Memory(Arc<Mutex<Vec<u8>>>);
+
+impl Write for Memory {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.lock().unwrap().write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Memory {
+    fn bytes(&self) -> Vec<u8> {
+        self.0.lock().unwrap().clone()
+    }
+}
+
+const CUBE: f64 = 20.0;
+
+fn body(rng: &mut ChaCha8Rng, now: f64) -> Body {
+    let states = wander(rng, now, 12, 1.0, CUBE, 4.0);
+    let outside = [Outside::Absent, Outside::Coast, Outside::Extrapolate];
+    let plan = Trajectory::from_states(&states).unwrap();
+    let sphere = Sphere {
+        offset: vector(rng, 0.5),
+        radius: rng.random_range(0.1..0.6),
+    };
+    let hitbox = if rng.random_bool(0.3) {
+        Hitbox::cluster(vec![sphere, Sphere::default()]).unwrap()
+    } else {
+        Hitbox::sphere(sphere.radius).unwrap()
+    };
+    Body::new(plan.with_outside(outside[rng.random_range(0..3)]))
+        .with_hitbox(hitbox)
+        .with_layers(Layers::new(rng.random_range(1..8), rng.random_range(1..8)))
+        .with_tag(rng.random())
+}
+
+fn monitor(rng: &mut ChaCha8Rng, count: usize) -> Monitor {
+    let mut scene = Scene::new();
+    let ids: Vec<BodyId> = (0..count)
+        .map(|_| scene.insert(body(rng, -2.0)).unwrap())
+        .collect();
+    scene
+        .insert(Body::new(Trajectory::at_rest(DVec3::ZERO).unwrap()))
+        .unwrap();
+    scene.ignore_pair(ids[0], ids[1]).unwrap();
+    scene.remove(ids[2]).unwrap();
+    let levels = [
+        AlertLevel {
+            margin: 2.0,
+            release: 2.5,
+        },
+        AlertLevel::at(0.0),
+    ];
+    Monitor::new(scene, 0.0, 5.0, &levels).unwrap()
+}
+
+/// One tick with whatever comes to mind.
+fn live_on(monitor: &mut Monitor, rng: &mut ChaCha8Rng, events: &mut Vec<Event>) {
+    let now = monitor.now();
+    let ids: Vec<BodyId> = monitor.scene().bodies().map(|(id, _)| id).collect();
+    let mut commands = Vec::new();
+    for _ in 0..rng.random_range(0..4) {
+        let id = ids[rng.random_range(0..ids.len())];
+        let begin = now + rng.random_range(-1.0..1.0);
+        let plan = body(rng, begin).trajectory;
+        commands.push(match rng.random_range(0..6) {
+            0 | 1 => Command::Replan(id, now + rng.random_range(0.0..2.0), plan),
+            2 => Command::Extend(id, plan),
+            3 => Command::SetTrajectory(id, plan),
+            4 => Command::SetHitbox(id, body(rng, now).hitbox),
+            _ => Command::SetLayers(id, body(rng, now).layers),
+        });
+    }
+    // Some are refused as a whole, and leave no trace.
+    let _ = monitor.apply(commands);
+    match rng.random_range(0..12) {
+        0 => drop(monitor.insert(body(rng, now)).unwrap()),
+        1 if ids.len() > 6 => drop(monitor.remove(ids[rng.random_range(0..ids.len())]).unwrap()),
+        2 if ids.len() > 6 => drop(monitor.ignore_pair(ids[3], ids[4])),
+        3 if ids.len() > 6 => drop(monitor.heed_pair(ids[3], ids[4])),
+        4 => monitor.set_history(rng.random_range(0.0..3.0)),
+        5 => monitor.set_least_change(LeastChange {
+            time: 0.1,
+            separation: f64::INFINITY,
+        }),
+        _ => {}
+    }
+    let step = [0.0, 0.05, 0.05, 0.05, 2.0][rng.random_range(0..5)];
+    let budget = if rng.random_bool(0.4) {
+        Budget::Work(rng.random_range(0..150))
+    } else {
+        Budget::Unlimited
+    };
+    monitor.advance_within(now + step, budget, events).unwrap();
+}
+
+/// A recorded run that begins after `before` ticks: the file and what was said.
+fn run(seed: u64, count: usize, before: u32, ticks: u32) -> (Vec<u8>, Vec<Event>) {
+    let mut rng = rng(seed);
+    let mut monitor = monitor(&mut rng, count);
+    for _ in 0..before {
+        live_on(&mut monitor, &mut rng, &mut Vec::new());
+    }
+    let file = Memory::default();
+    monitor.start_recording(file.clone()).unwrap();
+    let mut events = Vec::new();
+    for _ in 0..ticks {
+        live_on(&mut monitor, &mut rng, &mut events);
+    }
+    assert!(monitor.is_recording());
+    monitor.close(&mut events);
+    (file.bytes(), events)
+}
+
+fn replay(file: &[u8]) -> (Vec<Event>, Result<(), RecordingError>) {
+    let mut events = Vec::new();
+    let mut replay = match Replay::open(file) {
+        Ok(replay) => replay,
+        Err(error) => return (events, Err(error)),
+    };
+    loop {
+        match replay.tick(&mut events) {
+            Ok(Some(_)) => {}
+            Ok(None) => return (events, Ok(())),
+            Err(error) => return (events, Err(error)),
+        }
+    }
+}
+
+/// Every digit of every number.
+fn text(events: &[Event]) -> Vec<String> {
+    events.iter().map(|event| format!("{event:?}")).collect()
+}
+
+#[test]
+fn a_replay_says_the_same() {
+    let mut said = 0;
+    for seed in 0..12 {
+        // Some from the first moment on, some in the middle of things.
+        let before = if seed % 2 == 0 { 0 } else { 40 };
+        let (file, events) = run(seed, 12, before, 150);
+        let (again, end) = replay(&file);
+        end.unwrap();
+        assert_eq!(text(&events), text(&again), "seed {seed}");
+        said += events.len();
+    }
+    assert!(said > 1_000, "{said}");
+}
+
+#[test]
+fn a_stopped_recording_ends_where_it_was_stopped() {
+    let mut rng = rng(5);
+    let mut monitor = monitor(&mut rng, 8);
+    assert_eq!(monitor.stop_recording().unwrap(), 0);
+    let file = Memory::default();
+    monitor.start_recording(file.clone()).unwrap();
+    let mut events = Vec::new();
+    for _ in 0..20 {
+        live_on(&mut monitor, &mut rng, &mut events);
+    }
+    let records = monitor.stop_recording().unwrap();
+    assert!(records > 20 && !monitor.is_recording());
+    let file = file.bytes();
+    let mut replayed = Replay::open(&file[..]).unwrap();
+    let mut again = Vec::new();
+    while replayed.tick(&mut again).unwrap().is_some() {}
+    assert_eq!(text(&events), text(&again));
+    // It goes on from there: the scenes are the same.
+    let (scene, copy) = (monitor.scene(), replayed.monitor().scene());
+    assert!(scene.bodies().eq(copy.bodies()));
+    assert_eq!(replayed.into_monitor().now(), monitor.now());
+}
+
+/// A small file, cut at every byte: what is whole is replayed, the rest is told with its place.
+#[test]
+fn a_cut_is_told() {
+    let (file, events) = run(3, 4, 0, 6);
+    let lines: Vec<usize> = std::iter::once(0)
+        .chain((0..file.len()).filter(|&i| file[i] == b'\n').map(|i| i + 1))
+        .collect();
+    for length in 0..file.len() {
+        let (again, end) = replay(&file[..length]);
+        // The line that is cut, or missing.
+        let line = lines.iter().rev().find(|&&start| start <= length).unwrap();
+        match end.unwrap_err() {
+            RecordingError::NotARecording { .. } => assert_eq!(*line, 0, "cut at {length}"),
+            RecordingError::Truncated { offset } => assert_eq!(offset, *line as u64),
+            other => panic!("cut at {length}: {other}"),
+        }
+        assert_eq!(text(&again), text(&events[..again.len()]));
+    }
+}
+
+/// Every byte of a small file, changed: never a panic, never other events than those before it.
+#[test]
+fn damage_is_told() {
+    let (file, events) = run(4, 4, 0, 5);
+    let mut line = 0;
+    for place in 0..file.len() {
+        for flip in [1, 0x80] {
+            let mut damaged = file.clone();
+            damaged[place] ^= flip;
+            let (again, end) = replay(&damaged);
+            let offset = match end.unwrap_err() {
+                RecordingError::NotARecording { .. } => 0,
+                RecordingError::Truncated { offset }
+                | RecordingError::Damaged { offset, .. }
+                | RecordingError::Refused { offset, .. } => offset,
+                RecordingError::Io(error) => panic!("{error}"),
+                other => panic!("{other}"),
+            };
+            assert_eq!(offset, line as u64, "byte {place}");
+            assert_eq!(text(&again), text(&events[..again.len()]));
+        }
+        if file[place] == b'\n' {
+            line = place + 1;
+        }
+    }
+}
+
+#[test]
+fn a_file_that_fails_disturbs_nothing() {
+    struct Full(usize);
+    impl Write for Full {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.0 = self
+                .0
+                .checked_sub(bytes.len())
+                .ok_or(io::ErrorKind::StorageFull)?;
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+    let mut rng = rng(9);
+    let mut monitor = monitor(&mut rng, 6);
+    assert!(monitor.start_recording(Full(100)).is_err());
+    monitor.start_recording(Full(200_000)).unwrap();
+    while monitor.is_recording() {
+        live_on(&mut monitor, &mut rng, &mut Vec::new());
+    }
+    live_on(&mut monitor, &mut rng, &mut Vec::new());
+    let error = monitor.stop_recording().unwrap_err();
+    assert_eq!(error.kind(), io::ErrorKind::StorageFull);
+}
+
+/// What is no trajectory does not become one.
+#[test]
+fn bad_numbers_are_refused() {
+    let states = [0.0, 1.0].map(|t| State::new(t, DVec3::X * t, DVec3::X));
+    let plan = Trajectory::from_states(&states).unwrap();
+    let json = serde_json::to_string(&plan).unwrap();
+    assert_eq!(serde_json::from_str::<Trajectory>(&json).unwrap(), plan);
+    for (from, to) in [
+        ("[0.0,1.0]", "[1.0,0.0]"),
+        ("[0.0,1.0]", "[0.0]"),
+        ("[0.0,1.0]", "[0.0,1e301]"),
+        ("\"outside\":\"Absent\"", "\"outside\":\"Gone\""),
+        // The extent, which bounds all control points.
+        ("1.3333333333333344", "0.5"),
+    ] {
+        assert!(json.contains(from), "{from} in {json}");
+        let broken = json.replacen(from, to, 1);
+        assert!(serde_json::from_str::<Trajectory>(&broken).is_err(), "{to}");
+    }
+    assert!(serde_json::from_str::<Hitbox>("[]").is_err());
+}
+
+#[cfg(feature = "live")]
+#[test]
+fn a_live_monitor_is_recorded_as_it_was_applied() {
+    use nearmiss::{LiveOptions, Report};
+    let mut rng = rng(12);
+    let mut monitor = monitor(&mut rng, 60);
+    let file = Memory::default();
+    monitor.start_recording(file.clone()).unwrap();
+    let ids: Vec<BodyId> = monitor.scene().bodies().map(|(id, _)| id).collect();
+    let options = LiveOptions {
+        budget: std::time::Duration::from_micros(200),
+        ..LiveOptions::default()
+    };
+    let live = monitor.spawn(options).unwrap();
+    let handle = live.handle();
+    for tick in 1..=120 {
+        for _ in 0..10 {
+            let id = ids[rng.random_range(0..10)];
+            let plan = body(&mut rng, 0.0).trajectory;
+            // A plan that is superseded never reaches the file.
+            let _ = handle.send(Command::SetTrajectory(id, plan));
+        }
+        while handle.advance(f64::from(tick) / 60.0).is_err() {
+            std::thread::yield_now();
+        }
+    }
+    let mut said = Vec::new();
+    let mut read = |report: Report| {
+        if let Report::Event(event) = report {
+            said.push(event);
+        }
+    };
+    while handle.now() < 2.0 {
+        live.reports().try_iter().for_each(&mut read);
+    }
+    let mut stopped = live.shutdown().unwrap();
+    stopped.reports.into_iter().for_each(&mut read);
+    stopped.monitor.stop_recording().unwrap();
+    let (again, end) = replay(&file.bytes());
+    end.unwrap();
+    assert!(said.len() > 50, "{}", said.len());
+    assert_eq!(text(&said), text(&again));
+}
