@@ -149,6 +149,7 @@ impl Outlook {
         } else {
             for slice in slices[..needed].iter_mut() {
                 let start = self.origin + self.length * as_number(slice.index);
+                let start = start.max(from);
                 if meter.until().is_some_and(|until| start >= until) {
                     break;
                 }
@@ -156,7 +157,7 @@ impl Outlook {
                     continue;
                 }
                 if meter.is_spent() {
-                    known = start.max(from).min(to);
+                    known = start.min(to);
                     break;
                 }
                 slice.refresh(&bodies, filter);
