@@ -36,6 +36,7 @@ impl Monitor {
         let flight = self.flight_of(&body)?;
         let id = self.scene.insert(body)?;
         self.place(id, Some(flight));
+        self.watch_plan_end(id);
         Ok(id)
     }
 
@@ -150,6 +151,7 @@ impl Monitor {
             }
             if let Some(trajectory) = revision.trajectory {
                 drop(self.scene.set_trajectory(id, trajectory)?);
+                self.watch_plan_end(id);
             }
             if let Some(hitbox) = revision.hitbox {
                 drop(self.scene.set_hitbox(id, hitbox)?);
@@ -237,6 +239,10 @@ impl Monitor {
     fn place(&mut self, id: BodyId, flight: Option<Flight>) {
         self.changed_bodies += 1;
         self.outlook.set(id.slot, flight);
+    }
+
+    /// The end of a new plan is to be told, once it comes into sight.
+    fn watch_plan_end(&mut self, id: BodyId) {
         let place = id.slot as usize;
         if self.end_told.len() <= place {
             self.end_told.resize(place + 1, false);

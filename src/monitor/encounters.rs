@@ -227,12 +227,7 @@ fn over_at(tracked: &Tracked, now: f64, reason: EndReason) -> Event {
 
 /// An encounter that the plans no longer have.
 fn unmatched(old: Tracked, tick: &Tick, events: &mut Vec<Event>) -> Option<Tracked> {
-    let is_unknown = if old.begun {
-        tick.known <= tick.before
-    } else {
-        old.now.enter > tick.known
-    };
-    if is_unknown {
+    if !old.begun && old.now.enter > tick.known {
         // Beyond what is known nothing is said: it waits.
         return Some(old);
     }

@@ -245,7 +245,8 @@ impl Monitor {
     }
 
     /// All conflicts of a level from now to [`certified_until`](Self::certified_until), as of the
-    /// last tick, sorted by (enter, a, b). None for a level that does not exist.
+    /// last tick, sorted by (enter, a, b). None while nothing after now is known, and none for a
+    /// level that does not exist.
     #[must_use]
     pub fn conflicts(&self, level: usize) -> &[Conflict] {
         self.conflicts.get(level).map_or(&[], Vec::as_slice)

@@ -83,7 +83,7 @@ impl Monitor {
         let margin = self.levels[level].margin;
         let conflicts = &mut self.conflicts[level];
         conflicts.clear();
-        if to < from {
+        if to <= from {
             return;
         }
         let source = Source {

@@ -94,11 +94,16 @@ impl Monitor {
         let first = events.len();
         for level in 0..self.levels.len() {
             self.read_conflicts(level, (now, known));
-            self.read_plain(level, &tick);
-            self.encounters[level].work_out(&self.plain, &tick, &mut next_id, events);
         }
-        // Nothing below can fail.
-        self.encounters.iter_mut().for_each(Encounters::take_over);
+        // Up to an instant that was reached before, nothing new is known.
+        if known > self.told {
+            for level in 0..self.levels.len() {
+                self.read_plain(level, &tick);
+                self.encounters[level].work_out(&self.plain, &tick, &mut next_id, events);
+            }
+            // Nothing below can fail.
+            self.encounters.iter_mut().for_each(Encounters::take_over);
+        }
         (self.now, self.told, self.known) = (now, tick.told, known);
         self.next_id = next_id;
         events.append(&mut self.waiting);

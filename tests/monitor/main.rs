@@ -6,6 +6,8 @@
     reason = "exact cases are exact; a monitor that cannot be built fails the test"
 )]
 
+mod reference;
+#[path = "../support/mod.rs"]
 mod support;
 
 use glam::DVec3;
@@ -15,12 +17,16 @@ use nearmiss::{
 };
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+use reference::{Reference, told};
 use std::collections::BTreeMap;
 use support::{bits, line, rng, vector, wander};
 
 const LEVELS: [AlertLevel; 3] = [
     AlertLevel::at(4.0),
-    AlertLevel::at(1.0),
+    AlertLevel {
+        margin: 1.0,
+        release: 2.0,
+    },
     AlertLevel::at(-0.1),
 ];
 
@@ -194,17 +200,24 @@ fn ticks(default: u32) -> u32 {
 }
 
 #[test]
-fn equals_one_shot_screening_at_every_tick() {
+fn equals_one_shot_screening_and_the_reference_at_every_tick() {
+    for seed in 31..34 {
+        long_run(seed);
+    }
+}
+
+fn long_run(seed: u64) {
     const CUBE: f64 = 14.0;
-    let mut rng = rng(31);
+    let mut rng = rng(seed);
     let mut scene = Scene::new();
     let mut ids: Vec<BodyId> = (0..24)
         .map(|_| scene.insert(body(&mut rng, -1.0, CUBE)).unwrap())
         .collect();
     let mut monitor = Monitor::new(scene, 0.0, 3.0, &LEVELS).unwrap();
     let mut ledger = Ledger::default();
+    let mut reference = Reference::new(&LEVELS, 0.0, 3.0);
     let (mut conflicts, mut events) = (0, Vec::new());
-    let mut told = 0;
+    let mut count = 0;
     for tick in 0..ticks(1500) {
         for _ in 0..rng.random_range(0..3) {
             change(&mut rng, &mut monitor, &mut ids, CUBE);
@@ -233,23 +246,33 @@ fn equals_one_shot_screening_at_every_tick() {
             Err(other) => panic!("{other}"),
         }
         ledger.read(&events);
-        told += events.len();
+        count += events.len();
         assert!(events.is_sorted_by(|x, y| x.order(y).is_le()));
         let known = monitor.certified_until();
+        let expected = reference.tick(monitor.scene(), now, known);
+        let found: Vec<_> = events.iter().map(told).collect();
+        for (found, expected) in found.iter().zip(&expected) {
+            assert_eq!(found, expected, "seed {seed}, tick {tick}");
+        }
+        assert_eq!(found.len(), expected.len(), "seed {seed}, tick {tick}");
         if budget == Budget::Unlimited {
             assert_eq!(known, now + 3.0);
         }
         for (index, level) in LEVELS.into_iter().enumerate() {
-            let expected = if known >= now {
+            let expected = if known > now {
                 one_shot(&monitor, level, known)
             } else {
                 vec![]
             };
             let found = bits(monitor.conflicts(index));
             for (found, expected) in found.iter().zip(&expected) {
-                assert_eq!(found, expected, "tick {tick}, level {index}");
+                assert_eq!(found, expected, "seed {seed}, tick {tick}, level {index}");
             }
-            assert_eq!(found.len(), expected.len(), "tick {tick}, level {index}");
+            assert_eq!(
+                found.len(),
+                expected.len(),
+                "seed {seed}, tick {tick}, level {index}"
+            );
             conflicts += expected.len();
         }
         if ids.len() < 12 {
@@ -261,7 +284,7 @@ fn equals_one_shot_screening_at_every_tick() {
     monitor.close(&mut events);
     ledger.read(&events);
     assert!(ledger.open.is_empty(), "every encounter has its end");
-    assert!(conflicts > 10_000 && told > 1_000, "{conflicts} {told}");
+    assert!(conflicts > 10_000 && count > 1_000, "{conflicts} {count}");
     for reason in [
         EndReason::Separated,
         EndReason::TrajectoryEnded,
