@@ -5,8 +5,8 @@
 
 use glam::DVec3;
 use nearmiss::{
-    AlertLevel, Body, BodyId, Command, Error, Event, EventKind, Hitbox, Monitor, Scene, State,
-    Trajectory,
+    AlertLevel, Body, BodyId, Command, Error, Event, EventKind, Hitbox, Monitor, Scene, Sphere,
+    State, Trajectory,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -19,23 +19,92 @@ const HORIZON: f64 = 60.0;
 pub(crate) const SPEED: f64 = 10.0;
 /// Time in which a velocity is forgotten, s.
 const MEMORY: f64 = 10.0;
-/// Side of the cube for one body, m.
-const SPACING: f64 = 65.6;
 /// m.
 pub(crate) const RADIUS: f64 = 1.0;
 /// How far ahead the monitor looks, s.
 pub(crate) const LOOKAHEAD: f64 = 10.0;
 
-/// Places of the alert levels in the monitor's list.
-pub(crate) const WARNING: usize = 0;
-pub(crate) const CONTACT: usize = 1;
-const LEVELS: [AlertLevel; 2] = [AlertLevel::at(3.0), AlertLevel::at(0.0)];
+/// Who flies, how densely, and what is watched.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Setting {
+    /// In turns.
+    pub(crate) kinds: &'static [Kind],
+    /// Side of the cube for one body, m.
+    pub(crate) spacing: f64,
+    pub(crate) levels: &'static [AlertLevel],
+    /// Places of two of the levels.
+    pub(crate) warning: usize,
+    pub(crate) contact: usize,
+}
+
+impl Setting {
+    /// The stress scene: spheres of 1 m at constant density.
+    pub(crate) const STRESS: Self = Self {
+        kinds: &[Kind::Sphere],
+        spacing: 65.6,
+        levels: &[AlertLevel::at(3.0), AlertLevel::at(0.0)],
+        warning: 0,
+        contact: 1,
+    };
+
+    /// Something to look at: denser, and of three kinds.
+    pub(crate) const SHOW: Self = Self {
+        kinds: &[
+            Kind::Ship,
+            Kind::Drone,
+            Kind::Drone,
+            Kind::Ship,
+            Kind::Asteroid,
+        ],
+        spacing: 26.0,
+        levels: &[
+            AlertLevel::at(8.0),
+            AlertLevel::at(3.0),
+            AlertLevel::at(0.0),
+        ],
+        warning: 1,
+        contact: 2,
+    };
+}
+
+/// What flies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Sphere,
+    Ship,
+    Drone,
+    Asteroid,
+}
+
+impl Kind {
+    fn hitbox(self) -> Result<Hitbox, Error> {
+        let sphere = |x: f64, y: f64, z: f64, radius: f64| Sphere {
+            offset: DVec3::new(x, y, z),
+            radius,
+        };
+        match self {
+            Self::Sphere => Hitbox::sphere(RADIUS),
+            Self::Drone => Hitbox::sphere(0.8),
+            Self::Ship => Hitbox::cluster(vec![
+                sphere(0.0, 0.0, 0.0, 1.3),
+                sphere(1.4, 0.0, 0.0, 0.8),
+                sphere(-1.4, 0.0, 0.0, 0.8),
+            ]),
+            Self::Asteroid => Hitbox::cluster(vec![
+                sphere(0.0, 0.0, 0.0, 2.4),
+                sphere(1.3, 0.7, -0.4, 1.7),
+                sphere(-1.1, -0.5, 0.9, 1.8),
+            ]),
+        }
+    }
+}
 
 /// All bodies under one monitor, and the dice that their plans are made with.
 #[derive(Debug)]
 pub(crate) struct Fleet {
     pub(crate) monitor: Monitor,
     pub(crate) bodies: Vec<BodyId>,
+    pub(crate) setting: Setting,
     planner: Planner,
 }
 
@@ -49,26 +118,34 @@ pub(crate) struct Planner {
 
 impl Fleet {
     /// `count` bodies at time 0, each with a plan.
-    pub(crate) fn new(count: usize, seed: u64) -> Result<Self, Error> {
+    pub(crate) fn new(setting: Setting, count: usize, seed: u64) -> Result<Self, Error> {
         let number = f64::from(u32::try_from(count).unwrap_or(u32::MAX));
         let mut planner = Planner {
             rng: ChaCha8Rng::seed_from_u64(seed),
-            half: SPACING * number.cbrt() / 2.0,
+            half: setting.spacing * number.cbrt() / 2.0,
         };
-        let hitbox = Hitbox::sphere(RADIUS)?;
         let mut scene = Scene::new();
         let bodies = (0..count)
-            .map(|_| {
-                let start = planner.start();
-                let plan = planner.plan(start)?;
-                scene.insert(Body::new(plan).with_hitbox(hitbox.clone()))
+            .map(|index| {
+                let start = planner.start(0.0);
+                scene.insert(planner.body(setting.kind(index), start)?)
             })
             .collect::<Result<Vec<_>, _>>()?;
         Ok(Self {
-            monitor: Monitor::new(scene, 0.0, LOOKAHEAD, &LEVELS)?,
+            monitor: Monitor::new(scene, 0.0, LOOKAHEAD, setting.levels)?,
             bodies,
+            setting,
             planner,
         })
+    }
+
+    /// Another body, from now on.
+    pub(crate) fn add(&mut self) -> Result<(), Error> {
+        let start = self.planner.start(self.monitor.now());
+        let kind = self.setting.kind(self.bodies.len());
+        let body = self.planner.body(kind, start)?;
+        self.bodies.push(self.monitor.insert(body)?);
+        Ok(())
     }
 
     /// Where a body is at the monitor's clock.
@@ -121,6 +198,11 @@ impl Fleet {
         events.iter().filter_map(ends).collect()
     }
 
+    /// Half the side of the cube that the bodies keep to, m.
+    pub(crate) const fn half(&self) -> f64 {
+        self.planner.half
+    }
+
     pub(crate) fn planner(&mut self) -> &mut Planner {
         &mut self.planner
     }
@@ -135,12 +217,23 @@ impl Fleet {
     }
 }
 
+impl Setting {
+    /// Of the body with this number.
+    pub(crate) fn kind(&self, index: usize) -> Kind {
+        self.kinds[index % self.kinds.len()]
+    }
+}
+
 impl Planner {
-    fn start(&mut self) -> State {
+    fn body(&mut self, kind: Kind, start: State) -> Result<Body, Error> {
+        Ok(Body::new(self.plan(start)?).with_hitbox(kind.hitbox()?))
+    }
+
+    fn start(&mut self, time: f64) -> State {
         let half = self.half;
         let position = self.vector(|rng| rng.random_range(-half..half));
         let velocity = self.gust(SPEED);
-        State::new(0.0, position, velocity)
+        State::new(time, position, velocity)
     }
 
     /// A plan from a state on: its velocity fades into random ones.

@@ -1,6 +1,6 @@
 //! Steering clear: bodies with a predicted encounter look for a plan without one.
 
-use crate::fleet::{CONTACT, Fleet, SPEED, WARNING};
+use crate::fleet::{Fleet, SPEED};
 use glam::DVec3;
 use nearmiss::{BodyId, Conflict, Error, Trajectory};
 use std::collections::BTreeSet;
@@ -25,7 +25,7 @@ impl Fleet {
         let now = self.monitor.now();
         let ahead: Vec<(BodyId, BodyId)> = self
             .monitor
-            .conflicts(WARNING)
+            .conflicts(self.setting.warning)
             .iter()
             .filter(|conflict| conflict.enter > now)
             .map(|conflict| (conflict.a, conflict.b))
@@ -64,11 +64,11 @@ impl Fleet {
                     self.planner().plan_with(state, push)?
                 }
             };
-            let warnings = self.monitor.what_if(id, &plan, WARNING)?;
+            let warnings = self.monitor.what_if(id, &plan, self.setting.warning)?;
             if warnings.is_empty() {
                 return Ok(Some(plan));
             }
-            let contacts = self.monitor.what_if(id, &plan, CONTACT)?;
+            let contacts = self.monitor.what_if(id, &plan, self.setting.contact)?;
             let trouble = trouble(&warnings) + 1e3 * trouble(&contacts);
             if best.as_ref().is_none_or(|(least, _)| trouble < *least) {
                 best = Some((trouble, plan));

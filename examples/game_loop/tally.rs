@@ -1,6 +1,6 @@
 //! What happened, counted twice: from the monitor's events, and from the bodies' plain positions.
 
-use crate::fleet::{CONTACT, Fleet, RADIUS};
+use crate::fleet::{Fleet, RADIUS};
 use glam::{DVec3, IVec3};
 use nearmiss::{BodyId, EncounterId, Event, EventKind};
 use std::collections::{BTreeMap, BTreeSet};
@@ -23,7 +23,7 @@ pub(crate) struct Tally {
 
 impl Tally {
     /// Counts the events of a tick.
-    pub(crate) fn read(&mut self, events: &[Event]) {
+    pub(crate) fn read(&mut self, contact: usize, events: &[Event]) {
         for event in events {
             match event.kind {
                 EventKind::Predicted(_) => self.predicted += 1,
@@ -31,7 +31,7 @@ impl Tally {
                 EventKind::Withdrawn(_) => self.withdrawn += 1,
                 EventKind::Began(encounter) => {
                     self.began += 1;
-                    self.collisions += u64::from(encounter.level == CONTACT);
+                    self.collisions += u64::from(encounter.level == contact);
                     self.under_way.insert(encounter.id);
                 }
                 EventKind::Ended(encounter, _) => {
@@ -48,7 +48,7 @@ impl Tally {
         let now = fleet.monitor.now();
         let known: BTreeSet<(BodyId, BodyId)> = fleet
             .monitor
-            .conflicts(CONTACT)
+            .conflicts(fleet.setting.contact)
             .iter()
             .filter(|conflict| conflict.enter <= now)
             .map(|conflict| (conflict.a, conflict.b))

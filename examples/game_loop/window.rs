@@ -1,0 +1,137 @@
+//! The game in a window: input, the clock, and a picture of each frame.
+
+use crate::draw::{View, draw_world};
+use crate::fleet::Setting;
+use crate::game::Game;
+use crate::panel::{Panel, draw_panel};
+use crate::{Arguments, Avoid};
+use macroquad::conf::Conf as Settings;
+use macroquad::miniquad::conf::Conf;
+use macroquad::prelude::{
+    KeyCode, MouseButton, get_frame_time, get_screen_data, is_key_pressed, is_mouse_button_down,
+    mouse_delta_position, mouse_wheel, next_frame,
+};
+use std::error::Error as StdError;
+
+type Failure = Box<dyn StdError + Send + Sync>;
+
+/// Length of a tick of simulated time, s.
+const STEP: f64 = 1.0 / 60.0;
+
+/// Bodies that a key adds.
+const MORE: usize = 25;
+
+/// Opens the window; returns when it is closed.
+pub(crate) fn open(arguments: Arguments) -> Result<(), Failure> {
+    let has_display = ["DISPLAY", "WAYLAND_DISPLAY"]
+        .iter()
+        .any(|name| std::env::var_os(name).is_some());
+    if cfg!(target_os = "linux") && !has_display {
+        return Err("there is no display for a window: run it with --headless".into());
+    }
+    let settings = Settings {
+        miniquad_conf: Conf {
+            window_title: "nearmiss".to_owned(),
+            window_width: 1280,
+            window_height: 720,
+            sample_count: 4,
+            ..Conf::default()
+        },
+        draw_call_vertex_capacity: 60_000,
+        draw_call_index_capacity: 60_000,
+        ..Settings::default()
+    };
+    macroquad::Window::from_config(settings, async move {
+        if let Err(error) = play(arguments).await {
+            eprintln!("Error: {error}");
+            std::process::exit(1);
+        }
+    });
+    Ok(())
+}
+
+async fn play(arguments: Arguments) -> Result<(), Failure> {
+    let bodies = arguments.bodies.unwrap_or(300);
+    let mut game = Game::new(Setting::SHOW, bodies, arguments.seed)?;
+    game.replan = arguments.replan;
+    game.avoids = arguments.avoid == Avoid::On;
+    let mut view = View::around(game.fleet.half());
+    let mut panel = Panel::default();
+    // Simulated time that is due, s, and how fast it goes.
+    let (mut due, mut pace, mut is_paused) = (0.0, 1.0, false);
+    loop {
+        for key in [
+            KeyCode::Space,
+            KeyCode::S,
+            KeyCode::A,
+            KeyCode::V,
+            KeyCode::H,
+            KeyCode::R,
+        ] {
+            if !is_key_pressed(key) {
+                continue;
+            }
+            match key {
+                KeyCode::Space => is_paused = !is_paused,
+                KeyCode::S => pace = if pace < 1.0 { 1.0 } else { 0.2 },
+                KeyCode::A => (0..MORE).try_for_each(|_| game.fleet.add())?,
+                KeyCode::V => game.avoids = !game.avoids,
+                KeyCode::H => view.shows_hitboxes = !view.shows_hitboxes,
+                _ => panel.message = record(&mut game),
+            }
+        }
+        if is_mouse_button_down(MouseButton::Left) {
+            let delta = mouse_delta_position();
+            view.turn(delta.x, delta.y);
+        }
+        view.zoom(mouse_wheel().1);
+        // A picture to be saved is of the same moment on every machine.
+        let frame = if arguments.screenshot.is_some() {
+            STEP
+        } else {
+            f64::from(get_frame_time()).min(0.1)
+        };
+        if !is_paused {
+            due += frame * pace;
+            view.drift(frame);
+        }
+        while due >= STEP {
+            due -= STEP;
+            let now = game.fleet.monitor.now() + STEP;
+            let took = game.tick(now)?;
+            panel.note(&game, took);
+        }
+        draw_world(&game, &mut view);
+        draw_panel(&game, &panel, pace, is_paused);
+        if let Some(path) = &arguments.screenshot
+            && game.fleet.monitor.now() >= arguments.seconds
+        {
+            get_screen_data().export_png(&path.to_string_lossy());
+            return Ok(());
+        }
+        next_frame().await;
+    }
+}
+
+/// Begins or ends a recording of all that the monitor is told, and says so.
+#[cfg(feature = "serde")]
+fn record(game: &mut Game) -> String {
+    const PATH: &str = "game_loop.nearmiss";
+    let monitor = &mut game.fleet.monitor;
+    if monitor.is_recording() {
+        return match monitor.stop_recording() {
+            Ok(records) => format!("{records} records in {PATH}"),
+            Err(error) => format!("{PATH}: {error}"),
+        };
+    }
+    let started = std::fs::File::create(PATH).and_then(|file| monitor.start_recording(file));
+    match started {
+        Ok(()) => format!("recording to {PATH}"),
+        Err(error) => format!("{PATH}: {error}"),
+    }
+}
+
+#[cfg(not(feature = "serde"))]
+fn record(_: &mut Game) -> String {
+    "to record, run it with --features serde".to_owned()
+}
