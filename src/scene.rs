@@ -5,6 +5,7 @@ use crate::error::Error;
 use crate::hitbox::Hitbox;
 use crate::id::BodyId;
 use crate::layers::Layers;
+use crate::screen::Pool;
 use crate::trajectory::Trajectory;
 use std::collections::BTreeSet;
 
@@ -130,6 +131,8 @@ pub struct Scene {
     /// Pairs that are never screened, smaller id first.
     ignored: BTreeSet<(BodyId, BodyId)>,
     len: usize,
+    /// Scratch of screenings; no part of what a scene is.
+    pool: Pool,
 }
 
 impl Scene {
@@ -137,6 +140,10 @@ impl Scene {
     #[must_use]
     pub fn new() -> Self {
         Self::default()
+    }
+
+    pub(crate) const fn pool(&self) -> &Pool {
+        &self.pool
     }
 
     /// How many bodies there are.

@@ -30,6 +30,26 @@ pub(crate) struct Traffic {
     pub(crate) reach: f64,
 }
 
+impl Traffic {
+    /// Bodies that exist at a time, on average over a window.
+    pub(crate) fn present(&self, (start, end): (f64, f64)) -> f64 {
+        if end > start {
+            self.body_time / (end - start)
+        } else {
+            1.0
+        }
+    }
+
+    /// Cubics that a body goes through in this time (s), on average.
+    pub(crate) fn cubics_in(&self, time: f64) -> f64 {
+        if self.body_time > 0.0 {
+            self.segments * time / self.body_time
+        } else {
+            0.0
+        }
+    }
+}
+
 impl Slices {
     /// Boxes about half as long as the bodies' mean spacing: with longer ones candidates grow with
     /// the cube of their size, with shorter ones the boxes themselves are the cost.
@@ -42,9 +62,9 @@ impl Slices {
     const MOST_SLICES: f64 = 1e6;
 
     /// Slices of `start..=end` (s, finite) by the rule above, from counts alone.
-    pub(crate) fn choose(start: f64, end: f64, traffic: &Traffic) -> Self {
+    pub(crate) fn choose((start, end): (f64, f64), traffic: &Traffic) -> Self {
         let duration = end - start;
-        let present = traffic.body_time / duration;
+        let present = traffic.present((start, end));
         let speed = traffic.path / traffic.body_time;
         let volume: f64 = traffic
             .world
@@ -72,6 +92,11 @@ impl Slices {
             1
         };
         Self { count, ..self }
+    }
+
+    /// The duration of a slice, s.
+    pub(crate) fn length(&self) -> f64 {
+        (self.end - self.start) / f64::from(self.count)
     }
 
     /// The slice at a share of the window, 0..1.
@@ -345,7 +370,7 @@ mod tests {
             world: [100.0; 3],
             reach: 1.0,
         };
-        let slices = Slices::choose(5.0, 65.0, &traffic);
+        let slices = Slices::choose((5.0, 65.0), &traffic);
         assert!(slices.count() > 10);
         assert!(slices.interval(0).0.to_bits() == 5.0_f64.to_bits());
         assert!(slices.interval(slices.count() - 1).1.to_bits() == 65.0_f64.to_bits());
@@ -363,8 +388,8 @@ mod tests {
             world: [0.0; 3],
             reach: 0.0,
         };
-        assert_eq!(Slices::choose(0.0, 1.0, &nothing_moves).count(), 1);
-        assert_eq!(Slices::choose(2.0, 2.0, &nothing_moves).count(), 1);
+        assert_eq!(Slices::choose((0.0, 1.0), &nothing_moves).count(), 1);
+        assert_eq!(Slices::choose((2.0, 2.0), &nothing_moves).count(), 1);
     }
 
     /// Every box contains its body at every instant of its slice, and is not much larger.

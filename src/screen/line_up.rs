@@ -1,8 +1,9 @@
 //! The bodies of a scene as the pipeline sees them: by place, in the order of their ids.
 
+use super::scratch::Pool;
 use crate::bounds::Extremes;
 use crate::broad_phase::PairFilter;
-use crate::broad_phase::slices::{Slices, Traffic};
+use crate::broad_phase::slices::Traffic;
 use crate::error::Error;
 use crate::id::BodyId;
 use crate::layers::Layers;
@@ -24,6 +25,7 @@ pub(super) struct LineUp<'a> {
     pub(super) margin: f64,
     /// How many slices, if that was prescribed.
     pub(super) prescribed: Option<NonZeroU32>,
+    pub(super) pool: &'a Pool,
 }
 
 impl<'a> LineUp<'a> {
@@ -51,6 +53,7 @@ impl<'a> LineUp<'a> {
             window: window.unwrap_or(query.window()),
             margin: query.margin(),
             prescribed: query.slices(),
+            pool: scene.pool(),
         })
     }
 
@@ -85,9 +88,8 @@ impl<'a> LineUp<'a> {
         extremes
     }
 
-    /// Slices by the mean speed and density alone.
-    pub(super) fn first_guess(&self) -> Slices {
-        let (start, end) = (self.window.start(), self.window.end());
+    /// How much moves in the window, from what is known of each body as a whole.
+    pub(super) fn traffic(&self) -> Traffic {
         let mut traffic = Traffic {
             body_time: 0.0,
             path: 0.0,
@@ -115,7 +117,7 @@ impl<'a> LineUp<'a> {
             extremes.include(occupant.outline.extremes);
         }
         traffic.world = (extremes.high - extremes.low).to_array();
-        Slices::choose(start, end, &traffic)
+        traffic
     }
 }
 

@@ -7,9 +7,10 @@
 //! tried in turn.
 
 use super::line_up::LineUp;
+use super::scratch::Scratch;
 use crate::bounds::{Frame, Inflation};
-use crate::broad_phase::slices::{Block, Fill, Slices};
-use crate::broad_phase::{BroadPhase, Everyone, Sweep};
+use crate::broad_phase::slices::{Fill, Slices};
+use crate::broad_phase::{BroadPhase, Candidate, Everyone};
 use crate::narrow_phase::{Party, approaching};
 use crate::simd::Level;
 
@@ -22,8 +23,9 @@ mod cost {
     pub(super) const SWEEP: f64 = 25.0;
     /// Judging a candidate by its courses.
     pub(super) const CANDIDATE: f64 = 15.0;
-    /// Looking at the spans of one that they do not rule out.
-    pub(super) const NEAR: f64 = 300.0;
+    /// Looking at one that they do not rule out, and at each of its spans.
+    pub(super) const NEAR: f64 = 120.0;
+    pub(super) const SPAN: f64 = 40.0;
 }
 
 /// How many times as many near candidates there are in a slice of twice the length: twice as many
@@ -36,6 +38,8 @@ struct Trial {
     boxes: f64,
     candidates: f64,
     near: f64,
+    /// Cubics of a box.
+    cubics: f64,
     /// Mean extent of a box, and how much of it is there in however short a slice (frame's unit).
     extents: [f64; 3],
     least: f64,
@@ -56,7 +60,10 @@ impl Trial {
         let candidates = self.candidates * growth;
         let per_box = cost::BOX + cost::SWEEP * (candidates / self.boxes.max(1.0)).powf(0.75);
         let near = self.near * factor.powf(NEAR_GROWTH);
-        (self.boxes * per_box + candidates * cost::CANDIDATE + near * cost::NEAR) / factor
+        // Each span ends with a cubic of one of the two bodies.
+        let spans = 1.0 + 2.0 * self.cubics * factor;
+        let per_near = cost::NEAR + cost::SPAN * spans;
+        (self.boxes * per_box + candidates * cost::CANDIDATE + near * per_near) / factor
     }
 
     /// The cheapest factor as far as one trial can be trusted.
@@ -79,23 +86,32 @@ impl LineUp<'_> {
         const FEW: usize = 64;
         /// Each may change the length fourfold.
         const MOST_TRIALS: usize = 6;
-        let mut slices = self.first_guess();
+        let traffic = self.traffic();
+        let window = (self.window.start(), self.window.end());
+        let mut slices = Slices::choose(window, &traffic);
         if let Some(count) = self.prescribed {
             return slices.with_count(f64::from(count.get()));
         }
-        if parties.len() < FEW {
+        let sample = sample(parties.len(), traffic.present(window));
+        if sample.len() < FEW {
             return slices;
         }
-        let sample = sample(parties.len());
         let parties: Vec<Party<'_>> = sample.iter().map(|&place| parties[place]).collect();
         let sampled: Vec<Inflation> = sample.iter().map(|&place| inflations[place]).collect();
         let whole = inflations.len() as f64 / sample.len() as f64;
+        let mut last_factor = 1.0;
         for _ in 0..MOST_TRIALS {
-            let trial = self.trial(&parties, &sampled, frame, &slices, whole);
-            let factor = trial.best_factor();
+            let cubics = 1.0 + traffic.cubics_in(slices.length());
+            let trial = self.trial(&parties, &sampled, frame, &slices, whole, cubics);
+            let mut factor = trial.best_factor();
+            // Back again: somewhere in between.
+            let turned = (factor < 1.0 && last_factor > 1.0) || (factor > 1.0 && last_factor < 1.0);
+            if turned {
+                factor = factor.sqrt();
+            }
             let next = slices.with_count(f64::from(slices.count()) / factor);
-            let settled = (0.7..1.5).contains(&factor) || next.count() == slices.count();
-            slices = next;
+            let settled = turned || (0.7..1.5).contains(&factor) || next.count() == slices.count();
+            (slices, last_factor) = (next, factor);
             if settled {
                 break;
             }
@@ -111,19 +127,24 @@ impl LineUp<'_> {
         frame: &Frame,
         slices: &Slices,
         whole: f64,
+        cubics: f64,
     ) -> Trial {
         const PLACES: u32 = 3;
         let places = PLACES.min(slices.count());
-        let mut block = Block::default();
-        let mut sweep = Sweep::default();
-        let mut candidates = Vec::new();
+        let mut borrowed = self.pool.take();
+        let Scratch {
+            block,
+            sweep,
+            candidates,
+            ..
+        } = &mut borrowed.scratch;
         let (mut boxes, mut found, mut near) = (0.0, 0.0, 0.0);
         let mut extents = [0.0; 3];
         for place in 0..places {
             let share = (f64::from(place) + 0.5) / f64::from(places);
             let first = slices.number_at(share);
             Level::best().run(Fill {
-                block: &mut block,
+                block: &mut *block,
                 parties,
                 inflations,
                 frame,
@@ -132,9 +153,9 @@ impl LineUp<'_> {
             });
             let slice = &block.slices[0];
             candidates.clear();
-            sweep.pairs(&slice.boxes, &Everyone, &mut candidates);
+            sweep.pairs(&slice.boxes, &Everyone, candidates);
             let interval = slices.interval(first);
-            let is_near = |pair: &&crate::broad_phase::Candidate| {
+            let is_near = |pair: &&Candidate| {
                 let (a, b) = (pair.a as usize, pair.b as usize);
                 approaching(&slice.courses[a], &slice.courses[b], interval).is_some()
             };
@@ -149,10 +170,15 @@ impl LineUp<'_> {
         }
         let reach: f64 = inflations.iter().map(Inflation::reach).sum();
         let places = f64::from(places);
+        let segments: f64 = parties
+            .iter()
+            .map(|party| party.segments.len() as f64)
+            .sum();
         Trial {
             boxes: boxes * whole / places,
             candidates: found * whole * whole / places,
             near: near * whole * whole / places,
+            cubics,
             extents: extents.map(|extent| extent / boxes.max(1.0)),
             least: 2.0 * reach / inflations.len() as f64,
         }
@@ -160,15 +186,15 @@ impl LineUp<'_> {
 }
 
 /// Different places below `count`, spread evenly but not in equal strides, so that no order of the
-/// bodies can hide some of them: enough for a dozen pairs of the sample to meet in a slice of the
-/// best length.
+/// bodies can hide some of them: enough, if `present` bodies exist at a time, for a dozen pairs of
+/// the sample to meet in the slices of the best length that are tried.
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "between 1 and count"
 )]
-fn sample(count: usize) -> Vec<usize> {
-    let size = ((6.0 * (count as f64).sqrt()) as usize).clamp(1, count);
+fn sample(count: usize, present: f64) -> Vec<usize> {
+    let size = ((6.0 * count as f64 / present.max(1.0).sqrt()) as usize).clamp(1, count);
     let stride = count / size;
     (0..size)
         .map(|k| {

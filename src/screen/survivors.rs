@@ -1,30 +1,24 @@
 //! From slices to survivors: boxes, candidates, and cheap tests of their spans.
 
 use super::line_up::LineUp;
-use super::sift::{Sieve, Survivor};
+use super::scratch::Scratch;
+use super::sift::Survivor;
 use crate::bounds::{Frame, Inflation};
 use crate::broad_phase::slices::{Block, Fill, Slices};
-use crate::broad_phase::{BroadPhase, Candidate, PairFilter};
+use crate::broad_phase::{BroadPhase, PairFilter};
 use crate::narrow_phase::Party;
 use crate::parallel;
 use crate::simd::Level;
 use crate::stats::Stats;
+use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
-
-/// What one thread reuses from slice to slice.
-#[derive(Default)]
-struct Scratch<B> {
-    method: B,
-    block: Block,
-    candidates: Vec<Candidate>,
-    sieve: Sieve,
-}
 
 impl LineUp<'_> {
     /// Slices and cheap tests: every span of every pair in which they may touch, each once.
     pub(super) fn survivors<B: BroadPhase, F: PairFilter>(
         &self,
+        method: impl Fn(&mut Scratch) -> &mut B + Sync + Send,
         parties: &[Party<'_>],
         filter: &F,
         progress: &(impl Fn(f64) + Sync),
@@ -39,24 +33,29 @@ impl LineUp<'_> {
             .collect();
         let slices = self.slices(parties, &inflations, &frame);
         stats.slices = u64::from(slices.count());
-        let blocks = slices.count().div_ceil(Block::SLICES);
+        let blocks = Blocks::new(slices.count(), parties.len());
         let done_blocks = AtomicU32::new(0);
-        let results = parallel::map(blocks, Scratch::<B>::default, |scratch, block| {
-            let start = block * Block::SLICES;
-            let range = start..(start + Block::SLICES).min(slices.count());
-            let found = self.block(
-                parties,
-                &inflations,
-                &frame,
-                &slices,
-                range,
-                filter,
-                scratch,
-            );
-            let done = done_blocks.fetch_add(1, Ordering::Relaxed) + 1;
-            progress(f64::from(done) / f64::from(blocks));
-            found
-        });
+        let results = parallel::map(
+            blocks.count,
+            || self.pool.take(),
+            |borrowed, block| {
+                let scratch = &mut borrowed.scratch;
+                let range = blocks.range(block);
+                let found = self.block(
+                    &method,
+                    parties,
+                    &inflations,
+                    &frame,
+                    &slices,
+                    range,
+                    filter,
+                    scratch,
+                );
+                let done = done_blocks.fetch_add(1, Ordering::Relaxed) + 1;
+                progress(f64::from(done) / f64::from(blocks.count));
+                found
+            },
+        );
         let mut survivors = Vec::new();
         for (found, counted) in results {
             survivors.extend(found);
@@ -75,25 +74,20 @@ impl LineUp<'_> {
     )]
     fn block<B: BroadPhase, F: PairFilter>(
         &self,
+        method: impl Fn(&mut Scratch) -> &mut B,
         parties: &[Party<'_>],
         inflations: &[Inflation],
         frame: &Frame,
         slices: &Slices,
-        range: std::ops::Range<u32>,
+        range: Range<u32>,
         filter: &F,
-        scratch: &mut Scratch<B>,
+        scratch: &mut Scratch,
     ) -> (Vec<Survivor>, Stats) {
         let mut stats = Stats::default();
         let mut survivors = Vec::new();
         let begin = Instant::now();
-        let Scratch {
-            method,
-            block,
-            candidates,
-            sieve,
-        } = scratch;
         Level::best().run(Fill {
-            block: &mut *block,
+            block: &mut scratch.block,
             parties,
             inflations,
             frame,
@@ -101,6 +95,9 @@ impl LineUp<'_> {
             range: range.clone(),
         });
         stats.bounds_time += begin.elapsed();
+        // Taken out meanwhile, so that the method can be borrowed beside them.
+        let block = std::mem::take(&mut scratch.block);
+        let mut candidates = std::mem::take(&mut scratch.candidates);
         for (number, slice) in range.zip(&block.slices) {
             let begin = Instant::now();
             candidates.clear();
@@ -108,16 +105,49 @@ impl LineUp<'_> {
                 bodies: &slice.bodies,
                 filter,
             };
-            method.pairs(&slice.boxes, &admission, candidates);
+            method(scratch).pairs(&slice.boxes, &admission, &mut candidates);
             let found = Instant::now();
             let at = (slice, slices.interval(number));
-            stats.spans += sieve.sift(parties, at, candidates, self.margin, &mut survivors);
+            let sieve = &mut scratch.sieve;
+            stats.spans += sieve.sift(parties, at, &candidates, self.margin, &mut survivors);
             stats.boxes += slice.boxes.len() as u64;
             stats.candidates += candidates.len() as u64;
             stats.broad_time += found - begin;
             stats.narrow_time += found.elapsed();
         }
+        (scratch.block, scratch.candidates) = (block, candidates);
         (survivors, stats)
+    }
+}
+
+/// Slices dealt out in blocks of about equal size: by counts alone, not by the number of threads,
+/// so that these see the same boxes.
+struct Blocks {
+    slices: u32,
+    count: u32,
+}
+
+impl Blocks {
+    /// At least this many, for a few threads to share.
+    const FEWEST: u32 = 4;
+    /// Not more boxes in a block, which bounds its memory: 64 bytes each.
+    const MOST_BOXES: usize = 1 << 21;
+
+    fn new(slices: u32, bodies: usize) -> Self {
+        let most = u32::try_from(Self::MOST_BOXES / bodies.max(1)).unwrap_or(u32::MAX);
+        let count = slices.div_ceil(most.clamp(1, Block::SLICES));
+        Self {
+            slices,
+            count: count.max(Self::FEWEST).min(slices),
+        }
+    }
+
+    fn range(&self, block: u32) -> Range<u32> {
+        let cut = |block: u32| {
+            let slice = u64::from(self.slices) * u64::from(block) / u64::from(self.count);
+            u32::try_from(slice).unwrap_or(self.slices)
+        };
+        cut(block)..cut(block + 1)
     }
 }
 
