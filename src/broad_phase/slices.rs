@@ -208,7 +208,7 @@ impl Task for Fill<'_> {
 impl Fill<'_> {
     /// How many bodies ahead segments are brought into the caches. They are what there is most of,
     /// and each body's lie somewhere else: without it, half of the time is waiting.
-    const AHEAD: usize = 2;
+    const AHEAD: usize = 4;
 
     /// Prefetches the knots of a body, and gives the segments that one which comes sooner begins
     /// with.

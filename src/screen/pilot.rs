@@ -170,10 +170,6 @@ impl LineUp<'_> {
         }
         let reach: f64 = inflations.iter().map(Inflation::reach).sum();
         let places = f64::from(places);
-        let segments: f64 = parties
-            .iter()
-            .map(|party| party.segments.len() as f64)
-            .sum();
         Trial {
             boxes: boxes * whole / places,
             candidates: found * whole * whole / places,
