@@ -30,16 +30,19 @@ pub(super) struct LineUp<'a> {
 
 impl<'a> LineUp<'a> {
     pub(super) fn new(scene: &'a Scene, query: &Query) -> Result<Self, Error> {
-        let (ids, occupants): (Vec<_>, Vec<_>) = scene.occupants().unzip();
-        let pieces = occupants
-            .iter()
-            .map(|occupant| pieces_of(&occupant.body, query.window()))
-            .collect::<Result<Vec<_>, _>>()?;
+        let count = scene.len();
+        let (mut ids, mut occupants) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut pieces = Vec::with_capacity(count);
         // Open ends are closed where no body exists beyond them.
-        let first = pieces.iter().filter_map(|body| body.knots.first().copied());
-        let last = pieces.iter().filter_map(|body| body.knots.last().copied());
-        let start = first.fold(f64::INFINITY, f64::min);
-        let end = last.fold(f64::NEG_INFINITY, f64::max);
+        let (mut start, mut end) = (f64::INFINITY, f64::NEG_INFINITY);
+        for (id, occupant) in scene.occupants() {
+            let body = pieces_of(&occupant.body, query.window())?;
+            start = start.min(body.knots.first().copied().unwrap_or(start));
+            end = end.max(body.knots.last().copied().unwrap_or(end));
+            ids.push(id);
+            occupants.push(occupant);
+            pieces.push(body);
+        }
         let existence = Window::new(start, end).ok();
         let window = existence.and_then(|existence| existence.intersection(query.window()));
         let (ids, occupants, pieces) = match window {

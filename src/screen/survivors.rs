@@ -24,19 +24,14 @@ impl LineUp<'_> {
         progress: &(impl Fn(f64) + Sync),
         stats: &mut Stats,
     ) -> Vec<Survivor> {
-        let size = |party: &Party<'_>| Inflation::size(party.spheres, party.bounding, self.margin);
-        let largest = parties.iter().map(size).fold(0.0, f64::max);
-        let frame = Frame::around(self.extremes(parties), largest);
-        let inflations: Vec<Inflation> = parties
-            .iter()
-            .map(|party| Inflation::of(party.spheres, party.bounding, self.margin, &frame))
-            .collect();
+        let (frame, inflations) = self.inflations(parties);
         let slices = self.slices(parties, &inflations, &frame);
         stats.slices = u64::from(slices.count());
         let blocks = Blocks::new(slices.count(), parties.len());
         let done_blocks = AtomicU32::new(0);
         let results = parallel::map(
             blocks.count,
+            1,
             || self.pool.take(),
             |borrowed, block| {
                 let scratch = &mut borrowed.scratch;
@@ -66,6 +61,32 @@ impl LineUp<'_> {
         survivors.dedup();
         stats.narrow_time += begin.elapsed();
         survivors
+    }
+
+    /// The frame that serves all bodies, and how much larger than its hull each body's box is.
+    fn inflations(&self, parties: &[Party<'_>]) -> (Frame, Vec<Inflation>) {
+        // Most scenes have many bodies with the same sphere, one after the other.
+        let is_as_before = |place: usize| {
+            let spheres = parties[place].spheres;
+            place > 0 && spheres.len() == 1 && spheres == parties[place - 1].spheres
+        };
+        let mut largest = 0.0_f64;
+        for (place, party) in parties.iter().enumerate() {
+            if !is_as_before(place) {
+                let size = Inflation::size(party.spheres, party.bounding, self.margin);
+                largest = largest.max(size);
+            }
+        }
+        let frame = Frame::around(self.extremes(parties), largest);
+        let mut inflations: Vec<Inflation> = Vec::with_capacity(parties.len());
+        for (place, party) in parties.iter().enumerate() {
+            inflations.push(if is_as_before(place) {
+                inflations[place - 1]
+            } else {
+                Inflation::of(party.spheres, party.bounding, self.margin, &frame)
+            });
+        }
+        (frame, inflations)
     }
 
     #[allow(
@@ -128,17 +149,24 @@ struct Blocks {
 }
 
 impl Blocks {
-    /// At least this many, for a few threads to share.
+    /// At least this many, for a few threads to share, unless there are fewer boxes than this to
+    /// share.
     const FEWEST: u32 = 4;
+    const FEW_BOXES: u64 = 2048;
     /// Not more boxes in a block, which bounds its memory: 64 bytes each.
     const MOST_BOXES: usize = 1 << 21;
 
     fn new(slices: u32, bodies: usize) -> Self {
         let most = u32::try_from(Self::MOST_BOXES / bodies.max(1)).unwrap_or(u32::MAX);
         let count = slices.div_ceil(most.clamp(1, Block::SLICES));
+        let fewest = if u64::from(slices) * bodies as u64 <= Self::FEW_BOXES {
+            1
+        } else {
+            Self::FEWEST
+        };
         Self {
             slices,
-            count: count.max(Self::FEWEST).min(slices),
+            count: count.max(fewest).min(slices),
         }
     }
 
