@@ -372,8 +372,8 @@ impl Chord {
         let stray = self.deviation * self.deviation;
         let rounding = hull.rounding(inflation) + (start.abs() + change.abs()) * (8.0 * ROUNDING);
         let slack = if hull.is_served(inflation, anchor) {
-            // Squares that vanish are less than what is added for rounding.
             (stray.x + stray.y + stray.z).sqrt()
+                + VANISHING
                 + inflation.reach
                 + 4.0 * (rounding.x + rounding.y + rounding.z)
         } else {
@@ -388,6 +388,10 @@ impl Chord {
         }
     }
 }
+
+/// Lengths below this may vanish when they are squared. The frame's unit is such that worlds are no
+/// smaller than 1e-10.
+const VANISHING: f32 = 1e-18;
 
 /// Half a unit in the last place of f32, relative.
 const ROUNDING: f32 = 0.5 * f32::EPSILON;

@@ -2,6 +2,7 @@
 
 #![allow(
     dead_code,
+    unused_imports,
     reason = "each example, benchmark or test uses some of the scenes"
 )]
 

@@ -392,10 +392,12 @@ mod tests {
         assert_eq!(Slices::choose((2.0, 2.0), &nothing_moves).count(), 1);
     }
 
-    /// Every box contains its body at every instant of its slice, and is not much larger.
+    /// Every box contains its body at every instant of its slice, and is not much larger; so does
+    /// every course.
     #[test]
     fn boxes_contain_their_bodies() {
         let mut rng = ChaCha8Rng::seed_from_u64(9);
+        let mut tightest = f64::INFINITY;
         let frame = Frame::around(Extremes::NOTHING, 0.0);
         let slices = Slices {
             start: -1.0,
@@ -446,8 +448,15 @@ mod tests {
                     let (from, to) = slices.interval(slice);
                     let mut sampled = Extremes::NOTHING;
                     for step in 0..=50 {
-                        let time = (from + (to - from) * f64::from(step) / 50.0).min(to);
+                        let share = f64::from(step) / 50.0;
+                        let time = (from + (to - from) * share).min(to);
                         if let Some(position) = trajectory.position(time) {
+                            let course = &found.courses[0];
+                            let [start, change] = [course.start, course.change]
+                                .map(|lanes| DVec3::from_array(lanes.map(f64::from)));
+                            let stray = (position - (start + share * change)).length();
+                            assert!(stray <= f64::from(course.slack), "{stray} {course:?}");
+                            tightest = tightest.min(f64::from(course.slack) - stray);
                             sampled.include(Extremes {
                                 low: position,
                                 high: position,
@@ -465,5 +474,7 @@ mod tests {
                 }
             }
         }
+        // The slack is that of the farthest control point, and seldom far from what is needed.
+        assert!(tightest < 0.05, "{tightest}");
     }
 }

@@ -28,8 +28,8 @@ mod cost {
     pub(super) const SPAN: f64 = 40.0;
 }
 
-/// How many times as many near candidates there are in a slice of twice the length: twice as many
-/// in any case, and courses become less straight.
+/// How near candidates grow with the length of a slice, as a power of it, until two lengths were
+/// tried: in proportion in any case, and courses become less straight.
 const NEAR_GROWTH: f64 = 2.5;
 
 /// What was counted in slices of one length, for all bodies.
@@ -45,31 +45,64 @@ struct Trial {
     least: f64,
 }
 
+/// How counts grow with the length of a slice, as powers of it.
+struct Growth {
+    /// None: as the boxes' volume does.
+    candidates: Option<f64>,
+    near: f64,
+}
+
+impl Growth {
+    const ASSUMED: Self = Self {
+        candidates: None,
+        near: NEAR_GROWTH,
+    };
+
+    /// From two trials, the second with slices `factor` times as long.
+    fn between(first: &Trial, second: &Trial, factor: f64) -> Self {
+        let power = |one: f64, other: f64| {
+            let power = (other / one).ln() / factor.ln();
+            // Where nothing was found there is nothing to tell.
+            power.is_finite().then(|| power.clamp(0.0, 3.0))
+        };
+        Self {
+            candidates: power(first.candidates, second.candidates),
+            near: power(first.near, second.near).unwrap_or(NEAR_GROWTH),
+        }
+    }
+}
+
 impl Trial {
     /// Expected cost of `1 / factor` slices that are `factor` times as long.
-    fn cost(&self, factor: f64) -> f64 {
-        let growth: f64 = self
-            .extents
-            .iter()
-            .map(|&extent| {
-                let grown = (extent - self.least).max(0.0) * factor + self.least;
-                // Where boxes are points two of them never meet, however long.
-                if extent > 0.0 { grown / extent } else { 1.0 }
-            })
-            .product();
-        let candidates = self.candidates * growth;
+    fn cost(&self, factor: f64, growth: &Growth) -> f64 {
+        let grown: f64 = match growth.candidates {
+            Some(power) => factor.powf(power),
+            None => self.volume(factor) / self.volume(1.0),
+        };
+        let candidates = self.candidates * grown;
         let per_box = cost::BOX + cost::SWEEP * (candidates / self.boxes.max(1.0)).powf(0.75);
-        let near = self.near * factor.powf(NEAR_GROWTH);
+        let near = self.near * factor.powf(growth.near);
         // Each span ends with a cubic of one of the two bodies.
         let spans = 1.0 + 2.0 * self.cubics * factor;
         let per_near = cost::NEAR + cost::SPAN * spans;
         (self.boxes * per_box + candidates * cost::CANDIDATE + near * per_near) / factor
     }
 
+    /// The volume of a mean box in a slice `factor` times as long.
+    fn volume(&self, factor: f64) -> f64 {
+        self.extents
+            .iter()
+            .map(|&extent| (extent - self.least).max(0.0) * factor + self.least)
+            // Of a length however small: flat boxes are compared as well.
+            .map(|extent| extent.max(f64::MIN_POSITIVE.sqrt()))
+            .product()
+    }
+
     /// The cheapest factor as far as one trial can be trusted.
-    fn best_factor(&self) -> f64 {
+    fn best_factor(&self, growth: &Growth) -> f64 {
         let factors = (-8..=8).map(|quarter| 2_f64.powf(f64::from(quarter) / 4.0));
-        let cheaper = |&one: &f64, &other: &f64| self.cost(one).total_cmp(&self.cost(other));
+        let cheaper =
+            |&one: &f64, &other: &f64| self.cost(one, growth).total_cmp(&self.cost(other, growth));
         factors.min_by(cheaper).unwrap_or(1.0)
     }
 }
@@ -99,22 +132,26 @@ impl LineUp<'_> {
         let parties: Vec<Party<'_>> = sample.iter().map(|&place| parties[place]).collect();
         let sampled: Vec<Inflation> = sample.iter().map(|&place| inflations[place]).collect();
         let whole = inflations.len() as f64 / sample.len() as f64;
-        let mut last_factor = 1.0;
+        let mut last: Option<(Trial, f64)> = None;
         for _ in 0..MOST_TRIALS {
             let cubics = 1.0 + traffic.cubics_in(slices.length());
             let trial = self.trial(&parties, &sampled, frame, &slices, whole, cubics);
-            let mut factor = trial.best_factor();
+            let growth = last.as_ref().map_or(Growth::ASSUMED, |(last, factor)| {
+                Growth::between(last, &trial, *factor)
+            });
+            let mut factor = trial.best_factor(&growth);
             // Back again: somewhere in between.
-            let turned = (factor < 1.0 && last_factor > 1.0) || (factor > 1.0 && last_factor < 1.0);
+            let turned = last.is_some_and(|(_, last)| (factor - 1.0) * (last - 1.0) < 0.0);
             if turned {
                 factor = factor.sqrt();
             }
             let next = slices.with_count(f64::from(slices.count()) / factor);
             let settled = turned || (0.7..1.5).contains(&factor) || next.count() == slices.count();
-            (slices, last_factor) = (next, factor);
+            slices = next;
             if settled {
                 break;
             }
+            last = Some((trial, factor));
         }
         slices
     }
