@@ -298,7 +298,7 @@ impl Walk<'_> {
             }
             let head = part;
             if piece > begin {
-                part = self.part(piece, knots[piece]);
+                part = self.part(piece, f64::NEG_INFINITY);
             }
             let tail = if part.end() > to {
                 part.split_off(to)
@@ -313,7 +313,7 @@ impl Walk<'_> {
             hull.include(&head);
             chord.follow(&head);
             for between in begin + 1..piece {
-                let whole = self.part(between, knots[between]);
+                let whole = self.part(between, f64::NEG_INFINITY);
                 hull.include(&whole);
                 chord.follow(&whole);
             }

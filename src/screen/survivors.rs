@@ -137,6 +137,11 @@ impl LineUp<'_> {
             stats.narrow_time += found.elapsed();
         }
         (scratch.block, scratch.candidates) = (block, candidates);
+        // A span that lasts for several slices survives in each.
+        let begin = Instant::now();
+        survivors.sort_unstable();
+        survivors.dedup();
+        stats.narrow_time += begin.elapsed();
         (survivors, stats)
     }
 }
@@ -154,7 +159,7 @@ impl Blocks {
     const FEWEST: u32 = 4;
     const FEW_BOXES: u64 = 2048;
     /// Not more boxes in a block, which bounds its memory: 64 bytes each.
-    const MOST_BOXES: usize = 1 << 21;
+    const MOST_BOXES: usize = 1 << 20;
 
     fn new(slices: u32, bodies: usize) -> Self {
         let most = u32::try_from(Self::MOST_BOXES / bodies.max(1)).unwrap_or(u32::MAX);
