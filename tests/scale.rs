@@ -118,7 +118,7 @@ fn cost(stats: &Stats) -> f64 {
 #[test]
 fn the_chosen_length_is_near_the_best() {
     for (index, (name, ..)) in WORLDS.iter().enumerate() {
-        let (scene, query) = scene(&world(800, index));
+        let (scene, query) = scene(&world(500, index));
         let (_, stats) = screened(&scene, &query);
         let best = (0..12)
             .map(|k| {
@@ -163,6 +163,32 @@ fn no_shape_takes_much_more_work() {
     let (scene, query) = scene(&satellites(2_000, 1));
     let (_, stats) = screened(&scene, &query);
     assert!(stats.spans < stats.boxes, "{stats:?}");
+}
+
+/// What is counted depends on the scene alone, and so does every bit of the answer.
+#[cfg(feature = "parallel")]
+#[test]
+fn threads_make_no_difference() {
+    for index in [0, 1, 3] {
+        let (scene, query) = scene(&world(1_500, index));
+        let answers: Vec<_> = (1..=4)
+            .map(|threads| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+                let pool = pool.build().unwrap();
+                let (found, stats) = pool.install(|| screened(&scene, &query));
+                let counts = [
+                    stats.slices,
+                    stats.boxes,
+                    stats.candidates,
+                    stats.spans,
+                    stats.survivors,
+                ];
+                (bits(&found), counts)
+            })
+            .collect();
+        assert!(answers.iter().all(|answer| *answer == answers[0]));
+        assert!(!answers[0].0.is_empty());
+    }
 }
 
 #[test]

@@ -65,3 +65,26 @@ impl Drop for Borrowed<'_> {
         spare.unwrap_or_else(PoisonError::into_inner).push(scratch);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::bounds::{Course, Inflation};
+    use crate::broad_phase::{BodyBox, Candidate};
+    use crate::narrow_phase::Party;
+    use crate::scene::Occupant;
+    use crate::screen::sift::Survivor;
+    use crate::trajectory::{Pieces, Segment};
+
+    /// The figures of the documentation of `Scene`.
+    #[test]
+    fn sizes_are_as_documented() {
+        assert_eq!(size_of::<Segment>(), 128);
+        assert_eq!(size_of::<Occupant>(), 440);
+        let line = size_of::<Pieces<'_>>() + size_of::<Party<'_>>() + size_of::<Inflation>();
+        assert_eq!(line, 176);
+        let boxed = size_of::<BodyBox>() + size_of::<Course>() + size_of::<u32>();
+        assert_eq!(boxed, 64);
+        assert_eq!(size_of::<Candidate>(), 8);
+        assert_eq!(size_of::<Survivor>(), 16);
+    }
+}

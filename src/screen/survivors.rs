@@ -29,13 +29,14 @@ impl LineUp<'_> {
         stats.slices = u64::from(slices.count());
         let blocks = Blocks::new(slices.count(), parties.len());
         let done_blocks = AtomicU32::new(0);
-        let results = parallel::map(
-            blocks.count,
-            1,
-            || self.pool.take(),
-            |borrowed, block| {
+        let mut survivors = Vec::new();
+        let mut first = 0;
+        while first < blocks.count {
+            let round = blocks.round.min(blocks.count - first);
+            let take = || self.pool.take();
+            let results = parallel::map(round, 1, take, |borrowed, block| {
                 let scratch = &mut borrowed.scratch;
-                let range = blocks.range(block);
+                let range = blocks.range(first + block);
                 let found = self.block(
                     &method,
                     parties,
@@ -49,17 +50,17 @@ impl LineUp<'_> {
                 let done = done_blocks.fetch_add(1, Ordering::Relaxed) + 1;
                 progress(f64::from(done) / f64::from(blocks.count));
                 found
-            },
-        );
-        let mut survivors = Vec::new();
-        for (found, counted) in results {
-            survivors.extend(found);
-            *stats += counted;
+            });
+            for (found, counted) in results {
+                survivors.extend(found);
+                *stats += counted;
+            }
+            let begin = Instant::now();
+            parallel::sort(&mut survivors, Survivor::cmp);
+            survivors.dedup();
+            stats.narrow_time += begin.elapsed();
+            first += round;
         }
-        let begin = Instant::now();
-        parallel::sort(&mut survivors, Survivor::cmp);
-        survivors.dedup();
-        stats.narrow_time += begin.elapsed();
         survivors
     }
 
@@ -151,6 +152,9 @@ impl LineUp<'_> {
 struct Blocks {
     slices: u32,
     count: u32,
+    /// Blocks after which what survived is put together: a span that lasts for many slices is then
+    /// kept once.
+    round: u32,
 }
 
 impl Blocks {
@@ -160,6 +164,8 @@ impl Blocks {
     const FEW_BOXES: u64 = 2048;
     /// Not more boxes in a block, which bounds its memory: 64 bytes each.
     const MOST_BOXES: usize = 1 << 20;
+    /// Nor many more boxes in a round.
+    const ROUND_BOXES: usize = 1 << 24;
 
     fn new(slices: u32, bodies: usize) -> Self {
         let most = u32::try_from(Self::MOST_BOXES / bodies.max(1)).unwrap_or(u32::MAX);
@@ -169,9 +175,11 @@ impl Blocks {
         } else {
             Self::FEWEST
         };
+        let round = Self::ROUND_BOXES / (Block::SLICES as usize * bodies.max(1));
         Self {
             slices,
             count: count.max(fewest).min(slices),
+            round: u32::try_from(round).unwrap_or(u32::MAX).max(16),
         }
     }
 
