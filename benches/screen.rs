@@ -14,7 +14,6 @@ use std::time::{Duration, Instant};
 use criterion::measurement::WallTime;
 use criterion::{
     BenchmarkGroup, BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group,
-    criterion_main,
 };
 use nearmiss::{Body, Hitbox, Method, Query, Scene, Trajectory};
 use rayon::ThreadPool;

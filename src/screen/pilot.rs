@@ -9,7 +9,8 @@
 use super::line_up::LineUp;
 use super::scratch::Scratch;
 use crate::bounds::{Frame, Inflation};
-use crate::broad_phase::slices::{Fill, Slices};
+use crate::broad_phase::fill::Fill;
+use crate::broad_phase::slices::Slices;
 use crate::broad_phase::{BroadPhase, Candidate, Everyone};
 use crate::narrow_phase::{Party, approaching};
 use crate::simd::Level;

@@ -1,7 +1,7 @@
 //! Memory that one screening leaves to the next.
 
 use super::sift::Sieve;
-use crate::broad_phase::slices::Block;
+use crate::broad_phase::fill::Block;
 use crate::broad_phase::{BruteForce, Candidate, Sweep, Tree};
 use std::fmt;
 use std::sync::{Mutex, PoisonError};
