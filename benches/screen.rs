@@ -1,7 +1,10 @@
 //! Time of a whole screening, from trajectories to conflicts, on one thread: `screen/METHOD/SCENE`.
 //!
-//! `elem/s` counts bodies.
+//! `elem/s` counts bodies. With `NEARMISS_SLICE_LENGTHS=1` in the environment it is printed first how
+//! far the automatic slice length is from the best fixed one.
 
+#[path = "screen/lengths.rs"]
+mod lengths;
 #[path = "../examples/scenes/mod.rs"]
 mod scenes;
 
@@ -11,7 +14,6 @@ use std::time::{Duration, Instant};
 use criterion::measurement::WallTime;
 use criterion::{
     BenchmarkGroup, BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group,
-    criterion_main,
 };
 use nearmiss::{Body, Hitbox, Method, Query, Scene, Trajectory};
 use rayon::ThreadPool;
@@ -19,7 +21,7 @@ use scenes::{Generated, Shape, satellites, swarm};
 
 /// Names, and how to make them. `swarm_N`: N bodies at constant density; the three that follow
 /// have the bodies of `swarm_10k` in another shape.
-const SCENES: [(&str, fn() -> Generated); 7] = [
+const SCENES: [(&str, Generate); 7] = [
     ("swarm_1k", || swarm(1_000, Shape::Cube, SEED)),
     ("swarm_10k", || swarm(10_000, Shape::Cube, SEED)),
     ("swarm_40k", || swarm(40_000, Shape::Cube, SEED)),
@@ -29,6 +31,8 @@ const SCENES: [(&str, fn() -> Generated); 7] = [
     ("satellites", || satellites(10_000, SEED)),
 ];
 const SEED: u64 = 1;
+
+type Generate = fn() -> Generated;
 
 /// Scenes in which every pair of boxes is compared in bearable time.
 const SMALL: usize = 1_000;
@@ -70,11 +74,13 @@ fn measure(
     });
 }
 
+fn one_thread() -> ThreadPool {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+    pool.unwrap_or_else(|error| panic!("one thread: {error}"))
+}
+
 fn screen(criterion: &mut Criterion) {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(1)
-        .build()
-        .unwrap_or_else(|error| panic!("one thread: {error}"));
+    let pool = one_thread();
     let mut group = criterion.benchmark_group("screen");
     group
         .sample_size(10)
@@ -98,5 +104,19 @@ fn screen(criterion: &mut Criterion) {
     group.finish();
 }
 
+fn print_lengths() {
+    for (name, generate) in SCENES {
+        let (scene, query) = build(&generate());
+        one_thread().install(|| lengths::print_line(name, &scene, &query));
+    }
+}
+
 criterion_group!(benches, screen);
-criterion_main!(benches);
+
+fn main() {
+    if std::env::var_os("NEARMISS_SLICE_LENGTHS").is_some() {
+        print_lengths();
+    }
+    benches();
+    Criterion::default().configure_from_args().final_summary();
+}

@@ -3,21 +3,28 @@
 use std::cmp::Ordering;
 
 /// `work(scratch, index)` for each index below `count`, results in the order of the indices.
-/// Each thread makes its own scratch.
+/// Each thread makes its own scratch. Up to `few` of them stay on this thread: waking another one
+/// takes longer.
 #[cfg(feature = "parallel")]
 pub(crate) fn map<I, S, T>(
     count: I,
+    few: I,
     scratch: impl Fn() -> S + Sync + Send,
     work: impl Fn(&mut S, I) -> T + Sync + Send,
 ) -> Vec<T>
 where
-    I: Default + Send,
-    std::ops::Range<I>: rayon::iter::IntoParallelIterator<Item = I>,
+    I: Default + PartialOrd + Send,
+    std::ops::Range<I>: Iterator<Item = I> + rayon::iter::IntoParallelIterator<Item = I>,
     <std::ops::Range<I> as rayon::iter::IntoParallelIterator>::Iter:
         rayon::iter::IndexedParallelIterator,
     T: Send,
 {
     use rayon::iter::{IntoParallelIterator, ParallelIterator};
+    if count <= few {
+        let mut scratch = scratch();
+        let indices = I::default()..count;
+        return indices.map(|index| work(&mut scratch, index)).collect();
+    }
     (I::default()..count)
         .into_par_iter()
         .map_init(scratch, work)
@@ -28,6 +35,7 @@ where
 #[cfg(not(feature = "parallel"))]
 pub(crate) fn map<I, S, T>(
     count: I,
+    _: I,
     scratch: impl Fn() -> S,
     work: impl Fn(&mut S, I) -> T,
 ) -> Vec<T>

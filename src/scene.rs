@@ -8,6 +8,7 @@ use crate::error::Error;
 use crate::hitbox::Hitbox;
 use crate::id::BodyId;
 use crate::layers::Layers;
+use crate::screen::Pool;
 use crate::trajectory::Trajectory;
 use std::collections::BTreeSet;
 
@@ -106,6 +107,14 @@ struct Slot {
 
 /// The bodies that are screened against each other.
 ///
+/// # Memory
+///
+/// A body takes about 500 bytes, a segment 136 (with its knot). A screening adds some 200 a body
+/// and, for each thread, at most 64 MiB of boxes (64 bytes each, for up to 2^20 of them or one
+/// slice, if that has more), 40 to 130 bytes a box of one slice for the sweep, and 8 for each of a
+/// slice's candidates; then 16 bytes for each span that is solved, and the conflicts themselves.
+/// Boxes, candidates and the sweep's lists are kept for the next screening.
+///
 /// ```
 /// use glam::DVec3;
 /// use nearmiss::{Body, Hitbox, Query, Scene, State, Trajectory};
@@ -139,6 +148,8 @@ pub struct Scene {
     /// Pairs that are never screened, smaller id first.
     ignored: BTreeSet<(BodyId, BodyId)>,
     len: usize,
+    /// Scratch of screenings; no part of what a scene is.
+    pool: Pool,
 }
 
 impl Scene {
@@ -146,6 +157,10 @@ impl Scene {
     #[must_use]
     pub fn new() -> Self {
         Self::default()
+    }
+
+    pub(crate) const fn pool(&self) -> &Pool {
+        &self.pool
     }
 
     /// How many bodies there are.

@@ -75,7 +75,7 @@ fn main() -> Result<(), Box<dyn StdError>> {
     let begin = Instant::now();
     let generated = arguments.scene.generate(arguments.bodies, arguments.seed);
     let margin = arguments.margin.unwrap_or(generated.margin);
-    let scene = build(&generated)?;
+    let scene = build(generated)?;
     println!(
         "{:?}: {} bodies, made in {:.2} s; encounters within {margin} m",
         arguments.scene,
@@ -96,9 +96,10 @@ fn main() -> Result<(), Box<dyn StdError>> {
     Ok(())
 }
 
-fn build(generated: &Generated) -> Result<Scene, Error> {
+fn build(generated: Generated) -> Result<Scene, Error> {
     let mut scene = Scene::new();
-    for (tag, actor) in (0..).zip(&generated.actors) {
+    // Each actor's states are dropped as soon as its trajectory is built.
+    for (tag, actor) in (0..).zip(generated.actors) {
         let body = Body::new(Trajectory::from_states(&actor.states)?)
             .with_hitbox(Hitbox::sphere(actor.radius)?)
             .with_tag(tag);

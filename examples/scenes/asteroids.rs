@@ -24,7 +24,7 @@ pub(crate) fn asteroids(count: usize, seed: u64) -> Generated {
             };
             // All circle slowly around the middle of the field.
             let spin = DVec3::Z * 4e-4;
-            let states = irregular_knots(&mut rng, 0.0, DURATION, 12)
+            let states = irregular_knots(&mut rng, DURATION, 12, count)
                 .into_iter()
                 .map(|time| {
                     let angle = spin.z * time;

@@ -38,7 +38,7 @@ pub(crate) fn flocks(count: usize, seed: u64) -> Generated {
             // Each bird jostles around its place: two turns of its own.
             let (wobble, turn) = (normal_vector(&mut rng, 0.6), rng.random_range(0.4..1.1));
             let shift = rng.random_range(0.0..std::f64::consts::TAU);
-            let states = irregular_knots(&mut rng, 0.0, DURATION, 40)
+            let states = irregular_knots(&mut rng, DURATION, 40, count)
                 .into_iter()
                 .map(|time| {
                     let (position, velocity) = lead(time);

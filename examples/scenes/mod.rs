@@ -2,6 +2,7 @@
 
 #![allow(
     dead_code,
+    unused_imports,
     reason = "each example, benchmark or test uses some of the scenes"
 )]
 
@@ -63,20 +64,25 @@ pub(crate) fn uniform_vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
     )
 }
 
-/// `count + 1` knots from `start` to `end`: gaps uniform between 0.4 and 1.6 of their mean.
+/// Cubics of a whole scene: 1 GiB.
+const MOST_SEGMENTS: usize = 8_000_000;
+
+/// `count + 1` knots from 0 to `end`: gaps uniform between 0.4 and 1.6 of their mean. Of a scene of
+/// so many bodies that their cubics would not fit into memory, the first part.
 pub(crate) fn irregular_knots(
     rng: &mut ChaCha8Rng,
-    start: f64,
     end: f64,
     count: usize,
+    bodies: usize,
 ) -> Vec<f64> {
     let gaps: Vec<f64> = (0..count).map(|_| rng.random_range(0.4..1.6)).collect();
-    let unit = (end - start) / gaps.iter().sum::<f64>();
-    let mut time = start;
-    std::iter::once(start)
+    let unit = end / gaps.iter().sum::<f64>();
+    let mut time = 0.0;
+    std::iter::once(0.0)
         .chain(gaps.iter().map(|gap| {
             time += gap * unit;
             time
         }))
+        .take(1 + (MOST_SEGMENTS / bodies.max(1)).max(1))
         .collect()
 }

@@ -22,7 +22,8 @@ const SHELLS: [(f64, f64, u32, f64); 5] = [
     (556e3, 86.4, 12, 0.10),
 ];
 
-/// `count` satellites in shells a few kilometres apart, margin 5 km.
+/// `count` satellites in shells a few kilometres apart. The margin is 5 km, but where there are more
+/// than 10,000 so much less that each has about as many encounters.
 pub(crate) fn satellites(count: usize, seed: u64) -> Generated {
     let mut rng = generator(seed);
     let total = f64::from(u32::try_from(count).unwrap_or(u32::MAX));
@@ -43,13 +44,13 @@ pub(crate) fn satellites(count: usize, seed: u64) -> Generated {
                 // Walker phasing: neighbours in the next plane are shifted.
                 phase: TAU * (f64::from(place / planes) * 0.618 + f64::from(place % planes) * 0.37),
             };
-            actors.push(orbit.fly(&mut rng));
+            actors.push(orbit.fly(&mut rng, count));
             place += 1;
         }
     }
     Generated {
         actors,
-        margin: 5_000.0,
+        margin: 5_000.0 * (1e4 / total).sqrt().min(1.0),
     }
 }
 
@@ -63,8 +64,8 @@ struct Orbit {
 
 impl Orbit {
     /// States every 60 to 200 s, fine enough that the cubic follows the orbit to metres.
-    fn fly(&self, rng: &mut ChaCha8Rng) -> Actor {
-        let states = irregular_knots(rng, 0.0, DURATION, 50)
+    fn fly(&self, rng: &mut ChaCha8Rng, bodies: usize) -> Actor {
+        let states = irregular_knots(rng, DURATION, 50, bodies)
             .into_iter()
             .map(|time| self.state(time))
             .collect();

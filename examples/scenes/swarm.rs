@@ -29,7 +29,8 @@ pub(crate) enum Shape {
     FastFew,
 }
 
-/// `count` points with 32 segments over 60 s, about 10 m/s, margin 5 m.
+/// `count` points with 32 segments over 60 s, about 10 m/s, margin 5 m. (From 250,000 on the first
+/// of these segments only.)
 pub(crate) fn swarm(count: usize, shape: Shape, seed: u64) -> Generated {
     let mut rng = generator(seed);
     let side = SPACING * number(count).cbrt();
@@ -44,7 +45,7 @@ pub(crate) fn swarm(count: usize, shape: Shape, seed: u64) -> Generated {
                 Shape::FastFew if index % 20 == 0 => 30.0 * SPEED,
                 _ => SPEED,
             };
-            let mut states = wander(&mut rng, place, speed);
+            let mut states = wander(&mut rng, place, speed, count);
             if shape == Shape::Flat {
                 flatten(&mut states);
             }
@@ -60,9 +61,9 @@ pub(crate) fn swarm(count: usize, shape: Shape, seed: u64) -> Generated {
     }
 }
 
-fn wander(rng: &mut ChaCha8Rng, place: DVec3, speed: f64) -> Vec<State> {
+fn wander(rng: &mut ChaCha8Rng, place: DVec3, speed: f64, bodies: usize) -> Vec<State> {
     let deviation = speed / 3_f64.sqrt();
-    let knots = irregular_knots(rng, 0.0, DURATION, SEGMENTS);
+    let knots = irregular_knots(rng, DURATION, SEGMENTS, bodies);
     let mut state = State::new(knots[0], place, normal_vector(rng, deviation));
     let mut states = vec![state];
     for &time in &knots[1..] {

@@ -1,11 +1,4 @@
-//! Cutting the window into slices, and one box for each body in each of them.
-
-use super::BodyBox;
-use crate::bounds::{Anchor, Chord, Course, Frame, Hull, Inflation, MOST_SPLITS, Part};
-use crate::narrow_phase::Party;
-use crate::simd::{Task, prefetch};
-use crate::trajectory::Segment;
-use std::ops::Range;
+//! Cutting the window into slices.
 
 /// A window cut into slices of equal length. Slices never change an answer, only its cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +23,26 @@ pub(crate) struct Traffic {
     pub(crate) reach: f64,
 }
 
+impl Traffic {
+    /// Bodies that exist at a time, on average over a window.
+    pub(crate) fn present(&self, (start, end): (f64, f64)) -> f64 {
+        if end > start {
+            self.body_time / (end - start)
+        } else {
+            1.0
+        }
+    }
+
+    /// Cubics that a body goes through in this time (s), on average.
+    pub(crate) fn cubics_in(&self, time: f64) -> f64 {
+        if self.body_time > 0.0 {
+            self.segments * time / self.body_time
+        } else {
+            0.0
+        }
+    }
+}
+
 impl Slices {
     /// Boxes about half as long as the bodies' mean spacing: with longer ones candidates grow with
     /// the cube of their size, with shorter ones the boxes themselves are the cost.
@@ -42,9 +55,9 @@ impl Slices {
     const MOST_SLICES: f64 = 1e6;
 
     /// Slices of `start..=end` (s, finite) by the rule above, from counts alone.
-    pub(crate) fn choose(start: f64, end: f64, traffic: &Traffic) -> Self {
+    pub(crate) fn choose((start, end): (f64, f64), traffic: &Traffic) -> Self {
         let duration = end - start;
-        let present = traffic.body_time / duration;
+        let present = traffic.present((start, end));
         let speed = traffic.path / traffic.body_time;
         let volume: f64 = traffic
             .world
@@ -56,27 +69,36 @@ impl Slices {
         let length = (Self::SPACINGS_PER_SLICE * spacing / speed)
             .min(Self::MOST_SEGMENTS_PER_SLICE * traffic.body_time / traffic.segments)
             .max(traffic.body_time / Self::MOST_BOXES);
-        let one = Self {
+        Self::whole(start, end).with_count((duration / length).ceil())
+    }
+
+    /// One slice from `start` to `end` (s, finite).
+    pub(crate) const fn whole(start: f64, end: f64) -> Self {
+        Self {
             start,
             end,
             count: 1,
-        };
-        one.with_count((duration / length).ceil())
+        }
     }
 
     /// The same window cut into about `count` slices; one where that is no number.
     pub(crate) fn with_count(self, count: f64) -> Self {
         let count = if count >= 1.0 && count.is_finite() {
-            whole(count.round().min(Self::MOST_SLICES))
+            whole_number(count.round().min(Self::MOST_SLICES))
         } else {
             1
         };
         Self { count, ..self }
     }
 
+    /// The duration of a slice, s.
+    pub(crate) fn length(&self) -> f64 {
+        (self.end - self.start) / f64::from(self.count)
+    }
+
     /// The slice at a share of the window, 0..1.
     pub(crate) fn number_at(&self, share: f64) -> u32 {
-        whole((share * f64::from(self.count)).floor()).min(self.count - 1)
+        whole_number((share * f64::from(self.count)).floor()).min(self.count - 1)
     }
 
     pub(crate) const fn count(&self) -> u32 {
@@ -88,7 +110,7 @@ impl Slices {
         (self.cut(slice), self.cut(slice + 1))
     }
 
-    fn cut(&self, index: u32) -> f64 {
+    pub(super) fn cut(&self, index: u32) -> f64 {
         if index >= self.count {
             self.end
         } else {
@@ -98,243 +120,18 @@ impl Slices {
     }
 }
 
-/// One slice: a box and a course for each body that exists in it, side by side.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Slice {
-    /// Bodies of boxes are places in these lists.
-    pub(crate) boxes: Vec<BodyBox>,
-    pub(crate) courses: Vec<Course>,
-    /// Which body a place is about, ascending.
-    pub(crate) bodies: Vec<u32>,
-}
-
-/// A few consecutive slices.
-///
-/// Bodies are walked one by one, each through all slices at once: its segments are read once.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Block {
-    pub(crate) slices: [Slice; Block::SLICES as usize],
-    /// For each body, its first cubic in the block: where the next search begins.
-    firsts: Vec<u32>,
-}
-
-impl Block {
-    /// Slices in a block. Each slice splits a cubic once at most, and the block's start once more,
-    /// which bounds the splits' rounding.
-    pub(crate) const SLICES: u32 = MOST_SPLITS - 1;
-}
-
-/// Forms the boxes and courses of some slices (at most [`Block::SLICES`]).
-pub(crate) struct Fill<'a> {
-    pub(crate) block: &'a mut Block,
-    pub(crate) parties: &'a [Party<'a>],
-    pub(crate) inflations: &'a [Inflation],
-    pub(crate) frame: &'a Frame,
-    pub(crate) cuts: &'a Slices,
-    pub(crate) range: Range<u32>,
-}
-
-impl Task for Fill<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        for slice in &mut self.block.slices {
-            slice.boxes.clear();
-            slice.courses.clear();
-            slice.bodies.clear();
-        }
-        self.block.firsts.resize(self.parties.len(), 0);
-        let mut ends = [0.0; Block::SLICES as usize + 1];
-        let count = self.range.len();
-        for (end, cut) in ends.iter_mut().zip(self.range.start..=self.range.end) {
-            *end = self.cuts.cut(cut);
-        }
-        let ends = &ends[..=count];
-        for body in 0..self.parties.len() {
-            let party = &self.parties[body];
-            let knots = party.knots;
-            let (Some(&first), Some(&last)) = (knots.first(), knots.last()) else {
-                continue;
-            };
-            if first > ends[count] || last < ends[0] {
-                continue;
-            }
-            let piece = cubic_before(knots, ends[0], self.block.firsts[body]);
-            self.block.firsts[body] = short(piece);
-            Walk {
-                knots,
-                segments: party.segments,
-                anchor: Anchor::at(&party.segments[piece], self.frame),
-                ends,
-                ahead: Self::ahead(self.parties, &self.block.firsts, body),
-                begin: piece,
-            }
-            .through(
-                piece,
-                &self.inflations[body],
-                short(body),
-                &mut self.block.slices,
-            );
-        }
-    }
-}
-
-impl Fill<'_> {
-    /// How many bodies ahead segments are brought into the caches. They are what there is most of,
-    /// and each body's lie somewhere else: without it, half of the time is waiting.
-    const AHEAD: usize = 2;
-
-    /// Prefetches the knots of a body, and gives the segments that one which comes sooner begins
-    /// with.
-    #[inline(always)]
-    fn ahead<'a>(parties: &'a [Party<'_>], firsts: &[u32], body: usize) -> &'a [Segment] {
-        let (later, soon) = (body + 2 * Self::AHEAD, body + Self::AHEAD);
-        if let Some(party) = parties.get(later) {
-            let first = (firsts[later] as usize).min(party.knots.len());
-            prefetch(&party.knots[first..(first + 8).min(party.knots.len())]);
-        }
-        match parties.get(soon) {
-            Some(party) => {
-                let first = (firsts[soon] as usize).min(party.segments.len());
-                &party.segments[first..]
-            }
-            None => &[],
-        }
-    }
-}
-
-/// The last cubic that begins before `time` (the first one if none does), searched from a guess.
-#[inline(always)]
-fn cubic_before(knots: &[f64], time: f64, guess: u32) -> usize {
-    /// Steps to the next cubic before the rest is halved.
-    const STEPS: usize = 8;
-    let guess = guess as usize;
-    let known = guess < knots.len() && knots[guess] < time;
-    let mut piece = if known { guess } else { 0 };
-    for _ in 0..STEPS {
-        if piece + 1 >= knots.len() || knots[piece + 1] >= time {
-            return piece;
-        }
-        piece += 1;
-    }
-    piece + knots[piece + 1..].partition_point(|&knot| knot < time)
-}
-
-/// One body's way through the slices of a block.
-struct Walk<'a> {
-    knots: &'a [f64],
-    segments: &'a [Segment],
-    anchor: Anchor,
-    /// Where slices begin and end.
-    ends: &'a [f64],
-    /// Segments of a body that is still to come, fetched one for one of this body's.
-    ahead: &'a [Segment],
-    begin: usize,
-}
-
-impl Walk<'_> {
-    /// The part of a piece from `start` on; it may end after the block does.
-    #[inline(always)]
-    fn part(&self, piece: usize, start: f64) -> Part {
-        if let Some(later) = self.ahead.get(piece - self.begin) {
-            prefetch(std::slice::from_ref(later));
-        }
-        let segment = &self.segments[piece];
-        let (from, to) = (self.knots[piece], self.knots[piece + 1]);
-        if segment.start().to_bits() == from.to_bits() && segment.end().to_bits() == to.to_bits() {
-            let mut part = Part::whole(segment, &self.anchor);
-            if from < start {
-                part.split_off(start);
-            }
-            part
-        } else {
-            let end = self.ends[self.ends.len() - 1];
-            Part::of(segment, (from.max(start), to.min(end)), &self.anchor)
-        }
-    }
-
-    /// Appends the body's box and course to each slice in which it exists.
-    #[inline(always)]
-    fn through(&self, mut piece: usize, inflation: &Inflation, body: u32, slices: &mut [Slice]) {
-        let Self { knots, ends, .. } = *self;
-        let (first, last) = (knots[0], knots[knots.len() - 1]);
-        let mut part = self.part(piece, ends[0]);
-        for (slice, ends) in slices.iter_mut().zip(ends.windows(2)) {
-            let (from, to) = (ends[0], ends[1]);
-            if first > to || last < from {
-                continue;
-            }
-            let begin = piece;
-            // Slices are closed: a cubic that begins where the slice ends counts with its first
-            // point.
-            while piece + 2 < knots.len() && knots[piece + 1] <= to {
-                piece += 1;
-            }
-            let head = part;
-            if piece > begin {
-                part = self.part(piece, knots[piece]);
-            }
-            let tail = if part.end() > to {
-                part.split_off(to)
-            } else {
-                part
-            };
-            let head = if piece > begin { head } else { tail };
-            let mut hull = Hull::EMPTY;
-            // At a single instant the line is a point.
-            let rate = if to > from { 1.0 / (to - from) } else { 0.0 };
-            let mut chord = Chord::between(&head, &tail, from, rate);
-            hull.include(&head);
-            chord.follow(&head);
-            for between in begin + 1..piece {
-                let whole = self.part(between, knots[between]);
-                hull.include(&whole);
-                chord.follow(&whole);
-            }
-            if piece > begin {
-                hull.include(&tail);
-                chord.follow(&tail);
-            }
-            let place = short(slice.bodies.len());
-            slice.boxes.push(BodyBox {
-                aabb: hull.inflated(inflation, &self.anchor),
-                body: place,
-            });
-            slice
-                .courses
-                .push(chord.course(&hull, inflation, &self.anchor, short(begin)));
-            slice.bodies.push(body);
-        }
-    }
-}
-
-/// Bodies, and the segments of one, are counted in 32 bits; a longer list does not fit into memory.
-#[inline(always)]
-#[allow(clippy::cast_possible_truncation, reason = "see above")]
-fn short(count: usize) -> u32 {
-    count as u32
-}
-
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "a whole number up to MOST_SLICES"
 )]
-fn whole(count: f64) -> u32 {
+fn whole_number(count: f64) -> u32 {
     count as u32
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bounds::Extremes;
-    use crate::hitbox::Hitbox;
-    use crate::simd::Level;
-    use crate::trajectory::{State, Trajectory};
-    use glam::DVec3;
-    use rand::{RngExt, SeedableRng};
-    use rand_chacha::ChaCha8Rng;
 
     #[test]
     fn slices_cover_the_window_without_gaps() {
@@ -345,7 +142,7 @@ mod tests {
             world: [100.0; 3],
             reach: 1.0,
         };
-        let slices = Slices::choose(5.0, 65.0, &traffic);
+        let slices = Slices::choose((5.0, 65.0), &traffic);
         assert!(slices.count() > 10);
         assert!(slices.interval(0).0.to_bits() == 5.0_f64.to_bits());
         assert!(slices.interval(slices.count() - 1).1.to_bits() == 65.0_f64.to_bits());
@@ -363,82 +160,7 @@ mod tests {
             world: [0.0; 3],
             reach: 0.0,
         };
-        assert_eq!(Slices::choose(0.0, 1.0, &nothing_moves).count(), 1);
-        assert_eq!(Slices::choose(2.0, 2.0, &nothing_moves).count(), 1);
-    }
-
-    /// Every box contains its body at every instant of its slice, and is not much larger.
-    #[test]
-    fn boxes_contain_their_bodies() {
-        let mut rng = ChaCha8Rng::seed_from_u64(9);
-        let frame = Frame::around(Extremes::NOTHING, 0.0);
-        let slices = Slices {
-            start: -1.0,
-            end: 12.0,
-            count: 19,
-        };
-        let hitbox = Hitbox::POINT;
-        let inflation = Inflation::of(hitbox.spheres(), hitbox.bounding(), 0.0, &frame);
-        for seed in 0..200 {
-            let far = if seed % 2 == 0 { 10.0 } else { 1e6 };
-            let mut vector =
-                |half: f64| DVec3::from_array([0; 3].map(|_| rng.random_range(-half..half)));
-            let base = vector(far);
-            // Knots on cuts (0.684...), off cuts, and many in one slice.
-            let gap = if seed % 3 == 0 {
-                13.0 / 19.0
-            } else {
-                0.3 + f64::from(seed) * 0.01
-            };
-            let states: Vec<State> = (0..9)
-                .map(|k| {
-                    let time = -1.0 + gap * f64::from(k);
-                    State::new(time, base + vector(5.0), vector(20.0))
-                })
-                .collect();
-            let Ok(trajectory) = Trajectory::from_states(&states) else {
-                unreachable!("the states are in order")
-            };
-            let party = Party {
-                knots: trajectory.knots(),
-                segments: trajectory.segments(),
-                spheres: hitbox.spheres(),
-                bounding: hitbox.bounding(),
-            };
-            let mut block = Block::default();
-            for first in (0..slices.count()).step_by(Block::SLICES as usize) {
-                let range = first..(first + Block::SLICES).min(slices.count());
-                Level::best().run(Fill {
-                    block: &mut block,
-                    parties: &[party],
-                    inflations: &[inflation],
-                    frame: &frame,
-                    cuts: &slices,
-                    range: range.clone(),
-                });
-                for (slice, found) in range.zip(&block.slices) {
-                    let boxes = &found.boxes;
-                    let (from, to) = slices.interval(slice);
-                    let mut sampled = Extremes::NOTHING;
-                    for step in 0..=50 {
-                        let time = (from + (to - from) * f64::from(step) / 50.0).min(to);
-                        if let Some(position) = trajectory.position(time) {
-                            sampled.include(Extremes {
-                                low: position,
-                                high: position,
-                            });
-                        }
-                    }
-                    assert_eq!(boxes.is_empty(), sampled.low.x > sampled.high.x);
-                    for found in boxes {
-                        let low = DVec3::from_array(found.aabb.mins.to_array().map(f64::from));
-                        let high = DVec3::from_array(found.aabb.maxs.to_array().map(f64::from));
-                        assert!(low.cmplt(sampled.low).all() && high.cmpgt(sampled.high).all());
-                        // The hull of a cubic's Bézier points reaches a bit beyond it.
-                        assert!((high - low).max_element() < 120.0);
-                    }
-                }
-            }
-        }
+        assert_eq!(Slices::choose((0.0, 1.0), &nothing_moves).count(), 1);
+        assert_eq!(Slices::choose((2.0, 2.0), &nothing_moves).count(), 1);
     }
 }

@@ -49,3 +49,90 @@ pub(crate) fn approaching(a: &Course, b: &Course, (from, to): (f64, f64)) -> Opt
     // Numbers that are not comparable leave the whole slice.
     Some((from.max(first), to.min(last)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    const SLICE: (f64, f64) = (1_000.0, 1_003.0);
+
+    fn course(rng: &mut ChaCha8Rng, far: f32, fast: f32) -> Course {
+        let mut vector = |half: f32| [0; 3].map(|_| rng.random_range(-half..half));
+        Course {
+            start: vector(far),
+            change: vector(fast),
+            slack: rng.random_range(0.0..4.0),
+            first: 0,
+        }
+    }
+
+    fn distance(a: &Course, b: &Course, share: f64) -> f64 {
+        let lane = |axis: usize| {
+            f64::from(a.start[axis]) - f64::from(b.start[axis])
+                + share * (f64::from(a.change[axis]) - f64::from(b.change[axis]))
+        };
+        (lane(0).powi(2) + lane(1).powi(2) + lane(2).powi(2)).sqrt()
+    }
+
+    /// Every instant within the slacks is in the interval, and its ends are not far from such.
+    #[test]
+    fn intervals_hold_what_is_near() {
+        let mut rng = ChaCha8Rng::seed_from_u64(2);
+        let (mut near, mut apart) = (0, 0);
+        for round in 0..20_000 {
+            // Crossing, far and fast, and at rest.
+            let (far, fast) = [(8.0, 10.0), (1e3, 2e3), (5.0, 1e-30)][round % 3];
+            let (a, b) = (course(&mut rng, far, fast), course(&mut rng, far, fast));
+            let radius = f64::from(a.slack) + f64::from(b.slack);
+            let found = approaching(&a, &b, SLICE);
+            let share_of = |time: f64| (time - SLICE.0) / (SLICE.1 - SLICE.0);
+            for step in 0..=100 {
+                let share = f64::from(step) / 100.0;
+                let time = (SLICE.0 + share * (SLICE.1 - SLICE.0)).min(SLICE.1);
+                let inside = found.is_some_and(|(first, last)| first <= time && time <= last);
+                assert!(
+                    inside || distance(&a, &b, share) > radius,
+                    "{a:?} {b:?} {found:?}"
+                );
+            }
+            match found {
+                Some((first, last)) => {
+                    assert!(SLICE.0 <= first && last <= SLICE.1);
+                    near += 1;
+                    // A millionth of the radius, and 1e-9 of the way.
+                    let slack = 1e-5 * radius + 1e-5;
+                    let least = [first, last, 0.5 * (first + last)]
+                        .map(|time| distance(&a, &b, share_of(time)))
+                        .into_iter()
+                        .fold(f64::INFINITY, f64::min);
+                    assert!(least <= radius + slack, "{least} {radius}");
+                }
+                None => apart += 1,
+            }
+        }
+        assert!(near > 2_000 && apart > 2_000, "{near} {apart}");
+    }
+
+    #[test]
+    fn what_is_not_known_rules_nothing_out() {
+        let mut rng = ChaCha8Rng::seed_from_u64(2);
+        let known = course(&mut rng, 10.0, 10.0);
+        for slack in [f32::INFINITY, f32::NAN] {
+            let unknown = Course {
+                start: [f32::NAN, f32::INFINITY, 0.0],
+                slack,
+                ..known
+            };
+            assert_eq!(approaching(&known, &unknown, SLICE), Some(SLICE));
+        }
+        // A slice that is a single instant.
+        let (apart, instant) = (course(&mut rng, 10.0, 10.0), (5.0, 5.0));
+        let close = Course {
+            slack: 40.0,
+            ..apart
+        };
+        assert_eq!(approaching(&known, &close, instant), Some(instant));
+    }
+}

@@ -1,9 +1,10 @@
 //! The bodies of a scene as the pipeline sees them: by place, in the order of their ids.
 
+use super::scratch::Pool;
 use crate::accuracy::Accuracy;
 use crate::bounds::Extremes;
 use crate::broad_phase::PairFilter;
-use crate::broad_phase::slices::{Slices, Traffic};
+use crate::broad_phase::slices::Traffic;
 use crate::error::Error;
 use crate::id::BodyId;
 use crate::layers::Layers;
@@ -26,20 +27,24 @@ pub(super) struct LineUp<'a> {
     pub(super) accuracy: Accuracy,
     /// How many slices, if that was prescribed.
     pub(super) prescribed: Option<NonZeroU32>,
+    pub(super) pool: &'a Pool,
 }
 
 impl<'a> LineUp<'a> {
     pub(super) fn new(scene: &'a Scene, query: &Query) -> Result<Self, Error> {
-        let (ids, occupants): (Vec<_>, Vec<_>) = scene.occupants().unzip();
-        let pieces = occupants
-            .iter()
-            .map(|occupant| pieces_of(&occupant.body, query.window()))
-            .collect::<Result<Vec<_>, _>>()?;
+        let count = scene.len();
+        let (mut ids, mut occupants) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut pieces = Vec::with_capacity(count);
         // Open ends are closed where no body exists beyond them.
-        let first = pieces.iter().filter_map(|body| body.knots.first().copied());
-        let last = pieces.iter().filter_map(|body| body.knots.last().copied());
-        let start = first.fold(f64::INFINITY, f64::min);
-        let end = last.fold(f64::NEG_INFINITY, f64::max);
+        let (mut start, mut end) = (f64::INFINITY, f64::NEG_INFINITY);
+        for (id, occupant) in scene.occupants() {
+            let body = pieces_of(&occupant.body, query.window())?;
+            start = start.min(body.knots.first().copied().unwrap_or(start));
+            end = end.max(body.knots.last().copied().unwrap_or(end));
+            ids.push(id);
+            occupants.push(occupant);
+            pieces.push(body);
+        }
         let existence = Window::new(start, end).ok();
         let window = existence.and_then(|existence| existence.intersection(query.window()));
         let (ids, occupants, pieces) = match window {
@@ -54,6 +59,7 @@ impl<'a> LineUp<'a> {
             margin: query.margin(),
             accuracy: query.accuracy(),
             prescribed: query.slices(),
+            pool: scene.pool(),
         })
     }
 
@@ -88,9 +94,8 @@ impl<'a> LineUp<'a> {
         extremes
     }
 
-    /// Slices by the mean speed and density alone.
-    pub(super) fn first_guess(&self) -> Slices {
-        let (start, end) = (self.window.start(), self.window.end());
+    /// How much moves in the window, from what is known of each body as a whole.
+    pub(super) fn traffic(&self) -> Traffic {
         let mut traffic = Traffic {
             body_time: 0.0,
             path: 0.0,
@@ -118,7 +123,7 @@ impl<'a> LineUp<'a> {
             extremes.include(occupant.outline.extremes);
         }
         traffic.world = (extremes.high - extremes.low).to_array();
-        Slices::choose(start, end, &traffic)
+        traffic
     }
 }
 

@@ -7,14 +7,16 @@
 
 mod line_up;
 mod pilot;
+mod scratch;
 mod sift;
 mod solve;
 mod survivors;
 
+pub(crate) use scratch::Pool;
 pub(crate) use solve::conflict;
 
 use crate::accuracy::TimeEnclosure;
-use crate::broad_phase::{BruteForce, Everyone, Method, PairFilter, Sweep, Tree};
+use crate::broad_phase::{Everyone, Method, PairFilter};
 use crate::conflict::{ClosestApproach, Conflict};
 use crate::error::Error;
 use crate::id::BodyId;
@@ -168,11 +170,27 @@ impl LineUp<'_> {
             Vec::new()
         } else {
             match method {
-                Method::BruteForce => {
-                    self.survivors::<BruteForce, F>(&parties, filter, progress, &mut stats)
-                }
-                Method::Tree => self.survivors::<Tree, F>(&parties, filter, progress, &mut stats),
-                Method::Sweep => self.survivors::<Sweep, F>(&parties, filter, progress, &mut stats),
+                Method::BruteForce => self.survivors(
+                    |scratch| &mut scratch.brute_force,
+                    &parties,
+                    filter,
+                    progress,
+                    &mut stats,
+                ),
+                Method::Tree => self.survivors(
+                    |scratch| &mut scratch.tree,
+                    &parties,
+                    filter,
+                    progress,
+                    &mut stats,
+                ),
+                Method::Sweep => self.survivors(
+                    |scratch| &mut scratch.sweep,
+                    &parties,
+                    filter,
+                    progress,
+                    &mut stats,
+                ),
             }
         };
         let begin = Instant::now();

@@ -7,9 +7,11 @@
 //! tried in turn.
 
 use super::line_up::LineUp;
+use super::scratch::Scratch;
 use crate::bounds::{Frame, Inflation};
-use crate::broad_phase::slices::{Block, Fill, Slices};
-use crate::broad_phase::{BroadPhase, Everyone, Sweep};
+use crate::broad_phase::fill::Fill;
+use crate::broad_phase::slices::Slices;
+use crate::broad_phase::{BroadPhase, Candidate, Everyone};
 use crate::narrow_phase::{Party, approaching};
 use crate::simd::Level;
 
@@ -22,12 +24,13 @@ mod cost {
     pub(super) const SWEEP: f64 = 25.0;
     /// Judging a candidate by its courses.
     pub(super) const CANDIDATE: f64 = 15.0;
-    /// Looking at the spans of one that they do not rule out.
-    pub(super) const NEAR: f64 = 300.0;
+    /// Looking at one that they do not rule out, and at each of its spans.
+    pub(super) const NEAR: f64 = 120.0;
+    pub(super) const SPAN: f64 = 40.0;
 }
 
-/// How many times as many near candidates there are in a slice of twice the length: twice as many
-/// in any case, and courses become less straight.
+/// How near candidates grow with the length of a slice, as a power of it, until two lengths were
+/// tried: in proportion in any case, and courses become less straight.
 const NEAR_GROWTH: f64 = 2.5;
 
 /// What was counted in slices of one length, for all bodies.
@@ -36,33 +39,71 @@ struct Trial {
     boxes: f64,
     candidates: f64,
     near: f64,
+    /// Cubics of a box.
+    cubics: f64,
     /// Mean extent of a box, and how much of it is there in however short a slice (frame's unit).
     extents: [f64; 3],
     least: f64,
 }
 
+/// How counts grow with the length of a slice, as powers of it.
+struct Growth {
+    /// None: as the boxes' volume does.
+    candidates: Option<f64>,
+    near: f64,
+}
+
+impl Growth {
+    const ASSUMED: Self = Self {
+        candidates: None,
+        near: NEAR_GROWTH,
+    };
+
+    /// From two trials, the second with slices `factor` times as long.
+    fn between(first: &Trial, second: &Trial, factor: f64) -> Self {
+        let power = |one: f64, other: f64| {
+            let power = (other / one).ln() / factor.ln();
+            // Where nothing was found there is nothing to tell.
+            power.is_finite().then(|| power.clamp(0.0, 3.0))
+        };
+        Self {
+            candidates: power(first.candidates, second.candidates),
+            near: power(first.near, second.near).unwrap_or(NEAR_GROWTH),
+        }
+    }
+}
+
 impl Trial {
     /// Expected cost of `1 / factor` slices that are `factor` times as long.
-    fn cost(&self, factor: f64) -> f64 {
-        let growth: f64 = self
-            .extents
-            .iter()
-            .map(|&extent| {
-                let grown = (extent - self.least).max(0.0) * factor + self.least;
-                // Where boxes are points two of them never meet, however long.
-                if extent > 0.0 { grown / extent } else { 1.0 }
-            })
-            .product();
-        let candidates = self.candidates * growth;
+    fn cost(&self, factor: f64, growth: &Growth) -> f64 {
+        let grown: f64 = match growth.candidates {
+            Some(power) => factor.powf(power),
+            None => self.volume(factor) / self.volume(1.0),
+        };
+        let candidates = self.candidates * grown;
         let per_box = cost::BOX + cost::SWEEP * (candidates / self.boxes.max(1.0)).powf(0.75);
-        let near = self.near * factor.powf(NEAR_GROWTH);
-        (self.boxes * per_box + candidates * cost::CANDIDATE + near * cost::NEAR) / factor
+        let near = self.near * factor.powf(growth.near);
+        // Each span ends with a cubic of one of the two bodies.
+        let spans = 1.0 + 2.0 * self.cubics * factor;
+        let per_near = cost::NEAR + cost::SPAN * spans;
+        (self.boxes * per_box + candidates * cost::CANDIDATE + near * per_near) / factor
+    }
+
+    /// The volume of a mean box in a slice `factor` times as long.
+    fn volume(&self, factor: f64) -> f64 {
+        self.extents
+            .iter()
+            .map(|&extent| (extent - self.least).max(0.0) * factor + self.least)
+            // Of a length however small: flat boxes are compared as well.
+            .map(|extent| extent.max(f64::MIN_POSITIVE.sqrt()))
+            .product()
     }
 
     /// The cheapest factor as far as one trial can be trusted.
-    fn best_factor(&self) -> f64 {
+    fn best_factor(&self, growth: &Growth) -> f64 {
         let factors = (-8..=8).map(|quarter| 2_f64.powf(f64::from(quarter) / 4.0));
-        let cheaper = |&one: &f64, &other: &f64| self.cost(one).total_cmp(&self.cost(other));
+        let cheaper =
+            |&one: &f64, &other: &f64| self.cost(one, growth).total_cmp(&self.cost(other, growth));
         factors.min_by(cheaper).unwrap_or(1.0)
     }
 }
@@ -79,26 +120,39 @@ impl LineUp<'_> {
         const FEW: usize = 64;
         /// Each may change the length fourfold.
         const MOST_TRIALS: usize = 6;
-        let mut slices = self.first_guess();
+        let traffic = self.traffic();
+        let window = (self.window.start(), self.window.end());
+        let mut slices = Slices::choose(window, &traffic);
         if let Some(count) = self.prescribed {
             return slices.with_count(f64::from(count.get()));
         }
-        if parties.len() < FEW {
+        let sample = sample(parties.len(), traffic.present(window));
+        if sample.len() < FEW {
             return slices;
         }
-        let sample = sample(parties.len());
         let parties: Vec<Party<'_>> = sample.iter().map(|&place| parties[place]).collect();
         let sampled: Vec<Inflation> = sample.iter().map(|&place| inflations[place]).collect();
         let whole = inflations.len() as f64 / sample.len() as f64;
+        let mut last: Option<(Trial, f64)> = None;
         for _ in 0..MOST_TRIALS {
-            let trial = self.trial(&parties, &sampled, frame, &slices, whole);
-            let factor = trial.best_factor();
+            let cubics = 1.0 + traffic.cubics_in(slices.length());
+            let trial = self.trial(&parties, &sampled, frame, &slices, whole, cubics);
+            let growth = last.as_ref().map_or(Growth::ASSUMED, |(last, factor)| {
+                Growth::between(last, &trial, *factor)
+            });
+            let mut factor = trial.best_factor(&growth);
+            // Back again: somewhere in between.
+            let turned = last.is_some_and(|(_, last)| (factor - 1.0) * (last - 1.0) < 0.0);
+            if turned {
+                factor = factor.sqrt();
+            }
             let next = slices.with_count(f64::from(slices.count()) / factor);
-            let settled = (0.7..1.5).contains(&factor) || next.count() == slices.count();
+            let settled = turned || (0.7..1.5).contains(&factor) || next.count() == slices.count();
             slices = next;
             if settled {
                 break;
             }
+            last = Some((trial, factor));
         }
         slices
     }
@@ -111,19 +165,24 @@ impl LineUp<'_> {
         frame: &Frame,
         slices: &Slices,
         whole: f64,
+        cubics: f64,
     ) -> Trial {
         const PLACES: u32 = 3;
         let places = PLACES.min(slices.count());
-        let mut block = Block::default();
-        let mut sweep = Sweep::default();
-        let mut candidates = Vec::new();
+        let mut borrowed = self.pool.take();
+        let Scratch {
+            block,
+            sweep,
+            candidates,
+            ..
+        } = &mut borrowed.scratch;
         let (mut boxes, mut found, mut near) = (0.0, 0.0, 0.0);
         let mut extents = [0.0; 3];
         for place in 0..places {
             let share = (f64::from(place) + 0.5) / f64::from(places);
             let first = slices.number_at(share);
             Level::best().run(Fill {
-                block: &mut block,
+                block: &mut *block,
                 parties,
                 inflations,
                 frame,
@@ -132,9 +191,9 @@ impl LineUp<'_> {
             });
             let slice = &block.slices[0];
             candidates.clear();
-            sweep.pairs(&slice.boxes, &Everyone, &mut candidates);
+            sweep.pairs(&slice.boxes, &Everyone, candidates);
             let interval = slices.interval(first);
-            let is_near = |pair: &&crate::broad_phase::Candidate| {
+            let is_near = |pair: &&Candidate| {
                 let (a, b) = (pair.a as usize, pair.b as usize);
                 approaching(&slice.courses[a], &slice.courses[b], interval).is_some()
             };
@@ -153,6 +212,7 @@ impl LineUp<'_> {
             boxes: boxes * whole / places,
             candidates: found * whole * whole / places,
             near: near * whole * whole / places,
+            cubics,
             extents: extents.map(|extent| extent / boxes.max(1.0)),
             least: 2.0 * reach / inflations.len() as f64,
         }
@@ -160,15 +220,15 @@ impl LineUp<'_> {
 }
 
 /// Different places below `count`, spread evenly but not in equal strides, so that no order of the
-/// bodies can hide some of them: enough for a dozen pairs of the sample to meet in a slice of the
-/// best length.
+/// bodies can hide some of them: enough, if `present` bodies exist at a time, for a dozen pairs of
+/// the sample to meet in the slices of the best length that are tried.
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "between 1 and count"
 )]
-fn sample(count: usize) -> Vec<usize> {
-    let size = ((6.0 * (count as f64).sqrt()) as usize).clamp(1, count);
+fn sample(count: usize, present: f64) -> Vec<usize> {
+    let size = ((6.0 * count as f64 / present.max(1.0).sqrt()) as usize).clamp(1, count);
     let stride = count / size;
     (0..size)
         .map(|k| {

@@ -6,7 +6,7 @@
 //! time.
 
 use crate::broad_phase::Candidate;
-use crate::broad_phase::slices::Slice;
+use crate::broad_phase::fill::Slice;
 use crate::narrow_phase::{Party, approaching, may_touch};
 use crate::simd::prefetch;
 use crate::spans::{Span, spans_from};

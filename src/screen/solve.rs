@@ -33,7 +33,7 @@ impl LineUp<'_> {
             .chunk_by(|x, y| (x.a, x.b) == (y.a, y.b))
             .collect();
         let chunks: Vec<&[OfPair<'_>]> = pairs.chunks(CHUNK).collect();
-        let solved = parallel::map(chunks.len(), Scratch::default, |scratch, chunk| {
+        let solved = parallel::map(chunks.len(), 1, Scratch::default, |scratch, chunk| {
             let mut conflicts = Vec::new();
             let chunk = chunks[chunk];
             match self.accuracy {

@@ -1,72 +1,94 @@
 //! From slices to survivors: boxes, candidates, and cheap tests of their spans.
 
 use super::line_up::LineUp;
-use super::sift::{Sieve, Survivor};
+use super::scratch::Scratch;
+use super::sift::Survivor;
 use crate::bounds::{Frame, Inflation};
-use crate::broad_phase::slices::{Block, Fill, Slices};
-use crate::broad_phase::{BroadPhase, Candidate, PairFilter};
+use crate::broad_phase::fill::{Block, Fill};
+use crate::broad_phase::slices::Slices;
+use crate::broad_phase::{BroadPhase, PairFilter};
 use crate::narrow_phase::Party;
 use crate::parallel;
 use crate::simd::Level;
 use crate::stats::Stats;
+use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
-
-/// What one thread reuses from slice to slice.
-#[derive(Default)]
-struct Scratch<B> {
-    method: B,
-    block: Block,
-    candidates: Vec<Candidate>,
-    sieve: Sieve,
-}
 
 impl LineUp<'_> {
     /// Slices and cheap tests: every span of every pair in which they may touch, each once.
     pub(super) fn survivors<B: BroadPhase, F: PairFilter>(
         &self,
+        method: impl Fn(&mut Scratch) -> &mut B + Sync + Send,
         parties: &[Party<'_>],
         filter: &F,
         progress: &(impl Fn(f64) + Sync),
         stats: &mut Stats,
     ) -> Vec<Survivor> {
-        let size = |party: &Party<'_>| Inflation::size(party.spheres, party.bounding, self.margin);
-        let largest = parties.iter().map(size).fold(0.0, f64::max);
-        let frame = Frame::around(self.extremes(parties), largest);
-        let inflations: Vec<Inflation> = parties
-            .iter()
-            .map(|party| Inflation::of(party.spheres, party.bounding, self.margin, &frame))
-            .collect();
+        let (frame, inflations) = self.inflations(parties);
         let slices = self.slices(parties, &inflations, &frame);
         stats.slices = u64::from(slices.count());
-        let blocks = slices.count().div_ceil(Block::SLICES);
+        let blocks = Blocks::new(slices.count(), parties.len());
         let done_blocks = AtomicU32::new(0);
-        let results = parallel::map(blocks, Scratch::<B>::default, |scratch, block| {
-            let start = block * Block::SLICES;
-            let range = start..(start + Block::SLICES).min(slices.count());
-            let found = self.block(
-                parties,
-                &inflations,
-                &frame,
-                &slices,
-                range,
-                filter,
-                scratch,
-            );
-            let done = done_blocks.fetch_add(1, Ordering::Relaxed) + 1;
-            progress(f64::from(done) / f64::from(blocks));
-            found
-        });
         let mut survivors = Vec::new();
-        for (found, counted) in results {
-            survivors.extend(found);
-            *stats += counted;
+        let mut first = 0;
+        while first < blocks.count {
+            let round = blocks.round.min(blocks.count - first);
+            let take = || self.pool.take();
+            let results = parallel::map(round, 1, take, |borrowed, block| {
+                let scratch = &mut borrowed.scratch;
+                let range = blocks.range(first + block);
+                let found = self.block(
+                    &method,
+                    parties,
+                    &inflations,
+                    &frame,
+                    &slices,
+                    range,
+                    filter,
+                    scratch,
+                );
+                let done = done_blocks.fetch_add(1, Ordering::Relaxed) + 1;
+                progress(f64::from(done) / f64::from(blocks.count));
+                found
+            });
+            for (found, counted) in results {
+                survivors.extend(found);
+                *stats += counted;
+            }
+            let begin = Instant::now();
+            parallel::sort(&mut survivors, Survivor::cmp);
+            survivors.dedup();
+            stats.narrow_time += begin.elapsed();
+            first += round;
         }
-        let begin = Instant::now();
-        parallel::sort(&mut survivors, Survivor::cmp);
-        survivors.dedup();
-        stats.narrow_time += begin.elapsed();
         survivors
+    }
+
+    /// The frame that serves all bodies, and how much larger than its hull each body's box is.
+    fn inflations(&self, parties: &[Party<'_>]) -> (Frame, Vec<Inflation>) {
+        // Most scenes have many bodies with the same sphere, one after the other.
+        let is_as_before = |place: usize| {
+            let spheres = parties[place].spheres;
+            place > 0 && spheres.len() == 1 && spheres == parties[place - 1].spheres
+        };
+        let mut largest = 0.0_f64;
+        for (place, party) in parties.iter().enumerate() {
+            if !is_as_before(place) {
+                let size = Inflation::size(party.spheres, party.bounding, self.margin);
+                largest = largest.max(size);
+            }
+        }
+        let frame = Frame::around(self.extremes(parties), largest);
+        let mut inflations: Vec<Inflation> = Vec::with_capacity(parties.len());
+        for (place, party) in parties.iter().enumerate() {
+            inflations.push(if is_as_before(place) {
+                inflations[place - 1]
+            } else {
+                Inflation::of(party.spheres, party.bounding, self.margin, &frame)
+            });
+        }
+        (frame, inflations)
     }
 
     #[allow(
@@ -75,25 +97,20 @@ impl LineUp<'_> {
     )]
     fn block<B: BroadPhase, F: PairFilter>(
         &self,
+        method: impl Fn(&mut Scratch) -> &mut B,
         parties: &[Party<'_>],
         inflations: &[Inflation],
         frame: &Frame,
         slices: &Slices,
-        range: std::ops::Range<u32>,
+        range: Range<u32>,
         filter: &F,
-        scratch: &mut Scratch<B>,
+        scratch: &mut Scratch,
     ) -> (Vec<Survivor>, Stats) {
         let mut stats = Stats::default();
         let mut survivors = Vec::new();
         let begin = Instant::now();
-        let Scratch {
-            method,
-            block,
-            candidates,
-            sieve,
-        } = scratch;
         Level::best().run(Fill {
-            block: &mut *block,
+            block: &mut scratch.block,
             parties,
             inflations,
             frame,
@@ -101,6 +118,9 @@ impl LineUp<'_> {
             range: range.clone(),
         });
         stats.bounds_time += begin.elapsed();
+        // Taken out meanwhile, so that the method can be borrowed beside them.
+        let block = std::mem::take(&mut scratch.block);
+        let mut candidates = std::mem::take(&mut scratch.candidates);
         for (number, slice) in range.zip(&block.slices) {
             let begin = Instant::now();
             candidates.clear();
@@ -108,16 +128,68 @@ impl LineUp<'_> {
                 bodies: &slice.bodies,
                 filter,
             };
-            method.pairs(&slice.boxes, &admission, candidates);
+            method(scratch).pairs(&slice.boxes, &admission, &mut candidates);
             let found = Instant::now();
             let at = (slice, slices.interval(number));
-            stats.spans += sieve.sift(parties, at, candidates, self.margin, &mut survivors);
+            let sieve = &mut scratch.sieve;
+            stats.spans += sieve.sift(parties, at, &candidates, self.margin, &mut survivors);
             stats.boxes += slice.boxes.len() as u64;
             stats.candidates += candidates.len() as u64;
             stats.broad_time += found - begin;
             stats.narrow_time += found.elapsed();
         }
+        (scratch.block, scratch.candidates) = (block, candidates);
+        // A span that lasts for several slices survives in each.
+        let begin = Instant::now();
+        survivors.sort_unstable();
+        survivors.dedup();
+        stats.narrow_time += begin.elapsed();
         (survivors, stats)
+    }
+}
+
+/// Slices dealt out in blocks of about equal size: by counts alone, not by the number of threads,
+/// so that these see the same boxes.
+struct Blocks {
+    slices: u32,
+    count: u32,
+    /// Blocks after which what survived is put together: a span that lasts for many slices is then
+    /// kept once.
+    round: u32,
+}
+
+impl Blocks {
+    /// At least this many, for a few threads to share, unless there are fewer boxes than this to
+    /// share.
+    const FEWEST: u32 = 4;
+    const FEW_BOXES: u64 = 2048;
+    /// Not more boxes in a block, which bounds its memory: 64 bytes each.
+    const MOST_BOXES: usize = 1 << 20;
+    /// Nor many more boxes in a round.
+    const ROUND_BOXES: usize = 1 << 24;
+
+    fn new(slices: u32, bodies: usize) -> Self {
+        let most = u32::try_from(Self::MOST_BOXES / bodies.max(1)).unwrap_or(u32::MAX);
+        let count = slices.div_ceil(most.clamp(1, Block::SLICES));
+        let fewest = if u64::from(slices) * bodies as u64 <= Self::FEW_BOXES {
+            1
+        } else {
+            Self::FEWEST
+        };
+        let round = Self::ROUND_BOXES / (Block::SLICES as usize * bodies.max(1));
+        Self {
+            slices,
+            count: count.max(fewest).min(slices),
+            round: u32::try_from(round).unwrap_or(u32::MAX).max(16),
+        }
+    }
+
+    fn range(&self, block: u32) -> Range<u32> {
+        let cut = |block: u32| {
+            let slice = u64::from(self.slices) * u64::from(block) / u64::from(self.count);
+            u32::try_from(slice).unwrap_or(self.slices)
+        };
+        cut(block)..cut(block + 1)
     }
 }
 
