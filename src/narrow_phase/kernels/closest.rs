@@ -4,16 +4,14 @@ use std::cmp::Ordering;
 
 use super::batch::Lanes;
 use super::cubic::{CentredCubic, ControlPoints};
-use super::dispatch::{Level, enclose_block_finely, guess_block};
+use super::dispatch::{Level, enclose_block_finely, guess_block, guess_block_again};
 use super::enclosure::{enclose_from, is_nearest_at};
 use super::exhaustive::{normalised, square_at};
 use super::guess::{guess, halley_step};
-use super::loops::{BLOCK, Block, Bounds, FIRST, distance, local_time};
+use super::loops::{BLOCK, Block, Bounds, centred_time, distance, local_time};
 use super::pending::{Pending, Selection};
 use super::real::Real;
-
-/// Samples on each side of the middle in the second try.
-const SECOND: usize = 8;
+use super::rival::guess_against_rival;
 
 /// Steps of refinement before a proof is tried, and where none was found: at a root of
 /// multiplicity five a step shortens the error by a third.
@@ -28,9 +26,11 @@ fn is_positive<R: Real>(certificate: R) -> bool {
 
 /// The closest approach of one pair: local time and distance.
 pub(super) fn closest_approach_of<R: Real>(points: &ControlPoints<R>) -> (R, R) {
-    let mut found = guess::<R, FIRST, 2>(*points);
+    let mut found = guess::<R>(*points);
     if !is_positive(found.certificate) {
-        found = guess::<R, SECOND, 8>(*points);
+        // By way of the local time, as in a batch.
+        let first = centred_time(local_time(found.time)).to_f32();
+        found = guess_against_rival::<R>(*points, first);
     }
     if is_positive(found.certificate) {
         return (local_time(found.time), distance(found.square));
@@ -72,8 +72,8 @@ struct Work<'a, R> {
     times: &'a mut [R],
     distances: &'a mut [R],
     block: Block<R>,
-    /// Not certified at the first try.
-    second: Pending<R, 0>,
+    /// Not certified at the first try: with the time.
+    second: Pending<R, 1>,
     /// Not certified at the second try: with time and distance, refined, in f64.
     third: Pending<f64, 2>,
 }
@@ -106,10 +106,10 @@ pub(super) fn closest_approach<R: Real>(
 impl<R: Real> Work<'_, R> {
     /// The first try for a part of the batch.
     fn guess(&mut self, lanes: &Lanes<'_, R>, start: usize, end: usize) {
-        let mut certificates = [R::default(); BLOCK];
+        let mut certificates = [0.0; BLOCK];
         let certificates = &mut certificates[..end - start];
         let part = lanes.range(start, end);
-        guess_block::<R, FIRST, 2>(
+        guess_block(
             self.level,
             &mut self.block,
             &part,
@@ -117,24 +117,27 @@ impl<R: Real> Work<'_, R> {
             &mut self.distances[start..end],
             certificates,
         );
-        let failed = Selection::new(certificates.iter().map(|found| !is_positive(*found)));
-        for &i in failed.places() {
-            self.second.push(start + i, part.control_points(i), []);
+        let mut failed = Selection::without(certificates);
+        while !failed.is_empty() {
+            self.second.take(&mut failed, start, &part, [&self.times[start..end]]);
             if self.second.is_full() {
                 self.guess_again();
             }
         }
     }
 
-    /// The second try, with more samples and a finer certificate.
+    /// The second try, against the rivals of the first guesses.
     fn guess_again(&mut self) {
-        let mut found = [[R::default(); BLOCK]; 3];
-        let [times, distances, certificates] =
-            found.each_mut().map(|slot| &mut slot[..self.second.len()]);
-        guess_block::<R, SECOND, 8>(
+        let mut found = [[R::default(); BLOCK]; 2];
+        let [times, distances] = found.each_mut().map(|slot| &mut slot[..self.second.len()]);
+        let mut certificates = [0.0; BLOCK];
+        let certificates = &mut certificates[..self.second.len()];
+        let [guesses] = self.second.extras();
+        guess_block_again(
             self.level,
             &mut self.block,
             &self.second.lanes(),
+            guesses,
             times,
             distances,
             certificates,

@@ -78,31 +78,31 @@ impl Level {
 macro_rules! for_each_level {
     (
         $(#[$documentation:meta])*
-        $name:ident<$R:ident $(, const $N:ident: usize)*>($($argument:ident: $type:ty),* $(,)?)
+        $name:ident<$R:ident>($($argument:ident: $type:ty),* $(,)?)
     ) => {
         $(#[$documentation])*
-        pub(super) fn $name<$R: Real $(, const $N: usize)*>(level: Level, $($argument: $type),*) {
+        pub(super) fn $name<$R: Real >(level: Level, $($argument: $type),*) {
             #[cfg(target_arch = "x86_64")]
             #[target_feature(enable = "avx2")]
-            fn avx2<$R: Real $(, const $N: usize)*>($($argument: $type),*) {
-                loops::$name::<$R $(, $N)*>($($argument),*);
+            fn avx2<$R: Real >($($argument: $type),*) {
+                loops::$name::<$R >($($argument),*);
             }
 
             #[cfg(target_arch = "x86_64")]
             #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl")]
-            fn avx512<$R: Real $(, const $N: usize)*>($($argument: $type),*) {
-                loops::$name::<$R $(, $N)*>($($argument),*);
+            fn avx512<$R: Real >($($argument: $type),*) {
+                loops::$name::<$R >($($argument),*);
             }
 
             match level.0 {
-                Set::Portable => loops::$name::<$R $(, $N)*>($($argument),*),
+                Set::Portable => loops::$name::<$R >($($argument),*),
                 #[cfg(target_arch = "x86_64")]
                 // SAFETY: a `Level` of this set is only made where the processor has AVX2.
-                Set::Avx2 => unsafe { avx2::<$R $(, $N)*>($($argument),*) },
+                Set::Avx2 => unsafe { avx2::<$R >($($argument),*) },
                 #[cfg(target_arch = "x86_64")]
                 // SAFETY: a `Level` of this set is only made where the processor has AVX-512 F,
                 // DQ, BW and VL.
-                Set::Avx512 => unsafe { avx512::<$R $(, $N)*>($($argument),*) },
+                Set::Avx512 => unsafe { avx512::<$R >($($argument),*) },
             }
         }
     };
@@ -110,12 +110,24 @@ macro_rules! for_each_level {
 
 for_each_level! {
     /// Guesses the closest approach of each pair of a block.
-    guess_block<R, const HALF: usize, const PIECES: usize>(
+    guess_block<R>(
         block: &mut Block<R>,
         lanes: &Lanes<'_, R>,
         times: &mut [R],
         distances: &mut [R],
-        certificates: &mut [R],
+        certificates: &mut [f32],
+    )
+}
+
+for_each_level! {
+    /// Guesses again, from first guesses in local time, and proves against the rival.
+    guess_block_again<R>(
+        block: &mut Block<R>,
+        lanes: &Lanes<'_, R>,
+        guesses: &[R],
+        times: &mut [R],
+        distances: &mut [R],
+        certificates: &mut [f32],
     )
 }
 

@@ -1,7 +1,7 @@
 //! Enclosures of the least distance: proven bounds, for a given error of the cubic.
 
 use super::cubic::{CentredCubic, ControlPoints, Vector, dot, largest_coordinate, power_of_two};
-use super::guess::{descend, lowest_sample, settle};
+use super::guess::{descend, lowest_sample, outline, settle};
 use super::loops::local_time;
 use super::minorant::{from_nearer, lower_bound, lower_bound_far, lower_bound_near, split};
 use super::real::Real;
@@ -302,9 +302,9 @@ impl Search {
         if !piece.halve {
             let [polygon, _] = sub_polygons(&self.points, piece.low, piece.high, piece.high);
             let cubic = CentredCubic::new(polygon);
-            let square = cubic.squared_distance();
-            let rough = descend::<f64, 4>(&square, lowest_sample::<f64, 4>(&square));
-            let time = settle(&cubic, &square, rough).time;
+            let square = outline::<f64>(cubic.rough().coefficients).square;
+            let rough = descend(&square, lowest_sample(&square), f64::STEPS);
+            let time = settle(&cubic, f64::from(rough)).time;
             let cut = piece.low + (piece.high - piece.low) * local_time(time);
             // A minimum at an end, or one that is not a number, gives no cut.
             if cut > piece.low && cut < piece.high {

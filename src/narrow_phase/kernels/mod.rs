@@ -82,6 +82,7 @@ mod minorant;
 pub mod parallel;
 mod pending;
 mod real;
+mod rival;
 pub mod scalar;
 mod screen;
 mod within;

@@ -1,5 +1,7 @@
 //! Pairs that a kernel could not settle, gathered until they fill a block.
 
+use std::cmp::Ordering;
+
 use super::batch::Lanes;
 use super::cubic::ControlPoints;
 use super::loops::BLOCK;
@@ -41,6 +43,37 @@ impl<R: Real, const EXTRAS: usize> Pending<R, EXTRAS> {
         self.count += 1;
     }
 
+    /// Appends as many of the selected pairs of a block as there is room for, and takes them from
+    /// the selection. The block begins at pair `start` of the batch.
+    ///
+    /// Column by column: short loops without calls, where a pair at a time cost three times more.
+    #[inline]
+    pub(super) fn take(
+        &mut self,
+        selection: &mut Selection,
+        start: usize,
+        lanes: &Lanes<'_, R>,
+        extras: [&[R]; EXTRAS],
+    ) {
+        let room = BLOCK - self.count;
+        let places = selection.first(room);
+        let range = self.count..self.count + places.len();
+        self.count = range.end;
+        for (pair, place) in self.pairs[range.clone()].iter_mut().zip(places) {
+            *pair = start + place;
+        }
+        for axis in 0..3 {
+            for point in 0..4 {
+                let slots = &mut self.coordinates[axis][point][range.clone()];
+                gather(slots, lanes.coordinates[axis][point], places);
+            }
+        }
+        for (slots, extra) in self.extras.iter_mut().zip(extras) {
+            gather(&mut slots[range.clone()], extra, places);
+        }
+        selection.drop_first(room);
+    }
+
     pub(super) fn len(&self) -> usize {
         self.count
     }
@@ -74,29 +107,71 @@ impl<R: Real, const EXTRAS: usize> Pending<R, EXTRAS> {
     }
 }
 
+#[inline]
+fn gather<R: Copy>(slots: &mut [R], source: &[R], places: &[usize]) {
+    for (slot, place) in slots.iter_mut().zip(places) {
+        *slot = source[*place];
+    }
+}
+
 /// The places in a block where something holds, in order.
 #[derive(Debug)]
 pub(super) struct Selection {
     places: [usize; BLOCK],
-    count: usize,
+    next: usize,
+    end: usize,
 }
 
 impl Selection {
-    /// Without branches: which places they are cannot be predicted.
+    /// The places of a block whose certificate is not positive, or not a number.
+    ///
+    /// Without a branch on each: which places they are cannot be predicted.
     #[inline]
-    pub(super) fn new(holds: impl Iterator<Item = bool>) -> Self {
+    pub(super) fn without(certificates: &[f32]) -> Self {
+        let mut failed = [0_u8; BLOCK];
+        for (failed, certificate) in failed.iter_mut().zip(certificates) {
+            // Also where it is not a number.
+            *failed = u8::from(certificate.partial_cmp(&0.0) != Some(Ordering::Greater));
+        }
+        Self::of(&failed)
+    }
+
+    /// The places of a block with a 1; all others are 0.
+    #[inline]
+    pub(super) fn of(flags: &[u8; BLOCK]) -> Self {
         let mut places = [0; BLOCK];
         let mut count = 0;
-        for (i, holds) in holds.take(BLOCK).enumerate() {
-            // Not more than i, so the remainder changes nothing but the bounds check.
-            places[count % BLOCK] = i;
-            count += usize::from(holds);
+        let (chunks, _) = flags.as_chunks::<8>();
+        for (i, chunk) in chunks.iter().enumerate() {
+            // The flags are the lowest bits of the eight bytes.
+            let mut left = u64::from_le_bytes(*chunk);
+            while left != 0 {
+                places[count % BLOCK] = 8 * i + left.trailing_zeros() as usize / 8;
+                count += 1;
+                left &= left - 1;
+            }
         }
-        Self { places, count }
+        Self {
+            places,
+            next: 0,
+            end: count,
+        }
+    }
+
+    /// Whether every place has been taken.
+    #[inline]
+    pub(super) fn is_empty(&self) -> bool {
+        self.next == self.end
+    }
+
+    /// The next places, at most `count`.
+    #[inline]
+    fn first(&self, count: usize) -> &[usize] {
+        &self.places[self.next..self.end.min(self.next + count)]
     }
 
     #[inline]
-    pub(super) fn places(&self) -> &[usize] {
-        &self.places[..self.count]
+    fn drop_first(&mut self, count: usize) {
+        self.next = self.end.min(self.next + count);
     }
 }

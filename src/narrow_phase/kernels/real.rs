@@ -42,6 +42,9 @@ pub trait Real:
     /// about the cube root of the rounding.
     const SETTLED: Self;
 
+    /// Steps of Halley's method in `f32` that bring most samples to `SETTLED` of a minimum.
+    const STEPS: u32;
+
     /// The nearest number of this type.
     #[must_use]
     fn from_f64(value: f64) -> Self;
@@ -49,6 +52,10 @@ pub trait Real:
     /// The same number as `f64`.
     #[must_use]
     fn to_f64(self) -> f64;
+
+    /// The nearest `f32`.
+    #[must_use]
+    fn to_f32(self) -> f32;
 
     /// The absolute value.
     #[must_use]
@@ -74,10 +81,11 @@ pub trait Real:
 }
 
 macro_rules! implement_real {
-    ($float:ident, $narrow:expr, $settled:expr, $underflow:expr) => {
+    ($float:ident, $narrow:expr, $to_f32:expr, $steps:expr, $settled:expr, $underflow:expr) => {
         impl Real for $float {
             const ROUNDING: Self = 0.5 * $float::EPSILON;
             const SETTLED: Self = $settled;
+            const STEPS: u32 = $steps;
             const LARGE: Self = $float::MAX / 1024.0;
             const UNDERFLOW: Self = $underflow;
 
@@ -89,6 +97,11 @@ macro_rules! implement_real {
             #[inline(always)]
             fn to_f64(self) -> f64 {
                 f64::from(self)
+            }
+
+            #[inline(always)]
+            fn to_f32(self) -> f32 {
+                $to_f32(self)
             }
 
             #[inline(always)]
@@ -114,9 +127,9 @@ fn narrow(value: f64) -> f32 {
 }
 
 #[inline(always)]
-fn keep(value: f64) -> f64 {
+fn keep<T>(value: T) -> T {
     value
 }
 
-implement_real!(f32, narrow, 3e-3, 1e-28);
-implement_real!(f64, keep, 5e-6, 1e-270);
+implement_real!(f32, narrow, keep, 2, 3e-3, 1e-28);
+implement_real!(f64, keep, narrow, 3, 5e-6, 1e-270);

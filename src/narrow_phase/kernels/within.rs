@@ -122,12 +122,14 @@ pub(super) fn within<R: Real>(
         for (found, finding) in found.iter_mut().zip(findings.iter()) {
             *found = verdict(*finding);
         }
-        let left = Selection::new(found.iter().map(|found| *found == Verdict::Undecided));
-        for &i in left.places() {
-            let pair = start + i;
-            screening
-                .second
-                .push(pair, block.control_points(i), [inner[pair], outer[pair]]);
+        let mut undecided = [0_u8; BLOCK];
+        for (flag, found) in undecided.iter_mut().zip(found.iter()) {
+            *flag = u8::from(*found == Verdict::Undecided);
+        }
+        let mut left = Selection::of(&undecided);
+        let thresholds = [&inner[start..end], &outer[start..end]];
+        while !left.is_empty() {
+            screening.second.take(&mut left, start, &block, thresholds);
             if screening.second.is_full() {
                 screening.screen_again();
             }
