@@ -126,7 +126,7 @@ pub(super) fn descend(square: &[f32; 7], start: f32, steps: u32) -> f32 {
     let mut u = start;
     let mut step = 0;
     while step < steps {
-        let (value, next) = slope.halley(u);
+        let (value, next) = slope.step(u);
         let rising = value > 0.0;
         high = if rising { u } else { high };
         low = if rising { low } else { u };
@@ -146,7 +146,7 @@ pub(super) fn descend_safely(square: &[f32; 7], start: f32, steps: u32) -> f32 {
     let mut u = start;
     let mut step = 0;
     while step < steps {
-        let (value, next) = slope.halley(u);
+        let (value, next) = slope.step(u);
         let rising = value > 0.0;
         high = if rising { u } else { high };
         low = if rising { low } else { u };
@@ -165,12 +165,13 @@ fn neighbours(sample: f32) -> (f32, f32) {
     ((sample - 0.25).or_more(-1.0), (sample + 0.25).or_less(1.0))
 }
 
-/// The slope of a squared distance, its derivative, and half its second derivative.
+/// The slope of a squared distance and its derivatives, divided by 1, 1, 2 and 6.
 #[derive(Clone, Copy, Debug)]
 struct Slope {
     value: [f32; 6],
     first: [f32; 5],
     second: [f32; 4],
+    third: [f32; 3],
 }
 
 impl Slope {
@@ -181,21 +182,26 @@ impl Slope {
             value: [a1, 2.0 * a2, 3.0 * a3, 4.0 * a4, 5.0 * a5, 6.0 * a6],
             first: [2.0 * a2, 6.0 * a3, 12.0 * a4, 20.0 * a5, 30.0 * a6],
             second: [3.0 * a3, 12.0 * a4, 30.0 * a5, 60.0 * a6],
+            third: [4.0 * a4, 20.0 * a5, 60.0 * a6],
         }
     }
 
-    /// The slope, and where a step of Halley's method leads.
+    /// The slope, and where a step of Householder's method of order four leads: one order more
+    /// than Halley's costs less than another step.
     #[inline(always)]
-    fn halley(&self, u: f32) -> (f32, f32) {
+    fn step(&self, u: f32) -> (f32, f32) {
         let [a0, a1, a2, a3, a4, a5] = self.value;
         let [b0, b1, b2, b3, b4] = self.first;
         let [c0, c1, c2, c3] = self.second;
+        let [d0, d1, d2] = self.third;
         let v = u * u;
         let value = (a0 + u * a1) + v * ((a2 + u * a3) + v * (a4 + u * a5));
         let first = (b0 + u * b1) + v * ((b2 + u * b3) + v * b4);
         let second = (c0 + u * c1) + v * (c2 + u * c3);
-        let next = u - value * first / (first * first - value * second);
-        (value, next)
+        let third = (d0 + u * d1) + v * d2;
+        let halley = first * first - value * second;
+        let below = first * halley - value * (first * second - value * third);
+        (value, u - value * halley / below)
     }
 }
 

@@ -66,30 +66,47 @@ impl<R: Real> Block<R> {
     #[inline(always)]
     fn fill(&mut self, lanes: &Lanes<'_, R>, count: usize) {
         let lanes = lanes.first(count);
-        for i in 0..count {
-            let cubic = CentredCubic::new(control_points(&lanes, i));
-            let mut k = 0;
-            while k < 4 {
-                self.cubics[k][0][i] = cubic.coefficients[k][0];
-                self.cubics[k][1][i] = cubic.coefficients[k][1];
-                self.cubics[k][2][i] = cubic.coefficients[k][2];
-                k += 1;
+        if R::IS_SINGLE {
+            for i in 0..count {
+                let cubic = CentredCubic::new(control_points(&lanes, i));
+                self.set_cubic(i, &cubic);
+                self.set_outline(i, &outline::<R>(cubic.rough().coefficients));
             }
+            return;
         }
+        for i in 0..count {
+            self.set_cubic(i, &CentredCubic::new(control_points(&lanes, i)));
+        }
+        // A loop that converts and computes would be as wide as the wider type.
         for (rough, column) in self.rough.iter_mut().flatten().zip(self.cubics.iter().flatten()) {
             for i in 0..count {
                 rough[i] = column[i].to_f32();
             }
         }
         for i in 0..count {
-            let outline = outline::<R>(get(&self.rough, i).coefficients);
-            let mut k = 0;
-            while k < 7 {
-                self.squares[k][i] = outline.square[k];
-                k += 1;
-            }
-            self.margins[i] = outline.margin;
+            self.set_outline(i, &outline::<R>(get(&self.rough, i).coefficients));
         }
+    }
+
+    #[inline(always)]
+    fn set_cubic(&mut self, i: usize, cubic: &CentredCubic<R>) {
+        let mut k = 0;
+        while k < 4 {
+            self.cubics[k][0][i] = cubic.coefficients[k][0];
+            self.cubics[k][1][i] = cubic.coefficients[k][1];
+            self.cubics[k][2][i] = cubic.coefficients[k][2];
+            k += 1;
+        }
+    }
+
+    #[inline(always)]
+    fn set_outline(&mut self, i: usize, outline: &Outline) {
+        let mut k = 0;
+        while k < 7 {
+            self.squares[k][i] = outline.square[k];
+            k += 1;
+        }
+        self.margins[i] = outline.margin;
     }
 
     /// The second and third stage of a first guess: a rough time for each pair.

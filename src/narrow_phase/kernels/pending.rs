@@ -46,7 +46,6 @@ impl<R: Real, const EXTRAS: usize> Pending<R, EXTRAS> {
     /// Appends as many of the selected pairs of a block as there is room for, and takes them from
     /// the selection. The block begins at pair `start` of the batch.
     ///
-    /// Column by column: short loops without calls, where a pair at a time cost three times more.
     #[inline]
     pub(super) fn take(
         &mut self,
@@ -55,23 +54,25 @@ impl<R: Real, const EXTRAS: usize> Pending<R, EXTRAS> {
         lanes: &Lanes<'_, R>,
         extras: [&[R]; EXTRAS],
     ) {
-        let room = BLOCK - self.count;
-        let places = selection.first(room);
-        let range = self.count..self.count + places.len();
-        self.count = range.end;
-        for (pair, place) in self.pairs[range.clone()].iter_mut().zip(places) {
-            *pair = start + place;
-        }
-        for axis in 0..3 {
-            for point in 0..4 {
-                let slots = &mut self.coordinates[axis][point][range.clone()];
-                gather(slots, lanes.coordinates[axis][point], places);
+        let places = selection.first(BLOCK - self.count);
+        // Cut to one length, so that one check of a place serves all columns.
+        let count = lanes.len().min(BLOCK);
+        let lanes = lanes.first(count);
+        let extras = extras.map(|extra| &extra[..count]);
+        for (i, &place) in (self.count..BLOCK).zip(places) {
+            self.pairs[i] = start + place;
+            for axis in 0..3 {
+                for point in 0..4 {
+                    self.coordinates[axis][point][i] = lanes.coordinates[axis][point][place];
+                }
+            }
+            for (slot, extra) in self.extras.iter_mut().zip(extras) {
+                slot[i] = extra[place];
             }
         }
-        for (slots, extra) in self.extras.iter_mut().zip(extras) {
-            gather(&mut slots[range.clone()], extra, places);
-        }
-        selection.drop_first(room);
+        let taken = places.len();
+        self.count += taken;
+        selection.next += taken;
     }
 
     pub(super) fn len(&self) -> usize {
@@ -104,13 +105,6 @@ impl<R: Real, const EXTRAS: usize> Pending<R, EXTRAS> {
 
     pub(super) fn extras(&self) -> [&[R]; EXTRAS] {
         self.extras.each_ref().map(|slot| &slot[..self.count])
-    }
-}
-
-#[inline]
-fn gather<R: Copy>(slots: &mut [R], source: &[R], places: &[usize]) {
-    for (slot, place) in slots.iter_mut().zip(places) {
-        *slot = source[*place];
     }
 }
 
@@ -168,10 +162,5 @@ impl Selection {
     #[inline]
     fn first(&self, count: usize) -> &[usize] {
         &self.places[self.next..self.end.min(self.next + count)]
-    }
-
-    #[inline]
-    fn drop_first(&mut self, count: usize) {
-        self.next = self.end.min(self.next + count);
     }
 }

@@ -42,7 +42,10 @@ pub trait Real:
     /// about the cube root of the rounding.
     const SETTLED: Self;
 
-    /// Steps of Halley's method in `f32` that bring most samples to `SETTLED` of a minimum.
+    /// Whether this is `f32`.
+    const IS_SINGLE: bool;
+
+    /// Steps of Householder's method in `f32` that bring most samples to `SETTLED` of a minimum.
     const STEPS: u32;
 
     /// The nearest number of this type.
@@ -85,6 +88,7 @@ macro_rules! implement_real {
         impl Real for $float {
             const ROUNDING: Self = 0.5 * $float::EPSILON;
             const SETTLED: Self = $settled;
+            const IS_SINGLE: bool = $float::MANTISSA_DIGITS == f32::MANTISSA_DIGITS;
             const STEPS: u32 = $steps;
             const LARGE: Self = $float::MAX / 1024.0;
             const UNDERFLOW: Self = $underflow;
@@ -131,5 +135,5 @@ fn keep<T>(value: T) -> T {
     value
 }
 
-implement_real!(f32, narrow, keep, 2, 3e-3, 1e-28);
-implement_real!(f64, keep, narrow, 3, 5e-6, 1e-270);
+implement_real!(f32, narrow, keep, 1, 3e-3, 1e-28);
+implement_real!(f64, keep, narrow, 2, 5e-6, 1e-270);
