@@ -54,12 +54,15 @@ impl<R: Real, const EXTRAS: usize> Pending<R, EXTRAS> {
         lanes: &Lanes<'_, R>,
         extras: [&[R]; EXTRAS],
     ) {
-        let places = selection.first(BLOCK - self.count);
         // Cut to one length, so that one check of a place serves all columns.
         let count = lanes.len().min(BLOCK);
         let lanes = lanes.first(count);
         let extras = extras.map(|extra| &extra[..count]);
-        for (i, &place) in (self.count..BLOCK).zip(places) {
+        for i in self.count..BLOCK {
+            let Some(place) = selection.next() else {
+                return;
+            };
+            self.count = i + 1;
             self.pairs[i] = start + place;
             for axis in 0..3 {
                 for point in 0..4 {
@@ -70,9 +73,6 @@ impl<R: Real, const EXTRAS: usize> Pending<R, EXTRAS> {
                 slot[i] = extra[place];
             }
         }
-        let taken = places.len();
-        self.count += taken;
-        selection.next += taken;
     }
 
     pub(super) fn len(&self) -> usize {
@@ -108,59 +108,50 @@ impl<R: Real, const EXTRAS: usize> Pending<R, EXTRAS> {
     }
 }
 
-/// The places in a block where something holds, in order.
+/// Places in a block, taken in order: a bit for each, so that the only branch that cannot be
+/// predicted is the one at the end.
 #[derive(Debug)]
 pub(super) struct Selection {
-    places: [usize; BLOCK],
-    next: usize,
-    end: usize,
+    bits: u128,
 }
 
 impl Selection {
     /// The places of a block whose certificate is not positive, or not a number.
-    ///
-    /// Without a branch on each: which places they are cannot be predicted.
     #[inline]
     pub(super) fn without(certificates: &[f32]) -> Self {
-        let mut failed = [0_u8; BLOCK];
-        for (failed, certificate) in failed.iter_mut().zip(certificates) {
+        let mut flags = [0_u8; BLOCK];
+        for (flag, certificate) in flags.iter_mut().zip(certificates) {
             // Also where it is not a number.
-            *failed = u8::from(certificate.partial_cmp(&0.0) != Some(Ordering::Greater));
+            *flag = u8::from(certificate.partial_cmp(&0.0) != Some(Ordering::Greater));
         }
-        Self::of(&failed)
+        Self::of(&flags)
     }
 
     /// The places of a block with a 1; all others are 0.
     #[inline]
     pub(super) fn of(flags: &[u8; BLOCK]) -> Self {
-        let mut places = [0; BLOCK];
-        let mut count = 0;
         let (chunks, _) = flags.as_chunks::<8>();
-        for (i, chunk) in chunks.iter().enumerate() {
-            // The flags are the lowest bits of the eight bytes.
-            let mut left = u64::from_le_bytes(*chunk);
-            while left != 0 {
-                places[count % BLOCK] = 8 * i + left.trailing_zeros() as usize / 8;
-                count += 1;
-                left &= left - 1;
-            }
+        let mut bits = 0;
+        for chunk in chunks.iter().rev() {
+            // The product brings the lowest bits of the eight bytes side by side to the top.
+            let byte = u64::from_le_bytes(*chunk).wrapping_mul(0x0102_0408_1020_4080) >> 56;
+            bits = bits << 8 | u128::from(byte);
         }
-        Self {
-            places,
-            next: 0,
-            end: count,
-        }
+        Self { bits }
     }
 
-    /// Whether every place has been taken.
     #[inline]
     pub(super) fn is_empty(&self) -> bool {
-        self.next == self.end
+        self.bits == 0
     }
 
-    /// The next places, at most `count`.
     #[inline]
-    fn first(&self, count: usize) -> &[usize] {
-        &self.places[self.next..self.end.min(self.next + count)]
+    fn next(&mut self) -> Option<usize> {
+        if self.bits == 0 {
+            return None;
+        }
+        let place = self.bits.trailing_zeros() as usize;
+        self.bits &= self.bits - 1;
+        Some(place)
     }
 }
