@@ -9,6 +9,7 @@ use std::sync::OnceLock;
 use super::batch::Lanes;
 use super::loops::{self, Block, Bounds};
 use super::real::Real;
+use super::screen::Verdict;
 
 /// An instruction set the kernels are compiled for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -154,10 +155,10 @@ for_each_level! {
 
 for_each_level! {
     /// Screens each pair of a block on the halves of its span.
-    screen_block<R>(lanes: &Lanes<'_, R>, inner: &[R], outer: &[R], findings: &mut [R])
+    screen_block<R>(lanes: &Lanes<'_, R>, inner: &[R], outer: &[R], verdicts: &mut [Verdict])
 }
 
 for_each_level! {
     /// Screens each pair of a block on the eighths of its span.
-    screen_block_finely<R>(lanes: &Lanes<'_, R>, inner: &[R], outer: &[R], findings: &mut [R])
+    screen_block_finely<R>(lanes: &Lanes<'_, R>, inner: &[R], outer: &[R], verdicts: &mut [Verdict])
 }

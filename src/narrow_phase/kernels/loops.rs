@@ -16,7 +16,7 @@ use super::guess::{Outline, certify, descend, descend_safely, lowest_sample, out
 use super::minorant::{lower_bound, lower_bound_far, lower_bound_near, split};
 use super::real::Real;
 use super::rival::{self, certify_against, contest};
-use super::screen::{screen_eighths, screen_halves};
+use super::screen::{Verdict, screen_eighths, screen_halves};
 
 /// The number of pairs in a block: small enough for the first-level cache.
 pub(super) const BLOCK: usize = 128;
@@ -341,13 +341,13 @@ pub(super) fn screen_block<R: Real>(
     lanes: &Lanes<'_, R>,
     inner: &[R],
     outer: &[R],
-    findings: &mut [R],
+    verdicts: &mut [Verdict],
 ) {
-    let count = findings.len();
+    let count = verdicts.len();
     let lanes = lanes.first(count);
     let (inner, outer) = (&inner[..count], &outer[..count]);
     for i in 0..count {
-        findings[i] = screen_halves(control_points(&lanes, i), inner[i], outer[i]);
+        verdicts[i] = screen_halves(control_points(&lanes, i), inner[i], outer[i]);
     }
 }
 
@@ -356,12 +356,12 @@ pub(super) fn screen_block_finely<R: Real>(
     lanes: &Lanes<'_, R>,
     inner: &[R],
     outer: &[R],
-    findings: &mut [R],
+    verdicts: &mut [Verdict],
 ) {
-    let count = findings.len();
+    let count = verdicts.len();
     let lanes = lanes.first(count);
     let (inner, outer) = (&inner[..count], &outer[..count]);
     for i in 0..count {
-        findings[i] = screen_eighths(control_points(&lanes, i), inner[i], outer[i]);
+        verdicts[i] = screen_eighths(control_points(&lanes, i), inner[i], outer[i]);
     }
 }

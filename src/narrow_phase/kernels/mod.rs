@@ -92,7 +92,7 @@ pub use cubic::ControlPoints;
 pub use dispatch::Level;
 pub use enclosure::Enclosure;
 pub use real::Real;
-pub use within::Verdict;
+pub use screen::Verdict;
 
 /// The closest approach of each pair: local times in 0..=1, distances in metres.
 ///
