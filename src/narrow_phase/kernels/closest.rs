@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 use super::batch::Lanes;
-use super::cubic::{CentredCubic, ControlPoints};
+use super::cubic::{CentredCubic, ControlPoints, widened};
 use super::dispatch::{Level, enclose_block_finely, guess_block, guess_block_again};
 use super::enclosure::{enclose_from, is_nearest_at};
 use super::exhaustive::{normalised, square_at};
@@ -35,7 +35,7 @@ pub(super) fn closest_approach_of<R: Real>(points: &ControlPoints<R>) -> (R, R) 
     if is_positive(found.certificate) {
         return (local_time(found.time), distance(found.square));
     }
-    let wide = points.map(|point| point.map(R::to_f64));
+    let wide = widened(points);
     let mut nearest = refined(&wide, local_time(found.time).to_f64(), QUICK);
     if !is_nearest_at(&wide, nearest.0) {
         nearest = searched(&wide, nearest.0);
@@ -148,8 +148,7 @@ impl<R: Real> Work<'_, R> {
                 (self.times[pair], self.distances[pair]) = (times[i], distances[i]);
                 continue;
             }
-            let points = self.second.lanes().control_points(i);
-            let wide = points.map(|point| point.map(R::to_f64));
+            let wide = widened(&self.second.control_points(i));
             let (time, distance) = refined(&wide, times[i].to_f64(), QUICK);
             self.third.push(pair, wide, [time, distance]);
             if self.third.is_full() {
@@ -172,7 +171,7 @@ impl<R: Real> Work<'_, R> {
             let (time, distance) = if is_positive(bounds.tight[i]) {
                 (times[i], distances[i])
             } else {
-                searched(&lanes.control_points(i), times[i])
+                searched(&self.third.control_points(i), times[i])
             };
             let pair = self.third.pair(i);
             self.times[pair] = R::from_f64(time);

@@ -111,6 +111,13 @@ impl<R: Real> CentredCubic<R> {
     }
 }
 
+/// The same points in `f64`.
+#[inline]
+pub(super) fn widened<R: Real>([p0, p1, p2, p3]: &ControlPoints<R>) -> ControlPoints<f64> {
+    let wide = |p: &Vector<R>| [p[0].to_f64(), p[1].to_f64(), p[2].to_f64()];
+    [wide(p0), wide(p1), wide(p2), wide(p3)]
+}
+
 /// The largest absolute value of a coordinate.
 #[inline]
 pub(super) fn largest_coordinate(points: &ControlPoints<f64>) -> f64 {

@@ -94,6 +94,16 @@ impl<R: Real, const EXTRAS: usize> Pending<R, EXTRAS> {
         self.pairs[i]
     }
 
+    /// The control points of a pair.
+    #[inline]
+    pub(super) fn control_points(&self, i: usize) -> ControlPoints<R> {
+        let at = |point: usize| {
+            let [x, y, z] = &self.coordinates;
+            [x[point][i], y[point][i], z[point][i]]
+        };
+        [at(0), at(1), at(2), at(3)]
+    }
+
     pub(super) fn lanes(&self) -> Lanes<'_, R> {
         Lanes {
             coordinates: self

@@ -1,7 +1,7 @@
 //! Verdicts for many pairs: two Bernstein screens, then an enclosure for the few that are left.
 
 use super::batch::Lanes;
-use super::cubic::{ControlPoints, largest_coordinate};
+use super::cubic::{ControlPoints, largest_coordinate, widened};
 use super::dispatch::{Level, enclose_block, screen_block, screen_block_finely};
 use super::enclosure::enclose_for;
 use super::loops::{BLOCK, Block, Bounds};
@@ -19,7 +19,7 @@ pub(super) fn within_of<R: Real>(points: &ControlPoints<R>, inner: R, outer: R) 
     if second != Verdict::Undecided {
         return second;
     }
-    let wide = points.map(|point| point.map(R::to_f64));
+    let wide = widened(points);
     last_verdict(
         &wide,
         conversion_error::<R>(&wide),
@@ -127,11 +127,10 @@ impl<R: Real> Screening<'_, R> {
             let pair = self.second.pair(i);
             self.verdicts[pair] = *found;
             if *found == Verdict::Undecided {
-                let points = self.second.lanes().control_points(i);
-                let wide = points.map(|point| point.map(R::to_f64));
-                let [inner, outer] = self.second.extras().map(|extra| extra[i].to_f64());
+                let wide = widened(&self.second.control_points(i));
+                let error = conversion_error::<R>(&wide);
                 self.third
-                    .push(pair, wide, [inner, outer, conversion_error::<R>(&wide)]);
+                    .push(pair, wide, [inner[i].to_f64(), outer[i].to_f64(), error]);
                 if self.third.is_full() {
                     Self::enclose_pending(self.level, &mut self.third, self.verdicts);
                 }
@@ -161,7 +160,7 @@ impl<R: Real> Screening<'_, R> {
             }
             // A tight enclosure that is undecided stays so.
             if found == Verdict::Undecided && (tight <= 0.0 || tight.is_nan()) {
-                found = last_verdict(&lanes.control_points(i), errors[i], inner[i], outer[i]);
+                found = last_verdict(&third.control_points(i), errors[i], inner[i], outer[i]);
             }
             verdicts[third.pair(i)] = found;
         }
