@@ -1,13 +1,11 @@
 //! The closest approach of many pairs: guess, prove, try again, and at last branch and bound.
 
-use std::cmp::Ordering;
-
 use super::batch::Lanes;
-use super::cubic::{CentredCubic, ControlPoints, widened};
+use super::cubic::{CentredCubic, ControlPoints, largest_coordinate, widened};
 use super::dispatch::{Level, enclose_block_finely, guess_block, guess_block_again};
 use super::enclosure::{enclose_from, is_nearest_at};
 use super::exhaustive::{normalised, square_at};
-use super::guess::{guess, halley_step};
+use super::guess::{HalleyStep, guess, halley_step};
 use super::loops::{BLOCK, Block, Bounds, centred_time, distance, local_time};
 use super::pending::{Pending, Selection};
 use super::real::Real;
@@ -15,8 +13,8 @@ use super::rival::guess_against_rival;
 
 /// Steps of refinement before a proof is tried, and where none was found: at a root of
 /// multiplicity five a step shortens the error by a third.
-const QUICK: u32 = 2;
-const THOROUGH: u32 = 40;
+const QUICK: u32 = 6;
+const THOROUGH: u32 = 10;
 
 /// Whether a certificate is one: not if it is not a number.
 #[inline]
@@ -37,8 +35,9 @@ pub(super) fn closest_approach_of<R: Real>(points: &ControlPoints<R>) -> (R, R) 
     }
     let wide = widened(points);
     let mut nearest = refined(&wide, local_time(found.time).to_f64(), QUICK);
-    if !is_nearest_at(&wide, nearest.0) {
-        nearest = searched(&wide, nearest.0);
+    let allowance = allowance::<R>(&wide);
+    if !is_nearest_at(&wide, nearest.0, allowance) {
+        nearest = searched(&wide, nearest.0, allowance);
     }
     (R::from_f64(nearest.0), R::from_f64(nearest.1))
 }
@@ -50,20 +49,36 @@ fn refined(points: &ControlPoints<f64>, time: f64, steps: u32) -> (f64, f64) {
     let mut u = 2.0 * time - 1.0;
     let mut square = square_at(&cubic, u);
     for _ in 0..steps {
-        let next = (u - halley_step(&cubic, u).step).clamp(-1.0, 1.0);
-        let there = square_at(&cubic, next);
-        // Also where the step is not a number.
-        if there.partial_cmp(&square) != Some(Ordering::Less) {
+        let HalleyStep { step, long_step, .. } = halley_step(&cubic, u);
+        let better = [long_step, step].into_iter().find_map(|step| {
+            let next = (u - step).clamp(-1.0, 1.0);
+            let there = square_at(&cubic, next);
+            // Not where the step is not a number.
+            (there < square).then_some((next, there))
+        });
+        let Some(better) = better else {
             break;
-        }
-        (u, square) = (next, there);
+        };
+        (u, square) = better;
     }
     (local_time(u), distance(square) * unit)
 }
 
 /// The closest approach by branch and bound from a good time on.
-fn searched(points: &ControlPoints<f64>, time: f64) -> (f64, f64) {
-    refined(points, enclose_from(points, time).time, THOROUGH)
+fn searched(points: &ControlPoints<f64>, time: f64, allowance: f64) -> (f64, f64) {
+    let found = enclose_from(points, time, allowance);
+    refined(points, found.time, THOROUGH)
+}
+
+/// An error of the cubic, metres, with which an enclosure is as tight as the type of the lanes
+/// can tell: a quarter of it may be missing (`enclosure.rs`).
+#[inline]
+fn allowance<R: Real>(points: &ControlPoints<f64>) -> f64 {
+    if R::IS_SINGLE {
+        8.0 * R::ROUNDING.to_f64() * largest_coordinate(points)
+    } else {
+        0.0
+    }
 }
 
 /// The work of one call of [`closest_approach`].
@@ -74,8 +89,9 @@ struct Work<'a, R> {
     block: Block<R>,
     /// Not certified at the first try: with the time.
     second: Pending<R, 1>,
-    /// Not certified at the second try: with time and distance, refined, in f64.
-    third: Pending<f64, 2>,
+    /// Not certified at the second try: with time and distance, refined, and
+    /// [`allowance`], in f64.
+    third: Pending<f64, 3>,
 }
 
 /// The closest approach of each pair, on one thread: local times in 0..=1, distances in metres.
@@ -150,7 +166,8 @@ impl<R: Real> Work<'_, R> {
             }
             let wide = widened(&self.second.control_points(i));
             let (time, distance) = refined(&wide, times[i].to_f64(), QUICK);
-            self.third.push(pair, wide, [time, distance]);
+            self.third
+                .push(pair, wide, [time, distance, allowance::<R>(&wide)]);
             if self.third.is_full() {
                 self.prove();
             }
@@ -163,15 +180,13 @@ impl<R: Real> Work<'_, R> {
     fn prove(&mut self) {
         let mut bounds = Bounds::new();
         let lanes = self.third.lanes();
-        let [times, distances] = self.third.extras();
-        let errors = [0.0; BLOCK];
-        let errors = &errors[..self.third.len()];
+        let [times, distances, errors] = self.third.extras();
         enclose_block_finely(self.level, &lanes, errors, times, &mut bounds);
         for i in 0..self.third.len() {
             let (time, distance) = if is_positive(bounds.tight[i]) {
                 (times[i], distances[i])
             } else {
-                searched(&self.third.control_points(i), times[i])
+                searched(&self.third.control_points(i), times[i], errors[i])
             };
             let pair = self.third.pair(i);
             self.times[pair] = R::from_f64(time);

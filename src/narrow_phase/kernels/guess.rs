@@ -209,7 +209,9 @@ impl Slope {
 /// the lanes and free of the cancellation in the expanded coefficients.
 #[inline(always)]
 pub(super) fn settle<R: Real>(cubic: &CentredCubic<R>, u: R) -> Settled<R> {
-    let HalleyStep { slope, step, error } = halley_step(cubic, u);
+    let HalleyStep {
+        slope, step, error, ..
+    } = halley_step(cubic, u);
     let at_end = is_end(u, slope);
     // A step that is cut off at an end counts in full.
     let settled = at_end | ((step.abs() <= R::SETTLED) & (error <= R::from_f64(4.0) * R::ROUNDING));
@@ -251,6 +253,8 @@ pub(super) struct HalleyStep<R> {
     slope: R,
     /// How far to go back in centred time.
     pub(super) step: R,
+    /// The same by Schroeder's method, which is as fast at a multiple root as at a simple one.
+    pub(super) long_step: R,
     /// An estimate of the error after the step, from the curvature of the slope: of third order
     /// at a simple root, of the order of the step itself at a multiple one.
     error: R,
@@ -271,6 +275,7 @@ pub(super) fn halley_step<R: Real>(cubic: &CentredCubic<R>, u: R) -> HalleyStep<
     HalleyStep {
         slope,
         step,
+        long_step: slope * first / (first * first - two * (slope * second)),
         error: step.abs() * (ratio * ratio),
     }
 }
