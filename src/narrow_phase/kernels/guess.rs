@@ -94,42 +94,57 @@ pub(super) fn outline<R: Real>(coefficients: [Vector<f32>; 4]) -> Outline {
 }
 
 /// Second stage: the lowest of the samples at `0, ±1/4, …, ±1` of a squared distance.
+///
+/// Each sample carries its place in the last four bits of its value, so that the least value is
+/// found together with its place: without selections, which are branches in scalar code. To tell
+/// two samples apart by less than 1e-6 of their value is of no use.
 #[inline(always)]
 pub(super) fn lowest_sample(square: &[f32; 7]) -> f32 {
     let [a0, a1, a2, a3, a4, a5, a6] = *square;
-    let mut best = a0;
-    let mut time = 0.0;
-    let mut tilt = 0.0;
-    let mut i = 1;
+    let mut best = marked(a0, 0);
+    let mut i = 1_u8;
     while i <= 4 {
         // Even and odd powers apart serve u and -u at once: the sign of the odd part says which
         // of the two is lower.
-        let u = 0.25 * i as f32;
+        let u = 0.25 * f32::from(i);
         let v = u * u;
         let even = a0 + v * (a2 + v * (a4 + v * a6));
         let odd = a1 + v * (a3 + v * a5);
-        let lower = even - u * odd.abs();
-        time = if lower < best { u } else { time };
-        tilt = if lower < best { odd } else { tilt };
-        best = if lower < best { lower } else { best };
+        let falling = odd.to_bits() >> 31;
+        let lower = marked(even - u * odd.abs(), 2 * u32::from(i) + falling);
+        best = lower.or_less(best);
         i += 1;
     }
-    if tilt > 0.0 { -time } else { time }
+    let place = best.to_bits() & PLACE;
+    let size = 0.25 * narrow_place(place >> 1);
+    // The slope falls towards a time above 0, and rises towards one below.
+    f32::from_bits(size.to_bits() | (!place << 31))
 }
 
-/// Third stage: a few Halley steps on the slope of the squared distance, kept between the
-/// neighbours of the sample and on the falling side.
+/// The bits in which a sample carries its place.
+const PLACE: u32 = 15;
+
+#[inline(always)]
+fn marked(value: f32, place: u32) -> f32 {
+    f32::from_bits((value.to_bits() & !PLACE) | place)
+}
+
+#[allow(clippy::cast_precision_loss, reason = "a place is below 16")]
+#[inline(always)]
+fn narrow_place(place: u32) -> f32 {
+    place as f32
+}
+
+/// Third stage: a few steps on the slope of the squared distance, kept between the neighbours of
+/// the sample.
 #[inline(always)]
 pub(super) fn descend(square: &[f32; 7], start: f32, steps: u32) -> f32 {
     let slope = Slope::new(square);
-    let (mut low, mut high) = neighbours(start);
+    let (low, high) = neighbours(start);
     let mut u = start;
     let mut step = 0;
     while step < steps {
-        let (value, next) = slope.step(u);
-        let rising = value > 0.0;
-        high = if rising { u } else { high };
-        low = if rising { low } else { u };
+        let (_, next) = slope.step(u);
         // Also where the step is not a number.
         u = next.or_less(high).or_more(low);
         step += 1;
@@ -137,8 +152,8 @@ pub(super) fn descend(square: &[f32; 7], start: f32, steps: u32) -> f32 {
     u
 }
 
-/// The same, with a bisection wherever a step leads out of the bracket: for starts at which the
-/// slope bends away from its root.
+/// The same on the falling side only, and with a bisection wherever a step leads out of the
+/// bracket: for starts at which the slope bends away from its root.
 #[inline(always)]
 pub(super) fn descend_safely(square: &[f32; 7], start: f32, steps: u32) -> f32 {
     let slope = Slope::new(square);
@@ -186,8 +201,8 @@ impl Slope {
         }
     }
 
-    /// The slope, and where a step of Householder's method of order four leads: one order more
-    /// than Halley's costs less than another step.
+    /// The slope, and where a step downhill leads that is as long as one of Householder's method of
+    /// order four: one order more than Halley's costs less than another step.
     #[inline(always)]
     fn step(&self, u: f32) -> (f32, f32) {
         let [a0, a1, a2, a3, a4, a5] = self.value;
@@ -201,7 +216,8 @@ impl Slope {
         let third = (d0 + u * d1) + v * d2;
         let halley = first * first - value * second;
         let below = first * halley - value * (first * second - value * third);
-        (value, u - value * halley / below)
+        let step = value * halley / below;
+        (value, u - step.abs().copysign(value))
     }
 }
 
@@ -209,13 +225,15 @@ impl Slope {
 /// the lanes and free of the cancellation in the expanded coefficients.
 #[inline(always)]
 pub(super) fn settle<R: Real>(cubic: &CentredCubic<R>, u: R) -> Settled<R> {
+    let (zero, one) = (R::from_f64(0.0), R::from_f64(1.0));
     let HalleyStep {
         slope, step, error, ..
     } = halley_step(cubic, u);
-    let at_end = is_end(u, slope);
+    // At an end with the slope inward there is nothing to settle.
+    let at_end = (u.abs() >= one) & (slope * u <= zero);
     // A step that is cut off at an end counts in full.
     let settled = at_end | ((step.abs() <= R::SETTLED) & (error <= R::from_f64(4.0) * R::ROUNDING));
-    let time = stepped(u, step, at_end);
+    let time = downhill(u, slope, step);
     let position = cubic.position(time);
     Settled {
         time,
@@ -229,21 +247,14 @@ pub(super) fn settle<R: Real>(cubic: &CentredCubic<R>, u: R) -> Settled<R> {
 #[inline(always)]
 pub(super) fn polish<R: Real>(cubic: &CentredCubic<R>, u: R) -> R {
     let HalleyStep { slope, step, .. } = halley_step(cubic, u);
-    stepped(u, step, is_end(u, slope))
+    downhill(u, slope, step)
 }
 
-/// Whether this is an end of the span with the slope inward: there is nothing to polish.
+/// A step that never leads uphill, so that it stays at an end with the slope inward.
 #[inline(always)]
-fn is_end<R: Real>(u: R, slope: R) -> bool {
-    let (zero, one) = (R::from_f64(0.0), R::from_f64(1.0));
-    ((u <= -one) & (slope >= zero)) | ((u >= one) & (slope <= zero))
-}
-
-#[inline(always)]
-fn stepped<R: Real>(u: R, step: R, at_end: bool) -> R {
+fn downhill<R: Real>(u: R, slope: R, step: R) -> R {
     let one = R::from_f64(1.0);
-    let step = if at_end { R::from_f64(0.0) } else { step };
-    (u - step).or_less(one).or_more(-one)
+    (u - step.abs().with_sign_of(slope)).or_less(one).or_more(-one)
 }
 
 /// A step of Halley's method towards a stationary point of the distance.
@@ -283,13 +294,13 @@ pub(super) fn halley_step<R: Real>(cubic: &CentredCubic<R>, u: R) -> HalleyStep<
 /// The quartic left of the squared distance after dividing twice by the time from a guess.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Deflated {
-    /// Its coefficients; those of reversed time if the guess is the high end of the span.
+    /// Its coefficients, those of reversed time if `turn` is negative.
     pub(super) quartic: [f32; 5],
     /// At an end of the span, by how much the slope certainly points inward; 0 elsewhere. Then
     /// `(u + 1) q + inward` has to be positive.
     pub(super) inward: f32,
-    /// Whether time is reversed, so that the end is at -1.
-    pub(super) turned: bool,
+    /// -1 if the guess is above 0, else 1: so that an end is always the low one.
+    pub(super) turn: f32,
 }
 
 impl Deflated {
@@ -310,20 +321,14 @@ impl Deflated {
         let q0 = b1 + u * q1;
         let r = b0 + u * q0;
 
-        let at_low = (u <= -1.0) & (r > 0.0);
-        let turned = (u >= 1.0) & (r < 0.0);
-        // The slope has a rounding of its own, and enters with factors of up to 20.
-        let certain = (r.abs() - SLOPE_MARGIN * margin).or_more(0.0);
+        // At an end with the slope inward the product is negative. The slope has a rounding of
+        // its own, and enters with factors of up to 20.
+        let inward = if u.abs() >= 1.0 { -(r * u) } else { 0.0 };
+        let turn = 1.0_f32.copysign(-u);
         Self {
-            quartic: [
-                q0,
-                if turned { -q1 } else { q1 },
-                q2,
-                if turned { -q3 } else { q3 },
-                q4,
-            ],
-            inward: if at_low | turned { certain } else { 0.0 },
-            turned,
+            quartic: [q0, turn * q1, q2, turn * q3, q4],
+            inward: (inward - SLOPE_MARGIN * margin).or_more(0.0),
+            turn,
         }
     }
 }

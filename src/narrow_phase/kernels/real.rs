@@ -68,6 +68,10 @@ pub trait Real:
     #[must_use]
     fn sqrt(self) -> Self;
 
+    /// The same absolute value with the sign of another number.
+    #[must_use]
+    fn with_sign_of(self, other: Self) -> Self;
+
     /// The smaller number; the second one if either is not a number.
     #[inline(always)]
     #[must_use]
@@ -116,6 +120,11 @@ macro_rules! implement_real {
             #[inline(always)]
             fn sqrt(self) -> Self {
                 self.sqrt()
+            }
+
+            #[inline(always)]
+            fn with_sign_of(self, other: Self) -> Self {
+                self.copysign(other)
             }
         }
     };

@@ -44,7 +44,7 @@ pub(super) fn guess_against_rival<R: Real>(points: ControlPoints<R>, first: f32)
 pub(super) fn contest(outline: &Outline, first: f32) -> Contest {
     let remainder = Remainder::new(outline, first);
     let least = remainder.least_point(remainder.lowest_sample());
-    let rival = if remainder.deflated.turned { -least } else { least };
+    let rival = remainder.deflated.turn * least;
     let beaten = remainder.value(least) < 0.0;
     Contest {
         start: if beaten { rival } else { first },
@@ -57,7 +57,7 @@ pub(super) fn contest(outline: &Outline, first: f32) -> Contest {
 #[inline(always)]
 pub(super) fn certify_against(outline: &Outline, u: f32, rival: f32, doubt: f32) -> f32 {
     let remainder = Remainder::new(outline, u);
-    let rival = if remainder.deflated.turned { -rival } else { rival };
+    let rival = remainder.deflated.turn * rival;
     let (low, high) = cut(remainder.bernstein(), 0.5 * (remainder.least_point(rival) + 1.0));
     least_of_quarters(low).or_less(least_of_quarters(high)) - outline.margin * doubt
 }
