@@ -49,7 +49,9 @@ fn refined(points: &ControlPoints<f64>, time: f64, steps: u32) -> (f64, f64) {
     let mut u = 2.0 * time - 1.0;
     let mut square = square_at(&cubic, u);
     for _ in 0..steps {
-        let HalleyStep { step, long_step, .. } = halley_step(&cubic, u);
+        let HalleyStep {
+            step, long_step, ..
+        } = halley_step(&cubic.derivatives(u));
         let better = [long_step, step].into_iter().find_map(|step| {
             let next = (u - step).clamp(-1.0, 1.0);
             let there = square_at(&cubic, next);

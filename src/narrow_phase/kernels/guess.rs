@@ -11,7 +11,7 @@
 //! The three stages are functions of their own, so that a block of pairs can pass them one after
 //! the other: many short dependency chains at once instead of a long one.
 
-use super::cubic::{CentredCubic, ControlPoints, Vector, dot};
+use super::cubic::{CentredCubic, ControlPoints, Vector, dot, scale, subtract};
 use super::real::Real;
 
 /// Units of rounding of the deflated coefficients, and that of the slope as a part of it (the
@@ -101,7 +101,7 @@ pub(super) fn outline<R: Real>(coefficients: [Vector<f32>; 4]) -> Outline {
 #[inline(always)]
 pub(super) fn lowest_sample(square: &[f32; 7]) -> f32 {
     let [a0, a1, a2, a3, a4, a5, a6] = *square;
-    let mut best = marked(a0, 0);
+    let mut samples = [marked(a0, 0); 5];
     let mut i = 1_u8;
     while i <= 4 {
         // Even and odd powers apart serve u and -u at once: the sign of the odd part says which
@@ -111,11 +111,10 @@ pub(super) fn lowest_sample(square: &[f32; 7]) -> f32 {
         let even = a0 + v * (a2 + v * (a4 + v * a6));
         let odd = a1 + v * (a3 + v * a5);
         let falling = odd.to_bits() >> 31;
-        let lower = marked(even - u * odd.abs(), 2 * u32::from(i) + falling);
-        best = lower.or_less(best);
+        samples[usize::from(i)] = marked(even - u * odd.abs(), 2 * u32::from(i) + falling);
         i += 1;
     }
-    let place = best.to_bits() & PLACE;
+    let place = least(samples).to_bits() & PLACE;
     let size = 0.25 * narrow_place(place >> 1);
     // The slope falls towards a time above 0, and rises towards one below.
     f32::from_bits(size.to_bits() | (!place << 31))
@@ -226,15 +225,21 @@ impl Slope {
 #[inline(always)]
 pub(super) fn settle<R: Real>(cubic: &CentredCubic<R>, u: R) -> Settled<R> {
     let (zero, one) = (R::from_f64(0.0), R::from_f64(1.0));
+    let derivatives = cubic.derivatives(u);
     let HalleyStep {
         slope, step, error, ..
-    } = halley_step(cubic, u);
-    // At an end with the slope inward there is nothing to settle.
-    let at_end = (u.abs() >= one) & (slope * u <= zero);
-    // A step that is cut off at an end counts in full.
-    let settled = at_end | ((step.abs() <= R::SETTLED) & (error <= R::from_f64(4.0) * R::ROUNDING));
+    } = halley_step(&derivatives);
+    // Not above 0 at an end with the slope inward, where there is nothing to settle.
+    let inside = (one - u.abs()).or_more(slope * u);
+    // Not above 0 where the step is short and accurate; one that is cut off at an end counts in
+    // full. The least of both, or `inside` if the step is not a number.
+    let off = (error - R::from_f64(4.0) * R::ROUNDING).or_more(step.abs() - R::SETTLED);
+    let settled = off.or_less(inside) <= zero;
     let time = downhill(u, slope, step);
-    let position = cubic.position(time);
+    // The cube of a step that has settled is rounding.
+    let [position, velocity, bend, _] = derivatives;
+    let back = u - time;
+    let position = subtract(position, scale(back, subtract(velocity, scale(back, bend))));
     Settled {
         time,
         square: dot(position, position),
@@ -246,7 +251,7 @@ pub(super) fn settle<R: Real>(cubic: &CentredCubic<R>, u: R) -> Settled<R> {
 /// enough.
 #[inline(always)]
 pub(super) fn polish<R: Real>(cubic: &CentredCubic<R>, u: R) -> R {
-    let HalleyStep { slope, step, .. } = halley_step(cubic, u);
+    let HalleyStep { slope, step, .. } = halley_step(&cubic.derivatives(u));
     downhill(u, slope, step)
 }
 
@@ -271,12 +276,11 @@ pub(super) struct HalleyStep<R> {
     error: R,
 }
 
-/// The step from the vectors at a centred time.
+/// The step from position, velocity, half the acceleration and a sixth of the third derivative.
 #[inline(always)]
-pub(super) fn halley_step<R: Real>(cubic: &CentredCubic<R>, u: R) -> HalleyStep<R> {
+pub(super) fn halley_step<R: Real>(derivatives: &[Vector<R>; 4]) -> HalleyStep<R> {
     let (one, two, three) = (R::from_f64(1.0), R::from_f64(2.0), R::from_f64(3.0));
-    // Position, velocity, half the acceleration; a sixth of the third derivative is constant.
-    let [position, velocity, bend, twist] = cubic.derivatives(u);
+    let [position, velocity, bend, twist] = *derivatives;
     let slope = dot(position, velocity);
     let first = dot(velocity, velocity) + two * dot(position, bend);
     let second = three * (dot(velocity, bend) + dot(position, twist));
@@ -359,14 +363,20 @@ pub(super) fn certify(outline: &Outline, u: f32, doubt: f32) -> f32 {
     // Where the slope is inward: on the side of the end coefficient i of the quintic, from the end
     // on, is i / 5 times that of the quartic, plus `inward`. On the other side the quotient
     // `inward / (u + 1)` is convex, and above its tangent at u = 1/2, which is a straight line.
-    let mut least = (even[0] + (4.0 / 3.0 - 4.0 / 9.0) * inward).or_less(even[4] - odd[4] + 5.0 * inward);
+    let mut low = [even[4] - odd[4] + 5.0 * inward; 5];
+    let mut high = [even[0] + (4.0 / 3.0 - 4.0 / 9.0) * inward; 5];
     let mut j = 1;
     while j < 5 {
         let distance = 1.0 + 0.25 * j as f32;
-        let high = even[j] + odd[j] + (4.0 / 3.0 - 4.0 / 9.0 * distance) * inward;
-        let low = even[4 - j] - odd[4 - j] + 5.0 / (j + 1) as f32 * inward;
-        least = high.or_less(low).or_less(least);
+        low[j] = even[4 - j] - odd[4 - j] + 5.0 / (j + 1) as f32 * inward;
+        high[j] = even[j] + odd[j] + (4.0 / 3.0 - 4.0 / 9.0 * distance) * inward;
         j += 1;
     }
+    let least = least(low).or_less(least(high));
     least - outline.margin * doubt
+}
+
+#[inline(always)]
+fn least(k: [f32; 5]) -> f32 {
+    (k[0].or_less(k[1])).or_less(k[2].or_less(k[3])).or_less(k[4])
 }
