@@ -2,14 +2,13 @@
 
 use super::batch::Lanes;
 use super::cubic::{CentredCubic, ControlPoints, largest_coordinate, widened};
-use super::dispatch::{Level, enclose_block_finely, guess_block, guess_block_again};
+use super::dispatch::{Level, enclose_block_finely, guess_block, guess_block_again, guess_pair};
 use super::enclosure::{enclose_from, is_nearest_at};
 use super::exhaustive::{normalised, square_at};
-use super::guess::{HalleyStep, guess, halley_step};
-use super::loops::{BLOCK, Block, Bounds, centred_time, distance, local_time};
+use super::guess::{HalleyStep, halley_step};
+use super::loops::{BLOCK, Block, Bounds, distance, local_time};
 use super::pending::{Pending, Selection};
 use super::real::Real;
-use super::rival::guess_against_rival;
 
 /// Steps of refinement before a proof is tried, and where none was found: at a root of
 /// multiplicity five a step shortens the error by a third.
@@ -24,12 +23,7 @@ fn is_positive<R: Real>(certificate: R) -> bool {
 
 /// The closest approach of one pair: local time and distance.
 pub(super) fn closest_approach_of<R: Real>(points: &ControlPoints<R>) -> (R, R) {
-    let mut found = guess::<R>(*points);
-    if !is_positive(found.certificate) {
-        // By way of the local time, as in a batch.
-        let first = centred_time(local_time(found.time)).to_f32();
-        found = guess_against_rival::<R>(*points, first);
-    }
+    let found = guess_pair(Level::best(), points);
     if is_positive(found.certificate) {
         return (local_time(found.time), distance(found.square));
     }
@@ -137,7 +131,8 @@ impl<R: Real> Work<'_, R> {
         );
         let mut failed = Selection::without(certificates);
         while !failed.is_empty() {
-            self.second.take(&mut failed, start, &part, [&self.times[start..end]]);
+            self.second
+                .take(&mut failed, start, &part, [&self.times[start..end]]);
             if self.second.is_full() {
                 self.guess_again();
             }

@@ -7,6 +7,8 @@
 use std::sync::OnceLock;
 
 use super::batch::Lanes;
+use super::cubic::ControlPoints;
+use super::guess::Guess;
 use super::loops::{self, Block, Bounds};
 use super::real::Real;
 use super::screen::Verdict;
@@ -79,34 +81,39 @@ impl Level {
 macro_rules! for_each_level {
     (
         $(#[$documentation:meta])*
-        $name:ident<$R:ident>($($argument:ident: $type:ty),* $(,)?)
+        $name:ident<$R:ident>($($argument:ident: $type:ty),* $(,)?) $(-> $output:ty)?
     ) => {
         $(#[$documentation])*
-        pub(super) fn $name<$R: Real >(level: Level, $($argument: $type),*) {
+        pub(super) fn $name<$R: Real >(level: Level, $($argument: $type),*) $(-> $output)? {
             #[cfg(target_arch = "x86_64")]
             #[target_feature(enable = "avx2")]
-            fn avx2<$R: Real >($($argument: $type),*) {
-                loops::$name::<$R >($($argument),*);
+            fn avx2<$R: Real >($($argument: $type),*) $(-> $output)? {
+                loops::$name::<$R>($($argument),*)
             }
 
             #[cfg(target_arch = "x86_64")]
             #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl")]
-            fn avx512<$R: Real >($($argument: $type),*) {
-                loops::$name::<$R >($($argument),*);
+            fn avx512<$R: Real >($($argument: $type),*) $(-> $output)? {
+                loops::$name::<$R>($($argument),*)
             }
 
             match level.0 {
-                Set::Portable => loops::$name::<$R >($($argument),*),
+                Set::Portable => loops::$name::<$R>($($argument),*),
                 #[cfg(target_arch = "x86_64")]
                 // SAFETY: a `Level` of this set is only made where the processor has AVX2.
-                Set::Avx2 => unsafe { avx2::<$R >($($argument),*) },
+                Set::Avx2 => unsafe { avx2::<$R>($($argument),*) },
                 #[cfg(target_arch = "x86_64")]
                 // SAFETY: a `Level` of this set is only made where the processor has AVX-512 F,
                 // DQ, BW and VL.
-                Set::Avx512 => unsafe { avx512::<$R >($($argument),*) },
+                Set::Avx512 => unsafe { avx512::<$R>($($argument),*) },
             }
         }
     };
+}
+
+for_each_level! {
+    /// Guesses the closest approach of one pair.
+    guess_pair<R>(points: &ControlPoints<R>) -> Guess<R>
 }
 
 for_each_level! {

@@ -5,10 +5,10 @@
 //! `d(u) - d* = (u - u*) r + (u - u*)² q(u)`
 //!
 //! with a number `r` (the residual slope) and a quartic `q`, from dividing twice by `u - u*`. If
-//! the Bernstein coefficients of `q` on pieces of -1..=1 are all positive, no other point is
+//! the Bernstein coefficients of `q` on both halves of -1..=1 are all positive, no other point is
 //! lower, but for the residual slope, which is of the order of the rounding.
 //!
-//! The three stages are functions of their own, so that a block of pairs can pass them one after
+//! The stages are functions of their own, so that a block of pairs can pass them one after
 //! the other: many short dependency chains at once instead of a long one.
 
 use super::cubic::{CentredCubic, ControlPoints, Vector, dot, scale, subtract};
@@ -83,7 +83,11 @@ pub(super) fn outline<R: Real>(coefficients: [Vector<f32>; 4]) -> Outline {
     ];
     let size = (4.0 * s0 + 10.0 * s1) + (20.0 * s2 + 34.0 * s3);
     let margin = MARGIN * f32::ROUNDING * size + f32::UNDERFLOW;
-    let margin = if size < f32::LARGE { margin } else { f32::INFINITY };
+    let margin = if size < f32::LARGE {
+        margin
+    } else {
+        f32::INFINITY
+    };
     // A pair at rest but for rounding is as near at any time.
     let rounding = R::ROUNDING.to_f32();
     let still = ((s1 + s2 + s3) * (1.0 / (rounding * rounding)) <= s0) & (s0 > STILL);
@@ -259,7 +263,9 @@ pub(super) fn polish<R: Real>(cubic: &CentredCubic<R>, u: R) -> R {
 #[inline(always)]
 fn downhill<R: Real>(u: R, slope: R, step: R) -> R {
     let one = R::from_f64(1.0);
-    (u - step.abs().with_sign_of(slope)).or_less(one).or_more(-one)
+    (u - step.abs().with_sign_of(slope))
+        .or_less(one)
+        .or_more(-one)
 }
 
 /// A step of Halley's method towards a stationary point of the distance.
@@ -346,20 +352,8 @@ pub(super) fn certify(outline: &Outline, u: f32, doubt: f32) -> f32 {
         ..
     } = Deflated::new(&outline.square, u, outline.margin);
     // Bernstein coefficients from the middle outward, to both sides at once.
-    let even = [
-        q0,
-        q0,
-        q0 + (1.0 / 6.0) * q2,
-        q0 + 0.5 * q2,
-        q0 + (q2 + q4),
-    ];
-    let odd = [
-        0.0,
-        0.25 * q1,
-        0.5 * q1,
-        0.75 * q1 + 0.25 * q3,
-        q1 + q3,
-    ];
+    let even = [q0, q0, q0 + (1.0 / 6.0) * q2, q0 + 0.5 * q2, q0 + (q2 + q4)];
+    let odd = [0.0, 0.25 * q1, 0.5 * q1, 0.75 * q1 + 0.25 * q3, q1 + q3];
     // Where the slope is inward: on the side of the end coefficient i of the quintic, from the end
     // on, is i / 5 times that of the quartic, plus `inward`. On the other side the quotient
     // `inward / (u + 1)` is convex, and above its tangent at u = 1/2, which is a straight line.
@@ -378,5 +372,7 @@ pub(super) fn certify(outline: &Outline, u: f32, doubt: f32) -> f32 {
 
 #[inline(always)]
 fn least(k: [f32; 5]) -> f32 {
-    (k[0].or_less(k[1])).or_less(k[2].or_less(k[3])).or_less(k[4])
+    (k[0].or_less(k[1]))
+        .or_less(k[2].or_less(k[3]))
+        .or_less(k[4])
 }

@@ -12,10 +12,12 @@
 use super::batch::Lanes;
 use super::cubic::{CentredCubic, ControlPoints};
 use super::enclosure::{SPLIT, SPLIT_AND_HALVED, enclose_between};
-use super::guess::{Outline, certify, descend, descend_safely, lowest_sample, outline, polish, settle};
+use super::guess::{
+    Guess, Outline, certify, descend, descend_safely, guess, lowest_sample, outline, polish, settle,
+};
 use super::minorant::{lower_bound, lower_bound_far, lower_bound_near, split};
 use super::real::Real;
-use super::rival::{self, certify_against, contest};
+use super::rival::{self, certify_against, contest, guess_against_rival};
 use super::screen::{Verdict, screen_eighths, screen_halves};
 
 /// The number of pairs in a block: small enough for the first-level cache.
@@ -78,7 +80,12 @@ impl<R: Real> Block<R> {
             self.set_cubic(i, &CentredCubic::new(control_points(&lanes, i)));
         }
         // A loop that converts and computes would be as wide as the wider type.
-        for (rough, column) in self.rough.iter_mut().flatten().zip(self.cubics.iter().flatten()) {
+        for (rough, column) in self
+            .rough
+            .iter_mut()
+            .flatten()
+            .zip(self.cubics.iter().flatten())
+        {
             for i in 0..count {
                 rough[i] = column[i].to_f32();
             }
@@ -205,6 +212,18 @@ pub(super) fn centred_time<R: Real>(local: R) -> R {
 #[inline(always)]
 pub(super) fn distance<R: Real>(square: R) -> R {
     R::from_f64(0.125) * square.sqrt()
+}
+
+/// Both tries for one pair.
+#[inline(always)]
+pub(super) fn guess_pair<R: Real>(points: &ControlPoints<R>) -> Guess<R> {
+    let found = guess(*points);
+    if found.certificate > 0.0 {
+        return found;
+    }
+    // By way of the local time, as in a batch.
+    let first = centred_time(local_time(found.time)).to_f32();
+    guess_against_rival(*points, first)
 }
 
 #[inline(always)]

@@ -1,15 +1,17 @@
 //! The second try: the guess against its rival.
 //!
 //! Most guesses without a certificate have a rival: another minimum that is nearly as low, or
-//! lower. It is near the least point of what deflation leaves of the squared distance (a quintic
-//! at an end of the span, else a quartic). If that is negative there, the rival is the better
+//! lower. It is near the least point of what deflation leaves of the squared distance: `q`, or at
+//! an end of the span `(u + 1) q` and the slope there. If that is negative, the rival is the better
 //! guess. Whichever is better, the other one makes the proof: the span is cut there, where the
-//! remainder is flat and its Bernstein coefficients are close to it, and then into quarters of
-//! both parts.
+//! Bernstein coefficients are close to the values, and then into quarters of both parts.
 
 use super::cubic::{CentredCubic, ControlPoints};
 use super::guess::{Deflated, Guess, Outline, descend_safely, outline, polish, settle};
 use super::real::Real;
+
+/// The margin of the proof in parts of that of the first (the derivation is in `kernels`).
+const AGAIN: f32 = 4.0;
 
 /// Steps of refinement in the second try.
 pub(super) const STEPS: u32 = 3;
@@ -58,12 +60,15 @@ pub(super) fn contest(outline: &Outline, first: f32) -> Contest {
 pub(super) fn certify_against(outline: &Outline, u: f32, rival: f32, doubt: f32) -> f32 {
     let remainder = Remainder::new(outline, u);
     let rival = remainder.deflated.turn * rival;
-    let (low, high) = cut(remainder.bernstein(), 0.5 * (remainder.least_point(rival) + 1.0));
-    least_of_quarters(low).or_less(least_of_quarters(high)) - outline.margin * doubt
+    let (low, high) = cut(
+        remainder.bernstein(),
+        0.5 * (remainder.least_point(rival) + 1.0),
+    );
+    least_of_quarters(low).or_less(least_of_quarters(high)) - AGAIN * outline.margin * doubt
 }
 
-/// What has to be positive all over the span: a polynomial of degree 5, in powers and as the
-/// quartic with its lift.
+/// What has to be positive all over the span: a polynomial of degree 5, in powers and as it came
+/// from the deflation.
 #[derive(Clone, Copy, Debug)]
 struct Remainder {
     powers: [f32; 6],
@@ -213,5 +218,7 @@ fn least_of_quarters(k: [f32; 6]) -> f32 {
 
 #[inline(always)]
 fn least(k: [f32; 6]) -> f32 {
-    (k[0].or_less(k[1])).or_less(k[2].or_less(k[3])).or_less(k[4].or_less(k[5]))
+    (k[0].or_less(k[1]))
+        .or_less(k[2].or_less(k[3]))
+        .or_less(k[4].or_less(k[5]))
 }

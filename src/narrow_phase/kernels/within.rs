@@ -86,13 +86,7 @@ pub(super) fn within<R: Real>(
         let end = (start + BLOCK).min(lanes.len());
         let block = lanes.range(start, end);
         let found = &mut screening.verdicts[start..end];
-        screen_block(
-            level,
-            &block,
-            &inner[start..end],
-            &outer[start..end],
-            found,
-        );
+        screen_block(level, &block, &inner[start..end], &outer[start..end], found);
         let mut left = undecided(found);
         let thresholds = [&inner[start..end], &outer[start..end]];
         while !left.is_empty() {
