@@ -1,8 +1,9 @@
 //! Batch kernels: the closest approach of thousands of pairs, on vectors of 2 to 16 lanes.
 //!
 //! A pair is a relative cubic over a span: four Bezier control points over the local time 0..=1.
-//! A batch is twelve slices, one for each coordinate of each point ([`Lanes`], or [`CubicBatch`]
-//! to fill them). Three questions can be asked of it, in `f64` and, but for the second, in `f32`:
+//! A batch is twelve slices, one for each coordinate of each point: [`Lanes`], or [`CubicBatch`]
+//! to fill them, or [`SpanBatch`] to fill them from segments. Three questions can be asked of it,
+//! in `f64` and, but for the second, in `f32`:
 //!
 //! - [`closest_approach`]: how near, and when;
 //! - [`enclose`]: proven bounds of the least distance, for a given error of the cubic;
@@ -92,6 +93,7 @@ mod real;
 mod rival;
 pub mod scalar;
 mod screen;
+mod spans;
 mod within;
 
 pub use batch::{CubicBatch, Lanes};
@@ -100,6 +102,7 @@ pub use dispatch::Level;
 pub use enclosure::Enclosure;
 pub use real::Real;
 pub use screen::Verdict;
+pub use spans::SpanBatch;
 
 /// The closest approach of each pair: local times in 0..=1, distances in metres.
 ///

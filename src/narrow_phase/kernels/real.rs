@@ -52,6 +52,10 @@ pub trait Real:
     #[must_use]
     fn from_f64(value: f64) -> Self;
 
+    /// The greatest number of this type that is not above a number.
+    #[must_use]
+    fn not_above(value: f64) -> Self;
+
     /// The same number as `f64`.
     #[must_use]
     fn to_f64(self) -> f64;
@@ -100,6 +104,16 @@ macro_rules! implement_real {
             #[inline(always)]
             fn from_f64(value: f64) -> Self {
                 $narrow(value)
+            }
+
+            #[inline]
+            fn not_above(value: f64) -> Self {
+                let nearest = Self::from_f64(value);
+                if nearest.to_f64() > value {
+                    nearest.next_down()
+                } else {
+                    nearest
+                }
             }
 
             #[inline(always)]
