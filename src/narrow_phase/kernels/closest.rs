@@ -12,7 +12,7 @@ use super::real::Real;
 
 /// Steps of refinement before a proof is tried, and where none was found: at a root of
 /// multiplicity five a step shortens the error by a third.
-const QUICK: u32 = 6;
+pub(super) const QUICK: u32 = 6;
 const THOROUGH: u32 = 10;
 
 /// Whether a certificate is one: not if it is not a number.
@@ -37,7 +37,7 @@ pub(super) fn closest_approach_of<R: Real>(points: &ControlPoints<R>) -> (R, R) 
 }
 
 /// A guess in local time refined until the distance shrinks no more; time and distance.
-fn refined(points: &ControlPoints<f64>, time: f64, steps: u32) -> (f64, f64) {
+pub(super) fn refined(points: &ControlPoints<f64>, time: f64, steps: u32) -> (f64, f64) {
     let (points, unit) = normalised(points);
     let cubic = CentredCubic::new(points);
     let mut u = 2.0 * time - 1.0;

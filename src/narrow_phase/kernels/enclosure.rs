@@ -1,5 +1,6 @@
 //! Enclosures of the least distance: proven bounds, for a given error of the cubic.
 
+use super::closest::{QUICK, refined};
 use super::cubic::{CentredCubic, ControlPoints, Vector, dot, largest_coordinate, power_of_two};
 use super::guess::{descend, lowest_sample, outline, polish, settle};
 use super::loops::local_time;
@@ -148,6 +149,12 @@ enum Goal {
 /// every instant, metres. If it is infinite the answer is everything from 0 on.
 pub(super) fn enclose(points: &ControlPoints<f64>, error: f64) -> Enclosure {
     search(points, error, None, Goal::Tight)
+}
+
+/// The same for a pair whose nearest point is probably near a time.
+pub(super) fn enclose_near(points: &ControlPoints<f64>, error: f64, time: f64) -> Enclosure {
+    let (time, _) = refined(points, time, QUICK);
+    search(points, error, Some(time), Goal::Tight)
 }
 
 /// The enclosure of one pair whose nearest point is probably at a time.
