@@ -130,40 +130,35 @@ pub(crate) fn prefetch<T>(values: &[T]) {
 macro_rules! for_each_level {
     (
         $(#[$documentation:meta])*
-        $name:ident<$R:ident: $bound:ident $(, const $N:ident: usize)*>(
-            $($argument:ident: $type:ty),* $(,)?
-        )
+        $name:ident<$R:ident: $bound:ident>($($argument:ident: $type:ty),* $(,)?) $(-> $output:ty)?
     ) => {
         $(#[$documentation])*
         #[allow(
             unsafe_code,
             reason = "a level of a set is only made where the processor has the set"
         )]
-        pub(super) fn $name<$R: $bound $(, const $N: usize)*>(
-            level: Level,
-            $($argument: $type),*
-        ) {
+        pub(super) fn $name<$R: $bound>(level: Level, $($argument: $type),*) $(-> $output)? {
             #[cfg(target_arch = "x86_64")]
             #[target_feature(enable = "avx2")]
-            fn avx2<$R: $bound $(, const $N: usize)*>($($argument: $type),*) {
-                loops::$name::<$R $(, $N)*>($($argument),*);
+            fn avx2<$R: $bound>($($argument: $type),*) $(-> $output)? {
+                loops::$name::<$R>($($argument),*)
             }
 
             #[cfg(target_arch = "x86_64")]
             #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl")]
-            fn avx512<$R: $bound $(, const $N: usize)*>($($argument: $type),*) {
-                loops::$name::<$R $(, $N)*>($($argument),*);
+            fn avx512<$R: $bound>($($argument: $type),*) $(-> $output)? {
+                loops::$name::<$R>($($argument),*)
             }
 
             match level.set() {
-                $crate::simd::Set::Portable => loops::$name::<$R $(, $N)*>($($argument),*),
+                $crate::simd::Set::Portable => loops::$name::<$R>($($argument),*),
                 #[cfg(target_arch = "x86_64")]
                 // SAFETY: a `Level` of this set is only made where the processor has AVX2.
-                $crate::simd::Set::Avx2 => unsafe { avx2::<$R $(, $N)*>($($argument),*) },
+                $crate::simd::Set::Avx2 => unsafe { avx2::<$R>($($argument),*) },
                 #[cfg(target_arch = "x86_64")]
                 // SAFETY: a `Level` of this set is only made where the processor has AVX-512 F,
                 // DQ, BW and VL.
-                $crate::simd::Set::Avx512 => unsafe { avx512::<$R $(, $N)*>($($argument),*) },
+                $crate::simd::Set::Avx512 => unsafe { avx512::<$R>($($argument),*) },
             }
         }
     };

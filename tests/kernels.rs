@@ -11,6 +11,8 @@
 
 #[path = "kernels/exact.rs"]
 mod exact;
+#[path = "kernels/spans.rs"]
+mod spans;
 #[path = "../benches/kernels/workloads.rs"]
 #[allow(dead_code, reason = "the benchmarks use the names as well")]
 mod workloads;

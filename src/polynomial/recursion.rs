@@ -7,7 +7,7 @@ use super::isolation::{Isolated, isolate};
 use super::quadratic::scaled_quadratic;
 use super::roots::RootList;
 
-/// Newton steps before bisection joins in: an isolated simple root takes 3 to 6.
+/// Newton steps before bisection joins in: more than an isolated simple root takes.
 const PATIENCE: u32 = 8;
 
 /// Beyond this, values are formed by Horner's rule, which overflows with the right sign.

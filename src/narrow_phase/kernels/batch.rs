@@ -46,44 +46,47 @@ impl<'a, R: Real> Lanes<'a, R> {
     #[inline]
     #[must_use]
     pub fn control_points(&self, pair: usize) -> ControlPoints<R> {
-        std::array::from_fn(|point| std::array::from_fn(|axis| self.coordinates[axis][point][pair]))
+        let at = |point: usize| {
+            let [x, y, z] = &self.coordinates;
+            [x[point][pair], y[point][pair], z[point][pair]]
+        };
+        [at(0), at(1), at(2), at(3)]
     }
 
     /// The first `count` pairs.
     #[inline(always)]
     pub(super) fn first(&self, count: usize) -> Self {
+        self.range(0, count)
+    }
+
+    /// The pairs from `start` up to `end`.
+    ///
+    /// Written out: the array methods that take closures are calls here, and cost as much as the
+    /// verdicts on a block of pairs.
+    #[inline(always)]
+    pub(super) fn range(&self, start: usize, end: usize) -> Self {
         let [x, y, z] = self.coordinates;
         Self {
             coordinates: [
                 [
-                    &x[0][..count],
-                    &x[1][..count],
-                    &x[2][..count],
-                    &x[3][..count],
+                    &x[0][start..end],
+                    &x[1][start..end],
+                    &x[2][start..end],
+                    &x[3][start..end],
                 ],
                 [
-                    &y[0][..count],
-                    &y[1][..count],
-                    &y[2][..count],
-                    &y[3][..count],
+                    &y[0][start..end],
+                    &y[1][start..end],
+                    &y[2][start..end],
+                    &y[3][start..end],
                 ],
                 [
-                    &z[0][..count],
-                    &z[1][..count],
-                    &z[2][..count],
-                    &z[3][..count],
+                    &z[0][start..end],
+                    &z[1][start..end],
+                    &z[2][start..end],
+                    &z[3][start..end],
                 ],
             ],
-        }
-    }
-
-    /// The pairs from `start` up to `end`.
-    #[inline]
-    pub(super) fn range(&self, start: usize, end: usize) -> Self {
-        Self {
-            coordinates: self
-                .coordinates
-                .map(|axis| axis.map(|slice| &slice[start..end])),
         }
     }
 }

@@ -1,25 +1,20 @@
 //! The closest approach of many pairs: guess, prove, try again, and at last branch and bound.
 
-use std::cmp::Ordering;
-
 use super::batch::Lanes;
-use super::cubic::{CentredCubic, ControlPoints};
-use super::dispatch::{enclose_block_finely, guess_block};
+use super::cubic::{CentredCubic, ControlPoints, largest_coordinate, widened};
+use super::dispatch::{enclose_block_finely, guess_block, guess_block_again, guess_pair};
 use super::enclosure::{enclose_from, is_nearest_at};
 use super::exhaustive::{normalised, square_at};
-use super::guess::{guess, halley_step};
-use super::loops::{BLOCK, Block, Bounds, FIRST, distance, local_time};
+use super::guess::{HalleyStep, halley_step};
+use super::loops::{BLOCK, Block, Bounds, distance, local_time};
 use super::pending::{Pending, Selection};
 use super::real::Real;
 use crate::simd::Level;
 
-/// Samples on each side of the middle in the second try.
-const SECOND: usize = 8;
-
 /// Steps of refinement before a proof is tried, and where none was found: at a root of
 /// multiplicity five a step shortens the error by a third.
-const QUICK: u32 = 2;
-const THOROUGH: u32 = 40;
+pub(super) const QUICK: u32 = 6;
+const THOROUGH: u32 = 10;
 
 /// Whether a certificate is one: not if it is not a number.
 #[inline]
@@ -29,42 +24,58 @@ fn is_positive<R: Real>(certificate: R) -> bool {
 
 /// The closest approach of one pair: local time and distance.
 pub(super) fn closest_approach_of<R: Real>(points: &ControlPoints<R>) -> (R, R) {
-    let mut found = guess::<R, FIRST, 2>(*points);
-    if !is_positive(found.certificate) {
-        found = guess::<R, SECOND, 8>(*points);
-    }
+    let found = guess_pair(Level::best(), points);
     if is_positive(found.certificate) {
         return (local_time(found.time), distance(found.square));
     }
-    let wide = points.map(|point| point.map(R::to_f64));
+    let wide = widened(points);
     let mut nearest = refined(&wide, local_time(found.time).to_f64(), QUICK);
-    if !is_nearest_at(&wide, nearest.0) {
-        nearest = searched(&wide, nearest.0);
+    let allowance = allowance::<R>(&wide);
+    if !is_nearest_at(&wide, nearest.0, allowance) {
+        nearest = searched(&wide, nearest.0, allowance);
     }
     (R::from_f64(nearest.0), R::from_f64(nearest.1))
 }
 
 /// A guess in local time refined until the distance shrinks no more; time and distance.
-fn refined(points: &ControlPoints<f64>, time: f64, steps: u32) -> (f64, f64) {
+pub(super) fn refined(points: &ControlPoints<f64>, time: f64, steps: u32) -> (f64, f64) {
     let (points, unit) = normalised(points);
     let cubic = CentredCubic::new(points);
     let mut u = 2.0 * time - 1.0;
     let mut square = square_at(&cubic, u);
     for _ in 0..steps {
-        let next = (u - halley_step(&cubic, u).step).clamp(-1.0, 1.0);
-        let there = square_at(&cubic, next);
-        // Also where the step is not a number.
-        if there.partial_cmp(&square) != Some(Ordering::Less) {
+        let HalleyStep {
+            step, long_step, ..
+        } = halley_step(&cubic.derivatives(u));
+        let better = [long_step, step].into_iter().find_map(|step| {
+            let next = (u - step).clamp(-1.0, 1.0);
+            let there = square_at(&cubic, next);
+            // Not where the step is not a number.
+            (there < square).then_some((next, there))
+        });
+        let Some(better) = better else {
             break;
-        }
-        (u, square) = (next, there);
+        };
+        (u, square) = better;
     }
     (local_time(u), distance(square) * unit)
 }
 
 /// The closest approach by branch and bound from a good time on.
-fn searched(points: &ControlPoints<f64>, time: f64) -> (f64, f64) {
-    refined(points, enclose_from(points, time).time, THOROUGH)
+fn searched(points: &ControlPoints<f64>, time: f64, allowance: f64) -> (f64, f64) {
+    let found = enclose_from(points, time, allowance);
+    refined(points, found.time, THOROUGH)
+}
+
+/// An error of the cubic, metres, with which an enclosure is as tight as the type of the lanes
+/// can tell: a quarter of it may be missing (`enclosure.rs`).
+#[inline]
+fn allowance<R: Real>(points: &ControlPoints<f64>) -> f64 {
+    if R::IS_SINGLE {
+        8.0 * R::ROUNDING.to_f64() * largest_coordinate(points)
+    } else {
+        0.0
+    }
 }
 
 /// The work of one call of [`closest_approach`].
@@ -73,10 +84,11 @@ struct Work<'a, R> {
     times: &'a mut [R],
     distances: &'a mut [R],
     block: Block<R>,
-    /// Not certified at the first try.
-    second: Pending<R, 0>,
-    /// Not certified at the second try: with time and distance, refined, in f64.
-    third: Pending<f64, 2>,
+    /// Not certified at the first try: with the time.
+    second: Pending<R, 1>,
+    /// Not certified at the second try: with time and distance, refined, and
+    /// [`allowance`], in f64.
+    third: Pending<f64, 3>,
 }
 
 /// The closest approach of each pair, on one thread: local times in 0..=1, distances in metres.
@@ -107,10 +119,10 @@ pub(super) fn closest_approach<R: Real>(
 impl<R: Real> Work<'_, R> {
     /// The first try for a part of the batch.
     fn guess(&mut self, lanes: &Lanes<'_, R>, start: usize, end: usize) {
-        let mut certificates = [R::default(); BLOCK];
+        let mut certificates = [0.0; BLOCK];
         let certificates = &mut certificates[..end - start];
         let part = lanes.range(start, end);
-        guess_block::<R, FIRST, 2>(
+        guess_block(
             self.level,
             &mut self.block,
             &part,
@@ -118,24 +130,28 @@ impl<R: Real> Work<'_, R> {
             &mut self.distances[start..end],
             certificates,
         );
-        let failed = Selection::new(certificates.iter().map(|found| !is_positive(*found)));
-        for &i in failed.places() {
-            self.second.push(start + i, part.control_points(i), []);
+        let mut failed = Selection::without(certificates);
+        while !failed.is_empty() {
+            self.second
+                .take(&mut failed, start, &part, [&self.times[start..end]]);
             if self.second.is_full() {
                 self.guess_again();
             }
         }
     }
 
-    /// The second try, with more samples and a finer certificate.
+    /// The second try, against the rivals of the first guesses.
     fn guess_again(&mut self) {
-        let mut found = [[R::default(); BLOCK]; 3];
-        let [times, distances, certificates] =
-            found.each_mut().map(|slot| &mut slot[..self.second.len()]);
-        guess_block::<R, SECOND, 8>(
+        let mut found = [[R::default(); BLOCK]; 2];
+        let [times, distances] = found.each_mut().map(|slot| &mut slot[..self.second.len()]);
+        let mut certificates = [0.0; BLOCK];
+        let certificates = &mut certificates[..self.second.len()];
+        let [guesses] = self.second.extras();
+        guess_block_again(
             self.level,
             &mut self.block,
             &self.second.lanes(),
+            guesses,
             times,
             distances,
             certificates,
@@ -146,10 +162,10 @@ impl<R: Real> Work<'_, R> {
                 (self.times[pair], self.distances[pair]) = (times[i], distances[i]);
                 continue;
             }
-            let points = self.second.lanes().control_points(i);
-            let wide = points.map(|point| point.map(R::to_f64));
+            let wide = widened(&self.second.control_points(i));
             let (time, distance) = refined(&wide, times[i].to_f64(), QUICK);
-            self.third.push(pair, wide, [time, distance]);
+            self.third
+                .push(pair, wide, [time, distance, allowance::<R>(&wide)]);
             if self.third.is_full() {
                 self.prove();
             }
@@ -162,15 +178,13 @@ impl<R: Real> Work<'_, R> {
     fn prove(&mut self) {
         let mut bounds = Bounds::new();
         let lanes = self.third.lanes();
-        let [times, distances] = self.third.extras();
-        let errors = [0.0; BLOCK];
-        let errors = &errors[..self.third.len()];
+        let [times, distances, errors] = self.third.extras();
         enclose_block_finely(self.level, &lanes, errors, times, &mut bounds);
         for i in 0..self.third.len() {
             let (time, distance) = if is_positive(bounds.tight[i]) {
                 (times[i], distances[i])
             } else {
-                searched(&lanes.control_points(i), times[i])
+                searched(&self.third.control_points(i), times[i], errors[i])
             };
             let pair = self.third.pair(i);
             self.times[pair] = R::from_f64(time);

@@ -31,6 +31,11 @@ pub(super) fn dot<R: Real>(a: Vector<R>, b: Vector<R>) -> R {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+#[inline(always)]
+fn rough<R: Real>(a: Vector<R>) -> Vector<f32> {
+    [a[0].to_f32(), a[1].to_f32(), a[2].to_f32()]
+}
+
 /// A relative cubic in powers of the centred time `u = 2 s - 1` in -1..=1, times eight.
 ///
 /// The factor saves the divisions; distances are divided by eight at the end. Around the middle
@@ -56,6 +61,15 @@ impl<R: Real> CentredCubic<R> {
                 scale(three, subtract(outer_sum, inner_sum)),
                 subtract(outer_difference, scale(three, inner_difference)),
             ],
+        }
+    }
+
+    /// The cubic rounded to `f32`.
+    #[inline(always)]
+    pub(super) fn rough(&self) -> CentredCubic<f32> {
+        let [c0, c1, c2, c3] = self.coefficients;
+        CentredCubic {
+            coefficients: [rough(c0), rough(c1), rough(c2), rough(c3)],
         }
     }
 
@@ -95,6 +109,13 @@ impl<R: Real> CentredCubic<R> {
             dot(c3, c3),
         ]
     }
+}
+
+/// The same points in `f64`.
+#[inline]
+pub(super) fn widened<R: Real>([p0, p1, p2, p3]: &ControlPoints<R>) -> ControlPoints<f64> {
+    let wide = |p: &Vector<R>| [p[0].to_f64(), p[1].to_f64(), p[2].to_f64()];
+    [wide(p0), wide(p1), wide(p2), wide(p3)]
 }
 
 /// The largest absolute value of a coordinate.

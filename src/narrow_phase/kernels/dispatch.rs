@@ -1,18 +1,38 @@
 //! The loops of `loops.rs`, compiled for each instruction set.
 
 use super::batch::Lanes;
+use super::cubic::ControlPoints;
+use super::guess::Guess;
 use super::loops::{self, Block, Bounds};
 use super::real::Real;
+use super::screen::Verdict;
 use crate::simd::{Level, for_each_level};
 
 for_each_level! {
+    /// Guesses the closest approach of one pair.
+    guess_pair<R: Real>(points: &ControlPoints<R>) -> Guess<R>
+}
+
+for_each_level! {
     /// Guesses the closest approach of each pair of a block.
-    guess_block<R: Real, const HALF: usize, const PIECES: usize>(
+    guess_block<R: Real>(
         block: &mut Block<R>,
         lanes: &Lanes<'_, R>,
         times: &mut [R],
         distances: &mut [R],
-        certificates: &mut [R],
+        certificates: &mut [f32],
+    )
+}
+
+for_each_level! {
+    /// Guesses again, from first guesses in local time, and proves against the rival.
+    guess_block_again<R: Real>(
+        block: &mut Block<R>,
+        lanes: &Lanes<'_, R>,
+        guesses: &[R],
+        times: &mut [R],
+        distances: &mut [R],
+        certificates: &mut [f32],
     )
 }
 
@@ -39,10 +59,10 @@ for_each_level! {
 
 for_each_level! {
     /// Screens each pair of a block on the halves of its span.
-    screen_block<R: Real>(lanes: &Lanes<'_, R>, inner: &[R], outer: &[R], findings: &mut [R])
+    screen_block<R: Real>(lanes: &Lanes<'_, R>, inner: &[R], outer: &[R], verdicts: &mut [Verdict])
 }
 
 for_each_level! {
     /// Screens each pair of a block on the eighths of its span.
-    screen_block_finely<R: Real>(lanes: &Lanes<'_, R>, inner: &[R], outer: &[R], findings: &mut [R])
+    screen_block_finely<R: Real>(lanes: &Lanes<'_, R>, inner: &[R], outer: &[R], verdicts: &mut [Verdict])
 }

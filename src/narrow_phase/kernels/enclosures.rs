@@ -2,7 +2,7 @@
 
 use super::batch::Lanes;
 use super::dispatch::{enclose_block, enclose_block_finely};
-use super::enclosure::{Enclosure, enclose};
+use super::enclosure::{Enclosure, enclose_near};
 use super::loops::{BLOCK, Block, Bounds};
 use super::pending::Pending;
 use crate::simd::Level;
@@ -54,7 +54,7 @@ fn enclose_again(level: Level, pending: &mut Pending<f64, 2>, enclosures: &mut [
         enclosures[pending.pair(i)] = if bounds.is_tight(i) {
             bounds.enclosure(i)
         } else {
-            enclose(&lanes.control_points(i), errors[i])
+            enclose_near(&pending.control_points(i), errors[i], times[i])
         };
     }
     pending.clear();

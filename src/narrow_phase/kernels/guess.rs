@@ -5,19 +5,22 @@
 //! `d(u) - d* = (u - u*) r + (u - u*)² q(u)`
 //!
 //! with a number `r` (the residual slope) and a quartic `q`, from dividing twice by `u - u*`. If
-//! the Bernstein coefficients of `q` on pieces of -1..=1 are all positive, no other point is
+//! the Bernstein coefficients of `q` on both halves of -1..=1 are all positive, no other point is
 //! lower, but for the residual slope, which is of the order of the rounding.
 //!
-//! The three stages are functions of their own, so that a block of pairs can pass them one after
+//! The stages are functions of their own, so that a block of pairs can pass them one after
 //! the other: many short dependency chains at once instead of a long one.
 
-use super::cubic::{CentredCubic, ControlPoints, dot};
+use super::cubic::{CentredCubic, ControlPoints, Vector, dot, scale, subtract};
 use super::real::Real;
 
 /// Units of rounding of the deflated coefficients, and that of the slope as a part of it (the
 /// derivation is in the documentation of `kernels`).
-const MARGIN: f64 = 36.0;
-const SLOPE_MARGIN: f64 = 0.75;
+const MARGIN: f32 = 40.0;
+const SLOPE_MARGIN: f32 = 0.75;
+
+/// Squares of the distance above this are large enough for the test whether a pair is at rest.
+const STILL: f32 = 1e-10;
 
 /// A guessed closest approach.
 #[derive(Clone, Copy, Debug)]
@@ -27,7 +30,16 @@ pub(super) struct Guess<R> {
     /// 64 times the squared distance there.
     pub(super) square: R,
     /// Positive if the guess is certainly the global minimum up to rounding; may be NaN.
-    pub(super) certificate: R,
+    pub(super) certificate: f32,
+}
+
+/// A squared distance in powers of the centred time, and what its rounding can do.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Outline {
+    pub(super) square: [f32; 7],
+    /// What the least deflated coefficient has to exceed: everything does if nothing moves, and
+    /// nothing where the squares may have left the range.
+    pub(super) margin: f32,
 }
 
 /// A refined guess without its certificate.
@@ -35,83 +47,107 @@ pub(super) struct Guess<R> {
 pub(super) struct Settled<R> {
     pub(super) time: R,
     pub(super) square: R,
-    /// What the least deflated coefficient has to exceed; infinite if the refinement has not settled.
-    pub(super) margin: R,
+    /// What the margin of the certificate is multiplied by: 1, or infinity if the refinement has
+    /// not settled.
+    pub(super) doubt: f32,
 }
 
-/// Guesses from `2 HALF + 1` samples and certifies on `PIECES` pieces (2 or 8).
+/// Guesses from nine samples and certifies on the halves of the span.
 #[inline(always)]
-pub(super) fn guess<R: Real, const HALF: usize, const PIECES: usize>(
-    points: ControlPoints<R>,
-) -> Guess<R> {
+pub(super) fn guess<R: Real>(points: ControlPoints<R>) -> Guess<R> {
     let cubic = CentredCubic::new(points);
-    let square = cubic.squared_distance();
-    let start = lowest_sample::<R, HALF>(&square);
-    let rough = descend::<R, HALF>(&square, start);
-    let settled = settle(&cubic, &square, rough);
+    let outline = outline::<R>(cubic.rough().coefficients);
+    let start = lowest_sample(&outline.square);
+    let rough = descend(&outline.square, start, R::STEPS);
+    let settled = settle(&cubic, R::from_f64(f64::from(rough)));
     Guess {
         time: settled.time,
         square: settled.square,
-        certificate: certify::<R, PIECES>(&square, settled.time, settled.margin),
+        certificate: certify(&outline, settled.time.to_f32(), settled.doubt),
     }
 }
 
-/// First stage: the lowest of the samples at `0, ±1/HALF, …, ±1` of a squared distance.
+/// First stage: the squared distance of a cubic that was rounded from the type `R`.
 #[inline(always)]
-pub(super) fn lowest_sample<R: Real, const HALF: usize>(square: &[R; 7]) -> R {
+pub(super) fn outline<R: Real>(coefficients: [Vector<f32>; 4]) -> Outline {
+    let [c0, c1, c2, c3] = coefficients;
+    let (s0, s1, s2, s3) = (dot(c0, c0), dot(c1, c1), dot(c2, c2), dot(c3, c3));
+    let square = [
+        s0,
+        2.0 * dot(c0, c1),
+        2.0 * dot(c0, c2) + s1,
+        2.0 * (dot(c0, c3) + dot(c1, c2)),
+        2.0 * dot(c1, c3) + s2,
+        2.0 * dot(c2, c3),
+        s3,
+    ];
+    let size = (4.0 * s0 + 10.0 * s1) + (20.0 * s2 + 34.0 * s3);
+    let margin = MARGIN * f32::ROUNDING * size + f32::UNDERFLOW;
+    let margin = if size < f32::LARGE {
+        margin
+    } else {
+        f32::INFINITY
+    };
+    // A pair at rest but for rounding is as near at any time.
+    let rounding = R::ROUNDING.to_f32();
+    let still = ((s1 + s2 + s3) * (1.0 / (rounding * rounding)) <= s0) & (s0 > STILL);
+    Outline {
+        square,
+        margin: if still { -f32::INFINITY } else { margin },
+    }
+}
+
+/// Second stage: the lowest of the samples at `0, ±1/4, …, ±1` of a squared distance.
+///
+/// Each sample carries its place in the last four bits of its value, so that the least value is
+/// found together with its place: without selections, which are branches in scalar code. To tell
+/// two samples apart by less than 1e-6 of their value is of no use.
+#[inline(always)]
+pub(super) fn lowest_sample(square: &[f32; 7]) -> f32 {
     let [a0, a1, a2, a3, a4, a5, a6] = *square;
-    let mut best = a0;
-    let mut time = R::from_f64(0.0);
-    let mut tilt = R::from_f64(0.0);
-    let mut i = 1;
-    while i <= HALF {
+    let mut samples = [marked(a0, 0); 5];
+    let mut i = 1_u8;
+    while i <= 4 {
         // Even and odd powers apart serve u and -u at once: the sign of the odd part says which
         // of the two is lower.
-        let u = R::from_f64(i as f64 / HALF as f64);
-        let v = R::from_f64((i * i) as f64 / (HALF * HALF) as f64);
+        let u = 0.25 * f32::from(i);
+        let v = u * u;
         let even = a0 + v * (a2 + v * (a4 + v * a6));
         let odd = a1 + v * (a3 + v * a5);
-        let lower = even - u * odd.abs();
-        time = if lower < best { u } else { time };
-        tilt = if lower < best { odd } else { tilt };
-        best = if lower < best { lower } else { best };
+        let falling = odd.to_bits() >> 31;
+        samples[usize::from(i)] = marked(even - u * odd.abs(), 2 * u32::from(i) + falling);
         i += 1;
     }
-    if tilt > R::from_f64(0.0) { -time } else { time }
+    let place = least(samples).to_bits() & PLACE;
+    let size = 0.25 * narrow_place(place >> 1);
+    // The slope falls towards a time above 0, and rises towards one below.
+    f32::from_bits(size.to_bits() | (!place << 31))
 }
 
-/// Second stage: two Halley steps on the slope of the squared distance, kept between the
-/// neighbours of the sample and on the falling side.
+/// The bits in which a sample carries its place.
+const PLACE: u32 = 15;
+
 #[inline(always)]
-pub(super) fn descend<R: Real, const HALF: usize>(square: &[R; 7], start: R) -> R {
-    let [_, a1, a2, a3, a4, a5, a6] = *square;
-    let one = R::from_f64(1.0);
-    let spacing = R::from_f64(1.0 / HALF as f64);
-    let mut low = (start - spacing).or_more(-one);
-    let mut high = (start + spacing).or_less(one);
-    // The slope, its derivative, and half its second derivative.
-    let s1 = R::from_f64(2.0) * a2;
-    let s2 = R::from_f64(3.0) * a3;
-    let s3 = R::from_f64(4.0) * a4;
-    let s4 = R::from_f64(5.0) * a5;
-    let s5 = R::from_f64(6.0) * a6;
-    let f1 = R::from_f64(6.0) * a3;
-    let f2 = R::from_f64(12.0) * a4;
-    let f3 = R::from_f64(20.0) * a5;
-    let f4 = R::from_f64(30.0) * a6;
-    let c2 = R::from_f64(30.0) * a5;
-    let c3 = R::from_f64(60.0) * a6;
+fn marked(value: f32, place: u32) -> f32 {
+    f32::from_bits((value.to_bits() & !PLACE) | place)
+}
+
+#[allow(clippy::cast_precision_loss, reason = "a place is below 16")]
+#[inline(always)]
+fn narrow_place(place: u32) -> f32 {
+    place as f32
+}
+
+/// Third stage: a few steps on the slope of the squared distance, kept between the neighbours of
+/// the sample.
+#[inline(always)]
+pub(super) fn descend(square: &[f32; 7], start: f32, steps: u32) -> f32 {
+    let slope = Slope::new(square);
+    let (low, high) = neighbours(start);
     let mut u = start;
     let mut step = 0;
-    while step < 2 {
-        let v = u * u;
-        let value = (a1 + u * s1) + v * ((s2 + u * s3) + v * (s4 + u * s5));
-        let first = (s1 + u * f1) + v * ((f2 + u * f3) + v * f4);
-        let second = (s2 + u * f2) + v * (c2 + u * c3);
-        let next = u - value * first / (first * first - value * second);
-        let rising = value > R::from_f64(0.0);
-        high = if rising { u } else { high };
-        low = if rising { low } else { u };
+    while step < steps {
+        let (_, next) = slope.step(u);
         // Also where the step is not a number.
         u = next.or_less(high).or_more(low);
         step += 1;
@@ -119,38 +155,117 @@ pub(super) fn descend<R: Real, const HALF: usize>(square: &[R; 7], start: R) -> 
     u
 }
 
-/// Third stage: one Halley step on the scalar product of position and velocity, free of the
-/// cancellation in the expanded coefficients; then the certificate.
+/// The same on the falling side only, and with a bisection wherever a step leads out of the
+/// bracket: for starts at which the slope bends away from its root.
 #[inline(always)]
-pub(super) fn settle<R: Real>(cubic: &CentredCubic<R>, square: &[R; 7], u: R) -> Settled<R> {
-    let (zero, one) = (R::from_f64(0.0), R::from_f64(1.0));
-    let HalleyStep { slope, step, error } = halley_step(cubic, u);
-    // At an end with the slope inward there is nothing to polish.
-    let at_end = ((u <= -one) & (slope >= zero)) | ((u >= one) & (slope <= zero));
-    // A step that is cut off at an end counts in full.
-    let settled = at_end | ((step.abs() <= R::SETTLED) & (error <= R::from_f64(4.0) * R::ROUNDING));
-    let step = if at_end { zero } else { step };
-    let time = (u - step).or_less(one).or_more(-one);
-    let position = cubic.position(time);
+pub(super) fn descend_safely(square: &[f32; 7], start: f32, steps: u32) -> f32 {
+    let slope = Slope::new(square);
+    let (mut low, mut high) = neighbours(start);
+    let mut u = start;
+    let mut step = 0;
+    while step < steps {
+        let (value, next) = slope.step(u);
+        let rising = value > 0.0;
+        high = if rising { u } else { high };
+        low = if rising { low } else { u };
+        // A minimum at an end of the span is reached by leaving the span.
+        let next = next.or_less(1.0).or_more(-1.0);
+        let between = (next >= low) & (next <= high);
+        u = if between { next } else { 0.5 * (low + high) };
+        step += 1;
+    }
+    u
+}
 
-    // The rounding of the deflated coefficients in terms of the coefficient vectors (see
-    // `kernels`).
-    let [_, c1, c2, _] = cubic.coefficients;
-    let (s0, s1, s2, s3) = (square[0], dot(c1, c1), dot(c2, c2), square[6]);
-    let size = R::from_f64(4.0) * s0
-        + R::from_f64(10.0) * s1
-        + (R::from_f64(20.0) * s2 + R::from_f64(34.0) * s3);
-    let margin = R::from_f64(MARGIN) * R::ROUNDING * size + R::UNDERFLOW;
-    // A pair at rest but for rounding is as near at any time.
-    let still = s1 + s2 + s3 + R::UNDERFLOW <= R::ROUNDING * R::ROUNDING * s0;
-    let huge = R::from_f64(f64::INFINITY);
-    let margin = if settled { margin } else { huge };
-    let margin = if still { -huge } else { margin };
+/// The neighbours of a sample, in the span.
+#[inline(always)]
+fn neighbours(sample: f32) -> (f32, f32) {
+    ((sample - 0.25).or_more(-1.0), (sample + 0.25).or_less(1.0))
+}
+
+/// The slope of a squared distance and its derivatives, divided by 1, 1, 2 and 6.
+#[derive(Clone, Copy, Debug)]
+struct Slope {
+    value: [f32; 6],
+    first: [f32; 5],
+    second: [f32; 4],
+    third: [f32; 3],
+}
+
+impl Slope {
+    #[inline(always)]
+    fn new(square: &[f32; 7]) -> Self {
+        let [_, a1, a2, a3, a4, a5, a6] = *square;
+        Self {
+            value: [a1, 2.0 * a2, 3.0 * a3, 4.0 * a4, 5.0 * a5, 6.0 * a6],
+            first: [2.0 * a2, 6.0 * a3, 12.0 * a4, 20.0 * a5, 30.0 * a6],
+            second: [3.0 * a3, 12.0 * a4, 30.0 * a5, 60.0 * a6],
+            third: [4.0 * a4, 20.0 * a5, 60.0 * a6],
+        }
+    }
+
+    /// The slope, and where a step downhill leads that is as long as one of Householder's method of
+    /// order four: one order more than Halley's costs less than another step.
+    #[inline(always)]
+    fn step(&self, u: f32) -> (f32, f32) {
+        let [a0, a1, a2, a3, a4, a5] = self.value;
+        let [b0, b1, b2, b3, b4] = self.first;
+        let [c0, c1, c2, c3] = self.second;
+        let [d0, d1, d2] = self.third;
+        let v = u * u;
+        let value = (a0 + u * a1) + v * ((a2 + u * a3) + v * (a4 + u * a5));
+        let first = (b0 + u * b1) + v * ((b2 + u * b3) + v * b4);
+        let second = (c0 + u * c1) + v * (c2 + u * c3);
+        let third = (d0 + u * d1) + v * d2;
+        let halley = first * first - value * second;
+        let below = first * halley - value * (first * second - value * third);
+        let step = value * halley / below;
+        (value, u - step.abs().copysign(value))
+    }
+}
+
+/// Fourth stage: one Halley step on the scalar product of position and velocity, in the type of
+/// the lanes and free of the cancellation in the expanded coefficients.
+#[inline(always)]
+pub(super) fn settle<R: Real>(cubic: &CentredCubic<R>, u: R) -> Settled<R> {
+    let (zero, one) = (R::from_f64(0.0), R::from_f64(1.0));
+    let derivatives = cubic.derivatives(u);
+    let HalleyStep {
+        slope, step, error, ..
+    } = halley_step(&derivatives);
+    // Not above 0 at an end with the slope inward, where there is nothing to settle.
+    let inside = (one - u.abs()).or_more(slope * u);
+    // Not above 0 where the step is short and accurate; one that is cut off at an end counts in
+    // full. The least of both, or `inside` if the step is not a number.
+    let off = (error - R::from_f64(4.0) * R::ROUNDING).or_more(step.abs() - R::SETTLED);
+    let settled = off.or_less(inside) <= zero;
+    let time = downhill(u, slope, step);
+    // The cube of a step that has settled is rounding.
+    let [position, velocity, bend, _] = derivatives;
+    let back = u - time;
+    let position = subtract(position, scale(back, subtract(velocity, scale(back, bend))));
     Settled {
         time,
         square: dot(position, position),
-        margin: if size < R::LARGE { margin } else { huge },
+        doubt: if settled { 1.0 } else { f32::INFINITY },
     }
+}
+
+/// A step in the type of the lanes that is not judged, for a guess that `f32` cannot bring near
+/// enough.
+#[inline(always)]
+pub(super) fn polish<R: Real>(cubic: &CentredCubic<R>, u: R) -> R {
+    let HalleyStep { slope, step, .. } = halley_step(&cubic.derivatives(u));
+    downhill(u, slope, step)
+}
+
+/// A step that never leads uphill, so that it stays at an end with the slope inward.
+#[inline(always)]
+fn downhill<R: Real>(u: R, slope: R, step: R) -> R {
+    let one = R::from_f64(1.0);
+    (u - step.abs().with_sign_of(slope))
+        .or_less(one)
+        .or_more(-one)
 }
 
 /// A step of Halley's method towards a stationary point of the distance.
@@ -160,17 +275,18 @@ pub(super) struct HalleyStep<R> {
     slope: R,
     /// How far to go back in centred time.
     pub(super) step: R,
+    /// The same by Schroeder's method, which is as fast at a multiple root as at a simple one.
+    pub(super) long_step: R,
     /// An estimate of the error after the step, from the curvature of the slope: of third order
     /// at a simple root, of the order of the step itself at a multiple one.
     error: R,
 }
 
-/// The step from the vectors at a centred time.
+/// The step from position, velocity, half the acceleration and a sixth of the third derivative.
 #[inline(always)]
-pub(super) fn halley_step<R: Real>(cubic: &CentredCubic<R>, u: R) -> HalleyStep<R> {
+pub(super) fn halley_step<R: Real>(derivatives: &[Vector<R>; 4]) -> HalleyStep<R> {
     let (one, two, three) = (R::from_f64(1.0), R::from_f64(2.0), R::from_f64(3.0));
-    // Position, velocity, half the acceleration; a sixth of the third derivative is constant.
-    let [position, velocity, bend, twist] = cubic.derivatives(u);
+    let [position, velocity, bend, twist] = *derivatives;
     let slope = dot(position, velocity);
     let first = dot(velocity, velocity) + two * dot(position, bend);
     let second = three * (dot(velocity, bend) + dot(position, twist));
@@ -180,138 +296,83 @@ pub(super) fn halley_step<R: Real>(cubic: &CentredCubic<R>, u: R) -> HalleyStep<
     HalleyStep {
         slope,
         step,
+        long_step: slope * first / (first * first - two * (slope * second)),
         error: step.abs() * (ratio * ratio),
     }
 }
 
-/// The least Bernstein coefficient of the deflated quartic, an inward slope at an end included,
-/// less a margin for its rounding.
-#[inline(always)]
-pub(super) fn certify<R: Real, const PIECES: usize>(square: &[R; 7], u: R, margin: R) -> R {
-    least_of_deflated::<R, PIECES>(square, u, margin) - margin
+/// The quartic left of the squared distance after dividing twice by the time from a guess.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Deflated {
+    /// Its coefficients, those of reversed time if `turn` is negative.
+    pub(super) quartic: [f32; 5],
+    /// At an end of the span, by how much the slope certainly points inward; 0 elsewhere. Then
+    /// `(u + 1) q + inward` has to be positive.
+    pub(super) inward: f32,
+    /// -1 if the guess is above 0, else 1: so that an end is always the low one.
+    pub(super) turn: f32,
 }
 
+impl Deflated {
+    /// The quartic at a guess. `margin` is that of [`Outline`].
+    #[inline(always)]
+    pub(super) fn new(square: &[f32; 7], u: f32, margin: f32) -> Self {
+        let [_, a1, a2, a3, a4, a5, a6] = *square;
+        // The first division by (u - u*), then the second.
+        let b4 = a5 + u * a6;
+        let b3 = a4 + u * b4;
+        let b2 = a3 + u * b3;
+        let b1 = a2 + u * b2;
+        let b0 = a1 + u * b1;
+        let q4 = a6;
+        let q3 = b4 + u * q4;
+        let q2 = b3 + u * q3;
+        let q1 = b2 + u * q2;
+        let q0 = b1 + u * q1;
+        let r = b0 + u * q0;
+
+        // At an end with the slope inward the product is negative. The slope has a rounding of
+        // its own, and enters with factors of up to 20.
+        let inward = if u.abs() >= 1.0 { -(r * u) } else { 0.0 };
+        let turn = 1.0_f32.copysign(-u);
+        Self {
+            quartic: [q0, turn * q1, q2, turn * q3, q4],
+            inward: (inward - SLOPE_MARGIN * margin).or_more(0.0),
+            turn,
+        }
+    }
+}
+
+/// Whether the quartic is positive on both halves of the span: more than 0 if it certainly is.
 #[inline(always)]
-fn least_of_deflated<R: Real, const PIECES: usize>(square: &[R; 7], u: R, margin: R) -> R {
-    let zero = R::from_f64(0.0);
-    let one = R::from_f64(1.0);
-    let [_, a1, a2, a3, a4, a5, a6] = *square;
-    // The first division by (u - u*), then the second.
-    let b4 = a5 + u * a6;
-    let b3 = a4 + u * b4;
-    let b2 = a3 + u * b3;
-    let b1 = a2 + u * b2;
-    let b0 = a1 + u * b1;
-    let q4 = a6;
-    let q3 = b4 + u * q4;
-    let q2 = b3 + u * q3;
-    let q1 = b2 + u * q2;
-    let q0 = b1 + u * q1;
-    let r = b0 + u * q0;
-
-    // At an end of the span the slope points inward and helps. The end is made the low one: time
-    // reversed, u becomes -u.
-    let at_low = (u <= -one) & (r > zero);
-    let at_high = (u >= one) & (r < zero);
-    let q1 = if at_high { -q1 } else { q1 };
-    let q3 = if at_high { -q3 } else { q3 };
-    // The slope has a rounding of its own, and enters with factors of up to 20.
-    let certain = (r.abs() - R::from_f64(SLOPE_MARGIN) * margin).or_more(zero);
-    let inward = if at_low | at_high { certain } else { zero };
-
+pub(super) fn certify(outline: &Outline, u: f32, doubt: f32) -> f32 {
+    let Deflated {
+        quartic: [q0, q1, q2, q3, q4],
+        inward,
+        ..
+    } = Deflated::new(&outline.square, u, outline.margin);
     // Bernstein coefficients from the middle outward, to both sides at once.
-    let even = [
-        q0,
-        q0,
-        q0 + R::from_f64(1.0 / 6.0) * q2,
-        q0 + R::from_f64(0.5) * q2,
-        q0 + (q2 + q4),
-    ];
-    let odd = [
-        zero,
-        R::from_f64(0.25) * q1,
-        R::from_f64(0.5) * q1,
-        R::from_f64(0.75) * q1 + R::from_f64(0.25) * q3,
-        q1 + q3,
-    ];
-    let mut low_side = even;
-    let mut high_side = even;
-    let mut j = 0;
-    while j < 5 {
-        low_side[j] = even[j] - odd[j];
-        high_side[j] = even[j] + odd[j];
-        j += 1;
-    }
-    if PIECES == 2 {
-        return low_piece(low_side, inward, 1.0).or_less(high_piece(high_side, inward, 1.0, 2.0));
-    }
-    let (second, first) = halves(low_side);
-    let (third, fourth) = halves(high_side);
-    let (first_b, first_a) = halves(first);
-    let (second_b, second_a) = halves(second);
-    let (third_a, third_b) = halves(third);
-    let (fourth_a, fourth_b) = halves(fourth);
-    let low = low_piece(first_a, inward, 0.25)
-        .or_less(high_piece(first_b, inward, 0.5, 0.25))
-        .or_less(high_piece(second_a, inward, 0.75, 0.5))
-        .or_less(high_piece(second_b, inward, 1.0, 0.75));
-    let high = high_piece(third_a, inward, 1.0, 1.25)
-        .or_less(high_piece(third_b, inward, 1.25, 1.5))
-        .or_less(high_piece(fourth_a, inward, 1.5, 1.75))
-        .or_less(high_piece(fourth_b, inward, 1.75, 2.0));
-    low.or_less(high)
-}
-
-/// The least lifted coefficient on the piece from the end at u = -1 on, of some width;
-/// coefficient 4 is the one at the end.
-///
-/// There `(u + 1) q + inward` has to be positive. Its coefficient i + 1, counted from the end, is
-/// width · (i + 1) / 5 times that of `q`, plus `inward`.
-#[inline(always)]
-fn low_piece<R: Real>(k: [R; 5], inward: R, width: f64) -> R {
-    let mut least = k[0] + R::from_f64(1.0 / width) * inward;
-    let mut i = 0;
-    while i < 4 {
-        let lifted = k[4 - i] + R::from_f64(5.0 / (width * (i + 1) as f64)) * inward;
-        least = lifted.or_less(least);
-        i += 1;
-    }
-    least
-}
-
-/// The least lifted coefficient on a piece whose ends are these distances from u = -1.
-///
-/// There `q + inward / (u + 1)` has to be positive; the quotient is convex, and above its tangent
-/// at the middle of the piece.
-#[inline(always)]
-fn high_piece<R: Real>(k: [R; 5], inward: R, first: f64, last: f64) -> R {
-    let middle = 0.5 * (first + last);
-    let mut least = k[0] + R::from_f64((2.0 * middle - first) / (middle * middle)) * inward;
+    let even = [q0, q0, q0 + (1.0 / 6.0) * q2, q0 + 0.5 * q2, q0 + (q2 + q4)];
+    let odd = [0.0, 0.25 * q1, 0.5 * q1, 0.75 * q1 + 0.25 * q3, q1 + q3];
+    // Where the slope is inward: on the side of the end coefficient i of the quintic, from the end
+    // on, is i / 5 times that of the quartic, plus `inward`. On the other side the quotient
+    // `inward / (u + 1)` is convex, and above its tangent at u = 1/2, which is a straight line.
+    let mut low = [even[4] - odd[4] + 5.0 * inward; 5];
+    let mut high = [even[0] + (4.0 / 3.0 - 4.0 / 9.0) * inward; 5];
     let mut j = 1;
     while j < 5 {
-        let distance = first + (last - first) * 0.25 * j as f64;
-        let lifted = k[j] + R::from_f64((2.0 * middle - distance) / (middle * middle)) * inward;
-        least = lifted.or_less(least);
+        let distance = 1.0 + 0.25 * j as f32;
+        low[j] = even[4 - j] - odd[4 - j] + 5.0 / (j + 1) as f32 * inward;
+        high[j] = even[j] + odd[j] + (4.0 / 3.0 - 4.0 / 9.0 * distance) * inward;
         j += 1;
     }
-    least
+    let least = least(low).or_less(least(high));
+    least - outline.margin * doubt
 }
 
-/// The Bernstein coefficients on the two halves of the interval.
 #[inline(always)]
-fn halves<R: Real>(k: [R; 5]) -> ([R; 5], [R; 5]) {
-    let half = R::from_f64(0.5);
-    let mut left = k;
-    let mut right = k;
-    let mut level = 1;
-    while level < 5 {
-        let mut i = 0;
-        while i < 5 - level {
-            right[i] = half * (right[i] + right[i + 1]);
-            i += 1;
-        }
-        left[level] = right[0];
-        level += 1;
-    }
-    (left, right)
+fn least(k: [f32; 5]) -> f32 {
+    (k[0].or_less(k[1]))
+        .or_less(k[2].or_less(k[3]))
+        .or_less(k[4])
 }

@@ -1,8 +1,8 @@
 //! The loops over the lanes of a block, in the form that the compiler turns into vectors.
 //!
 //! Long computations go in stages, each a loop of its own: the processor then works on several
-//! short dependency chains at once instead of one long one. (One loop for all was 1.6 times
-//! slower with AVX-512.) The number of pairs is cut to the size of a block before each loop, so
+//! short dependency chains at once instead of one long one, and loops of `f32` alone have twice
+//! the lanes. The number of pairs is cut to the size of a block before each loop, so
 //! that no bounds check is left in it: a check makes the last vector of every block scalar.
 #![allow(
     clippy::needless_range_loop,
@@ -12,16 +12,16 @@
 use super::batch::Lanes;
 use super::cubic::{CentredCubic, ControlPoints};
 use super::enclosure::{SPLIT, SPLIT_AND_HALVED, enclose_between};
-use super::guess::{certify, descend, lowest_sample, settle};
+use super::guess::{
+    Guess, Outline, certify, descend, descend_safely, guess, lowest_sample, outline, polish, settle,
+};
 use super::minorant::{lower_bound, lower_bound_far, lower_bound_near, split};
 use super::real::Real;
-use super::screen::{screen_eighths, screen_halves};
+use super::rival::{self, certify_against, contest, guess_against_rival};
+use super::screen::{Verdict, screen_eighths, screen_halves};
 
 /// The number of pairs in a block: small enough for the first-level cache.
 pub(super) const BLOCK: usize = 128;
-
-/// Samples on each side of the middle for the first guess.
-pub(super) const FIRST: usize = 4;
 
 /// What the stages of a guess hand on, pair by pair; aligned so that no vector straddles two
 /// cache lines.
@@ -29,21 +29,74 @@ pub(super) const FIRST: usize = 4;
 #[derive(Debug)]
 pub(super) struct Block<R> {
     cubics: [[[R; BLOCK]; 3]; 4],
-    squares: [[R; BLOCK]; 7],
-    times: [R; BLOCK],
+    rough: [[[f32; BLOCK]; 3]; 4],
+    squares: [[f32; BLOCK]; 7],
+    margins: [f32; BLOCK],
+    times: [f32; BLOCK],
+    doubts: [f32; BLOCK],
+    rivals: [f32; BLOCK],
 }
 
 impl<R: Real> Block<R> {
     pub(super) fn new() -> Self {
         Self {
             cubics: [[[R::default(); BLOCK]; 3]; 4],
-            squares: [[R::default(); BLOCK]; 7],
-            times: [R::default(); BLOCK],
+            rough: [[[0.0; BLOCK]; 3]; 4],
+            squares: [[0.0; BLOCK]; 7],
+            margins: [0.0; BLOCK],
+            times: [0.0; BLOCK],
+            doubts: [0.0; BLOCK],
+            rivals: [0.0; BLOCK],
         }
     }
 
     #[inline(always)]
-    fn set(&mut self, i: usize, cubic: &CentredCubic<R>, square: &[R; 7]) {
+    fn outline(&self, i: usize) -> Outline {
+        Outline {
+            square: self.square(i),
+            margin: self.margins[i],
+        }
+    }
+
+    #[inline(always)]
+    fn square(&self, i: usize) -> [f32; 7] {
+        let [a0, a1, a2, a3, a4, a5, a6] = &self.squares;
+        [a0[i], a1[i], a2[i], a3[i], a4[i], a5[i], a6[i]]
+    }
+
+    /// The first stage of a guess: cubics and outlines.
+    #[inline(always)]
+    fn fill(&mut self, lanes: &Lanes<'_, R>, count: usize) {
+        let lanes = lanes.first(count);
+        if R::IS_SINGLE {
+            for i in 0..count {
+                let cubic = CentredCubic::new(control_points(&lanes, i));
+                self.set_cubic(i, &cubic);
+                self.set_outline(i, &outline::<R>(cubic.rough().coefficients));
+            }
+            return;
+        }
+        for i in 0..count {
+            self.set_cubic(i, &CentredCubic::new(control_points(&lanes, i)));
+        }
+        // A loop that converts and computes would be as wide as the wider type.
+        for (rough, column) in self
+            .rough
+            .iter_mut()
+            .flatten()
+            .zip(self.cubics.iter().flatten())
+        {
+            for i in 0..count {
+                rough[i] = column[i].to_f32();
+            }
+        }
+        for i in 0..count {
+            self.set_outline(i, &outline::<R>(get(&self.rough, i).coefficients));
+        }
+    }
+
+    #[inline(always)]
+    fn set_cubic(&mut self, i: usize, cubic: &CentredCubic<R>) {
         let mut k = 0;
         while k < 4 {
             self.cubics[k][0][i] = cubic.coefficients[k][0];
@@ -51,46 +104,61 @@ impl<R: Real> Block<R> {
             self.cubics[k][2][i] = cubic.coefficients[k][2];
             k += 1;
         }
+    }
+
+    #[inline(always)]
+    fn set_outline(&mut self, i: usize, outline: &Outline) {
         let mut k = 0;
         while k < 7 {
-            self.squares[k][i] = square[k];
+            self.squares[k][i] = outline.square[k];
             k += 1;
         }
+        self.margins[i] = outline.margin;
     }
 
+    /// The second and third stage of a first guess: a rough time for each pair.
     #[inline(always)]
-    fn cubic(&self, i: usize) -> CentredCubic<R> {
-        let [c0, c1, c2, c3] = &self.cubics;
-        CentredCubic {
-            coefficients: [
-                [c0[0][i], c0[1][i], c0[2][i]],
-                [c1[0][i], c1[1][i], c1[2][i]],
-                [c2[0][i], c2[1][i], c2[2][i]],
-                [c3[0][i], c3[1][i], c3[2][i]],
-            ],
+    fn descend(&mut self, count: usize) {
+        let count = count.min(BLOCK);
+        for i in 0..count {
+            self.times[i] = lowest_sample(&self.square(i));
+        }
+        for i in 0..count {
+            self.times[i] = descend(&self.square(i), self.times[i], R::STEPS);
         }
     }
 
+    /// The fourth stage: times and distances, and centred times for the certificates. `times` are
+    /// centred before.
     #[inline(always)]
-    fn square(&self, i: usize) -> [R; 7] {
-        let [a0, a1, a2, a3, a4, a5, a6] = &self.squares;
-        [a0[i], a1[i], a2[i], a3[i], a4[i], a5[i], a6[i]]
+    fn settle(&mut self, times: &mut [R], distances: &mut [R]) {
+        let count = times.len().min(BLOCK);
+        let (times, distances) = (&mut times[..count], &mut distances[..count]);
+        for i in 0..count {
+            let found = settle(&get(&self.cubics, i), times[i]);
+            self.times[i] = found.time.to_f32();
+            self.doubts[i] = found.doubt;
+            times[i] = local_time(found.time);
+            distances[i] = distance(found.square);
+        }
     }
 
-    /// The first two stages of a guess: a rough time for each pair.
+    /// The rough centred time of a pair.
     #[inline(always)]
-    fn fill<const HALF: usize>(&mut self, lanes: &Lanes<'_, R>, count: usize) {
-        let lanes = lanes.first(count);
-        for i in 0..count {
-            let cubic = CentredCubic::new(control_points(&lanes, i));
-            self.set(i, &cubic, &cubic.squared_distance());
-        }
-        for i in 0..count {
-            self.times[i] = lowest_sample::<R, HALF>(&self.square(i));
-        }
-        for i in 0..count {
-            self.times[i] = descend::<R, HALF>(&self.square(i), self.times[i]);
-        }
+    fn time(&self, i: usize) -> R {
+        R::from_f64(f64::from(self.times[i]))
+    }
+}
+
+#[inline(always)]
+fn get<R: Real>([c0, c1, c2, c3]: &[[[R; BLOCK]; 3]; 4], i: usize) -> CentredCubic<R> {
+    CentredCubic {
+        coefficients: [
+            [c0[0][i], c0[1][i], c0[2][i]],
+            [c1[0][i], c1[1][i], c1[2][i]],
+            [c2[0][i], c2[1][i], c2[2][i]],
+            [c3[0][i], c3[1][i], c3[2][i]],
+        ],
     }
 }
 
@@ -134,34 +202,84 @@ pub(super) fn local_time<R: Real>(centred: R) -> R {
     R::from_f64(0.5) * (centred + R::from_f64(1.0))
 }
 
+/// The centred time -1..=1 of a local time 0..=1.
+#[inline(always)]
+pub(super) fn centred_time<R: Real>(local: R) -> R {
+    R::from_f64(2.0) * local - R::from_f64(1.0)
+}
+
 /// The distance from 64 times its square.
 #[inline(always)]
 pub(super) fn distance<R: Real>(square: R) -> R {
     R::from_f64(0.125) * square.sqrt()
 }
 
+/// Both tries for one pair.
 #[inline(always)]
-pub(super) fn guess_block<R: Real, const HALF: usize, const PIECES: usize>(
+pub(super) fn guess_pair<R: Real>(points: &ControlPoints<R>) -> Guess<R> {
+    let found = guess(*points);
+    if found.certificate > 0.0 {
+        return found;
+    }
+    // By way of the local time, as in a batch.
+    let first = centred_time(local_time(found.time)).to_f32();
+    guess_against_rival(*points, first)
+}
+
+#[inline(always)]
+pub(super) fn guess_block<R: Real>(
     block: &mut Block<R>,
     lanes: &Lanes<'_, R>,
     times: &mut [R],
     distances: &mut [R],
-    certificates: &mut [R],
+    certificates: &mut [f32],
 ) {
     let count = times.len().min(BLOCK);
-    let (times, distances) = (&mut times[..count], &mut distances[..count]);
     let certificates = &mut certificates[..count];
-    block.fill::<HALF>(lanes, count);
+    block.fill(lanes, count);
+    block.descend(count);
+    let times = &mut times[..count];
     for i in 0..count {
-        let found = settle(&block.cubic(i), &block.square(i), block.times[i]);
-        block.times[i] = found.time;
-        times[i] = local_time(found.time);
-        distances[i] = distance(found.square);
-        certificates[i] = found.margin;
+        times[i] = block.time(i);
+    }
+    block.settle(times, distances);
+    for i in 0..count {
+        certificates[i] = certify(&block.outline(i), block.times[i], block.doubts[i]);
+    }
+}
+
+#[inline(always)]
+pub(super) fn guess_block_again<R: Real>(
+    block: &mut Block<R>,
+    lanes: &Lanes<'_, R>,
+    guesses: &[R],
+    times: &mut [R],
+    distances: &mut [R],
+    certificates: &mut [f32],
+) {
+    let count = guesses.len().min(BLOCK);
+    let (guesses, certificates) = (&guesses[..count], &mut certificates[..count]);
+    block.fill(lanes, count);
+    for i in 0..count {
+        block.times[i] = centred_time(guesses[i]).to_f32();
     }
     for i in 0..count {
-        let (square, time) = (block.square(i), block.times[i]);
-        certificates[i] = certify::<R, PIECES>(&square, time, certificates[i]);
+        let contest = contest(&block.outline(i), block.times[i]);
+        block.times[i] = contest.start;
+        block.rivals[i] = contest.rival;
+    }
+    for i in 0..count {
+        block.times[i] = descend_safely(&block.square(i), block.times[i], rival::STEPS);
+    }
+    let times = &mut times[..count];
+    for i in 0..count {
+        times[i] = polish(&get(&block.cubics, i), block.time(i));
+    }
+    block.settle(times, distances);
+    for i in 0..count {
+        let outline = block.outline(i);
+        certificates[i] =
+            certify_against(&outline, block.times[i], block.rivals[i], block.doubts[i]);
     }
 }
 
@@ -174,9 +292,10 @@ pub(super) fn enclose_block<R: Real>(
 ) {
     let count = errors.len().min(BLOCK);
     let (lanes, errors) = (lanes.first(count), &errors[..count]);
-    block.fill::<FIRST>(&lanes, count);
+    block.fill(&lanes, count);
+    block.descend(count);
     for i in 0..count {
-        let found = settle(&block.cubic(i), &block.square(i), block.times[i]);
+        let found = settle(&get(&block.cubics, i), block.time(i));
         bounds.times[i] = local_time(found.time);
     }
     for i in 0..count {
@@ -241,13 +360,13 @@ pub(super) fn screen_block<R: Real>(
     lanes: &Lanes<'_, R>,
     inner: &[R],
     outer: &[R],
-    findings: &mut [R],
+    verdicts: &mut [Verdict],
 ) {
-    let count = findings.len();
+    let count = verdicts.len();
     let lanes = lanes.first(count);
     let (inner, outer) = (&inner[..count], &outer[..count]);
     for i in 0..count {
-        findings[i] = screen_halves(control_points(&lanes, i), inner[i], outer[i]);
+        verdicts[i] = screen_halves(control_points(&lanes, i), inner[i], outer[i]);
     }
 }
 
@@ -256,12 +375,12 @@ pub(super) fn screen_block_finely<R: Real>(
     lanes: &Lanes<'_, R>,
     inner: &[R],
     outer: &[R],
-    findings: &mut [R],
+    verdicts: &mut [Verdict],
 ) {
-    let count = findings.len();
+    let count = verdicts.len();
     let lanes = lanes.first(count);
     let (inner, outer) = (&inner[..count], &outer[..count]);
     for i in 0..count {
-        findings[i] = screen_eighths(control_points(&lanes, i), inner[i], outer[i]);
+        verdicts[i] = screen_eighths(control_points(&lanes, i), inner[i], outer[i]);
     }
 }

@@ -1,8 +1,9 @@
 //! Batch kernels: the closest approach of thousands of pairs, on vectors of 2 to 16 lanes.
 //!
 //! A pair is a relative cubic over a span: four Bezier control points over the local time 0..=1.
-//! A batch is twelve slices, one for each coordinate of each point ([`Lanes`], or [`CubicBatch`]
-//! to fill them). Three questions can be asked of it, in `f64` and, but for the second, in `f32`:
+//! A batch is twelve slices, one for each coordinate of each point: [`Lanes`], or [`CubicBatch`]
+//! to fill them, or [`SpanBatch`] to fill them from segments. Three questions can be asked of it,
+//! in `f64` and, but for the second, in `f32`:
 //!
 //! - [`closest_approach`]: how near, and when;
 //! - [`enclose`]: proven bounds of the least distance, for a given error of the cubic;
@@ -24,12 +25,15 @@
 //!
 //! # How
 //!
-//! *Guess, then prove the guess* (`guess.rs`): the lowest of nine samples, two Halley steps on the
-//! slope of the squared distance, one more on the vectors. Then the squared distance, less its
-//! value at the guess, is divided twice by the distance in time from the guess; if the quotient, a
-//! quartic, has positive Bernstein coefficients on both halves of the span, no other point is
-//! lower. Pairs without that proof are gathered and tried again with more samples on eighths of
-//! the span, and the last ones get all roots of the slope ([`crate::polynomial`]).
+//! *Guess, then prove the guess* (`guess.rs`): the lowest of nine samples, one or two steps of
+//! high order on the slope of the squared distance, one more on the vectors. Then the squared
+//! distance, less its value at the guess, is divided twice by the distance in time from the guess;
+//! if the quotient, a quartic, has positive Bernstein coefficients on both halves of the span, no
+//! other point is lower. Only the step on the vectors needs the precision of the result: guesses
+//! and proofs are made in `f32`, twice as many lanes to a vector. Pairs without a proof are
+//! gathered and tried again with their other minimum (`rival.rs`), which is either lower or shows
+//! where to cut the span for the proof. The last ones are enclosed, and searched by branch and
+//! bound.
 //!
 //! *Enclosures* (`minorant.rs`): the span is split at the guess; on each side a quadratic below
 //! the Bernstein coefficients of the squared distance, formed from differences, bounds it to the
@@ -47,16 +51,19 @@
 //! `u` is the unit of rounding of the type, `M` the size of the polygon (its farthest control
 //! point), `C0..C3` the coefficient vectors of the centred cubic.
 //!
-//! - *Certificate of a guess.* The coefficients `a_k` of the squared distance have an error of at
-//!   most `5 u A_k`, where `A_k` sums the products `|C_i| |C_j|`, `i + j = k`. Two divisions with
-//!   `|u*| <= 1` round each term 9 times more, the change to Bernstein form 5 times, three halvings
-//!   12 times; `A_k` enters the quotient with the factor `k (k - 1) / 2`. With
-//!   `2 |C_i| |C_j| <= |C_i|² + |C_j|²` the error is at most `31 u W`,
-//!   `W = 4 |C0|² + 10 |C1|² + 20 |C2|² + 34 |C3|²`; the margin is `36 u W`. The slope at an end has
-//!   an error of at most `16 u` times the sum of `k A_k`, which is below `24 u W`; it is lowered by
-//!   `27 u W` before it is used. What is proven is that no point is lower by more than the
-//!   residual slope allows; that slope is rounding after the last Halley step. For a bound of
-//!   everything use [`enclose`].
+//! - *Certificate of a guess*, where `u` is that of `f32`. The coefficients `a_k` of the squared
+//!   distance have an error of at most `7 u A_k`, where `A_k` sums the products `|C_i| |C_j|`,
+//!   `i + j = k`: 2 for the rounding of both vectors to `f32`, 5 for the products and sums. Two
+//!   divisions with `|u*| <= 1` round each term 9 times more, the change to Bernstein form 5 times;
+//!   `u*` itself was rounded, which moves the quotient by `8/3` units of its terms. `A_k` enters the
+//!   quotient with the factor `k (k - 1) / 2`. With `2 |C_i| |C_j| <= |C_i|² + |C_j|²` the error is
+//!   at most `24 u W`, `W = 4 |C0|² + 10 |C1|² + 20 |C2|² + 34 |C3|²`; the margin is `40 u W`. The
+//!   slope at an end has an error of at most `18 u` times the sum of `k A_k`, which is below
+//!   `27 u W`; it is lowered by `30 u W` before it is used. Against a rival the quotient becomes a
+//!   quintic (3 roundings, and twice the size at an end), is cut (15) and halved twice (10): less
+//!   than `146 u W` with the roundings of the slope, which is below `1.5 W`; the margin is `160 u W`.
+//!   What is proven is that no point is lower by more than the residual slope allows; that slope is
+//!   rounding of the lanes' type after the last step. For a bound of everything use [`enclose`].
 //! - *Enclosure.* Splitting the polygon moves it by `9 u M` at most, halvings add `3 u M` each. The
 //!   error of the distance is that plus the given error of the cubic, once; the rounding of the
 //!   lower bound itself is counted term by term where it is formed.
@@ -66,7 +73,8 @@
 //!   with rounded `f64` points never lose a conflict of these points.
 //!
 //! Squares that overflow or underflow fail every test; such pairs end in the scalar `f64` code,
-//! which scales by powers of two first. Coordinates must be finite.
+//! which scales by powers of two first. As guesses are proven in `f32`, these are polygons beyond
+//! some 1e15 m or below 1e-10 m. Coordinates must be finite.
 
 mod batch;
 mod closest;
@@ -82,8 +90,10 @@ mod minorant;
 pub mod parallel;
 mod pending;
 mod real;
+mod rival;
 pub mod scalar;
 mod screen;
+mod spans;
 mod within;
 
 pub use crate::simd::Level;
@@ -91,7 +101,8 @@ pub use batch::{CubicBatch, Lanes};
 pub use cubic::ControlPoints;
 pub use enclosure::Enclosure;
 pub use real::Real;
-pub use within::Verdict;
+pub use screen::Verdict;
+pub use spans::SpanBatch;
 
 /// The closest approach of each pair: local times in 0..=1, distances in metres.
 ///

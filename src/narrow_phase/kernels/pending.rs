@@ -1,5 +1,7 @@
 //! Pairs that a kernel could not settle, gathered until they fill a block.
 
+use std::cmp::Ordering;
+
 use super::batch::Lanes;
 use super::cubic::ControlPoints;
 use super::loops::BLOCK;
@@ -41,6 +43,38 @@ impl<R: Real, const EXTRAS: usize> Pending<R, EXTRAS> {
         self.count += 1;
     }
 
+    /// Appends as many of the selected pairs of a block as there is room for, and takes them from
+    /// the selection. The block begins at pair `start` of the batch.
+    ///
+    #[inline]
+    pub(super) fn take(
+        &mut self,
+        selection: &mut Selection,
+        start: usize,
+        lanes: &Lanes<'_, R>,
+        extras: [&[R]; EXTRAS],
+    ) {
+        // Cut to one length, so that one check of a place serves all columns.
+        let count = lanes.len().min(BLOCK);
+        let lanes = lanes.first(count);
+        let extras = extras.map(|extra| &extra[..count]);
+        for i in self.count..BLOCK {
+            let Some(place) = selection.next() else {
+                return;
+            };
+            self.count = i + 1;
+            self.pairs[i] = start + place;
+            for axis in 0..3 {
+                for point in 0..4 {
+                    self.coordinates[axis][point][i] = lanes.coordinates[axis][point][place];
+                }
+            }
+            for (slot, extra) in self.extras.iter_mut().zip(extras) {
+                slot[i] = extra[place];
+            }
+        }
+    }
+
     pub(super) fn len(&self) -> usize {
         self.count
     }
@@ -60,6 +94,16 @@ impl<R: Real, const EXTRAS: usize> Pending<R, EXTRAS> {
         self.pairs[i]
     }
 
+    /// The control points of a pair.
+    #[inline]
+    pub(super) fn control_points(&self, i: usize) -> ControlPoints<R> {
+        let at = |point: usize| {
+            let [x, y, z] = &self.coordinates;
+            [x[point][i], y[point][i], z[point][i]]
+        };
+        [at(0), at(1), at(2), at(3)]
+    }
+
     pub(super) fn lanes(&self) -> Lanes<'_, R> {
         Lanes {
             coordinates: self
@@ -74,29 +118,50 @@ impl<R: Real, const EXTRAS: usize> Pending<R, EXTRAS> {
     }
 }
 
-/// The places in a block where something holds, in order.
+/// Places in a block, taken in order: a bit for each, so that the only branch that cannot be
+/// predicted is the one at the end.
 #[derive(Debug)]
 pub(super) struct Selection {
-    places: [usize; BLOCK],
-    count: usize,
+    bits: u128,
 }
 
 impl Selection {
-    /// Without branches: which places they are cannot be predicted.
+    /// The places of a block whose certificate is not positive, or not a number.
     #[inline]
-    pub(super) fn new(holds: impl Iterator<Item = bool>) -> Self {
-        let mut places = [0; BLOCK];
-        let mut count = 0;
-        for (i, holds) in holds.take(BLOCK).enumerate() {
-            // Not more than i, so the remainder changes nothing but the bounds check.
-            places[count % BLOCK] = i;
-            count += usize::from(holds);
+    pub(super) fn without(certificates: &[f32]) -> Self {
+        let mut flags = [0_u8; BLOCK];
+        for (flag, certificate) in flags.iter_mut().zip(certificates) {
+            // Also where it is not a number.
+            *flag = u8::from(certificate.partial_cmp(&0.0) != Some(Ordering::Greater));
         }
-        Self { places, count }
+        Self::of(&flags)
+    }
+
+    /// The places of a block with a 1; all others are 0.
+    #[inline]
+    pub(super) fn of(flags: &[u8; BLOCK]) -> Self {
+        let (chunks, _) = flags.as_chunks::<8>();
+        let mut bits = 0;
+        for chunk in chunks.iter().rev() {
+            // The product brings the lowest bits of the eight bytes side by side to the top.
+            let byte = u64::from_le_bytes(*chunk).wrapping_mul(0x0102_0408_1020_4080) >> 56;
+            bits = bits << 8 | u128::from(byte);
+        }
+        Self { bits }
     }
 
     #[inline]
-    pub(super) fn places(&self) -> &[usize] {
-        &self.places[..self.count]
+    pub(super) fn is_empty(&self) -> bool {
+        self.bits == 0
+    }
+
+    #[inline]
+    fn next(&mut self) -> Option<usize> {
+        if self.bits == 0 {
+            return None;
+        }
+        let place = self.bits.trailing_zeros() as usize;
+        self.bits &= self.bits - 1;
+        Some(place)
     }
 }

@@ -42,13 +42,27 @@ pub trait Real:
     /// about the cube root of the rounding.
     const SETTLED: Self;
 
+    /// Whether this is `f32`.
+    const IS_SINGLE: bool;
+
+    /// Steps of Householder's method in `f32` that bring most samples to `SETTLED` of a minimum.
+    const STEPS: u32;
+
     /// The nearest number of this type.
     #[must_use]
     fn from_f64(value: f64) -> Self;
 
+    /// The greatest number of this type that is not above a number.
+    #[must_use]
+    fn not_above(value: f64) -> Self;
+
     /// The same number as `f64`.
     #[must_use]
     fn to_f64(self) -> f64;
+
+    /// The nearest `f32`.
+    #[must_use]
+    fn to_f32(self) -> f32;
 
     /// The absolute value.
     #[must_use]
@@ -57,6 +71,10 @@ pub trait Real:
     /// The square root.
     #[must_use]
     fn sqrt(self) -> Self;
+
+    /// The same absolute value with the sign of another number.
+    #[must_use]
+    fn with_sign_of(self, other: Self) -> Self;
 
     /// The smaller number; the second one if either is not a number.
     #[inline(always)]
@@ -74,10 +92,12 @@ pub trait Real:
 }
 
 macro_rules! implement_real {
-    ($float:ident, $narrow:expr, $settled:expr, $underflow:expr) => {
+    ($float:ident, $narrow:expr, $to_f32:expr, $steps:expr, $settled:expr, $underflow:expr) => {
         impl Real for $float {
             const ROUNDING: Self = 0.5 * $float::EPSILON;
             const SETTLED: Self = $settled;
+            const IS_SINGLE: bool = $float::MANTISSA_DIGITS == f32::MANTISSA_DIGITS;
+            const STEPS: u32 = $steps;
             const LARGE: Self = $float::MAX / 1024.0;
             const UNDERFLOW: Self = $underflow;
 
@@ -86,9 +106,24 @@ macro_rules! implement_real {
                 $narrow(value)
             }
 
+            #[inline]
+            fn not_above(value: f64) -> Self {
+                let nearest = Self::from_f64(value);
+                if nearest.to_f64() > value {
+                    nearest.next_down()
+                } else {
+                    nearest
+                }
+            }
+
             #[inline(always)]
             fn to_f64(self) -> f64 {
                 f64::from(self)
+            }
+
+            #[inline(always)]
+            fn to_f32(self) -> f32 {
+                $to_f32(self)
             }
 
             #[inline(always)]
@@ -99,6 +134,11 @@ macro_rules! implement_real {
             #[inline(always)]
             fn sqrt(self) -> Self {
                 self.sqrt()
+            }
+
+            #[inline(always)]
+            fn with_sign_of(self, other: Self) -> Self {
+                self.copysign(other)
             }
         }
     };
@@ -114,9 +154,9 @@ fn narrow(value: f64) -> f32 {
 }
 
 #[inline(always)]
-fn keep(value: f64) -> f64 {
+fn keep<T>(value: T) -> T {
     value
 }
 
-implement_real!(f32, narrow, 3e-3, 1e-28);
-implement_real!(f64, keep, 5e-6, 1e-270);
+implement_real!(f32, narrow, keep, 1, 3e-3, 1e-28);
+implement_real!(f64, keep, narrow, 2, 5e-6, 1e-270);

@@ -9,27 +9,36 @@
 use super::cubic::{ControlPoints, dot};
 use super::real::Real;
 
-/// What a screen found: positive means certainly outside, negative certainly inside, 0 undecided.
-pub(super) type Finding<R> = R;
+/// Whether the bodies of a pair come within a threshold of each other during a span.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Verdict {
+    /// At every instant certainly farther apart than the outer threshold.
+    Outside,
+    /// At some instant certainly nearer than the inner threshold.
+    Inside,
+    /// Rounding hides which of the two, or it lies between the thresholds: ask the exact solver.
+    #[default]
+    Undecided,
+}
 
 /// First screen: the two halves of the span.
 #[inline(always)]
-pub(super) fn screen_halves<R: Real>(points: ControlPoints<R>, inner: R, outer: R) -> Finding<R> {
+pub(super) fn screen_halves<R: Real>(points: ControlPoints<R>, inner: R, outer: R) -> Verdict {
     let (coefficients, size) = squared_distance(points);
     let (left, right) = halves(coefficients);
     let lowest = least(left).or_less(least(right));
     let nearest = left[0].or_less(left[6]).or_less(right[6]);
-    finding::<R>(lowest, nearest, inner, outer, 16.0, size)
+    verdict(lowest, nearest, inner, outer, 16.0, size)
 }
 
 /// Second screen: the eight eighths of the span.
 #[inline(always)]
-pub(super) fn screen_eighths<R: Real>(points: ControlPoints<R>, inner: R, outer: R) -> Finding<R> {
+pub(super) fn screen_eighths<R: Real>(points: ControlPoints<R>, inner: R, outer: R) -> Verdict {
     let (coefficients, size) = squared_distance(points);
     let (left, right) = halves(coefficients);
     let (low_a, near_a) = quarters(left);
     let (low_b, near_b) = quarters(right);
-    finding::<R>(
+    verdict(
         low_a.or_less(low_b),
         near_a.or_less(near_b),
         inner,
@@ -55,7 +64,7 @@ fn quarters<R: Real>(coefficients: [R; 7]) -> (R, R) {
 
 /// The decision from the least coefficient and the least value of the squared distance.
 #[inline(always)]
-fn finding<R: Real>(lowest: R, nearest: R, inner: R, outer: R, units: f64, size: R) -> Finding<R> {
+fn verdict<R: Real>(lowest: R, nearest: R, inner: R, outer: R, units: f64, size: R) -> Verdict {
     let u = R::ROUNDING;
     let (zero, one) = (R::from_f64(0.0), R::from_f64(1.0));
     let margin = R::from_f64(units) * u * size + R::UNDERFLOW;
@@ -65,11 +74,11 @@ fn finding<R: Real>(lowest: R, nearest: R, inner: R, outer: R, units: f64, size:
     let outside = (lowest > above) & (size < R::LARGE) & (outer >= zero);
     let inside = (nearest < below) & (inner >= zero);
     if outside {
-        one
+        Verdict::Outside
     } else if inside {
-        -one
+        Verdict::Inside
     } else {
-        zero
+        Verdict::Undecided
     }
 }
 

@@ -1,50 +1,26 @@
 //! Verdicts for many pairs: two Bernstein screens, then an enclosure for the few that are left.
 
 use super::batch::Lanes;
-use super::cubic::{ControlPoints, largest_coordinate};
+use super::cubic::{ControlPoints, largest_coordinate, widened};
 use super::dispatch::{enclose_block, screen_block, screen_block_finely};
 use super::enclosure::enclose_for;
 use super::loops::{BLOCK, Block, Bounds};
 use super::pending::{Pending, Selection};
 use super::real::Real;
-use super::screen::{Finding, screen_eighths, screen_halves};
+use super::screen::{Verdict, screen_eighths, screen_halves};
 use crate::simd::Level;
-
-/// Whether the bodies of a pair come within a threshold of each other during a span.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Verdict {
-    /// At every instant certainly farther apart than the outer threshold.
-    Outside,
-    /// At some instant certainly nearer than the inner threshold.
-    Inside,
-    /// Rounding hides which of the two, or it lies between the thresholds: ask the exact solver.
-    #[default]
-    Undecided,
-}
-
-/// The verdict of a screen.
-#[inline]
-fn verdict<R: Real>(finding: Finding<R>) -> Verdict {
-    if finding > R::from_f64(0.0) {
-        Verdict::Outside
-    } else if finding < R::from_f64(0.0) {
-        Verdict::Inside
-    } else {
-        Verdict::Undecided
-    }
-}
 
 /// The verdict on one pair.
 pub(super) fn within_of<R: Real>(points: &ControlPoints<R>, inner: R, outer: R) -> Verdict {
-    let first = verdict(screen_halves(*points, inner, outer));
+    let first = screen_halves(*points, inner, outer);
     if first != Verdict::Undecided {
         return first;
     }
-    let second = verdict(screen_eighths(*points, inner, outer));
+    let second = screen_eighths(*points, inner, outer);
     if second != Verdict::Undecided {
         return second;
     }
-    let wide = points.map(|point| point.map(R::to_f64));
+    let wide = widened(points);
     last_verdict(
         &wide,
         conversion_error::<R>(&wide),
@@ -106,29 +82,16 @@ pub(super) fn within<R: Real>(
         second: Pending::new(),
         third: Pending::new(),
     };
-    let mut findings = [R::default(); BLOCK];
     let mut start = 0;
     while start < lanes.len() {
         let end = (start + BLOCK).min(lanes.len());
-        let findings = &mut findings[..end - start];
         let block = lanes.range(start, end);
-        screen_block(
-            level,
-            &block,
-            &inner[start..end],
-            &outer[start..end],
-            findings,
-        );
         let found = &mut screening.verdicts[start..end];
-        for (found, finding) in found.iter_mut().zip(findings.iter()) {
-            *found = verdict(*finding);
-        }
-        let left = Selection::new(found.iter().map(|found| *found == Verdict::Undecided));
-        for &i in left.places() {
-            let pair = start + i;
-            screening
-                .second
-                .push(pair, block.control_points(i), [inner[pair], outer[pair]]);
+        screen_block(level, &block, &inner[start..end], &outer[start..end], found);
+        let mut left = undecided(found);
+        let thresholds = [&inner[start..end], &outer[start..end]];
+        while !left.is_empty() {
+            screening.second.take(&mut left, start, &block, thresholds);
             if screening.second.is_full() {
                 screening.screen_again();
             }
@@ -139,23 +102,30 @@ pub(super) fn within<R: Real>(
     screening.enclose();
 }
 
+/// The places of a block without a verdict.
+fn undecided(verdicts: &[Verdict]) -> Selection {
+    let mut flags = [0; BLOCK];
+    for (flag, verdict) in flags.iter_mut().zip(verdicts) {
+        *flag = u8::from(*verdict == Verdict::Undecided);
+    }
+    Selection::of(&flags)
+}
+
 impl<R: Real> Screening<'_, R> {
     /// The second screen for the pairs that wait for it.
     fn screen_again(&mut self) {
-        let mut findings = [R::default(); BLOCK];
-        let findings = &mut findings[..self.second.len()];
+        let mut verdicts = [Verdict::Undecided; BLOCK];
+        let verdicts = &mut verdicts[..self.second.len()];
         let [inner, outer] = self.second.extras();
-        screen_block_finely(self.level, &self.second.lanes(), inner, outer, findings);
-        for (i, finding) in findings.iter().enumerate() {
-            let found = verdict(*finding);
+        screen_block_finely(self.level, &self.second.lanes(), inner, outer, verdicts);
+        for (i, found) in verdicts.iter().enumerate() {
             let pair = self.second.pair(i);
-            self.verdicts[pair] = found;
-            if found == Verdict::Undecided {
-                let points = self.second.lanes().control_points(i);
-                let wide = points.map(|point| point.map(R::to_f64));
-                let [inner, outer] = self.second.extras().map(|extra| extra[i].to_f64());
+            self.verdicts[pair] = *found;
+            if *found == Verdict::Undecided {
+                let wide = widened(&self.second.control_points(i));
+                let error = conversion_error::<R>(&wide);
                 self.third
-                    .push(pair, wide, [inner, outer, conversion_error::<R>(&wide)]);
+                    .push(pair, wide, [inner[i].to_f64(), outer[i].to_f64(), error]);
                 if self.third.is_full() {
                     Self::enclose_pending(self.level, &mut self.third, self.verdicts);
                 }
@@ -185,7 +155,7 @@ impl<R: Real> Screening<'_, R> {
             }
             // A tight enclosure that is undecided stays so.
             if found == Verdict::Undecided && (tight <= 0.0 || tight.is_nan()) {
-                found = last_verdict(&lanes.control_points(i), errors[i], inner[i], outer[i]);
+                found = last_verdict(&third.control_points(i), errors[i], inner[i], outer[i]);
             }
             verdicts[third.pair(i)] = found;
         }

@@ -1,0 +1,224 @@
+//! The second try: the guess against its rival.
+//!
+//! Most guesses without a certificate have a rival: another minimum that is nearly as low, or
+//! lower. It is near the least point of what deflation leaves of the squared distance: `q`, or at
+//! an end of the span `(u + 1) q` and the slope there. If that is negative, the rival is the better
+//! guess. Whichever is better, the other one makes the proof: the span is cut there, where the
+//! Bernstein coefficients are close to the values, and then into quarters of both parts.
+
+use super::cubic::{CentredCubic, ControlPoints};
+use super::guess::{Deflated, Guess, Outline, descend_safely, outline, polish, settle};
+use super::real::Real;
+
+/// The margin of the proof in parts of that of the first (the derivation is in `kernels`).
+const AGAIN: f32 = 4.0;
+
+/// Steps of refinement in the second try.
+pub(super) const STEPS: u32 = 3;
+
+/// A guess and what it is to be proven against.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Contest {
+    /// The centred time near the better minimum.
+    pub(super) start: f32,
+    /// That near the other one.
+    pub(super) rival: f32,
+}
+
+/// Guesses again from a first guess in centred time, and certifies against the other minimum.
+#[inline(always)]
+pub(super) fn guess_against_rival<R: Real>(points: ControlPoints<R>, first: f32) -> Guess<R> {
+    let cubic = CentredCubic::new(points);
+    let outline = outline::<R>(cubic.rough().coefficients);
+    let Contest { start, rival } = contest(&outline, first);
+    let rough = descend_safely(&outline.square, start, STEPS);
+    let polished = polish(&cubic, R::from_f64(f64::from(rough)));
+    let settled = settle(&cubic, polished);
+    Guess {
+        time: settled.time,
+        square: settled.square,
+        certificate: certify_against(&outline, settled.time.to_f32(), rival, settled.doubt),
+    }
+}
+
+/// First stage: which of the two minima is the better guess.
+#[inline(always)]
+pub(super) fn contest(outline: &Outline, first: f32) -> Contest {
+    let remainder = Remainder::new(outline, first);
+    let least = remainder.least_point(remainder.lowest_sample());
+    let rival = remainder.deflated.turn * least;
+    let beaten = remainder.value(least) < 0.0;
+    Contest {
+        start: if beaten { rival } else { first },
+        rival: if beaten { first } else { rival },
+    }
+}
+
+/// Last stage: more than 0 if no point is certainly lower than the guess at `u`; only those
+/// around `rival` could be.
+#[inline(always)]
+pub(super) fn certify_against(outline: &Outline, u: f32, rival: f32, doubt: f32) -> f32 {
+    let remainder = Remainder::new(outline, u);
+    let rival = remainder.deflated.turn * rival;
+    let (low, high) = cut(
+        remainder.bernstein(),
+        0.5 * (remainder.least_point(rival) + 1.0),
+    );
+    least_of_quarters(low).or_less(least_of_quarters(high)) - AGAIN * outline.margin * doubt
+}
+
+/// What has to be positive all over the span: a polynomial of degree 5, in powers and as it came
+/// from the deflation.
+#[derive(Clone, Copy, Debug)]
+struct Remainder {
+    powers: [f32; 6],
+    deflated: Deflated,
+}
+
+impl Remainder {
+    #[inline(always)]
+    fn new(outline: &Outline, u: f32) -> Self {
+        let deflated = Deflated::new(&outline.square, u, outline.margin);
+        let [q0, q1, q2, q3, q4] = deflated.quartic;
+        let inward = deflated.inward;
+        let at_end = inward > 0.0;
+        // At the low end of the span (u + 1) q + inward, else q.
+        let powers = [
+            if at_end { q0 + inward } else { q0 },
+            if at_end { q1 + q0 } else { q1 },
+            if at_end { q2 + q1 } else { q2 },
+            if at_end { q3 + q2 } else { q3 },
+            if at_end { q4 + q3 } else { q4 },
+            if at_end { q4 } else { 0.0 },
+        ];
+        Self { powers, deflated }
+    }
+
+    #[inline(always)]
+    fn value(&self, u: f32) -> f32 {
+        let [t0, t1, t2, t3, t4, t5] = self.powers;
+        let v = u * u;
+        (t0 + u * t1) + v * ((t2 + u * t3) + v * (t4 + u * t5))
+    }
+
+    /// The lowest of the samples at `0, ±1/4, …, ±1`.
+    #[inline(always)]
+    fn lowest_sample(&self) -> f32 {
+        let [t0, t1, t2, t3, t4, t5] = self.powers;
+        let mut best = t0;
+        let mut time = 0.0;
+        let mut i = 1;
+        while i <= 4 {
+            let u = 0.25 * i as f32;
+            let v = u * u;
+            let even = t0 + v * (t2 + v * t4);
+            let odd = u * (t1 + v * (t3 + v * t5));
+            time = if even - odd < best { -u } else { time };
+            best = (even - odd).or_less(best);
+            time = if even + odd < best { u } else { time };
+            best = (even + odd).or_less(best);
+            i += 1;
+        }
+        time
+    }
+
+    /// Two Newton steps towards a least point.
+    #[inline(always)]
+    fn least_point(&self, start: f32) -> f32 {
+        let [_, t1, t2, t3, t4, t5] = self.powers;
+        let mut u = start;
+        let mut step = 0;
+        while step < 2 {
+            let v = u * u;
+            let slope = (t1 + u * (2.0 * t2)) + v * ((3.0 * t3 + u * (4.0 * t4)) + v * (5.0 * t5));
+            let bend = (2.0 * t2 + u * (6.0 * t3)) + v * (12.0 * t4 + u * (20.0 * t5));
+            let next = (u - slope / bend).or_less(1.0).or_more(-1.0);
+            u = if bend > 0.0 { next } else { u };
+            step += 1;
+        }
+        u
+    }
+
+    /// The Bernstein coefficients over the span.
+    #[inline(always)]
+    fn bernstein(&self) -> [f32; 6] {
+        let [q0, q1, q2, q3, q4] = self.deflated.quartic;
+        let inward = self.deflated.inward;
+        let (s, t) = (q0 + q4, q1 + q3);
+        let k = [
+            (s + q2) - t,
+            (q0 - q4) - 0.5 * (q1 - q3),
+            s - (1.0 / 3.0) * q2,
+            (q0 - q4) + 0.5 * (q1 - q3),
+            (s + q2) + t,
+        ];
+        let at_end = inward > 0.0;
+        let mut b = [if at_end { inward } else { k[0] }; 6];
+        let mut i = 1;
+        while i < 6 {
+            let part = 0.2 * i as f32;
+            let other = if i < 5 { (1.0 - part) * k[i] } else { 0.0 };
+            // As a quintic; or twice the local time times the quartic, and the slope.
+            b[i] = if at_end {
+                2.0 * part * k[i - 1] + inward
+            } else {
+                part * k[i - 1] + other
+            };
+            i += 1;
+        }
+        b
+    }
+}
+
+/// The Bernstein coefficients on both sides of a local time 0..=1.
+#[inline(always)]
+fn cut(k: [f32; 6], s: f32) -> ([f32; 6], [f32; 6]) {
+    let t = 1.0 - s;
+    let mut left = k;
+    let mut right = k;
+    let mut level = 1;
+    while level < 6 {
+        let mut i = 0;
+        while i < 6 - level {
+            right[i] = t * right[i] + s * right[i + 1];
+            i += 1;
+        }
+        left[level] = right[0];
+        level += 1;
+    }
+    (left, right)
+}
+
+/// The Bernstein coefficients on the two halves of a piece.
+#[inline(always)]
+fn halves(k: [f32; 6]) -> ([f32; 6], [f32; 6]) {
+    let mut left = k;
+    let mut right = k;
+    let mut level = 1;
+    while level < 6 {
+        let mut i = 0;
+        while i < 6 - level {
+            right[i] = 0.5 * (right[i] + right[i + 1]);
+            i += 1;
+        }
+        left[level] = right[0];
+        level += 1;
+    }
+    (left, right)
+}
+
+/// The least coefficient on the four quarters of a piece.
+#[inline(always)]
+fn least_of_quarters(k: [f32; 6]) -> f32 {
+    let (low, high) = halves(k);
+    let (a, b) = halves(low);
+    let (c, d) = halves(high);
+    (least(a).or_less(least(b))).or_less(least(c).or_less(least(d)))
+}
+
+#[inline(always)]
+fn least(k: [f32; 6]) -> f32 {
+    (k[0].or_less(k[1]))
+        .or_less(k[2].or_less(k[3]))
+        .or_less(k[4].or_less(k[5]))
+}
