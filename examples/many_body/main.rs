@@ -3,11 +3,13 @@
 //! ```text
 //! cargo run --release --example many_body -- [--scene flocks|drones|satellites|asteroids|swarm]
 //!     [--bodies N] [--seed K] [--margin M] [--threads T] [--picture FILE.svg]
+//!     [--monitor]
 //! ```
 
 mod picture;
 #[path = "../scenes/mod.rs"]
 mod scenes;
+mod watch;
 
 use clap::{Parser, ValueEnum};
 use indicatif::{HumanCount, ProgressBar, ProgressStyle};
@@ -39,6 +41,9 @@ struct Arguments {
     /// Where the picture goes.
     #[arg(long, default_value = "many_body.svg")]
     picture: PathBuf,
+    /// Then plays the scene through a monitor and checks its events against the screening.
+    #[arg(long)]
+    monitor: bool,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -75,6 +80,11 @@ fn main() -> Result<(), Box<dyn StdError>> {
     let begin = Instant::now();
     let generated = arguments.scene.generate(arguments.bodies, arguments.seed);
     let margin = arguments.margin.unwrap_or(generated.margin);
+    let times = || generated.actors.iter().flat_map(|actor| &actor.states);
+    let start = times()
+        .map(|state| state.time)
+        .fold(f64::INFINITY, f64::min);
+    let end = times().map(|state| state.time).fold(start, f64::max);
     let scene = build(generated)?;
     println!(
         "{:?}: {} bodies, made in {:.2} s; encounters within {margin} m",
@@ -93,6 +103,12 @@ fn main() -> Result<(), Box<dyn StdError>> {
         margin,
     )?;
     println!("\npicture: {}", arguments.picture.display());
+    if arguments.monitor {
+        let span = (start, end);
+        if !pool.install(|| watch::run(scene, span, margin, &screening.conflicts))? {
+            return Err("the monitor and the screening disagree".into());
+        }
+    }
     Ok(())
 }
 
