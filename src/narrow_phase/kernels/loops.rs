@@ -20,8 +20,10 @@ use super::real::Real;
 use super::rival::{self, certify_against, contest, guess_against_rival};
 use super::screen::{Verdict, screen_eighths, screen_halves};
 
-/// The number of pairs in a block: small enough for the first-level cache.
-pub(super) const BLOCK: usize = 128;
+/// The number of pairs in a block: small enough for the first-level cache, whole vectors of 16
+/// lanes, and not a power of two, or the columns would compete for the same places in the cache
+/// (128 made the guesses 5 % slower in `f64` and 13 % in `f32`).
+pub(super) const BLOCK: usize = 96;
 
 /// What the stages of a guess hand on, pair by pair; aligned so that no vector straddles two
 /// cache lines.

@@ -118,18 +118,22 @@ impl<R: Real, const EXTRAS: usize> Pending<R, EXTRAS> {
     }
 }
 
-/// Places in a block, taken in order: a bit for each, so that the only branch that cannot be
-/// predicted is the one at the end.
+/// A flag for each pair of a block, in words of 64.
+pub(super) const FLAGS: usize = BLOCK.next_multiple_of(64);
+
+/// Places in a block, taken in order: a bit for each, so that few branches cannot be predicted.
 #[derive(Debug)]
 pub(super) struct Selection {
-    bits: u128,
+    bits: [u64; FLAGS / 64],
+    /// Words before this one are empty.
+    word: usize,
 }
 
 impl Selection {
     /// The places of a block whose certificate is not positive, or not a number.
     #[inline]
     pub(super) fn without(certificates: &[f32]) -> Self {
-        let mut flags = [0_u8; BLOCK];
+        let mut flags = [0_u8; FLAGS];
         for (flag, certificate) in flags.iter_mut().zip(certificates) {
             // Also where it is not a number.
             *flag = u8::from(certificate.partial_cmp(&0.0) != Some(Ordering::Greater));
@@ -139,29 +143,35 @@ impl Selection {
 
     /// The places of a block with a 1; all others are 0.
     #[inline]
-    pub(super) fn of(flags: &[u8; BLOCK]) -> Self {
-        let (chunks, _) = flags.as_chunks::<8>();
-        let mut bits = 0;
-        for chunk in chunks.iter().rev() {
-            // The product brings the lowest bits of the eight bytes side by side to the top.
-            let byte = u64::from_le_bytes(*chunk).wrapping_mul(0x0102_0408_1020_4080) >> 56;
-            bits = bits << 8 | u128::from(byte);
+    pub(super) fn of(flags: &[u8; FLAGS]) -> Self {
+        let mut bits = [0; FLAGS / 64];
+        let (words, _) = flags.as_chunks::<64>();
+        for (bits, word) in bits.iter_mut().zip(words) {
+            let (chunks, _) = word.as_chunks::<8>();
+            for chunk in chunks.iter().rev() {
+                // The product brings the lowest bits of the eight bytes side by side to the top.
+                let byte = u64::from_le_bytes(*chunk).wrapping_mul(0x0102_0408_1020_4080) >> 56;
+                *bits = *bits << 8 | byte;
+            }
         }
-        Self { bits }
+        Self { bits, word: 0 }
     }
 
     #[inline]
     pub(super) fn is_empty(&self) -> bool {
-        self.bits == 0
+        self.bits.iter().all(|bits| *bits == 0)
     }
 
     #[inline]
     fn next(&mut self) -> Option<usize> {
-        if self.bits == 0 {
-            return None;
+        while let Some(bits) = self.bits.get_mut(self.word) {
+            if *bits != 0 {
+                let place = 64 * self.word + bits.trailing_zeros() as usize;
+                *bits &= *bits - 1;
+                return Some(place);
+            }
+            self.word += 1;
         }
-        let place = self.bits.trailing_zeros() as usize;
-        self.bits &= self.bits - 1;
-        Some(place)
+        None
     }
 }

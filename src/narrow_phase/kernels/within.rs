@@ -5,7 +5,7 @@ use super::cubic::{ControlPoints, largest_coordinate, widened};
 use super::dispatch::{enclose_block, screen_block, screen_block_finely};
 use super::enclosure::enclose_for;
 use super::loops::{BLOCK, Block, Bounds};
-use super::pending::{Pending, Selection};
+use super::pending::{FLAGS, Pending, Selection};
 use super::real::Real;
 use super::screen::{Verdict, screen_eighths, screen_halves};
 use crate::simd::Level;
@@ -104,7 +104,7 @@ pub(super) fn within<R: Real>(
 
 /// The places of a block without a verdict.
 fn undecided(verdicts: &[Verdict]) -> Selection {
-    let mut flags = [0; BLOCK];
+    let mut flags = [0; FLAGS];
     for (flag, verdict) in flags.iter_mut().zip(verdicts) {
         *flag = u8::from(*verdict == Verdict::Undecided);
     }
