@@ -54,6 +54,12 @@ impl Task for Fill<'_> {
             slice.courses.clear();
             slice.bodies.clear();
         }
+        // At once: growing step by step would touch twice the memory.
+        for slice in self.block.slices.iter_mut().take(self.range.len()) {
+            slice.boxes.reserve(self.parties.len());
+            slice.courses.reserve(self.parties.len());
+            slice.bodies.reserve(self.parties.len());
+        }
         self.block.firsts.resize(self.parties.len(), 0);
         let mut ends = [0.0; Block::SLICES as usize + 1];
         let count = self.range.len();
