@@ -119,7 +119,8 @@ impl Trajectory {
         }
         let motion = self.carrier(time).motion_at(time);
         // Far outside its knots an extrapolated cubic can leave the range of f64.
-        motion.0.is_finite().then_some(motion)
+        let is_finite = motion.0.is_finite() && motion.1.is_finite() && motion.2.is_finite();
+        is_finite.then_some(motion)
     }
 
     /// The cubic that the body follows at `time`.

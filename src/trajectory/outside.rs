@@ -110,7 +110,8 @@ impl Trajectory {
         segments.extend_from_slice(&self.segments);
         segments.extend(std::iter::repeat_n(*self.after(), after));
         for (segment, ends) in segments.iter().zip(knots.windows(2)) {
-            let reach = segment.reach(ends[0], ends[1]);
+            // What its rounding amounts to grows as well.
+            let reach = segment.rounding_scale(ends[0], ends[1]);
             if reach.is_nan() || reach > LARGEST_MAGNITUDE {
                 return Err(Error::OutOfRange {
                     knot: self.knots.len() - 1,

@@ -111,14 +111,16 @@ impl Case {
 
     /// Origin difference and extents of all segments: the local scale, summed up.
     pub(crate) fn scale(&self) -> f64 {
+        // Neither over- nor underflows.
+        let norm = |v: DVec3| v.x.hypot(v.y).hypot(v.z);
         let origin = self.states[0][0].position;
         let reach = |states: &[State]| {
             let extents = states.windows(2).map(|pair| {
                 let duration = pair[1].time - pair[0].time;
-                pair[0].position.distance(pair[1].position)
-                    + duration * pair[0].velocity.length().max(pair[1].velocity.length())
+                norm(pair[0].position - pair[1].position)
+                    + duration * norm(pair[0].velocity).max(norm(pair[1].velocity))
             });
-            let origins = states.iter().map(|state| state.position.distance(origin));
+            let origins = states.iter().map(|state| norm(state.position - origin));
             origins.zip(extents).map(|(o, e)| o + e).fold(0.0, f64::max)
         };
         reach(&self.states[0]) + reach(&self.states[1])

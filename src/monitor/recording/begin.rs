@@ -1,6 +1,6 @@
 //! A monitor as it is written at the beginning of a recording.
 
-use crate::error::Error;
+use crate::error::{Error, LARGEST_MAGNITUDE};
 use crate::monitor::encounters::Saved;
 use crate::monitor::{AlertLevel, Event, LeastChange, Monitor};
 use crate::scene::Scene;
@@ -49,10 +49,17 @@ impl Begin {
     /// The same monitor, with nothing looked at yet.
     pub(super) fn monitor(self) -> Result<Monitor, Error> {
         let mut monitor = Monitor::new(self.scene, self.told, self.lookahead, &self.levels)?;
-        if self.now.is_nan() || self.now < self.told {
+        let is_time = |time: f64| time >= self.told && time < LARGEST_MAGNITUDE;
+        if !is_time(self.now) {
             return Err(Error::ClockWentBack {
                 now: self.told,
                 time: self.now,
+            });
+        }
+        let lengths = [self.encounters.len(), self.end_told.len()];
+        if lengths != [self.levels.len(), monitor.scene.slots()] || self.history.is_nan() {
+            return Err(Error::Lookahead {
+                value: self.history,
             });
         }
         monitor.now = self.now;
