@@ -41,7 +41,8 @@ use cases::Case;
 use check::Truth;
 use glam::DVec3;
 use nearmiss::{
-    Accuracy, Body, Conflict, Error, Hitbox, Quantity, Query, Scene, State, Trajectory, Window,
+    Accuracy, Body, Conflict, Error, Hitbox, Outside, Quantity, Query, Scene, State, Trajectory,
+    Window,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -167,6 +168,7 @@ fn with_margins(states: [Vec<State>; 2]) -> [Case; 2] {
         states,
         margin: 0.0,
         window: None,
+        outside: Outside::Absent,
     };
     let scene = case.scene();
     let ids: Vec<_> = scene.bodies().map(|(id, _)| id).collect();
@@ -308,6 +310,7 @@ fn one_motion_for_both() {
             states: [states.clone(), states.clone()],
             margin,
             window: None,
+            outside: Outside::Absent,
         };
         let found = row.ask(&case);
         assert_eq!(found.len(), 1);
@@ -336,6 +339,7 @@ fn a_constant_distance_at_the_margin() {
         states: [plain.collect(), shifted.collect()],
         margin: 1024.0,
         window: None,
+        outside: Outside::Absent,
     };
     let mut row = Row::default();
     let found = row.ask(&case);

@@ -16,7 +16,7 @@ mod oracle_support;
 use cases::{Case, FAMILIES};
 use check::Truth;
 use glam::DVec3;
-use nearmiss::{BodyId, Certificate, Clip, ClosestApproach, Conflict, TimeEnclosure};
+use nearmiss::{BodyId, Certificate, Clip, ClosestApproach, Conflict, Outside, TimeEnclosure};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::fmt::Write;
@@ -97,6 +97,11 @@ fn files_are_answered_exactly() {
             let window = case
                 .window
                 .map_or("..".to_owned(), |(from, to)| format!("{from}..{to}"));
+            let outside = match case.outside {
+                Outside::Absent => "absent",
+                Outside::Extrapolate => "extrapolate",
+                Outside::Coast => "coast",
+            };
             let result = Command::new(example())
                 .arg(&states)
                 .args([
@@ -106,6 +111,7 @@ fn files_are_answered_exactly() {
                     &case.margin.to_string(),
                 ])
                 .arg(format!("--window={window}"))
+                .args(["--outside", outside])
                 .arg("--output")
                 .arg(&output)
                 .output()

@@ -1,7 +1,7 @@
 //! Seeded families of questions that are hard in one way each.
 
 use glam::DVec3;
-use nearmiss::{Body, Scene, State, Trajectory, Window};
+use nearmiss::{Body, Outside, Scene, State, Trajectory, Window};
 use rand::{Rng, RngExt};
 
 /// What is hard about a question.
@@ -26,11 +26,13 @@ pub(crate) enum Family {
     Durations,
     /// A million kilometres out, 1e9 s after the epoch.
     Far,
+    /// The bodies go on beyond their knots, along their cubics or straight.
+    Beyond,
     /// One body moves a thousand or a million times more than the other.
     MixedScales,
 }
 
-pub(crate) const FAMILIES: [Family; 11] = [
+pub(crate) const FAMILIES: [Family; 12] = [
     Family::Random,
     Family::Grazing,
     Family::Gap,
@@ -42,6 +44,7 @@ pub(crate) const FAMILIES: [Family; 11] = [
     Family::Durations,
     Family::Far,
     Family::MixedScales,
+    Family::Beyond,
 ];
 
 /// Two bodies, a margin and a window.
@@ -50,6 +53,7 @@ pub(crate) struct Case {
     pub(crate) states: [Vec<State>; 2],
     pub(crate) margin: f64,
     pub(crate) window: Option<(f64, f64)>,
+    pub(crate) outside: Outside,
 }
 
 fn vector(rng: &mut impl Rng, half: f64) -> DVec3 {
@@ -86,8 +90,13 @@ impl Case {
             states,
             margin: 0.0,
             window: None,
+            outside: Outside::Absent,
         };
-        if rng.random_bool(0.25) {
+        if family == Family::Beyond {
+            case.outside = [Outside::Extrapolate, Outside::Coast][rng.random_range(0..2)];
+            let [before, after] = [(); 2].map(|()| rng.random_range(0.0..4.0));
+            case.window = Some((start - before, start + after));
+        } else if rng.random_bool(0.25) {
             let [from, to] = [(); 2].map(|()| start + duration * rng.random_range(0.0..1.5));
             case.window = Some((from.min(to), from.max(to)));
         }
@@ -99,6 +108,7 @@ impl Case {
         let mut scene = Scene::new();
         for states in &self.states {
             let plan = Trajectory::from_states(states).unwrap();
+            let plan = plan.with_outside(self.outside);
             scene.insert(Body::new(plan)).unwrap();
         }
         scene
@@ -158,7 +168,12 @@ impl Case {
     fn largest_between(&self, scene: &Scene, time: f64) -> f64 {
         let plans: Vec<&Trajectory> = scene.bodies().map(|(_, body)| &body.trajectory).collect();
         let at = |t: f64| Some(plans[0].position(t)?.distance(plans[1].position(t)?));
-        let end = plans[0].domain().end().min(plans[1].domain().end());
+        let last = self.window().end();
+        let end = plans[0]
+            .domain()
+            .end()
+            .min(plans[1].domain().end())
+            .min(last);
         let step = (end - time) / 64.0;
         let value = |k: u32| at(time + step * f64::from(k)).unwrap_or(0.0);
         let top = (1..64).find(|&k| value(k) >= value(k - 1) && value(k) > value(k + 1));

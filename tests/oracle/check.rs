@@ -5,7 +5,7 @@
 
 use crate::cases::Case;
 use crate::oracle_support::{
-    Body, SquaredDistance, State as ExactState, contacts, least_sign, squared_distances,
+    Body, Outside, SquaredDistance, State as ExactState, contacts, least_sign, squared_distances,
 };
 use dashu::rational::RBig;
 use nearmiss::{Certificate, Conflict, TimeEnclosure};
@@ -48,10 +48,18 @@ impl Truth {
         let ends = |states: &Vec<nearmiss::State>| (states[0].time, states[states.len() - 1].time);
         let (a, b) = (ends(&case.states[0]), ends(&case.states[1]));
         let window = case.window.unwrap_or((f64::MIN, f64::MAX));
-        let from = a.0.max(b.0).max(window.0);
-        let to = a.1.min(b.1).min(window.1);
+        let (mut from, mut to) = (a.0.max(b.0).max(window.0), a.1.min(b.1).min(window.1));
+        let outside = match case.outside {
+            nearmiss::Outside::Absent => Outside::Absent,
+            nearmiss::Outside::Extrapolate => Outside::Extrapolate,
+            nearmiss::Outside::Coast => Outside::Coast,
+        };
+        if outside != Outside::Absent {
+            (from, to) = window;
+        }
+        let bodies = case.states.each_ref().map(body);
         Self {
-            bodies: case.states.each_ref().map(body),
+            bodies: bodies.map(|body| body.extended(outside, from, to)),
             margin: case.margin,
             range: (from <= to).then_some((from, to)),
         }

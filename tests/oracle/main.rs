@@ -2,7 +2,7 @@
 //!
 //! Each question is two trajectories from states, a margin and a window, in families that are
 //! hard in one way each (`cases`); each answer is checked exactly (`check`). The short campaign is
-//! part of the tests. The long one goes on by seeds, 1,100 questions each, and prints its table:
+//! part of the tests. The long one goes on by seeds, 1,200 questions each, and prints its table:
 //!
 //! ```text
 //! NEARMISS_SEEDS=0..9100 cargo test --release --test oracle -- --ignored --nocapture
