@@ -6,8 +6,13 @@
 ///
 /// | | promise | cost |
 /// |---|---|---|
+/// | [`Fast`](Self::Fast) | f32, 1e-5 of the local scale; reports too much rather than too little | 0.8 to 1.0 |
 /// | [`Exact`](Self::Exact) | f64, good to a few roundings of the local scale; not certified | 1 |
-/// | [`Certified`](Self::Certified) | proven enclosures of separation, enter, exit and closest approach; what f64 cannot decide is marked | 1.04 to 1.5 |
+/// | [`Certified`](Self::Certified) | proven enclosures of separation, enter, exit and closest approach; what f64 cannot decide is marked | 1.0 to 1.7 |
+///
+/// Costs: `screen --accuracy A --threads 1 --stats json`, `screen_ms` over that of `exact`, medians of
+/// five runs on seven sets of real trajectories. Finding candidates takes the most of it, and is the
+/// same for all.
 ///
 /// The local scale L of two segments is the distance of their origins plus their extents; neither
 /// the absolute position nor the absolute time enters.

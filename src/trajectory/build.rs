@@ -15,6 +15,10 @@ pub enum TimeBase {
     SegmentLocal,
 }
 
+/// Cubics that a new plan has room for in front: what is left of the plan that it is spliced onto,
+/// without a move to larger memory.
+const ROOM: usize = 2;
+
 impl Trajectory {
     /// Cubic Hermite segments through states at irregular, increasing times.
     ///
@@ -29,18 +33,19 @@ impl Trajectory {
             });
         };
         check_states(states)?;
-        let segments = states
-            .windows(2)
-            .enumerate()
-            .map(|(index, pair)| Segment::hermite(&pair[0], &pair[1], index + 1))
-            .collect::<Result<Vec<_>, _>>()?;
+        let mut knots = Vec::with_capacity(states.len() + ROOM);
+        knots.extend(states.iter().map(|state| state.time));
+        let mut segments = Vec::with_capacity(states.len() - 1 + ROOM);
+        for (index, pair) in states.windows(2).enumerate() {
+            segments.push(Segment::hermite(&pair[0], &pair[1], index + 1)?);
+        }
         let last_knot = states.len() - 1;
         let coast = [
             Segment::line(first, states[1].time - first.time, 0.0, 0)?,
             Segment::line(last, last.time - states[last_knot - 1].time, 0.0, last_knot)?,
         ];
         Ok(Self {
-            knots: states.iter().map(|state| state.time).collect(),
+            knots,
             segments,
             coast,
             outside: Outside::default(),
