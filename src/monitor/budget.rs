@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 pub enum Budget {
     /// As much as there is.
     Unlimited,
-    /// Wall time, looked at between slices: exceeded by at most the work of one slice, and of
-    /// solving and reading what was found.
+    /// Wall time, looked at after every thousand boxes or candidates; exceeded by what sorting the
+    /// boxes of one slice takes, and solving and reading what was found.
     Time(Duration),
     /// Counted work (boxes formed and candidates found): the same on every machine and every run.
     Work(u64),

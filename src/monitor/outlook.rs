@@ -140,11 +140,10 @@ impl Outlook {
         self.survivors.clear();
         let mut known = to;
         let stale = slices[..needed].iter().filter(|slice| !slice.is_fresh());
-        if meter.is_unlimited() && stale.count() > 1 {
+        let is_parallel = meter.is_unlimited() && stale.count() > 1;
+        if is_parallel {
             parallel::for_each(&mut slices[..needed], |slice| {
-                if !slice.is_fresh() {
-                    slice.refresh(&bodies, filter);
-                }
+                slice.refresh(&bodies, filter, |_| true);
             });
         } else {
             for slice in slices[..needed].iter_mut() {
@@ -160,14 +159,23 @@ impl Outlook {
                     known = start.min(to);
                     break;
                 }
-                slice.refresh(&bodies, filter);
-                meter.count(std::mem::take(&mut slice.work));
+                slice.refresh(&bodies, filter, |work| {
+                    meter.count(work);
+                    !meter.is_spent()
+                });
+                if !slice.is_fresh() {
+                    known = start.min(to);
+                    break;
+                }
             }
         }
         known = meter.until().unwrap_or(known);
         for slice in &mut slices[..needed] {
             self.survivors.append(&mut slice.survivors);
-            meter.count(std::mem::take(&mut slice.work));
+            if is_parallel {
+                let stats = &slice.stats;
+                meter.count(usize::try_from(stats.boxes + stats.candidates).unwrap_or(0));
+            }
             *stats += std::mem::take(&mut slice.stats);
         }
         let begin = Instant::now();

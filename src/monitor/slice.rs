@@ -37,18 +37,22 @@ pub(super) struct Slice {
     is_changed: Vec<bool>,
     listed: Vec<BodyBox>,
     candidates: Vec<Candidate>,
+    /// Candidates before this one have been looked at.
+    sifted: usize,
     sweep: Sweep,
-    /// What the last refresh found.
+    /// What was found and not taken yet.
     pub(super) survivors: Vec<(Key, Span)>,
     pub(super) stats: Stats,
-    /// What that took: boxes and candidates.
-    pub(super) work: usize,
 }
 
 impl Slice {
     /// Sweeping over all boxes costs as much as asking for what meets the boxes of this share of
     /// the bodies (measured with 10,000 bodies; the sweep's share falls slowly with their number).
     const FEW_CHANGED: usize = 16;
+
+    /// Boxes formed, or candidates looked at, before a budget is looked at: some tenths of a
+    /// millisecond.
+    const STEP: usize = 1024;
 
     /// An empty slice in this one's memory.
     pub(super) fn begin(&mut self, index: i64, interval: (f64, f64)) {
@@ -57,12 +61,14 @@ impl Slice {
         self.built = false;
         self.prepared = 0;
         self.listed.clear();
+        self.candidates.clear();
+        self.sifted = 0;
         self.forget_changes();
     }
 
     /// Whether all is compared.
     pub(super) fn is_fresh(&self) -> bool {
-        self.built && self.changed.is_empty()
+        self.built && self.changed.is_empty() && self.sifted == self.candidates.len()
     }
 
     /// Notes that bodies have changed; each slot once.
@@ -99,10 +105,15 @@ impl Slice {
             reason = "a share of a number of slots"
         )]
         let until = ((count as f64 * share).ceil() as usize).min(count);
-        let first = self.prepared;
-        if self.built || until <= first {
+        if self.built || until <= self.prepared {
             return 0;
         }
+        self.prepare_to(bodies, until)
+    }
+
+    /// Forms the boxes of slots below `until` that are not there yet; returns how many slots.
+    fn prepare_to(&mut self, bodies: &Bodies<'_>, until: usize) -> usize {
+        let first = self.prepared;
         let slots = first..until;
         let (interval, listed) = (self.interval, &mut self.listed);
         listed.extend(slots.filter_map(|slot| {
@@ -113,41 +124,66 @@ impl Slice {
         until - first
     }
 
-    /// Compares what has not been compared. Afterwards `survivors`, `stats` and `work` are those of
-    /// this refresh.
-    pub(super) fn refresh<F: PairFilter>(&mut self, bodies: &Bodies<'_>, filter: &F) {
-        let begin = Instant::now();
-        self.stats = Stats::default();
+    /// Compares what has not been compared, as long as `goes_on` lets: it is told the work of each
+    /// step (boxes and candidates). What is found is added to `survivors` and `stats`.
+    pub(super) fn refresh<F: PairFilter>(
+        &mut self,
+        bodies: &Bodies<'_>,
+        filter: &F,
+        mut goes_on: impl FnMut(usize) -> bool,
+    ) {
+        while !self.is_fresh() {
+            let begin = Instant::now();
+            let work = if self.sifted < self.candidates.len() {
+                let work = self.sift(bodies);
+                self.stats.narrow_time += begin.elapsed();
+                work
+            } else {
+                let work = self.compare(bodies, filter);
+                self.stats.broad_time += begin.elapsed();
+                work
+            };
+            // A slice without a body is work as well: a budget of counted work stops at one place
+            // only.
+            if !goes_on(1 + work) {
+                return;
+            }
+        }
+    }
+
+    /// One step towards all candidates.
+    fn compare<F: PairFilter>(&mut self, bodies: &Bodies<'_>, filter: &F) -> usize {
+        let count = bodies.flights.len();
+        if !self.built && self.prepared < count {
+            let boxes = self.prepare_to(bodies, count.min(self.prepared + Self::STEP));
+            self.stats.boxes += boxes as u64;
+            return boxes;
+        }
         self.candidates.clear();
-        self.survivors.clear();
+        self.sifted = 0;
         let boxes = if self.built {
-            self.compare_changed(bodies, filter)
+            let boxes = self.compare_changed(bodies, filter);
+            self.stats.boxes += boxes as u64;
+            boxes
         } else {
-            self.build(bodies, filter)
+            self.build(bodies, filter);
+            0
         };
         self.built = true;
         self.forget_changes();
-        self.stats.boxes = boxes as u64;
-        self.stats.candidates = self.candidates.len() as u64;
-        let found = Instant::now();
-        self.stats.broad_time = found - begin;
-        self.sift(bodies);
-        self.stats.narrow_time = found.elapsed();
-        // A slice without a body is work as well: a budget of counted work stops at one place only.
-        self.work = 1 + boxes + self.candidates.len();
+        self.stats.candidates += self.candidates.len() as u64;
+        boxes
     }
 
-    /// All boxes, all pairs.
-    fn build<F: PairFilter>(&mut self, bodies: &Bodies<'_>, filter: &F) -> usize {
-        self.prepare(bodies, 1.0);
+    /// All pairs, of boxes that are all there.
+    fn build<F: PairFilter>(&mut self, bodies: &Bodies<'_>, filter: &F) {
         self.boxes.build(&self.listed);
         if !self.changed.is_empty() {
             self.box_changed(bodies);
             self.list_all();
         }
         self.sweep.pairs(&self.listed, filter, &mut self.candidates);
-        self.stats.slices = 1;
-        self.listed.len()
+        self.stats.slices += 1;
     }
 
     /// Changed bodies against all.
@@ -191,9 +227,16 @@ impl Slice {
         self.boxes.list(&mut self.listed);
     }
 
-    /// Keeps the spans of the candidates that cheap tests cannot rule out.
-    fn sift(&mut self, bodies: &Bodies<'_>) {
-        for candidate in &self.candidates {
+    /// Keeps the spans of some more candidates that cheap tests cannot rule out. Bodies that have
+    /// changed since are compared anew.
+    fn sift(&mut self, bodies: &Bodies<'_>) -> usize {
+        let is_changed = |slot: u32| self.is_changed.get(slot as usize) == Some(&true);
+        let first = self.sifted;
+        self.sifted = self.candidates.len().min(first + Self::STEP);
+        for candidate in &self.candidates[first..self.sifted] {
+            if is_changed(candidate.a) || is_changed(candidate.b) {
+                continue;
+            }
             let parties = [candidate.a, candidate.b].map(|slot| bodies.party(slot));
             let [Some(a), Some(b)] = parties else {
                 continue;
@@ -211,6 +254,7 @@ impl Slice {
                 }
             }
         }
+        self.sifted - first
     }
 
     /// Bodies that a body's box over the slice may meet.

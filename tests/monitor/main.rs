@@ -17,7 +17,7 @@ use nearmiss::{
 };
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use reference::{Reference, told};
+use reference::{Reference, order, told};
 use std::collections::BTreeMap;
 use support::{bits, line, rng, vector, wander};
 
@@ -249,8 +249,11 @@ fn long_run(seed: u64) {
         count += events.len();
         assert!(events.is_sorted_by(|x, y| x.order(y).is_le()));
         let known = monitor.certified_until();
-        let expected = reference.tick(monitor.scene(), now, known);
-        let found: Vec<_> = events.iter().map(told).collect();
+        // Two encounters of one pair at one level may change in one tick: their order is open.
+        let mut expected = reference.tick(monitor.scene(), now, known);
+        expected.sort_by(order);
+        let mut found: Vec<_> = events.iter().map(told).collect();
+        found.sort_by(order);
         for (found, expected) in found.iter().zip(&expected) {
             assert_eq!(found, expected, "seed {seed}, tick {tick}");
         }

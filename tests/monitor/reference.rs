@@ -8,6 +8,7 @@ use nearmiss::{
     AlertLevel, Body, BodyId, ClosestApproach, Conflict, EndReason, Event, EventKind, Query, Scene,
     Trajectory, Window,
 };
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 /// An encounter as it was last told.
@@ -72,7 +73,7 @@ impl Reference {
         }
     }
 
-    /// The events of a tick after which everything up to `known` is known, in their order.
+    /// The events of a tick after which everything up to `known` is known, in no order.
     pub(crate) fn tick(&mut self, scene: &Scene, now: f64, known: f64) -> Vec<Told> {
         let tick = Tick {
             now,
@@ -102,10 +103,6 @@ impl Reference {
         }
         self.plan_ends(scene, now, &mut told);
         self.before = tick.told;
-        told.sort_by(|x, y| {
-            let key = |told: &Told| (told.1, told.2, told.3, told.4);
-            x.0.total_cmp(&y.0).then(key(x).cmp(&key(y)))
-        });
         told
     }
 
@@ -354,6 +351,12 @@ fn numbers(encounter: &Followed, reason: u64) -> Vec<u64> {
         encounter.closest.separation.to_bits(),
         reason,
     ]
+}
+
+/// By time, kind, bodies and level, then whatever else is told.
+pub(crate) fn order(x: &Told, y: &Told) -> Ordering {
+    let key = |told: &Told| (told.1, told.2, told.3, told.4, told.5.clone());
+    x.0.total_cmp(&y.0).then_with(|| key(x).cmp(&key(y)))
 }
 
 /// The monitor's own events in the same form.
