@@ -3,13 +3,13 @@
 #[cfg(feature = "serde")]
 mod serial;
 
-use crate::bounds::Extremes;
+use crate::bounds::{Extremes, Sketch};
 use crate::error::Error;
 use crate::hitbox::Hitbox;
 use crate::id::BodyId;
 use crate::layers::Layers;
 use crate::screen::Pool;
-use crate::trajectory::Trajectory;
+use crate::trajectory::{Segment, Trajectory};
 use std::collections::BTreeSet;
 
 /// A trajectory with a hitbox around it.
@@ -60,13 +60,14 @@ impl Body {
     }
 }
 
-/// What the choice of slices and frame needs to know of a motion, computed once.
-#[derive(Clone, Copy, Debug)]
+/// What screening needs to know of a motion, worked out once.
+#[derive(Clone, Debug)]
 pub(crate) struct Outline {
     /// Rough extremes of all segments, m.
     pub(crate) extremes: Extremes,
     /// Sum of the segments' extents: a bound on the way flown, m.
     pub(crate) path: f64,
+    pub(crate) sketch: Sketch,
 }
 
 impl Outline {
@@ -74,22 +75,24 @@ impl Outline {
         let mut outline = Self {
             extremes: Extremes::NOTHING,
             path: 0.0,
+            sketch: Sketch::EMPTY,
         };
-        for segment in trajectory.segments() {
-            let extent = segment.extent();
-            outline
-                .extremes
-                .include(Extremes::of_segment(segment, extent));
-            outline.path += extent;
-        }
-        if trajectory.segments().is_empty() {
+        outline.follow(trajectory);
+        outline
+    }
+
+    /// The outline of another trajectory, in this one's memory.
+    fn follow(&mut self, trajectory: &Trajectory) {
+        let segments = trajectory.segments();
+        self.extremes = self.sketch.redraw(trajectory.knots(), segments);
+        if segments.is_empty() {
             let position = trajectory.position(0.0).unwrap_or_default();
-            outline.extremes.include(Extremes {
+            self.extremes.include(Extremes {
                 low: position,
                 high: position,
             });
         }
-        outline
+        self.path = segments.iter().map(Segment::extent).sum();
     }
 }
 
@@ -109,8 +112,8 @@ struct Slot {
 ///
 /// # Memory
 ///
-/// A body takes about 500 bytes, a segment 136 (with its knot). A screening adds some 200 a body
-/// and, for each thread, at most 64 MiB of boxes (64 bytes each, for up to 2^20 of them or one
+/// A body takes about 570 bytes, a segment 200 (64 of them a copy in f32, which boxes are formed
+/// from; 8 its knot). A screening adds some 230 a body and, for each thread, at most 64 MiB of boxes (64 bytes each, for up to 2^20 of them or one
 /// slice, if that has more), 40 to 130 bytes a box of one slice for the sweep, and 8 for each of a
 /// slice's candidates; then 16 bytes for each span that is solved, and the conflicts themselves.
 /// Boxes, candidates and the sweep's lists are kept for the next screening.
@@ -251,9 +254,8 @@ impl Scene {
         id: BodyId,
         trajectory: Trajectory,
     ) -> Result<Trajectory, Error> {
-        let outline = Outline::of(&trajectory);
         let occupant = self.occupant_mut(id)?;
-        occupant.outline = outline;
+        occupant.outline.follow(&trajectory);
         Ok(std::mem::replace(&mut occupant.body.trajectory, trajectory))
     }
 

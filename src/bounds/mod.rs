@@ -10,8 +10,16 @@
 //! more than a hundred units of 2^-24; next to it the clearance of filters, 2^-44, is nothing.
 
 mod course;
+mod pose;
+mod sketch;
+mod trace;
+mod track;
 
-pub(crate) use course::{Chord, Course};
+pub(crate) use course::Course;
+pub(crate) use pose::Pose;
+pub(crate) use sketch::{Sketch, Stroke};
+pub(crate) use trace::Trace;
+pub(crate) use track::{Piece, Track};
 
 use crate::hitbox::Sphere;
 
@@ -59,13 +67,15 @@ impl Extremes {
 }
 
 impl Frame {
+    const OF_NOTHING: Self = Self {
+        origin: DVec3::ZERO,
+        power: 1.0,
+    };
+
     /// A frame for coordinates within `extremes` and inflations up to `inflation` (m).
     pub(crate) fn around(extremes: Extremes, inflation: f64) -> Self {
         if !(extremes.low.is_finite() && extremes.high.is_finite()) {
-            return Self {
-                origin: DVec3::ZERO,
-                power: 1.0,
-            };
+            return Self::OF_NOTHING;
         }
         let origin = extremes.low * 0.5 + extremes.high * 0.5;
         let half = (extremes.high - origin).max_element() + inflation;
@@ -93,6 +103,13 @@ pub(crate) struct Inflation {
 }
 
 impl Inflation {
+    pub(crate) const NONE: Self = Self {
+        low: Vec4::ZERO,
+        high: Vec4::ZERO,
+        reach: 0.0,
+        size: 0.0,
+    };
+
     /// Of a hitbox and its bounding sphere (m).
     pub(crate) fn of(spheres: &[Sphere], bounding: Sphere, margin: f64, frame: &Frame) -> Self {
         let mut hitbox = Extremes::NOTHING;
@@ -111,11 +128,6 @@ impl Inflation {
             reach: nearest(reach * frame.power),
             size: nearest(Self::size(spheres, bounding, margin) * frame.power),
         }
-    }
-
-    /// Largest distance from the body's position that it adds, in the frame's unit.
-    pub(crate) fn reach(&self) -> f64 {
-        f64::from(self.reach)
     }
 
     /// Largest distance from the body's position that it adds, and more where numbers cancel, m.
@@ -177,18 +189,12 @@ pub(crate) struct Part {
     /// What the rounding of the points is relative to on each axis: none of the segment is farther
     /// away; more where the segment itself is known less well than f32 could tell.
     size: Vec4,
-    from: f64,
-    to: f64,
 }
 
-/// How often a part may be split: each time rounds its points 9 times more (three levels of two
-/// weights and a sum).
-pub(crate) const MOST_SPLITS: u32 = 9;
-
 impl Part {
-    /// Roundings of the size that the points can carry: from the conversion, all splits, and
-    /// some more than what follows until a box or a course is made.
-    const ROUNDINGS: f32 = 3.0 + 9.0 * MOST_SPLITS as f32 + 36.0;
+    /// Roundings of the size that the points can carry: 3 from the conversion, and some more than
+    /// what follows until a box is made.
+    const ROUNDINGS: f32 = 3.0 + 36.0;
 
     /// The part of a segment over `from..=to`, within its knots or not.
     pub(crate) fn of(segment: &Segment, (from, to): (f64, f64), anchor: &Anchor) -> Self {
@@ -199,55 +205,7 @@ impl Part {
         Self {
             points: points.map(|point| offset + anchor.scaled([point.x, point.y, point.z, 0.0])),
             size: offset.abs() + Vec4::splat(nearest(reach * anchor.power)),
-            from,
-            to,
         }
-    }
-
-    /// A whole segment.
-    #[inline(always)]
-    pub(crate) fn whole(segment: &Segment, anchor: &Anchor) -> Self {
-        let [origin, first, second, third] = segment.lanes();
-        let offset = anchor.offset(origin);
-        let size = segment.extent() + segment.error() / f64::from(ROUNDING);
-        Self {
-            points: [
-                offset,
-                offset + anchor.scaled(first),
-                offset + anchor.scaled(second),
-                offset + anchor.scaled(third),
-            ],
-            size: offset.abs() + Vec4::splat(nearest(size * anchor.power)),
-            from: segment.start(),
-            to: segment.end(),
-        }
-    }
-
-    /// Last instant, s.
-    #[inline(always)]
-    pub(crate) const fn end(&self) -> f64 {
-        self.to
-    }
-
-    /// Splits off what lies before `cut`, by de Casteljau; the rest stays.
-    #[inline(always)]
-    pub(crate) fn split_off(&mut self, cut: f64) -> Self {
-        let rate = 1.0 / (self.to - self.from);
-        let first = Vec4::splat(nearest((self.to - cut) * rate));
-        let second = Vec4::splat(nearest((cut - self.from) * rate));
-        let mix = |x: Vec4, y: Vec4| x * first + y * second;
-        let [p0, p1, p2, p3] = self.points;
-        let (q0, q1, q2) = (mix(p0, p1), mix(p1, p2), mix(p2, p3));
-        let (r0, r1) = (mix(q0, q1), mix(q1, q2));
-        let middle = mix(r0, r1);
-        let before = Self {
-            points: [p0, q0, r0, middle],
-            to: cut,
-            ..*self
-        };
-        self.points = [middle, r1, q2, p3];
-        self.from = cut;
-        before
     }
 }
 

@@ -2,10 +2,9 @@
 
 use super::BodyBox;
 use super::slices::Slices;
-use crate::bounds::{Anchor, Chord, Course, Frame, Hull, Inflation, MOST_SPLITS, Part};
+use crate::bounds::{Course, Piece, Pose, Stroke, Trace, Track};
 use crate::narrow_phase::Party;
 use crate::simd::{Task, prefetch};
-use crate::trajectory::Segment;
 use std::ops::Range;
 
 /// One slice: a box and a course for each body that exists in it, side by side.
@@ -24,22 +23,22 @@ pub(crate) struct Slice {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Block {
     pub(crate) slices: [Slice; Block::SLICES as usize],
-    /// For each body, its first cubic in the block: where the next search begins.
-    firsts: Vec<u32>,
+    /// For each body, its first cubic in the block; once it was walked, its last: where the search
+    /// for the next block begins.
+    pieces: Vec<u32>,
 }
 
 impl Block {
-    /// Slices in a block. Each slice splits a cubic once at most, and the block's start once more,
-    /// which bounds the splits' rounding.
-    pub(crate) const SLICES: u32 = MOST_SPLITS - 1;
+    /// Slices in a block: with more, a body's segments are read less often, but the lists of boxes
+    /// leave the caches.
+    pub(crate) const SLICES: u32 = 8;
 }
 
 /// Forms the boxes and courses of some slices (at most [`Block::SLICES`]).
 pub(crate) struct Fill<'a> {
     pub(crate) block: &'a mut Block,
     pub(crate) parties: &'a [Party<'a>],
-    pub(crate) inflations: &'a [Inflation],
-    pub(crate) frame: &'a Frame,
+    pub(crate) poses: &'a [Pose<'a>],
     pub(crate) cuts: &'a Slices,
     pub(crate) range: Range<u32>,
 }
@@ -48,7 +47,7 @@ impl Task for Fill<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run(mut self) {
         for slice in &mut self.block.slices {
             slice.boxes.clear();
             slice.courses.clear();
@@ -60,14 +59,19 @@ impl Task for Fill<'_> {
             slice.courses.reserve(self.parties.len());
             slice.bodies.reserve(self.parties.len());
         }
-        self.block.firsts.resize(self.parties.len(), 0);
+        self.block.pieces.resize(self.parties.len(), 0);
         let mut ends = [0.0; Block::SLICES as usize + 1];
         let count = self.range.len();
         for (end, cut) in ends.iter_mut().zip(self.range.start..=self.range.end) {
             *end = self.cuts.cut(cut);
         }
         let ends = &ends[..=count];
+        for body in 0..self.parties.len().min(Self::AHEAD) {
+            self.look_up(body, ends[0]);
+        }
         for body in 0..self.parties.len() {
+            self.prefetch_knots(body + 2 * Self::AHEAD);
+            self.look_up(body + Self::AHEAD, ends[0]);
             let party = &self.parties[body];
             let knots = party.knots;
             let (Some(&first), Some(&last)) = (knots.first(), knots.last()) else {
@@ -76,47 +80,49 @@ impl Task for Fill<'_> {
             if first > ends[count] || last < ends[0] {
                 continue;
             }
-            let piece = cubic_before(knots, ends[0], self.block.firsts[body]);
-            self.block.firsts[body] = short(piece);
-            Walk {
+            let piece = self.block.pieces[body] as usize;
+            let end = Walk {
                 knots,
-                segments: party.segments,
-                anchor: Anchor::at(&party.segments[piece], self.frame),
+                pose: &self.poses[body],
                 ends,
-                ahead: Self::ahead(self.parties, &self.block.firsts, body),
+                ahead: self.strokes_of(body + Self::AHEAD),
                 begin: piece,
             }
-            .through(
-                piece,
-                &self.inflations[body],
-                short(body),
-                &mut self.block.slices,
-            );
+            .through(piece, short(body), &mut self.block.slices);
+            self.block.pieces[body] = short(end);
         }
     }
 }
 
-impl Fill<'_> {
+impl<'a> Fill<'a> {
     /// How many bodies ahead segments are brought into the caches. They are what there is most of,
     /// and each body's lie somewhere else: without it, half of the time is waiting.
     const AHEAD: usize = 4;
 
-    /// Prefetches the knots of a body, and gives the segments that one which comes sooner begins
-    /// with.
     #[inline(always)]
-    fn ahead<'a>(parties: &'a [Party<'_>], firsts: &[u32], body: usize) -> &'a [Segment] {
-        let (later, soon) = (body + 2 * Self::AHEAD, body + Self::AHEAD);
-        if let Some(party) = parties.get(later) {
-            let first = (firsts[later] as usize).min(party.knots.len());
+    fn prefetch_knots(&self, body: usize) {
+        if let Some(party) = self.parties.get(body) {
+            let first = (self.block.pieces[body] as usize).min(party.knots.len());
             prefetch(&party.knots[first..(first + 8).min(party.knots.len())]);
         }
-        match parties.get(soon) {
-            Some(party) => {
-                let first = (firsts[soon] as usize).min(party.segments.len());
-                &party.segments[first..]
-            }
-            None => &[],
+    }
+
+    /// Finds the cubic that a body begins with.
+    #[inline(always)]
+    fn look_up(&mut self, body: usize, time: f64) {
+        if let Some(party) = self.parties.get(body) {
+            let piece = &mut self.block.pieces[body];
+            *piece = short(cubic_before(party.knots, time, *piece));
         }
+    }
+
+    /// The cubics that a body begins with.
+    #[inline(always)]
+    fn strokes_of(&self, body: usize) -> &'a [Stroke] {
+        self.poses.get(body).map_or(&[], |pose| {
+            let first = (self.block.pieces[body] as usize).min(pose.strokes().len());
+            &pose.strokes()[first..]
+        })
     }
 }
 
@@ -140,88 +146,71 @@ fn cubic_before(knots: &[f64], time: f64, guess: u32) -> usize {
 /// One body's way through the slices of a block.
 struct Walk<'a> {
     knots: &'a [f64],
-    segments: &'a [Segment],
-    anchor: Anchor,
+    pose: &'a Pose<'a>,
     /// Where slices begin and end.
     ends: &'a [f64],
-    /// Segments of a body that is still to come, fetched one for one of this body's.
-    ahead: &'a [Segment],
+    /// Cubics of a body that is still to come, fetched one for one of this body's.
+    ahead: &'a [Stroke],
     begin: usize,
 }
 
 impl Walk<'_> {
-    /// The part of a piece from `start` on; it may end after the block does.
     #[inline(always)]
-    fn part(&self, piece: usize, start: f64) -> Part {
-        if let Some(later) = self.ahead.get(piece - self.begin) {
+    fn piece(&self, number: usize) -> Piece {
+        if let Some(later) = self.ahead.get(number - self.begin) {
             prefetch(std::slice::from_ref(later));
         }
-        let segment = &self.segments[piece];
-        let (from, to) = (self.knots[piece], self.knots[piece + 1]);
-        if segment.start().to_bits() == from.to_bits() && segment.end().to_bits() == to.to_bits() {
-            let mut part = Part::whole(segment, &self.anchor);
-            if from < start {
-                part.split_off(start);
-            }
-            part
-        } else {
-            let end = self.ends[self.ends.len() - 1];
-            Part::of(segment, (from.max(start), to.min(end)), &self.anchor)
-        }
+        self.pose
+            .piece(number, (self.knots[number], self.knots[number + 1]))
     }
 
-    /// Appends the body's box and course to each slice in which it exists.
+    /// Appends the body's box and course to each slice in which it exists; gives the cubic that it
+    /// comes to.
     #[inline(always)]
-    fn through(&self, mut piece: usize, inflation: &Inflation, body: u32, slices: &mut [Slice]) {
+    fn through(&self, mut number: usize, body: u32, slices: &mut [Slice]) -> usize {
         let Self { knots, ends, .. } = *self;
         let (first, last) = (knots[0], knots[knots.len() - 1]);
-        let mut part = self.part(piece, ends[0]);
+        let mut track = Track::new(self.piece(number));
+        let mut cut = track.cut(knots[number].max(ends[0]));
         for (slice, ends) in slices.iter_mut().zip(ends.windows(2)) {
             let (from, to) = (ends[0], ends[1]);
             if first > to || last < from {
                 continue;
             }
-            let begin = piece;
+            let (begin, start) = (number, cut);
             // Slices are closed: a cubic that begins where the slice ends counts with its first
             // point.
-            while piece + 2 < knots.len() && knots[piece + 1] <= to {
-                piece += 1;
+            while number + 2 < knots.len() && knots[number + 1] <= to {
+                number += 1;
             }
-            let head = part;
-            if piece > begin {
-                part = self.part(piece, f64::NEG_INFINITY);
-            }
-            let tail = if part.end() > to {
-                part.split_off(to)
-            } else {
-                part
-            };
-            let head = if piece > begin { head } else { tail };
-            let mut hull = Hull::EMPTY;
             // At a single instant the line is a point.
             let rate = if to > from { 1.0 / (to - from) } else { 0.0 };
-            let mut chord = Chord::between(&head, &tail, from, rate);
-            hull.include(&head);
-            chord.follow(&head);
-            for between in begin + 1..piece {
-                let whole = self.part(between, f64::NEG_INFINITY);
-                hull.include(&whole);
-                chord.follow(&whole);
-            }
-            if piece > begin {
-                hull.include(&tail);
-                chord.follow(&tail);
-            }
+            let trace = if number == begin {
+                cut = track.cut(to.min(track.end()));
+                let piece = track.between(&start, &cut);
+                let mut trace = Trace::between(&piece, &piece, (from, rate));
+                trace.follow(&piece);
+                trace
+            } else {
+                let head = track.after(&start);
+                track = Track::new(self.piece(number));
+                cut = track.cut(to.min(track.end()));
+                let tail = track.before(&cut);
+                let mut trace = Trace::between(&head, &tail, (from, rate));
+                trace.follow(&head);
+                for between in begin + 1..number {
+                    trace.follow(&self.piece(between));
+                }
+                trace.follow(&tail);
+                trace
+            };
             let place = short(slice.bodies.len());
-            slice.boxes.push(BodyBox {
-                aabb: hull.inflated(inflation, &self.anchor),
-                body: place,
-            });
-            slice
-                .courses
-                .push(chord.course(&hull, inflation, &self.anchor, short(begin)));
+            let (course, aabb) = trace.finish(self.pose, short(begin));
+            slice.boxes.push(BodyBox { aabb, body: place });
+            slice.courses.push(course);
             slice.bodies.push(body);
         }
+        number
     }
 }
 
@@ -235,7 +224,7 @@ fn short(count: usize) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bounds::Extremes;
+    use crate::bounds::{Extremes, Frame, Inflation, Sketch};
     use crate::hitbox::Hitbox;
     use crate::simd::Level;
     use crate::trajectory::{State, Trajectory};
@@ -279,14 +268,15 @@ mod tests {
                 spheres: hitbox.spheres(),
                 bounding: hitbox.bounding(),
             };
+            let sketch = Sketch::of(party.knots, party.segments);
+            let pose = Pose::new(&sketch, &inflation, &frame);
             let mut block = Block::default();
             for first in (0..slices.count()).step_by(Block::SLICES as usize) {
                 let range = first..(first + Block::SLICES).min(slices.count());
                 Level::best().run(Fill {
                     block: &mut block,
                     parties: &[party],
-                    inflations: &[inflation],
-                    frame: &frame,
+                    poses: &[pose],
                     cuts: &slices,
                     range: range.clone(),
                 });

@@ -178,11 +178,26 @@ pub(crate) fn may_touch(
     b: &Party<'_>,
     span: Span,
     margin: f64,
-    (from, to): (f64, f64),
+    interval: (f64, f64),
 ) -> bool {
+    near_motion(a, b, span, margin, interval)
+        .is_some_and(|(points, threshold)| !certainly_beyond(&points, threshold))
+}
+
+/// The relative motion of a pair's bounding spheres in the part of a span within `from..=to`, as
+/// control points, and the distance that a filter must see it beyond; none if the boxes of the
+/// whole cubics are already apart.
+#[inline]
+pub(crate) fn near_motion(
+    a: &Party<'_>,
+    b: &Party<'_>,
+    span: Span,
+    margin: f64,
+    (from, to): (f64, f64),
+) -> Option<([DVec3; 4], f64)> {
     let radius = contact_radius(a.bounding.radius, b.bounding.radius, margin);
     if radius < 0.0 {
-        return false;
+        return None;
     }
     let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
     let offset = a.bounding.offset - b.bounding.offset;
@@ -191,11 +206,11 @@ pub(crate) fn may_touch(
     let within_knots =
         segment_a.covers(span.start, span.end) && segment_b.covers(span.start, span.end);
     if within_knots && segments_apart(segment_a, segment_b, offset, threshold) {
-        return false;
+        return None;
     }
     let part = (span.start.max(from), span.end.min(to));
     let points = relative_points(segment_a, segment_b, part, offset);
-    !certainly_beyond(&points, threshold)
+    Some((points, threshold))
 }
 
 /// Solves each pair of spheres over a span that may come within `margin`.

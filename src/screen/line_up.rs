@@ -2,7 +2,7 @@
 
 use super::scratch::Pool;
 use crate::accuracy::Accuracy;
-use crate::bounds::Extremes;
+use crate::bounds::{Extremes, Sketch};
 use crate::broad_phase::PairFilter;
 use crate::broad_phase::slices::Traffic;
 use crate::error::Error;
@@ -22,6 +22,8 @@ pub(super) struct LineUp<'a> {
     pub(super) ids: Vec<BodyId>,
     pub(super) occupants: Vec<&'a Occupant>,
     pub(super) pieces: Vec<Pieces<'a>>,
+    /// Sketches of those that go on beyond their knots in the window, by ascending place.
+    beyond: Vec<(usize, Sketch)>,
     pub(super) window: Window,
     pub(super) margin: f64,
     pub(super) accuracy: Accuracy,
@@ -51,9 +53,13 @@ impl<'a> LineUp<'a> {
             Some(_) => (ids, occupants, pieces),
             None => (Vec::new(), Vec::new(), Vec::new()),
         };
+        let goes_beyond = |(_, body): &(usize, &Pieces<'_>)| body.goes_beyond();
+        let beyond = pieces.iter().enumerate().filter(goes_beyond);
+        let beyond = beyond.map(|(place, body)| (place, Sketch::of(&body.knots, &body.segments)));
         Ok(Self {
             ids,
             occupants,
+            beyond: beyond.collect(),
             pieces,
             window: window.unwrap_or(query.window()),
             margin: query.margin(),
@@ -69,6 +75,18 @@ impl<'a> LineUp<'a> {
             .zip(&self.pieces)
             .map(|(occupant, pieces)| party(&occupant.body, pieces))
             .collect()
+    }
+
+    /// The bodies' sketches over the window, by place.
+    pub(super) fn sketches(&self) -> impl Iterator<Item = &Sketch> {
+        let mut beyond = self.beyond.iter().peekable();
+        let occupants = self.occupants.iter().enumerate();
+        occupants.map(
+            move |(place, occupant)| match beyond.next_if(|(other, _)| *other == place) {
+                Some((_, sketch)) => sketch,
+                None => &occupant.outline.sketch,
+            },
+        )
     }
 
     pub(super) fn is_unfiltered(&self, scene: &Scene) -> bool {

@@ -8,7 +8,7 @@
 
 use super::line_up::LineUp;
 use super::scratch::Scratch;
-use crate::bounds::{Frame, Inflation};
+use crate::bounds::Pose;
 use crate::broad_phase::fill::Fill;
 use crate::broad_phase::slices::Slices;
 use crate::broad_phase::{BroadPhase, Candidate, Everyone};
@@ -110,12 +110,7 @@ impl Trial {
 
 impl LineUp<'_> {
     /// The window cut into slices of the length that is expected to cost least.
-    pub(super) fn slices(
-        &self,
-        parties: &[Party<'_>],
-        inflations: &[Inflation],
-        frame: &Frame,
-    ) -> Slices {
+    pub(super) fn slices(&self, parties: &[Party<'_>], poses: &[Pose<'_>]) -> Slices {
         /// Fewer bodies are not worth a trial.
         const FEW: usize = 64;
         /// Each may change the length fourfold.
@@ -131,12 +126,12 @@ impl LineUp<'_> {
             return slices;
         }
         let parties: Vec<Party<'_>> = sample.iter().map(|&place| parties[place]).collect();
-        let sampled: Vec<Inflation> = sample.iter().map(|&place| inflations[place]).collect();
-        let whole = inflations.len() as f64 / sample.len() as f64;
+        let sampled: Vec<Pose<'_>> = sample.iter().map(|&place| poses[place]).collect();
+        let whole = poses.len() as f64 / sample.len() as f64;
         let mut last: Option<(Trial, f64)> = None;
         for _ in 0..MOST_TRIALS {
             let cubics = 1.0 + traffic.cubics_in(slices.length());
-            let trial = self.trial(&parties, &sampled, frame, &slices, whole, cubics);
+            let trial = self.trial(&parties, &sampled, &slices, whole, cubics);
             let growth = last.as_ref().map_or(Growth::ASSUMED, |(last, factor)| {
                 Growth::between(last, &trial, *factor)
             });
@@ -161,8 +156,7 @@ impl LineUp<'_> {
     fn trial(
         &self,
         parties: &[Party<'_>],
-        inflations: &[Inflation],
-        frame: &Frame,
+        poses: &[Pose<'_>],
         slices: &Slices,
         whole: f64,
         cubics: f64,
@@ -184,8 +178,7 @@ impl LineUp<'_> {
             Level::best().run(Fill {
                 block: &mut *block,
                 parties,
-                inflations,
-                frame,
+                poses,
                 cuts: slices,
                 range: first..first + 1,
             });
@@ -206,7 +199,7 @@ impl LineUp<'_> {
                 }
             }
         }
-        let reach: f64 = inflations.iter().map(Inflation::reach).sum();
+        let reach: f64 = poses.iter().map(Pose::reach).sum();
         let places = f64::from(places);
         Trial {
             boxes: boxes * whole / places,
@@ -214,7 +207,7 @@ impl LineUp<'_> {
             near: near * whole * whole / places,
             cubics,
             extents: extents.map(|extent| extent / boxes.max(1.0)),
-            least: 2.0 * reach / inflations.len() as f64,
+            least: 2.0 * reach / poses.len() as f64,
         }
     }
 }

@@ -68,7 +68,7 @@ impl Drop for Borrowed<'_> {
 
 #[cfg(test)]
 mod tests {
-    use crate::bounds::{Course, Inflation};
+    use crate::bounds::{Course, Pose, Stroke};
     use crate::broad_phase::{BodyBox, Candidate};
     use crate::narrow_phase::Party;
     use crate::scene::Occupant;
@@ -79,9 +79,10 @@ mod tests {
     #[test]
     fn sizes_are_as_documented() {
         assert_eq!(size_of::<Segment>(), 128);
-        assert_eq!(size_of::<Occupant>(), 440);
-        let line = size_of::<Pieces<'_>>() + size_of::<Party<'_>>() + size_of::<Inflation>();
-        assert_eq!(line, 176);
+        assert_eq!(size_of::<Stroke>(), 64);
+        assert_eq!(size_of::<Occupant>(), 504);
+        let line = size_of::<Pieces<'_>>() + size_of::<Party<'_>>() + size_of::<Pose<'_>>();
+        assert_eq!(line, 208);
         let boxed = size_of::<BodyBox>() + size_of::<Course>() + size_of::<u32>();
         assert_eq!(boxed, 64);
         assert_eq!(size_of::<Candidate>(), 8);

@@ -7,7 +7,8 @@
 
 use crate::broad_phase::Candidate;
 use crate::broad_phase::fill::Slice;
-use crate::narrow_phase::{Party, approaching, may_touch};
+use crate::narrow_phase::kernels::{CubicBatch, Level, Verdict, within};
+use crate::narrow_phase::{Party, approaching, near_motion};
 use crate::simd::prefetch;
 use crate::spans::{Span, spans_from};
 use std::slice::from_ref;
@@ -56,6 +57,11 @@ struct Piece {
 pub(super) struct Sieve {
     near: Vec<Near>,
     pieces: Vec<Piece>,
+    /// Spans whose relative motion is put to the kernel, with the distance that is asked about.
+    asked: Vec<Survivor>,
+    motions: CubicBatch<f64>,
+    thresholds: Vec<f64>,
+    verdicts: Vec<Verdict>,
 }
 
 impl Sieve {
@@ -78,7 +84,8 @@ impl Sieve {
         for batch in candidates.chunks(Self::BATCH) {
             self.judge(slice, interval, batch);
             self.cut(parties);
-            self.test(parties, margin, survivors);
+            self.ask(parties, margin);
+            self.take_verdicts(survivors);
             looked_at += self.pieces.len() as u64;
         }
         looked_at
@@ -130,8 +137,11 @@ impl Sieve {
         }
     }
 
-    /// The spans whose cubics may come within the margin.
-    fn test(&self, parties: &[Party<'_>], margin: f64, survivors: &mut Vec<Survivor>) {
+    /// The relative motions of those whose boxes are not apart.
+    fn ask(&mut self, parties: &[Party<'_>], margin: f64) {
+        self.asked.clear();
+        self.motions.clear();
+        self.thresholds.clear();
         for (i, piece) in self.pieces.iter().enumerate() {
             if let Some(later) = self.pieces.get(i + Self::AHEAD) {
                 let (a, b) = (&parties[later.a as usize], &parties[later.b as usize]);
@@ -139,8 +149,11 @@ impl Sieve {
                 prefetch(from_ref(&b.segments[later.span.b as usize]));
             }
             let (a, b) = (&parties[piece.a as usize], &parties[piece.b as usize]);
-            if may_touch(a, b, piece.span, margin, piece.interval) {
-                survivors.push(Survivor {
+            let motion = near_motion(a, b, piece.span, margin, piece.interval);
+            if let Some((points, threshold)) = motion {
+                self.motions.push(points.map(|point| point.to_array()));
+                self.thresholds.push(threshold);
+                self.asked.push(Survivor {
                     a: piece.a,
                     b: piece.b,
                     span_a: piece.span.a,
@@ -148,6 +161,24 @@ impl Sieve {
                 });
             }
         }
+    }
+
+    /// Appends those that are not certainly beyond. (Those certainly within need no proof either.)
+    fn take_verdicts(&mut self, survivors: &mut Vec<Survivor>) {
+        self.verdicts.clear();
+        self.verdicts.resize(self.asked.len(), Verdict::Undecided);
+        let thresholds = &self.thresholds;
+        let motions = self.motions.lanes();
+        within(
+            Level::best(),
+            &motions,
+            thresholds,
+            thresholds,
+            &mut self.verdicts,
+        );
+        let judged = self.asked.iter().zip(&self.verdicts);
+        let kept = judged.filter(|(_, verdict)| **verdict != Verdict::Outside);
+        survivors.extend(kept.map(|(survivor, _)| survivor));
     }
 }
 

@@ -3,7 +3,7 @@
 use super::line_up::LineUp;
 use super::scratch::Scratch;
 use super::sift::Survivor;
-use crate::bounds::{Frame, Inflation};
+use crate::bounds::{Frame, Inflation, Pose};
 use crate::broad_phase::fill::{Block, Fill};
 use crate::broad_phase::slices::Slices;
 use crate::broad_phase::{BroadPhase, PairFilter};
@@ -25,8 +25,8 @@ impl LineUp<'_> {
         progress: &(impl Fn(f64) + Sync),
         stats: &mut Stats,
     ) -> Vec<Survivor> {
-        let (frame, inflations) = self.inflations(parties);
-        let slices = self.slices(parties, &inflations, &frame);
+        let poses = self.poses(parties);
+        let slices = self.slices(parties, &poses);
         stats.slices = u64::from(slices.count());
         let blocks = Blocks::new(slices.count(), parties.len());
         let done_blocks = AtomicU32::new(0);
@@ -38,16 +38,7 @@ impl LineUp<'_> {
             let results = parallel::map(round, 1, take, |borrowed, block| {
                 let scratch = &mut borrowed.scratch;
                 let range = blocks.range(first + block);
-                let found = self.block(
-                    &method,
-                    parties,
-                    &inflations,
-                    &frame,
-                    &slices,
-                    range,
-                    filter,
-                    scratch,
-                );
+                let found = self.block(&method, parties, &poses, &slices, range, filter, scratch);
                 let done = done_blocks.fetch_add(1, Ordering::Relaxed) + 1;
                 progress(f64::from(done) / f64::from(blocks.count));
                 found
@@ -65,8 +56,8 @@ impl LineUp<'_> {
         survivors
     }
 
-    /// The frame that serves all bodies, and how much larger than its hull each body's box is.
-    fn inflations(&self, parties: &[Party<'_>]) -> (Frame, Vec<Inflation>) {
+    /// How bodies lie in a frame that serves all of them.
+    fn poses(&self, parties: &[Party<'_>]) -> Vec<Pose<'_>> {
         // Most scenes have many bodies with the same sphere, one after the other.
         let is_as_before = |place: usize| {
             let spheres = parties[place].spheres;
@@ -80,15 +71,15 @@ impl LineUp<'_> {
             }
         }
         let frame = Frame::around(self.extremes(parties), largest);
-        let mut inflations: Vec<Inflation> = Vec::with_capacity(parties.len());
-        for (place, party) in parties.iter().enumerate() {
-            inflations.push(if is_as_before(place) {
-                inflations[place - 1]
-            } else {
-                Inflation::of(party.spheres, party.bounding, self.margin, &frame)
-            });
-        }
-        (frame, inflations)
+        let mut inflation = Inflation::NONE;
+        let place = |(place, sketch)| {
+            let party: &Party<'_> = &parties[place];
+            if !is_as_before(place) {
+                inflation = Inflation::of(party.spheres, party.bounding, self.margin, &frame);
+            }
+            Pose::new(sketch, &inflation, &frame)
+        };
+        self.sketches().enumerate().map(place).collect()
     }
 
     #[allow(
@@ -99,8 +90,7 @@ impl LineUp<'_> {
         &self,
         method: impl Fn(&mut Scratch) -> &mut B,
         parties: &[Party<'_>],
-        inflations: &[Inflation],
-        frame: &Frame,
+        poses: &[Pose<'_>],
         slices: &Slices,
         range: Range<u32>,
         filter: &F,
@@ -112,8 +102,7 @@ impl LineUp<'_> {
         Level::best().run(Fill {
             block: &mut scratch.block,
             parties,
-            inflations,
-            frame,
+            poses,
             cuts: slices,
             range: range.clone(),
         });
@@ -148,8 +137,7 @@ impl LineUp<'_> {
     }
 }
 
-/// Slices dealt out in blocks of about equal size: by counts alone, not by the number of threads,
-/// so that these see the same boxes.
+/// Slices dealt out in blocks of about equal size. What is found does not depend on it.
 struct Blocks {
     slices: u32,
     count: u32,
@@ -159,9 +147,9 @@ struct Blocks {
 }
 
 impl Blocks {
-    /// At least this many, for a few threads to share, unless there are fewer boxes than this to
-    /// share.
-    const FEWEST: u32 = 4;
+    /// At least this many for each of several threads to share, unless there are fewer boxes than
+    /// this to share.
+    const FEWEST: u32 = 2;
     const FEW_BOXES: u64 = 2048;
     /// Not more boxes in a block, which bounds its memory: 64 bytes each.
     const MOST_BOXES: usize = 1 << 20;
@@ -171,10 +159,12 @@ impl Blocks {
     fn new(slices: u32, bodies: usize) -> Self {
         let most = u32::try_from(Self::MOST_BOXES / bodies.max(1)).unwrap_or(u32::MAX);
         let count = slices.div_ceil(most.clamp(1, Block::SLICES));
-        let fewest = if u64::from(slices) * bodies as u64 <= Self::FEW_BOXES {
-            1
+        let threads = u32::try_from(parallel::threads()).unwrap_or(u32::MAX);
+        let is_shared = threads > 1 && u64::from(slices) * bodies as u64 > Self::FEW_BOXES;
+        let fewest = if is_shared {
+            Self::FEWEST.saturating_mul(threads)
         } else {
-            Self::FEWEST
+            1
         };
         let round = Self::ROUND_BOXES / (Block::SLICES as usize * bodies.max(1));
         Self {

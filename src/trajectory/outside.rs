@@ -34,6 +34,11 @@ pub(crate) struct Pieces<'a> {
 }
 
 impl Pieces<'_> {
+    /// Whether there are pieces beyond the body's own knots.
+    pub(crate) const fn goes_beyond(&self) -> bool {
+        matches!(self.segments, Cow::Owned(_))
+    }
+
     /// The same, borrowing nothing.
     pub(crate) fn into_owned(self) -> Pieces<'static> {
         Pieces {

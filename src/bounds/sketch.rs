@@ -1,0 +1,97 @@
+//! Trajectories in f32: of a motion, the part that a screening reads most.
+
+use super::{Extremes, Frame, ROUNDING, nearest};
+use crate::trajectory::Segment;
+use glam::{DVec3, Vec4};
+
+/// One cubic of a sketch, 64 bytes: its Bézier points, relative to the sketch's frame.
+///
+/// Each coordinate is rounded once from f64. The fourth lane of the first point is what all other
+/// rounding of the cubic is relative to: no point is farther from the first one; more where the
+/// segment itself is known less well than f32 could tell.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(crate) struct Stroke([Vec4; 4]);
+
+impl Stroke {
+    fn of(segment: &Segment, (from, to): (f64, f64), frame: &Frame) -> Self {
+        let points = segment.restrict(from, to).points;
+        let is_whole = from <= segment.start() && to >= segment.end() && segment.covers(from, to);
+        let spread = if is_whole {
+            segment.extent()
+        } else {
+            // The first point is not the segment's origin.
+            2.0 * segment.reach(from, to)
+        };
+        let near = spread + segment.own_error(from, to) / f64::from(ROUNDING);
+        let offset = segment.origin() - frame.origin;
+        let lanes = |point: DVec3, last: f64| {
+            let DVec3 { x, y, z } = (offset + point) * frame.power;
+            Vec4::new(nearest(x), nearest(y), nearest(z), nearest(last))
+        };
+        let [p0, p1, p2, p3] = points;
+        Self([
+            lanes(p0, near * frame.power),
+            lanes(p1, 0.0),
+            lanes(p2, 0.0),
+            lanes(p3, 0.0),
+        ])
+    }
+
+    /// The points in another unit, and what their rounding is relative to.
+    #[inline(always)]
+    pub(super) fn points(&self, factor: f32) -> ([Vec4; 4], f32) {
+        let points = self.0.map(|point| point * factor);
+        (points, points[0].w)
+    }
+}
+
+/// A trajectory in f32.
+#[derive(Clone, Debug)]
+pub(crate) struct Sketch {
+    /// Where it is drawn: around itself.
+    pub(super) frame: Frame,
+    /// No coordinate is larger, in the frame's unit.
+    pub(super) size: f64,
+    strokes: Vec<Stroke>,
+}
+
+impl Sketch {
+    pub(crate) const EMPTY: Self = Self {
+        frame: Frame::OF_NOTHING,
+        size: 0.0,
+        strokes: Vec::new(),
+    };
+
+    /// Of the cubics of a motion, each between two knots.
+    pub(crate) fn of(knots: &[f64], segments: &[Segment]) -> Self {
+        let mut sketch = Self::EMPTY;
+        sketch.redraw(knots, segments);
+        sketch
+    }
+
+    /// Draws another motion in this one's memory; gives how far it goes.
+    pub(crate) fn redraw(&mut self, knots: &[f64], segments: &[Segment]) -> Extremes {
+        let mut extremes = Extremes::NOTHING;
+        for (segment, ends) in segments.iter().zip(knots.windows(2)) {
+            let reach = segment.reach(ends[0], ends[1]);
+            extremes.include(Extremes::of_segment(segment, reach));
+        }
+        self.frame = Frame::around(extremes, 0.0);
+        self.size = if segments.is_empty() {
+            0.0
+        } else {
+            (extremes.high - self.frame.origin).max_element() * self.frame.power
+        };
+        let frame = &self.frame;
+        self.strokes.clear();
+        let pieces = segments.iter().zip(knots.windows(2));
+        self.strokes
+            .extend(pieces.map(|(segment, ends)| Stroke::of(segment, (ends[0], ends[1]), frame)));
+        extremes
+    }
+
+    pub(crate) fn strokes(&self) -> &[Stroke] {
+        &self.strokes
+    }
+}
