@@ -63,6 +63,8 @@ impl Body {
 /// What screening needs to know of a motion, worked out once.
 #[derive(Clone, Debug)]
 pub(crate) struct Outline {
+    /// First and last knot, s.
+    pub(crate) knots: (f64, f64),
     /// Rough extremes of all segments, m.
     pub(crate) extremes: Extremes,
     /// Sum of the segments' extents: a bound on the way flown, m.
@@ -73,6 +75,7 @@ pub(crate) struct Outline {
 impl Outline {
     fn of(trajectory: &Trajectory) -> Self {
         let mut outline = Self {
+            knots: (0.0, 0.0),
             extremes: Extremes::NOTHING,
             path: 0.0,
             sketch: Sketch::EMPTY,
@@ -83,8 +86,11 @@ impl Outline {
 
     /// The outline of another trajectory, in this one's memory.
     fn follow(&mut self, trajectory: &Trajectory) {
-        let segments = trajectory.segments();
-        self.extremes = self.sketch.redraw(trajectory.knots(), segments);
+        let (knots, segments) = (trajectory.knots(), trajectory.segments());
+        if let (Some(&first), Some(&last)) = (knots.first(), knots.last()) {
+            self.knots = (first, last);
+        }
+        self.extremes = self.sketch.redraw(knots, segments);
         if segments.is_empty() {
             let position = trajectory.position(0.0).unwrap_or_default();
             self.extremes.include(Extremes {
@@ -113,10 +119,11 @@ struct Slot {
 /// # Memory
 ///
 /// A body takes about 570 bytes, a segment 200 (64 of them a copy in f32, which boxes are formed
-/// from; 8 its knot). A screening adds some 230 a body and, for each thread, at most 64 MiB of boxes (64 bytes each, for up to 2^20 of them or one
-/// slice, if that has more), 40 to 130 bytes a box of one slice for the sweep, and 8 for each of a
-/// slice's candidates; then 16 bytes for each span that is solved, and the conflicts themselves.
-/// Boxes, candidates and the sweep's lists are kept for the next screening.
+/// from; 8 its knot). A screening adds some 180 a body and, for each thread, at most 64 MiB of
+/// boxes (64 bytes each, for up to 2^20 of them or one slice, if that has more), 40 to 130 bytes a
+/// box of one slice for the sweep, and 8 for each of a slice's candidates; then 16 bytes for each
+/// span that is solved, and the conflicts themselves. Boxes, candidates and the sweep's lists are
+/// kept for the next screening.
 ///
 /// ```
 /// use glam::DVec3;

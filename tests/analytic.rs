@@ -165,6 +165,14 @@ fn bodies_at_rest() {
     assert_eq!(found[0].closest.time, -1e6);
     assert_eq!(found[0].clip.bits(), 3);
     assert_eq!(screen(&scene, window, 1.999), []);
+    // At an instant, that of their only knot included.
+    for time in [-1.0, 0.0, 1.0] {
+        let instant = Window::new(time, time).unwrap();
+        let found = screen(&scene, instant, 2.0);
+        assert_eq!(found.len(), 1);
+        assert_eq!((found[0].enter, found[0].exit), (time, time));
+        assert_eq!(screen(&scene, instant, 1.999), []);
+    }
 }
 
 #[test]

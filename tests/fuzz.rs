@@ -93,6 +93,9 @@ fn window() -> impl Strategy<Value = Window> {
         2 => (number(), number()).prop_map(|(x, y)| Window::new(x, y).unwrap_or(Window::ALL)),
         2 => (-10.0..10.0_f64, 0.0..10.0_f64)
             .prop_map(|(start, length)| Window::new(start, start + length).unwrap()),
+        // Instants, that of a body at rest among them.
+        1 => proptest::sample::select(vec![-1.0, 0.0, 1.0])
+            .prop_map(|time| Window::new(time, time).unwrap()),
     ]
 }
 

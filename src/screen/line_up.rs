@@ -6,13 +6,14 @@ use crate::bounds::{Extremes, Sketch};
 use crate::broad_phase::PairFilter;
 use crate::broad_phase::slices::Traffic;
 use crate::error::Error;
+use crate::hitbox::Hitbox;
 use crate::id::BodyId;
 use crate::layers::Layers;
 use crate::narrow_phase::Party;
 use crate::query::Query;
 use crate::scene::{Body, Occupant, Scene};
 use crate::spans::common_domain;
-use crate::trajectory::Pieces;
+use crate::trajectory::{Outside, Pieces, Segment};
 use crate::window::Window;
 use std::collections::BTreeSet;
 use std::num::NonZeroU32;
@@ -21,9 +22,8 @@ use std::num::NonZeroU32;
 pub(super) struct LineUp<'a> {
     pub(super) ids: Vec<BodyId>,
     pub(super) occupants: Vec<&'a Occupant>,
-    pub(super) pieces: Vec<Pieces<'a>>,
-    /// Sketches of those that go on beyond their knots in the window, by ascending place.
-    beyond: Vec<(usize, Sketch)>,
+    /// Those that go on beyond their knots in the window, by ascending place.
+    beyond: Vec<Beyond>,
     pub(super) window: Window,
     pub(super) margin: f64,
     pub(super) accuracy: Accuracy,
@@ -32,35 +32,47 @@ pub(super) struct LineUp<'a> {
     pub(super) pool: &'a Pool,
 }
 
+/// A body that goes on beyond its knots: what it follows over the window.
+struct Beyond {
+    place: usize,
+    pieces: Pieces<'static>,
+    sketch: Sketch,
+}
+
 impl<'a> LineUp<'a> {
     pub(super) fn new(scene: &'a Scene, query: &Query) -> Result<Self, Error> {
         let count = scene.len();
         let (mut ids, mut occupants) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        let mut pieces = Vec::with_capacity(count);
+        let mut beyond = Vec::new();
         // Open ends are closed where no body exists beyond them.
         let (mut start, mut end) = (f64::INFINITY, f64::NEG_INFINITY);
-        for (id, occupant) in scene.occupants() {
-            let body = pieces_of(&occupant.body, query.window())?;
-            start = start.min(body.knots.first().copied().unwrap_or(start));
-            end = end.max(body.knots.last().copied().unwrap_or(end));
+        for (place, (id, occupant)) in scene.occupants().enumerate() {
+            let (mut first, mut last) = occupant.outline.knots;
+            if let Some(pieces) = pieces_beyond(&occupant.body, query.window())? {
+                first = pieces.knots.first().copied().unwrap_or(first);
+                last = pieces.knots.last().copied().unwrap_or(last);
+                beyond.push(Beyond {
+                    place,
+                    sketch: Sketch::of(&pieces.knots, &pieces.segments),
+                    pieces,
+                });
+            }
+            start = start.min(first);
+            end = end.max(last);
             ids.push(id);
             occupants.push(occupant);
-            pieces.push(body);
         }
         let existence = Window::new(start, end).ok();
         let window = existence.and_then(|existence| existence.intersection(query.window()));
-        let (ids, occupants, pieces) = match window {
-            Some(_) => (ids, occupants, pieces),
-            None => (Vec::new(), Vec::new(), Vec::new()),
-        };
-        let goes_beyond = |(_, body): &(usize, &Pieces<'_>)| body.goes_beyond();
-        let beyond = pieces.iter().enumerate().filter(goes_beyond);
-        let beyond = beyond.map(|(place, body)| (place, Sketch::of(&body.knots, &body.segments)));
+        if window.is_none() {
+            ids.clear();
+            occupants.clear();
+            beyond.clear();
+        }
         Ok(Self {
             ids,
             occupants,
-            beyond: beyond.collect(),
-            pieces,
+            beyond,
             window: window.unwrap_or(query.window()),
             margin: query.margin(),
             accuracy: query.accuracy(),
@@ -69,24 +81,33 @@ impl<'a> LineUp<'a> {
         })
     }
 
+    /// Each body, and what it follows over the window if it goes on beyond its knots.
+    fn bodies(&self) -> impl Iterator<Item = (&'a Occupant, Option<&Beyond>)> {
+        let mut beyond = self.beyond.iter().peekable();
+        let occupants = self.occupants.iter().enumerate();
+        occupants.map(move |(place, &occupant)| {
+            (occupant, beyond.next_if(|beyond| beyond.place == place))
+        })
+    }
+
     pub(super) fn parties(&self) -> Vec<Party<'_>> {
-        self.occupants
-            .iter()
-            .zip(&self.pieces)
-            .map(|(occupant, pieces)| party(&occupant.body, pieces))
-            .collect()
+        let bodies = self.bodies().map(|(occupant, beyond)| {
+            let Body {
+                trajectory, hitbox, ..
+            } = &occupant.body;
+            match beyond {
+                Some(Beyond { pieces, .. }) => party(hitbox, &pieces.knots, &pieces.segments),
+                None => party(hitbox, trajectory.knots(), trajectory.segments()),
+            }
+        });
+        bodies.collect()
     }
 
     /// The bodies' sketches over the window, by place.
     pub(super) fn sketches(&self) -> impl Iterator<Item = &Sketch> {
-        let mut beyond = self.beyond.iter().peekable();
-        let occupants = self.occupants.iter().enumerate();
-        occupants.map(
-            move |(place, occupant)| match beyond.next_if(|(other, _)| *other == place) {
-                Some((_, sketch)) => sketch,
-                None => &occupant.outline.sketch,
-            },
-        )
+        self.bodies().map(|(occupant, beyond)| {
+            beyond.map_or(&occupant.outline.sketch, |beyond| &beyond.sketch)
+        })
     }
 
     pub(super) fn is_unfiltered(&self, scene: &Scene) -> bool {
@@ -97,16 +118,16 @@ impl<'a> LineUp<'a> {
                 .all(|occupant| occupant.body.layers == Layers::ALL)
     }
 
-    pub(super) fn extremes(&self, parties: &[Party<'_>]) -> Extremes {
+    pub(super) fn extremes(&self) -> Extremes {
         let mut extremes = Extremes::NOTHING;
-        for (occupant, party) in self.occupants.iter().zip(parties) {
+        for occupant in &self.occupants {
             extremes.include(occupant.outline.extremes);
-            // Pieces beyond the knots are not in the outline.
-            if party.segments.len() != occupant.body.trajectory.segments().len() {
-                for (segment, ends) in party.segments.iter().zip(party.knots.windows(2)) {
-                    let reach = segment.reach(ends[0], ends[1]);
-                    extremes.include(Extremes::of_segment(segment, reach));
-                }
+        }
+        // Pieces beyond the knots are not in the outlines.
+        for Beyond { pieces, .. } in &self.beyond {
+            for (segment, ends) in pieces.segments.iter().zip(pieces.knots.windows(2)) {
+                let reach = segment.reach(ends[0], ends[1]);
+                extremes.include(Extremes::of_segment(segment, reach));
             }
         }
         extremes
@@ -123,19 +144,19 @@ impl<'a> LineUp<'a> {
         };
         let mut extremes = Extremes::NOTHING;
         for occupant in &self.occupants {
-            let body = &occupant.body;
-            let time = body
-                .trajectory
-                .domain()
-                .intersection(self.window)
-                .map_or(0.0, |shared| shared.end() - shared.start());
-            let knots = body.trajectory.knots();
-            let planned = knots.last().unwrap_or(&0.0) - knots.first().unwrap_or(&0.0);
+            let trajectory = &occupant.body.trajectory;
+            let (first, last) = occupant.outline.knots;
+            let (start, end) = (self.window.start(), self.window.end());
+            let time = match trajectory.outside() {
+                Outside::Absent => (last.min(end) - first.max(start)).max(0.0),
+                Outside::Extrapolate | Outside::Coast => end - start,
+            };
+            let planned = last - first;
             traffic.body_time += time;
             if planned > 0.0 {
                 traffic.path += occupant.outline.path * (time / planned);
                 #[allow(clippy::cast_precision_loss, reason = "an estimate")]
-                let segments = body.trajectory.segments().len() as f64;
+                let segments = trajectory.segments().len() as f64;
                 traffic.segments += segments * (time / planned);
             }
             extremes.include(occupant.outline.extremes);
@@ -178,21 +199,38 @@ impl PairFilter for Admission {
     }
 }
 
-pub(super) fn pieces_of(body: &Body, window: Window) -> Result<Pieces<'_>, Error> {
-    if !window.is_closed() && body.trajectory.domain() == Window::ALL {
+/// A body that goes on beyond its knots can only be screened within a window that has an end.
+fn check_end(body: &Body, window: Window) -> Result<(), Error> {
+    if !window.is_closed() && body.trajectory.outside() != Outside::Absent {
         return Err(Error::WindowNotClosed { body: body.tag });
     }
-    body.trajectory
-        .pieces(window)
-        .map_err(|error| error.in_body(body.tag))
+    Ok(())
 }
 
-pub(super) fn party<'a>(body: &'a Body, pieces: &'a Pieces<'_>) -> Party<'a> {
+/// What a body follows over the window.
+pub(super) fn pieces_of(body: &Body, window: Window) -> Result<Pieces<'_>, Error> {
+    check_end(body, window)?;
+    let pieces = body.trajectory.pieces(window);
+    pieces.map_err(|error| error.in_body(body.tag))
+}
+
+/// The same; none if the window stays within the body's own knots.
+fn pieces_beyond(body: &Body, window: Window) -> Result<Option<Pieces<'static>>, Error> {
+    check_end(body, window)?;
+    let pieces = body.trajectory.pieces_beyond(window);
+    pieces.map_err(|error| error.in_body(body.tag))
+}
+
+pub(super) fn party<'a>(
+    hitbox: &'a Hitbox,
+    knots: &'a [f64],
+    segments: &'a [Segment],
+) -> Party<'a> {
     Party {
-        knots: &pieces.knots,
-        segments: &pieces.segments,
-        spheres: body.hitbox.spheres(),
-        bounding: body.hitbox.bounding(),
+        knots,
+        segments,
+        spheres: hitbox.spheres(),
+        bounding: hitbox.bounding(),
     }
 }
 

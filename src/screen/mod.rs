@@ -141,7 +141,10 @@ impl Scene {
         let body = |id| self.body(id).ok_or(Error::UnknownBody { id });
         let (body_a, body_b) = (body(a)?, body(b)?);
         let (pieces_a, pieces_b) = (pieces_of(body_a, window)?, pieces_of(body_b, window)?);
-        let (party_a, party_b) = (party(body_a, &pieces_a), party(body_b, &pieces_b));
+        let (party_a, party_b) = (
+            party(&body_a.hitbox, &pieces_a.knots, &pieces_a.segments),
+            party(&body_b.hitbox, &pieces_b.knots, &pieces_b.segments),
+        );
         let Some(clip) = clip_of(&party_a, &party_b, window) else {
             return Ok(None);
         };

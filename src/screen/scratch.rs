@@ -73,16 +73,16 @@ mod tests {
     use crate::narrow_phase::Party;
     use crate::scene::Occupant;
     use crate::screen::sift::Survivor;
-    use crate::trajectory::{Pieces, Segment};
+    use crate::trajectory::Segment;
 
     /// The figures of the documentation of `Scene`.
     #[test]
     fn sizes_are_as_documented() {
         assert_eq!(size_of::<Segment>(), 128);
         assert_eq!(size_of::<Stroke>(), 64);
-        assert_eq!(size_of::<Occupant>(), 504);
-        let line = size_of::<Pieces<'_>>() + size_of::<Party<'_>>() + size_of::<Pose<'_>>();
-        assert_eq!(line, 208);
+        assert_eq!(size_of::<Occupant>(), 520);
+        let line = size_of::<Party<'_>>() + size_of::<Pose<'_>>();
+        assert_eq!(line, 160);
         let boxed = size_of::<BodyBox>() + size_of::<Course>() + size_of::<u32>();
         assert_eq!(boxed, 64);
         assert_eq!(size_of::<Candidate>(), 8);

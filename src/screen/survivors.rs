@@ -70,7 +70,7 @@ impl LineUp<'_> {
                 largest = largest.max(size);
             }
         }
-        let frame = Frame::around(self.extremes(parties), largest);
+        let frame = Frame::around(self.extremes(), largest);
         let mut inflation = Inflation::NONE;
         let place = |(place, sketch)| {
             let party: &Party<'_> = &parties[place];

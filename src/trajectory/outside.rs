@@ -34,11 +34,6 @@ pub(crate) struct Pieces<'a> {
 }
 
 impl Pieces<'_> {
-    /// Whether there are pieces beyond the body's own knots.
-    pub(crate) const fn goes_beyond(&self) -> bool {
-        matches!(self.segments, Cow::Owned(_))
-    }
-
     /// The same, borrowing nothing.
     pub(crate) fn into_owned(self) -> Pieces<'static> {
         Pieces {
@@ -81,14 +76,33 @@ impl Trajectory {
     ///
     /// [`Error::OutOfRange`] where an extrapolated cubic leaves the range of numbers served.
     pub(crate) fn pieces(&self, window: Window) -> Result<Pieces<'_>, Error> {
+        let beyond = self.pieces_beyond(window)?;
+        Ok(beyond.unwrap_or(Pieces {
+            knots: Cow::Borrowed(&self.knots),
+            segments: Cow::Borrowed(&self.segments),
+        }))
+    }
+
+    /// The same; none if the window stays within the body's own knots.
+    ///
+    /// # Errors
+    ///
+    /// As [`pieces`](Self::pieces).
+    pub(crate) fn pieces_beyond(&self, window: Window) -> Result<Option<Pieces<'static>>, Error> {
+        if self.outside == Outside::Absent {
+            return Ok(None);
+        }
         let planned = self.planned();
+        // A body at rest has no cubic of its own: it goes on beyond its knot, whatever the window.
+        let until = if self.segments.is_empty() {
+            window.end().max(planned.end().next_up())
+        } else {
+            window.end()
+        };
         let goes_before = window.start() < planned.start();
-        let goes_after = window.end() > planned.end();
-        if self.outside == Outside::Absent || !(goes_before || goes_after) {
-            return Ok(Pieces {
-                knots: Cow::Borrowed(&self.knots),
-                segments: Cow::Borrowed(&self.segments),
-            });
+        let goes_after = until > planned.end();
+        if !(goes_before || goes_after) {
+            return Ok(None);
         }
         let mut knots = Vec::new();
         if goes_before {
@@ -107,7 +121,7 @@ impl Trajectory {
             knots.extend(doubling_cuts(
                 planned.end(),
                 carrier.end() - carrier.start(),
-                window.end(),
+                until,
             ));
         }
         let after = knots.len() - before - self.knots.len();
@@ -125,10 +139,10 @@ impl Trajectory {
                 });
             }
         }
-        Ok(Pieces {
+        Ok(Some(Pieces {
             knots: Cow::Owned(knots),
             segments: Cow::Owned(segments),
-        })
+        }))
     }
 }
 
