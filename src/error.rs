@@ -148,6 +148,16 @@ pub enum Error {
         /// The body's tag.
         body: u64,
     },
+    /// More pairs may be in contact than was allowed for: a crowd in one place, or a margin as large
+    /// as the world.
+    #[error(
+        "more than {limit} spans of pairs may hold a conflict: narrow the window or the margin, \
+         or raise the limit"
+    )]
+    TooCrowded {
+        /// How many were allowed for; see [`Query::with_most_spans`](crate::Query::with_most_spans).
+        limit: usize,
+    },
     /// The id names no body of this scene (it may have been removed).
     #[error("{id} is not in the scene")]
     UnknownBody {

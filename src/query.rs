@@ -9,16 +9,34 @@ use std::num::NonZeroU32;
 /// A question to a scene: when, and how close is too close.
 ///
 /// The default asks for overlaps (margin 0) at all times.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Query {
     window: Window,
     margin: f64,
     method: Method,
     accuracy: Accuracy,
     slices: Option<NonZeroU32>,
+    most_spans: usize,
+}
+
+impl Default for Query {
+    fn default() -> Self {
+        Self {
+            window: Window::default(),
+            margin: 0.0,
+            method: Method::default(),
+            accuracy: Accuracy::default(),
+            slices: None,
+            most_spans: Self::MOST_SPANS,
+        }
+    }
 }
 
 impl Query {
+    /// Spans that may hold a conflict, if nothing else is said: 2^24. Their conflicts take up to
+    /// 4 GiB.
+    pub const MOST_SPANS: usize = 1 << 24;
+
     /// Conflicts within `window`, margin 0.
     #[must_use]
     pub fn new(window: Window) -> Self {
@@ -64,6 +82,16 @@ impl Query {
         self
     }
 
+    /// The same query with room for this many spans that may hold a conflict: common intervals of
+    /// a cubic of one body with a cubic of another that cheap tests cannot tell apart. Where all
+    /// bodies are in one place they are as many as the pairs; then a screening ends with
+    /// [`Error::TooCrowded`] instead of filling the memory.
+    #[must_use]
+    pub const fn with_most_spans(mut self, limit: usize) -> Self {
+        self.most_spans = limit;
+        self
+    }
+
     /// The time asked about.
     #[must_use]
     pub const fn window(&self) -> Window {
@@ -80,6 +108,12 @@ impl Query {
     #[must_use]
     pub const fn slices(&self) -> Option<NonZeroU32> {
         self.slices
+    }
+
+    /// Room for spans that may hold a conflict.
+    #[must_use]
+    pub const fn most_spans(&self) -> usize {
+        self.most_spans
     }
 
     /// How candidates are found.

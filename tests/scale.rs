@@ -11,7 +11,7 @@ mod scenes;
 mod support;
 
 use glam::DVec3;
-use nearmiss::{Body, Conflict, Hitbox, Method, Query, Scene, Stats, Trajectory};
+use nearmiss::{Body, Conflict, Error, Hitbox, Method, Query, Scene, Stats, Trajectory, Window};
 use rand::RngExt;
 use scenes::{Actor, Generated, Shape, generator, satellites, swarm};
 use std::num::NonZeroU32;
@@ -189,6 +189,38 @@ fn threads_make_no_difference() {
         assert!(answers.iter().all(|answer| *answer == answers[0]));
         assert!(!answers[0].0.is_empty());
     }
+}
+
+/// A crowd in one place has as many conflicts as pairs: what there is no room for is refused, not
+/// tried.
+#[test]
+fn a_crowd_is_refused_beyond_its_limit() {
+    let crowd = |count: usize| {
+        let mut scene = Scene::new();
+        for _ in 0..count {
+            let body = Body::new(Trajectory::at_rest(DVec3::ONE).unwrap());
+            scene.insert(body).unwrap();
+        }
+        scene
+    };
+    let query = Query::new(Window::new(0.0, 1.0).unwrap());
+    for method in Method::EVERY {
+        let query = query.with_method(method);
+        let small = crowd(200);
+        let (found, stats) = screened(&small, &query);
+        assert_eq!(found.len(), 199 * 100);
+        let spans = usize::try_from(stats.survivors).unwrap();
+        let (again, _) = screened(&small, &query.with_most_spans(spans));
+        assert_eq!(bits(&again), bits(&found));
+        let refused = Error::TooCrowded { limit: spans - 1 };
+        let query = query.with_most_spans(spans - 1);
+        assert_eq!(small.screen(&query), Err(refused));
+    }
+    // Twice as many candidates as there is room for in one slice.
+    let refused = Err(Error::TooCrowded {
+        limit: Query::MOST_SPANS,
+    });
+    assert_eq!(crowd(16_400).screen(&query), refused);
 }
 
 #[test]

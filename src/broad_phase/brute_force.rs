@@ -16,6 +16,9 @@ impl BroadPhase for BruteForce {
         candidates: &mut Vec<Candidate>,
     ) {
         for (i, one) in boxes.iter().enumerate() {
+            if filter.gives_up() {
+                return;
+            }
             for other in &boxes[i + 1..] {
                 if one.meets(other) {
                     emit(one.body, other.body, filter, candidates);

@@ -80,6 +80,12 @@ impl Candidate {
 pub trait PairFilter: Sync {
     /// Whether the pair of bodies `a < b` is wanted; the same answer each time.
     fn admits(&self, a: u32, b: u32) -> bool;
+
+    /// Whether no further pair is wanted: asked now and then, so that a search in a crowd can end
+    /// early. What was found by then is not complete.
+    fn gives_up(&self) -> bool {
+        false
+    }
 }
 
 /// Wants every pair, at no cost.
@@ -95,7 +101,8 @@ impl PairFilter for Everyone {
 
 /// A way to find all pairs of boxes that meet. A value owns what it reuses from slice to slice.
 pub trait BroadPhase: Default + Send {
-    /// Appends every admitted pair of bodies whose boxes meet, each once and no other.
+    /// Appends every admitted pair of bodies whose boxes meet, each once and no other; fewer if the
+    /// filter gives up.
     ///
     /// The order is unspecified, but depends on `boxes` alone: not on earlier calls, nor on the
     /// processor. Fewer than two boxes have no pairs.

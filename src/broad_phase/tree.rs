@@ -36,7 +36,7 @@ impl BroadPhase for Tree {
         let tree = Bvh::from_iter(BvhBuildStrategy::Binned, leaves);
         tree.traverse_bvtt_single_tree::<false>(&mut self.workspace, &mut |i, j| {
             let (one, other) = (&boxes[i as usize], &boxes[j as usize]);
-            if one.meets(other) {
+            if one.meets(other) && !filter.gives_up() {
                 emit(one.body, other.body, filter, candidates);
             }
         });

@@ -29,6 +29,8 @@ pub(super) struct LineUp<'a> {
     pub(super) accuracy: Accuracy,
     /// How many slices, if that was prescribed.
     pub(super) prescribed: Option<NonZeroU32>,
+    /// Room for survivors.
+    pub(super) most_spans: usize,
     pub(super) pool: &'a Pool,
 }
 
@@ -77,6 +79,7 @@ impl<'a> LineUp<'a> {
             margin: query.margin(),
             accuracy: query.accuracy(),
             prescribed: query.slices(),
+            most_spans: query.most_spans(),
             pool: scene.pool(),
         })
     }

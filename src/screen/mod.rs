@@ -61,7 +61,8 @@ impl Scene {
     ///
     /// [`Error::WindowNotClosed`] if a body exists beyond its knots and the window has no end;
     /// [`Error::InBody`] with [`Error::OutOfRange`] if an extrapolated cubic leaves the range of
-    /// numbers within the window.
+    /// numbers within the window; [`Error::TooCrowded`] if more spans may hold a conflict than the
+    /// query has room for.
     pub fn screen(&self, query: &Query) -> Result<Screening, Error> {
         self.screen_with_progress(query, |_| {})
     }
@@ -80,9 +81,9 @@ impl Scene {
         let begin = Instant::now();
         let line_up = LineUp::new(self, query)?;
         let mut screening = if line_up.is_unfiltered(self) {
-            line_up.screen(query.method(), &Everyone, &progress)
+            line_up.screen(query.method(), &Everyone, &progress)?
         } else {
-            line_up.screen(query.method(), &Admission::new(self, &line_up), &progress)
+            line_up.screen(query.method(), &Admission::new(self, &line_up), &progress)?
         };
         screening.stats.total_time = begin.elapsed();
         Ok(screening)
@@ -159,7 +160,7 @@ impl LineUp<'_> {
         method: Method,
         filter: &F,
         progress: &(impl Fn(f64) + Sync),
-    ) -> Screening {
+    ) -> Result<Screening, Error> {
         let parties = self.parties();
         let mut stats = Stats {
             bodies: parties.len() as u64,
@@ -194,7 +195,7 @@ impl LineUp<'_> {
                     progress,
                     &mut stats,
                 ),
-            }
+            }?
         };
         let begin = Instant::now();
         let mut conflicts = self.solve(&parties, &survivors);
@@ -202,6 +203,6 @@ impl LineUp<'_> {
         stats.narrow_time += begin.elapsed();
         stats.survivors = survivors.len() as u64;
         stats.conflicts = conflicts.len() as u64;
-        Screening { conflicts, stats }
+        Ok(Screening { conflicts, stats })
     }
 }

@@ -19,7 +19,7 @@ use crate::simd::Level;
 /// ratios matter.
 mod cost {
     /// Forming a box and a course, cutting a segment for it, and sorting it.
-    pub(super) const BOX: f64 = 65.0;
+    pub(super) const BOX: f64 = 50.0;
     /// Comparing a box with its neighbours, times the 3/4 power of its candidates.
     pub(super) const SWEEP: f64 = 25.0;
     /// Judging a candidate by its courses.

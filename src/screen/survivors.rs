@@ -7,6 +7,7 @@ use crate::bounds::{Frame, Inflation, Pose};
 use crate::broad_phase::fill::{Block, Fill};
 use crate::broad_phase::slices::Slices;
 use crate::broad_phase::{BroadPhase, PairFilter};
+use crate::error::Error;
 use crate::narrow_phase::Party;
 use crate::parallel;
 use crate::simd::Level;
@@ -17,6 +18,10 @@ use std::time::Instant;
 
 impl LineUp<'_> {
     /// Slices and cheap tests: every span of every pair in which they may touch, each once.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooCrowded`].
     pub(super) fn survivors<B: BroadPhase, F: PairFilter>(
         &self,
         method: impl Fn(&mut Scratch) -> &mut B + Sync + Send,
@@ -24,7 +29,7 @@ impl LineUp<'_> {
         filter: &F,
         progress: &(impl Fn(f64) + Sync),
         stats: &mut Stats,
-    ) -> Vec<Survivor> {
+    ) -> Result<Vec<Survivor>, Error> {
         let poses = self.poses(parties);
         let slices = self.slices(parties, &poses);
         stats.slices = u64::from(slices.count());
@@ -43,17 +48,32 @@ impl LineUp<'_> {
                 progress(f64::from(done) / f64::from(blocks.count));
                 found
             });
-            for (found, counted) in results {
+            for result in results {
+                let (found, counted) = result?;
                 survivors.extend(found);
                 *stats += counted;
             }
             let begin = Instant::now();
             parallel::sort(&mut survivors, Survivor::cmp);
             survivors.dedup();
+            self.check_room(survivors.len())?;
             stats.narrow_time += begin.elapsed();
             first += round;
         }
-        survivors
+        Ok(survivors)
+    }
+
+    fn check_room(&self, survivors: usize) -> Result<(), Error> {
+        if survivors > self.most_spans {
+            return Err(self.too_crowded());
+        }
+        Ok(())
+    }
+
+    fn too_crowded(&self) -> Error {
+        Error::TooCrowded {
+            limit: self.most_spans,
+        }
     }
 
     /// How bodies lie in a frame that serves all of them.
@@ -95,7 +115,7 @@ impl LineUp<'_> {
         range: Range<u32>,
         filter: &F,
         scratch: &mut Scratch,
-    ) -> (Vec<Survivor>, Stats) {
+    ) -> Result<(Vec<Survivor>, Stats), Error> {
         let mut stats = Stats::default();
         let mut survivors = Vec::new();
         let begin = Instant::now();
@@ -116,8 +136,15 @@ impl LineUp<'_> {
             let admission = ByPlace {
                 bodies: &slice.bodies,
                 filter,
+                admitted: AtomicU32::new(0),
+                most: u32::try_from(self.most_spans)
+                    .unwrap_or(u32::MAX)
+                    .max(MOST_CANDIDATES),
             };
             method(scratch).pairs(&slice.boxes, &admission, &mut candidates);
+            if admission.gives_up() {
+                return Err(self.too_crowded());
+            }
             let found = Instant::now();
             let at = (slice, slices.interval(number));
             let sieve = &mut scratch.sieve;
@@ -125,16 +152,24 @@ impl LineUp<'_> {
             stats.boxes += slice.boxes.len() as u64;
             stats.candidates += candidates.len() as u64;
             stats.broad_time += found - begin;
+            if survivors.len() > self.most_spans {
+                tidy(&mut survivors);
+                self.check_room(survivors.len())?;
+            }
             stats.narrow_time += found.elapsed();
         }
         (scratch.block, scratch.candidates) = (block, candidates);
-        // A span that lasts for several slices survives in each.
         let begin = Instant::now();
-        survivors.sort_unstable();
-        survivors.dedup();
+        tidy(&mut survivors);
         stats.narrow_time += begin.elapsed();
-        (survivors, stats)
+        Ok((survivors, stats))
     }
+}
+
+/// Keeps each survivor once: a span that lasts for several slices survives in each.
+fn tidy(survivors: &mut Vec<Survivor>) {
+    survivors.sort_unstable();
+    survivors.dedup();
 }
 
 /// Slices dealt out in blocks of about equal size. What is found does not depend on it.
@@ -183,17 +218,37 @@ impl Blocks {
     }
 }
 
-/// A filter of bodies asked about their places in a slice.
+/// A filter of bodies asked about their places in a slice, as long as there is room.
 struct ByPlace<'a, F> {
     bodies: &'a [u32],
     filter: &'a F,
+    /// Written by one thread: atomic because filters are shared.
+    admitted: AtomicU32,
+    most: u32,
 }
+
+/// Room for candidates of a slice, but for what is allowed for spans: half a GiB.
+const MOST_CANDIDATES: u32 = 1 << 26;
 
 impl<F: PairFilter> PairFilter for ByPlace<'_, F> {
     #[inline]
     fn admits(&self, a: u32, b: u32) -> bool {
         // Bodies ascend with places: they are in the same order.
-        self.filter
+        if !self
+            .filter
             .admits(self.bodies[a as usize], self.bodies[b as usize])
+        {
+            return false;
+        }
+        let admitted = self.admitted.load(Ordering::Relaxed);
+        // One more than there is room for tells that it was needed.
+        self.admitted
+            .store(admitted.saturating_add(1), Ordering::Relaxed);
+        admitted < self.most
+    }
+
+    #[inline]
+    fn gives_up(&self) -> bool {
+        self.admitted.load(Ordering::Relaxed) > self.most
     }
 }

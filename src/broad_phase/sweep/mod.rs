@@ -173,6 +173,9 @@ fn directly<F: PairFilter>(
     candidates: &mut Vec<Candidate>,
 ) {
     for (i, one) in boxes.iter().enumerate() {
+        if filter.gives_up() {
+            return;
+        }
         for other in &boxes[i + 1..] {
             if one.meets(other) && region.owns(one, other) {
                 emit(one.body, other.body, filter, candidates);

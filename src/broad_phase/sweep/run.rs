@@ -63,6 +63,9 @@ impl<F: PairFilter> Task for Run<'_, F> {
                 count += usize::from(u128::from_ne_bytes(lanes) != 0);
                 if count == HITS {
                     self.report(&hits);
+                    if self.filter.gives_up() {
+                        return;
+                    }
                     count = 0;
                 }
                 next += STEP;
