@@ -93,6 +93,14 @@ pub(crate) struct Inflation {
 }
 
 impl Inflation {
+    /// Of a point without a margin.
+    pub(crate) const NONE: Self = Self {
+        low: Vec4::ZERO,
+        high: Vec4::ZERO,
+        reach: 0.0,
+        size: 0.0,
+    };
+
     /// Of a hitbox and its bounding sphere (m).
     pub(crate) fn of(spheres: &[Sphere], bounding: Sphere, margin: f64, frame: &Frame) -> Self {
         let mut hitbox = Extremes::NOTHING;

@@ -11,6 +11,7 @@ use super::flights::{Flight, Flights};
 use super::slice::{Bodies, Slice};
 use crate::bounds::Frame;
 use crate::broad_phase::PairFilter;
+use crate::broad_phase::fill::Block;
 use crate::error::Error;
 use crate::narrow_phase::{Contact, Party, contacts, may_touch};
 use crate::parallel;
@@ -258,9 +259,10 @@ impl Outlook {
         mut visit: impl FnMut(u32, (f64, f64), &Party<'_>, &Contact),
     ) {
         let mut near = self.dirty.clone();
+        let mut block = Block::default();
         for slice in &self.slices {
             if slice.covers_some_of((from, to)) {
-                slice.near((flight, own), &self.frame, &mut near);
+                slice.near((flight, own), &self.frame, &mut block, &mut near);
             }
         }
         near.sort_unstable();

@@ -3,10 +3,13 @@
 use super::boxes::Boxes;
 use super::finds::Key;
 use super::flights::{Flight, Flights};
-use crate::bounds::{Anchor, Frame, Hull, Part};
+use crate::bounds::{Frame, Inflation};
+use crate::broad_phase::fill::{Block, Fill};
+use crate::broad_phase::slices::Slices;
 use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter, Sweep};
 use crate::narrow_phase::{Party, may_touch};
 use crate::scene::Scene;
+use crate::simd::Level;
 use crate::spans::{Span, spans};
 use crate::stats::Stats;
 use std::time::Instant;
@@ -36,6 +39,8 @@ pub(super) struct Slice {
     changed: Vec<u32>,
     is_changed: Vec<bool>,
     listed: Vec<BodyBox>,
+    /// Memory for forming boxes.
+    block: Block,
     candidates: Vec<Candidate>,
     /// Candidates before this one have been looked at.
     sifted: usize,
@@ -114,12 +119,9 @@ impl Slice {
     /// Forms the boxes of slots below `until` that are not there yet; returns how many slots.
     fn prepare_to(&mut self, bodies: &Bodies<'_>, until: usize) -> usize {
         let first = self.prepared;
-        let slots = first..until;
-        let (interval, listed) = (self.interval, &mut self.listed);
-        listed.extend(slots.filter_map(|slot| {
-            let slot = u32::try_from(slot).ok()?;
-            bodies.boxed(slot, interval)
-        }));
+        let slots = (first..until).filter_map(|slot| u32::try_from(slot).ok());
+        let (block, listed) = (&mut self.block, &mut self.listed);
+        bodies.boxes(slots, self.interval, block, |boxed| listed.push(boxed));
         self.prepared = until;
         until - first
     }
@@ -180,6 +182,7 @@ impl Slice {
         self.boxes.build(&self.listed);
         if !self.changed.is_empty() {
             self.box_changed(bodies);
+            self.boxes.replace(&self.listed);
             self.list_all();
         }
         self.sweep.pairs(&self.listed, filter, &mut self.candidates);
@@ -190,7 +193,8 @@ impl Slice {
     fn compare_changed<F: PairFilter>(&mut self, bodies: &Bodies<'_>, filter: &F) -> usize {
         let changed = self.changed.len();
         self.box_changed(bodies);
-        if changed > self.boxes.len() / Self::FEW_CHANGED {
+        if changed > self.boxes.capacity() / Self::FEW_CHANGED {
+            self.boxes.replace(&self.listed);
             self.list_all();
             let filter = Concerns {
                 is_changed: &self.is_changed,
@@ -199,26 +203,29 @@ impl Slice {
             self.sweep
                 .pairs(&self.listed, &filter, &mut self.candidates);
         } else {
-            for moved in &self.listed {
-                self.boxes.meeting(&moved.aabb, |other| {
-                    let pair = (moved.body.min(other), moved.body.max(other));
-                    if other != moved.body && filter.admits(pair.0, pair.1) {
-                        self.candidates.push(Candidate::new(pair.0, pair.1));
-                    }
-                });
-            }
+            self.boxes.move_to(&self.listed);
+            self.boxes.meeting(&self.listed, |moved, other| {
+                let pair = (moved.body.min(other), moved.body.max(other));
+                if other != moved.body && filter.admits(pair.0, pair.1) {
+                    self.candidates.push(Candidate::new(pair.0, pair.1));
+                }
+            });
         }
         changed
     }
 
-    /// Sets the boxes of the changed bodies, and lists these.
+    /// Lists the boxes of the changed bodies; takes out those that have none any more.
     fn box_changed(&mut self, bodies: &Bodies<'_>) {
         self.listed.clear();
+        let changed = self.changed.iter().copied();
+        let (block, listed) = (&mut self.block, &mut self.listed);
+        bodies.boxes(changed, self.interval, block, |boxed| listed.push(boxed));
+        // In the order of `changed`, but for those that are missing.
+        let mut boxed = listed.iter().map(|boxed| boxed.body).peekable();
         for &slot in &self.changed {
-            let moved = bodies.boxed(slot, self.interval);
-            self.boxes
-                .set(slot, moved.as_ref().map(|moved| &moved.aabb));
-            self.listed.extend(moved);
+            if boxed.next_if_eq(&slot).is_none() {
+                self.boxes.remove(slot);
+            }
         }
     }
 
@@ -262,12 +269,13 @@ impl Slice {
         &self,
         (flight, party): (&Flight, &Party<'_>),
         frame: &Frame,
+        block: &mut Block,
         near: &mut Vec<u32>,
     ) {
-        if let Some(boxed) = box_of(flight, party, 0, self.interval, frame) {
-            self.boxes.meeting(&boxed.aabb, |other| near.push(other));
-            near.extend_from_slice(&self.changed);
-        }
+        fill(&[*party], &[flight.inflation], frame, self.interval, block);
+        let boxes = &block.slices[0].boxes;
+        self.boxes.meeting(boxes, |_, other| near.push(other));
+        near.extend_from_slice(&self.changed);
     }
 
     /// Whether the slice has all bodies' boxes, and a time in common with an interval.
@@ -281,10 +289,62 @@ impl<'m> Bodies<'m> {
         self.flights.party(self.scene, slot)
     }
 
-    fn boxed(&self, slot: u32, interval: (f64, f64)) -> Option<BodyBox> {
-        let (flight, party) = self.flights.get(self.scene, slot)?;
-        box_of(flight, &party, slot, interval, self.frame)
+    /// Bodies whose boxes are formed at a time: what is known of them stays in the caches.
+    const BATCH: usize = 64;
+
+    /// Calls `visit` with the box of each of the bodies that exists in an interval, in the order
+    /// of `slots`.
+    fn boxes(
+        &self,
+        slots: impl Iterator<Item = u32>,
+        interval: (f64, f64),
+        block: &mut Block,
+        mut visit: impl FnMut(BodyBox),
+    ) {
+        let mut batch = [0; Self::BATCH];
+        let mut parties = [Party::NONE; Self::BATCH];
+        let mut inflations = [Inflation::NONE; Self::BATCH];
+        let mut slots = slots.filter_map(|slot| Some((slot, self.flights.get(self.scene, slot)?)));
+        loop {
+            let mut count = 0;
+            for (slot, (flight, party)) in slots.by_ref().take(Self::BATCH) {
+                batch[count] = slot;
+                parties[count] = party;
+                inflations[count] = flight.inflation;
+                count += 1;
+            }
+            if count == 0 {
+                return;
+            }
+            let (parties, inflations) = (&parties[..count], &inflations[..count]);
+            fill(parties, inflations, self.frame, interval, block);
+            let filled = &block.slices[0];
+            for (boxed, &place) in filled.boxes.iter().zip(&filled.bodies) {
+                visit(BodyBox {
+                    aabb: boxed.aabb,
+                    body: batch[place as usize],
+                });
+            }
+        }
     }
+}
+
+/// Forms the boxes of bodies over an interval: the first slice of `block`.
+fn fill(
+    parties: &[Party<'_>],
+    inflations: &[Inflation],
+    frame: &Frame,
+    (from, to): (f64, f64),
+    block: &mut Block,
+) {
+    Level::best().run(Fill {
+        block,
+        parties,
+        inflations,
+        frame,
+        cuts: &Slices::whole(from, to),
+        range: 0..1,
+    });
 }
 
 /// Wants pairs with a changed body.
@@ -298,35 +358,4 @@ impl<F: PairFilter> PairFilter for Concerns<'_, F> {
         let is_changed = |slot: u32| self.is_changed.get(slot as usize) == Some(&true);
         (is_changed(a) || is_changed(b)) && self.filter.admits(a, b)
     }
-}
-
-/// A body's box over an interval, if it exists in it.
-fn box_of(
-    flight: &Flight,
-    party: &Party<'_>,
-    body: u32,
-    (from, to): (f64, f64),
-    frame: &Frame,
-) -> Option<BodyBox> {
-    let (&first, &last) = (party.knots.first()?, party.knots.last()?);
-    if first > to || last < from {
-        return None;
-    }
-    let mut hull = Hull::EMPTY;
-    let begin = party.knots.partition_point(|&knot| knot < from).max(1) - 1;
-    let anchor = Anchor::at(party.segments.get(begin)?, frame);
-    for (ends, segment) in party.knots[begin..]
-        .windows(2)
-        .zip(&party.segments[begin..])
-    {
-        if ends[0] > to {
-            break;
-        }
-        let part = (ends[0].max(from), ends[1].min(to));
-        hull.include(&Part::of(segment, part, &anchor));
-    }
-    Some(BodyBox {
-        aabb: hull.inflated(&flight.inflation, &anchor),
-        body,
-    })
 }
