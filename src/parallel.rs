@@ -49,12 +49,17 @@ where
         .collect()
 }
 
-/// `work(item)` for each item.
-pub(crate) fn for_each<T: Send>(items: &mut [T], work: impl Fn(&mut T) + Sync + Send) {
+/// `work(item)` for each item. Up to `few` of them stay on this thread: waking another one takes
+/// longer.
+#[cfg_attr(
+    not(feature = "parallel"),
+    allow(unused_variables, reason = "there is one thread")
+)]
+pub(crate) fn for_each<T: Send>(items: &mut [T], few: usize, work: impl Fn(&mut T) + Sync + Send) {
     #[cfg(feature = "parallel")]
     {
         use rayon::iter::{IntoParallelRefMutIterator, ParallelIterator};
-        if items.len() > 1 {
+        if items.len() > few {
             items.par_iter_mut().for_each(work);
             return;
         }

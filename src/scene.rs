@@ -11,6 +11,7 @@ use crate::layers::Layers;
 use crate::screen::Pool;
 use crate::trajectory::Trajectory;
 use std::collections::BTreeSet;
+use std::sync::OnceLock;
 
 /// A trajectory with a hitbox around it.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,7 +97,20 @@ impl Outline {
 #[derive(Clone, Debug)]
 pub(crate) struct Occupant {
     pub(crate) body: Body,
-    pub(crate) outline: Outline,
+    outline: OnceLock<Outline>,
+}
+
+impl Occupant {
+    fn new(body: Body) -> Self {
+        let outline = Outline::of(&body.trajectory).into();
+        Self { body, outline }
+    }
+
+    /// Of the trajectory: worked out now, if it was not yet.
+    pub(crate) fn outline(&self) -> &Outline {
+        let trajectory = &self.body.trajectory;
+        self.outline.get_or_init(|| Outline::of(trajectory))
+    }
 }
 
 #[derive(Clone, Debug, Default)]
@@ -181,10 +195,7 @@ impl Scene {
     ///
     /// [`Error::SceneFull`] after 2^32 - 1 bodies.
     pub fn insert(&mut self, body: Body) -> Result<BodyId, Error> {
-        let occupant = Some(Occupant {
-            outline: Outline::of(&body.trajectory),
-            body,
-        });
+        let occupant = Some(Occupant::new(body));
         let id = if let Some(slot) = self.free.pop() {
             let place = &mut self.slots[slot as usize];
             place.occupant = occupant;
@@ -249,12 +260,23 @@ impl Scene {
     pub fn set_trajectory(
         &mut self,
         id: BodyId,
-        trajectory: Trajectory,
+        mut trajectory: Trajectory,
     ) -> Result<Trajectory, Error> {
-        let outline = Outline::of(&trajectory);
+        self.swap_trajectory(id, &mut trajectory)?.outline();
+        Ok(trajectory)
+    }
+
+    /// The same in place. The outline is left for when it is asked for: a body that is replanned
+    /// each tick seldom needs it.
+    pub(crate) fn swap_trajectory(
+        &mut self,
+        id: BodyId,
+        trajectory: &mut Trajectory,
+    ) -> Result<&Occupant, Error> {
         let occupant = self.occupant_mut(id)?;
-        occupant.outline = outline;
-        Ok(std::mem::replace(&mut occupant.body.trajectory, trajectory))
+        occupant.outline = OnceLock::new();
+        std::mem::swap(&mut occupant.body.trajectory, trajectory);
+        Ok(occupant)
     }
 
     /// Replaces a body's hitbox and returns the old one.

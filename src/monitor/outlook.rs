@@ -143,7 +143,7 @@ impl Outlook {
         let stale = slices[..needed].iter().filter(|slice| !slice.is_fresh());
         let is_parallel = meter.is_unlimited() && stale.count() > 1;
         if is_parallel {
-            parallel::for_each(&mut slices[..needed], |slice| {
+            parallel::for_each(&mut slices[..needed], 1, |slice| {
                 slice.refresh(&bodies, filter, |_| true);
             });
         } else {

@@ -82,7 +82,7 @@ impl<'a> LineUp<'a> {
     pub(super) fn extremes(&self, parties: &[Party<'_>]) -> Extremes {
         let mut extremes = Extremes::NOTHING;
         for (occupant, party) in self.occupants.iter().zip(parties) {
-            extremes.include(occupant.outline.extremes);
+            extremes.include(occupant.outline().extremes);
             // Pieces beyond the knots are not in the outline.
             if party.segments.len() != occupant.body.trajectory.segments().len() {
                 for (segment, ends) in party.segments.iter().zip(party.knots.windows(2)) {
@@ -115,12 +115,12 @@ impl<'a> LineUp<'a> {
             let planned = knots.last().unwrap_or(&0.0) - knots.first().unwrap_or(&0.0);
             traffic.body_time += time;
             if planned > 0.0 {
-                traffic.path += occupant.outline.path * (time / planned);
+                traffic.path += occupant.outline().path * (time / planned);
                 #[allow(clippy::cast_precision_loss, reason = "an estimate")]
                 let segments = body.trajectory.segments().len() as f64;
                 traffic.segments += segments * (time / planned);
             }
-            extremes.include(occupant.outline.extremes);
+            extremes.include(occupant.outline().extremes);
         }
         traffic.world = (extremes.high - extremes.low).to_array();
         traffic

@@ -79,7 +79,7 @@ mod tests {
     #[test]
     fn sizes_are_as_documented() {
         assert_eq!(size_of::<Segment>(), 128);
-        assert_eq!(size_of::<Occupant>(), 440);
+        assert_eq!(size_of::<Occupant>(), 464);
         let line = size_of::<Pieces<'_>>() + size_of::<Party<'_>>() + size_of::<Inflation>();
         assert_eq!(line, 176);
         let boxed = size_of::<BodyBox>() + size_of::<Course>() + size_of::<u32>();
