@@ -1,12 +1,10 @@
 //! One box and one course for each body in each of a few slices.
 
 use super::BodyBox;
-use super::slices::Slices;
 use crate::bounds::{Anchor, Chord, Course, Frame, Hull, Inflation, MOST_SPLITS, Part};
 use crate::narrow_phase::Party;
 use crate::simd::{Task, prefetch};
 use crate::trajectory::Segment;
-use std::ops::Range;
 
 /// One slice: a box and a course for each body that exists in it, side by side.
 #[derive(Clone, Debug, Default)]
@@ -40,8 +38,8 @@ pub(crate) struct Fill<'a> {
     pub(crate) parties: &'a [Party<'a>],
     pub(crate) inflations: &'a [Inflation],
     pub(crate) frame: &'a Frame,
-    pub(crate) cuts: &'a Slices,
-    pub(crate) range: Range<u32>,
+    /// Where the slices begin and end, s: one more than there are slices.
+    pub(crate) ends: &'a [f64],
 }
 
 impl Task for Fill<'_> {
@@ -55,18 +53,14 @@ impl Task for Fill<'_> {
             slice.bodies.clear();
         }
         // At once: growing step by step would touch twice the memory.
-        for slice in self.block.slices.iter_mut().take(self.range.len()) {
+        let Self { ends, .. } = self;
+        let count = ends.len() - 1;
+        for slice in self.block.slices.iter_mut().take(count) {
             slice.boxes.reserve(self.parties.len());
             slice.courses.reserve(self.parties.len());
             slice.bodies.reserve(self.parties.len());
         }
         self.block.firsts.resize(self.parties.len(), 0);
-        let mut ends = [0.0; Block::SLICES as usize + 1];
-        let count = self.range.len();
-        for (end, cut) in ends.iter_mut().zip(self.range.start..=self.range.end) {
-            *end = self.cuts.cut(cut);
-        }
-        let ends = &ends[..=count];
         for body in 0..self.parties.len() {
             let party = &self.parties[body];
             let knots = party.knots;
@@ -236,6 +230,7 @@ fn short(count: usize) -> u32 {
 mod tests {
     use super::*;
     use crate::bounds::Extremes;
+    use crate::broad_phase::slices::Slices;
     use crate::hitbox::Hitbox;
     use crate::simd::Level;
     use crate::trajectory::{State, Trajectory};
@@ -287,8 +282,7 @@ mod tests {
                     parties: &[party],
                     inflations: &[inflation],
                     frame: &frame,
-                    cuts: &slices,
-                    range: range.clone(),
+                    ends: &slices.ends(range.clone()),
                 });
                 for (slice, found) in range.zip(&block.slices) {
                     let boxes = &found.boxes;

@@ -4,6 +4,7 @@
 //! and tells what happened. Whenever all is caught up, [`Monitor::conflicts`] is, bit for bit, what
 //! [`Scene::screen`] says of the window from now to the end of the lookahead.
 
+mod bodies;
 mod boxes;
 mod budget;
 mod change;

@@ -5,10 +5,11 @@
 //! slices in the order of time, so that what is known is always complete up to some instant. The
 //! boxes of the slice that comes next are formed as time passes, a share with each tick.
 
+use super::bodies::{Bodies, Moved};
 use super::budget::Meter;
 use super::finds::{Finds, Key, Pair};
 use super::flights::{Flight, Flights};
-use super::slice::{Bodies, Slice};
+use super::slice::Slice;
 use crate::bounds::Frame;
 use crate::broad_phase::PairFilter;
 use crate::broad_phase::fill::Block;
@@ -37,6 +38,9 @@ pub(super) struct Outlook {
     /// Bodies that changed since the last catching up, each once.
     dirty: Vec<u32>,
     is_dirty: Vec<bool>,
+    moved: Moved,
+    /// Where the slices of the lookahead begin and end, s.
+    ends: Vec<f64>,
 }
 
 impl Outlook {
@@ -54,6 +58,8 @@ impl Outlook {
             survivors: Vec::new(),
             dirty: Vec::new(),
             is_dirty: Vec::new(),
+            moved: Moved::default(),
+            ends: Vec::new(),
         }
     }
 
@@ -101,7 +107,7 @@ impl Outlook {
         for slice in &mut self.slices {
             slice.note(&self.dirty);
         }
-        for slot in self.dirty.drain(..) {
+        for &slot in &self.dirty {
             self.is_dirty[slot as usize] = false;
         }
     }
@@ -143,8 +149,13 @@ impl Outlook {
         let stale = slices[..needed].iter().filter(|slice| !slice.is_fresh());
         let is_parallel = meter.is_unlimited() && stale.count() > 1;
         if is_parallel {
+            let begin = Instant::now();
+            self.moved.form(&bodies, &self.dirty, &self.ends);
+            stats.bounds_time += begin.elapsed();
+            let (moved, first) = (&self.moved, slices[0].index);
             parallel::for_each(&mut slices[..needed], 1, |slice| {
-                slice.refresh(&bodies, filter, |_| true);
+                let number = usize::try_from(slice.index - first).unwrap_or(usize::MAX);
+                slice.refresh(&bodies, filter, Some((moved, number)), |_| true);
             });
         } else {
             for slice in slices[..needed].iter_mut() {
@@ -160,7 +171,7 @@ impl Outlook {
                     known = start.min(to);
                     break;
                 }
-                slice.refresh(&bodies, filter, |work| {
+                slice.refresh(&bodies, filter, None, |work| {
                     meter.count(work);
                     !meter.is_spent()
                 });
@@ -170,6 +181,7 @@ impl Outlook {
                 }
             }
         }
+        self.dirty.clear();
         known = meter.until().unwrap_or(known);
         for slice in &mut slices[..needed] {
             self.survivors.append(&mut slice.survivors);
@@ -202,7 +214,9 @@ impl Outlook {
     fn lay_slices(&mut self, from: f64, to: f64) -> usize {
         let mut index = self.index(from);
         let mut needed = 0;
+        self.ends.clear();
         loop {
+            self.ends.push(self.start(index));
             let is_needed = self.start(index) <= to;
             let place = usize::try_from(index - self.index(from)).unwrap_or(usize::MAX);
             if place >= self.slices.len() {

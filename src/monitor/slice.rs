@@ -1,28 +1,16 @@
 //! One slice of the lookahead: the boxes of all bodies in it, and what has not been compared yet.
 
+use super::bodies::{Bodies, Moved, form};
 use super::boxes::Boxes;
 use super::finds::Key;
-use super::flights::{Flight, Flights};
-use crate::bounds::{Frame, Inflation};
-use crate::broad_phase::fill::{Block, Fill};
-use crate::broad_phase::slices::Slices;
+use super::flights::Flight;
+use crate::bounds::Frame;
+use crate::broad_phase::fill::Block;
 use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter, Sweep};
 use crate::narrow_phase::{Party, may_touch};
-use crate::scene::Scene;
-use crate::simd::Level;
 use crate::spans::{Span, spans};
 use crate::stats::Stats;
 use std::time::Instant;
-
-/// What a slice needs to know of the bodies.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Bodies<'m> {
-    pub(super) scene: &'m Scene,
-    pub(super) flights: &'m Flights,
-    pub(super) frame: &'m Frame,
-    /// Pairs within this are looked for, m.
-    pub(super) margin: f64,
-}
 
 /// See the module.
 #[derive(Clone, Debug, Default)]
@@ -93,6 +81,10 @@ impl Slice {
         }
     }
 
+    const fn ends(&self) -> [f64; 2] {
+        [self.interval.0, self.interval.1]
+    }
+
     fn forget_changes(&mut self) {
         for slot in self.changed.drain(..) {
             self.is_changed[slot as usize] = false;
@@ -120,18 +112,21 @@ impl Slice {
     fn prepare_to(&mut self, bodies: &Bodies<'_>, until: usize) -> usize {
         let first = self.prepared;
         let slots = (first..until).filter_map(|slot| u32::try_from(slot).ok());
+        let ends = self.ends();
         let (block, listed) = (&mut self.block, &mut self.listed);
-        bodies.boxes(slots, self.interval, block, |boxed| listed.push(boxed));
+        bodies.boxes(slots, &ends, block, |_, boxed| listed.push(boxed));
         self.prepared = until;
         until - first
     }
 
     /// Compares what has not been compared, as long as `goes_on` lets: it is told the work of each
-    /// step (boxes and candidates). What is found is added to `survivors` and `stats`.
+    /// step (boxes and candidates). What is found is added to `survivors` and `stats`. Boxes that
+    /// were formed for all slices are taken from `moved`, where this slice has a number.
     pub(super) fn refresh<F: PairFilter>(
         &mut self,
         bodies: &Bodies<'_>,
         filter: &F,
+        moved: Option<(&Moved, usize)>,
         mut goes_on: impl FnMut(usize) -> bool,
     ) {
         while !self.is_fresh() {
@@ -141,7 +136,7 @@ impl Slice {
                 self.stats.narrow_time += begin.elapsed();
                 work
             } else {
-                let work = self.compare(bodies, filter);
+                let work = self.compare(bodies, filter, moved);
                 self.stats.broad_time += begin.elapsed();
                 work
             };
@@ -154,7 +149,12 @@ impl Slice {
     }
 
     /// One step towards all candidates.
-    fn compare<F: PairFilter>(&mut self, bodies: &Bodies<'_>, filter: &F) -> usize {
+    fn compare<F: PairFilter>(
+        &mut self,
+        bodies: &Bodies<'_>,
+        filter: &F,
+        moved: Option<(&Moved, usize)>,
+    ) -> usize {
         let count = bodies.flights.len();
         if !self.built && self.prepared < count {
             let boxes = self.prepare_to(bodies, count.min(self.prepared + Self::STEP));
@@ -164,7 +164,7 @@ impl Slice {
         self.candidates.clear();
         self.sifted = 0;
         let boxes = if self.built {
-            let boxes = self.compare_changed(bodies, filter);
+            let boxes = self.compare_changed(bodies, filter, moved);
             self.stats.boxes += boxes as u64;
             boxes
         } else {
@@ -181,7 +181,7 @@ impl Slice {
     fn build<F: PairFilter>(&mut self, bodies: &Bodies<'_>, filter: &F) {
         self.boxes.build(&self.listed);
         if !self.changed.is_empty() {
-            self.box_changed(bodies);
+            self.box_changed(bodies, None);
             self.boxes.replace(&self.listed);
             self.list_all();
         }
@@ -190,9 +190,14 @@ impl Slice {
     }
 
     /// Changed bodies against all.
-    fn compare_changed<F: PairFilter>(&mut self, bodies: &Bodies<'_>, filter: &F) -> usize {
+    fn compare_changed<F: PairFilter>(
+        &mut self,
+        bodies: &Bodies<'_>,
+        filter: &F,
+        moved: Option<(&Moved, usize)>,
+    ) -> usize {
         let changed = self.changed.len();
-        self.box_changed(bodies);
+        self.box_changed(bodies, moved);
         if changed > self.boxes.capacity() / Self::FEW_CHANGED {
             self.boxes.replace(&self.listed);
             self.list_all();
@@ -215,11 +220,17 @@ impl Slice {
     }
 
     /// Lists the boxes of the changed bodies; takes out those that have none any more.
-    fn box_changed(&mut self, bodies: &Bodies<'_>) {
+    fn box_changed(&mut self, bodies: &Bodies<'_>, moved: Option<(&Moved, usize)>) {
         self.listed.clear();
-        let changed = self.changed.iter().copied();
+        let ends = self.ends();
         let (block, listed) = (&mut self.block, &mut self.listed);
-        bodies.boxes(changed, self.interval, block, |boxed| listed.push(boxed));
+        match moved {
+            Some((moved, number)) if moved.are(&self.changed) => moved.list(number, listed),
+            _ => {
+                let changed = self.changed.iter().copied();
+                bodies.boxes(changed, &ends, block, |_, boxed| listed.push(boxed));
+            }
+        }
         // In the order of `changed`, but for those that are missing.
         let mut boxed = listed.iter().map(|boxed| boxed.body).peekable();
         for &slot in &self.changed {
@@ -272,7 +283,8 @@ impl Slice {
         block: &mut Block,
         near: &mut Vec<u32>,
     ) {
-        fill(&[*party], &[flight.inflation], frame, self.interval, block);
+        let inflations = [flight.inflation];
+        form(&[*party], &inflations, frame, &self.ends(), block);
         let boxes = &block.slices[0].boxes;
         self.boxes.meeting(boxes, |_, other| near.push(other));
         near.extend_from_slice(&self.changed);
@@ -282,69 +294,6 @@ impl Slice {
     pub(super) fn covers_some_of(&self, (from, to): (f64, f64)) -> bool {
         self.built && self.interval.0 <= to && self.interval.1 >= from
     }
-}
-
-impl<'m> Bodies<'m> {
-    pub(super) fn party(&self, slot: u32) -> Option<Party<'m>> {
-        self.flights.party(self.scene, slot)
-    }
-
-    /// Bodies whose boxes are formed at a time: what is known of them stays in the caches.
-    const BATCH: usize = 64;
-
-    /// Calls `visit` with the box of each of the bodies that exists in an interval, in the order
-    /// of `slots`.
-    fn boxes(
-        &self,
-        slots: impl Iterator<Item = u32>,
-        interval: (f64, f64),
-        block: &mut Block,
-        mut visit: impl FnMut(BodyBox),
-    ) {
-        let mut batch = [0; Self::BATCH];
-        let mut parties = [Party::NONE; Self::BATCH];
-        let mut inflations = [Inflation::NONE; Self::BATCH];
-        let mut slots = slots.filter_map(|slot| Some((slot, self.flights.get(self.scene, slot)?)));
-        loop {
-            let mut count = 0;
-            for (slot, (flight, party)) in slots.by_ref().take(Self::BATCH) {
-                batch[count] = slot;
-                parties[count] = party;
-                inflations[count] = flight.inflation;
-                count += 1;
-            }
-            if count == 0 {
-                return;
-            }
-            let (parties, inflations) = (&parties[..count], &inflations[..count]);
-            fill(parties, inflations, self.frame, interval, block);
-            let filled = &block.slices[0];
-            for (boxed, &place) in filled.boxes.iter().zip(&filled.bodies) {
-                visit(BodyBox {
-                    aabb: boxed.aabb,
-                    body: batch[place as usize],
-                });
-            }
-        }
-    }
-}
-
-/// Forms the boxes of bodies over an interval: the first slice of `block`.
-fn fill(
-    parties: &[Party<'_>],
-    inflations: &[Inflation],
-    frame: &Frame,
-    (from, to): (f64, f64),
-    block: &mut Block,
-) {
-    Level::best().run(Fill {
-        block,
-        parties,
-        inflations,
-        frame,
-        cuts: &Slices::whole(from, to),
-        range: 0..1,
-    });
 }
 
 /// Wants pairs with a changed body.

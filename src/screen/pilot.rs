@@ -186,8 +186,7 @@ impl LineUp<'_> {
                 parties,
                 inflations,
                 frame,
-                cuts: slices,
-                range: first..first + 1,
+                ends: &slices.ends(first..first + 1),
             });
             let slice = &block.slices[0];
             candidates.clear();

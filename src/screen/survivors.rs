@@ -114,8 +114,7 @@ impl LineUp<'_> {
             parties,
             inflations,
             frame,
-            cuts: slices,
-            range: range.clone(),
+            ends: &slices.ends(range.clone()),
         });
         stats.bounds_time += begin.elapsed();
         // Taken out meanwhile, so that the method can be borrowed beside them.
