@@ -49,22 +49,22 @@ where
         .collect()
 }
 
-/// `work(item)` for each item. Up to `few` of them stay on this thread: waking another one takes
-/// longer.
-#[cfg_attr(
-    not(feature = "parallel"),
-    allow(unused_variables, reason = "there is one thread")
-)]
-pub(crate) fn for_each<T: Send>(items: &mut [T], few: usize, work: impl Fn(&mut T) + Sync + Send) {
+/// `work(chunk)` for each chunk of `size` items (the last may have fewer).
+pub(crate) fn for_each_chunk<T: Send>(
+    items: &mut [T],
+    size: usize,
+    work: impl Fn(&mut [T]) + Sync + Send,
+) {
     #[cfg(feature = "parallel")]
     {
-        use rayon::iter::{IntoParallelRefMutIterator, ParallelIterator};
-        if items.len() > few {
-            items.par_iter_mut().for_each(work);
+        use rayon::iter::ParallelIterator;
+        use rayon::slice::ParallelSliceMut;
+        if items.len() > size {
+            items.par_chunks_mut(size).for_each(work);
             return;
         }
     }
-    items.iter_mut().for_each(work);
+    items.chunks_mut(size).for_each(work);
 }
 
 /// Sorts by a total order without ties that matter: the same result on any number of threads.

@@ -9,8 +9,10 @@ use crate::hitbox::Hitbox;
 use crate::id::BodyId;
 use crate::layers::Layers;
 use crate::screen::Pool;
+use crate::simd::prefetch;
 use crate::trajectory::Trajectory;
 use std::collections::BTreeSet;
+use std::slice::from_ref;
 use std::sync::OnceLock;
 
 /// A trajectory with a hitbox around it.
@@ -351,6 +353,13 @@ impl Scene {
             };
             place.occupant.as_ref().map(|occupant| (id, occupant))
         })
+    }
+
+    /// Fetches a body into the caches, but for its segments.
+    pub(crate) fn prefetch(&self, id: BodyId) {
+        if let Some(slot) = self.slots.get(id.slot as usize) {
+            prefetch(from_ref(slot));
+        }
     }
 
     /// How many slots there are, free ones included.

@@ -113,9 +113,11 @@ impl Moved {
                 ..Chunk::default()
             });
         }
-        parallel::for_each(&mut self.chunks[..count], 1, |chunk| {
-            let end = slots.len().min(chunk.first + Self::CHUNK);
-            chunk.form(bodies, &slots[chunk.first..end], ends);
+        parallel::for_each_chunk(&mut self.chunks[..count], 1, |chunks| {
+            for chunk in chunks {
+                let end = slots.len().min(chunk.first + Self::CHUNK);
+                chunk.form(bodies, &slots[chunk.first..end], ends);
+            }
         });
     }
 

@@ -105,8 +105,10 @@ struct Refusal {
 }
 
 impl Batch {
-    /// Revisions that stay on one thread: waking another takes longer.
-    const FEW: usize = 64;
+    /// Revisions that one thread settles at a time.
+    const CHUNK: usize = 64;
+    /// Revisions that are looked at ahead: bodies lie anywhere in memory.
+    const AHEAD: usize = 4;
 
     /// Goes through the commands in order, each on what the ones before it left, and works out
     /// what becomes of each body. The first refusal is reported.
@@ -124,8 +126,19 @@ impl Batch {
                 break;
             }
         }
-        parallel::for_each(&mut self.changed, Self::FEW, |revision| {
-            revision.refusal = revision.settle(scene, terms).err();
+        parallel::for_each_chunk(&mut self.changed, Self::CHUNK, |revisions| {
+            for index in 0..revisions.len() {
+                if let Some(later) = revisions.get(index + 2 * Self::AHEAD) {
+                    scene.prefetch(later.id);
+                }
+                if let Some(later) = revisions.get(index + Self::AHEAD) {
+                    let flown = scene.body(later.id).map(|body| &body.trajectory);
+                    let both = flown.into_iter().chain(&later.trajectory);
+                    both.for_each(Trajectory::prefetch);
+                }
+                let revision = &mut revisions[index];
+                revision.refusal = revision.settle(scene, terms).err();
+            }
         });
         let changed = self.changed.iter_mut();
         let refusals = changed.filter_map(|revision| revision.refusal.take());

@@ -153,9 +153,11 @@ impl Outlook {
             self.moved.form(&bodies, &self.dirty, &self.ends);
             stats.bounds_time += begin.elapsed();
             let (moved, first) = (&self.moved, slices[0].index);
-            parallel::for_each(&mut slices[..needed], 1, |slice| {
-                let number = usize::try_from(slice.index - first).unwrap_or(usize::MAX);
-                slice.refresh(&bodies, filter, Some((moved, number)), |_| true);
+            parallel::for_each_chunk(&mut slices[..needed], 1, |slices| {
+                for slice in slices {
+                    let number = usize::try_from(slice.index - first).unwrap_or(usize::MAX);
+                    slice.refresh(&bodies, filter, Some((moved, number)), |_| true);
+                }
             });
         } else {
             for slice in slices[..needed].iter_mut() {

@@ -2,6 +2,7 @@
 
 use super::{Outside, Trajectory};
 use crate::error::Error;
+use crate::simd::prefetch;
 use std::iter::once;
 
 impl Trajectory {
@@ -46,14 +47,14 @@ impl Trajectory {
     /// As [`spliced`](Self::spliced); nothing was changed then.
     pub(crate) fn precede_by(&mut self, flown: &Self, from: f64, since: f64) -> Result<(), Error> {
         let exists = |trajectory: &Self| from.is_finite() && trajectory.domain().contains(from);
-        let ahead = self.knots.partition_point(|&knot| knot <= from);
+        let ahead = count_at_front(&self.knots, |knot| knot <= from);
         let ends = ahead == self.knots.len() && self.outside == Outside::Absent;
         if !exists(flown) || !exists(self) || ends {
             return Err(Error::NoPlanAt { time: from });
         }
         // Flown: whole pieces, then the one that is cut. Beyond its knots a plan goes on along its
         // carrier, which becomes a piece like any other.
-        let cut = flown.knots.partition_point(|&knot| knot < from);
+        let cut = count_at_front(&flown.knots, |knot| knot < from);
         // Not copied only to be dropped.
         let dropped = flown.past(since.min(from)).min(cut);
         let beyond = (cut > flown.segments.len()).then(|| *flown.after());
@@ -86,11 +87,29 @@ impl Trajectory {
         Ok(())
     }
 
+    /// Fetches what a splice near the front reads into the caches.
+    pub(crate) fn prefetch(&self) {
+        /// Five lines.
+        const KNOTS: usize = 40;
+        prefetch(&self.knots[..self.knots.len().min(KNOTS)]);
+        prefetch(&self.segments[..self.segments.len().min(2)]);
+    }
+
     /// How many cubics end before `time`, but for the last one.
     fn past(&self, time: f64) -> usize {
-        self.knots
-            .partition_point(|&knot| knot < time)
+        count_at_front(&self.knots, |knot| knot < time)
             .saturating_sub(1)
             .min(self.segments.len().saturating_sub(1))
     }
+}
+
+/// How many knots come before all for which `is_before` does not hold; usually few, which is why
+/// the search begins at the front.
+fn count_at_front(knots: &[f64], is_before: impl Fn(f64) -> bool) -> usize {
+    let mut bound = 1;
+    while bound < knots.len() && is_before(knots[bound]) {
+        bound *= 2;
+    }
+    let rest = &knots[bound / 2..knots.len().min(bound + 1)];
+    bound / 2 + rest.partition_point(|&knot| is_before(knot))
 }
