@@ -57,17 +57,22 @@ pub(crate) fn threads() -> usize {
     1
 }
 
-/// `work(item)` for each item.
-pub(crate) fn for_each<T: Send>(items: &mut [T], work: impl Fn(&mut T) + Sync + Send) {
+/// `work(chunk)` for each chunk of `size` items (the last may have fewer).
+pub(crate) fn for_each_chunk<T: Send>(
+    items: &mut [T],
+    size: usize,
+    work: impl Fn(&mut [T]) + Sync + Send,
+) {
     #[cfg(feature = "parallel")]
     {
-        use rayon::iter::{IntoParallelRefMutIterator, ParallelIterator};
-        if items.len() > 1 {
-            items.par_iter_mut().for_each(work);
+        use rayon::iter::ParallelIterator;
+        use rayon::slice::ParallelSliceMut;
+        if items.len() > size {
+            items.par_chunks_mut(size).for_each(work);
             return;
         }
     }
-    items.iter_mut().for_each(work);
+    items.chunks_mut(size).for_each(work);
 }
 
 /// Sorts by a total order without ties that matter: the same result on any number of threads.

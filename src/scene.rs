@@ -9,8 +9,11 @@ use crate::hitbox::Hitbox;
 use crate::id::BodyId;
 use crate::layers::Layers;
 use crate::screen::Pool;
+use crate::simd::prefetch;
 use crate::trajectory::{Segment, Trajectory};
 use std::collections::BTreeSet;
+use std::slice::from_ref;
+use std::sync::OnceLock;
 
 /// A trajectory with a hitbox around it.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,13 +76,15 @@ pub(crate) struct Outline {
 }
 
 impl Outline {
+    const NONE: Self = Self {
+        knots: (0.0, 0.0),
+        extremes: Extremes::NOTHING,
+        path: 0.0,
+        sketch: Sketch::EMPTY,
+    };
+
     fn of(trajectory: &Trajectory) -> Self {
-        let mut outline = Self {
-            knots: (0.0, 0.0),
-            extremes: Extremes::NOTHING,
-            path: 0.0,
-            sketch: Sketch::EMPTY,
-        };
+        let mut outline = Self::NONE;
         outline.follow(trajectory);
         outline
     }
@@ -105,7 +110,20 @@ impl Outline {
 #[derive(Clone, Debug)]
 pub(crate) struct Occupant {
     pub(crate) body: Body,
-    pub(crate) outline: Outline,
+    outline: OnceLock<Outline>,
+}
+
+impl Occupant {
+    fn new(body: Body) -> Self {
+        let outline = Outline::of(&body.trajectory).into();
+        Self { body, outline }
+    }
+
+    /// Of the trajectory: worked out now, if it was not yet.
+    pub(crate) fn outline(&self) -> &Outline {
+        let trajectory = &self.body.trajectory;
+        self.outline.get_or_init(|| Outline::of(trajectory))
+    }
 }
 
 #[derive(Clone, Debug, Default)]
@@ -118,8 +136,8 @@ struct Slot {
 ///
 /// # Memory
 ///
-/// A body takes about 570 bytes, a segment 200 (64 of them a copy in f32, which boxes are formed
-/// from; 8 its knot). A screening adds some 180 a body and, for each thread, at most 64 MiB of
+/// A body takes about 580 bytes, a segment 200 (64 of them a copy in f32, which boxes are formed
+/// from; 8 its knot). A screening adds some 210 a body and, for each thread, at most 64 MiB of
 /// boxes (64 bytes each, for up to 2^20 of them or one slice, if that has more), 40 to 130 bytes a
 /// box of one slice for the sweep, and 8 for each of a slice's candidates; then 16 bytes for each
 /// span that is solved, and the conflicts themselves. Boxes, candidates and the sweep's lists are
@@ -191,10 +209,7 @@ impl Scene {
     ///
     /// [`Error::SceneFull`] after 2^32 - 1 bodies.
     pub fn insert(&mut self, body: Body) -> Result<BodyId, Error> {
-        let occupant = Some(Occupant {
-            outline: Outline::of(&body.trajectory),
-            body,
-        });
+        let occupant = Some(Occupant::new(body));
         let id = if let Some(slot) = self.free.pop() {
             let place = &mut self.slots[slot as usize];
             place.occupant = occupant;
@@ -262,8 +277,24 @@ impl Scene {
         trajectory: Trajectory,
     ) -> Result<Trajectory, Error> {
         let occupant = self.occupant_mut(id)?;
-        occupant.outline.follow(&trajectory);
+        // In the memory of the old one.
+        let mut outline = occupant.outline.take().unwrap_or(Outline::NONE);
+        outline.follow(&trajectory);
+        occupant.outline = outline.into();
         Ok(std::mem::replace(&mut occupant.body.trajectory, trajectory))
+    }
+
+    /// The same in place. The outline is left for when it is asked for: a body that is replanned
+    /// each tick seldom needs it.
+    pub(crate) fn swap_trajectory(
+        &mut self,
+        id: BodyId,
+        trajectory: &mut Trajectory,
+    ) -> Result<&Occupant, Error> {
+        let occupant = self.occupant_mut(id)?;
+        occupant.outline = OnceLock::new();
+        std::mem::swap(&mut occupant.body.trajectory, trajectory);
+        Ok(occupant)
     }
 
     /// Replaces a body's hitbox and returns the old one.
@@ -338,6 +369,13 @@ impl Scene {
             };
             place.occupant.as_ref().map(|occupant| (id, occupant))
         })
+    }
+
+    /// Fetches a body into the caches, but for its segments.
+    pub(crate) fn prefetch(&self, id: BodyId) {
+        if let Some(slot) = self.slots.get(id.slot as usize) {
+            prefetch(from_ref(slot));
+        }
     }
 
     /// How many slots there are, free ones included.

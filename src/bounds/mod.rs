@@ -16,7 +16,7 @@ mod trace;
 mod track;
 
 pub(crate) use course::Course;
-pub(crate) use pose::Pose;
+pub(crate) use pose::{Cubic, Pose};
 pub(crate) use sketch::{Sketch, Stroke};
 pub(crate) use trace::Trace;
 pub(crate) use track::{Piece, Track};
@@ -26,8 +26,6 @@ use crate::hitbox::Sphere;
 use crate::rounding::{norm, normalising_power};
 use crate::trajectory::Segment;
 use glam::{DVec3, Vec4};
-use parry3d::bounding_volume::Aabb;
-use parry3d::math::Vector;
 
 /// Where f32 coordinates are measured from, and in which unit.
 ///
@@ -147,132 +145,11 @@ fn half_size(sphere: &Sphere, margin: f64) -> f64 {
     (sphere.radius + 0.5 * margin).max(0.0)
 }
 
-/// What a body's coordinates are relative to for a few slices: a position near it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Anchor {
-    position: [f64; 4],
-    power: f64,
-    /// The position in the frame and its unit, rounded to the nearest.
-    place: Vec4,
-}
-
-impl Anchor {
-    /// At the origin of a segment.
-    #[inline(always)]
-    pub(crate) fn at(segment: &Segment, frame: &Frame) -> Self {
-        let position = segment.lanes()[0];
-        let DVec3 { x, y, z } = frame.origin;
-        Self {
-            position,
-            power: frame.power,
-            place: scaled(difference(position, [x, y, z, 0.0]), frame.power),
-        }
-    }
-
-    /// A position relative to the anchor, in the frame's unit.
-    #[inline(always)]
-    fn offset(&self, position: [f64; 4]) -> Vec4 {
-        self.scaled(difference(position, self.position))
-    }
-
-    /// A vector in the frame's unit.
-    #[inline(always)]
-    fn scaled(&self, vector: [f64; 4]) -> Vec4 {
-        scaled(vector, self.power)
-    }
-}
-
-/// A part of a cubic, as control points relative to an anchor, in the frame's unit.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Part {
-    points: [Vec4; 4],
-    /// What the rounding of the points is relative to on each axis: none of the segment is farther
-    /// away; more where the segment itself is known less well than f32 could tell.
-    size: Vec4,
-}
-
-impl Part {
-    /// Roundings of the size that the points can carry: 3 from the conversion, and some more than
-    /// what follows until a box is made.
-    const ROUNDINGS: f32 = 3.0 + 36.0;
-
-    /// The part of a segment over `from..=to`, within its knots or not.
-    pub(crate) fn of(segment: &Segment, (from, to): (f64, f64), anchor: &Anchor) -> Self {
-        let reach = segment.reach(from, to).max(segment.extent())
-            + segment.own_error(from, to) / f64::from(ROUNDING);
-        let points = segment.restrict(from, to).points;
-        let offset = anchor.offset(segment.lanes()[0]);
-        Self {
-            points: points.map(|point| offset + anchor.scaled([point.x, point.y, point.z, 0.0])),
-            size: offset.abs() + Vec4::splat(nearest(reach * anchor.power)),
-        }
-    }
-}
-
-/// A box under construction: the hull of one body's parts.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Hull {
-    low: Vec4,
-    high: Vec4,
-    size: Vec4,
-}
-
-impl Hull {
-    pub(crate) const EMPTY: Self = Self {
-        low: Vec4::INFINITY,
-        high: Vec4::NEG_INFINITY,
-        size: Vec4::ZERO,
-    };
-
-    #[inline(always)]
-    pub(crate) fn include(&mut self, part: &Part) {
-        let [p0, p1, p2, p3] = part.points;
-        self.low = self.low.min(p0.min(p1).min(p2.min(p3)));
-        self.high = self.high.max(p0.max(p1).max(p2.max(p3)));
-        self.size = self.size.max(part.size);
-    }
-
-    /// How far rounding can have moved each coordinate, in the frame's unit.
-    #[inline(always)]
-    fn rounding(&self, inflation: &Inflation) -> Vec4 {
-        self.size * (ROUNDING * Part::ROUNDINGS)
-            + Vec4::splat(8.0 * ROUNDING * inflation.size + f32::MIN_POSITIVE)
-    }
-
-    /// Whether a body is where the frame serves its coordinates: it always is where the frame was
-    /// chosen for all bodies.
-    #[inline(always)]
-    fn is_served(&self, inflation: &Inflation, anchor: &Anchor) -> bool {
-        const FAR: f32 = 1e37;
-        let far = self.size + anchor.place.abs() + Vec4::splat(inflation.size);
-        // Not so for NaN.
-        (far.x < FAR) & (far.y < FAR) & (far.z < FAR)
-    }
-
-    /// The outward-rounded box in the frame's unit; everywhere, where the frame does not serve.
-    #[inline(always)]
-    pub(crate) fn inflated(&self, inflation: &Inflation, anchor: &Anchor) -> Aabb {
-        if !self.is_served(inflation, anchor) {
-            return Aabb::new(Vector::splat(f32::MIN), Vector::splat(f32::MAX));
-        }
-        // Of the anchor, of the sum with it, and of the subtraction below.
-        let rounding = self.rounding(inflation) + anchor.place.abs() * (4.0 * ROUNDING);
-        let low = anchor.place + (self.low + inflation.low) - rounding;
-        let high = anchor.place + (self.high + inflation.high) + rounding;
-        Aabb::new(
-            Vector::new(low.x, low.y, low.z),
-            Vector::new(high.x, high.y, high.z),
-        )
-    }
-}
+/// Coordinates beyond this are not served: in the frame's unit, below the largest f32.
+const FAR: f64 = 1e37;
 
 /// Half a unit in the last place of f32, relative.
 const ROUNDING: f32 = 0.5 * f32::EPSILON;
-
-#[inline(always)]
-fn difference(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3]]
-}
 
 /// The nearest f32 vector in another unit.
 #[inline(always)]

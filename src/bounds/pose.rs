@@ -1,17 +1,32 @@
-//! Where a body's sketch lies in the frame, and how much larger its box is.
+//! How a body lies in the frame: its cubics, and what is the same for all its boxes.
 
 use super::sketch::{Sketch, Stroke};
 use super::track::Piece;
-use super::{Frame, Inflation, ROUNDING, nearest};
+use super::{FAR, Frame, Inflation, ROUNDING, nearest};
+use crate::trajectory::Segment;
 use glam::{DVec3, Vec4};
 
-/// Where a body's sketch lies in the frame, and how much larger its box is.
+/// A cubic that boxes are formed from.
+pub(crate) trait Cubic {
+    /// The whole of it between two knots, relative to the body's place, in the frame's unit.
+    fn piece(&self, knots: (f64, f64), stance: &Stance) -> Piece;
+}
+
+/// A body's cubics, and how it lies in the frame.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pose<'a> {
-    strokes: &'a [Stroke],
-    /// From the sketch's unit to the frame's.
+pub(crate) struct Pose<'a, C> {
+    pub(crate) cubics: &'a [C],
+    pub(crate) stance: Stance,
+}
+
+/// Where a body's cubics are measured from, and how much larger than their hull its boxes are.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stance {
+    /// What the cubics are relative to.
+    anchor: Frame,
+    /// From their unit to the frame's.
     factor: f32,
-    /// Of the sketch's middle in the frame.
+    /// Of the anchor in the frame.
     pub(super) place: Vec4,
     /// The same with the extremes of the hitbox.
     pub(super) low: Vec4,
@@ -22,17 +37,59 @@ pub(crate) struct Pose<'a> {
     pub(super) steady: f32,
 }
 
-impl<'a> Pose<'a> {
-    pub(crate) fn new(sketch: &'a Sketch, inflation: &Inflation, frame: &Frame) -> Self {
-        const FAR: f64 = 1e37;
+impl<C> Pose<'_, C> {
+    /// Of a body that never exists.
+    pub(crate) const NONE: Self = Self {
+        cubics: &[],
+        stance: Stance::NONE,
+    };
+}
+
+impl<'a> Pose<'a, Stroke> {
+    /// Of a body that was sketched.
+    pub(crate) fn sketched(sketch: &'a Sketch, inflation: &Inflation, frame: &Frame) -> Self {
+        Self {
+            cubics: sketch.strokes(),
+            stance: Stance::new(sketch.frame, sketch.size, inflation, frame),
+        }
+    }
+}
+
+impl<'a> Pose<'a, Segment> {
+    /// Of a body of which a few boxes are wanted only: not worth a sketch.
+    pub(crate) fn plain(segments: &'a [Segment], inflation: &Inflation, frame: &Frame) -> Self {
+        let anchor = Frame {
+            origin: segments.first().map_or(frame.origin, Segment::origin),
+            power: frame.power,
+        };
+        Self {
+            cubics: segments,
+            stance: Stance::new(anchor, 0.0, inflation, frame),
+        }
+    }
+}
+
+impl Stance {
+    const NONE: Self = Self {
+        anchor: Frame::OF_NOTHING,
+        factor: 1.0,
+        place: Vec4::ZERO,
+        low: Vec4::ZERO,
+        high: Vec4::ZERO,
+        reach: 0.0,
+        steady: 0.0,
+    };
+
+    /// Of cubics no coordinate of which is larger than `size`, as far as that is known.
+    fn new(anchor: Frame, size: f64, inflation: &Inflation, frame: &Frame) -> Self {
         let lanes = |DVec3 { x, y, z }: DVec3| Vec4::new(nearest(x), nearest(y), nearest(z), 0.0);
-        let place = lanes((sketch.frame.origin - frame.origin) * frame.power);
-        let factor = frame.power / sketch.frame.power;
+        let place = lanes((anchor.origin - frame.origin) * frame.power);
+        let factor = frame.power / anchor.power;
         let largest =
-            f64::from(place.abs().max_element()) + sketch.size * factor + f64::from(inflation.size);
+            f64::from(place.abs().max_element()) + size * factor + f64::from(inflation.size);
         let is_served = largest < FAR;
         Self {
-            strokes: sketch.strokes(),
+            anchor,
             // Nothing overflows on the way to a box that is everywhere.
             factor: if is_served { nearest(factor) } else { 0.0 },
             place: if is_served { place } else { Vec4::ZERO },
@@ -52,14 +109,19 @@ impl<'a> Pose<'a> {
     pub(crate) fn reach(&self) -> f64 {
         f64::from(self.reach)
     }
+}
 
-    pub(crate) const fn strokes(&self) -> &'a [Stroke] {
-        self.strokes
-    }
-
-    /// A whole cubic, between its knots.
+impl Cubic for Stroke {
     #[inline(always)]
-    pub(crate) fn piece(&self, number: usize, knots: (f64, f64)) -> Piece {
-        Piece::whole(&self.strokes[number], knots, self.factor)
+    fn piece(&self, knots: (f64, f64), stance: &Stance) -> Piece {
+        Piece::whole(self, knots, stance.factor)
+    }
+}
+
+impl Cubic for Segment {
+    #[inline(always)]
+    fn piece(&self, knots: (f64, f64), stance: &Stance) -> Piece {
+        let stroke = Stroke::of(self, knots, &stance.anchor);
+        stroke.unwrap_or(Stroke::ANYWHERE).piece(knots, stance)
     }
 }

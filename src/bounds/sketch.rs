@@ -1,6 +1,6 @@
 //! Trajectories in f32: of a motion, the part that a screening reads most.
 
-use super::{Extremes, Frame, ROUNDING, nearest};
+use super::{Extremes, FAR, Frame, ROUNDING, nearest};
 use crate::trajectory::Segment;
 use glam::{DVec3, Vec4};
 
@@ -14,29 +14,46 @@ use glam::{DVec3, Vec4};
 pub(crate) struct Stroke([Vec4; 4]);
 
 impl Stroke {
-    fn of(segment: &Segment, (from, to): (f64, f64), frame: &Frame) -> Self {
-        let points = segment.restrict(from, to).points;
-        let is_whole = from <= segment.start() && to >= segment.end() && segment.covers(from, to);
-        let spread = if is_whole {
-            segment.extent()
+    /// None where `f32` does not serve its coordinates.
+    #[inline(always)]
+    pub(super) fn of(segment: &Segment, (from, to): (f64, f64), frame: &Frame) -> Option<Self> {
+        let is_whole =
+            segment.start().to_bits() == from.to_bits() && segment.end().to_bits() == to.to_bits();
+        let (points, spread) = if is_whole {
+            (
+                segment.control(),
+                segment.extent() + segment.error() / f64::from(ROUNDING),
+            )
         } else {
             // The first point is not the segment's origin.
-            2.0 * segment.reach(from, to)
+            let error = segment.own_error(from, to) / f64::from(ROUNDING);
+            let spread = 2.0 * segment.reach(from, to) + error;
+            (segment.restrict(from, to).points, spread)
         };
-        let near = spread + segment.own_error(from, to) / f64::from(ROUNDING);
-        let offset = segment.origin() - frame.origin;
+        let (offset, near) = (segment.origin() - frame.origin, spread * frame.power);
         let lanes = |point: DVec3, last: f64| {
             let DVec3 { x, y, z } = (offset + point) * frame.power;
             Vec4::new(nearest(x), nearest(y), nearest(z), nearest(last))
         };
+        let is_served = offset.abs().max_element() * frame.power + near < FAR;
         let [p0, p1, p2, p3] = points;
-        Self([
-            lanes(p0, near * frame.power),
-            lanes(p1, 0.0),
-            lanes(p2, 0.0),
-            lanes(p3, 0.0),
-        ])
+        is_served.then(|| {
+            Self([
+                lanes(p0, near),
+                lanes(p1, 0.0),
+                lanes(p2, 0.0),
+                lanes(p3, 0.0),
+            ])
+        })
     }
+
+    /// Of a cubic that is nowhere in particular.
+    pub(super) const ANYWHERE: Self = Self([
+        Vec4::new(0.0, 0.0, 0.0, f32::INFINITY),
+        Vec4::ZERO,
+        Vec4::ZERO,
+        Vec4::ZERO,
+    ]);
 
     /// The points in another unit, and what their rounding is relative to.
     #[inline(always)]
@@ -86,8 +103,10 @@ impl Sketch {
         let frame = &self.frame;
         self.strokes.clear();
         let pieces = segments.iter().zip(knots.windows(2));
-        self.strokes
-            .extend(pieces.map(|(segment, ends)| Stroke::of(segment, (ends[0], ends[1]), frame)));
+        self.strokes.extend(pieces.map(|(segment, ends)| {
+            let stroke = Stroke::of(segment, (ends[0], ends[1]), frame);
+            stroke.unwrap_or(Stroke::ANYWHERE)
+        }));
         extremes
     }
 

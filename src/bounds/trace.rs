@@ -1,7 +1,7 @@
 //! A body's box and course in one slice, under construction.
 
 use super::course::Course;
-use super::pose::Pose;
+use super::pose::Stance;
 use super::track::Piece;
 use super::{ROUNDING, nearest};
 use glam::Vec4;
@@ -65,17 +65,17 @@ impl Trace {
     /// The course, and the box rounded outward, in the frame's unit; everywhere, where the frame
     /// does not serve. `first` is the cubic that the body follows first.
     #[inline(always)]
-    pub(crate) fn finish(&self, pose: &Pose<'_>, first: u32) -> (Course, Aabb) {
+    pub(crate) fn finish(&self, stance: &Stance, first: u32) -> (Course, Aabb) {
         let Self { low, high, .. } = *self;
         // How far rounding can have moved each coordinate.
         let rounding = low.abs().max(high.abs()) * (ROUNDING * Piece::FAR)
-            + Vec4::splat(self.near * (ROUNDING * Piece::NEAR) + pose.steady);
-        let (start, change) = (pose.place + self.start, self.change);
-        let course = course(start, change, (self.stray, rounding), pose.reach, first);
+            + Vec4::splat(self.near * (ROUNDING * Piece::NEAR) + stance.steady);
+        let (start, change) = (stance.place + self.start, self.change);
+        let course = course(start, change, (self.stray, rounding), stance.reach, first);
         // Of the place, of the sums with it, and of the subtraction below.
-        let rounding = rounding + pose.place.abs() * (4.0 * ROUNDING);
-        let low = (pose.low + low - rounding).max(Vec4::splat(f32::MIN));
-        let high = (pose.high + high + rounding).min(Vec4::splat(f32::MAX));
+        let rounding = rounding + stance.place.abs() * (4.0 * ROUNDING);
+        let low = (stance.low + low - rounding).max(Vec4::splat(f32::MIN));
+        let high = (stance.high + high + rounding).min(Vec4::splat(f32::MAX));
         let aabb = Aabb::new(
             Vector::new(low.x, low.y, low.z),
             Vector::new(high.x, high.y, high.z),

@@ -1,11 +1,9 @@
 //! One box and one course for each body in each of a few slices.
 
 use super::BodyBox;
-use super::slices::Slices;
-use crate::bounds::{Course, Piece, Pose, Stroke, Trace, Track};
+use crate::bounds::{Course, Cubic, Piece, Pose, Trace, Track};
 use crate::narrow_phase::Party;
 use crate::simd::{Task, prefetch};
-use std::ops::Range;
 
 /// One slice: a box and a course for each body that exists in it, side by side.
 #[derive(Clone, Debug, Default)]
@@ -35,15 +33,15 @@ impl Block {
 }
 
 /// Forms the boxes and courses of some slices (at most [`Block::SLICES`]).
-pub(crate) struct Fill<'a> {
+pub(crate) struct Fill<'a, C> {
     pub(crate) block: &'a mut Block,
     pub(crate) parties: &'a [Party<'a>],
-    pub(crate) poses: &'a [Pose<'a>],
-    pub(crate) cuts: &'a Slices,
-    pub(crate) range: Range<u32>,
+    pub(crate) poses: &'a [Pose<'a, C>],
+    /// Where the slices begin and end, s: one more than there are slices.
+    pub(crate) ends: &'a [f64],
 }
 
-impl Task for Fill<'_> {
+impl<C: Cubic> Task for Fill<'_, C> {
     type Output = ();
 
     #[inline(always)]
@@ -54,18 +52,14 @@ impl Task for Fill<'_> {
             slice.bodies.clear();
         }
         // At once: growing step by step would touch twice the memory.
-        for slice in self.block.slices.iter_mut().take(self.range.len()) {
+        let Self { ends, .. } = self;
+        let count = ends.len() - 1;
+        for slice in self.block.slices.iter_mut().take(count) {
             slice.boxes.reserve(self.parties.len());
             slice.courses.reserve(self.parties.len());
             slice.bodies.reserve(self.parties.len());
         }
         self.block.pieces.resize(self.parties.len(), 0);
-        let mut ends = [0.0; Block::SLICES as usize + 1];
-        let count = self.range.len();
-        for (end, cut) in ends.iter_mut().zip(self.range.start..=self.range.end) {
-            *end = self.cuts.cut(cut);
-        }
-        let ends = &ends[..=count];
         for body in 0..self.parties.len().min(Self::AHEAD) {
             self.look_up(body, ends[0]);
         }
@@ -85,7 +79,7 @@ impl Task for Fill<'_> {
                 knots,
                 pose: &self.poses[body],
                 ends,
-                ahead: self.strokes_of(body + Self::AHEAD),
+                ahead: self.cubics_of(body + Self::AHEAD),
                 begin: piece,
             }
             .through(piece, short(body), &mut self.block.slices);
@@ -94,7 +88,7 @@ impl Task for Fill<'_> {
     }
 }
 
-impl<'a> Fill<'a> {
+impl<'a, C> Fill<'a, C> {
     /// How many bodies ahead segments are brought into the caches. They are what there is most of,
     /// and each body's lie somewhere else: without it, half of the time is waiting.
     const AHEAD: usize = 4;
@@ -118,10 +112,10 @@ impl<'a> Fill<'a> {
 
     /// The cubics that a body begins with.
     #[inline(always)]
-    fn strokes_of(&self, body: usize) -> &'a [Stroke] {
+    fn cubics_of(&self, body: usize) -> &'a [C] {
         self.poses.get(body).map_or(&[], |pose| {
-            let first = (self.block.pieces[body] as usize).min(pose.strokes().len());
-            &pose.strokes()[first..]
+            let first = (self.block.pieces[body] as usize).min(pose.cubics.len());
+            &pose.cubics[first..]
         })
     }
 }
@@ -144,24 +138,24 @@ fn cubic_before(knots: &[f64], time: f64, guess: u32) -> usize {
 }
 
 /// One body's way through the slices of a block.
-struct Walk<'a> {
+struct Walk<'a, C> {
     knots: &'a [f64],
-    pose: &'a Pose<'a>,
+    pose: &'a Pose<'a, C>,
     /// Where slices begin and end.
     ends: &'a [f64],
     /// Cubics of a body that is still to come, fetched one for one of this body's.
-    ahead: &'a [Stroke],
+    ahead: &'a [C],
     begin: usize,
 }
 
-impl Walk<'_> {
+impl<C: Cubic> Walk<'_, C> {
     #[inline(always)]
     fn piece(&self, number: usize) -> Piece {
         if let Some(later) = self.ahead.get(number - self.begin) {
             prefetch(std::slice::from_ref(later));
         }
-        self.pose
-            .piece(number, (self.knots[number], self.knots[number + 1]))
+        let knots = (self.knots[number], self.knots[number + 1]);
+        self.pose.cubics[number].piece(knots, &self.pose.stance)
     }
 
     /// Appends the body's box and course to each slice in which it exists; gives the cubic that it
@@ -205,7 +199,7 @@ impl Walk<'_> {
                 trace
             };
             let place = short(slice.bodies.len());
-            let (course, aabb) = trace.finish(self.pose, short(begin));
+            let (course, aabb) = trace.finish(&self.pose.stance, short(begin));
             slice.boxes.push(BodyBox { aabb, body: place });
             slice.courses.push(course);
             slice.bodies.push(body);
@@ -225,6 +219,7 @@ fn short(count: usize) -> u32 {
 mod tests {
     use super::*;
     use crate::bounds::{Extremes, Frame, Inflation, Sketch};
+    use crate::broad_phase::slices::Slices;
     use crate::hitbox::Hitbox;
     use crate::simd::Level;
     use crate::trajectory::{State, Trajectory};
@@ -269,7 +264,7 @@ mod tests {
                 bounding: hitbox.bounding(),
             };
             let sketch = Sketch::of(party.knots, party.segments);
-            let pose = Pose::new(&sketch, &inflation, &frame);
+            let pose = Pose::sketched(&sketch, &inflation, &frame);
             let mut block = Block::default();
             for first in (0..slices.count()).step_by(Block::SLICES as usize) {
                 let range = first..(first + Block::SLICES).min(slices.count());
@@ -277,8 +272,7 @@ mod tests {
                     block: &mut block,
                     parties: &[party],
                     poses: &[pose],
-                    cuts: &slices,
-                    range: range.clone(),
+                    ends: &slices.ends(range.clone()),
                 });
                 for (slice, found) in range.zip(&block.slices) {
                     let boxes = &found.boxes;

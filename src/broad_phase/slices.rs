@@ -1,5 +1,7 @@
 //! Cutting the window into slices.
 
+use std::ops::Range;
+
 /// A window cut into slices of equal length. Slices never change an answer, only its cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Slices {
@@ -110,7 +112,13 @@ impl Slices {
         (self.cut(slice), self.cut(slice + 1))
     }
 
-    pub(super) fn cut(&self, index: u32) -> f64 {
+    /// Where some slices begin and end, s: one more than there are slices.
+    pub(crate) fn ends(&self, slices: Range<u32>) -> Vec<f64> {
+        let cuts = slices.start..=slices.end;
+        cuts.map(|index| self.cut(index)).collect()
+    }
+
+    fn cut(&self, index: u32) -> f64 {
         if index >= self.count {
             self.end
         } else {

@@ -1,7 +1,7 @@
 //! Changes between ticks: each is checked as a whole before any of it takes effect.
 
 use super::Monitor;
-use super::command::{Command, Outcome, Revision};
+use super::command::{Batch, Command, Terms};
 use super::event::{Encounter, EndReason};
 use super::flights::Flight;
 #[cfg(feature = "serde")]
@@ -33,7 +33,11 @@ impl Monitor {
     }
 
     fn put_in(&mut self, body: Body) -> Result<BodyId, Error> {
-        let flight = self.flight_of(&body)?;
+        let flight = self.terms()?.flight_of(&body)?;
+        self.put(body, flight)
+    }
+
+    fn put(&mut self, body: Body, flight: Flight) -> Result<BodyId, Error> {
         let id = self.scene.insert(body)?;
         self.place(id, Some(flight));
         self.watch_plan_end(id);
@@ -135,36 +139,41 @@ impl Monitor {
         &mut self,
         commands: impl IntoIterator<Item = Command>,
     ) -> Result<Vec<BodyId>, Error> {
-        let outcome = Outcome::of(&self.scene, commands, self.told - self.history)?;
-        let mut flights = Vec::with_capacity(outcome.changed.len());
-        for (&id, revision) in &outcome.changed {
-            flights.push(self.flight_after(id, revision)?);
-        }
-        for body in &outcome.inserted {
-            self.flight_of(body)?;
-        }
-        // Nothing below is refused: the scene has room for 2^32 bodies, and all ids were found.
-        for ((id, revision), flight) in outcome.changed.into_iter().zip(flights) {
+        let mut batch = std::mem::take(&mut self.batch);
+        let terms = self.terms()?;
+        let ids = match batch.work_out(&self.scene, commands, &terms) {
+            Ok(()) => self.take_over(&mut batch),
+            Err(error) => Err(error),
+        };
+        batch.clear();
+        self.batch = batch;
+        ids
+    }
+
+    /// Lets a batch take effect. Nothing is refused: the scene has room for 2^32 bodies, and all
+    /// ids were found.
+    fn take_over(&mut self, batch: &mut Batch) -> Result<Vec<BodyId>, Error> {
+        for revision in &mut batch.changed {
+            let id = revision.id;
             if revision.is_removed {
                 drop(self.take_out(id)?);
                 continue;
             }
-            if let Some(trajectory) = revision.trajectory {
-                drop(self.scene.set_trajectory(id, trajectory)?);
+            if let Some(trajectory) = &mut revision.trajectory {
+                self.scene.swap_trajectory(id, trajectory)?;
                 self.watch_plan_end(id);
             }
-            if let Some(hitbox) = revision.hitbox {
+            if let Some(hitbox) = revision.hitbox.take() {
                 drop(self.scene.set_hitbox(id, hitbox)?);
             }
             if let Some(layers) = revision.layers {
                 self.scene.set_layers(id, layers)?;
             }
-            self.place(id, flight);
+            self.place(id, revision.flight.take());
         }
-        outcome
-            .inserted
-            .into_iter()
-            .map(|body| self.put_in(body))
+        let inserted = batch.inserted.drain(..);
+        inserted
+            .map(|(body, flight)| self.put(body, flight))
             .collect()
     }
 
@@ -194,34 +203,21 @@ impl Monitor {
         Ok(())
     }
 
-    /// What a plan means over the lookahead.
-    pub(super) fn flight(&self, trajectory: &Trajectory, hitbox: &Hitbox) -> Result<Flight, Error> {
+    /// What changes are worked out with now.
+    pub(super) fn terms(&self) -> Result<Terms<'_>, Error> {
         let end = self.outlook.laid_out(self.now + self.lookahead);
-        let window = Window::new(self.told, end)?;
-        Flight::of(trajectory, hitbox, self.outlook.reach(), window)
-    }
-
-    fn flight_of(&self, body: &Body) -> Result<Flight, Error> {
-        let flight = self.flight(&body.trajectory, &body.hitbox);
-        flight.map_err(|error| error.in_body(body.tag))
-    }
-
-    /// The flight of a body as a revision leaves it; none if it is removed.
-    fn flight_after(&self, id: BodyId, revision: &Revision) -> Result<Option<Flight>, Error> {
-        let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
-        if revision.is_removed {
-            return Ok(None);
-        }
-        let trajectory = revision.trajectory.as_ref().unwrap_or(&body.trajectory);
-        let hitbox = revision.hitbox.as_ref().unwrap_or(&body.hitbox);
-        let flight = self.flight(trajectory, hitbox);
-        Ok(Some(flight.map_err(|error| error.in_body(body.tag))?))
+        Ok(Terms {
+            reach: self.outlook.reach(),
+            window: Window::new(self.told, end)?,
+            forget_before: self.told - self.history,
+        })
     }
 
     /// Prepares all bodies for an outlook that knows none yet.
     pub(super) fn lay_out(&mut self) -> Result<(), Error> {
+        let terms = self.terms()?;
         let bodies = self.scene.bodies();
-        let flights = bodies.map(|(id, body)| Ok((id, self.flight_of(body)?)));
+        let flights = bodies.map(|(id, body)| Ok((id, terms.flight_of(body)?)));
         for (id, flight) in flights.collect::<Result<Vec<_>, Error>>()? {
             self.outlook.set(id.slot, Some(flight));
         }

@@ -1,12 +1,15 @@
 //! Changes between ticks: one, or several that take effect together or not at all.
 
+use super::flights::Flight;
+use crate::bounds::Frame;
 use crate::error::Error;
 use crate::hitbox::Hitbox;
 use crate::id::BodyId;
 use crate::layers::Layers;
+use crate::parallel;
 use crate::scene::{Body, Scene};
 use crate::trajectory::Trajectory;
-use std::collections::BTreeMap;
+use crate::window::Window;
 
 /// One change to a monitor's scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,56 +33,164 @@ pub enum Command {
     Extend(BodyId, Trajectory),
 }
 
-/// What a batch comes to: what becomes of the bodies that it changes, and the new ones.
+/// What all changes are worked out with.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Terms<'m> {
+    /// Within what pairs are looked for (m), and where their boxes are measured from.
+    pub(super) reach: (f64, &'m Frame),
+    /// As far as plans are laid out.
+    pub(super) window: Window,
+    /// Where history ends: replanned bodies drop what is older, s.
+    pub(super) forget_before: f64,
+}
+
+impl Terms<'_> {
+    /// What a plan means over the lookahead.
+    pub(super) fn flight(
+        &self,
+        trajectory: &Trajectory,
+        hitbox: &Hitbox,
+        tag: u64,
+    ) -> Result<Flight, Error> {
+        let flight = Flight::of(trajectory, hitbox, self.reach, self.window);
+        flight.map_err(|error| error.in_body(tag))
+    }
+
+    /// The same of a body as it is.
+    pub(super) fn flight_of(&self, body: &Body) -> Result<Flight, Error> {
+        self.flight(&body.trajectory, &body.hitbox, body.tag)
+    }
+}
+
+/// What a batch comes to: what becomes of the bodies that it changes, and the new ones. Its memory
+/// is used again and again.
 #[derive(Debug, Default)]
-pub(super) struct Outcome {
-    pub(super) changed: BTreeMap<BodyId, Revision>,
-    pub(super) inserted: Vec<Body>,
+pub(super) struct Batch {
+    /// One for each body, in the order of the commands.
+    pub(super) changed: Vec<Revision>,
+    /// By slot: the place of its revision in `changed`, if that is of this slot.
+    place_of: Vec<usize>,
+    pub(super) inserted: Vec<(Body, Flight)>,
 }
 
 /// What of a body is replaced.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Revision {
+    pub(super) id: BodyId,
     pub(super) is_removed: bool,
     pub(super) trajectory: Option<Trajectory>,
+    /// The trajectory is a plan yet, which what has been flown must precede.
+    splice: Option<Splice>,
     pub(super) hitbox: Option<Hitbox>,
     pub(super) layers: Option<Layers>,
+    /// Number of the last command that concerns the body.
+    command: usize,
+    /// None once it is taken, and of what is removed.
+    pub(super) flight: Option<Flight>,
+    refusal: Option<Refusal>,
 }
 
-impl Outcome {
-    /// Goes through the commands in order, each on what the ones before it left.
-    ///
-    /// `forget_before` (s) is where history ends: replanned bodies drop what is older.
-    pub(super) fn of(
+/// From when on a plan is followed (none: the last knot of the one before), s.
+#[derive(Clone, Copy, Debug)]
+struct Splice {
+    from: Option<f64>,
+    command: usize,
+}
+
+/// Which command is refused, and why.
+#[derive(Debug)]
+struct Refusal {
+    command: usize,
+    error: Error,
+}
+
+impl Batch {
+    /// Revisions that one thread settles at a time.
+    const CHUNK: usize = 64;
+    /// Revisions that are looked at ahead: bodies lie anywhere in memory.
+    const AHEAD: usize = 4;
+
+    /// Goes through the commands in order, each on what the ones before it left, and works out
+    /// what becomes of each body. The first refusal is reported.
+    pub(super) fn work_out(
+        &mut self,
         scene: &Scene,
         commands: impl IntoIterator<Item = Command>,
-        forget_before: f64,
-    ) -> Result<Self, Error> {
-        let mut outcome = Self::default();
-        for command in commands {
-            match command {
-                Command::Insert(body) => outcome.inserted.push(body),
-                Command::Remove(id) => outcome.revision(scene, id)?.1.is_removed = true,
-                Command::SetTrajectory(id, trajectory) => {
-                    outcome.revision(scene, id)?.1.trajectory = Some(trajectory);
-                }
-                Command::SetHitbox(id, hitbox) => {
-                    outcome.revision(scene, id)?.1.hitbox = Some(hitbox);
-                }
-                Command::SetLayers(id, layers) => {
-                    outcome.revision(scene, id)?.1.layers = Some(layers);
-                }
-                Command::Replan(id, from, plan) => {
-                    let (body, revision) = outcome.revision(scene, id)?;
-                    revision.follow(body, Some(from), plan, forget_before)?;
-                }
-                Command::Extend(id, plan) => {
-                    let (body, revision) = outcome.revision(scene, id)?;
-                    revision.follow(body, None, plan, forget_before)?;
-                }
+        terms: &Terms<'_>,
+    ) -> Result<(), Error> {
+        self.clear();
+        let mut refused = None;
+        for (number, command) in commands.into_iter().enumerate() {
+            if let Err(refusal) = self.take(scene, (number, command), terms) {
+                refused = Some(refusal);
+                break;
             }
         }
-        Ok(outcome)
+        parallel::for_each_chunk(&mut self.changed, Self::CHUNK, |revisions| {
+            for index in 0..revisions.len() {
+                if let Some(later) = revisions.get(index + 2 * Self::AHEAD) {
+                    scene.prefetch(later.id);
+                }
+                if let Some(later) = revisions.get(index + Self::AHEAD) {
+                    let flown = scene.body(later.id).map(|body| &body.trajectory);
+                    let both = flown.into_iter().chain(&later.trajectory);
+                    both.for_each(Trajectory::prefetch);
+                }
+                let revision = &mut revisions[index];
+                revision.refusal = revision.settle(scene, terms).err();
+            }
+        });
+        let changed = self.changed.iter_mut();
+        let refusals = changed.filter_map(|revision| revision.refusal.take());
+        let first = refusals
+            .chain(refused)
+            .min_by_key(|refusal| refusal.command);
+        first.map_or(Ok(()), |first| Err(first.error))
+    }
+
+    /// Drops all, and with it what was replaced.
+    pub(super) fn clear(&mut self) {
+        self.changed.clear();
+        self.inserted.clear();
+    }
+
+    fn take(
+        &mut self,
+        scene: &Scene,
+        (number, command): (usize, Command),
+        terms: &Terms<'_>,
+    ) -> Result<(), Refusal> {
+        let refuse = |error| Refusal {
+            command: number,
+            error,
+        };
+        let id = match command {
+            Command::Insert(body) => {
+                let flight = terms.flight_of(&body).map_err(refuse)?;
+                self.inserted.push((body, flight));
+                return Ok(());
+            }
+            Command::Remove(id)
+            | Command::SetTrajectory(id, _)
+            | Command::SetHitbox(id, _)
+            | Command::SetLayers(id, _)
+            | Command::Replan(id, ..)
+            | Command::Extend(id, _) => id,
+        };
+        let (body, revision) = self.revision(scene, id, number).map_err(refuse)?;
+        match command {
+            Command::Insert(_) => {}
+            Command::Remove(_) => revision.is_removed = true,
+            Command::SetTrajectory(_, trajectory) => {
+                revision.splice(body, terms)?;
+                revision.trajectory = Some(trajectory);
+            }
+            Command::SetHitbox(_, hitbox) => revision.hitbox = Some(hitbox),
+            Command::SetLayers(_, layers) => revision.layers = Some(layers),
+            Command::Replan(_, from, plan) => revision.follow(body, Some(from), plan, terms)?,
+            Command::Extend(_, plan) => revision.follow(body, None, plan, terms)?,
+        }
+        Ok(())
     }
 
     /// The body as it is, and what the commands so far replace of it.
@@ -87,29 +198,95 @@ impl Outcome {
         &mut self,
         scene: &'s Scene,
         id: BodyId,
+        command: usize,
     ) -> Result<(&'s Body, &mut Revision), Error> {
         let body = scene.body(id).ok_or(Error::UnknownBody { id })?;
-        let revision = self.changed.entry(id).or_default();
+        if self.place_of.len() < scene.slots() {
+            self.place_of.resize(scene.slots(), 0);
+        }
+        let place = &mut self.place_of[id.slot as usize];
+        let known = self.changed.get(*place);
+        if known.is_none_or(|known| known.id != id) {
+            *place = self.changed.len();
+            self.changed.push(Revision::nothing(id));
+        }
+        let revision = &mut self.changed[*place];
         if revision.is_removed {
             return Err(Error::UnknownBody { id });
         }
+        revision.command = command;
         Ok((body, revision))
     }
 }
 
 impl Revision {
+    const fn nothing(id: BodyId) -> Self {
+        Self {
+            id,
+            is_removed: false,
+            trajectory: None,
+            splice: None,
+            hitbox: None,
+            layers: None,
+            command: 0,
+            flight: None,
+            refusal: None,
+        }
+    }
+
     /// The plan so far up to `from` (none: its last knot), then `plan`.
     fn follow(
         &mut self,
         body: &Body,
         from: Option<f64>,
         plan: Trajectory,
-        forget_before: f64,
-    ) -> Result<(), Error> {
-        let flown = self.trajectory.as_ref().unwrap_or(&body.trajectory);
-        let from = from.or(flown.knots().last().copied()).unwrap_or(0.0);
-        let spliced = plan.preceded_by(flown, from, forget_before);
-        self.trajectory = Some(spliced.map_err(|error| error.in_body(body.tag))?);
+        terms: &Terms<'_>,
+    ) -> Result<(), Refusal> {
+        self.splice(body, terms)?;
+        let flown = self.trajectory.replace(plan);
+        self.splice = Some(Splice {
+            from,
+            command: self.command,
+        });
+        // What is flown on is settled, unless it is the body's own.
+        flown.map_or(Ok(()), |flown| self.precede_by(&flown, body, terms))
+    }
+
+    /// Lets the body's own trajectory precede the plan, if that is still to be done.
+    fn splice(&mut self, body: &Body, terms: &Terms<'_>) -> Result<(), Refusal> {
+        self.precede_by(&body.trajectory, body, terms)
+    }
+
+    fn precede_by(
+        &mut self,
+        flown: &Trajectory,
+        body: &Body,
+        terms: &Terms<'_>,
+    ) -> Result<(), Refusal> {
+        let (Some(plan), Some(splice)) = (&mut self.trajectory, self.splice.take()) else {
+            return Ok(());
+        };
+        let from = splice.from.or(flown.knots().last().copied());
+        let spliced = plan.precede_by(flown, from.unwrap_or(0.0), terms.forget_before);
+        spliced.map_err(|error| Refusal {
+            command: splice.command,
+            error: error.in_body(body.tag),
+        })
+    }
+
+    /// Works out what becomes of the body.
+    fn settle(&mut self, scene: &Scene, terms: &Terms<'_>) -> Result<(), Refusal> {
+        let command = self.command;
+        let refuse = |error| Refusal { command, error };
+        let unknown = Error::UnknownBody { id: self.id };
+        let body = scene.body(self.id).ok_or_else(|| refuse(unknown))?;
+        self.splice(body, terms)?;
+        if !self.is_removed {
+            let trajectory = self.trajectory.as_ref().unwrap_or(&body.trajectory);
+            let hitbox = self.hitbox.as_ref().unwrap_or(&body.hitbox);
+            let flight = terms.flight(trajectory, hitbox, body.tag);
+            self.flight = Some(flight.map_err(refuse)?);
+        }
         Ok(())
     }
 }

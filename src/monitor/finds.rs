@@ -1,6 +1,6 @@
 //! Every span in which a pair may come within the largest margin, solved once and kept.
 
-use super::slice::Bodies;
+use super::bodies::Bodies;
 use crate::narrow_phase::{Contact, Solved, contacts_of, solve};
 use crate::spans::Span;
 use std::ops::Range;

@@ -27,8 +27,7 @@ impl Monitor {
             margin: f64::NAN,
             release: f64::NAN,
         })?;
-        let flight = self.flight(plan, &body.hitbox);
-        let flight = flight.map_err(|error| error.in_body(body.tag))?;
+        let flight = self.terms()?.flight(plan, &body.hitbox, body.tag)?;
         let own = flight.party(plan, &body.hitbox);
         let window = (self.now, self.known);
         if window.1 < window.0 {

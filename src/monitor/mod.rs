@@ -4,6 +4,7 @@
 //! and tells what happened. Whenever all is caught up, [`Monitor::conflicts`] is, bit for bit, what
 //! [`Scene::screen`] says of the window from now to the end of the lookahead.
 
+mod bodies;
 mod boxes;
 mod budget;
 mod change;
@@ -41,6 +42,7 @@ use crate::error::{Error, LARGEST_MAGNITUDE};
 use crate::id::BodyId;
 use crate::scene::Scene;
 use crate::stats::Stats;
+use command::Batch;
 use encounters::{Encounters, Plain};
 use outlook::Outlook;
 use read::{Readings, Scratch};
@@ -113,6 +115,7 @@ pub struct Monitor {
     next_plan_end: f64,
     stats: Stats,
     changed_bodies: u64,
+    batch: Batch,
     /// By level.
     readings: Vec<Readings>,
     plain: Vec<Plain>,
@@ -176,7 +179,7 @@ impl Monitor {
         })?;
         let mut extremes = Extremes::NOTHING;
         for (_, occupant) in scene.occupants() {
-            extremes.include(occupant.outline.extremes);
+            extremes.include(occupant.outline().extremes);
         }
         let mut monitor = Self {
             outlook: Outlook::new(widest, Frame::around(extremes, widest.abs()), now, length),
@@ -195,6 +198,7 @@ impl Monitor {
             next_plan_end: f64::NEG_INFINITY,
             stats: Stats::default(),
             changed_bodies: 0,
+            batch: Batch::default(),
             readings: levels.iter().map(|_| Readings::default()).collect(),
             plain: Vec::new(),
             scratch: Scratch::default(),

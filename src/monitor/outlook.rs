@@ -5,12 +5,14 @@
 //! slices in the order of time, so that what is known is always complete up to some instant. The
 //! boxes of the slice that comes next are formed as time passes, a share with each tick.
 
+use super::bodies::{Bodies, Moved};
 use super::budget::Meter;
 use super::finds::{Finds, Key, Pair};
 use super::flights::{Flight, Flights};
-use super::slice::{Bodies, Slice};
+use super::slice::Slice;
 use crate::bounds::Frame;
 use crate::broad_phase::PairFilter;
+use crate::broad_phase::fill::Block;
 use crate::error::Error;
 use crate::narrow_phase::{Contact, Party, contacts, may_touch};
 use crate::parallel;
@@ -36,6 +38,9 @@ pub(super) struct Outlook {
     /// Bodies that changed since the last catching up, each once.
     dirty: Vec<u32>,
     is_dirty: Vec<bool>,
+    moved: Moved,
+    /// Where the slices of the lookahead begin and end, s.
+    ends: Vec<f64>,
 }
 
 impl Outlook {
@@ -53,6 +58,8 @@ impl Outlook {
             survivors: Vec::new(),
             dirty: Vec::new(),
             is_dirty: Vec::new(),
+            moved: Moved::default(),
+            ends: Vec::new(),
         }
     }
 
@@ -100,7 +107,7 @@ impl Outlook {
         for slice in &mut self.slices {
             slice.note(&self.dirty);
         }
-        for slot in self.dirty.drain(..) {
+        for &slot in &self.dirty {
             self.is_dirty[slot as usize] = false;
         }
     }
@@ -142,8 +149,15 @@ impl Outlook {
         let stale = slices[..needed].iter().filter(|slice| !slice.is_fresh());
         let is_parallel = meter.is_unlimited() && stale.count() > 1;
         if is_parallel {
-            parallel::for_each(&mut slices[..needed], |slice| {
-                slice.refresh(&bodies, filter, |_| true);
+            let begin = Instant::now();
+            self.moved.form(&bodies, &self.dirty, &self.ends);
+            stats.bounds_time += begin.elapsed();
+            let (moved, first) = (&self.moved, slices[0].index);
+            parallel::for_each_chunk(&mut slices[..needed], 1, |slices| {
+                for slice in slices {
+                    let number = usize::try_from(slice.index - first).unwrap_or(usize::MAX);
+                    slice.refresh(&bodies, filter, Some((moved, number)), |_| true);
+                }
             });
         } else {
             for slice in slices[..needed].iter_mut() {
@@ -159,7 +173,7 @@ impl Outlook {
                     known = start.min(to);
                     break;
                 }
-                slice.refresh(&bodies, filter, |work| {
+                slice.refresh(&bodies, filter, None, |work| {
                     meter.count(work);
                     !meter.is_spent()
                 });
@@ -169,6 +183,7 @@ impl Outlook {
                 }
             }
         }
+        self.dirty.clear();
         known = meter.until().unwrap_or(known);
         for slice in &mut slices[..needed] {
             self.survivors.append(&mut slice.survivors);
@@ -201,7 +216,9 @@ impl Outlook {
     fn lay_slices(&mut self, from: f64, to: f64) -> usize {
         let mut index = self.index(from);
         let mut needed = 0;
+        self.ends.clear();
         loop {
+            self.ends.push(self.start(index));
             let is_needed = self.start(index) <= to;
             let place = usize::try_from(index - self.index(from)).unwrap_or(usize::MAX);
             if place >= self.slices.len() {
@@ -258,9 +275,10 @@ impl Outlook {
         mut visit: impl FnMut(u32, (f64, f64), &Party<'_>, &Contact),
     ) {
         let mut near = self.dirty.clone();
+        let mut block = Block::default();
         for slice in &self.slices {
             if slice.covers_some_of((from, to)) {
-                slice.near((flight, own), &self.frame, &mut near);
+                slice.near((flight, own), &self.frame, &mut block, &mut near);
             }
         }
         near.sort_unstable();

@@ -1,25 +1,16 @@
 //! One slice of the lookahead: the boxes of all bodies in it, and what has not been compared yet.
 
+use super::bodies::{Bodies, Moved, form};
 use super::boxes::Boxes;
 use super::finds::Key;
-use super::flights::{Flight, Flights};
-use crate::bounds::{Anchor, Frame, Hull, Part};
+use super::flights::Flight;
+use crate::bounds::{Frame, Pose};
+use crate::broad_phase::fill::Block;
 use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter, Sweep};
 use crate::narrow_phase::{Party, may_touch};
-use crate::scene::Scene;
 use crate::spans::{Span, spans};
 use crate::stats::Stats;
 use std::time::Instant;
-
-/// What a slice needs to know of the bodies.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Bodies<'m> {
-    pub(super) scene: &'m Scene,
-    pub(super) flights: &'m Flights,
-    pub(super) frame: &'m Frame,
-    /// Pairs within this are looked for, m.
-    pub(super) margin: f64,
-}
 
 /// See the module.
 #[derive(Clone, Debug, Default)]
@@ -36,6 +27,8 @@ pub(super) struct Slice {
     changed: Vec<u32>,
     is_changed: Vec<bool>,
     listed: Vec<BodyBox>,
+    /// Memory for forming boxes.
+    block: Block,
     candidates: Vec<Candidate>,
     /// Candidates before this one have been looked at.
     sifted: usize,
@@ -88,6 +81,10 @@ impl Slice {
         }
     }
 
+    const fn ends(&self) -> [f64; 2] {
+        [self.interval.0, self.interval.1]
+    }
+
     fn forget_changes(&mut self) {
         for slot in self.changed.drain(..) {
             self.is_changed[slot as usize] = false;
@@ -114,22 +111,22 @@ impl Slice {
     /// Forms the boxes of slots below `until` that are not there yet; returns how many slots.
     fn prepare_to(&mut self, bodies: &Bodies<'_>, until: usize) -> usize {
         let first = self.prepared;
-        let slots = first..until;
-        let (interval, listed) = (self.interval, &mut self.listed);
-        listed.extend(slots.filter_map(|slot| {
-            let slot = u32::try_from(slot).ok()?;
-            bodies.boxed(slot, interval)
-        }));
+        let slots = (first..until).filter_map(|slot| u32::try_from(slot).ok());
+        let ends = self.ends();
+        let (block, listed) = (&mut self.block, &mut self.listed);
+        bodies.boxes(slots, &ends, block, |_, boxed| listed.push(boxed));
         self.prepared = until;
         until - first
     }
 
     /// Compares what has not been compared, as long as `goes_on` lets: it is told the work of each
-    /// step (boxes and candidates). What is found is added to `survivors` and `stats`.
+    /// step (boxes and candidates). What is found is added to `survivors` and `stats`. Boxes that
+    /// were formed for all slices are taken from `moved`, where this slice has a number.
     pub(super) fn refresh<F: PairFilter>(
         &mut self,
         bodies: &Bodies<'_>,
         filter: &F,
+        moved: Option<(&Moved, usize)>,
         mut goes_on: impl FnMut(usize) -> bool,
     ) {
         while !self.is_fresh() {
@@ -139,7 +136,7 @@ impl Slice {
                 self.stats.narrow_time += begin.elapsed();
                 work
             } else {
-                let work = self.compare(bodies, filter);
+                let work = self.compare(bodies, filter, moved);
                 self.stats.broad_time += begin.elapsed();
                 work
             };
@@ -152,7 +149,12 @@ impl Slice {
     }
 
     /// One step towards all candidates.
-    fn compare<F: PairFilter>(&mut self, bodies: &Bodies<'_>, filter: &F) -> usize {
+    fn compare<F: PairFilter>(
+        &mut self,
+        bodies: &Bodies<'_>,
+        filter: &F,
+        moved: Option<(&Moved, usize)>,
+    ) -> usize {
         let count = bodies.flights.len();
         if !self.built && self.prepared < count {
             let boxes = self.prepare_to(bodies, count.min(self.prepared + Self::STEP));
@@ -162,7 +164,7 @@ impl Slice {
         self.candidates.clear();
         self.sifted = 0;
         let boxes = if self.built {
-            let boxes = self.compare_changed(bodies, filter);
+            let boxes = self.compare_changed(bodies, filter, moved);
             self.stats.boxes += boxes as u64;
             boxes
         } else {
@@ -179,7 +181,8 @@ impl Slice {
     fn build<F: PairFilter>(&mut self, bodies: &Bodies<'_>, filter: &F) {
         self.boxes.build(&self.listed);
         if !self.changed.is_empty() {
-            self.box_changed(bodies);
+            self.box_changed(bodies, None);
+            self.boxes.replace(&self.listed);
             self.list_all();
         }
         self.sweep.pairs(&self.listed, filter, &mut self.candidates);
@@ -187,10 +190,16 @@ impl Slice {
     }
 
     /// Changed bodies against all.
-    fn compare_changed<F: PairFilter>(&mut self, bodies: &Bodies<'_>, filter: &F) -> usize {
+    fn compare_changed<F: PairFilter>(
+        &mut self,
+        bodies: &Bodies<'_>,
+        filter: &F,
+        moved: Option<(&Moved, usize)>,
+    ) -> usize {
         let changed = self.changed.len();
-        self.box_changed(bodies);
-        if changed > self.boxes.len() / Self::FEW_CHANGED {
+        self.box_changed(bodies, moved);
+        if changed > self.boxes.capacity() / Self::FEW_CHANGED {
+            self.boxes.replace(&self.listed);
             self.list_all();
             let filter = Concerns {
                 is_changed: &self.is_changed,
@@ -199,26 +208,35 @@ impl Slice {
             self.sweep
                 .pairs(&self.listed, &filter, &mut self.candidates);
         } else {
-            for moved in &self.listed {
-                self.boxes.meeting(&moved.aabb, |other| {
-                    let pair = (moved.body.min(other), moved.body.max(other));
-                    if other != moved.body && filter.admits(pair.0, pair.1) {
-                        self.candidates.push(Candidate::new(pair.0, pair.1));
-                    }
-                });
-            }
+            self.boxes.move_to(&self.listed);
+            self.boxes.meeting(&self.listed, |moved, other| {
+                let pair = (moved.body.min(other), moved.body.max(other));
+                if other != moved.body && filter.admits(pair.0, pair.1) {
+                    self.candidates.push(Candidate::new(pair.0, pair.1));
+                }
+            });
         }
         changed
     }
 
-    /// Sets the boxes of the changed bodies, and lists these.
-    fn box_changed(&mut self, bodies: &Bodies<'_>) {
+    /// Lists the boxes of the changed bodies; takes out those that have none any more.
+    fn box_changed(&mut self, bodies: &Bodies<'_>, moved: Option<(&Moved, usize)>) {
         self.listed.clear();
+        let ends = self.ends();
+        let (block, listed) = (&mut self.block, &mut self.listed);
+        match moved {
+            Some((moved, number)) if moved.are(&self.changed) => moved.list(number, listed),
+            _ => {
+                let changed = self.changed.iter().copied();
+                bodies.boxes(changed, &ends, block, |_, boxed| listed.push(boxed));
+            }
+        }
+        // In the order of `changed`, but for those that are missing.
+        let mut boxed = listed.iter().map(|boxed| boxed.body).peekable();
         for &slot in &self.changed {
-            let moved = bodies.boxed(slot, self.interval);
-            self.boxes
-                .set(slot, moved.as_ref().map(|moved| &moved.aabb));
-            self.listed.extend(moved);
+            if boxed.next_if_eq(&slot).is_none() {
+                self.boxes.remove(slot);
+            }
         }
     }
 
@@ -262,28 +280,19 @@ impl Slice {
         &self,
         (flight, party): (&Flight, &Party<'_>),
         frame: &Frame,
+        block: &mut Block,
         near: &mut Vec<u32>,
     ) {
-        if let Some(boxed) = box_of(flight, party, 0, self.interval, frame) {
-            self.boxes.meeting(&boxed.aabb, |other| near.push(other));
-            near.extend_from_slice(&self.changed);
-        }
+        let pose = Pose::plain(party.segments, &flight.inflation, frame);
+        form(&[*party], &[pose], &self.ends(), block);
+        let boxes = &block.slices[0].boxes;
+        self.boxes.meeting(boxes, |_, other| near.push(other));
+        near.extend_from_slice(&self.changed);
     }
 
     /// Whether the slice has all bodies' boxes, and a time in common with an interval.
     pub(super) fn covers_some_of(&self, (from, to): (f64, f64)) -> bool {
         self.built && self.interval.0 <= to && self.interval.1 >= from
-    }
-}
-
-impl<'m> Bodies<'m> {
-    pub(super) fn party(&self, slot: u32) -> Option<Party<'m>> {
-        self.flights.party(self.scene, slot)
-    }
-
-    fn boxed(&self, slot: u32, interval: (f64, f64)) -> Option<BodyBox> {
-        let (flight, party) = self.flights.get(self.scene, slot)?;
-        box_of(flight, &party, slot, interval, self.frame)
     }
 }
 
@@ -298,35 +307,4 @@ impl<F: PairFilter> PairFilter for Concerns<'_, F> {
         let is_changed = |slot: u32| self.is_changed.get(slot as usize) == Some(&true);
         (is_changed(a) || is_changed(b)) && self.filter.admits(a, b)
     }
-}
-
-/// A body's box over an interval, if it exists in it.
-fn box_of(
-    flight: &Flight,
-    party: &Party<'_>,
-    body: u32,
-    (from, to): (f64, f64),
-    frame: &Frame,
-) -> Option<BodyBox> {
-    let (&first, &last) = (party.knots.first()?, party.knots.last()?);
-    if first > to || last < from {
-        return None;
-    }
-    let mut hull = Hull::EMPTY;
-    let begin = party.knots.partition_point(|&knot| knot < from).max(1) - 1;
-    let anchor = Anchor::at(party.segments.get(begin)?, frame);
-    for (ends, segment) in party.knots[begin..]
-        .windows(2)
-        .zip(&party.segments[begin..])
-    {
-        if ends[0] > to {
-            break;
-        }
-        let part = (ends[0].max(from), ends[1].min(to));
-        hull.include(&Part::of(segment, part, &anchor));
-    }
-    Some(BodyBox {
-        aabb: hull.inflated(&flight.inflation, &anchor),
-        body,
-    })
 }

@@ -24,6 +24,7 @@ pub(crate) use fast::FastBatch;
 
 use crate::hitbox::Sphere;
 use crate::trajectory::Segment;
+use glam::DVec3;
 
 /// What the narrow phase needs to know of a body.
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +34,19 @@ pub(crate) struct Party<'a> {
     pub(crate) segments: &'a [Segment],
     pub(crate) spheres: &'a [Sphere],
     pub(crate) bounding: Sphere,
+}
+
+impl Party<'_> {
+    /// A body that never exists.
+    pub(crate) const NONE: Self = Self {
+        knots: &[],
+        segments: &[],
+        spheres: &[],
+        bounding: Sphere {
+            offset: DVec3::ZERO,
+            radius: 0.0,
+        },
+    };
 }
 
 /// The centre distance at which two spheres have the separation `margin`: the exact sum of the

@@ -1,6 +1,6 @@
 //! Scenes in files: bodies with their slots, so that ids stay what they were.
 
-use super::{Body, Occupant, Outline, Scene, Slot};
+use super::{Body, Occupant, Scene, Slot};
 use crate::error::Error;
 use crate::id::BodyId;
 use serde::{Deserialize, Serialize};
@@ -39,10 +39,7 @@ impl TryFrom<Parts> for Scene {
             scene.len += usize::from(body.is_some());
             scene.slots.push(Slot {
                 generation,
-                occupant: body.map(|body| Occupant {
-                    outline: Outline::of(&body.trajectory),
-                    body,
-                }),
+                occupant: body.map(Occupant::new),
             });
         }
         // Each free slot is one that is empty, once.

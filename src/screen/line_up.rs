@@ -49,7 +49,7 @@ impl<'a> LineUp<'a> {
         // Open ends are closed where no body exists beyond them.
         let (mut start, mut end) = (f64::INFINITY, f64::NEG_INFINITY);
         for (place, (id, occupant)) in scene.occupants().enumerate() {
-            let (mut first, mut last) = occupant.outline.knots;
+            let (mut first, mut last) = occupant.outline().knots;
             if let Some(pieces) = pieces_beyond(&occupant.body, query.window())? {
                 first = pieces.knots.first().copied().unwrap_or(first);
                 last = pieces.knots.last().copied().unwrap_or(last);
@@ -109,7 +109,7 @@ impl<'a> LineUp<'a> {
     /// The bodies' sketches over the window, by place.
     pub(super) fn sketches(&self) -> impl Iterator<Item = &Sketch> {
         self.bodies().map(|(occupant, beyond)| {
-            beyond.map_or(&occupant.outline.sketch, |beyond| &beyond.sketch)
+            beyond.map_or(&occupant.outline().sketch, |beyond| &beyond.sketch)
         })
     }
 
@@ -124,7 +124,7 @@ impl<'a> LineUp<'a> {
     pub(super) fn extremes(&self) -> Extremes {
         let mut extremes = Extremes::NOTHING;
         for occupant in &self.occupants {
-            extremes.include(occupant.outline.extremes);
+            extremes.include(occupant.outline().extremes);
         }
         // Pieces beyond the knots are not in the outlines.
         for Beyond { pieces, .. } in &self.beyond {
@@ -148,7 +148,7 @@ impl<'a> LineUp<'a> {
         let mut extremes = Extremes::NOTHING;
         for occupant in &self.occupants {
             let trajectory = &occupant.body.trajectory;
-            let (first, last) = occupant.outline.knots;
+            let (first, last) = occupant.outline().knots;
             let (start, end) = (self.window.start(), self.window.end());
             let time = match trajectory.outside() {
                 Outside::Absent => (last.min(end) - first.max(start)).max(0.0),
@@ -157,12 +157,12 @@ impl<'a> LineUp<'a> {
             let planned = last - first;
             traffic.body_time += time;
             if planned > 0.0 {
-                traffic.path += occupant.outline.path * (time / planned);
+                traffic.path += occupant.outline().path * (time / planned);
                 #[allow(clippy::cast_precision_loss, reason = "an estimate")]
                 let segments = trajectory.segments().len() as f64;
                 traffic.segments += segments * (time / planned);
             }
-            extremes.include(occupant.outline.extremes);
+            extremes.include(occupant.outline().extremes);
         }
         traffic.world = (extremes.high - extremes.low).to_array();
         traffic

@@ -8,7 +8,7 @@
 
 use super::line_up::LineUp;
 use super::scratch::Scratch;
-use crate::bounds::Pose;
+use crate::bounds::{Pose, Stroke};
 use crate::broad_phase::fill::Fill;
 use crate::broad_phase::slices::Slices;
 use crate::broad_phase::{BroadPhase, Candidate, Everyone};
@@ -110,7 +110,7 @@ impl Trial {
 
 impl LineUp<'_> {
     /// The window cut into slices of the length that is expected to cost least.
-    pub(super) fn slices(&self, parties: &[Party<'_>], poses: &[Pose<'_>]) -> Slices {
+    pub(super) fn slices(&self, parties: &[Party<'_>], poses: &[Pose<'_, Stroke>]) -> Slices {
         /// Fewer bodies are not worth a trial.
         const FEW: usize = 64;
         /// Each may change the length fourfold.
@@ -126,7 +126,7 @@ impl LineUp<'_> {
             return slices;
         }
         let parties: Vec<Party<'_>> = sample.iter().map(|&place| parties[place]).collect();
-        let sampled: Vec<Pose<'_>> = sample.iter().map(|&place| poses[place]).collect();
+        let sampled: Vec<Pose<'_, Stroke>> = sample.iter().map(|&place| poses[place]).collect();
         let whole = poses.len() as f64 / sample.len() as f64;
         let mut last: Option<(Trial, f64)> = None;
         for _ in 0..MOST_TRIALS {
@@ -156,7 +156,7 @@ impl LineUp<'_> {
     fn trial(
         &self,
         parties: &[Party<'_>],
-        poses: &[Pose<'_>],
+        poses: &[Pose<'_, Stroke>],
         slices: &Slices,
         whole: f64,
         cubics: f64,
@@ -179,8 +179,7 @@ impl LineUp<'_> {
                 block: &mut *block,
                 parties,
                 poses,
-                cuts: slices,
-                range: first..first + 1,
+                ends: &slices.ends(first..first + 1),
             });
             let slice = &block.slices[0];
             candidates.clear();
@@ -199,7 +198,7 @@ impl LineUp<'_> {
                 }
             }
         }
-        let reach: f64 = poses.iter().map(Pose::reach).sum();
+        let reach: f64 = poses.iter().map(|pose| pose.stance.reach()).sum();
         let places = f64::from(places);
         Trial {
             boxes: boxes * whole / places,

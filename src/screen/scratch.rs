@@ -80,9 +80,9 @@ mod tests {
     fn sizes_are_as_documented() {
         assert_eq!(size_of::<Segment>(), 128);
         assert_eq!(size_of::<Stroke>(), 64);
-        assert_eq!(size_of::<Occupant>(), 520);
-        let line = size_of::<Party<'_>>() + size_of::<Pose<'_>>();
-        assert_eq!(line, 160);
+        assert_eq!(size_of::<Occupant>(), 544);
+        let line = size_of::<Party<'_>>() + size_of::<Pose<'_, Stroke>>();
+        assert_eq!(line, 192);
         let boxed = size_of::<BodyBox>() + size_of::<Course>() + size_of::<u32>();
         assert_eq!(boxed, 64);
         assert_eq!(size_of::<Candidate>(), 8);

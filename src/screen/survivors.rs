@@ -3,7 +3,7 @@
 use super::line_up::LineUp;
 use super::scratch::Scratch;
 use super::sift::Survivor;
-use crate::bounds::{Frame, Inflation, Pose};
+use crate::bounds::{Frame, Inflation, Pose, Stroke};
 use crate::broad_phase::fill::{Block, Fill};
 use crate::broad_phase::slices::Slices;
 use crate::broad_phase::{BroadPhase, PairFilter};
@@ -77,7 +77,7 @@ impl LineUp<'_> {
     }
 
     /// How bodies lie in a frame that serves all of them.
-    fn poses(&self, parties: &[Party<'_>]) -> Vec<Pose<'_>> {
+    fn poses(&self, parties: &[Party<'_>]) -> Vec<Pose<'_, Stroke>> {
         // Most scenes have many bodies with the same sphere, one after the other.
         let is_as_before = |place: usize| {
             let spheres = parties[place].spheres;
@@ -97,7 +97,7 @@ impl LineUp<'_> {
             if !is_as_before(place) {
                 inflation = Inflation::of(party.spheres, party.bounding, self.margin, &frame);
             }
-            Pose::new(sketch, &inflation, &frame)
+            Pose::sketched(sketch, &inflation, &frame)
         };
         self.sketches().enumerate().map(place).collect()
     }
@@ -110,7 +110,7 @@ impl LineUp<'_> {
         &self,
         method: impl Fn(&mut Scratch) -> &mut B,
         parties: &[Party<'_>],
-        poses: &[Pose<'_>],
+        poses: &[Pose<'_, Stroke>],
         slices: &Slices,
         range: Range<u32>,
         filter: &F,
@@ -123,8 +123,7 @@ impl LineUp<'_> {
             block: &mut scratch.block,
             parties,
             poses,
-            cuts: slices,
-            range: range.clone(),
+            ends: &slices.ends(range.clone()),
         });
         stats.bounds_time += begin.elapsed();
         // Taken out meanwhile, so that the method can be borrowed beside them.

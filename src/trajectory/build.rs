@@ -1,6 +1,7 @@
 //! The ways to make a trajectory, each with all its checks.
 
 use super::double_double::DoubleDouble;
+use super::roomy::Roomy;
 use super::{Outside, Segment, State, Trajectory};
 use crate::error::{Error, LARGEST_MAGNITUDE, Quantity};
 use crate::rounding::{UNIT_ROUNDOFF, norm};
@@ -14,10 +15,6 @@ pub enum TimeBase {
     /// The time since the segment's first knot.
     SegmentLocal,
 }
-
-/// Cubics that a new plan has room for in front: what is left of the plan that it is spliced onto,
-/// without a move to larger memory.
-const ROOM: usize = 2;
 
 impl Trajectory {
     /// Cubic Hermite segments through states at irregular, increasing times.
@@ -33,9 +30,9 @@ impl Trajectory {
             });
         };
         check_states(states)?;
-        let mut knots = Vec::with_capacity(states.len() + ROOM);
-        knots.extend(states.iter().map(|state| state.time));
-        let mut segments = Vec::with_capacity(states.len() - 1 + ROOM);
+        let mut knots = Roomy::with_capacity(states.len());
+        states.iter().for_each(|state| knots.push(state.time));
+        let mut segments = Roomy::with_capacity(states.len() - 1);
         for (index, pair) in states.windows(2).enumerate() {
             segments.push(Segment::hermite(&pair[0], &pair[1], index + 1)?);
         }
@@ -155,8 +152,8 @@ impl Trajectory {
             end_line(&segments[last], knots[last + 1], last + 1)?,
         ];
         Ok(Self {
-            knots: knots.to_vec(),
-            segments,
+            knots: knots.to_vec().into(),
+            segments: segments.into(),
             coast,
             outside: Outside::default(),
         })
@@ -172,8 +169,8 @@ impl Trajectory {
         check_states(&[state])?;
         let line = Segment::line(&state, 1.0, 0.0, 0)?;
         Ok(Self {
-            knots: vec![0.0],
-            segments: Vec::new(),
+            knots: vec![0.0].into(),
+            segments: Vec::new().into(),
             coast: [line, line],
             outside: Outside::Coast,
         })

@@ -3,6 +3,7 @@
 mod build;
 mod double_double;
 mod outside;
+mod roomy;
 mod rows;
 mod segment;
 #[cfg(feature = "serde")]
@@ -19,6 +20,7 @@ pub use state::State;
 
 use crate::window::Window;
 use glam::DVec3;
+use roomy::Roomy;
 
 /// The motion of one body: cubic segments between knots, and what it does before and after.
 ///
@@ -42,8 +44,8 @@ use glam::DVec3;
 )]
 pub struct Trajectory {
     /// One more than segments. A body at rest has one knot and no segment.
-    knots: Vec<f64>,
-    segments: Vec<Segment>,
+    knots: Roomy<f64>,
+    segments: Roomy<Segment>,
     /// Straight motion before the first and after the last knot.
     coast: [Segment; 2],
     outside: Outside,

@@ -10,11 +10,7 @@ use glam::DVec3;
 ///
 /// Neither the absolute time nor the absolute position enters the rounding of the control points:
 /// they come from differences of the user's own numbers. 128 bytes.
-///
-/// Numbers lie in the order of the fields, so that three coordinates and the next number load as
-/// one vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
 pub struct Segment {
     start: f64,
     end: f64,
@@ -191,18 +187,6 @@ impl Segment {
     #[must_use]
     pub const fn extent(&self) -> f64 {
         self.extent
-    }
-
-    /// Origin and control points 1 to 3 (m), each with whatever number follows it in a fourth lane.
-    #[inline(always)]
-    pub(crate) const fn lanes(&self) -> [[f64; 4]; 4] {
-        let (o, [a, b, c]) = (&self.origin, &self.control);
-        [
-            [o.x, o.y, o.z, a.x],
-            [a.x, a.y, a.z, b.x],
-            [b.x, b.y, b.z, c.x],
-            [c.x, c.y, c.z, self.extent],
-        ]
     }
 
     /// Bound on the error of each point `origin + control`, m.

@@ -19,7 +19,7 @@ pub(super) struct Numbers {
 impl From<Trajectory> for Numbers {
     fn from(trajectory: Trajectory) -> Self {
         Self {
-            knots: trajectory.knots,
+            knots: trajectory.knots.to_vec(),
             segments: trajectory.segments.iter().map(Segment::numbers).collect(),
             coast: trajectory.coast.each_ref().map(Segment::numbers),
             outside: trajectory.outside,
@@ -64,9 +64,10 @@ impl TryFrom<Numbers> for Trajectory {
             segments: (1..)
                 .zip(segments)
                 .map(segment)
-                .collect::<Result<Vec<_>, _>>()?,
+                .collect::<Result<Vec<_>, _>>()?
+                .into(),
             coast: [segment((0, before))?, segment((last, after))?],
-            knots,
+            knots: knots.into(),
             outside,
         })
     }

@@ -2,6 +2,8 @@
 
 use super::{Outside, Trajectory};
 use crate::error::Error;
+use crate::simd::prefetch;
+use std::iter::once;
 
 impl Trajectory {
     /// This plan up to `from` (s), then `plan`.
@@ -16,40 +18,43 @@ impl Trajectory {
     /// [`Error::NoPlanAt`] if `from` is not a time at which both plans exist, and the new one goes
     /// on from.
     pub fn spliced(&self, from: f64, plan: &Self) -> Result<Self, Error> {
-        plan.clone().preceded_by(self, from, f64::NEG_INFINITY)
+        let mut spliced = plan.clone();
+        spliced.precede_by(self, from, f64::NEG_INFINITY)?;
+        Ok(spliced)
     }
 
     /// The same motion without the cubics that end before `time` (s): they are forgotten.
     /// At least one is kept.
     #[must_use]
     pub fn since(mut self, time: f64) -> Self {
-        let dropped = self.past(time);
-        self.knots.drain(..dropped);
-        self.segments.drain(..dropped);
+        self.forget(self.past(time));
         self
     }
 
-    /// `flown` up to `from` (s), then this plan; of `flown` only what [`since`](Self::since) would
+    /// Drops the first cubics.
+    fn forget(&mut self, dropped: usize) {
+        if dropped > 0 {
+            self.knots.drop_front(dropped);
+            self.segments.drop_front(dropped);
+        }
+    }
+
+    /// Makes it `flown` up to `from` (s), then this plan; of `flown` only what [`since`](Self::since) would
     /// keep at `since`. In place: this plan's own memory is used.
     ///
     /// # Errors
     ///
-    /// As [`spliced`](Self::spliced).
-    pub(crate) fn preceded_by(
-        mut self,
-        flown: &Self,
-        from: f64,
-        since: f64,
-    ) -> Result<Self, Error> {
+    /// As [`spliced`](Self::spliced); nothing was changed then.
+    pub(crate) fn precede_by(&mut self, flown: &Self, from: f64, since: f64) -> Result<(), Error> {
         let exists = |trajectory: &Self| from.is_finite() && trajectory.domain().contains(from);
-        let ahead = self.knots.partition_point(|&knot| knot <= from);
+        let ahead = count_at_front(&self.knots, |knot| knot <= from);
         let ends = ahead == self.knots.len() && self.outside == Outside::Absent;
-        if !exists(flown) || !exists(&self) || ends {
+        if !exists(flown) || !exists(self) || ends {
             return Err(Error::NoPlanAt { time: from });
         }
         // Flown: whole pieces, then the one that is cut. Beyond its knots a plan goes on along its
         // carrier, which becomes a piece like any other.
-        let cut = flown.knots.partition_point(|&knot| knot < from);
+        let cut = count_at_front(&flown.knots, |knot| knot < from);
         // Not copied only to be dropped.
         let dropped = flown.past(since.min(from)).min(cut);
         let beyond = (cut > flown.segments.len()).then(|| *flown.after());
@@ -69,23 +74,42 @@ impl Trajectory {
         let goes_on = ahead < self.knots.len();
         self.coast[0] = *flown.before();
         let replaced = ahead.min(self.segments.len());
-        self.segments.splice(
-            ..replaced,
-            flown_segments
-                .copied()
-                .chain(beyond)
-                .chain(goes_on.then_some(present)),
+        let kept = flown_knots.len();
+        let flown_segments = flown_segments.copied().chain(beyond);
+        self.segments.replace_front(
+            replaced,
+            kept + usize::from(goes_on),
+            flown_segments.chain(goes_on.then_some(present)),
         );
         self.knots
-            .splice(..ahead, flown_knots.chain(std::iter::once(from)));
-        Ok(self.since(since))
+            .replace_front(ahead, kept + 1, flown_knots.chain(once(from)));
+        self.forget(self.past(since));
+        Ok(())
+    }
+
+    /// Fetches what a splice near the front reads into the caches.
+    pub(crate) fn prefetch(&self) {
+        /// Five lines.
+        const KNOTS: usize = 40;
+        prefetch(&self.knots[..self.knots.len().min(KNOTS)]);
+        prefetch(&self.segments[..self.segments.len().min(2)]);
     }
 
     /// How many cubics end before `time`, but for the last one.
     fn past(&self, time: f64) -> usize {
-        self.knots
-            .partition_point(|&knot| knot < time)
+        count_at_front(&self.knots, |knot| knot < time)
             .saturating_sub(1)
             .min(self.segments.len().saturating_sub(1))
     }
+}
+
+/// How many knots come before all for which `is_before` does not hold; usually few, which is why
+/// the search begins at the front.
+fn count_at_front(knots: &[f64], is_before: impl Fn(f64) -> bool) -> usize {
+    let mut bound = 1;
+    while bound < knots.len() && is_before(knots[bound]) {
+        bound *= 2;
+    }
+    let rest = &knots[bound / 2..knots.len().min(bound + 1)];
+    bound / 2 + rest.partition_point(|&knot| is_before(knot))
 }

@@ -1,0 +1,152 @@
+//! The bodies as slices see them, and their boxes.
+
+use super::flights::Flights;
+use crate::bounds::{Frame, Pose};
+use crate::broad_phase::BodyBox;
+use crate::broad_phase::fill::{Block, Fill};
+use crate::narrow_phase::Party;
+use crate::parallel;
+use crate::scene::Scene;
+use crate::simd::Level;
+use crate::trajectory::Segment;
+
+/// What slices need to know of the bodies.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bodies<'m> {
+    pub(super) scene: &'m Scene,
+    pub(super) flights: &'m Flights,
+    pub(super) frame: &'m Frame,
+    /// Pairs within this are looked for, m.
+    pub(super) margin: f64,
+}
+
+impl<'m> Bodies<'m> {
+    /// Bodies whose boxes are formed at a time: what is known of them stays in the caches.
+    const BATCH: usize = 64;
+
+    pub(super) fn party(&self, slot: u32) -> Option<Party<'m>> {
+        self.flights.party(self.scene, slot)
+    }
+
+    /// Calls `visit` with the box of each body in each slice in which it exists, slices numbered
+    /// from 0; in each slice in the order of `slots`. `ends`: see [`Fill`].
+    pub(super) fn boxes(
+        &self,
+        slots: impl Iterator<Item = u32>,
+        ends: &[f64],
+        block: &mut Block,
+        mut visit: impl FnMut(usize, BodyBox),
+    ) {
+        let mut batch = [0; Self::BATCH];
+        let mut parties = [Party::NONE; Self::BATCH];
+        let mut poses = [Pose::NONE; Self::BATCH];
+        let mut slots = slots.filter_map(|slot| Some((slot, self.flights.get(self.scene, slot)?)));
+        loop {
+            let mut count = 0;
+            for (slot, (flight, party)) in slots.by_ref().take(Self::BATCH) {
+                batch[count] = slot;
+                parties[count] = party;
+                poses[count] = Pose::plain(party.segments, &flight.inflation, self.frame);
+                count += 1;
+            }
+            if count == 0 {
+                return;
+            }
+            form(&parties[..count], &poses[..count], ends, block);
+            for (number, slice) in block.slices[..ends.len() - 1].iter().enumerate() {
+                for (boxed, &place) in slice.boxes.iter().zip(&slice.bodies) {
+                    let body = batch[place as usize];
+                    visit(number, BodyBox { body, ..*boxed });
+                }
+            }
+        }
+    }
+}
+
+/// Forms the boxes of bodies in the first slices of `block`.
+pub(super) fn form(
+    parties: &[Party<'_>],
+    poses: &[Pose<'_, Segment>],
+    ends: &[f64],
+    block: &mut Block,
+) {
+    Level::best().run(Fill {
+        block,
+        parties,
+        poses,
+        ends,
+    });
+}
+
+/// The boxes of bodies that have changed, formed for all slices together: each body's segments
+/// are read once.
+#[derive(Debug, Default)]
+pub(super) struct Moved {
+    slots: Vec<u32>,
+    /// As many as are needed, and spare ones.
+    chunks: Vec<Chunk>,
+}
+
+/// What one thread forms at a time.
+#[derive(Debug, Default)]
+struct Chunk {
+    /// Where its bodies are in the list of all.
+    first: usize,
+    /// By slice.
+    boxes: Vec<Vec<BodyBox>>,
+    block: Block,
+}
+
+impl Moved {
+    const CHUNK: usize = 256;
+
+    /// Forms the boxes of these bodies in all slices.
+    pub(super) fn form(&mut self, bodies: &Bodies<'_>, slots: &[u32], ends: &[f64]) {
+        self.slots.clear();
+        self.slots.extend_from_slice(slots);
+        let count = slots.len().div_ceil(Self::CHUNK);
+        while self.chunks.len() < count {
+            self.chunks.push(Chunk {
+                first: self.chunks.len() * Self::CHUNK,
+                ..Chunk::default()
+            });
+        }
+        parallel::for_each_chunk(&mut self.chunks[..count], 1, |chunks| {
+            for chunk in chunks {
+                let end = slots.len().min(chunk.first + Self::CHUNK);
+                chunk.form(bodies, &slots[chunk.first..end], ends);
+            }
+        });
+    }
+
+    /// Whether it is about these bodies, in this order.
+    pub(super) fn are(&self, slots: &[u32]) -> bool {
+        self.slots == slots
+    }
+
+    /// Appends the boxes in a slice, in the order of the bodies.
+    pub(super) fn list(&self, slice: usize, boxes: &mut Vec<BodyBox>) {
+        let count = self.slots.len().div_ceil(Self::CHUNK);
+        for chunk in &self.chunks[..count] {
+            boxes.extend_from_slice(&chunk.boxes[slice]);
+        }
+    }
+}
+
+impl Chunk {
+    fn form(&mut self, bodies: &Bodies<'_>, slots: &[u32], ends: &[f64]) {
+        let slices = ends.len() - 1;
+        if self.boxes.len() < slices {
+            self.boxes.resize_with(slices, Vec::new);
+        }
+        self.boxes.iter_mut().for_each(Vec::clear);
+        let most = Block::SLICES as usize;
+        for first in (0..slices).step_by(most) {
+            let ends = &ends[first..=slices.min(first + most)];
+            let (slots, boxes) = (slots.iter().copied(), &mut self.boxes[first..]);
+            bodies.boxes(slots, ends, &mut self.block, |slice, boxed| {
+                boxes[slice].push(boxed);
+            });
+        }
+    }
+}
