@@ -137,6 +137,16 @@ impl Boxes {
         self.put_in_order();
     }
 
+    /// No boxes, in the order of another tree: bodies can be moved to their places one by one.
+    pub(super) fn begin_like(&mut self, other: &Self) {
+        self.take_all_out();
+        self.slot_at.resize(other.slot_at.len(), NOWHERE);
+        self.lay_levels(other.slot_at.len() / WIDTH);
+        self.begins.clone_from(&other.begins);
+        self.curve = other.curve;
+        self.wear = 0;
+    }
+
     /// Replaces the boxes of some bodies, few of all: each finds the best place for it.
     pub(super) fn move_to(&mut self, boxes: &[BodyBox]) {
         Level::best().run(Move { tree: self, boxes });
@@ -205,11 +215,15 @@ impl Boxes {
         self.sorted = sorted;
     }
 
-    /// Gives places to what is listed for it: near places to what is near in space.
-    fn put_in_order(&mut self) {
+    fn take_all_out(&mut self) {
         for slot in self.slot_at.drain(..).filter(|&slot| slot != NOWHERE) {
             self.place_of[slot as usize] = NOWHERE;
         }
+    }
+
+    /// Gives places to what is listed for it: near places to what is near in space.
+    fn put_in_order(&mut self) {
+        self.take_all_out();
         let mut sorted = std::mem::take(&mut self.sorted);
         self.curve = Curve::through(&sorted);
         for (code, body) in &mut sorted {

@@ -146,38 +146,47 @@ impl Outlook {
         };
         self.survivors.clear();
         let mut known = to;
-        let stale = slices[..needed].iter().filter(|slice| !slice.is_fresh());
+        slices[..needed]
+            .iter_mut()
+            .for_each(|slice| slice.need(&bodies));
+        if let [.., last, next] = slices {
+            // It is due when the lookahead's end has passed through the last one.
+            let start = self.origin + self.length * as_number(last.index);
+            let share = ((to - start) / self.length).clamp(0.0, 1.0);
+            next.foresee(&bodies, share, last);
+        }
+        let stale = slices.iter().filter(|slice| !slice.is_fresh());
         let is_parallel = meter.is_unlimited() && stale.count() > 1;
         if is_parallel {
             let begin = Instant::now();
             self.moved.form(&bodies, &self.dirty, &self.ends);
             stats.bounds_time += begin.elapsed();
             let (moved, first) = (&self.moved, slices[0].index);
-            parallel::for_each_chunk(&mut slices[..needed], 1, |slices| {
+            parallel::for_each_chunk(slices, 1, |slices| {
                 for slice in slices {
                     let number = usize::try_from(slice.index - first).unwrap_or(usize::MAX);
-                    slice.refresh(&bodies, filter, Some((moved, number)), |_| true);
+                    let moved = (number < needed).then_some((moved, number));
+                    slice.refresh(&bodies, filter, moved, |_| true);
                 }
             });
         } else {
-            for slice in slices[..needed].iter_mut() {
+            for (number, slice) in slices.iter_mut().enumerate() {
                 let start = self.origin + self.length * as_number(slice.index);
                 let start = start.max(from);
-                if meter.until().is_some_and(|until| start >= until) {
+                let is_needed = number < needed;
+                if is_needed && meter.until().is_some_and(|until| start >= until) {
                     break;
                 }
                 if slice.is_fresh() {
                     continue;
                 }
-                if meter.is_spent() {
-                    known = start.min(to);
-                    break;
+                if !meter.is_spent() {
+                    slice.refresh(&bodies, filter, None, |work| {
+                        meter.count(work);
+                        !meter.is_spent()
+                    });
                 }
-                slice.refresh(&bodies, filter, None, |work| {
-                    meter.count(work);
-                    !meter.is_spent()
-                });
-                if !slice.is_fresh() {
+                if is_needed && !slice.is_fresh() {
                     known = start.min(to);
                     break;
                 }
@@ -185,7 +194,7 @@ impl Outlook {
         }
         self.dirty.clear();
         known = meter.until().unwrap_or(known);
-        for slice in &mut slices[..needed] {
+        for slice in slices {
             self.survivors.append(&mut slice.survivors);
             if is_parallel {
                 let stats = &slice.stats;
@@ -194,20 +203,11 @@ impl Outlook {
             *stats += std::mem::take(&mut slice.stats);
         }
         let begin = Instant::now();
-        if let [.., last, next] = slices {
-            // It is due when the lookahead's end has passed through the last one.
-            let start = self.origin + self.length * as_number(last.index);
-            let boxes = next.prepare(&bodies, ((to - start) / self.length).clamp(0.0, 1.0));
-            meter.count(boxes);
-            stats.boxes += boxes as u64;
-        }
-        let prepared = Instant::now();
-        stats.bounds_time += prepared - begin;
         self.finds.forget_before(from);
         self.survivors.sort_unstable_by_key(|(key, _)| *key);
         self.survivors.dedup_by_key(|(key, _)| *key);
         stats.survivors += self.finds.add(&self.survivors, &bodies);
-        stats.narrow_time += prepared.elapsed();
+        stats.narrow_time += begin.elapsed();
         known
     }
 

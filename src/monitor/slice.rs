@@ -21,8 +21,13 @@ pub(super) struct Slice {
     boxes: Boxes,
     /// All boxes are there and were compared with each other, but for the changed bodies'.
     built: bool,
-    /// Not built yet: slots below this have their boxes in `listed`.
+    /// Not built yet: slots below this have their boxes in `boxes`, and were compared; or in
+    /// `listed`, as long as there is no order of places.
     prepared: usize,
+    is_ordered: bool,
+    /// How many slots are to be prepared now: all of them if the slice is needed.
+    due: usize,
+    is_needed: bool,
     /// Bodies that changed since they were boxed.
     changed: Vec<u32>,
     is_changed: Vec<bool>,
@@ -53,15 +58,43 @@ impl Slice {
         self.interval = interval;
         self.built = false;
         self.prepared = 0;
+        self.is_ordered = false;
         self.listed.clear();
         self.candidates.clear();
         self.sifted = 0;
         self.forget_changes();
     }
 
-    /// Whether all is compared.
+    /// All of the slice is needed from now on.
+    pub(super) fn need(&mut self, bodies: &Bodies<'_>) {
+        self.due = bodies.flights.len();
+        self.is_needed = true;
+    }
+
+    /// The slice is not needed yet, but soon: a share of it (0 to 1) is due. In most scenes bodies
+    /// have the same neighbours in it as in the one before.
+    pub(super) fn foresee(&mut self, bodies: &Bodies<'_>, share: f64, before: &Self) {
+        if self.prepared == 0 && !self.is_ordered && before.is_ordered {
+            self.boxes.begin_like(&before.boxes);
+            self.is_ordered = true;
+        }
+        let count = bodies.flights.len();
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            clippy::cast_precision_loss,
+            reason = "a share of a number of slots"
+        )]
+        let due = (count as f64 * share).ceil() as usize;
+        self.due = due.min(count);
+        self.is_needed = false;
+    }
+
+    /// Whether all that is due is compared.
     pub(super) fn is_fresh(&self) -> bool {
-        self.built && self.changed.is_empty() && self.sifted == self.candidates.len()
+        let is_there = self.built || (!self.is_needed && self.prepared >= self.due);
+        let is_compared = self.changed.is_empty() || !self.is_ordered;
+        is_there && is_compared && self.sifted == self.candidates.len()
     }
 
     /// Notes that bodies have changed; each slot once.
@@ -91,30 +124,31 @@ impl Slice {
         }
     }
 
-    /// Forms boxes of a slice that is not needed yet, up to `share` (0 to 1) of them; returns how
-    /// many.
-    pub(super) fn prepare(&mut self, bodies: &Bodies<'_>, share: f64) -> usize {
-        let count = bodies.flights.len();
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            clippy::cast_precision_loss,
-            reason = "a share of a number of slots"
-        )]
-        let until = ((count as f64 * share).ceil() as usize).min(count);
-        if self.built || until <= self.prepared {
-            return 0;
-        }
-        self.prepare_to(bodies, until)
-    }
-
-    /// Forms the boxes of slots below `until` that are not there yet; returns how many slots.
-    fn prepare_to(&mut self, bodies: &Bodies<'_>, until: usize) -> usize {
+    /// Forms the boxes of slots below `until` that are not there yet, and compares them with those
+    /// that are; returns how many slots.
+    fn prepare_to<F: PairFilter>(
+        &mut self,
+        bodies: &Bodies<'_>,
+        filter: &F,
+        until: usize,
+    ) -> usize {
         let first = self.prepared;
         let slots = (first..until).filter_map(|slot| u32::try_from(slot).ok());
         let ends = self.ends();
+        if self.is_ordered {
+            self.listed.clear();
+        }
         let (block, listed) = (&mut self.block, &mut self.listed);
         bodies.boxes(slots, &ends, block, |_, boxed| listed.push(boxed));
+        if self.is_ordered {
+            self.boxes.move_to(&self.listed);
+            self.boxes.meeting(&self.listed, |new, other| {
+                // All others have smaller slots: each pair once.
+                if other < new.body && filter.admits(other, new.body) {
+                    self.candidates.push(Candidate::new(other, new.body));
+                }
+            });
+        }
         self.prepared = until;
         until - first
     }
@@ -155,24 +189,24 @@ impl Slice {
         filter: &F,
         moved: Option<(&Moved, usize)>,
     ) -> usize {
-        let count = bodies.flights.len();
-        if !self.built && self.prepared < count {
-            let boxes = self.prepare_to(bodies, count.min(self.prepared + Self::STEP));
-            self.stats.boxes += boxes as u64;
-            return boxes;
-        }
         self.candidates.clear();
         self.sifted = 0;
-        let boxes = if self.built {
-            let boxes = self.compare_changed(bodies, filter, moved);
-            self.stats.boxes += boxes as u64;
-            boxes
+        let boxes = if !self.built && self.prepared < self.due {
+            let until = self.due.min(self.prepared + Self::STEP);
+            self.prepare_to(bodies, filter, until)
         } else {
-            self.build(bodies, filter);
-            0
+            let boxes = if self.is_ordered {
+                self.compare_changed(bodies, filter, moved)
+            } else {
+                self.build(bodies, filter);
+                0
+            };
+            self.forget_changes();
+            self.stats.slices += u64::from(self.is_needed && !self.built);
+            self.built |= self.is_needed;
+            boxes
         };
-        self.built = true;
-        self.forget_changes();
+        self.stats.boxes += boxes as u64;
         self.stats.candidates += self.candidates.len() as u64;
         boxes
     }
@@ -186,7 +220,7 @@ impl Slice {
             self.list_all();
         }
         self.sweep.pairs(&self.listed, filter, &mut self.candidates);
-        self.stats.slices += 1;
+        self.is_ordered = true;
     }
 
     /// Changed bodies against all.
@@ -290,9 +324,10 @@ impl Slice {
         near.extend_from_slice(&self.changed);
     }
 
-    /// Whether the slice has all bodies' boxes, and a time in common with an interval.
+    /// Whether the slice has boxes, all of them if it is needed, and a time in common with an
+    /// interval.
     pub(super) fn covers_some_of(&self, (from, to): (f64, f64)) -> bool {
-        self.built && self.interval.0 <= to && self.interval.1 >= from
+        self.is_ordered && self.interval.0 <= to && self.interval.1 >= from
     }
 }
 
