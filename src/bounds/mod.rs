@@ -1,13 +1,17 @@
-//! Boxes: the Bézier hull of a part of a trajectory, rounded outward to a parry3d `Aabb` (f32).
+//! Boxes: the Bézier hull of a body's motion in a slice of time, rounded outward to a parry3d
+//! `Aabb` (f32).
 //!
 //! A box contains every position from which the exact solver would report a contact, the solver's
 //! own rounding included: it is inflated by the hitbox, half the margin and the clearance that
 //! every filter keeps (see `rounding`). A [`Course`] says the same more closely: a straight line,
 //! and how far from it.
 //!
-//! Computed in f32 relative to an anchor near the body, so that rounding is a share of how far the
-//! body comes in a few slices, wherever in the world it is. That rounding is accounted for with
-//! more than a hundred units of 2^-24; next to it the clearance of filters, 2^-44, is nothing.
+//! From a trajectory to a box, all in f32: its [`Sketch`] (or, where few boxes are wanted, its
+//! segments), cut at the ends of slices ([`Track`]) into [`Piece`]s, which a [`Trace`] follows
+//! through a slice. A sketch is drawn around the trajectory itself, and each cubic is cut around
+//! its own first point. So some 40 roundings (2^-24) are relative to the size of one cubic, 12 to
+//! the trajectory's, and 6 to the distance from the middle of the scene; each count is given
+//! where it arises. Next to it the clearance of filters, 2^-44, is nothing.
 
 mod course;
 mod pose;

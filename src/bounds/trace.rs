@@ -72,8 +72,9 @@ impl Trace {
             + Vec4::splat(self.near * (ROUNDING * Piece::NEAR) + stance.steady);
         let (start, change) = (stance.place + self.start, self.change);
         let course = course(start, change, (self.stray, rounding), stance.reach, first);
-        // Of the place, of the sums with it, and of the subtraction below.
-        let rounding = rounding + stance.place.abs() * (4.0 * ROUNDING);
+        // Of the place, of the two sums with it, and of the subtraction below: 4; and more than the
+        // clearance of filters.
+        let rounding = rounding + stance.place.abs() * (6.0 * ROUNDING);
         let low = (stance.low + low - rounding).max(Vec4::splat(f32::MIN));
         let high = (stance.high + high + rounding).min(Vec4::splat(f32::MAX));
         let aabb = Aabb::new(
