@@ -1,7 +1,7 @@
 //! What is asked of a scene.
 
 use crate::accuracy::Accuracy;
-use crate::broad_phase::Method;
+use crate::broad_phase::{Level, Method};
 use crate::error::{Error, LARGEST_MAGNITUDE};
 use crate::window::Window;
 use std::num::NonZeroU32;
@@ -17,6 +17,7 @@ pub struct Query {
     accuracy: Accuracy,
     slices: Option<NonZeroU32>,
     most_spans: usize,
+    level: Level,
 }
 
 impl Default for Query {
@@ -28,6 +29,7 @@ impl Default for Query {
             accuracy: Accuracy::default(),
             slices: None,
             most_spans: Self::MOST_SPANS,
+            level: Level::best(),
         }
     }
 }
@@ -92,6 +94,14 @@ impl Query {
         self
     }
 
+    /// The same query with the instructions of another level, instead of the best of this
+    /// processor: for measuring what they are worth. The answer is the same.
+    #[must_use]
+    pub const fn with_level(mut self, level: Level) -> Self {
+        self.level = level;
+        self
+    }
+
     /// The time asked about.
     #[must_use]
     pub const fn window(&self) -> Window {
@@ -114,6 +124,12 @@ impl Query {
     #[must_use]
     pub const fn most_spans(&self) -> usize {
         self.most_spans
+    }
+
+    /// Whose instructions are used.
+    #[must_use]
+    pub const fn level(&self) -> Level {
+        self.level
     }
 
     /// How candidates are found.

@@ -1,4 +1,4 @@
-//! The same bits for any number of threads, and for every broad-phase method.
+//! The same bits for any number of threads, every broad-phase method and instruction set.
 
 #![cfg(feature = "parallel")]
 #![allow(
@@ -8,36 +8,38 @@
 
 mod support;
 
+use nearmiss::broad_phase::Level;
 use nearmiss::{Accuracy, Method, Query, Window};
 use support::{bits, scene_of, swarm};
 
 #[test]
-fn threads_and_methods() {
+fn threads_methods_and_instructions() {
     for accuracy in [Accuracy::Fast, Accuracy::Exact, Accuracy::Certified] {
-        threads_and_methods_at(accuracy);
+        one_answer_at(accuracy);
     }
 }
 
-fn threads_and_methods_at(accuracy: Accuracy) {
+fn one_answer_at(accuracy: Accuracy) {
     let scene = scene_of(&swarm(11, 150, 60.0));
+    let query = Query::new(Window::ALL)
+        .with_margin(1.0)
+        .unwrap()
+        .with_accuracy(accuracy);
     let mut answers = Vec::new();
     for method in Method::EVERY {
         for threads in 1..=4 {
-            let query = Query::new(Window::ALL)
-                .with_margin(1.0)
-                .unwrap()
-                .with_accuracy(accuracy)
-                .with_method(method);
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .unwrap();
-            let answer = pool.install(|| scene.screen(&query)).unwrap();
-            assert!(!answer.conflicts.is_empty());
-            answers.push((method, threads, bits(&answer.conflicts)));
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            let pool = pool.build().unwrap();
+            for level in Level::available() {
+                let query = query.with_method(method).with_level(level);
+                let answer = pool.install(|| scene.screen(&query)).unwrap();
+                assert!(!answer.conflicts.is_empty());
+                answers.push((method, threads, level, bits(&answer.conflicts)));
+            }
         }
     }
-    for (method, threads, answer) in &answers {
-        assert_eq!(answer, &answers[0].2, "{method:?} on {threads} threads");
+    for (method, threads, level, answer) in &answers {
+        let by = (method, threads, level);
+        assert_eq!(answer, &answers[0].3, "{by:?}");
     }
 }

@@ -102,11 +102,11 @@ impl FastBatch {
 
     /// Calls `report` with the number of each pair that has contacts, and these, in the order of
     /// time. Pairs come in the order in which they were added.
-    pub(crate) fn solve(&mut self, mut report: impl FnMut(usize, &[Contact])) {
+    pub(crate) fn solve(&mut self, level: Level, mut report: impl FnMut(usize, &[Contact])) {
         self.times.resize(self.entries.len(), 0.0);
         self.distances.resize(self.entries.len(), 0.0);
         closest_approach(
-            Level::best(),
+            level,
             &self.cubics.lanes(),
             &mut self.times,
             &mut self.distances,

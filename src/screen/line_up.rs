@@ -3,8 +3,8 @@
 use super::scratch::Pool;
 use crate::accuracy::Accuracy;
 use crate::bounds::{Extremes, Sketch};
-use crate::broad_phase::PairFilter;
 use crate::broad_phase::slices::Traffic;
+use crate::broad_phase::{Level, PairFilter};
 use crate::error::Error;
 use crate::hitbox::Hitbox;
 use crate::id::BodyId;
@@ -27,6 +27,7 @@ pub(super) struct LineUp<'a> {
     pub(super) window: Window,
     pub(super) margin: f64,
     pub(super) accuracy: Accuracy,
+    pub(super) level: Level,
     /// How many slices, if that was prescribed.
     pub(super) prescribed: Option<NonZeroU32>,
     /// Room for survivors.
@@ -78,6 +79,7 @@ impl<'a> LineUp<'a> {
             window: window.unwrap_or(query.window()),
             margin: query.margin(),
             accuracy: query.accuracy(),
+            level: query.level(),
             prescribed: query.slices(),
             most_spans: query.most_spans(),
             pool: scene.pool(),

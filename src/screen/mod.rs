@@ -189,7 +189,7 @@ impl LineUp<'_> {
                     &mut stats,
                 ),
                 Method::Sweep => self.survivors(
-                    |scratch| &mut scratch.sweep,
+                    |scratch| scratch.sweep.at(self.level),
                     &parties,
                     filter,
                     progress,

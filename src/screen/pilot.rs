@@ -13,7 +13,6 @@ use crate::broad_phase::fill::Fill;
 use crate::broad_phase::slices::Slices;
 use crate::broad_phase::{BroadPhase, Candidate, Everyone};
 use crate::narrow_phase::{Party, approaching};
-use crate::simd::Level;
 
 /// Nanoseconds of each kind of work, one thread, measured on the reference swarm; only their
 /// ratios matter.
@@ -175,7 +174,7 @@ impl LineUp<'_> {
         for place in 0..places {
             let share = (f64::from(place) + 0.5) / f64::from(places);
             let first = slices.number_at(share);
-            Level::best().run(Fill {
+            self.level.run(Fill {
                 block: &mut *block,
                 parties,
                 poses,
@@ -183,7 +182,9 @@ impl LineUp<'_> {
             });
             let slice = &block.slices[0];
             candidates.clear();
-            sweep.pairs(&slice.boxes, &Everyone, candidates);
+            sweep
+                .at(self.level)
+                .pairs(&slice.boxes, &Everyone, candidates);
             let interval = slices.interval(first);
             let is_near = |pair: &&Candidate| {
                 let (a, b) = (pair.a as usize, pair.b as usize);

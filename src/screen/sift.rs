@@ -34,6 +34,17 @@ impl Survivor {
     }
 }
 
+/// What is asked of the candidates of a slice.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Question<'a> {
+    pub(super) parties: &'a [Party<'a>],
+    pub(super) slice: &'a Slice,
+    /// The slice's, s.
+    pub(super) interval: (f64, f64),
+    pub(super) margin: f64,
+    pub(super) level: Level,
+}
+
 /// A pair that may be near from its courses: when, and a cubic of each body that is not later.
 #[derive(Clone, Copy, Debug)]
 struct Near {
@@ -74,25 +85,26 @@ impl Sieve {
     /// many were looked at.
     pub(super) fn sift(
         &mut self,
-        parties: &[Party<'_>],
-        (slice, interval): (&Slice, (f64, f64)),
+        question: &Question<'_>,
         candidates: &[Candidate],
-        margin: f64,
         survivors: &mut Vec<Survivor>,
     ) -> u64 {
         let mut looked_at = 0;
         for batch in candidates.chunks(Self::BATCH) {
-            self.judge(slice, interval, batch);
-            self.cut(parties);
-            self.ask(parties, margin);
-            self.take_verdicts(survivors);
+            self.judge(question, batch);
+            self.cut(question.parties);
+            self.ask(question.parties, question.margin);
+            self.take_verdicts(question.level, survivors);
             looked_at += self.pieces.len() as u64;
         }
         looked_at
     }
 
     /// The candidates that may be near from their courses.
-    fn judge(&mut self, slice: &Slice, interval: (f64, f64), batch: &[Candidate]) {
+    fn judge(&mut self, question: &Question<'_>, batch: &[Candidate]) {
+        let Question {
+            slice, interval, ..
+        } = *question;
         self.near.clear();
         for (i, candidate) in batch.iter().enumerate() {
             if let Some(later) = batch.get(i + Self::AHEAD) {
@@ -164,18 +176,12 @@ impl Sieve {
     }
 
     /// Appends those that are not certainly beyond. (Those certainly within need no proof either.)
-    fn take_verdicts(&mut self, survivors: &mut Vec<Survivor>) {
+    fn take_verdicts(&mut self, level: Level, survivors: &mut Vec<Survivor>) {
         self.verdicts.clear();
         self.verdicts.resize(self.asked.len(), Verdict::Undecided);
         let thresholds = &self.thresholds;
         let motions = self.motions.lanes();
-        within(
-            Level::best(),
-            &motions,
-            thresholds,
-            thresholds,
-            &mut self.verdicts,
-        );
+        within(level, &motions, thresholds, thresholds, &mut self.verdicts);
         let judged = self.asked.iter().zip(&self.verdicts);
         let kept = judged.filter(|(_, verdict)| **verdict != Verdict::Outside);
         survivors.extend(kept.map(|(survivor, _)| survivor));

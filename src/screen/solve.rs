@@ -101,7 +101,7 @@ impl LineUp<'_> {
                 batch.push(number, pair.parties, pair.spans(), self.margin, pair.clip);
             }
         }
-        batch.solve(|number, contacts| {
+        batch.solve(self.level, |number, contacts| {
             if let Some(pair) = self.pair(parties, pairs[number]) {
                 conflicts.extend(contacts.iter().map(|contact| pair.conflict(contact)));
             }

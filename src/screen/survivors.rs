@@ -2,7 +2,7 @@
 
 use super::line_up::LineUp;
 use super::scratch::Scratch;
-use super::sift::Survivor;
+use super::sift::{Question, Survivor};
 use crate::bounds::{Frame, Inflation, Pose, Stroke};
 use crate::broad_phase::fill::{Block, Fill};
 use crate::broad_phase::slices::Slices;
@@ -10,7 +10,6 @@ use crate::broad_phase::{BroadPhase, PairFilter};
 use crate::error::Error;
 use crate::narrow_phase::Party;
 use crate::parallel;
-use crate::simd::Level;
 use crate::stats::Stats;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -119,7 +118,7 @@ impl LineUp<'_> {
         let mut stats = Stats::default();
         let mut survivors = Vec::new();
         let begin = Instant::now();
-        Level::best().run(Fill {
+        self.level.run(Fill {
             block: &mut scratch.block,
             parties,
             poses,
@@ -145,9 +144,14 @@ impl LineUp<'_> {
                 return Err(self.too_crowded());
             }
             let found = Instant::now();
-            let at = (slice, slices.interval(number));
-            let sieve = &mut scratch.sieve;
-            stats.spans += sieve.sift(parties, at, &candidates, self.margin, &mut survivors);
+            let question = Question {
+                parties,
+                slice,
+                interval: slices.interval(number),
+                margin: self.margin,
+                level: self.level,
+            };
+            stats.spans += scratch.sieve.sift(&question, &candidates, &mut survivors);
             stats.boxes += slice.boxes.len() as u64;
             stats.candidates += candidates.len() as u64;
             stats.broad_time += found - begin;

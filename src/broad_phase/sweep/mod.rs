@@ -73,6 +73,12 @@ impl Sweep {
         }
     }
 
+    /// The same, with the instructions of another level.
+    pub(crate) const fn at(&mut self, level: Level) -> &mut Self {
+        self.level = level;
+        self
+    }
+
     /// Appends the pairs of boxes that belong to a region.
     fn find<F: PairFilter>(
         &mut self,
