@@ -215,6 +215,9 @@ fn a_crowd_is_refused_beyond_its_limit() {
         let refused = Error::TooCrowded { limit: spans - 1 };
         let query = query.with_most_spans(spans - 1);
         assert_eq!(small.screen(&query), Err(refused));
+        // Nothing is left of it.
+        let query = query.with_most_spans(spans);
+        assert_eq!(bits(&screened(&small, &query).0), bits(&found));
     }
     // Twice as many candidates as there is room for in one slice.
     let refused = Err(Error::TooCrowded {

@@ -81,8 +81,8 @@ impl Sieve {
     /// Entries that are fetched ahead of the one at hand.
     const AHEAD: usize = 8;
 
-    /// Appends each span of the candidates of a slice that cheap tests cannot rule out; gives how
-    /// many were looked at.
+    /// Looks at each span of the candidates of a slice; gives how many there are. Those that cheap
+    /// tests cannot rule out are appended, by now or when the sieve is [emptied](Self::empty).
     pub(super) fn sift(
         &mut self,
         question: &Question<'_>,
@@ -94,8 +94,10 @@ impl Sieve {
             self.judge(question, batch);
             self.cut(question.parties);
             self.ask(question.parties, question.margin);
-            self.take_verdicts(question.level, survivors);
             looked_at += self.pieces.len() as u64;
+            if self.asked.len() >= Self::BATCH {
+                self.empty(question.level, survivors);
+            }
         }
         looked_at
     }
@@ -151,9 +153,6 @@ impl Sieve {
 
     /// The relative motions of those whose boxes are not apart.
     fn ask(&mut self, parties: &[Party<'_>], margin: f64) {
-        self.asked.clear();
-        self.motions.clear();
-        self.thresholds.clear();
         for (i, piece) in self.pieces.iter().enumerate() {
             if let Some(later) = self.pieces.get(i + Self::AHEAD) {
                 let (a, b) = (&parties[later.a as usize], &parties[later.b as usize]);
@@ -175,9 +174,12 @@ impl Sieve {
         }
     }
 
-    /// Appends those that are not certainly beyond. (Those certainly within need no proof either.)
-    fn take_verdicts(&mut self, level: Level, survivors: &mut Vec<Survivor>) {
-        self.verdicts.clear();
+    /// Appends those of the spans asked about that are not certainly beyond. (It does not matter
+    /// which of the others are certainly within.)
+    pub(super) fn empty(&mut self, level: Level, survivors: &mut Vec<Survivor>) {
+        if self.asked.is_empty() {
+            return;
+        }
         self.verdicts.resize(self.asked.len(), Verdict::Undecided);
         let thresholds = &self.thresholds;
         let motions = self.motions.lanes();
@@ -185,6 +187,14 @@ impl Sieve {
         let judged = self.asked.iter().zip(&self.verdicts);
         let kept = judged.filter(|(_, verdict)| **verdict != Verdict::Outside);
         survivors.extend(kept.map(|(survivor, _)| survivor));
+        self.forget();
+    }
+
+    /// Drops what a screening that was given up may have left.
+    pub(super) fn forget(&mut self) {
+        self.asked.clear();
+        self.motions.clear();
+        self.thresholds.clear();
     }
 }
 

@@ -117,6 +117,7 @@ impl LineUp<'_> {
     ) -> Result<(Vec<Survivor>, Stats), Error> {
         let mut stats = Stats::default();
         let mut survivors = Vec::new();
+        scratch.sieve.forget();
         let begin = Instant::now();
         self.level.run(Fill {
             block: &mut scratch.block,
@@ -163,6 +164,7 @@ impl LineUp<'_> {
         }
         (scratch.block, scratch.candidates) = (block, candidates);
         let begin = Instant::now();
+        scratch.sieve.empty(self.level, &mut survivors);
         tidy(&mut survivors);
         stats.narrow_time += begin.elapsed();
         Ok((survivors, stats))
