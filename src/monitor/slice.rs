@@ -286,7 +286,8 @@ impl Slice {
 
     fn list_all(&mut self) {
         self.listed.clear();
-        self.boxes.list(&mut self.listed);
+        let listed = &mut self.listed;
+        self.boxes.each(|body| listed.push(body));
     }
 
     /// Keeps the spans of some more candidates that cheap tests cannot rule out. Bodies that have

@@ -104,27 +104,24 @@ impl Boxes {
         self.slot_at.len()
     }
 
-    /// All boxes.
-    pub(super) fn list(&self, boxes: &mut Vec<BodyBox>) {
-        boxes.extend(self.each());
-    }
-
-    fn each(&self) -> impl Iterator<Item = BodyBox> {
-        let places = self.slot_at.iter().enumerate();
-        let taken = places.filter(|(_, slot)| **slot != NOWHERE);
-        taken.map(|(place, &body)| {
-            let (low, high) = self.levels[0][place / WIDTH].get(place % WIDTH);
-            BodyBox {
-                aabb: Aabb::new(low.into(), high.into()),
-                body,
+    /// Calls `visit` with each body's box.
+    pub(super) fn each(&self, mut visit: impl FnMut(BodyBox)) {
+        let leaves = self.levels.iter().take(1).flatten();
+        for (leaf, slots) in leaves.zip(self.slot_at.chunks(WIDTH)) {
+            for (lane, &body) in slots.iter().enumerate() {
+                if body != NOWHERE {
+                    let (low, high) = leaf.get(lane);
+                    let aabb = Aabb::new(low.into(), high.into());
+                    visit(BodyBox { aabb, body });
+                }
             }
-        })
+        }
     }
 
     fn list_for_order(&mut self) {
         let mut sorted = std::mem::take(&mut self.sorted);
         sorted.clear();
-        sorted.extend(self.each().map(|body| (0, body)));
+        self.each(|body| sorted.push((0, body)));
         self.sorted = sorted;
     }
 
