@@ -3,7 +3,7 @@
 //! The lookahead is cut into slices on a fixed grid of time. A slice knows the boxes of all bodies
 //! in it, and which bodies have changed since they were compared. Catching up goes through the
 //! slices in the order of time, so that what is known is always complete up to some instant. The
-//! boxes of the slice that comes next are formed as time passes, a share with each tick.
+//! slice that comes next is compared as time passes, a share with each tick: none stands out.
 
 use super::bodies::{Bodies, Moved};
 use super::budget::Meter;

@@ -301,6 +301,41 @@ fn long_run(seed: u64) {
     }
 }
 
+/// So many that boxes are in trees of several levels, and none to all of them change in a tick.
+#[test]
+fn equals_one_shot_screening_with_many_bodies() {
+    const CUBE: f64 = 120.0;
+    let mut rng = rng(41);
+    let mut scene = Scene::new();
+    let mut ids: Vec<BodyId> = (0..1500)
+        .map(|_| scene.insert(body(&mut rng, -1.0, CUBE)).unwrap())
+        .collect();
+    let mut monitor = Monitor::new(scene, 0.0, 2.0, &LEVELS).unwrap();
+    let (mut conflicts, mut events) = (0, Vec::new());
+    for tick in 0..60 {
+        for _ in 0..[0, 5, 60, 300, 2000][tick % 5] {
+            change(&mut rng, &mut monitor, &mut ids, CUBE);
+        }
+        let now = monitor.now() + rng.random_range(0.0..0.2);
+        let budget = match tick % 7 {
+            3 => Budget::Work(1500),
+            _ => Budget::Unlimited,
+        };
+        monitor.advance_within(now, budget, &mut events).unwrap();
+        let known = monitor.certified_until();
+        for (index, level) in LEVELS.into_iter().enumerate() {
+            let expected = if known > now {
+                one_shot(&monitor, level, known)
+            } else {
+                vec![]
+            };
+            assert_eq!(bits(monitor.conflicts(index)), expected, "tick {tick}");
+            conflicts += expected.len();
+        }
+    }
+    assert!(conflicts > 50_000, "{conflicts}");
+}
+
 /// A monitor of two points on straight lines, and what it tells at each tick.
 fn two(a: Trajectory, b: Trajectory, levels: &[AlertLevel]) -> (Monitor, BodyId, BodyId) {
     let mut scene = Scene::new();

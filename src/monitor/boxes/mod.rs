@@ -4,12 +4,14 @@
 //! sixteen nodes make one of the next level. The leaves divide space along a curve, as evenly as
 //! the bodies are when they are put in order; a body that moves goes to the leaf where it is then.
 
+mod curve;
+mod node;
+
 use crate::broad_phase::BodyBox;
 use crate::simd::{Level, Task};
+use curve::Curve;
+use node::{EMPTY, Node, WIDTH, corners};
 use parry3d::bounding_volume::Aabb;
-
-/// Boxes in a node.
-const WIDTH: usize = 16;
 
 /// Bodies in a leaf at first; the rest of it is room for those that come.
 const FILLED: usize = 10;
@@ -19,11 +21,6 @@ const DEPTH: usize = 9;
 
 /// Marks a body without a place, and a place without a body.
 const NOWHERE: u32 = u32::MAX;
-
-/// Low and high corner; an empty box has them the wrong way round, and meets nothing.
-type Corners = ([f32; 3], [f32; 3]);
-
-const EMPTY: Corners = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
 
 /// Boxes by slot; a body that does not exist in the slice has none.
 #[derive(Clone, Debug, Default)]
@@ -43,90 +40,6 @@ pub(super) struct Boxes {
     /// belongs.
     wear: usize,
     sorted: Vec<(u32, BodyBox)>,
-}
-
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
-struct Node {
-    low: [[f32; WIDTH]; 3],
-    high: [[f32; WIDTH]; 3],
-}
-
-impl Node {
-    const EMPTY: Self = Self {
-        low: [[f32::INFINITY; WIDTH]; 3],
-        high: [[f32::NEG_INFINITY; WIDTH]; 3],
-    };
-
-    #[inline(always)]
-    fn set(&mut self, lane: usize, (low, high): Corners) {
-        for axis in 0..3 {
-            self.low[axis][lane] = low[axis];
-            self.high[axis][lane] = high[axis];
-        }
-    }
-
-    #[inline(always)]
-    fn get(&self, lane: usize) -> Corners {
-        (
-            [0, 1, 2].map(|axis| self.low[axis][lane]),
-            [0, 1, 2].map(|axis| self.high[axis][lane]),
-        )
-    }
-
-    /// The box around all.
-    #[inline(always)]
-    fn around(&self) -> Corners {
-        let mut around = EMPTY;
-        for axis in 0..3 {
-            let (lows, highs) = (&self.low[axis], &self.high[axis]);
-            around.0[axis] = reduce(lows, |x, y| if y < x { y } else { x });
-            around.1[axis] = reduce(highs, |x, y| if y > x { y } else { x });
-        }
-        around
-    }
-
-    /// A bit for each lane whose box meets another (touching counts).
-    #[inline(always)]
-    fn meeting(&self, (low, high): &Corners) -> u32 {
-        let mut lanes = 0;
-        for lane in 0..WIDTH {
-            let meets = (self.low[0][lane] <= high[0])
-                & (self.high[0][lane] >= low[0])
-                & (self.low[1][lane] <= high[1])
-                & (self.high[1][lane] >= low[1])
-                & (self.low[2][lane] <= high[2])
-                & (self.high[2][lane] >= low[2]);
-            lanes |= u32::from(meets) << lane;
-        }
-        lanes
-    }
-}
-
-/// Halves until one is left.
-#[inline(always)]
-fn reduce(lanes: &[f32; WIDTH], pick: impl Fn(f32, f32) -> f32) -> f32 {
-    let mut lanes = *lanes;
-    let mut count = WIDTH;
-    while count > 1 {
-        count /= 2;
-        for lane in 0..count {
-            lanes[lane] = pick(lanes[lane], lanes[lane + count]);
-        }
-    }
-    lanes[0]
-}
-
-fn merged((low, high): Corners, (other_low, other_high): Corners) -> Corners {
-    (
-        [0, 1, 2].map(|axis| low[axis].min(other_low[axis])),
-        [0, 1, 2].map(|axis| high[axis].max(other_high[axis])),
-    )
-}
-
-#[inline(always)]
-fn corners(aabb: &Aabb) -> Corners {
-    (aabb.mins.to_array(), aabb.maxs.to_array())
 }
 
 impl Boxes {
@@ -191,27 +104,24 @@ impl Boxes {
         self.slot_at.len()
     }
 
-    /// All boxes.
-    pub(super) fn list(&self, boxes: &mut Vec<BodyBox>) {
-        boxes.extend(self.each());
-    }
-
-    fn each(&self) -> impl Iterator<Item = BodyBox> {
-        let places = self.slot_at.iter().enumerate();
-        let taken = places.filter(|(_, slot)| **slot != NOWHERE);
-        taken.map(|(place, &body)| {
-            let (low, high) = self.levels[0][place / WIDTH].get(place % WIDTH);
-            BodyBox {
-                aabb: Aabb::new(low.into(), high.into()),
-                body,
+    /// Calls `visit` with each body's box.
+    pub(super) fn each(&self, mut visit: impl FnMut(BodyBox)) {
+        let leaves = self.levels.iter().take(1).flatten();
+        for (leaf, slots) in leaves.zip(self.slot_at.chunks(WIDTH)) {
+            for (lane, &body) in slots.iter().enumerate() {
+                if body != NOWHERE {
+                    let (low, high) = leaf.get(lane);
+                    let aabb = Aabb::new(low.into(), high.into());
+                    visit(BodyBox { aabb, body });
+                }
             }
-        })
+        }
     }
 
     fn list_for_order(&mut self) {
         let mut sorted = std::mem::take(&mut self.sorted);
         sorted.clear();
-        sorted.extend(self.each().map(|body| (0, body)));
+        self.each(|body| sorted.push((0, body)));
         self.sorted = sorted;
     }
 
@@ -436,59 +346,6 @@ impl<V: FnMut(&BodyBox, u32)> Task for Meet<'_, V> {
             }
         }
     }
-}
-
-/// A curve through space on which what is near in place is near in space.
-#[derive(Clone, Copy, Debug, Default)]
-struct Curve {
-    low: [f32; 3],
-    scale: [f32; 3],
-}
-
-impl Curve {
-    /// Through all of some boxes.
-    fn through(boxes: &[(u32, BodyBox)]) -> Self {
-        let each = boxes.iter().map(|(_, body)| corners(&body.aabb));
-        let (low, high) = each.reduce(merged).unwrap_or_default();
-        Self {
-            low,
-            scale: [0, 1, 2].map(|axis| {
-                let side = high[axis] - low[axis];
-                // 10 bits an axis.
-                1023.0 / if side > 0.0 { side } else { 1.0 }
-            }),
-        }
-    }
-
-    /// Where on the curve a box's middle is.
-    #[inline(always)]
-    fn place(&self, aabb: &Aabb) -> u32 {
-        let (low, high) = corners(aabb);
-        morton([0, 1, 2].map(|axis| {
-            let middle = 0.5 * low[axis] + 0.5 * high[axis];
-            cell((middle - self.low[axis]) * self.scale[axis])
-        }))
-    }
-}
-
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "clamped to 0..=1023; NaN becomes 0. Only the order of places depends on it"
-)]
-fn cell(coordinate: f32) -> u32 {
-    coordinate.clamp(0.0, 1023.0) as u32
-}
-
-/// The bits of three cells in turn: near codes are near in space (G. M. Morton, 1966).
-fn morton(cell: [u32; 3]) -> u32 {
-    let spread = |mut bits: u32| {
-        bits = (bits | bits << 16) & 0x0300_00ff;
-        bits = (bits | bits << 8) & 0x0300_f00f;
-        bits = (bits | bits << 4) & 0x030c_30c3;
-        (bits | bits << 2) & 0x0924_9249
-    };
-    spread(cell[0]) | spread(cell[1]) << 1 | spread(cell[2]) << 2
 }
 
 #[cfg(test)]
