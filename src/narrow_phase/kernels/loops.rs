@@ -10,7 +10,7 @@
 )]
 
 use super::batch::Lanes;
-use super::cubic::{CentredCubic, ControlPoints};
+use super::cubic::{CentredCubic, ControlPoints, Vector};
 use super::enclosure::{SPLIT, SPLIT_AND_HALVED, enclose_between};
 use super::guess::{
     Guess, Outline, certify, descend, descend_safely, guess, lowest_sample, outline, polish, settle,
@@ -30,8 +30,8 @@ pub(super) const BLOCK: usize = 96;
 #[repr(align(64))]
 #[derive(Debug)]
 pub(super) struct Block<R> {
-    cubics: [[[R; BLOCK]; 3]; 4],
-    rough: [[[f32; BLOCK]; 3]; 4],
+    cubics: Columns<R>,
+    rough: Columns<f32>,
     squares: [[f32; BLOCK]; 7],
     margins: [f32; BLOCK],
     times: [f32; BLOCK],
@@ -93,19 +93,13 @@ impl<R: Real> Block<R> {
             }
         }
         for i in 0..count {
-            self.set_outline(i, &outline::<R>(get(&self.rough, i).coefficients));
+            self.set_outline(i, &outline::<R>(get(&self.rough, i)));
         }
     }
 
     #[inline(always)]
     fn set_cubic(&mut self, i: usize, cubic: &CentredCubic<R>) {
-        let mut k = 0;
-        while k < 4 {
-            self.cubics[k][0][i] = cubic.coefficients[k][0];
-            self.cubics[k][1][i] = cubic.coefficients[k][1];
-            self.cubics[k][2][i] = cubic.coefficients[k][2];
-            k += 1;
-        }
+        set(&mut self.cubics, i, &cubic.coefficients);
     }
 
     #[inline(always)]
@@ -137,11 +131,18 @@ impl<R: Real> Block<R> {
         let count = times.len().min(BLOCK);
         let (times, distances) = (&mut times[..count], &mut distances[..count]);
         for i in 0..count {
-            let found = settle(&get(&self.cubics, i), times[i]);
+            let found = settle(&self.cubic(i), times[i]);
             self.times[i] = found.time.to_f32();
             self.doubts[i] = found.doubt;
             times[i] = local_time(found.time);
             distances[i] = distance(found.square);
+        }
+    }
+
+    #[inline(always)]
+    fn cubic(&self, i: usize) -> CentredCubic<R> {
+        CentredCubic {
+            coefficients: get(&self.cubics, i),
         }
     }
 
@@ -152,15 +153,27 @@ impl<R: Real> Block<R> {
     }
 }
 
+/// Four vectors for each pair of a block.
+type Columns<R> = [[[R; BLOCK]; 3]; 4];
+
 #[inline(always)]
-fn get<R: Real>([c0, c1, c2, c3]: &[[[R; BLOCK]; 3]; 4], i: usize) -> CentredCubic<R> {
-    CentredCubic {
-        coefficients: [
-            [c0[0][i], c0[1][i], c0[2][i]],
-            [c1[0][i], c1[1][i], c1[2][i]],
-            [c2[0][i], c2[1][i], c2[2][i]],
-            [c3[0][i], c3[1][i], c3[2][i]],
-        ],
+fn get<R: Real>([c0, c1, c2, c3]: &Columns<R>, i: usize) -> [Vector<R>; 4] {
+    [
+        [c0[0][i], c0[1][i], c0[2][i]],
+        [c1[0][i], c1[1][i], c1[2][i]],
+        [c2[0][i], c2[1][i], c2[2][i]],
+        [c3[0][i], c3[1][i], c3[2][i]],
+    ]
+}
+
+#[inline(always)]
+fn set<R: Real>(columns: &mut Columns<R>, i: usize, vectors: &[Vector<R>; 4]) {
+    let mut k = 0;
+    while k < 4 {
+        columns[k][0][i] = vectors[k][0];
+        columns[k][1][i] = vectors[k][1];
+        columns[k][2][i] = vectors[k][2];
+        k += 1;
     }
 }
 
@@ -173,6 +186,8 @@ pub(super) struct Bounds<R> {
     pub(super) highs: [R; BLOCK],
     /// See [`super::enclosure::Bracketed`].
     pub(super) tight: [R; BLOCK],
+    /// The control points before and after the split, both from there on.
+    sides: [Columns<R>; 2],
 }
 
 impl<R: Real> Bounds<R> {
@@ -182,6 +197,20 @@ impl<R: Real> Bounds<R> {
             lows: [R::default(); BLOCK],
             highs: [R::default(); BLOCK],
             tight: [R::default(); BLOCK],
+            sides: [[[[R::default(); BLOCK]; 3]; 4]; 2],
+        }
+    }
+
+    /// Splits each pair of a block at its time. To form the parts anew for each stage would cost
+    /// more than to keep them.
+    #[inline(always)]
+    fn split(&mut self, lanes: &Lanes<'_, R>, count: usize) {
+        let count = count.min(BLOCK);
+        let lanes = lanes.first(count);
+        for i in 0..count {
+            let [before, after] = split(control_points(&lanes, i), self.times[i]);
+            set(&mut self.sides[0], i, &before);
+            set(&mut self.sides[1], i, &after);
         }
     }
 }
@@ -275,7 +304,7 @@ pub(super) fn guess_block_again<R: Real>(
     }
     let times = &mut times[..count];
     for i in 0..count {
-        times[i] = polish(&get(&block.cubics, i), block.time(i));
+        times[i] = polish(&block.cubic(i), block.time(i));
     }
     block.settle(times, distances);
     for i in 0..count {
@@ -297,16 +326,15 @@ pub(super) fn enclose_block<R: Real>(
     block.fill(&lanes, count);
     block.descend(count);
     for i in 0..count {
-        let found = settle(&get(&block.cubics, i), block.time(i));
+        let found = settle(&block.cubic(i), block.time(i));
         bounds.times[i] = local_time(found.time);
     }
+    bounds.split(&lanes, count);
     for i in 0..count {
-        let [before, _] = split(control_points(&lanes, i), bounds.times[i]);
-        bounds.lows[i] = lower_bound(before);
+        bounds.lows[i] = lower_bound(get(&bounds.sides[0], i));
     }
     for i in 0..count {
-        let [_, after] = split(control_points(&lanes, i), bounds.times[i]);
-        bounds.highs[i] = lower_bound(after);
+        bounds.highs[i] = lower_bound(get(&bounds.sides[1], i));
     }
     finish_bounds(&lanes, errors, bounds, SPLIT);
 }
@@ -320,22 +348,21 @@ pub(super) fn enclose_block_finely<R: Real>(
 ) {
     let count = errors.len().min(BLOCK);
     let (lanes, errors, times) = (lanes.first(count), &errors[..count], &times[..count]);
+    bounds.times[..count].copy_from_slice(times);
+    bounds.split(&lanes, count);
     for i in 0..count {
-        bounds.times[i] = times[i];
-        let [before, _] = split(control_points(&lanes, i), times[i]);
-        bounds.lows[i] = lower_bound_near(before);
+        bounds.lows[i] = lower_bound_near(get(&bounds.sides[0], i));
     }
     for i in 0..count {
-        let [before, _] = split(control_points(&lanes, i), times[i]);
-        bounds.lows[i] = bounds.lows[i].or_less(lower_bound_far(before));
+        let far = lower_bound_far(get(&bounds.sides[0], i));
+        bounds.lows[i] = bounds.lows[i].or_less(far);
     }
     for i in 0..count {
-        let [_, after] = split(control_points(&lanes, i), times[i]);
-        bounds.highs[i] = lower_bound_near(after);
+        bounds.highs[i] = lower_bound_near(get(&bounds.sides[1], i));
     }
     for i in 0..count {
-        let [_, after] = split(control_points(&lanes, i), times[i]);
-        bounds.highs[i] = bounds.highs[i].or_less(lower_bound_far(after));
+        let far = lower_bound_far(get(&bounds.sides[1], i));
+        bounds.highs[i] = bounds.highs[i].or_less(far);
     }
     finish_bounds(&lanes, errors, bounds, SPLIT_AND_HALVED);
 }
@@ -347,10 +374,9 @@ fn finish_bounds<R: Real>(lanes: &Lanes<'_, R>, errors: &[R], bounds: &mut Bound
     let count = errors.len().min(BLOCK);
     let lanes = lanes.first(count);
     for i in 0..count {
-        let points = control_points(&lanes, i);
-        let [before, _] = split(points, bounds.times[i]);
+        let [nearest, ..] = get(&bounds.sides[0], i);
         let bound = bounds.lows[i].or_less(bounds.highs[i]);
-        let found = enclose_between(points, before[0], bound, errors[i], units);
+        let found = enclose_between(control_points(&lanes, i), nearest, bound, errors[i], units);
         bounds.lows[i] = found.low;
         bounds.highs[i] = found.high;
         bounds.tight[i] = found.tight;
