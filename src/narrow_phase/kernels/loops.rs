@@ -10,7 +10,7 @@
 )]
 
 use super::batch::Lanes;
-use super::cubic::{CentredCubic, ControlPoints, Vector};
+use super::cubic::{CentredCubic, ControlPoints, Vector, dot};
 use super::enclosure::{SPLIT, SPLIT_AND_HALVED, enclose_between};
 use super::guess::{
     Guess, Outline, certify, descend, descend_safely, guess, lowest_sample, outline, polish, settle,
@@ -186,8 +186,8 @@ pub(super) struct Bounds<R> {
     pub(super) highs: [R; BLOCK],
     /// See [`super::enclosure::Bracketed`].
     pub(super) tight: [R; BLOCK],
-    /// The control points before and after the split, both from there on.
-    sides: [Columns<R>; 2],
+    /// The square of the distance at the split.
+    squares: [R; BLOCK],
 }
 
 impl<R: Real> Bounds<R> {
@@ -197,20 +197,7 @@ impl<R: Real> Bounds<R> {
             lows: [R::default(); BLOCK],
             highs: [R::default(); BLOCK],
             tight: [R::default(); BLOCK],
-            sides: [[[[R::default(); BLOCK]; 3]; 4]; 2],
-        }
-    }
-
-    /// Splits each pair of a block at its time. To form the parts anew for each stage would cost
-    /// more than to keep them.
-    #[inline(always)]
-    fn split(&mut self, lanes: &Lanes<'_, R>, count: usize) {
-        let count = count.min(BLOCK);
-        let lanes = lanes.first(count);
-        for i in 0..count {
-            let [before, after] = split(control_points(&lanes, i), self.times[i]);
-            set(&mut self.sides[0], i, &before);
-            set(&mut self.sides[1], i, &after);
+            squares: [R::default(); BLOCK],
         }
     }
 }
@@ -329,12 +316,16 @@ pub(super) fn enclose_block<R: Real>(
         let found = settle(&block.cubic(i), block.time(i));
         bounds.times[i] = local_time(found.time);
     }
-    bounds.split(&lanes, count);
+    // The cubics have served; their place takes the part after the split, which would cost more to
+    // form anew.
     for i in 0..count {
-        bounds.lows[i] = lower_bound(get(&bounds.sides[0], i));
+        let [before, after] = split(control_points(&lanes, i), bounds.times[i]);
+        bounds.lows[i] = lower_bound(before);
+        bounds.squares[i] = dot(before[0], before[0]);
+        set(&mut block.cubics, i, &after);
     }
     for i in 0..count {
-        bounds.highs[i] = lower_bound(get(&bounds.sides[1], i));
+        bounds.highs[i] = lower_bound(get(&block.cubics, i));
     }
     finish_bounds(&lanes, errors, bounds, SPLIT);
 }
@@ -349,20 +340,22 @@ pub(super) fn enclose_block_finely<R: Real>(
     let count = errors.len().min(BLOCK);
     let (lanes, errors, times) = (lanes.first(count), &errors[..count], &times[..count]);
     bounds.times[..count].copy_from_slice(times);
-    bounds.split(&lanes, count);
     for i in 0..count {
-        bounds.lows[i] = lower_bound_near(get(&bounds.sides[0], i));
+        let [before, _] = split(control_points(&lanes, i), times[i]);
+        bounds.squares[i] = dot(before[0], before[0]);
+        bounds.lows[i] = lower_bound_near(before);
     }
     for i in 0..count {
-        let far = lower_bound_far(get(&bounds.sides[0], i));
-        bounds.lows[i] = bounds.lows[i].or_less(far);
+        let [before, _] = split(control_points(&lanes, i), times[i]);
+        bounds.lows[i] = bounds.lows[i].or_less(lower_bound_far(before));
     }
     for i in 0..count {
-        bounds.highs[i] = lower_bound_near(get(&bounds.sides[1], i));
+        let [_, after] = split(control_points(&lanes, i), times[i]);
+        bounds.highs[i] = lower_bound_near(after);
     }
     for i in 0..count {
-        let far = lower_bound_far(get(&bounds.sides[1], i));
-        bounds.highs[i] = bounds.highs[i].or_less(far);
+        let [_, after] = split(control_points(&lanes, i), times[i]);
+        bounds.highs[i] = bounds.highs[i].or_less(lower_bound_far(after));
     }
     finish_bounds(&lanes, errors, bounds, SPLIT_AND_HALVED);
 }
@@ -374,9 +367,9 @@ fn finish_bounds<R: Real>(lanes: &Lanes<'_, R>, errors: &[R], bounds: &mut Bound
     let count = errors.len().min(BLOCK);
     let lanes = lanes.first(count);
     for i in 0..count {
-        let [nearest, ..] = get(&bounds.sides[0], i);
         let bound = bounds.lows[i].or_less(bounds.highs[i]);
-        let found = enclose_between(control_points(&lanes, i), nearest, bound, errors[i], units);
+        let points = control_points(&lanes, i);
+        let found = enclose_between(points, bounds.squares[i], bound, errors[i], units);
         bounds.lows[i] = found.low;
         bounds.highs[i] = found.high;
         bounds.tight[i] = found.tight;
