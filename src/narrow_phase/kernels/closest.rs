@@ -143,9 +143,11 @@ impl<R: Real> Work<'_, R> {
     /// The second try, against the rivals of the first guesses.
     fn guess_again(&mut self) {
         let mut found = [[R::default(); BLOCK]; 2];
-        let [times, distances] = found.each_mut().map(|slot| &mut slot[..self.second.len()]);
+        let [times, distances] = found
+            .each_mut()
+            .map(|slot| &mut slot[..self.second.width()]);
         let mut certificates = [0.0; BLOCK];
-        let certificates = &mut certificates[..self.second.len()];
+        let certificates = &mut certificates[..self.second.width()];
         let [guesses] = self.second.extras();
         guess_block_again(
             self.level,
@@ -176,6 +178,9 @@ impl<R: Real> Work<'_, R> {
     /// The third try: quarters of both sides of the refined time. What is still not proven is
     /// searched by branch and bound.
     fn prove(&mut self) {
+        if self.third.is_empty() {
+            return;
+        }
         let mut bounds = Bounds::new();
         let lanes = self.third.lanes();
         let [times, distances, errors] = self.third.extras();

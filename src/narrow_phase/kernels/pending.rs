@@ -79,6 +79,10 @@ impl<R: Real, const EXTRAS: usize> Pending<R, EXTRAS> {
         self.count
     }
 
+    pub(super) fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
     #[inline]
     pub(super) fn is_full(&self) -> bool {
         self.count == BLOCK
@@ -104,17 +108,25 @@ impl<R: Real, const EXTRAS: usize> Pending<R, EXTRAS> {
         [at(0), at(1), at(2), at(3)]
     }
 
+    /// The number of lanes: that of the pairs, filled up to whole vectors of 64 bytes. What is in
+    /// the lanes without a pair is of no use; without them the last pairs would be done one by one.
+    pub(super) fn width(&self) -> usize {
+        self.count.next_multiple_of(64 / size_of::<R>())
+    }
+
     pub(super) fn lanes(&self) -> Lanes<'_, R> {
+        let width = self.width();
         Lanes {
             coordinates: self
                 .coordinates
                 .each_ref()
-                .map(|axis| axis.each_ref().map(|slot| &slot[..self.count])),
+                .map(|axis| axis.each_ref().map(|slot| &slot[..width])),
         }
     }
 
     pub(super) fn extras(&self) -> [&[R]; EXTRAS] {
-        self.extras.each_ref().map(|slot| &slot[..self.count])
+        let width = self.width();
+        self.extras.each_ref().map(|slot| &slot[..width])
     }
 }
 
