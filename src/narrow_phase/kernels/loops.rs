@@ -135,7 +135,11 @@ impl<R: Real> Block<R> {
             self.times[i] = found.time.to_f32();
             self.doubts[i] = found.doubt;
             times[i] = local_time(found.time);
-            distances[i] = distance(found.square);
+            distances[i] = found.square;
+        }
+        // Apart, so that the certificates need not wait for the roots, nor these for the divisions.
+        for i in 0..count {
+            distances[i] = distance(distances[i]);
         }
     }
 
