@@ -351,22 +351,30 @@ pub(super) fn certify(outline: &Outline, u: f32, doubt: f32) -> f32 {
         inward,
         ..
     } = Deflated::new(&outline.square, u, outline.margin);
+    // Where the slope is inward, the quotient `inward / (u + 1)` is added: it is convex, and above
+    // its tangent at u = 1/2, a straight line that goes into the quartic.
+    let (q0, q1) = (q0 + (8.0 / 9.0) * inward, q1 - (4.0 / 9.0) * inward);
     // Bernstein coefficients from the middle outward, to both sides at once.
-    let even = [q0, q0, q0 + (1.0 / 6.0) * q2, q0 + 0.5 * q2, q0 + (q2 + q4)];
-    let odd = [0.0, 0.25 * q1, 0.5 * q1, 0.75 * q1 + 0.25 * q3, q1 + q3];
-    // Where the slope is inward: on the side of the end coefficient i of the quintic, from the end
-    // on, is i / 5 times that of the quartic, plus `inward`. On the other side the quotient
-    // `inward / (u + 1)` is convex, and above its tangent at u = 1/2, which is a straight line.
-    let mut low = [even[4] - odd[4] + 5.0 * inward; 5];
-    let mut high = [even[0] + (4.0 / 3.0 - 4.0 / 9.0) * inward; 5];
-    let mut j = 1;
-    while j < 5 {
-        let distance = 1.0 + 0.25 * j as f32;
-        low[j] = even[4 - j] - odd[4 - j] + 5.0 / (j + 1) as f32 * inward;
-        high[j] = even[j] + odd[j] + (4.0 / 3.0 - 4.0 / 9.0 * distance) * inward;
-        j += 1;
-    }
-    let least = least(low).or_less(least(high));
+    let even = [q0 + (1.0 / 6.0) * q2, q0 + 0.5 * q2, q0 + (q2 + q4)];
+    let odd = [0.25 * q1, 0.5 * q1, 0.75 * q1 + 0.25 * q3, q1 + q3];
+    let high = [
+        q0,
+        q0 + odd[0],
+        even[0] + odd[1],
+        even[1] + odd[2],
+        even[2] + odd[3],
+    ];
+    // On the side of the end coefficient i of the quintic, from the end on, is i / 5 times that of
+    // the quartic, plus `inward`: more than the straight line. The middle counts once.
+    let low = [
+        (q0 - odd[0]) + (5.0 / 4.0 - 1.0) * inward,
+        (even[0] - odd[1]) + (5.0 / 3.0 - 10.0 / 9.0) * inward,
+        (even[1] - odd[2]) + (5.0 / 2.0 - 11.0 / 9.0) * inward,
+        (even[2] - odd[3]) + (5.0 - 12.0 / 9.0) * inward,
+    ];
+    let least = least(high)
+        .or_less(low[0].or_less(low[1]))
+        .or_less(low[2].or_less(low[3]));
     least - outline.margin * doubt
 }
 
