@@ -5,7 +5,7 @@ use super::cubic::{CentredCubic, ControlPoints, largest_coordinate, widened};
 use super::dispatch::{enclose_block_finely, guess_block, guess_block_again, guess_pair};
 use super::enclosure::{enclose_from, is_nearest_at};
 use super::exhaustive::{normalised, square_at};
-use super::guess::{HalleyStep, halley_step};
+use super::guess::{halley_step, long_step};
 use super::loops::{BLOCK, Block, Bounds, distance, local_time};
 use super::pending::{Pending, Selection};
 use super::real::Real;
@@ -44,10 +44,9 @@ pub(super) fn refined(points: &ControlPoints<f64>, time: f64, steps: u32) -> (f6
     let mut u = 2.0 * time - 1.0;
     let mut square = square_at(&cubic, u);
     for _ in 0..steps {
-        let HalleyStep {
-            step, long_step, ..
-        } = halley_step(&cubic.derivatives(u));
-        let better = [long_step, step].into_iter().find_map(|step| {
+        let derivatives = cubic.derivatives(u);
+        let steps = [long_step(&derivatives), halley_step(&derivatives).step];
+        let better = steps.into_iter().find_map(|step| {
             let next = (u - step).clamp(-1.0, 1.0);
             let there = square_at(&cubic, next);
             // Not where the step is not a number.

@@ -11,7 +11,7 @@
 //! The stages are functions of their own, so that a block of pairs can pass them one after
 //! the other: many short dependency chains at once instead of a long one.
 
-use super::cubic::{CentredCubic, ControlPoints, Vector, dot, scale, subtract};
+use super::cubic::{CentredCubic, ControlPoints, Vector, dot};
 use super::real::Real;
 
 /// Units of rounding of the deflated coefficients, and that of the slope as a part of it (the
@@ -228,25 +228,30 @@ impl Slope {
 /// the lanes and free of the cancellation in the expanded coefficients.
 #[inline(always)]
 pub(super) fn settle<R: Real>(cubic: &CentredCubic<R>, u: R) -> Settled<R> {
+    arrive(cubic, u, &halley_step(&cubic.derivatives(u)))
+}
+
+/// The second part of the fourth stage: where a Halley step leads, and whether that is near enough.
+#[inline(always)]
+pub(super) fn arrive<R: Real>(cubic: &CentredCubic<R>, u: R, found: &HalleyStep<R>) -> Settled<R> {
     let (zero, one) = (R::from_f64(0.0), R::from_f64(1.0));
-    let derivatives = cubic.derivatives(u);
     let HalleyStep {
-        slope, step, error, ..
-    } = halley_step(&derivatives);
+        slope,
+        step,
+        excess,
+    } = *found;
     // Not above 0 at an end with the slope inward, where there is nothing to settle.
     let inside = (one - u.abs()).or_more(slope * u);
-    // Not above 0 where the step is short and accurate; one that is cut off at an end counts in
-    // full. The least of both, or `inside` if the step is not a number.
-    let off = (error - R::from_f64(4.0) * R::ROUNDING).or_more(step.abs() - R::SETTLED);
-    let settled = off.or_less(inside) <= zero;
     let time = downhill(u, slope, step);
-    // The cube of a step that has settled is rounding.
-    let [position, velocity, bend, _] = derivatives;
-    let back = u - time;
-    let position = subtract(position, scale(back, subtract(velocity, scale(back, bend))));
+    let position = cubic.position(time);
+    let square = dot(position, position);
+    // Not above 0 where the step is short, and accurate as far as the square can tell; one that is
+    // cut off at an end counts in full. The least of both, or `inside` if the step is not a number.
+    let off = (excess - R::ROUNDING * square).or_more(step.abs() - R::SHORT);
+    let settled = off.or_less(inside) <= zero;
     Settled {
         time,
-        square: dot(position, position),
+        square,
         doubt: if settled { 1.0 } else { f32::INFINITY },
     }
 }
@@ -272,33 +277,49 @@ fn downhill<R: Real>(u: R, slope: R, step: R) -> R {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HalleyStep<R> {
     /// Half the slope of the squared distance.
-    slope: R,
+    pub(super) slope: R,
     /// How far to go back in centred time.
     pub(super) step: R,
-    /// The same by Schroeder's method, which is as fast at a multiple root as at a simple one.
-    pub(super) long_step: R,
-    /// An estimate of the error after the step, from the curvature of the slope: of third order
-    /// at a simple root, of the order of the step itself at a multiple one.
-    error: R,
+    /// What the error of the time after the step adds to the square of the distance, less what a
+    /// few units of rounding of the time would. The error is estimated from the curvature of the
+    /// slope: of third order at a simple root, of the order of the step itself at a multiple one.
+    pub(super) excess: R,
 }
 
 /// The step from position, velocity, half the acceleration and a sixth of the third derivative.
 #[inline(always)]
 pub(super) fn halley_step<R: Real>(derivatives: &[Vector<R>; 4]) -> HalleyStep<R> {
-    let (one, two, three) = (R::from_f64(1.0), R::from_f64(2.0), R::from_f64(3.0));
-    let [position, velocity, bend, twist] = *derivatives;
-    let slope = dot(position, velocity);
-    let first = dot(velocity, velocity) + two * dot(position, bend);
-    let second = three * (dot(velocity, bend) + dot(position, twist));
-    let inverse = one / (first * first - slope * second);
+    let [slope, first, second] = slopes(derivatives);
+    let inverse = R::from_f64(1.0) / (first * first - slope * second);
     let step = slope * first * inverse;
     let ratio = slope * second * inverse;
+    let error = step.abs() * (ratio * ratio);
+    let few = R::from_f64(4.0) * R::ROUNDING;
     HalleyStep {
         slope,
         step,
-        long_step: slope * first / (first * first - two * (slope * second)),
-        error: step.abs() * (ratio * ratio),
+        // The square of a small error alone could be subnormal, which is slow.
+        excess: first * ((error - few) * (error + few)),
     }
+}
+
+/// The step of Schroeder's method, which is as fast at a multiple root as at a simple one.
+#[inline(always)]
+pub(super) fn long_step<R: Real>(derivatives: &[Vector<R>; 4]) -> R {
+    let [slope, first, second] = slopes(derivatives);
+    slope * first / (first * first - R::from_f64(2.0) * (slope * second))
+}
+
+/// Half the slope of the squared distance, and the first two derivatives of that, divided by 1 and
+/// 2.
+#[inline(always)]
+fn slopes<R: Real>([position, velocity, bend, twist]: &[Vector<R>; 4]) -> [R; 3] {
+    let (two, three) = (R::from_f64(2.0), R::from_f64(3.0));
+    [
+        dot(*position, *velocity),
+        dot(*velocity, *velocity) + two * dot(*position, *bend),
+        three * (dot(*velocity, *bend) + dot(*position, *twist)),
+    ]
 }
 
 /// The quartic left of the squared distance after dividing twice by the time from a guess.

@@ -13,7 +13,8 @@ use super::batch::Lanes;
 use super::cubic::{CentredCubic, ControlPoints, Vector, dot};
 use super::enclosure::{SPLIT, SPLIT_AND_HALVED, enclose_between};
 use super::guess::{
-    Guess, Outline, certify, descend, descend_safely, guess, lowest_sample, outline, polish, settle,
+    Guess, HalleyStep, Outline, arrive, certify, descend, descend_safely, guess, halley_step,
+    lowest_sample, outline, polish, settle,
 };
 use super::minorant::{lower_bound, lower_bound_far, lower_bound_near, split};
 use super::real::Real;
@@ -35,6 +36,8 @@ pub(super) struct Block<R> {
     squares: [[f32; BLOCK]; 7],
     margins: [f32; BLOCK],
     times: [f32; BLOCK],
+    /// Slopes, steps and excesses of Halley's method.
+    steps: [[R; BLOCK]; 3],
     doubts: [f32; BLOCK],
     rivals: [f32; BLOCK],
 }
@@ -47,6 +50,7 @@ impl<R: Real> Block<R> {
             squares: [[0.0; BLOCK]; 7],
             margins: [0.0; BLOCK],
             times: [0.0; BLOCK],
+            steps: [[R::default(); BLOCK]; 3],
             doubts: [0.0; BLOCK],
             rivals: [0.0; BLOCK],
         }
@@ -130,8 +134,22 @@ impl<R: Real> Block<R> {
     fn settle(&mut self, times: &mut [R], distances: &mut [R]) {
         let count = times.len().min(BLOCK);
         let (times, distances) = (&mut times[..count], &mut distances[..count]);
+        let [slopes, lengths, excesses] = &mut self.steps;
+        // In two loops: what comes after the division is long, and would fill the processor's
+        // queues while it waits.
         for i in 0..count {
-            let found = settle(&self.cubic(i), times[i]);
+            let found = halley_step(&get_cubic(&self.cubics, i).derivatives(times[i]));
+            slopes[i] = found.slope;
+            lengths[i] = found.step;
+            excesses[i] = found.excess;
+        }
+        for i in 0..count {
+            let step = HalleyStep {
+                slope: slopes[i],
+                step: lengths[i],
+                excess: excesses[i],
+            };
+            let found = arrive(&get_cubic(&self.cubics, i), times[i], &step);
             self.times[i] = found.time.to_f32();
             self.doubts[i] = found.doubt;
             times[i] = local_time(found.time);
@@ -140,13 +158,6 @@ impl<R: Real> Block<R> {
         // Apart, so that the certificates need not wait for the roots, nor these for the divisions.
         for i in 0..count {
             distances[i] = distance(distances[i]);
-        }
-    }
-
-    #[inline(always)]
-    fn cubic(&self, i: usize) -> CentredCubic<R> {
-        CentredCubic {
-            coefficients: get(&self.cubics, i),
         }
     }
 
@@ -168,6 +179,13 @@ fn get<R: Real>([c0, c1, c2, c3]: &Columns<R>, i: usize) -> [Vector<R>; 4] {
         [c2[0][i], c2[1][i], c2[2][i]],
         [c3[0][i], c3[1][i], c3[2][i]],
     ]
+}
+
+#[inline(always)]
+fn get_cubic<R: Real>(columns: &Columns<R>, i: usize) -> CentredCubic<R> {
+    CentredCubic {
+        coefficients: get(columns, i),
+    }
 }
 
 #[inline(always)]
@@ -295,7 +313,7 @@ pub(super) fn guess_block_again<R: Real>(
     }
     let times = &mut times[..count];
     for i in 0..count {
-        times[i] = polish(&block.cubic(i), block.time(i));
+        times[i] = polish(&get_cubic(&block.cubics, i), block.time(i));
     }
     block.settle(times, distances);
     for i in 0..count {
@@ -317,7 +335,7 @@ pub(super) fn enclose_block<R: Real>(
     block.fill(&lanes, count);
     block.descend(count);
     for i in 0..count {
-        let found = settle(&block.cubic(i), block.time(i));
+        let found = settle(&get_cubic(&block.cubics, i), block.time(i));
         bounds.times[i] = local_time(found.time);
     }
     // The cubics have served; their place takes the part after the split, which would cost more to
