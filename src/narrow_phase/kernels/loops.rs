@@ -77,14 +77,22 @@ impl<R: Real> Block<R> {
         if R::IS_SINGLE {
             for i in 0..count {
                 let cubic = CentredCubic::new(control_points(&lanes, i));
-                self.set_cubic(i, &cubic);
+                set(&mut self.cubics, i, &cubic.coefficients);
                 self.set_outline(i, &outline::<R>(cubic.rough().coefficients));
             }
             return;
         }
         for i in 0..count {
-            self.set_cubic(i, &CentredCubic::new(control_points(&lanes, i)));
+            let cubic = CentredCubic::new(control_points(&lanes, i));
+            set(&mut self.cubics, i, &cubic.coefficients);
         }
+        self.outline_cubics(count);
+    }
+
+    /// The outlines of the cubics that are there.
+    #[inline(always)]
+    fn outline_cubics(&mut self, count: usize) {
+        let count = count.min(BLOCK);
         // A loop that converts and computes would be as wide as the wider type.
         for (rough, column) in self
             .rough
@@ -101,9 +109,15 @@ impl<R: Real> Block<R> {
         }
     }
 
+    /// Takes over the cubic and the time of a pair of another block.
     #[inline(always)]
-    fn set_cubic(&mut self, i: usize, cubic: &CentredCubic<R>) {
-        set(&mut self.cubics, i, &cubic.coefficients);
+    pub(super) fn take(&mut self, i: usize, from: &Self, place: usize) {
+        for (column, other) in self.cubics.iter_mut().zip(&from.cubics) {
+            for (slot, other) in column.iter_mut().zip(other) {
+                slot[i] = other[place];
+            }
+        }
+        self.times[i] = from.times[place];
     }
 
     #[inline(always)]
@@ -242,12 +256,6 @@ pub(super) fn local_time<R: Real>(centred: R) -> R {
     R::from_f64(0.5) * (centred + R::from_f64(1.0))
 }
 
-/// The centred time -1..=1 of a local time 0..=1.
-#[inline(always)]
-pub(super) fn centred_time<R: Real>(local: R) -> R {
-    R::from_f64(2.0) * local - R::from_f64(1.0)
-}
-
 /// The distance from 64 times its square.
 #[inline(always)]
 pub(super) fn distance<R: Real>(square: R) -> R {
@@ -261,9 +269,7 @@ pub(super) fn guess_pair<R: Real>(points: &ControlPoints<R>) -> Guess<R> {
     if found.certificate > 0.0 {
         return found;
     }
-    // By way of the local time, as in a batch.
-    let first = centred_time(local_time(found.time)).to_f32();
-    guess_against_rival(*points, first)
+    guess_against_rival(*points, found.time.to_f32())
 }
 
 #[inline(always)]
@@ -291,18 +297,13 @@ pub(super) fn guess_block<R: Real>(
 #[inline(always)]
 pub(super) fn guess_block_again<R: Real>(
     block: &mut Block<R>,
-    lanes: &Lanes<'_, R>,
-    guesses: &[R],
     times: &mut [R],
     distances: &mut [R],
     certificates: &mut [f32],
 ) {
-    let count = guesses.len().min(BLOCK);
-    let (guesses, certificates) = (&guesses[..count], &mut certificates[..count]);
-    block.fill(lanes, count);
-    for i in 0..count {
-        block.times[i] = centred_time(guesses[i]).to_f32();
-    }
+    let count = times.len().min(BLOCK);
+    let certificates = &mut certificates[..count];
+    block.outline_cubics(count);
     for i in 0..count {
         let contest = contest(&block.outline(i), block.times[i]);
         block.times[i] = contest.start;

@@ -7,6 +7,11 @@ use super::cubic::ControlPoints;
 use super::loops::BLOCK;
 use super::real::Real;
 
+/// A number of lanes filled up to whole vectors of 64 bytes.
+pub(super) fn whole_vectors<R>(count: usize) -> usize {
+    count.next_multiple_of(64 / size_of::<R>())
+}
+
 /// Up to a block of pairs with `EXTRAS` more numbers each.
 #[derive(Debug)]
 pub(super) struct Pending<R, const EXTRAS: usize> {
@@ -111,7 +116,7 @@ impl<R: Real, const EXTRAS: usize> Pending<R, EXTRAS> {
     /// The number of lanes: that of the pairs, filled up to whole vectors of 64 bytes. What is in
     /// the lanes without a pair is of no use; without them the last pairs would be done one by one.
     pub(super) fn width(&self) -> usize {
-        self.count.next_multiple_of(64 / size_of::<R>())
+        whole_vectors::<R>(self.count)
     }
 
     pub(super) fn lanes(&self) -> Lanes<'_, R> {
@@ -175,7 +180,7 @@ impl Selection {
     }
 
     #[inline]
-    fn next(&mut self) -> Option<usize> {
+    pub(super) fn next(&mut self) -> Option<usize> {
         while let Some(bits) = self.bits.get_mut(self.word) {
             if *bits != 0 {
                 let place = 64 * self.word + bits.trailing_zeros() as usize;
