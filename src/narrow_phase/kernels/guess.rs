@@ -235,19 +235,15 @@ pub(super) fn settle<R: Real>(cubic: &CentredCubic<R>, u: R) -> Settled<R> {
 #[inline(always)]
 pub(super) fn arrive<R: Real>(cubic: &CentredCubic<R>, u: R, found: &HalleyStep<R>) -> Settled<R> {
     let (zero, one) = (R::from_f64(0.0), R::from_f64(1.0));
-    let HalleyStep {
-        slope,
-        step,
-        excess,
-    } = *found;
+    let HalleyStep { slope, step, error } = *found;
     // Not above 0 at an end with the slope inward, where there is nothing to settle.
     let inside = (one - u.abs()).or_more(slope * u);
     let time = downhill(u, slope, step);
     let position = cubic.position(time);
     let square = dot(position, position);
-    // Not above 0 where the step is short, and accurate as far as the square can tell; one that is
-    // cut off at an end counts in full. The least of both, or `inside` if the step is not a number.
-    let off = (excess - R::ROUNDING * square).or_more(step.abs() - R::SHORT);
+    // Not above 0 where the step is short and accurate; one that is cut off at an end counts in
+    // full. The least of both, or `inside` if the step is not a number.
+    let off = (error - R::from_f64(4.0) * R::ROUNDING).or_more(step.abs() - R::SETTLED);
     let settled = off.or_less(inside) <= zero;
     Settled {
         time,
@@ -280,10 +276,9 @@ pub(super) struct HalleyStep<R> {
     pub(super) slope: R,
     /// How far to go back in centred time.
     pub(super) step: R,
-    /// What the error of the time after the step adds to the square of the distance, less what a
-    /// few units of rounding of the time would. The error is estimated from the curvature of the
-    /// slope: of third order at a simple root, of the order of the step itself at a multiple one.
-    pub(super) excess: R,
+    /// An estimate of the error after the step, from the curvature of the slope: of third order
+    /// at a simple root, of the order of the step itself at a multiple one.
+    pub(super) error: R,
 }
 
 /// The step from position, velocity, half the acceleration and a sixth of the third derivative.
@@ -293,13 +288,10 @@ pub(super) fn halley_step<R: Real>(derivatives: &[Vector<R>; 4]) -> HalleyStep<R
     let inverse = R::from_f64(1.0) / (first * first - slope * second);
     let step = slope * first * inverse;
     let ratio = slope * second * inverse;
-    let error = step.abs() * (ratio * ratio);
-    let few = R::from_f64(4.0) * R::ROUNDING;
     HalleyStep {
         slope,
         step,
-        // The square of a small error alone could be subnormal, which is slow.
-        excess: first * ((error - few) * (error + few)),
+        error: step.abs() * (ratio * ratio),
     }
 }
 

@@ -36,7 +36,7 @@ pub(super) struct Block<R> {
     squares: [[f32; BLOCK]; 7],
     margins: [f32; BLOCK],
     times: [f32; BLOCK],
-    /// Slopes, steps and excesses of Halley's method.
+    /// Slopes, steps and errors of Halley's method.
     steps: [[R; BLOCK]; 3],
     doubts: [f32; BLOCK],
     rivals: [f32; BLOCK],
@@ -148,20 +148,20 @@ impl<R: Real> Block<R> {
     fn settle(&mut self, times: &mut [R], distances: &mut [R]) {
         let count = times.len().min(BLOCK);
         let (times, distances) = (&mut times[..count], &mut distances[..count]);
-        let [slopes, lengths, excesses] = &mut self.steps;
+        let [slopes, lengths, errors] = &mut self.steps;
         // In two loops: what comes after the division is long, and would fill the processor's
         // queues while it waits.
         for i in 0..count {
             let found = halley_step(&get_cubic(&self.cubics, i).derivatives(times[i]));
             slopes[i] = found.slope;
             lengths[i] = found.step;
-            excesses[i] = found.excess;
+            errors[i] = found.error;
         }
         for i in 0..count {
             let step = HalleyStep {
                 slope: slopes[i],
                 step: lengths[i],
-                excess: excesses[i],
+                error: errors[i],
             };
             let found = arrive(&get_cubic(&self.cubics, i), times[i], &step);
             self.times[i] = found.time.to_f32();

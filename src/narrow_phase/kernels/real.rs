@@ -38,14 +38,14 @@ pub trait Real:
     /// Squares up to this size do not overflow in sums of some hundred products.
     const LARGE: Self;
 
-    /// A step of Halley's method up to this size, in centred time, is a part of the span so small
-    /// that the estimate of what error it leaves can be relied on.
-    const SHORT: Self;
+    /// A step of Halley's method up to this size leaves an error of a few units of rounding:
+    /// about the cube root of the rounding.
+    const SETTLED: Self;
 
     /// Whether this is `f32`.
     const IS_SINGLE: bool;
 
-    /// Steps of Householder's method in `f32` that bring most samples to `SHORT` of a minimum.
+    /// Steps of Householder's method in `f32` that bring most samples to `SETTLED` of a minimum.
     const STEPS: u32;
 
     /// The nearest number of this type.
@@ -92,10 +92,10 @@ pub trait Real:
 }
 
 macro_rules! implement_real {
-    ($float:ident, $narrow:expr, $to_f32:expr, $steps:expr, $short:expr, $underflow:expr) => {
+    ($float:ident, $narrow:expr, $to_f32:expr, $steps:expr, $settled:expr, $underflow:expr) => {
         impl Real for $float {
             const ROUNDING: Self = 0.5 * $float::EPSILON;
-            const SHORT: Self = $short;
+            const SETTLED: Self = $settled;
             const IS_SINGLE: bool = $float::MANTISSA_DIGITS == f32::MANTISSA_DIGITS;
             const STEPS: u32 = $steps;
             const LARGE: Self = $float::MAX / 1024.0;
@@ -158,5 +158,5 @@ fn keep<T>(value: T) -> T {
     value
 }
 
-implement_real!(f32, narrow, keep, 1, 2e-2, 1e-28);
-implement_real!(f64, keep, narrow, 2, 5e-5, 1e-270);
+implement_real!(f32, narrow, keep, 1, 3e-3, 1e-28);
+implement_real!(f64, keep, narrow, 2, 5e-6, 1e-270);
