@@ -51,15 +51,8 @@ pub(super) fn is_nearest_at(points: &ControlPoints<f64>, time: f64, error: f64) 
     let low = lower_bound_near(before).or_less(lower_bound_far(before));
     let high = lower_bound_near(after).or_less(lower_bound_far(after));
     let bound = low.or_less(high);
-    enclose_between(
-        *points,
-        dot(before[0], before[0]),
-        bound,
-        error,
-        SPLIT_AND_HALVED,
-    )
-    .tight
-        > 0.0
+    let best = dot(before[0], before[0]);
+    enclose_between(*points, best, bound, error, SPLIT_AND_HALVED).tight > 0.0
 }
 
 /// The enclosure between a lower bound of the squared distance and `best`, that at the guess.
