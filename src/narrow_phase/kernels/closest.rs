@@ -5,9 +5,9 @@ use super::cubic::{CentredCubic, ControlPoints, largest_coordinate, widened};
 use super::dispatch::{enclose_block_finely, guess_block, guess_block_again, guess_pair};
 use super::enclosure::{enclose_from, is_nearest_at};
 use super::exhaustive::{normalised, square_at};
-use super::guess::{HalleyStep, halley_step};
+use super::guess::{halley_step, long_step};
 use super::loops::{BLOCK, Block, Bounds, distance, local_time};
-use super::pending::{Pending, Selection};
+use super::pending::{Pending, Selection, whole_vectors};
 use super::real::Real;
 use crate::simd::Level;
 
@@ -44,10 +44,9 @@ pub(super) fn refined(points: &ControlPoints<f64>, time: f64, steps: u32) -> (f6
     let mut u = 2.0 * time - 1.0;
     let mut square = square_at(&cubic, u);
     for _ in 0..steps {
-        let HalleyStep {
-            step, long_step, ..
-        } = halley_step(&cubic.derivatives(u));
-        let better = [long_step, step].into_iter().find_map(|step| {
+        let derivatives = cubic.derivatives(u);
+        let steps = [long_step(&derivatives), halley_step(&derivatives).step];
+        let better = steps.into_iter().find_map(|step| {
             let next = (u - step).clamp(-1.0, 1.0);
             let there = square_at(&cubic, next);
             // Not where the step is not a number.
@@ -81,11 +80,14 @@ fn allowance<R: Real>(points: &ControlPoints<f64>) -> f64 {
 /// The work of one call of [`closest_approach`].
 struct Work<'a, R> {
     level: Level,
+    lanes: Lanes<'a, R>,
     times: &'a mut [R],
     distances: &'a mut [R],
     block: Block<R>,
-    /// Not certified at the first try: with the time.
-    second: Pending<R, 1>,
+    /// Not certified at the first try: which pairs, how many, and their cubics and times.
+    pairs: [usize; BLOCK],
+    count: usize,
+    second: Block<R>,
     /// Not certified at the second try: with time and distance, refined, and
     /// [`allowance`], in f64.
     third: Pending<f64, 3>,
@@ -100,16 +102,19 @@ pub(super) fn closest_approach<R: Real>(
 ) {
     let mut work = Work {
         level,
+        lanes: *lanes,
         times,
         distances,
         block: Block::new(),
-        second: Pending::new(),
+        pairs: [0; BLOCK],
+        count: 0,
+        second: Block::new(),
         third: Pending::new(),
     };
     let mut start = 0;
     while start < lanes.len() {
         let end = (start + BLOCK).min(lanes.len());
-        work.guess(lanes, start, end);
+        work.guess(start, end);
         start = end;
     }
     work.guess_again();
@@ -118,10 +123,10 @@ pub(super) fn closest_approach<R: Real>(
 
 impl<R: Real> Work<'_, R> {
     /// The first try for a part of the batch.
-    fn guess(&mut self, lanes: &Lanes<'_, R>, start: usize, end: usize) {
+    fn guess(&mut self, start: usize, end: usize) {
         let mut certificates = [0.0; BLOCK];
         let certificates = &mut certificates[..end - start];
-        let part = lanes.range(start, end);
+        let part = self.lanes.range(start, end);
         guess_block(
             self.level,
             &mut self.block,
@@ -131,10 +136,11 @@ impl<R: Real> Work<'_, R> {
             certificates,
         );
         let mut failed = Selection::without(certificates);
-        while !failed.is_empty() {
-            self.second
-                .take(&mut failed, start, &part, [&self.times[start..end]]);
-            if self.second.is_full() {
+        while let Some(place) = failed.next() {
+            self.pairs[self.count] = start + place;
+            self.second.take(self.count, &self.block, place);
+            self.count += 1;
+            if self.count == BLOCK {
                 self.guess_again();
             }
         }
@@ -142,27 +148,19 @@ impl<R: Real> Work<'_, R> {
 
     /// The second try, against the rivals of the first guesses.
     fn guess_again(&mut self) {
+        let width = whole_vectors::<R>(self.count);
         let mut found = [[R::default(); BLOCK]; 2];
-        let [times, distances] = found.each_mut().map(|slot| &mut slot[..self.second.len()]);
+        let [times, distances] = found.each_mut().map(|slot| &mut slot[..width]);
         let mut certificates = [0.0; BLOCK];
-        let certificates = &mut certificates[..self.second.len()];
-        let [guesses] = self.second.extras();
-        guess_block_again(
-            self.level,
-            &mut self.block,
-            &self.second.lanes(),
-            guesses,
-            times,
-            distances,
-            certificates,
-        );
-        for i in 0..self.second.len() {
-            let pair = self.second.pair(i);
+        let certificates = &mut certificates[..width];
+        guess_block_again(self.level, &mut self.second, times, distances, certificates);
+        for i in 0..self.count {
+            let pair = self.pairs[i];
             if is_positive(certificates[i]) {
                 (self.times[pair], self.distances[pair]) = (times[i], distances[i]);
                 continue;
             }
-            let wide = widened(&self.second.control_points(i));
+            let wide = widened(&self.lanes.control_points(pair));
             let (time, distance) = refined(&wide, times[i].to_f64(), QUICK);
             self.third
                 .push(pair, wide, [time, distance, allowance::<R>(&wide)]);
@@ -170,12 +168,15 @@ impl<R: Real> Work<'_, R> {
                 self.prove();
             }
         }
-        self.second.clear();
+        self.count = 0;
     }
 
     /// The third try: quarters of both sides of the refined time. What is still not proven is
     /// searched by branch and bound.
     fn prove(&mut self) {
+        if self.third.is_empty() {
+            return;
+        }
         let mut bounds = Bounds::new();
         let lanes = self.third.lanes();
         let [times, distances, errors] = self.third.extras();

@@ -25,11 +25,10 @@ for_each_level! {
 }
 
 for_each_level! {
-    /// Guesses again, from first guesses in local time, and proves against the rival.
+    /// Guesses again, for the cubics and from the first guesses of a block, and proves against the
+    /// rival.
     guess_block_again<R: Real>(
         block: &mut Block<R>,
-        lanes: &Lanes<'_, R>,
-        guesses: &[R],
         times: &mut [R],
         distances: &mut [R],
         certificates: &mut [f32],

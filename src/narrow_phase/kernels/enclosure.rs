@@ -51,23 +51,23 @@ pub(super) fn is_nearest_at(points: &ControlPoints<f64>, time: f64, error: f64) 
     let low = lower_bound_near(before).or_less(lower_bound_far(before));
     let high = lower_bound_near(after).or_less(lower_bound_far(after));
     let bound = low.or_less(high);
-    enclose_between(*points, before[0], bound, error, SPLIT_AND_HALVED).tight > 0.0
+    let best = dot(before[0], before[0]);
+    enclose_between(*points, best, bound, error, SPLIT_AND_HALVED).tight > 0.0
 }
 
-/// The enclosure between a lower bound of the squared distance and the distance at the guess.
+/// The enclosure between a lower bound of the squared distance and `best`, that at the guess.
 ///
 /// For polygons outside 1e±60 the lower bound may have suffered from the range.
 #[inline(always)]
 pub(super) fn enclose_between<R: Real>(
     points: ControlPoints<R>,
-    nearest: Vector<R>,
+    best: R,
     bound: R,
     error: R,
     units: f64,
 ) -> Bracketed<R> {
     let size = size(points);
     let total = total_error(error, size, units);
-    let best = dot(nearest, nearest);
     let (low, high) = outward(bound, best, total);
     let in_range = (size > R::from_f64(1e-60)) & (size < R::from_f64(1e60));
     let (zero, one) = (R::from_f64(0.0), R::from_f64(1.0));

@@ -46,6 +46,9 @@ pub(super) fn enclosures(
 
 /// Quarters for the pairs that are pending, and branch and bound for those still not tight.
 fn enclose_again(level: Level, pending: &mut Pending<f64, 2>, enclosures: &mut [Enclosure]) {
+    if pending.is_empty() {
+        return;
+    }
     let mut bounds = Bounds::new();
     let lanes = pending.lanes();
     let [errors, times] = pending.extras();

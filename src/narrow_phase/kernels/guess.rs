@@ -11,7 +11,7 @@
 //! The stages are functions of their own, so that a block of pairs can pass them one after
 //! the other: many short dependency chains at once instead of a long one.
 
-use super::cubic::{CentredCubic, ControlPoints, Vector, dot, scale, subtract};
+use super::cubic::{CentredCubic, ControlPoints, Vector, dot};
 use super::real::Real;
 
 /// Units of rounding of the deflated coefficients, and that of the slope as a part of it (the
@@ -228,25 +228,26 @@ impl Slope {
 /// the lanes and free of the cancellation in the expanded coefficients.
 #[inline(always)]
 pub(super) fn settle<R: Real>(cubic: &CentredCubic<R>, u: R) -> Settled<R> {
+    arrive(cubic, u, &halley_step(&cubic.derivatives(u)))
+}
+
+/// The second part of the fourth stage: where a Halley step leads, and whether that is near enough.
+#[inline(always)]
+pub(super) fn arrive<R: Real>(cubic: &CentredCubic<R>, u: R, found: &HalleyStep<R>) -> Settled<R> {
     let (zero, one) = (R::from_f64(0.0), R::from_f64(1.0));
-    let derivatives = cubic.derivatives(u);
-    let HalleyStep {
-        slope, step, error, ..
-    } = halley_step(&derivatives);
+    let HalleyStep { slope, step, error } = *found;
     // Not above 0 at an end with the slope inward, where there is nothing to settle.
     let inside = (one - u.abs()).or_more(slope * u);
+    let time = downhill(u, slope, step);
+    let position = cubic.position(time);
+    let square = dot(position, position);
     // Not above 0 where the step is short and accurate; one that is cut off at an end counts in
     // full. The least of both, or `inside` if the step is not a number.
     let off = (error - R::from_f64(4.0) * R::ROUNDING).or_more(step.abs() - R::SETTLED);
     let settled = off.or_less(inside) <= zero;
-    let time = downhill(u, slope, step);
-    // The cube of a step that has settled is rounding.
-    let [position, velocity, bend, _] = derivatives;
-    let back = u - time;
-    let position = subtract(position, scale(back, subtract(velocity, scale(back, bend))));
     Settled {
         time,
-        square: dot(position, position),
+        square,
         doubt: if settled { 1.0 } else { f32::INFINITY },
     }
 }
@@ -272,33 +273,45 @@ fn downhill<R: Real>(u: R, slope: R, step: R) -> R {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HalleyStep<R> {
     /// Half the slope of the squared distance.
-    slope: R,
+    pub(super) slope: R,
     /// How far to go back in centred time.
     pub(super) step: R,
-    /// The same by Schroeder's method, which is as fast at a multiple root as at a simple one.
-    pub(super) long_step: R,
     /// An estimate of the error after the step, from the curvature of the slope: of third order
     /// at a simple root, of the order of the step itself at a multiple one.
-    error: R,
+    pub(super) error: R,
 }
 
 /// The step from position, velocity, half the acceleration and a sixth of the third derivative.
 #[inline(always)]
 pub(super) fn halley_step<R: Real>(derivatives: &[Vector<R>; 4]) -> HalleyStep<R> {
-    let (one, two, three) = (R::from_f64(1.0), R::from_f64(2.0), R::from_f64(3.0));
-    let [position, velocity, bend, twist] = *derivatives;
-    let slope = dot(position, velocity);
-    let first = dot(velocity, velocity) + two * dot(position, bend);
-    let second = three * (dot(velocity, bend) + dot(position, twist));
-    let inverse = one / (first * first - slope * second);
+    let [slope, first, second] = slopes(derivatives);
+    let inverse = R::from_f64(1.0) / (first * first - slope * second);
     let step = slope * first * inverse;
     let ratio = slope * second * inverse;
     HalleyStep {
         slope,
         step,
-        long_step: slope * first / (first * first - two * (slope * second)),
         error: step.abs() * (ratio * ratio),
     }
+}
+
+/// The step of Schroeder's method, which is as fast at a multiple root as at a simple one.
+#[inline(always)]
+pub(super) fn long_step<R: Real>(derivatives: &[Vector<R>; 4]) -> R {
+    let [slope, first, second] = slopes(derivatives);
+    slope * first / (first * first - R::from_f64(2.0) * (slope * second))
+}
+
+/// Half the slope of the squared distance, and the first two derivatives of that, divided by 1 and
+/// 2.
+#[inline(always)]
+fn slopes<R: Real>([position, velocity, bend, twist]: &[Vector<R>; 4]) -> [R; 3] {
+    let (two, three) = (R::from_f64(2.0), R::from_f64(3.0));
+    [
+        dot(*position, *velocity),
+        dot(*velocity, *velocity) + two * dot(*position, *bend),
+        three * (dot(*velocity, *bend) + dot(*position, *twist)),
+    ]
 }
 
 /// The quartic left of the squared distance after dividing twice by the time from a guess.
@@ -351,22 +364,30 @@ pub(super) fn certify(outline: &Outline, u: f32, doubt: f32) -> f32 {
         inward,
         ..
     } = Deflated::new(&outline.square, u, outline.margin);
+    // Where the slope is inward, the quotient `inward / (u + 1)` is added: it is convex, and above
+    // its tangent at u = 1/2, a straight line that goes into the quartic.
+    let (q0, q1) = (q0 + (8.0 / 9.0) * inward, q1 - (4.0 / 9.0) * inward);
     // Bernstein coefficients from the middle outward, to both sides at once.
-    let even = [q0, q0, q0 + (1.0 / 6.0) * q2, q0 + 0.5 * q2, q0 + (q2 + q4)];
-    let odd = [0.0, 0.25 * q1, 0.5 * q1, 0.75 * q1 + 0.25 * q3, q1 + q3];
-    // Where the slope is inward: on the side of the end coefficient i of the quintic, from the end
-    // on, is i / 5 times that of the quartic, plus `inward`. On the other side the quotient
-    // `inward / (u + 1)` is convex, and above its tangent at u = 1/2, which is a straight line.
-    let mut low = [even[4] - odd[4] + 5.0 * inward; 5];
-    let mut high = [even[0] + (4.0 / 3.0 - 4.0 / 9.0) * inward; 5];
-    let mut j = 1;
-    while j < 5 {
-        let distance = 1.0 + 0.25 * j as f32;
-        low[j] = even[4 - j] - odd[4 - j] + 5.0 / (j + 1) as f32 * inward;
-        high[j] = even[j] + odd[j] + (4.0 / 3.0 - 4.0 / 9.0 * distance) * inward;
-        j += 1;
-    }
-    let least = least(low).or_less(least(high));
+    let even = [q0 + (1.0 / 6.0) * q2, q0 + 0.5 * q2, q0 + (q2 + q4)];
+    let odd = [0.25 * q1, 0.5 * q1, 0.75 * q1 + 0.25 * q3, q1 + q3];
+    let high = [
+        q0,
+        q0 + odd[0],
+        even[0] + odd[1],
+        even[1] + odd[2],
+        even[2] + odd[3],
+    ];
+    // On the side of the end coefficient i of the quintic, from the end on, is i / 5 times that of
+    // the quartic, plus `inward`: more than the straight line. The middle counts once.
+    let low = [
+        (q0 - odd[0]) + (5.0 / 4.0 - 1.0) * inward,
+        (even[0] - odd[1]) + (5.0 / 3.0 - 10.0 / 9.0) * inward,
+        (even[1] - odd[2]) + (5.0 / 2.0 - 11.0 / 9.0) * inward,
+        (even[2] - odd[3]) + (5.0 - 12.0 / 9.0) * inward,
+    ];
+    let least = least(high)
+        .or_less(low[0].or_less(low[1]))
+        .or_less(low[2].or_less(low[3]));
     least - outline.margin * doubt
 }
 

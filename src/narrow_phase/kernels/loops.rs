@@ -10,10 +10,11 @@
 )]
 
 use super::batch::Lanes;
-use super::cubic::{CentredCubic, ControlPoints};
+use super::cubic::{CentredCubic, ControlPoints, Vector, dot};
 use super::enclosure::{SPLIT, SPLIT_AND_HALVED, enclose_between};
 use super::guess::{
-    Guess, Outline, certify, descend, descend_safely, guess, lowest_sample, outline, polish, settle,
+    Guess, HalleyStep, Outline, arrive, certify, descend, descend_safely, guess, halley_step,
+    lowest_sample, outline, polish, settle,
 };
 use super::minorant::{lower_bound, lower_bound_far, lower_bound_near, split};
 use super::real::Real;
@@ -30,11 +31,13 @@ pub(super) const BLOCK: usize = 96;
 #[repr(align(64))]
 #[derive(Debug)]
 pub(super) struct Block<R> {
-    cubics: [[[R; BLOCK]; 3]; 4],
-    rough: [[[f32; BLOCK]; 3]; 4],
+    cubics: Columns<R>,
+    rough: Columns<f32>,
     squares: [[f32; BLOCK]; 7],
     margins: [f32; BLOCK],
     times: [f32; BLOCK],
+    /// Slopes, steps and errors of Halley's method.
+    steps: [[R; BLOCK]; 3],
     doubts: [f32; BLOCK],
     rivals: [f32; BLOCK],
 }
@@ -47,6 +50,7 @@ impl<R: Real> Block<R> {
             squares: [[0.0; BLOCK]; 7],
             margins: [0.0; BLOCK],
             times: [0.0; BLOCK],
+            steps: [[R::default(); BLOCK]; 3],
             doubts: [0.0; BLOCK],
             rivals: [0.0; BLOCK],
         }
@@ -73,14 +77,22 @@ impl<R: Real> Block<R> {
         if R::IS_SINGLE {
             for i in 0..count {
                 let cubic = CentredCubic::new(control_points(&lanes, i));
-                self.set_cubic(i, &cubic);
+                set(&mut self.cubics, i, &cubic.coefficients);
                 self.set_outline(i, &outline::<R>(cubic.rough().coefficients));
             }
             return;
         }
         for i in 0..count {
-            self.set_cubic(i, &CentredCubic::new(control_points(&lanes, i)));
+            let cubic = CentredCubic::new(control_points(&lanes, i));
+            set(&mut self.cubics, i, &cubic.coefficients);
         }
+        self.outline_cubics(count);
+    }
+
+    /// The outlines of the cubics that are there.
+    #[inline(always)]
+    fn outline_cubics(&mut self, count: usize) {
+        let count = count.min(BLOCK);
         // A loop that converts and computes would be as wide as the wider type.
         for (rough, column) in self
             .rough
@@ -93,19 +105,19 @@ impl<R: Real> Block<R> {
             }
         }
         for i in 0..count {
-            self.set_outline(i, &outline::<R>(get(&self.rough, i).coefficients));
+            self.set_outline(i, &outline::<R>(get(&self.rough, i)));
         }
     }
 
+    /// Takes over the cubic and the time of a pair of another block.
     #[inline(always)]
-    fn set_cubic(&mut self, i: usize, cubic: &CentredCubic<R>) {
-        let mut k = 0;
-        while k < 4 {
-            self.cubics[k][0][i] = cubic.coefficients[k][0];
-            self.cubics[k][1][i] = cubic.coefficients[k][1];
-            self.cubics[k][2][i] = cubic.coefficients[k][2];
-            k += 1;
+    pub(super) fn take(&mut self, i: usize, from: &Self, place: usize) {
+        for (column, other) in self.cubics.iter_mut().zip(&from.cubics) {
+            for (slot, other) in column.iter_mut().zip(other) {
+                slot[i] = other[place];
+            }
         }
+        self.times[i] = from.times[place];
     }
 
     #[inline(always)]
@@ -136,12 +148,30 @@ impl<R: Real> Block<R> {
     fn settle(&mut self, times: &mut [R], distances: &mut [R]) {
         let count = times.len().min(BLOCK);
         let (times, distances) = (&mut times[..count], &mut distances[..count]);
+        let [slopes, lengths, errors] = &mut self.steps;
+        // In two loops: what comes after the division is long, and would fill the processor's
+        // queues while it waits.
         for i in 0..count {
-            let found = settle(&get(&self.cubics, i), times[i]);
+            let found = halley_step(&get_cubic(&self.cubics, i).derivatives(times[i]));
+            slopes[i] = found.slope;
+            lengths[i] = found.step;
+            errors[i] = found.error;
+        }
+        for i in 0..count {
+            let step = HalleyStep {
+                slope: slopes[i],
+                step: lengths[i],
+                error: errors[i],
+            };
+            let found = arrive(&get_cubic(&self.cubics, i), times[i], &step);
             self.times[i] = found.time.to_f32();
             self.doubts[i] = found.doubt;
             times[i] = local_time(found.time);
-            distances[i] = distance(found.square);
+            distances[i] = found.square;
+        }
+        // Apart, so that the certificates need not wait for the roots, nor these for the divisions.
+        for i in 0..count {
+            distances[i] = distance(distances[i]);
         }
     }
 
@@ -152,15 +182,34 @@ impl<R: Real> Block<R> {
     }
 }
 
+/// Four vectors for each pair of a block.
+type Columns<R> = [[[R; BLOCK]; 3]; 4];
+
 #[inline(always)]
-fn get<R: Real>([c0, c1, c2, c3]: &[[[R; BLOCK]; 3]; 4], i: usize) -> CentredCubic<R> {
+fn get<R: Real>([c0, c1, c2, c3]: &Columns<R>, i: usize) -> [Vector<R>; 4] {
+    [
+        [c0[0][i], c0[1][i], c0[2][i]],
+        [c1[0][i], c1[1][i], c1[2][i]],
+        [c2[0][i], c2[1][i], c2[2][i]],
+        [c3[0][i], c3[1][i], c3[2][i]],
+    ]
+}
+
+#[inline(always)]
+fn get_cubic<R: Real>(columns: &Columns<R>, i: usize) -> CentredCubic<R> {
     CentredCubic {
-        coefficients: [
-            [c0[0][i], c0[1][i], c0[2][i]],
-            [c1[0][i], c1[1][i], c1[2][i]],
-            [c2[0][i], c2[1][i], c2[2][i]],
-            [c3[0][i], c3[1][i], c3[2][i]],
-        ],
+        coefficients: get(columns, i),
+    }
+}
+
+#[inline(always)]
+fn set<R: Real>(columns: &mut Columns<R>, i: usize, vectors: &[Vector<R>; 4]) {
+    let mut k = 0;
+    while k < 4 {
+        columns[k][0][i] = vectors[k][0];
+        columns[k][1][i] = vectors[k][1];
+        columns[k][2][i] = vectors[k][2];
+        k += 1;
     }
 }
 
@@ -173,6 +222,8 @@ pub(super) struct Bounds<R> {
     pub(super) highs: [R; BLOCK],
     /// See [`super::enclosure::Bracketed`].
     pub(super) tight: [R; BLOCK],
+    /// The square of the distance at the split.
+    squares: [R; BLOCK],
 }
 
 impl<R: Real> Bounds<R> {
@@ -182,6 +233,7 @@ impl<R: Real> Bounds<R> {
             lows: [R::default(); BLOCK],
             highs: [R::default(); BLOCK],
             tight: [R::default(); BLOCK],
+            squares: [R::default(); BLOCK],
         }
     }
 }
@@ -204,12 +256,6 @@ pub(super) fn local_time<R: Real>(centred: R) -> R {
     R::from_f64(0.5) * (centred + R::from_f64(1.0))
 }
 
-/// The centred time -1..=1 of a local time 0..=1.
-#[inline(always)]
-pub(super) fn centred_time<R: Real>(local: R) -> R {
-    R::from_f64(2.0) * local - R::from_f64(1.0)
-}
-
 /// The distance from 64 times its square.
 #[inline(always)]
 pub(super) fn distance<R: Real>(square: R) -> R {
@@ -223,9 +269,7 @@ pub(super) fn guess_pair<R: Real>(points: &ControlPoints<R>) -> Guess<R> {
     if found.certificate > 0.0 {
         return found;
     }
-    // By way of the local time, as in a batch.
-    let first = centred_time(local_time(found.time)).to_f32();
-    guess_against_rival(*points, first)
+    guess_against_rival(*points, found.time.to_f32())
 }
 
 #[inline(always)]
@@ -253,18 +297,13 @@ pub(super) fn guess_block<R: Real>(
 #[inline(always)]
 pub(super) fn guess_block_again<R: Real>(
     block: &mut Block<R>,
-    lanes: &Lanes<'_, R>,
-    guesses: &[R],
     times: &mut [R],
     distances: &mut [R],
     certificates: &mut [f32],
 ) {
-    let count = guesses.len().min(BLOCK);
-    let (guesses, certificates) = (&guesses[..count], &mut certificates[..count]);
-    block.fill(lanes, count);
-    for i in 0..count {
-        block.times[i] = centred_time(guesses[i]).to_f32();
-    }
+    let count = times.len().min(BLOCK);
+    let certificates = &mut certificates[..count];
+    block.outline_cubics(count);
     for i in 0..count {
         let contest = contest(&block.outline(i), block.times[i]);
         block.times[i] = contest.start;
@@ -275,7 +314,7 @@ pub(super) fn guess_block_again<R: Real>(
     }
     let times = &mut times[..count];
     for i in 0..count {
-        times[i] = polish(&get(&block.cubics, i), block.time(i));
+        times[i] = polish(&get_cubic(&block.cubics, i), block.time(i));
     }
     block.settle(times, distances);
     for i in 0..count {
@@ -297,16 +336,19 @@ pub(super) fn enclose_block<R: Real>(
     block.fill(&lanes, count);
     block.descend(count);
     for i in 0..count {
-        let found = settle(&get(&block.cubics, i), block.time(i));
+        let found = settle(&get_cubic(&block.cubics, i), block.time(i));
         bounds.times[i] = local_time(found.time);
     }
+    // The cubics have served; their place takes the part after the split, which would cost more to
+    // form anew.
     for i in 0..count {
-        let [before, _] = split(control_points(&lanes, i), bounds.times[i]);
+        let [before, after] = split(control_points(&lanes, i), bounds.times[i]);
         bounds.lows[i] = lower_bound(before);
+        bounds.squares[i] = dot(before[0], before[0]);
+        set(&mut block.cubics, i, &after);
     }
     for i in 0..count {
-        let [_, after] = split(control_points(&lanes, i), bounds.times[i]);
-        bounds.highs[i] = lower_bound(after);
+        bounds.highs[i] = lower_bound(get(&block.cubics, i));
     }
     finish_bounds(&lanes, errors, bounds, SPLIT);
 }
@@ -320,9 +362,10 @@ pub(super) fn enclose_block_finely<R: Real>(
 ) {
     let count = errors.len().min(BLOCK);
     let (lanes, errors, times) = (lanes.first(count), &errors[..count], &times[..count]);
+    bounds.times[..count].copy_from_slice(times);
     for i in 0..count {
-        bounds.times[i] = times[i];
         let [before, _] = split(control_points(&lanes, i), times[i]);
+        bounds.squares[i] = dot(before[0], before[0]);
         bounds.lows[i] = lower_bound_near(before);
     }
     for i in 0..count {
@@ -347,10 +390,9 @@ fn finish_bounds<R: Real>(lanes: &Lanes<'_, R>, errors: &[R], bounds: &mut Bound
     let count = errors.len().min(BLOCK);
     let lanes = lanes.first(count);
     for i in 0..count {
-        let points = control_points(&lanes, i);
-        let [before, _] = split(points, bounds.times[i]);
         let bound = bounds.lows[i].or_less(bounds.highs[i]);
-        let found = enclose_between(points, before[0], bound, errors[i], units);
+        let points = control_points(&lanes, i);
+        let found = enclose_between(points, bounds.squares[i], bound, errors[i], units);
         bounds.lows[i] = found.low;
         bounds.highs[i] = found.high;
         bounds.tight[i] = found.tight;

@@ -56,33 +56,34 @@ pub(super) fn lower_bound<R: Real>(points: ControlPoints<R>) -> R {
     let product = (square * reach).sqrt();
     let first_error = R::from_f64(4.2) * u * product + R::UNDERFLOW;
     let error = u * (R::from_f64(20.0) * product + R::from_f64(10.5) * reach) + R::UNDERFLOW;
+    // The factor of x² below takes at most 15 times that of a coefficient, and 4 roundings of
+    // terms of 54 m A + 9 A² in sum.
+    let curvature_error = u * (R::from_f64(530.0) * product + R::from_f64(200.0) * reach)
+        + R::from_f64(16.0) * R::UNDERFLOW;
 
     let e1 = a1 - first_error;
-    let e2 = R::from_f64(0.2) * (two * a2 + R::from_f64(6.0) * a1 + three * g11) - error;
-    let e3 = R::from_f64(0.1) * (a3 + R::from_f64(9.0) * (a1 + a2 + g12)) - error;
-    let e4 = R::from_f64(0.2) * (two * (a1 + a3 + g13) + three * (two * a2 + g22)) - error;
-    let e5 = a2 + a3 + g23 - error;
-    let e6 = two * a3 + g33 - error;
+    let e2 = R::from_f64(0.2) * (two * a2 + R::from_f64(6.0) * a1 + three * g11);
+    let e3 = R::from_f64(0.1) * (a3 + R::from_f64(9.0) * (a1 + a2 + g12));
+    let e4 = R::from_f64(0.2) * (two * (a1 + a3 + g13) + three * (two * a2 + g22));
+    let e5 = a2 + a3 + g23;
+    let e6 = two * a3 + g33;
 
-    // x has the coefficients k / 6, x² has k (k - 1) / 30.
+    // x has the coefficients k / 6, x² has k (k - 1) / 30: what each coefficient allows for the
+    // factor of x².
     let c1 = R::from_f64(6.0) * e1;
-    let c2 = curvature(e2, e1, 2.0)
-        .or_less(curvature(e3, e1, 3.0))
-        .or_less(curvature(e4, e1, 4.0))
-        .or_less(curvature(e5, e1, 5.0))
-        .or_less(curvature(e6, e1, 6.0));
+    let c2 = (R::from_f64(15.0) * (e2 - two * e1))
+        .or_less(R::from_f64(5.0) * (e3 - three * e1))
+        .or_less(R::from_f64(2.5) * (e4 - R::from_f64(4.0) * e1))
+        .or_less(R::from_f64(1.5) * (e5 - R::from_f64(5.0) * e1))
+        .or_less(e6 - c1)
+        - curvature_error;
     // The least value of c1 x + c2 x² on 0..=1, negated.
     let vertex = c1 * (c1 / (R::from_f64(4.0) * c2)) * (R::from_f64(1.0) + R::from_f64(16.0) * u);
     let end = (-(c1 + c2)).or_more(zero) * (R::from_f64(1.0) + R::from_f64(8.0) * u);
     let inside = (c1 < zero) & (c2 > zero) & (-c1 <= two * c2);
     let slack = if inside { vertex } else { end };
     // And the plain convex hull.
-    let lowest = e1
-        .or_less(e2)
-        .or_less(e3)
-        .or_less(e4)
-        .or_less(e5)
-        .or_less(e6);
+    let lowest = (e2.or_less(e3).or_less(e4).or_less(e5).or_less(e6) - error).or_less(e1);
     let slack = slack.or_less((-lowest).or_more(zero));
     square - R::from_f64(4.0) * u * square - slack * (R::from_f64(1.0) + R::from_f64(4.0) * u)
 }
@@ -131,14 +132,4 @@ fn select<R: Real>(first: bool, a: Vector<R>, b: Vector<R>) -> Vector<R> {
         if first { a[1] } else { b[1] },
         if first { a[2] } else { b[2] },
     ]
-}
-
-/// What coefficient `k` allows for the factor of x², rounded down.
-#[inline(always)]
-fn curvature<R: Real>(height: R, first: R, k: f64) -> R {
-    let u = R::ROUNDING;
-    let part = R::from_f64(k) * first;
-    let difference = height - part - R::from_f64(4.0) * u * (height.abs() + part.abs());
-    let scaled = R::from_f64(30.0 / (k * (k - 1.0))) * difference;
-    scaled - R::from_f64(8.0) * u * scaled.abs()
 }

@@ -7,6 +7,11 @@ use super::cubic::ControlPoints;
 use super::loops::BLOCK;
 use super::real::Real;
 
+/// A number of lanes filled up to whole vectors of 64 bytes.
+pub(super) fn whole_vectors<R>(count: usize) -> usize {
+    count.next_multiple_of(64 / size_of::<R>())
+}
+
 /// Up to a block of pairs with `EXTRAS` more numbers each.
 #[derive(Debug)]
 pub(super) struct Pending<R, const EXTRAS: usize> {
@@ -79,6 +84,10 @@ impl<R: Real, const EXTRAS: usize> Pending<R, EXTRAS> {
         self.count
     }
 
+    pub(super) fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
     #[inline]
     pub(super) fn is_full(&self) -> bool {
         self.count == BLOCK
@@ -104,17 +113,25 @@ impl<R: Real, const EXTRAS: usize> Pending<R, EXTRAS> {
         [at(0), at(1), at(2), at(3)]
     }
 
+    /// The number of lanes: that of the pairs, filled up to whole vectors of 64 bytes. What is in
+    /// the lanes without a pair is of no use; without them the last pairs would be done one by one.
+    pub(super) fn width(&self) -> usize {
+        whole_vectors::<R>(self.count)
+    }
+
     pub(super) fn lanes(&self) -> Lanes<'_, R> {
+        let width = self.width();
         Lanes {
             coordinates: self
                 .coordinates
                 .each_ref()
-                .map(|axis| axis.each_ref().map(|slot| &slot[..self.count])),
+                .map(|axis| axis.each_ref().map(|slot| &slot[..width])),
         }
     }
 
     pub(super) fn extras(&self) -> [&[R]; EXTRAS] {
-        self.extras.each_ref().map(|slot| &slot[..self.count])
+        let width = self.width();
+        self.extras.each_ref().map(|slot| &slot[..width])
     }
 }
 
@@ -163,7 +180,7 @@ impl Selection {
     }
 
     #[inline]
-    fn next(&mut self) -> Option<usize> {
+    pub(super) fn next(&mut self) -> Option<usize> {
         while let Some(bits) = self.bits.get_mut(self.word) {
             if *bits != 0 {
                 let place = 64 * self.word + bits.trailing_zeros() as usize;

@@ -26,8 +26,10 @@ pub enum Verdict {
 pub(super) fn screen_halves<R: Real>(points: ControlPoints<R>, inner: R, outer: R) -> Verdict {
     let (coefficients, size) = squared_distance(points);
     let (left, right) = halves(coefficients);
-    let lowest = least(left).or_less(least(right));
     let nearest = left[0].or_less(left[6]).or_less(right[6]);
+    let lowest = least_inside(left)
+        .or_less(least_inside(right))
+        .or_less(nearest);
     verdict(lowest, nearest, inner, outer, 16.0, size)
 }
 
@@ -54,12 +56,12 @@ fn quarters<R: Real>(coefficients: [R; 7]) -> (R, R) {
     let (left, right) = halves(coefficients);
     let (a, b) = halves(left);
     let (c, d) = halves(right);
-    (
-        (least(a).or_less(least(b))).or_less(least(c).or_less(least(d))),
-        (a[0].or_less(a[6]))
-            .or_less(b[6].or_less(c[6]))
-            .or_less(d[6]),
-    )
+    let inside_a = least_inside(a).or_less(least_inside(b));
+    let inside_b = least_inside(c).or_less(least_inside(d));
+    let nearest = (a[0].or_less(a[6]))
+        .or_less(b[6].or_less(c[6]))
+        .or_less(d[6]);
+    (inside_a.or_less(inside_b).or_less(nearest), nearest)
 }
 
 /// The decision from the least coefficient and the least value of the squared distance.
@@ -86,24 +88,23 @@ fn verdict<R: Real>(lowest: R, nearest: R, inner: R, outer: R, units: f64, size:
 #[inline(always)]
 fn squared_distance<R: Real>(points: ControlPoints<R>) -> ([R; 7], R) {
     let [p0, p1, p2, p3] = points;
-    let (two, three) = (R::from_f64(2.0), R::from_f64(3.0));
     let (d00, d11, d22, d33) = (dot(p0, p0), dot(p1, p1), dot(p2, p2), dot(p3, p3));
     let coefficients = [
         d00,
         dot(p0, p1),
-        R::from_f64(0.2) * (two * dot(p0, p2) + three * d11),
-        R::from_f64(0.1) * (dot(p0, p3) + R::from_f64(9.0) * dot(p1, p2)),
-        R::from_f64(0.2) * (two * dot(p1, p3) + three * d22),
+        R::from_f64(0.4) * dot(p0, p2) + R::from_f64(0.6) * d11,
+        R::from_f64(0.1) * dot(p0, p3) + R::from_f64(0.9) * dot(p1, p2),
+        R::from_f64(0.4) * dot(p1, p3) + R::from_f64(0.6) * d22,
         dot(p2, p3),
         d33,
     ];
     (coefficients, (d00.or_more(d11)).or_more(d22.or_more(d33)))
 }
 
-/// The least coefficient.
+/// The least coefficient that is not a value at an end.
 #[inline(always)]
-fn least<R: Real>(k: [R; 7]) -> R {
-    ((k[0].or_less(k[1])).or_less(k[2].or_less(k[3]))).or_less((k[4].or_less(k[5])).or_less(k[6]))
+fn least_inside<R: Real>(k: [R; 7]) -> R {
+    ((k[1].or_less(k[2])).or_less(k[3])).or_less(k[4].or_less(k[5]))
 }
 
 /// The Bernstein coefficients on the two halves of the interval.

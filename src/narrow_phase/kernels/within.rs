@@ -115,10 +115,10 @@ impl<R: Real> Screening<'_, R> {
     /// The second screen for the pairs that wait for it.
     fn screen_again(&mut self) {
         let mut verdicts = [Verdict::Undecided; BLOCK];
-        let verdicts = &mut verdicts[..self.second.len()];
+        let verdicts = &mut verdicts[..self.second.width()];
         let [inner, outer] = self.second.extras();
         screen_block_finely(self.level, &self.second.lanes(), inner, outer, verdicts);
-        for (i, found) in verdicts.iter().enumerate() {
+        for (i, found) in verdicts[..self.second.len()].iter().enumerate() {
             let pair = self.second.pair(i);
             self.verdicts[pair] = *found;
             if *found == Verdict::Undecided {
@@ -140,7 +140,7 @@ impl<R: Real> Screening<'_, R> {
     }
 
     fn enclose_pending(level: Level, third: &mut Pending<f64, 3>, verdicts: &mut [Verdict]) {
-        if third.len() == 0 {
+        if third.is_empty() {
             return;
         }
         let mut bounds = Bounds::new();
