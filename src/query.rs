@@ -77,7 +77,8 @@ impl Query {
     }
 
     /// The same query with the window cut into this many slices, instead of as many as are
-    /// expected to cost least: for measuring how good that choice is. The answer is the same.
+    /// expected to cost least: for measuring how good that choice is. The answer is the same, if
+    /// there is room for the candidates of a slice (2^26, or [`most_spans`](Self::most_spans)).
     #[must_use]
     pub const fn with_slices(mut self, slices: NonZeroU32) -> Self {
         self.slices = Some(slices);
@@ -85,7 +86,8 @@ impl Query {
     }
 
     /// The same query with room for this many spans that may hold a conflict: common intervals of
-    /// a cubic of one body with a cubic of another that cheap tests cannot tell apart. Where all
+    /// a cubic of one body with a cubic of another that cheap tests cannot tell apart; and for as
+    /// many pairs whose boxes meet in one slice of time, but at least 2^26. Where all
     /// bodies are in one place they are as many as the pairs; then a screening ends with
     /// [`Error::TooCrowded`] instead of filling the memory.
     #[must_use]

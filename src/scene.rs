@@ -97,7 +97,7 @@ impl Outline {
         }
         self.extremes = self.sketch.redraw(knots, segments);
         if segments.is_empty() {
-            let position = trajectory.position(0.0).unwrap_or_default();
+            let position = trajectory.position(self.knots.0).unwrap_or_default();
             self.extremes.include(Extremes {
                 low: position,
                 high: position,

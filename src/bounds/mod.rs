@@ -10,7 +10,7 @@
 //! segments), cut at the ends of slices ([`Track`]) into [`Piece`]s, which a [`Trace`] follows
 //! through a slice. A sketch is drawn around the trajectory itself, and each cubic is cut around
 //! its own first point. So some 40 roundings (2^-24) are relative to the size of one cubic, 12 to
-//! the trajectory's, and 6 to the distance from the middle of the scene; each count is given
+//! the distance from the trajectory's middle, and 6 to that from the scene's; each count is given
 //! where it arises. Next to it the clearance of filters, 2^-44, is nothing.
 
 mod course;

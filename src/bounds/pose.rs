@@ -80,6 +80,14 @@ impl Stance {
         steady: 0.0,
     };
 
+    /// Of a body whose coordinates the frame does not serve. Nothing overflows on the way to a box
+    /// that is everywhere.
+    const ANYWHERE: Self = Self {
+        factor: 0.0,
+        steady: f32::INFINITY,
+        ..Self::NONE
+    };
+
     /// Of cubics no coordinate of which is larger than `size`, as far as that is known.
     fn new(anchor: Frame, size: f64, inflation: &Inflation, frame: &Frame) -> Self {
         let lanes = |DVec3 { x, y, z }: DVec3| Vec4::new(nearest(x), nearest(y), nearest(z), 0.0);
@@ -87,20 +95,20 @@ impl Stance {
         let factor = frame.power / anchor.power;
         let largest =
             f64::from(place.abs().max_element()) + size * factor + f64::from(inflation.size);
-        let is_served = largest < FAR;
+        if largest.is_nan() || largest >= FAR {
+            return Self::ANYWHERE;
+        }
+        // Too large only where all coordinates are zero.
+        let factor = nearest(factor).min(f32::MAX);
         Self {
             anchor,
-            // Nothing overflows on the way to a box that is everywhere.
-            factor: if is_served { nearest(factor) } else { 0.0 },
-            place: if is_served { place } else { Vec4::ZERO },
+            factor,
+            place,
             low: place + inflation.low,
             high: place + inflation.high,
             reach: inflation.reach,
-            steady: if is_served {
-                8.0 * ROUNDING * inflation.size + f32::MIN_POSITIVE
-            } else {
-                f32::INFINITY
-            },
+            // What underflows on either side of the factor is below a smallest normal number.
+            steady: 8.0 * ROUNDING * inflation.size + f32::MIN_POSITIVE * factor.max(1.0),
         }
     }
 
@@ -121,7 +129,9 @@ impl Cubic for Stroke {
 impl Cubic for Segment {
     #[inline(always)]
     fn piece(&self, knots: (f64, f64), stance: &Stance) -> Piece {
-        let stroke = Stroke::of(self, knots, &stance.anchor);
-        stroke.unwrap_or(Stroke::ANYWHERE).piece(knots, stance)
+        match Stroke::of(self, knots, &stance.anchor) {
+            Some(stroke) => stroke.piece(knots, stance),
+            None => Piece::anywhere(knots),
+        }
     }
 }

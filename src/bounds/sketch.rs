@@ -1,6 +1,7 @@
 //! Trajectories in f32: of a motion, the part that a screening reads most.
 
 use super::{Extremes, FAR, Frame, ROUNDING, nearest};
+use crate::rounding::normalising_power;
 use crate::trajectory::Segment;
 use glam::{DVec3, Vec4};
 
@@ -47,13 +48,7 @@ impl Stroke {
         })
     }
 
-    /// Of a cubic that is nowhere in particular.
-    pub(super) const ANYWHERE: Self = Self([
-        Vec4::new(0.0, 0.0, 0.0, f32::INFINITY),
-        Vec4::ZERO,
-        Vec4::ZERO,
-        Vec4::ZERO,
-    ]);
+    const NONE: Self = Self([Vec4::ZERO; 4]);
 
     /// The points in another unit, and what their rounding is relative to.
     #[inline(always)]
@@ -68,7 +63,7 @@ impl Stroke {
 pub(crate) struct Sketch {
     /// Where it is drawn: around itself.
     pub(super) frame: Frame,
-    /// No coordinate is larger, in the frame's unit.
+    /// No coordinate is larger, in the frame's unit; infinite where `f32` does not serve them.
     pub(super) size: f64,
     strokes: Vec<Stroke>,
 }
@@ -89,23 +84,31 @@ impl Sketch {
 
     /// Draws another motion in this one's memory; gives how far it goes.
     pub(crate) fn redraw(&mut self, knots: &[f64], segments: &[Segment]) -> Extremes {
-        let mut extremes = Extremes::NOTHING;
+        let (mut extremes, mut spread) = (Extremes::NOTHING, 0.0_f64);
         for (segment, ends) in segments.iter().zip(knots.windows(2)) {
             let reach = segment.reach(ends[0], ends[1]);
+            let error = segment.own_error(ends[0], ends[1]) / f64::from(ROUNDING);
             extremes.include(Extremes::of_segment(segment, reach));
+            // It may be lost in the extremes: below their resolution.
+            spread = spread.max(2.0 * reach + error);
         }
         self.frame = Frame::around(extremes, 0.0);
-        self.size = if segments.is_empty() {
-            0.0
-        } else {
-            (extremes.high - self.frame.origin).max_element() * self.frame.power
-        };
-        let frame = &self.frame;
+        self.size = 0.0;
+        if !segments.is_empty() {
+            // Numbers near one: whatever underflows is nothing next to them, in any other unit.
+            let size = (extremes.high - self.frame.origin).max_element() + spread;
+            self.frame.power = normalising_power(size);
+            self.size = size * self.frame.power;
+        }
         self.strokes.clear();
         let pieces = segments.iter().zip(knots.windows(2));
+        let (frame, size) = (&self.frame, &mut self.size);
         self.strokes.extend(pieces.map(|(segment, ends)| {
             let stroke = Stroke::of(segment, (ends[0], ends[1]), frame);
-            stroke.unwrap_or(Stroke::ANYWHERE)
+            stroke.unwrap_or_else(|| {
+                *size = f64::INFINITY;
+                Stroke::NONE
+            })
         }));
         extremes
     }

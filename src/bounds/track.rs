@@ -15,17 +15,29 @@ pub(crate) struct Piece {
 }
 
 impl Piece {
-    /// Roundings that the points can carry, relative to their own size and to `near`.
+    /// Roundings that the points can carry, relative to their coordinates and to `near`.
     ///
-    /// Far: one of each point of a sketch. A point on the cubic ([`Track::cut`]) adds a mean of
-    /// differences to the first, 1 + 2 and the sum's own; a lever is a difference of such means,
-    /// 4; an inner control point is the sum of both, 4 + 4 + 1. Near: a difference has 1; de
-    /// Casteljau's three levels have 3 each, of two rounded weights, two products and a sum. A
-    /// lever is the difference of two points one level below, 2 (1 + 6) and 2 of its own, being
-    /// no longer than 2; its product with a rounded share has 6 more. An inner control point is
-    /// the sum of a point and such a product: 10 + 22.
+    /// Far: one of each point of a sketch. A point on the cubic ([`Track::cut`]) is the first one
+    /// and a mean of differences to it: a mean of all four, 1, and the sum's own, 1. A lever is a
+    /// difference of two such means, 2; an inner control point is the sum of both, 1 more: 5. Two
+    /// for the sums of a box, or three for the line of a course and one for its place: 9 at most.
+    /// Near: a difference has 1; de Casteljau's three levels have 3 each, of two rounded weights,
+    /// two products and a sum. A lever is the difference of two points one level below, 2 (1 + 6)
+    /// and 2 of its own, being no longer than 2; its product with a rounded share has 4 more. An
+    /// inner control point is the sum of a point and such a product, 10 + 20; and 8 more, since
+    /// coordinates in the slice may be smaller than those of the whole cubic by `near`.
     pub(super) const FAR: f32 = 9.0 + 3.0;
-    pub(super) const NEAR: f32 = 32.0 + 8.0;
+    pub(super) const NEAR: f32 = 38.0 + 2.0;
+
+    /// One that `f32` does not serve.
+    pub(super) const fn anywhere((from, to): (f64, f64)) -> Self {
+        Self {
+            points: [Vec4::ZERO; 4],
+            near: f32::INFINITY,
+            from,
+            to,
+        }
+    }
 
     /// A whole cubic.
     #[inline(always)]

@@ -7,6 +7,7 @@
 
 mod line_up;
 mod pilot;
+mod room;
 mod scratch;
 mod sift;
 mod solve;

@@ -7,6 +7,7 @@
 //! tried in turn.
 
 use super::line_up::LineUp;
+use super::room::Room;
 use super::scratch::Scratch;
 use crate::bounds::{Pose, Stroke};
 use crate::broad_phase::fill::Fill;
@@ -27,6 +28,9 @@ mod cost {
     pub(super) const NEAR: f64 = 120.0;
     pub(super) const SPAN: f64 = 40.0;
 }
+
+/// Candidates of a trial's slice that are looked at: with more, slices must be shorter anyway.
+const MOST_CANDIDATES: u64 = 1 << 20;
 
 /// How near candidates grow with the length of a slice, as a power of it, until two lengths were
 /// tried: in proportion in any case, and courses become less straight.
@@ -182,9 +186,8 @@ impl LineUp<'_> {
             });
             let slice = &block.slices[0];
             candidates.clear();
-            sweep
-                .at(self.level)
-                .pairs(&slice.boxes, &Everyone, candidates);
+            let room = Room::new(Everyone, MOST_CANDIDATES);
+            sweep.at(self.level).pairs(&slice.boxes, &room, candidates);
             let interval = slices.interval(first);
             let is_near = |pair: &&Candidate| {
                 let (a, b) = (pair.a as usize, pair.b as usize);

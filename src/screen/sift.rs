@@ -43,6 +43,8 @@ pub(super) struct Question<'a> {
     pub(super) interval: (f64, f64),
     pub(super) margin: f64,
     pub(super) level: Level,
+    /// With more spans from one slice it is too crowded: no further ones are looked at.
+    pub(super) most_spans: usize,
 }
 
 /// A pair that may be near from its courses: when, and a cubic of each body that is not later.
@@ -90,7 +92,12 @@ impl Sieve {
         survivors: &mut Vec<Survivor>,
     ) -> u64 {
         let mut looked_at = 0;
+        // Of earlier slices.
+        let before = survivors.len() + self.asked.len();
         for batch in candidates.chunks(Self::BATCH) {
+            if survivors.len().saturating_sub(before) > question.most_spans {
+                break;
+            }
             self.judge(question, batch);
             self.cut(question.parties);
             self.ask(question.parties, question.margin);

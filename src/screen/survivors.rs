@@ -1,6 +1,7 @@
 //! From slices to survivors: boxes, candidates, and cheap tests of their spans.
 
 use super::line_up::LineUp;
+use super::room::Room;
 use super::scratch::Scratch;
 use super::sift::{Question, Survivor};
 use crate::bounds::{Frame, Inflation, Pose, Stroke};
@@ -132,14 +133,11 @@ impl LineUp<'_> {
         for (number, slice) in range.zip(&block.slices) {
             let begin = Instant::now();
             candidates.clear();
-            let admission = ByPlace {
+            let by_place = ByPlace {
                 bodies: &slice.bodies,
                 filter,
-                admitted: AtomicU32::new(0),
-                most: u32::try_from(self.most_spans)
-                    .unwrap_or(u32::MAX)
-                    .max(MOST_CANDIDATES),
             };
+            let admission = Room::new(by_place, MOST_CANDIDATES.max(self.most_spans as u64));
             method(scratch).pairs(&slice.boxes, &admission, &mut candidates);
             if admission.gives_up() {
                 return Err(self.too_crowded());
@@ -151,6 +149,7 @@ impl LineUp<'_> {
                 interval: slices.interval(number),
                 margin: self.margin,
                 level: self.level,
+                most_spans: self.most_spans,
             };
             stats.spans += scratch.sieve.sift(&question, &candidates, &mut survivors);
             stats.boxes += slice.boxes.len() as u64;
@@ -223,37 +222,20 @@ impl Blocks {
     }
 }
 
-/// A filter of bodies asked about their places in a slice, as long as there is room.
+/// Room for candidates of a slice, but for what is allowed for spans: half a GiB.
+const MOST_CANDIDATES: u64 = 1 << 26;
+
+/// A filter of bodies asked about their places in a slice.
 struct ByPlace<'a, F> {
     bodies: &'a [u32],
     filter: &'a F,
-    /// Written by one thread: atomic because filters are shared.
-    admitted: AtomicU32,
-    most: u32,
 }
-
-/// Room for candidates of a slice, but for what is allowed for spans: half a GiB.
-const MOST_CANDIDATES: u32 = 1 << 26;
 
 impl<F: PairFilter> PairFilter for ByPlace<'_, F> {
     #[inline]
     fn admits(&self, a: u32, b: u32) -> bool {
         // Bodies ascend with places: they are in the same order.
-        if !self
-            .filter
+        self.filter
             .admits(self.bodies[a as usize], self.bodies[b as usize])
-        {
-            return false;
-        }
-        let admitted = self.admitted.load(Ordering::Relaxed);
-        // One more than there is room for tells that it was needed.
-        self.admitted
-            .store(admitted.saturating_add(1), Ordering::Relaxed);
-        admitted < self.most
-    }
-
-    #[inline]
-    fn gives_up(&self) -> bool {
-        self.admitted.load(Ordering::Relaxed) > self.most
     }
 }

@@ -135,7 +135,8 @@ impl Trajectory {
                 return Err(Error::OutOfRange {
                     knot: self.knots.len() - 1,
                     quantity: Quantity::Position(0),
-                    value: reach,
+                    // Not a number: the growth itself has left the range.
+                    value: if reach.is_nan() { f64::INFINITY } else { reach },
                 });
             }
         }

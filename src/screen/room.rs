@@ -1,0 +1,41 @@
+//! Room for candidates: what would fill the memory is given up.
+
+use crate::broad_phase::PairFilter;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// A filter that counts what it admits, and gives up when there is no more room.
+pub(super) struct Room<F> {
+    filter: F,
+    most: u64,
+    /// Written by one thread: atomic because filters are shared.
+    admitted: AtomicU64,
+}
+
+impl<F: PairFilter> Room<F> {
+    /// Room for this many.
+    pub(super) const fn new(filter: F, most: u64) -> Self {
+        Self {
+            filter,
+            most,
+            admitted: AtomicU64::new(0),
+        }
+    }
+}
+
+impl<F: PairFilter> PairFilter for Room<F> {
+    #[inline]
+    fn admits(&self, a: u32, b: u32) -> bool {
+        if !self.filter.admits(a, b) {
+            return false;
+        }
+        let admitted = self.admitted.load(Ordering::Relaxed);
+        // One more than there is room for tells that it was needed.
+        self.admitted.store(admitted + 1, Ordering::Relaxed);
+        admitted < self.most
+    }
+
+    #[inline]
+    fn gives_up(&self) -> bool {
+        self.admitted.load(Ordering::Relaxed) > self.most
+    }
+}

@@ -1,0 +1,119 @@
+//! Bodies of very different sizes in one scene: whoever else is there takes nothing away.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "a scene that cannot be built fails the test"
+)]
+
+mod support;
+
+use glam::DVec3;
+use nearmiss::{Body, Error, Hitbox, Query, Scene, State, Trajectory, Window};
+use std::num::NonZeroU32;
+use support::bits;
+
+fn line(from: DVec3, to: DVec3) -> Trajectory {
+    let states = [(0.0, from), (1.0, to)].map(|(time, place)| State::new(time, place, to - from));
+    Trajectory::from_states(&states).unwrap()
+}
+
+fn slices(count: u32) -> Query {
+    Query::default().with_slices(NonZeroU32::new(count).unwrap())
+}
+
+/// Two bodies that meet, within a world that others make larger and larger.
+#[test]
+fn a_larger_world_around_hides_nothing() {
+    let length = 1e20;
+    let at = |x: f64, y: f64| DVec3::new(x, y, 0.0) * length;
+    for far in [1e20, 1e30, 1e44, 1e45, 1e46, 1e60, 1e200, 1e297] {
+        let mut scene = Scene::new();
+        let mut put = |trajectory: Trajectory| {
+            let hitbox = Hitbox::sphere(1.0).unwrap();
+            scene
+                .insert(Body::new(trajectory).with_hitbox(hitbox))
+                .unwrap();
+        };
+        put(line(at(-1.0, 0.0), at(1.0, 0.0)));
+        put(line(at(1.0, -2.0), at(1.0, 0.0)));
+        for side in [-1.0, 1.0] {
+            let place = |y: f64| DVec3::new(5.0 * side, y, 0.0) * far;
+            put(line(place(5.0), place(-5.0)));
+        }
+        let found = scene.screen(&Query::default()).unwrap().conflicts;
+        assert_eq!(found.len(), 1, "{far}");
+        assert_eq!(found[0].exit, 1.0);
+    }
+}
+
+/// Motions that the resolution of their own coordinates hides, down to the smallest numbers: cut
+/// into many slices they meet as they do in one.
+#[test]
+fn motions_below_the_resolution_of_their_place() {
+    let place = DVec3::splat(1000.0);
+    for step in 0..60 {
+        let length = 1e-44 * 1.1_f64.powi(step);
+        let mut scene = Scene::new();
+        let bounce = |first: f64, last: f64, speed: f64| {
+            let velocity = DVec3::X * (speed * length);
+            let states = [(first, velocity), (last, -velocity)];
+            Trajectory::from_states(&states.map(|(time, v)| State::new(time, place, v))).unwrap()
+        };
+        scene.insert(Body::new(bounce(0.0, 1.0, 3.0))).unwrap();
+        scene.insert(Body::new(bounce(0.9, 2.0, 30.0))).unwrap();
+        // The unit of boxes is that of the hitbox.
+        let hitbox = Hitbox::sphere(1e-12).unwrap();
+        let later = Body::new(bounce(5.0, 6.0, 0.0)).with_hitbox(hitbox);
+        scene.insert(later).unwrap();
+        let one = scene.screen(&slices(1)).unwrap().conflicts;
+        let many = scene.screen(&slices(5_000)).unwrap().conflicts;
+        assert!(!one.is_empty());
+        assert_eq!(bits(&one), bits(&many), "{length:e}");
+    }
+}
+
+/// A body at rest is at rest however long it is looked at, as far as numbers reach.
+#[test]
+fn rest_for_ever() {
+    let screen = |end: f64, margin: f64| {
+        let mut scene = Scene::new();
+        for x in [0.0, 1.0] {
+            let rest = Trajectory::at_rest(DVec3::X * x).unwrap();
+            scene.insert(Body::new(rest)).unwrap();
+        }
+        let query = Query::new(Window::new(-end, end).unwrap());
+        scene.screen(&query.with_margin(margin).unwrap())
+    };
+    for end in [1e10, 1e50, 1e100] {
+        assert_eq!(screen(end, 1.0).unwrap().conflicts.len(), 1, "{end}");
+        assert_eq!(screen(end, 0.5).unwrap().conflicts, []);
+    }
+    for end in [1e110, 1e290] {
+        let Err(Error::InBody { error, .. }) = screen(end, 1.0) else {
+            panic!("{end} s are beyond the range");
+        };
+        assert!(matches!(*error, Error::OutOfRange { value, .. } if !value.is_nan()));
+    }
+}
+
+/// A crowd that is there for an instant of a long window, where a sample of slices may hit it or not.
+#[test]
+fn a_short_crowd_is_refused_like_a_long_one() {
+    let mut scene = Scene::new();
+    for k in 0..3_000_u32 {
+        let place = DVec3::X * (1e-3 * f64::from(k));
+        let states = [5e5, 5e5 + 1e-3].map(|time| State::new(time, place, DVec3::ZERO));
+        let hitbox = Hitbox::sphere(10.0).unwrap();
+        let body = Body::new(Trajectory::from_states(&states).unwrap()).with_hitbox(hitbox);
+        scene.insert(body).unwrap();
+    }
+    let ends = [0.0, 1e6].map(|time| State::new(time, DVec3::Z * 50.0, DVec3::ZERO));
+    scene
+        .insert(Body::new(Trajectory::from_states(&ends).unwrap()))
+        .unwrap();
+    let refused = Err(Error::TooCrowded { limit: 1_000 });
+    assert_eq!(
+        scene.screen(&Query::default().with_most_spans(1_000)),
+        refused
+    );
+}
