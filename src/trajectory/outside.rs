@@ -44,6 +44,10 @@ impl Pieces<'_> {
 }
 
 impl Trajectory {
+    /// A cubic is not followed farther than this many of its lengths: their third power must stay
+    /// within the range of numbers.
+    const MOST_LENGTHS: f64 = 1e100;
+
     /// From the first to the last knot.
     pub(super) fn planned(&self) -> Window {
         match (self.knots.first(), self.knots.last()) {
@@ -131,12 +135,18 @@ impl Trajectory {
         for (segment, ends) in segments.iter().zip(knots.windows(2)) {
             // What its rounding amounts to grows as well.
             let reach = segment.rounding_scale(ends[0], ends[1]);
-            if reach.is_nan() || reach > LARGEST_MAGNITUDE {
+            let is_served = reach <= LARGEST_MAGNITUDE
+                && segment.lengths_to(ends[0], ends[1]) <= Self::MOST_LENGTHS;
+            if !is_served {
                 return Err(Error::OutOfRange {
                     knot: self.knots.len() - 1,
                     quantity: Quantity::Position(0),
                     // Not a number: the growth itself has left the range.
-                    value: if reach.is_nan() { f64::INFINITY } else { reach },
+                    value: if reach > LARGEST_MAGNITUDE {
+                        reach
+                    } else {
+                        f64::INFINITY
+                    },
                 });
             }
         }

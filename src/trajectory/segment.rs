@@ -20,7 +20,8 @@ pub struct Segment {
     control: [DVec3; 3],
     /// No control point is farther from the origin than this, m.
     extent: f64,
-    /// Bound on the error of each point `origin + control`, m.
+    /// Bound on the error of each point `origin + control`, m; negative (or -0) where the motion
+    /// is [straight](Self::is_straight) by definition.
     error: f64,
 }
 
@@ -80,7 +81,7 @@ impl Segment {
             origin: state.position,
             control,
             extent,
-            error,
+            error: -error,
         }
         .checked(knot)
     }
@@ -191,6 +192,12 @@ impl Segment {
 
     /// Bound on the error of each point `origin + control`, m.
     pub(crate) const fn error(&self) -> f64 {
+        self.error.abs()
+    }
+
+    /// The same with the mark of straight motion.
+    #[cfg(feature = "serde")]
+    pub(super) const fn marked_error(&self) -> f64 {
         self.error
     }
 
@@ -235,7 +242,7 @@ impl Segment {
         if from <= self.start && to >= self.end && from >= self.start && to <= self.end {
             return Restriction {
                 points: self.control(),
-                error: self.error + UNIT_ROUNDOFF * self.extent,
+                error: self.error() + UNIT_ROUNDOFF * self.extent,
             };
         }
         if self.covers(from, to) {
@@ -265,7 +272,7 @@ impl Segment {
                 high.mix(hh0, hh1),
             ],
             // Three levels of lerps with relative weight errors: γ5 each (numerics, section 3).
-            error: self.error + 16.0 * UNIT_ROUNDOFF * self.extent + UNDERFLOW,
+            error: self.error() + 16.0 * UNIT_ROUNDOFF * self.extent + UNDERFLOW,
         }
     }
 
@@ -286,12 +293,16 @@ impl Segment {
             + norm(cubic) * reach * reach * reach;
         // A control point's error, its own or from forming the power coefficients (4 roundings of
         // the extent at most), grows like the sum of the Bernstein weights: (1 + 2 reach)³. The
-        // points of a line are exact, and so are its vanishing coefficients: nothing grows.
-        let growth = (1.0 + 2.0 * reach).powi(3);
-        let grown = if self.is_exact_line() {
-            0.0
-        } else {
+        // coefficients of straight motion that vanish are exact: only its state's error grows, and
+        // in proportion.
+        let grown = if !self.is_straight() {
+            let growth = (1.0 + 2.0 * reach).powi(3);
             (self.error + 4.0 * UNIT_ROUNDOFF * self.extent) * growth + UNDERFLOW * growth
+        } else if self.error() > 0.0 {
+            let growth = 1.0 + 2.0 * reach;
+            (self.error() + 4.0 * UNIT_ROUNDOFF * self.extent) * growth + UNDERFLOW * growth
+        } else {
+            0.0
         };
         Restriction {
             points: [
@@ -316,9 +327,8 @@ impl Segment {
         if self.covers(from, to) {
             return self.extent;
         }
-        let duration = self.end - self.start;
-        let s = ((from - self.start).abs().max((to - self.start).abs())) / duration;
-        if self.is_exact_line() {
+        let s = self.lengths_to(from, to);
+        if self.is_straight() {
             self.extent * s.max(1.0)
         } else {
             self.extent * (1.0 + 2.0 * s).powi(3)
@@ -335,16 +345,26 @@ impl Segment {
     /// A bound on what the control points' own error amounts to between `from` and `to`, m.
     pub(crate) fn own_error(&self, from: f64, to: f64) -> f64 {
         if self.covers(from, to) {
-            return self.error;
+            return self.error();
         }
-        let duration = self.end - self.start;
-        let s = ((from - self.start).abs().max((to - self.start).abs())) / duration;
-        self.error * (1.0 + 2.0 * s).powi(3)
+        let s = self.lengths_to(from, to);
+        if self.is_straight() {
+            self.error() * (1.0 + 2.0 * s)
+        } else {
+            self.error * (1.0 + 2.0 * s).powi(3)
+        }
     }
 
-    /// Made by [`line`](Self::line) from exact numbers: marked by the error 0, which no other
-    /// constructor gives.
-    fn is_exact_line(&self) -> bool {
+    /// How many of its lengths from its start an interval reaches, before or after.
+    pub(crate) fn lengths_to(&self, from: f64, to: f64) -> f64 {
+        let duration = self.end - self.start;
+        ((from - self.start).abs().max((to - self.start).abs())) / duration
+    }
+
+    /// Made by [`line`](Self::line): its second and third control points are the multiples of the
+    /// first, by definition, so that nothing of it grows faster than time. No other constructor
+    /// marks its error so.
+    pub(super) fn is_straight(&self) -> bool {
         self.error <= 0.0
     }
 }

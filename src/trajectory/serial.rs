@@ -93,7 +93,7 @@ impl Segment {
             c.y,
             c.z,
             self.extent(),
-            self.error(),
+            self.marked_error(),
         ]
     }
 
@@ -132,7 +132,8 @@ impl Segment {
         let control = [[ax, ay, az], [bx, by, bz], [cx, cy, cz]].map(DVec3::from_array);
         let farthest = control.iter().map(|&point| norm(point)).fold(0.0, f64::max);
         // What bounds the others must do so.
-        if extent < farthest * (1.0 - 8.0 * f64::EPSILON) || error < 0.0 {
+        let is_line = control[1] == 2.0 * control[0] && control[2] == 3.0 * control[0];
+        if extent < farthest * (1.0 - 8.0 * f64::EPSILON) || (error <= 0.0 && !is_line) {
             return Err(Error::OutOfRange {
                 knot,
                 quantity: Quantity::Position(0),
