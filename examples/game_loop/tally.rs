@@ -1,9 +1,9 @@
 //! What happened, counted twice: from the monitor's events, and from the bodies' plain positions.
 
 use crate::fleet::{Fleet, RADIUS};
-use glam::{DVec3, IVec3};
+use glam::DVec3;
 use nearmiss::{BodyId, EncounterId, Event, EventKind};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 /// Counters of a run.
 #[derive(Debug, Default)]
@@ -18,7 +18,8 @@ pub(crate) struct Tally {
     /// Overlaps and ends that the monitor should have told and did not.
     pub(crate) lost: u64,
     under_way: BTreeSet<EncounterId>,
-    grid: BTreeMap<[i32; 3], Vec<(BodyId, DVec3)>>,
+    /// Where bodies are, in the order of x.
+    places: Vec<(BodyId, DVec3)>,
 }
 
 impl Tally {
@@ -53,28 +54,20 @@ impl Tally {
             .filter(|conflict| conflict.enter <= now)
             .map(|conflict| (conflict.a, conflict.b))
             .collect();
-        self.grid.values_mut().for_each(Vec::clear);
-        for &id in &fleet.bodies {
-            if let Some(state) = fleet.state(id) {
-                let cell = cell(state.position);
-                self.grid
-                    .entry(cell)
-                    .or_default()
-                    .push((id, state.position));
-            }
-        }
-        self.grid.retain(|_, bodies| !bodies.is_empty());
+        self.places.clear();
+        let places = fleet.bodies.iter();
+        self.places
+            .extend(places.filter_map(|&id| Some((id, fleet.state(id)?.position))));
+        self.places
+            .sort_unstable_by(|(_, one), (_, other)| one.x.total_cmp(&other.x));
         // Overlaps shallower than rounding may be told either way.
         let reach = 2.0 * RADIUS * (1.0 - 1e-9);
-        for (cell, bodies) in &self.grid {
-            for (index, &(id, position)) in bodies.iter().enumerate() {
-                let rest = bodies[index + 1..].iter();
-                let beyond = forward_neighbours(*cell).filter_map(|cell| self.grid.get(&cell));
-                for &(other, place) in rest.chain(beyond.flatten()) {
-                    let pair = (id.min(other), id.max(other));
-                    if position.distance(place) < reach && !known.contains(&pair) {
-                        self.lost += 1;
-                    }
+        for (index, &(id, position)) in self.places.iter().enumerate() {
+            let rest = self.places[index + 1..].iter();
+            for &(other, place) in rest.take_while(|(_, place)| place.x - position.x < reach) {
+                let pair = (id.min(other), id.max(other));
+                if position.distance(place) < reach && !known.contains(&pair) {
+                    self.lost += 1;
                 }
             }
         }
@@ -84,19 +77,4 @@ impl Tally {
     pub(crate) fn finish(&mut self) {
         self.lost += self.under_way.len() as u64;
     }
-}
-
-/// Cells as wide as two bodies that touch.
-fn cell(position: DVec3) -> [i32; 3] {
-    let place: IVec3 = (position / (2.0 * RADIUS)).floor().as_ivec3();
-    place.to_array()
-}
-
-/// Half of the cells around one, so that each pair of cells is looked at once.
-fn forward_neighbours([x, y, z]: [i32; 3]) -> impl Iterator<Item = [i32; 3]> {
-    let around =
-        (-1..=1).flat_map(|dx| (-1..=1).flat_map(move |dy| (-1..=1).map(move |dz| [dx, dy, dz])));
-    around
-        .filter(|step| *step > [0, 0, 0])
-        .map(move |[dx, dy, dz]| [x + dx, y + dy, z + dz])
 }
