@@ -114,6 +114,12 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         AccuracyName::Certified => Accuracy::Certified,
         AccuracyName::Fast => Accuracy::Fast,
     };
+    // This thread is one of them: it is about to read the file, and its caches will know it.
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(arguments.threads.unwrap_or(0))
+        .use_current_thread()
+        .build()
+        .map_err(|error| format!("--threads: {error}"))?;
     let progress = spinner();
     progress.set_message("reading");
     let scene = build_scene(arguments)?;
@@ -121,12 +127,6 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         .with_margin(arguments.margin)
         .map_err(|error| error.to_string())?
         .with_accuracy(accuracy);
-    // This thread is one of them: it has just read the file, and its caches know it.
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(arguments.threads.unwrap_or(0))
-        .use_current_thread()
-        .build()
-        .map_err(|error| format!("--threads: {error}"))?;
     progress.set_message(format!("screening {} bodies", scene.len()));
     let screening = pool
         .install(|| scene.screen(&query))
