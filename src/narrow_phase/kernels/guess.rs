@@ -364,26 +364,26 @@ pub(super) fn certify(outline: &Outline, u: f32, doubt: f32) -> f32 {
         inward,
         ..
     } = Deflated::new(&outline.square, u, outline.margin);
-    // Where the slope is inward, the quotient `inward / (u + 1)` is added: it is convex, and above
-    // its tangent at u = 1/2, a straight line that goes into the quartic.
-    let (q0, q1) = (q0 + (8.0 / 9.0) * inward, q1 - (4.0 / 9.0) * inward);
     // Bernstein coefficients from the middle outward, to both sides at once.
     let even = [q0 + (1.0 / 6.0) * q2, q0 + 0.5 * q2, q0 + (q2 + q4)];
     let odd = [0.25 * q1, 0.5 * q1, 0.75 * q1 + 0.25 * q3, q1 + q3];
+    // Where the slope is inward, `inward / (u + 1)` is added. Above the middle it is not
+    // below the quartic with the coefficients 1, 0.75, 0.65, 0.55, 0.5 times `inward`: `u + 1`
+    // times that has the coefficients 1, 1, 0.99, 1, 0.98, 1.
     let high = [
-        q0,
-        q0 + odd[0],
-        even[0] + odd[1],
-        even[1] + odd[2],
-        even[2] + odd[3],
+        q0 + inward,
+        (q0 + odd[0]) + 0.75 * inward,
+        (even[0] + odd[1]) + 0.65 * inward,
+        (even[1] + odd[2]) + 0.55 * inward,
+        (even[2] + odd[3]) + 0.5 * inward,
     ];
-    // On the side of the end coefficient i of the quintic, from the end on, is i / 5 times that of
-    // the quartic, plus `inward`: more than the straight line. The middle counts once.
+    // On the side of the end `(u + 1) q + inward` is a quintic: coefficient i, from the end on, is
+    // i / 5 times that of the quartic, plus `inward`. The middle counts once.
     let low = [
-        (q0 - odd[0]) + (5.0 / 4.0 - 1.0) * inward,
-        (even[0] - odd[1]) + (5.0 / 3.0 - 10.0 / 9.0) * inward,
-        (even[1] - odd[2]) + (5.0 / 2.0 - 11.0 / 9.0) * inward,
-        (even[2] - odd[3]) + (5.0 - 12.0 / 9.0) * inward,
+        (q0 - odd[0]) + (5.0 / 4.0) * inward,
+        (even[0] - odd[1]) + (5.0 / 3.0) * inward,
+        (even[1] - odd[2]) + (5.0 / 2.0) * inward,
+        (even[2] - odd[3]) + 5.0 * inward,
     ];
     let least = least(high)
         .or_less(low[0].or_less(low[1]))

@@ -60,7 +60,7 @@
 //!   at most `24 u W`, `W = 4 |C0|² + 10 |C1|² + 20 |C2|² + 34 |C3|²`; the margin is `40 u W`. The
 //!   slope at an end has an error of at most `18 u` times the sum of `k A_k`, which is below
 //!   `27 u W`; it is lowered by `30 u W` before it is used. What it adds to the coefficients, 5
-//!   times itself at most, is rounded up to 6 times, which is `14 u W` more than the lowering
+//!   times itself at most, is rounded up to 3 times, which is `3 u W` more than the lowering
 //!   allows for. Against a rival the quotient becomes a quintic (3 roundings, and twice the size at
 //!   an end), is cut (15) and halved twice (10): less than `146 u W` with the roundings of the
 //!   slope, which is below `1.5 W`; the margin is `160 u W`.
