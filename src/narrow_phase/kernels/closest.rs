@@ -26,10 +26,10 @@ fn is_positive<R: Real>(certificate: R) -> bool {
 pub(super) fn closest_approach_of<R: Real>(points: &ControlPoints<R>) -> (R, R) {
     let found = guess_pair(Level::best(), points);
     if is_positive(found.certificate) {
-        return (local_time(found.time), distance(found.square));
+        return (local_time(found.settled.time), distance(found.settled.square));
     }
     let wide = widened(points);
-    let mut nearest = refined(&wide, local_time(found.time).to_f64(), QUICK);
+    let mut nearest = refined(&wide, local_time(found.settled.time).to_f64(), QUICK);
     let allowance = allowance::<R>(&wide);
     if !is_nearest_at(&wide, nearest.0, allowance) {
         nearest = searched(&wide, nearest.0, allowance);
@@ -156,12 +156,14 @@ impl<R: Real> Work<'_, R> {
         guess_block_again(self.level, &mut self.second, times, distances, certificates);
         for i in 0..self.count {
             let pair = self.pairs[i];
-            if is_positive(certificates[i]) {
+            if !self.second.stays(i) {
                 (self.times[pair], self.distances[pair]) = (times[i], distances[i]);
+            }
+            if is_positive(certificates[i]) {
                 continue;
             }
             let wide = widened(&self.lanes.control_points(pair));
-            let (time, distance) = refined(&wide, times[i].to_f64(), QUICK);
+            let (time, distance) = refined(&wide, self.times[pair].to_f64(), QUICK);
             self.third
                 .push(pair, wide, [time, distance, allowance::<R>(&wide)]);
             if self.third.is_full() {

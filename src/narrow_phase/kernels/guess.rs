@@ -25,10 +25,7 @@ const STILL: f32 = 1e-10;
 /// A guessed closest approach.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Guess<R> {
-    /// The centred local time, -1..=1.
-    pub(super) time: R,
-    /// 64 times the squared distance there.
-    pub(super) square: R,
+    pub(super) settled: Settled<R>,
     /// Positive if the guess is certainly the global minimum up to rounding; may be NaN.
     pub(super) certificate: f32,
 }
@@ -45,7 +42,9 @@ pub(super) struct Outline {
 /// A refined guess without its certificate.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Settled<R> {
+    /// The centred local time, -1..=1.
     pub(super) time: R,
+    /// 64 times the squared distance there.
     pub(super) square: R,
     /// What the margin of the certificate is multiplied by: 1, or infinity if the refinement has
     /// not settled.
@@ -61,8 +60,7 @@ pub(super) fn guess<R: Real>(points: ControlPoints<R>) -> Guess<R> {
     let rough = descend(&outline.square, start, R::STEPS);
     let settled = settle(&cubic, R::from_f64(f64::from(rough)));
     Guess {
-        time: settled.time,
-        square: settled.square,
+        settled,
         certificate: certify(&outline, settled.time.to_f32(), settled.doubt),
     }
 }

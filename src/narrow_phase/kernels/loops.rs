@@ -39,7 +39,10 @@ pub(super) struct Block<R> {
     /// Slopes, steps and errors of Halley's method.
     steps: [[R; BLOCK]; 3],
     doubts: [f32; BLOCK],
+    /// In the second try: the times of the first, and what [`rival::Contest`] says.
+    firsts: [f32; BLOCK],
     rivals: [f32; BLOCK],
+    stays: [f32; BLOCK],
 }
 
 impl<R: Real> Block<R> {
@@ -52,7 +55,9 @@ impl<R: Real> Block<R> {
             times: [0.0; BLOCK],
             steps: [[R::default(); BLOCK]; 3],
             doubts: [0.0; BLOCK],
+            firsts: [0.0; BLOCK],
             rivals: [0.0; BLOCK],
+            stays: [0.0; BLOCK],
         }
     }
 
@@ -109,7 +114,7 @@ impl<R: Real> Block<R> {
         }
     }
 
-    /// Takes over the cubic and the time of a pair of another block.
+    /// Takes over the cubic, the time and the doubt of a pair of another block.
     #[inline(always)]
     pub(super) fn take(&mut self, i: usize, from: &Self, place: usize) {
         for (column, other) in self.cubics.iter_mut().zip(&from.cubics) {
@@ -117,7 +122,14 @@ impl<R: Real> Block<R> {
                 slot[i] = other[place];
             }
         }
-        self.times[i] = from.times[place];
+        self.firsts[i] = from.times[place];
+        self.doubts[i] = from.doubts[place];
+    }
+
+    /// Whether the second try left the guess of the first as it was.
+    #[inline(always)]
+    pub(super) fn stays(&self, i: usize) -> bool {
+        self.stays[i] > 0.0
     }
 
     #[inline(always)]
@@ -269,7 +281,7 @@ pub(super) fn guess_pair<R: Real>(points: &ControlPoints<R>) -> Guess<R> {
     if found.certificate > 0.0 {
         return found;
     }
-    guess_against_rival(*points, found.time.to_f32())
+    guess_against_rival(*points, found)
 }
 
 #[inline(always)]
@@ -305,9 +317,10 @@ pub(super) fn guess_block_again<R: Real>(
     let certificates = &mut certificates[..count];
     block.outline_cubics(count);
     for i in 0..count {
-        let contest = contest(&block.outline(i), block.times[i]);
+        let contest = contest(&block.outline(i), block.firsts[i], block.doubts[i]);
         block.times[i] = contest.start;
         block.rivals[i] = contest.rival;
+        block.stays[i] = contest.stays;
     }
     for i in 0..count {
         block.times[i] = descend_safely(&block.square(i), block.times[i], rival::STEPS);
@@ -319,8 +332,11 @@ pub(super) fn guess_block_again<R: Real>(
     block.settle(times, distances);
     for i in 0..count {
         let outline = block.outline(i);
-        certificates[i] =
-            certify_against(&outline, block.times[i], block.rivals[i], block.doubts[i]);
+        let (mut time, mut doubt) = (block.times[i], block.doubts[i]);
+        if block.stays[i] > 0.0 {
+            (time, doubt) = (block.firsts[i], block.stays[i]);
+        }
+        certificates[i] = certify_against(&outline, time, block.rivals[i], doubt);
     }
 }
 
