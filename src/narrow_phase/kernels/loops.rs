@@ -236,6 +236,9 @@ pub(super) struct Bounds<R> {
     pub(super) tight: [R; BLOCK],
     /// The square of the distance at the split.
     squares: [R; BLOCK],
+    /// Lower bounds of the squared distance on the halves of both sides of the split, where they
+    /// were formed; see [`super::enclosure::bounds_of_halves`].
+    pub(super) halves: [[R; BLOCK]; 4],
 }
 
 impl<R: Real> Bounds<R> {
@@ -246,6 +249,7 @@ impl<R: Real> Bounds<R> {
             highs: [R::default(); BLOCK],
             tight: [R::default(); BLOCK],
             squares: [R::default(); BLOCK],
+            halves: [[R::default(); BLOCK]; 4],
         }
     }
 }
@@ -382,19 +386,24 @@ pub(super) fn enclose_block_finely<R: Real>(
     for i in 0..count {
         let [before, _] = split(control_points(&lanes, i), times[i]);
         bounds.squares[i] = dot(before[0], before[0]);
-        bounds.lows[i] = lower_bound_near(before);
+        bounds.halves[0][i] = lower_bound_near(before);
     }
     for i in 0..count {
         let [before, _] = split(control_points(&lanes, i), times[i]);
-        bounds.lows[i] = bounds.lows[i].or_less(lower_bound_far(before));
+        bounds.halves[1][i] = lower_bound_far(before);
     }
     for i in 0..count {
         let [_, after] = split(control_points(&lanes, i), times[i]);
-        bounds.highs[i] = lower_bound_near(after);
+        bounds.halves[2][i] = lower_bound_near(after);
     }
     for i in 0..count {
         let [_, after] = split(control_points(&lanes, i), times[i]);
-        bounds.highs[i] = bounds.highs[i].or_less(lower_bound_far(after));
+        bounds.halves[3][i] = lower_bound_far(after);
+    }
+    let [near_before, far_before, near_after, far_after] = &bounds.halves;
+    for i in 0..count {
+        bounds.lows[i] = near_before[i].or_less(far_before[i]);
+        bounds.highs[i] = near_after[i].or_less(far_after[i]);
     }
     finish_bounds(&lanes, errors, bounds, SPLIT_AND_HALVED);
 }

@@ -11,9 +11,7 @@
 //! first guess had settled, that stays and only the proof is made anew.
 
 use super::cubic::{CentredCubic, ControlPoints};
-use super::guess::{
-    Deflated, Guess, Outline, Settled, descend_safely, outline, polish, settle,
-};
+use super::guess::{Deflated, Guess, Outline, Settled, descend_safely, outline, polish, settle};
 use super::real::Real;
 
 /// The margin of the proof in parts of that of the first (the derivation is in `kernels`).
