@@ -383,9 +383,16 @@ pub(super) fn certify(outline: &Outline, u: f32, doubt: f32) -> f32 {
         (even[1] - odd[2]) + (5.0 / 2.0) * inward,
         (even[2] - odd[3]) + 5.0 * inward,
     ];
-    let least = least(high)
-        .or_less(low[0].or_less(low[1]))
-        .or_less(low[2].or_less(low[3]));
+    // A quartic between its second coefficient and the two next to it need not be positive where
+    // the second is: as the product of the first and third Bernstein polynomial is 3 / 8 of the
+    // square of the second, so much of it as the lesser of the others is made up for by them.
+    let [h0, h1, h2, h3, h4] = high;
+    let [l3, l2, l1, l0] = low;
+    let (beside_high, beside_low) = (h0.or_less(h2), l0.or_less(l2));
+    let second = (0.5 * (h1 + beside_high)).or_less(0.5 * (l1 + beside_low));
+    let least = (beside_high.or_less(beside_low))
+        .or_less(h3.or_less(h4))
+        .or_less(second.or_less(l3));
     least - outline.margin * doubt
 }
 
