@@ -5,8 +5,8 @@
 //! `d(u) - d* = (u - u*) r + (u - u*)² q(u)`
 //!
 //! with a number `r` (the residual slope) and a quartic `q`, from dividing twice by `u - u*`. If
-//! the Bernstein coefficients of `q` on both halves of -1..=1 are all positive, no other point is
-//! lower, but for the residual slope, which is of the order of the rounding.
+//! the Bernstein coefficients of `q` on both halves of -1..=1 show that it is positive, no other
+//! point is lower, but for the residual slope, which is of the order of the rounding.
 //!
 //! The stages are functions of their own, so that a block of pairs can pass them one after
 //! the other: many short dependency chains at once instead of a long one.
@@ -365,9 +365,9 @@ pub(super) fn certify(outline: &Outline, u: f32, doubt: f32) -> f32 {
     // Bernstein coefficients from the middle outward, to both sides at once.
     let even = [q0 + (1.0 / 6.0) * q2, q0 + 0.5 * q2, q0 + (q2 + q4)];
     let odd = [0.25 * q1, 0.5 * q1, 0.75 * q1 + 0.25 * q3, q1 + q3];
-    // Where the slope is inward, `inward / (u + 1)` is added. Above the middle it is not
-    // below the quartic with the coefficients 1, 0.75, 0.65, 0.55, 0.5 times `inward`: `u + 1`
-    // times that has the coefficients 1, 1, 0.99, 1, 0.98, 1.
+    // Where the slope is inward, `inward / (u + 1)` is added. Above the middle it is not below the
+    // quartic with the coefficients 1, 0.75, 0.65, 0.55, 0.5 times `inward`: `u + 1` times that has
+    // the coefficients 1, 1, 0.99, 1, 0.98, 1.
     let high = [
         q0 + inward,
         (q0 + odd[0]) + 0.75 * inward,
@@ -383,9 +383,10 @@ pub(super) fn certify(outline: &Outline, u: f32, doubt: f32) -> f32 {
         (even[1] - odd[2]) + (5.0 / 2.0) * inward,
         (even[2] - odd[3]) + 5.0 * inward,
     ];
-    // A quartic between its second coefficient and the two next to it need not be positive where
-    // the second is: as the product of the first and third Bernstein polynomial is 3 / 8 of the
-    // square of the second, so much of it as the lesser of the others is made up for by them.
+    // The second coefficient of a half, from its end on, may be as far below 0 as the lesser of the
+    // two next to it is above: these make up for it, since the product of the first and the third
+    // Bernstein polynomial is 3 / 8 of the square of the second, and their sum not less than twice
+    // the root of the product. The factor `u + 1` changes nothing in that.
     let [h0, h1, h2, h3, h4] = high;
     let [l3, l2, l1, l0] = low;
     let (beside_high, beside_low) = (h0.or_less(h2), l0.or_less(l2));
