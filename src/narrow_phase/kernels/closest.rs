@@ -3,7 +3,7 @@
 use super::batch::Lanes;
 use super::cubic::{CentredCubic, ControlPoints, largest_coordinate, widened};
 use super::dispatch::{enclose_block_finely, guess_block, guess_block_again, guess_pair};
-use super::enclosure::{enclose_from, is_nearest_at};
+use super::enclosure::{bounds_of_halves, is_nearest_at, nearest_from};
 use super::exhaustive::{normalised, square_at};
 use super::guess::{halley_step, long_step};
 use super::loops::{BLOCK, Block, Bounds, distance, local_time};
@@ -26,13 +26,17 @@ fn is_positive<R: Real>(certificate: R) -> bool {
 pub(super) fn closest_approach_of<R: Real>(points: &ControlPoints<R>) -> (R, R) {
     let found = guess_pair(Level::best(), points);
     if is_positive(found.certificate) {
-        return (local_time(found.time), distance(found.square));
+        return (
+            local_time(found.settled.time),
+            distance(found.settled.square),
+        );
     }
     let wide = widened(points);
-    let mut nearest = refined(&wide, local_time(found.time).to_f64(), QUICK);
+    let mut nearest = refined(&wide, local_time(found.settled.time).to_f64(), QUICK);
     let allowance = allowance::<R>(&wide);
-    if !is_nearest_at(&wide, nearest.0, allowance) {
-        nearest = searched(&wide, nearest.0, allowance);
+    let halves = bounds_of_halves(&wide, nearest.0);
+    if !is_nearest_at(&wide, nearest.0, allowance, &halves) {
+        nearest = searched(&wide, nearest.0, &halves, allowance);
     }
     (R::from_f64(nearest.0), R::from_f64(nearest.1))
 }
@@ -60,10 +64,16 @@ pub(super) fn refined(points: &ControlPoints<f64>, time: f64, steps: u32) -> (f6
     (local_time(u), distance(square) * unit)
 }
 
-/// The closest approach by branch and bound from a good time on.
-fn searched(points: &ControlPoints<f64>, time: f64, allowance: f64) -> (f64, f64) {
-    let found = enclose_from(points, time, allowance);
-    refined(points, found.time, THOROUGH)
+/// The closest approach by branch and bound from a good time on, and the bounds on the halves of
+/// both sides of it.
+fn searched(
+    points: &ControlPoints<f64>,
+    time: f64,
+    halves: &[f64; 4],
+    allowance: f64,
+) -> (f64, f64) {
+    let found = nearest_from(points, time, halves, allowance);
+    refined(points, found, THOROUGH)
 }
 
 /// An error of the cubic, metres, with which an enclosure is as tight as the type of the lanes
@@ -156,12 +166,14 @@ impl<R: Real> Work<'_, R> {
         guess_block_again(self.level, &mut self.second, times, distances, certificates);
         for i in 0..self.count {
             let pair = self.pairs[i];
-            if is_positive(certificates[i]) {
+            if !self.second.stays(i) {
                 (self.times[pair], self.distances[pair]) = (times[i], distances[i]);
+            }
+            if is_positive(certificates[i]) {
                 continue;
             }
             let wide = widened(&self.lanes.control_points(pair));
-            let (time, distance) = refined(&wide, times[i].to_f64(), QUICK);
+            let (time, distance) = refined(&wide, self.times[pair].to_f64(), QUICK);
             self.third
                 .push(pair, wide, [time, distance, allowance::<R>(&wide)]);
             if self.third.is_full() {
@@ -185,7 +197,8 @@ impl<R: Real> Work<'_, R> {
             let (time, distance) = if is_positive(bounds.tight[i]) {
                 (times[i], distances[i])
             } else {
-                searched(&self.third.control_points(i), times[i], errors[i])
+                let halves = bounds.halves.map(|half| half[i]);
+                searched(&self.third.control_points(i), times[i], &halves, errors[i])
             };
             let pair = self.third.pair(i);
             self.times[pair] = R::from_f64(time);

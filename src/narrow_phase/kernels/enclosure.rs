@@ -43,14 +43,32 @@ pub(super) struct Bracketed<R> {
     pub(super) tight: R,
 }
 
-/// Whether quarters of both sides of a time prove that the least distance is there, up to
-/// rounding.
+/// Lower bounds of the squared distance on the halves of both sides of a time, from their quarters:
+/// those before it from it on, then those after it.
 #[inline]
-pub(super) fn is_nearest_at(points: &ControlPoints<f64>, time: f64, error: f64) -> bool {
+pub(super) fn bounds_of_halves(points: &ControlPoints<f64>, time: f64) -> [f64; 4] {
     let [before, after] = split(*points, time);
-    let low = lower_bound_near(before).or_less(lower_bound_far(before));
-    let high = lower_bound_near(after).or_less(lower_bound_far(after));
-    let bound = low.or_less(high);
+    [
+        lower_bound_near(before),
+        lower_bound_far(before),
+        lower_bound_near(after),
+        lower_bound_far(after),
+    ]
+}
+
+/// Whether bounds on the halves of both sides of a time prove that the least distance is there, up
+/// to rounding.
+#[inline]
+pub(super) fn is_nearest_at(
+    points: &ControlPoints<f64>,
+    time: f64,
+    error: f64,
+    halves: &[f64; 4],
+) -> bool {
+    let [near_before, far_before, near_after, far_after] = *halves;
+    let low = near_before.or_less(far_before);
+    let bound = low.or_less(near_after.or_less(far_after));
+    let [before, _] = split(*points, time);
     let best = dot(before[0], before[0]);
     enclose_between(*points, best, bound, error, SPLIT_AND_HALVED).tight > 0.0
 }
@@ -69,7 +87,7 @@ pub(super) fn enclose_between<R: Real>(
     let size = size(points);
     let total = total_error(error, size, units);
     let (low, high) = outward(bound, best, total);
-    let in_range = (size > R::from_f64(1e-60)) & (size < R::from_f64(1e60));
+    let in_range = is_in_range(size);
     let (zero, one) = (R::from_f64(0.0), R::from_f64(1.0));
     let tight = if is_tight(bound, best, total, size, TIGHT) {
         one
@@ -81,6 +99,12 @@ pub(super) fn enclose_between<R: Real>(
         high,
         tight: if in_range { tight } else { -one },
     }
+}
+
+/// Whether lower bounds of a polygon of that size cannot have suffered from the range.
+#[inline(always)]
+fn is_in_range<R: Real>(size: R) -> bool {
+    (size > R::from_f64(1e-60)) & (size < R::from_f64(1e60))
 }
 
 /// The size of the polygon: the largest distance of a control point, rounded up.
@@ -148,18 +172,29 @@ enum Goal {
 /// `error` bounds the distance between the true relative position and that of the polygon, at
 /// every instant, metres. If it is infinite the answer is everything from 0 on.
 pub(super) fn enclose(points: &ControlPoints<f64>, error: f64) -> Enclosure {
-    search(points, error, None, Goal::Tight)
+    search(points, error, Start::Whole, Goal::Tight)
 }
 
 /// The same for a pair whose nearest point is probably near a time.
 pub(super) fn enclose_near(points: &ControlPoints<f64>, error: f64, time: f64) -> Enclosure {
     let (time, _) = refined(points, time, QUICK);
-    search(points, error, Some(time), Goal::Tight)
+    search(points, error, Start::Time(time), Goal::Tight)
 }
 
-/// The enclosure of one pair whose nearest point is probably at a time.
-pub(super) fn enclose_from(points: &ControlPoints<f64>, time: f64, error: f64) -> Enclosure {
-    search(points, error, Some(time), Goal::Near)
+/// The time of the nearest point of one pair, up to rounding. It is probably `time`; `halves` are
+/// the bounds on the halves of both sides of that.
+pub(super) fn nearest_from(
+    points: &ControlPoints<f64>,
+    time: f64,
+    halves: &[f64; 4],
+    error: f64,
+) -> f64 {
+    let start = if is_in_range(size(*points)) {
+        Start::Halves(time, *halves)
+    } else {
+        Start::Time(time)
+    };
+    search(points, error, start, Goal::Near).time
 }
 
 /// An enclosure of one pair that is good enough to tell whether it is below `inner` or above
@@ -170,10 +205,21 @@ pub(super) fn enclose_for(
     inner: f64,
     outer: f64,
 ) -> Enclosure {
-    search(points, error, None, Goal::Decided(inner, outer))
+    search(points, error, Start::Whole, Goal::Decided(inner, outer))
 }
 
-fn search(points: &ControlPoints<f64>, error: f64, start: Option<f64>, goal: Goal) -> Enclosure {
+/// What a branch and bound starts from.
+#[derive(Clone, Copy)]
+enum Start {
+    /// The whole span.
+    Whole,
+    /// Both sides of a time.
+    Time(f64),
+    /// The halves of both sides of a time, with their bounds as by [`bounds_of_halves`].
+    Halves(f64, [f64; 4]),
+}
+
+fn search(points: &ControlPoints<f64>, error: f64, start: Start, goal: Goal) -> Enclosure {
     let largest = largest_coordinate(points);
     if !(largest.is_finite() && error.is_finite()) {
         return Enclosure {
@@ -200,9 +246,16 @@ fn search(points: &ControlPoints<f64>, error: f64, start: Option<f64>, goal: Goa
         Goal::Decided(inner, outer) => Goal::Decided(inner / unit, outer / unit),
         Goal::Tight | Goal::Near => goal,
     };
-    let mut search = Search::new(scaled, scaled_error);
+    let units = match start {
+        Start::Halves(..) => SPLIT_AND_HALVED,
+        Start::Whole | Start::Time(_) => SPLIT,
+    };
+    let mut search = Search::new(scaled, scaled_error, units);
     match start {
-        Some(time) if time > 0.0 && time < 1.0 => search.split(0, time),
+        Start::Halves(time, halves) => {
+            search.start_from_halves(time, halves.map(|bound| bound / unit / unit));
+        }
+        Start::Time(time) if time > 0.0 && time < 1.0 => search.split(0, time),
         _ => search.pieces[0].bound = lower_bound(from_nearer(scaled)),
     }
     search.run(goal);
@@ -227,7 +280,7 @@ struct Search {
 }
 
 impl Search {
-    fn new(points: ControlPoints<f64>, error: f64) -> Self {
+    fn new(points: ControlPoints<f64>, error: f64, units: f64) -> Self {
         let size = size(points);
         let mut pieces = Vec::with_capacity(16);
         pieces.push(Piece {
@@ -239,7 +292,7 @@ impl Search {
         let mut search = Self {
             points,
             size,
-            total: total_error(error, size, SPLIT),
+            total: total_error(error, size, units),
             best: f64::INFINITY,
             time: 0.0,
             pieces,
@@ -247,6 +300,23 @@ impl Search {
         search.note(0.0, points[0]);
         search.note(1.0, points[3]);
         search
+    }
+
+    /// Replaces the whole span by the halves of both sides of a time.
+    fn start_from_halves(&mut self, time: f64, bounds: [f64; 4]) {
+        let (before, after) = (0.5 * time, 0.5 * (time + 1.0));
+        let ends = [(before, time), (0.0, before), (time, after), (after, 1.0)];
+        self.pieces.clear();
+        for ((low, high), bound) in ends.into_iter().zip(bounds) {
+            self.pieces.push(Piece {
+                low,
+                high,
+                bound,
+                halve: false,
+            });
+        }
+        let [before, _] = split(self.points, time);
+        self.note(time, before[0]);
     }
 
     /// Remembers the nearest point seen.

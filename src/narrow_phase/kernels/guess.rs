@@ -5,8 +5,8 @@
 //! `d(u) - d* = (u - u*) r + (u - u*)² q(u)`
 //!
 //! with a number `r` (the residual slope) and a quartic `q`, from dividing twice by `u - u*`. If
-//! the Bernstein coefficients of `q` on both halves of -1..=1 are all positive, no other point is
-//! lower, but for the residual slope, which is of the order of the rounding.
+//! the Bernstein coefficients of `q` on both halves of -1..=1 show that it is positive, no other
+//! point is lower, but for the residual slope, which is of the order of the rounding.
 //!
 //! The stages are functions of their own, so that a block of pairs can pass them one after
 //! the other: many short dependency chains at once instead of a long one.
@@ -25,10 +25,7 @@ const STILL: f32 = 1e-10;
 /// A guessed closest approach.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Guess<R> {
-    /// The centred local time, -1..=1.
-    pub(super) time: R,
-    /// 64 times the squared distance there.
-    pub(super) square: R,
+    pub(super) settled: Settled<R>,
     /// Positive if the guess is certainly the global minimum up to rounding; may be NaN.
     pub(super) certificate: f32,
 }
@@ -45,7 +42,9 @@ pub(super) struct Outline {
 /// A refined guess without its certificate.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Settled<R> {
+    /// The centred local time, -1..=1.
     pub(super) time: R,
+    /// 64 times the squared distance there.
     pub(super) square: R,
     /// What the margin of the certificate is multiplied by: 1, or infinity if the refinement has
     /// not settled.
@@ -61,8 +60,7 @@ pub(super) fn guess<R: Real>(points: ControlPoints<R>) -> Guess<R> {
     let rough = descend(&outline.square, start, R::STEPS);
     let settled = settle(&cubic, R::from_f64(f64::from(rough)));
     Guess {
-        time: settled.time,
-        square: settled.square,
+        settled,
         certificate: certify(&outline, settled.time.to_f32(), settled.doubt),
     }
 }
@@ -364,30 +362,38 @@ pub(super) fn certify(outline: &Outline, u: f32, doubt: f32) -> f32 {
         inward,
         ..
     } = Deflated::new(&outline.square, u, outline.margin);
-    // Where the slope is inward, the quotient `inward / (u + 1)` is added: it is convex, and above
-    // its tangent at u = 1/2, a straight line that goes into the quartic.
-    let (q0, q1) = (q0 + (8.0 / 9.0) * inward, q1 - (4.0 / 9.0) * inward);
     // Bernstein coefficients from the middle outward, to both sides at once.
     let even = [q0 + (1.0 / 6.0) * q2, q0 + 0.5 * q2, q0 + (q2 + q4)];
     let odd = [0.25 * q1, 0.5 * q1, 0.75 * q1 + 0.25 * q3, q1 + q3];
+    // Where the slope is inward, `inward / (u + 1)` is added. Above the middle it is not below the
+    // quartic with the coefficients 1, 0.75, 0.65, 0.55, 0.5 times `inward`: `u + 1` times that has
+    // the coefficients 1, 1, 0.99, 1, 0.98, 1.
     let high = [
-        q0,
-        q0 + odd[0],
-        even[0] + odd[1],
-        even[1] + odd[2],
-        even[2] + odd[3],
+        q0 + inward,
+        (q0 + odd[0]) + 0.75 * inward,
+        (even[0] + odd[1]) + 0.65 * inward,
+        (even[1] + odd[2]) + 0.55 * inward,
+        (even[2] + odd[3]) + 0.5 * inward,
     ];
-    // On the side of the end coefficient i of the quintic, from the end on, is i / 5 times that of
-    // the quartic, plus `inward`: more than the straight line. The middle counts once.
+    // On the side of the end `(u + 1) q + inward` is a quintic: coefficient i, from the end on, is
+    // i / 5 times that of the quartic, plus `inward`. The middle counts once.
     let low = [
-        (q0 - odd[0]) + (5.0 / 4.0 - 1.0) * inward,
-        (even[0] - odd[1]) + (5.0 / 3.0 - 10.0 / 9.0) * inward,
-        (even[1] - odd[2]) + (5.0 / 2.0 - 11.0 / 9.0) * inward,
-        (even[2] - odd[3]) + (5.0 - 12.0 / 9.0) * inward,
+        (q0 - odd[0]) + (5.0 / 4.0) * inward,
+        (even[0] - odd[1]) + (5.0 / 3.0) * inward,
+        (even[1] - odd[2]) + (5.0 / 2.0) * inward,
+        (even[2] - odd[3]) + 5.0 * inward,
     ];
-    let least = least(high)
-        .or_less(low[0].or_less(low[1]))
-        .or_less(low[2].or_less(low[3]));
+    // The second coefficient of a half, from its end on, may be as far below 0 as the lesser of the
+    // two next to it is above: these make up for it, since the product of the first and the third
+    // Bernstein polynomial is 3 / 8 of the square of the second, and their sum not less than twice
+    // the root of the product. The factor `u + 1` changes nothing in that.
+    let [h0, h1, h2, h3, h4] = high;
+    let [l3, l2, l1, l0] = low;
+    let (beside_high, beside_low) = (h0.or_less(h2), l0.or_less(l2));
+    let second = (0.5 * (h1 + beside_high)).or_less(0.5 * (l1 + beside_low));
+    let least = (beside_high.or_less(beside_low))
+        .or_less(h3.or_less(h4))
+        .or_less(second.or_less(l3));
     least - outline.margin * doubt
 }
 

@@ -39,7 +39,10 @@ pub(super) struct Block<R> {
     /// Slopes, steps and errors of Halley's method.
     steps: [[R; BLOCK]; 3],
     doubts: [f32; BLOCK],
+    /// In the second try: the times of the first, and what [`rival::Contest`] says.
+    firsts: [f32; BLOCK],
     rivals: [f32; BLOCK],
+    stays: [f32; BLOCK],
 }
 
 impl<R: Real> Block<R> {
@@ -52,7 +55,9 @@ impl<R: Real> Block<R> {
             times: [0.0; BLOCK],
             steps: [[R::default(); BLOCK]; 3],
             doubts: [0.0; BLOCK],
+            firsts: [0.0; BLOCK],
             rivals: [0.0; BLOCK],
+            stays: [0.0; BLOCK],
         }
     }
 
@@ -109,7 +114,7 @@ impl<R: Real> Block<R> {
         }
     }
 
-    /// Takes over the cubic and the time of a pair of another block.
+    /// Takes over the cubic, the time and the doubt of a pair of another block.
     #[inline(always)]
     pub(super) fn take(&mut self, i: usize, from: &Self, place: usize) {
         for (column, other) in self.cubics.iter_mut().zip(&from.cubics) {
@@ -117,7 +122,14 @@ impl<R: Real> Block<R> {
                 slot[i] = other[place];
             }
         }
-        self.times[i] = from.times[place];
+        self.firsts[i] = from.times[place];
+        self.doubts[i] = from.doubts[place];
+    }
+
+    /// Whether the second try left the guess of the first as it was.
+    #[inline(always)]
+    pub(super) fn stays(&self, i: usize) -> bool {
+        self.stays[i] > 0.0
     }
 
     #[inline(always)]
@@ -224,6 +236,9 @@ pub(super) struct Bounds<R> {
     pub(super) tight: [R; BLOCK],
     /// The square of the distance at the split.
     squares: [R; BLOCK],
+    /// Lower bounds of the squared distance on the halves of both sides of the split, where they
+    /// were formed; see [`super::enclosure::bounds_of_halves`].
+    pub(super) halves: [[R; BLOCK]; 4],
 }
 
 impl<R: Real> Bounds<R> {
@@ -234,6 +249,7 @@ impl<R: Real> Bounds<R> {
             highs: [R::default(); BLOCK],
             tight: [R::default(); BLOCK],
             squares: [R::default(); BLOCK],
+            halves: [[R::default(); BLOCK]; 4],
         }
     }
 }
@@ -269,7 +285,7 @@ pub(super) fn guess_pair<R: Real>(points: &ControlPoints<R>) -> Guess<R> {
     if found.certificate > 0.0 {
         return found;
     }
-    guess_against_rival(*points, found.time.to_f32())
+    guess_against_rival(*points, found)
 }
 
 #[inline(always)]
@@ -305,9 +321,10 @@ pub(super) fn guess_block_again<R: Real>(
     let certificates = &mut certificates[..count];
     block.outline_cubics(count);
     for i in 0..count {
-        let contest = contest(&block.outline(i), block.times[i]);
+        let contest = contest(&block.outline(i), block.firsts[i], block.doubts[i]);
         block.times[i] = contest.start;
         block.rivals[i] = contest.rival;
+        block.stays[i] = contest.stays;
     }
     for i in 0..count {
         block.times[i] = descend_safely(&block.square(i), block.times[i], rival::STEPS);
@@ -319,8 +336,11 @@ pub(super) fn guess_block_again<R: Real>(
     block.settle(times, distances);
     for i in 0..count {
         let outline = block.outline(i);
-        certificates[i] =
-            certify_against(&outline, block.times[i], block.rivals[i], block.doubts[i]);
+        let (mut time, mut doubt) = (block.times[i], block.doubts[i]);
+        if block.stays[i] > 0.0 {
+            (time, doubt) = (block.firsts[i], block.stays[i]);
+        }
+        certificates[i] = certify_against(&outline, time, block.rivals[i], doubt);
     }
 }
 
@@ -366,19 +386,24 @@ pub(super) fn enclose_block_finely<R: Real>(
     for i in 0..count {
         let [before, _] = split(control_points(&lanes, i), times[i]);
         bounds.squares[i] = dot(before[0], before[0]);
-        bounds.lows[i] = lower_bound_near(before);
+        bounds.halves[0][i] = lower_bound_near(before);
     }
     for i in 0..count {
         let [before, _] = split(control_points(&lanes, i), times[i]);
-        bounds.lows[i] = bounds.lows[i].or_less(lower_bound_far(before));
+        bounds.halves[1][i] = lower_bound_far(before);
     }
     for i in 0..count {
         let [_, after] = split(control_points(&lanes, i), times[i]);
-        bounds.highs[i] = lower_bound_near(after);
+        bounds.halves[2][i] = lower_bound_near(after);
     }
     for i in 0..count {
         let [_, after] = split(control_points(&lanes, i), times[i]);
-        bounds.highs[i] = bounds.highs[i].or_less(lower_bound_far(after));
+        bounds.halves[3][i] = lower_bound_far(after);
+    }
+    let [near_before, far_before, near_after, far_after] = &bounds.halves;
+    for i in 0..count {
+        bounds.lows[i] = near_before[i].or_less(far_before[i]);
+        bounds.highs[i] = near_after[i].or_less(far_after[i]);
     }
     finish_bounds(&lanes, errors, bounds, SPLIT_AND_HALVED);
 }

@@ -28,12 +28,12 @@
 //! *Guess, then prove the guess* (`guess.rs`): the lowest of nine samples, one or two steps of
 //! high order on the slope of the squared distance, one more on the vectors. Then the squared
 //! distance, less its value at the guess, is divided twice by the distance in time from the guess;
-//! if the quotient, a quartic, has positive Bernstein coefficients on both halves of the span, no
-//! other point is lower. Only the step on the vectors needs the precision of the result: guesses
-//! and proofs are made in `f32`, twice as many lanes to a vector. Pairs without a proof are
-//! gathered and tried again with their other minimum (`rival.rs`), which is either lower or shows
-//! where to cut the span for the proof. The last ones are enclosed, and searched by branch and
-//! bound.
+//! if the Bernstein coefficients of the quotient, a quartic, show on both halves of the span that
+//! it is positive, no other point is lower. Only the step on the vectors needs the precision of the
+//! result: guesses and proofs are made in `f32`, twice as many lanes to a vector. Pairs without a
+//! proof are gathered and tried again with their other minimum (`rival.rs`), which is either lower
+//! or shows where to cut the span for the proof, unless it is as low. The last ones are enclosed,
+//! and searched by branch and bound.
 //!
 //! *Enclosures* (`minorant.rs`): the span is split at the guess; on each side a quadratic below
 //! the Bernstein coefficients of the squared distance, formed from differences, bounds it to the
@@ -54,16 +54,17 @@
 //! - *Certificate of a guess*, where `u` is that of `f32`. The coefficients `a_k` of the squared
 //!   distance have an error of at most `7 u A_k`, where `A_k` sums the products `|C_i| |C_j|`,
 //!   `i + j = k`: 2 for the rounding of both vectors to `f32`, 5 for the products and sums. Two
-//!   divisions with `|u*| <= 1` round each term 9 times more, the change to Bernstein form 5 times;
-//!   `u*` itself was rounded, which moves the quotient by `8/3` units of its terms. `A_k` enters the
-//!   quotient with the factor `k (k - 1) / 2`. With `2 |C_i| |C_j| <= |C_i|² + |C_j|²` the error is
-//!   at most `24 u W`, `W = 4 |C0|² + 10 |C1|² + 20 |C2|² + 34 |C3|²`; the margin is `40 u W`. The
-//!   slope at an end has an error of at most `18 u` times the sum of `k A_k`, which is below
-//!   `27 u W`; it is lowered by `30 u W` before it is used. What it adds to the coefficients, 5
-//!   times itself at most, is rounded up to 6 times, which is `14 u W` more than the lowering
-//!   allows for. Against a rival the quotient becomes a quintic (3 roundings, and twice the size at
-//!   an end), is cut (15) and halved twice (10): less than `146 u W` with the roundings of the
-//!   slope, which is below `1.5 W`; the margin is `160 u W`.
+//!   divisions with `|u*| <= 1` round each term 9 times more, the change to Bernstein form and the
+//!   mean of two coefficients 6 times; `u*` itself was rounded, which moves the quotient by `8/3`
+//!   units of its terms. `A_k` enters the quotient with the factor `k (k - 1) / 2`. With
+//!   `2 |C_i| |C_j| <= |C_i|² + |C_j|²` the error is at most `25 u W`,
+//!   `W = 4 |C0|² + 10 |C1|² + 20 |C2|² + 34 |C3|²`; the margin is `40 u W`. The slope at an end has
+//!   an error of at most `18 u` times the sum of `k A_k`, which is below `27 u W`; it is lowered by
+//!   `30 u W` before it is used. What it adds to the coefficients, 5 times itself at most, is rounded
+//!   up to 3 times, which is `6 u W` more than the lowering allows for. Against a rival the quotient
+//!   becomes a quintic (3 roundings, and twice the size at an end), is cut (15) and halved twice
+//!   (10): less than `146 u W` with the roundings of the slope, which is below `1.5 W`; the margin
+//!   is `160 u W`.
 //!   What is proven is that no point is lower by more than the residual slope allows; that slope is
 //!   rounding of the lanes' type after the last step. For a bound of everything use [`enclose`].
 //! - *Enclosure.* Splitting the polygon moves it by `9 u M` at most, halvings add `3 u M` each. The

@@ -5,9 +5,13 @@
 //! an end of the span `(u + 1) q` and the slope there. If that is negative, the rival is the better
 //! guess. Whichever is better, the other one makes the proof: the span is cut there, where the
 //! Bernstein coefficients are close to the values, and then into quarters of both parts.
+//!
+//! The value at the rival tells beforehand what comes of it. If it is within the margin of the
+//! proof the two are as near, or the minimum is flat, and there is no proof; if it is above, and the
+//! first guess had settled, that stays and only the proof is made anew.
 
 use super::cubic::{CentredCubic, ControlPoints};
-use super::guess::{Deflated, Guess, Outline, descend_safely, outline, polish, settle};
+use super::guess::{Deflated, Guess, Outline, Settled, descend_safely, outline, polish, settle};
 use super::real::Real;
 
 /// The margin of the proof in parts of that of the first (the derivation is in `kernels`).
@@ -23,34 +27,55 @@ pub(super) struct Contest {
     pub(super) start: f32,
     /// That near the other one.
     pub(super) rival: f32,
+    /// Whether the first guess stays, and what the margin of its proof is multiplied by: 1, or
+    /// infinity if there will be none. 0 if the guess is to be made again.
+    pub(super) stays: f32,
 }
 
-/// Guesses again from a first guess in centred time, and certifies against the other minimum.
+/// Guesses again where that can help, and certifies against the other minimum.
 #[inline(always)]
-pub(super) fn guess_against_rival<R: Real>(points: ControlPoints<R>, first: f32) -> Guess<R> {
+pub(super) fn guess_against_rival<R: Real>(points: ControlPoints<R>, first: Guess<R>) -> Guess<R> {
     let cubic = CentredCubic::new(points);
     let outline = outline::<R>(cubic.rough().coefficients);
-    let Contest { start, rival } = contest(&outline, first);
-    let rough = descend_safely(&outline.square, start, STEPS);
-    let polished = polish(&cubic, R::from_f64(f64::from(rough)));
-    let settled = settle(&cubic, polished);
+    let contest = contest(&outline, first.settled.time.to_f32(), first.settled.doubt);
+    if contest.stays > 1.0 {
+        return first;
+    }
+    let settled = if contest.stays > 0.0 {
+        first.settled
+    } else {
+        again(&cubic, &outline, contest.start)
+    };
+    let time = settled.time.to_f32();
     Guess {
-        time: settled.time,
-        square: settled.square,
-        certificate: certify_against(&outline, settled.time.to_f32(), rival, settled.doubt),
+        settled,
+        certificate: certify_against(&outline, time, contest.rival, settled.doubt),
     }
 }
 
-/// First stage: which of the two minima is the better guess.
+/// The guess near a time from more steps than the first.
 #[inline(always)]
-pub(super) fn contest(outline: &Outline, first: f32) -> Contest {
+fn again<R: Real>(cubic: &CentredCubic<R>, outline: &Outline, start: f32) -> Settled<R> {
+    let rough = descend_safely(&outline.square, start, STEPS);
+    settle(cubic, polish(cubic, R::from_f64(f64::from(rough))))
+}
+
+/// First stage: which of the two minima is the better guess, and whether it was made already.
+/// `doubt` is that of the first guess.
+#[inline(always)]
+pub(super) fn contest(outline: &Outline, first: f32, doubt: f32) -> Contest {
     let remainder = Remainder::new(outline, first);
     let least = remainder.least_point(remainder.lowest_sample());
     let rival = remainder.deflated.turn * least;
-    let beaten = remainder.value(least) < 0.0;
+    let value = remainder.value(least);
+    let beaten = value < 0.0;
+    let again = beaten | (doubt > 1.0);
+    let decided = value.abs() > AGAIN * outline.margin;
+    let stays = if again { 0.0 } else { 1.0 };
     Contest {
         start: if beaten { rival } else { first },
         rival: if beaten { first } else { rival },
+        stays: if decided { stays } else { f32::INFINITY },
     }
 }
 
