@@ -33,7 +33,10 @@ impl Monitor {
         if window.1 < window.0 {
             return Ok(Vec::new());
         }
-        let filter = Admission(&self.scene);
+        let filter = Admission {
+            scene: &self.scene,
+            interrupt: None,
+        };
         let mut conflicts = Vec::new();
         self.outlook.contacts_with(
             &self.scene,

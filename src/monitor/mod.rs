@@ -48,6 +48,8 @@ use outlook::Outlook;
 use read::{Readings, Scratch};
 #[cfg(feature = "serde")]
 use recording::Record;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A margin that is watched, and when to let go.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -120,16 +122,27 @@ pub struct Monitor {
     readings: Vec<Readings>,
     plain: Vec<Plain>,
     scratch: Scratch,
+    /// Set from another thread to have a tick end early, as if its budget were spent.
+    interrupt: Option<Arc<AtomicBool>>,
     #[cfg(feature = "serde")]
     tape: Option<recording::Tape>,
 }
 
 /// Layers and ignored pairs, by slot.
-struct Admission<'s>(&'s Scene);
+struct Admission<'s> {
+    scene: &'s Scene,
+    /// Set when nobody waits for the answer any more.
+    interrupt: Option<&'s AtomicBool>,
+}
 
 impl PairFilter for Admission<'_> {
     fn admits(&self, a: u32, b: u32) -> bool {
-        self.0.admits(a, b)
+        self.scene.admits(a, b)
+    }
+
+    fn gives_up(&self) -> bool {
+        let is_set = |interrupt: &AtomicBool| interrupt.load(Ordering::Relaxed);
+        self.interrupt.is_some_and(is_set)
     }
 }
 
@@ -202,6 +215,7 @@ impl Monitor {
             readings: levels.iter().map(|_| Readings::default()).collect(),
             plain: Vec::new(),
             scratch: Scratch::default(),
+            interrupt: None,
             #[cfg(feature = "serde")]
             tape: None,
             scene,

@@ -186,7 +186,7 @@ impl Slice {
             };
             // A slice without a body is work as well: a budget of counted work stops at one place
             // only.
-            if !goes_on(1 + work) {
+            if !goes_on(1 + work) || filter.gives_up() {
                 return;
             }
         }
@@ -211,6 +211,12 @@ impl Slice {
                 self.build(bodies, filter);
                 0
             };
+            if filter.gives_up() {
+                // Not all was found: it stays to be done.
+                self.candidates.clear();
+                return boxes;
+            }
+            self.is_ordered = true;
             self.forget_changes();
             self.stats.slices += u64::from(self.is_needed && !self.built);
             self.built |= self.is_needed;
@@ -230,7 +236,6 @@ impl Slice {
             self.list_all();
         }
         self.sweep.pairs(&self.listed, filter, &mut self.candidates);
-        self.is_ordered = true;
     }
 
     /// Changed bodies against all.
@@ -366,5 +371,9 @@ impl<F: PairFilter> PairFilter for Concerns<'_, F> {
     fn admits(&self, a: u32, b: u32) -> bool {
         let is_changed = |slot: u32| self.is_changed.get(slot as usize) == Some(&true);
         (is_changed(a) || is_changed(b)) && self.filter.admits(a, b)
+    }
+
+    fn gives_up(&self) -> bool {
+        self.filter.gives_up()
     }
 }

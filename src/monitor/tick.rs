@@ -78,7 +78,10 @@ impl Monitor {
         let known = self.outlook.catch_up(
             &self.scene,
             (self.told, end),
-            &Admission(&self.scene),
+            &Admission {
+                scene: &self.scene,
+                interrupt: self.interrupt.as_deref(),
+            },
             &mut meter,
             &mut self.stats,
         );

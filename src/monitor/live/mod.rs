@@ -31,6 +31,7 @@ use crossbeam_channel::{Receiver, Sender, bounded};
 use std::fmt;
 use std::io;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 use worker::{Outcome, Worker};
@@ -110,6 +111,8 @@ pub struct Live {
     reports: Receiver<Report>,
     /// Dropped to stop the thread.
     stop: Option<Sender<()>>,
+    /// Set to have it break off what it is at.
+    interrupt: Arc<AtomicBool>,
     thread: Option<JoinHandle<Box<Outcome>>>,
 }
 
@@ -155,11 +158,13 @@ impl Monitor {
     /// # Errors
     ///
     /// If the system gives no thread.
-    pub fn spawn(self, options: LiveOptions) -> io::Result<Live> {
+    pub fn spawn(mut self, options: LiveOptions) -> io::Result<Live> {
         let (orders_in, orders) = bounded(options.orders.max(1));
         let (reports_in, reports) = bounded(options.reports.max(1));
         let (stop, stopped) = bounded(0);
         let handle = Handle::new(orders_in, self.now(), self.certified_until());
+        let interrupt = Arc::new(AtomicBool::new(false));
+        self.interrupt = Some(Arc::clone(&interrupt));
         let worker = Worker::new(
             self,
             (orders, reports_in, stopped),
@@ -173,6 +178,7 @@ impl Monitor {
             handle,
             reports,
             stop: Some(stop),
+            interrupt,
             thread: Some(thread),
         })
     }
@@ -233,6 +239,7 @@ impl Live {
     }
 
     fn join(&mut self) -> Outcome {
+        self.interrupt.store(true, Ordering::Relaxed);
         self.stop = None;
         match self.thread.take().map(JoinHandle::join) {
             Some(Ok(outcome)) => *outcome,

@@ -101,6 +101,7 @@ impl Worker {
             }
         };
         self.shared.close();
+        self.monitor.interrupt = None;
         let mut unapplied = Vec::new();
         unapplied.extend(std::iter::from_fn(|| self.waiting.pop()));
         unapplied.extend(self.orders.try_iter());
