@@ -56,6 +56,9 @@ impl Slice {
     /// millisecond.
     const STEP: usize = 1024;
 
+    /// Boxes that are asked for what meets them before a filter is asked whether it gives up.
+    const ASKED: usize = 64;
+
     /// Candidates looked at together.
     const BATCH: usize = 16;
 
@@ -152,15 +155,32 @@ impl Slice {
         bodies.boxes(slots, &ends, block, |_, boxed| listed.push(boxed));
         if self.is_ordered {
             self.boxes.move_to(&self.listed);
-            self.boxes.meeting(&self.listed, |new, other| {
-                // All others have smaller slots: each pair once.
-                if other < new.body && filter.admits(other, new.body) {
-                    self.candidates.push(Candidate::new(other, new.body));
-                }
-            });
+            // All others have smaller slots: each pair once.
+            self.list_meeting(filter, |new, other| other < new);
+            if filter.gives_up() {
+                self.candidates.clear();
+                return 0;
+            }
         }
         self.prepared = until;
         until - first
+    }
+
+    /// Appends the pairs of the listed boxes with the others that they meet and that are wanted
+    /// beside them; not all if the filter gives up.
+    fn list_meeting<F: PairFilter>(&mut self, filter: &F, wanted: impl Fn(u32, u32) -> bool) {
+        for some in self.listed.chunks(Self::ASKED) {
+            if filter.gives_up() {
+                return;
+            }
+            let candidates = &mut self.candidates;
+            self.boxes.meeting(some, |own, other| {
+                let pair = (own.body.min(other), own.body.max(other));
+                if wanted(own.body, other) && filter.admits(pair.0, pair.1) {
+                    candidates.push(Candidate::new(pair.0, pair.1));
+                }
+            });
+        }
     }
 
     /// Compares what has not been compared, as long as `goes_on` lets: it is told the work of each
@@ -258,12 +278,7 @@ impl Slice {
                 .pairs(&self.listed, &filter, &mut self.candidates);
         } else {
             self.boxes.move_to(&self.listed);
-            self.boxes.meeting(&self.listed, |moved, other| {
-                let pair = (moved.body.min(other), moved.body.max(other));
-                if other != moved.body && filter.admits(pair.0, pair.1) {
-                    self.candidates.push(Candidate::new(pair.0, pair.1));
-                }
-            });
+            self.list_meeting(filter, |moved, other| other != moved);
         }
         changed
     }

@@ -39,3 +39,18 @@ impl<F: PairFilter> PairFilter for Room<F> {
         self.admitted.load(Ordering::Relaxed) > self.most
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::broad_phase::Everyone;
+
+    #[test]
+    fn gives_up_when_one_more_is_wanted_than_there_is_room_for() {
+        let room = Room::new(Everyone, 2);
+        assert!(room.admits(0, 1) && room.admits(0, 2));
+        assert!(!room.gives_up(), "full, but enough");
+        assert!(!room.admits(1, 2));
+        assert!(room.gives_up());
+    }
+}
