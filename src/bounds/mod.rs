@@ -7,23 +7,23 @@
 //! and how far from it.
 //!
 //! From a trajectory to a box, all in f32: its [`Sketch`] (or, where few boxes are wanted, its
-//! segments), cut at the ends of slices ([`Track`]) into [`Piece`]s, which a [`Trace`] follows
-//! through a slice. A sketch is drawn around the trajectory itself, and each cubic is cut around
-//! its own first point. So some 40 roundings (2^-24) are relative to the size of one cubic, 12 to
-//! the distance from the trajectory's middle, and 6 to that from the scene's; each count is given
-//! where it arises. Next to it the clearance of filters, 2^-44, is nothing.
+//! segments), split at the ends of slices into [`Piece`]s, which a [`Trace`] follows through a
+//! slice. A sketch is drawn around the trajectory itself. With each split of a cubic, some 24
+//! roundings (2^-24) are relative to its size and three to the distance from the trajectory's
+//! middle; six more are relative to that, and six to the distance from the scene's middle. Each
+//! count is given where it arises. Next to it the clearance of filters, 2^-44, is nothing.
 
 mod course;
+mod piece;
 mod pose;
 mod sketch;
 mod trace;
-mod track;
 
 pub(crate) use course::Course;
+pub(crate) use piece::Piece;
 pub(crate) use pose::{Cubic, Pose};
 pub(crate) use sketch::{Sketch, Stroke};
-pub(crate) use trace::Trace;
-pub(crate) use track::{Piece, Track};
+pub(crate) use trace::{Stretch, Trace};
 
 use crate::hitbox::Sphere;
 

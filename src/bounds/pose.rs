@@ -1,7 +1,7 @@
 //! How a body lies in the frame: its cubics, and what is the same for all its boxes.
 
+use super::piece::Piece;
 use super::sketch::{Sketch, Stroke};
-use super::track::Piece;
 use super::{FAR, Frame, Inflation, ROUNDING, nearest};
 use crate::trajectory::Segment;
 use glam::{DVec3, Vec4};

@@ -1,12 +1,40 @@
 //! A body's box and course in one slice, under construction.
 
 use super::course::Course;
+use super::piece::Piece;
 use super::pose::Stance;
-use super::track::Piece;
 use super::{ROUNDING, nearest};
 use glam::Vec4;
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
+
+/// The time of a slice.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stretch {
+    /// First and last instant, s.
+    pub(crate) from: f64,
+    pub(crate) to: f64,
+    /// The inverse of its duration; 0 if that is too short to be divided.
+    rate: f64,
+}
+
+impl Stretch {
+    pub(crate) fn new(from: f64, to: f64) -> Self {
+        let duration = to - from;
+        let rate = if duration >= f64::MIN_POSITIVE {
+            1.0 / duration
+        } else {
+            0.0
+        };
+        Self { from, to, rate }
+    }
+
+    /// Which share of it has passed at an instant.
+    #[inline(always)]
+    fn share(&self, time: f64) -> f32 {
+        nearest((time - self.from) * self.rate)
+    }
+}
 
 /// What is known of a body in a slice from the pieces of its motion so far, relative to the body's
 /// place. (Of four lanes, the last holds nothing of use.)
@@ -14,52 +42,71 @@ use parry3d::math::Vector;
 pub(crate) struct Trace {
     low: Vec4,
     high: Vec4,
-    /// What rounding is relative to, besides these.
+    /// What rounding is relative to, besides these, and how often a piece was split at most.
     near: f32,
+    splits: f32,
     /// Largest distance from the line on each axis.
     stray: Vec4,
     /// The line from where the first piece begins to where the last one ends.
     start: Vec4,
     change: Vec4,
-    /// The slice: from when, and the inverse of its duration.
-    from: f64,
-    rate: f64,
+    /// Where it is at the end of the pieces so far.
+    line: Vec4,
+    stretch: Stretch,
 }
 
 impl Trace {
-    /// From the first piece of a slice that begins at `from` to the last; `rate` is the inverse of
-    /// its duration, or 0 for a single instant.
+    /// From the first piece of a slice to the last.
     #[inline(always)]
-    pub(crate) fn between(head: &Piece, tail: &Piece, (from, rate): (f64, f64)) -> Self {
-        Self {
-            low: Vec4::INFINITY,
-            high: Vec4::NEG_INFINITY,
+    pub(crate) fn between(head: &Piece, tail: &Piece, stretch: &Stretch) -> Self {
+        let start = head.points[0];
+        // In no time there is no change: what is elsewhere strays.
+        let change = if stretch.rate > 0.0 {
+            tail.points[3] - start
+        } else {
+            Vec4::ZERO
+        };
+        let line = start + change * stretch.share(head.from);
+        let mut trace = Self {
+            low: start,
+            high: start,
             near: 0.0,
-            stray: Vec4::ZERO,
-            start: head.points[0],
-            change: tail.points[3] - head.points[0],
-            from,
-            rate,
-        }
+            splits: 0.0,
+            stray: (start - line).abs(),
+            start,
+            change,
+            line,
+            stretch: *stretch,
+        };
+        trace.follow(head);
+        trace
     }
 
-    /// Takes a piece into account. Its difference to the line is a cubic as well, whose control
-    /// points are those differences at every third of the piece.
+    /// Goes on with a piece that begins when the one before ends, wherever that is.
     #[inline(always)]
-    pub(crate) fn follow(&mut self, piece: &Piece) {
-        let [p0, p1, p2, p3] = piece.points;
-        self.low = self.low.min(p0.min(p1).min(p2.min(p3)));
-        self.high = self.high.max(p0.max(p1).max(p2.max(p3)));
+    pub(crate) fn follow_from_start(&mut self, piece: &Piece) {
+        let start = piece.points[0];
+        self.low = self.low.min(start);
+        self.high = self.high.max(start);
+        self.stray = self.stray.max((start - self.line).abs());
+        self.follow(piece);
+    }
+
+    /// Goes on with a piece from its start, which is known. Its difference to the line is a cubic
+    /// as well, whose control points are those differences at every third of the piece.
+    #[inline(always)]
+    fn follow(&mut self, piece: &Piece) {
+        let [_, p1, p2, p3] = piece.points;
+        self.low = self.low.min(p1.min(p2).min(p3));
+        self.high = self.high.max(p1.max(p2).max(p3));
         self.near = self.near.max(piece.near);
-        let begin = nearest((piece.from - self.from) * self.rate);
-        let third = nearest((piece.to - piece.from) * (self.rate * (1.0 / 3.0)));
-        let step = self.change * third;
-        let line = self.start + self.change * begin;
-        let (line_1, line_2) = (line + step, line + (step + step));
-        let line_3 = line_1 + (step + step);
-        let first = (p0 - line).abs().max((p1 - line_1).abs());
-        let second = (p2 - line_2).abs().max((p3 - line_3).abs());
-        self.stray = self.stray.max(first.max(second));
+        self.splits = self.splits.max(piece.splits);
+        let line_3 = self.start + self.change * self.stretch.share(piece.to);
+        let third = (line_3 - self.line) * (1.0 / 3.0);
+        let (line_1, line_2) = (self.line + third, line_3 - third);
+        let stray = (p1 - line_1).abs().max((p2 - line_2).abs());
+        self.stray = self.stray.max(stray.max((p3 - line_3).abs()));
+        self.line = line_3;
     }
 
     /// The course, and the box rounded outward, in the frame's unit; everywhere, where the frame
@@ -68,8 +115,9 @@ impl Trace {
     pub(crate) fn finish(&self, stance: &Stance, first: u32) -> (Course, Aabb) {
         let Self { low, high, .. } = *self;
         // How far rounding can have moved each coordinate.
-        let rounding = low.abs().max(high.abs()) * (ROUNDING * Piece::FAR)
-            + Vec4::splat(self.near * (ROUNDING * Piece::NEAR) + stance.steady);
+        let count = |[once, each]: [f32; 2]| ROUNDING * (once + each * self.splits);
+        let rounding = low.abs().max(high.abs()) * count(Piece::FAR)
+            + Vec4::splat(self.near * count(Piece::NEAR) + stance.steady);
         let (start, change) = (stance.place + self.start, self.change);
         let course = course(start, change, (self.stray, rounding), stance.reach, first);
         // Of the place, of the two sums with it, and of the subtraction below: 4; and more than the
@@ -100,7 +148,7 @@ fn course(
     let slack = (stray.x + stray.y + stray.z).sqrt()
         + VANISHING
         + reach
-        + 4.0 * (rounding.x + rounding.y + rounding.z);
+        + (rounding.x + rounding.y + rounding.z);
     Course {
         start: [start.x, start.y, start.z],
         change: [change.x, change.y, change.z],

@@ -1,7 +1,7 @@
 //! One box and one course for each body in each of a few slices.
 
 use super::BodyBox;
-use crate::bounds::{Course, Cubic, Piece, Pose, Trace, Track};
+use crate::bounds::{Course, Cubic, Piece, Pose, Stretch, Trace};
 use crate::narrow_phase::Party;
 use crate::simd::{Task, prefetch};
 
@@ -59,6 +59,10 @@ impl<C: Cubic> Task for Fill<'_, C> {
             slice.courses.reserve(self.parties.len());
             slice.bodies.reserve(self.parties.len());
         }
+        let mut stretches = [Stretch::new(0.0, 0.0); Block::SLICES as usize];
+        for (stretch, ends) in stretches.iter_mut().zip(ends.windows(2)) {
+            *stretch = Stretch::new(ends[0], ends[1]);
+        }
         self.block.pieces.resize(self.parties.len(), 0);
         for body in 0..self.parties.len().min(Self::AHEAD) {
             self.look_up(body, ends[0]);
@@ -78,7 +82,7 @@ impl<C: Cubic> Task for Fill<'_, C> {
             let end = Walk {
                 knots,
                 pose: &self.poses[body],
-                ends,
+                stretches: &stretches[..count],
                 ahead: self.cubics_of(body + Self::AHEAD),
                 begin: piece,
             }
@@ -141,8 +145,7 @@ fn cubic_before(knots: &[f64], time: f64, guess: u32) -> usize {
 struct Walk<'a, C> {
     knots: &'a [f64],
     pose: &'a Pose<'a, C>,
-    /// Where slices begin and end.
-    ends: &'a [f64],
+    stretches: &'a [Stretch],
     /// Cubics of a body that is still to come, fetched one for one of this body's.
     ahead: &'a [C],
     begin: usize,
@@ -162,40 +165,38 @@ impl<C: Cubic> Walk<'_, C> {
     /// comes to.
     #[inline(always)]
     fn through(&self, mut number: usize, body: u32, slices: &mut [Slice]) -> usize {
-        let Self { knots, ends, .. } = *self;
+        let Self {
+            knots, stretches, ..
+        } = *self;
         let (first, last) = (knots[0], knots[knots.len() - 1]);
-        let mut track = Track::new(self.piece(number));
-        let mut cut = track.cut(knots[number].max(ends[0]));
-        for (slice, ends) in slices.iter_mut().zip(ends.windows(2)) {
-            let (from, to) = (ends[0], ends[1]);
-            if first > to || last < from {
+        let mut rest = self.piece(number);
+        if knots[number] < stretches[0].from {
+            rest = rest.split(stretches[0].from).1;
+        }
+        for (slice, stretch) in slices.iter_mut().zip(stretches) {
+            if first > stretch.to || last < stretch.from {
                 continue;
             }
-            let (begin, start) = (number, cut);
+            let begin = number;
             // Slices are closed: a cubic that begins where the slice ends counts with its first
             // point.
-            while number + 2 < knots.len() && knots[number + 1] <= to {
+            while number + 2 < knots.len() && knots[number + 1] <= stretch.to {
                 number += 1;
             }
-            // At a single instant the line is a point.
-            let rate = if to > from { 1.0 / (to - from) } else { 0.0 };
             let trace = if number == begin {
-                cut = track.cut(to.min(track.end()));
-                let piece = track.between(&start, &cut);
-                let mut trace = Trace::between(&piece, &piece, (from, rate));
-                trace.follow(&piece);
-                trace
+                let (piece, after) = rest.split(stretch.to.min(rest.end()));
+                rest = after;
+                Trace::between(&piece, &piece, stretch)
             } else {
-                let head = track.after(&start);
-                track = Track::new(self.piece(number));
-                cut = track.cut(to.min(track.end()));
-                let tail = track.before(&cut);
-                let mut trace = Trace::between(&head, &tail, (from, rate));
-                trace.follow(&head);
+                let head = rest;
+                let whole = self.piece(number);
+                let (tail, after) = whole.split(stretch.to.min(whole.end()));
+                rest = after;
+                let mut trace = Trace::between(&head, &tail, stretch);
                 for between in begin + 1..number {
-                    trace.follow(&self.piece(between));
+                    trace.follow_from_start(&self.piece(between));
                 }
-                trace.follow(&tail);
+                trace.follow_from_start(&tail);
                 trace
             };
             let place = short(slice.bodies.len());

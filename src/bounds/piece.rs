@@ -1,0 +1,87 @@
+//! Parts of a sketch's cubics.
+
+use super::nearest;
+use super::sketch::Stroke;
+use glam::Vec4;
+
+/// A cubic or a part of one: control points relative to a body's place, in the frame's unit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Piece {
+    pub(super) points: [Vec4; 4],
+    /// What rounding is relative to, besides the points' own size: none is farther from the first.
+    pub(super) near: f32,
+    /// How often it was split from the rest of the cubic.
+    pub(super) splits: f32,
+    pub(super) from: f64,
+    pub(super) to: f64,
+}
+
+impl Piece {
+    /// Roundings that the points carry, relative to their coordinates and to `near`, at first and
+    /// for each split.
+    ///
+    /// Far: one of each point of a sketch; a split has three levels of de Casteljau, each with the
+    /// rounding of its sum. Two more for the sums of a box, or three for the line of a course and
+    /// one for its place, and one to spare.
+    /// Near: differences of points are at most 2. At each level a difference and its product with
+    /// the share are rounded, 3 (2 + 2); the share's own rounding moves a point by up to 6; and
+    /// coordinates of a part may be smaller than those that were rounded, by 2 for each of Far's.
+    pub(super) const FAR: [f32; 2] = [6.0, 3.0];
+    pub(super) const NEAR: [f32; 2] = [4.0, 24.0];
+
+    /// One that `f32` does not serve.
+    pub(super) const fn anywhere((from, to): (f64, f64)) -> Self {
+        Self {
+            points: [Vec4::ZERO; 4],
+            near: f32::INFINITY,
+            splits: 0.0,
+            from,
+            to,
+        }
+    }
+
+    /// A whole cubic.
+    #[inline(always)]
+    pub(super) fn whole(stroke: &Stroke, (from, to): (f64, f64), factor: f32) -> Self {
+        let (points, near) = stroke.points(factor);
+        Self {
+            points,
+            near,
+            splits: 0.0,
+            from,
+            to,
+        }
+    }
+
+    /// Last instant, s.
+    #[inline(always)]
+    pub(crate) const fn end(&self) -> f64 {
+        self.to
+    }
+
+    /// The parts before and after an instant of it (s).
+    #[inline(always)]
+    pub(crate) fn split(&self, time: f64) -> (Self, Self) {
+        let share = if time > self.from {
+            nearest((time - self.from) / (self.to - self.from))
+        } else {
+            0.0
+        };
+        let between = |x: Vec4, y: Vec4| x + (y - x) * share;
+        let [p0, p1, p2, p3] = self.points;
+        let (q0, q1, q2) = (between(p0, p1), between(p1, p2), between(p2, p3));
+        let (r0, r1) = (between(q0, q1), between(q1, q2));
+        let middle = between(r0, r1);
+        let part = |points, from, to| Self {
+            points,
+            near: self.near,
+            splits: self.splits + 1.0,
+            from,
+            to,
+        };
+        (
+            part([p0, q0, r0, middle], self.from, time),
+            part([middle, r1, q2, p3], time, self.to),
+        )
+    }
+}
