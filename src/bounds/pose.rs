@@ -1,7 +1,9 @@
 //! How a body lies in the frame: its cubics, and what is the same for all its boxes.
 
+use super::bundle::{Bundle, largest};
 use super::piece::Piece;
 use super::sketch::{Sketch, Stroke};
+use super::trace::Trace;
 use super::{FAR, Frame, Inflation, ROUNDING, nearest};
 use crate::trajectory::Segment;
 use glam::{DVec3, Vec4};
@@ -16,6 +18,8 @@ pub(crate) trait Cubic {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pose<'a, C> {
     pub(crate) cubics: &'a [C],
+    /// Those of the cubics that were summed up.
+    bundles: &'a [Bundle],
     pub(crate) stance: Stance,
 }
 
@@ -41,8 +45,32 @@ impl<C> Pose<'_, C> {
     /// Of a body that never exists.
     pub(crate) const NONE: Self = Self {
         cubics: &[],
+        bundles: &[],
         stance: Stance::NONE,
     };
+}
+
+impl<C: Cubic> Pose<'_, C> {
+    /// A whole cubic.
+    #[inline(always)]
+    pub(crate) fn piece(&self, number: usize, knots: &[f64]) -> Piece {
+        let ends = (knots[number], knots[number + 1]);
+        self.cubics[number].piece(ends, &self.stance)
+    }
+
+    /// Has a trace go on with the largest bundle of cubics from `first` to before `end`; gives the
+    /// one after it, or none if there is no such bundle.
+    #[inline(always)]
+    pub(crate) fn pass(
+        &self,
+        trace: &mut Trace,
+        (first, end): (usize, usize),
+        knots: &[f64],
+    ) -> Option<usize> {
+        let (bundle, count) = largest(self.bundles, self.cubics.len(), first, end)?;
+        trace.pass(&bundle.outline(self.stance.factor), knots[first + count]);
+        Some(first + count)
+    }
 }
 
 impl<'a> Pose<'a, Stroke> {
@@ -50,6 +78,7 @@ impl<'a> Pose<'a, Stroke> {
     pub(crate) fn sketched(sketch: &'a Sketch, inflation: &Inflation, frame: &Frame) -> Self {
         Self {
             cubics: sketch.strokes(),
+            bundles: sketch.bundles(),
             stance: Stance::new(sketch.frame, sketch.size, inflation, frame),
         }
     }
@@ -64,6 +93,7 @@ impl<'a> Pose<'a, Segment> {
         };
         Self {
             cubics: segments,
+            bundles: &[],
             stance: Stance::new(anchor, 0.0, inflation, frame),
         }
     }

@@ -1,5 +1,6 @@
 //! Trajectories in f32: of a motion, the part that a screening reads most.
 
+use super::bundle::{Bundle, bundle_up};
 use super::{Extremes, FAR, Frame, ROUNDING, nearest};
 use crate::rounding::normalising_power;
 use crate::trajectory::Segment;
@@ -66,6 +67,7 @@ pub(crate) struct Sketch {
     /// No coordinate is larger, in the frame's unit; infinite where `f32` does not serve them.
     pub(super) size: f64,
     strokes: Vec<Stroke>,
+    bundles: Vec<Bundle>,
 }
 
 impl Sketch {
@@ -73,6 +75,7 @@ impl Sketch {
         frame: Frame::OF_NOTHING,
         size: 0.0,
         strokes: Vec::new(),
+        bundles: Vec::new(),
     };
 
     /// Of the cubics of a motion, each between two knots.
@@ -110,10 +113,15 @@ impl Sketch {
                 Stroke::NONE
             })
         }));
+        bundle_up(knots, &self.strokes, &mut self.bundles);
         extremes
     }
 
     pub(crate) fn strokes(&self) -> &[Stroke] {
         &self.strokes
+    }
+
+    pub(crate) fn bundles(&self) -> &[Bundle] {
+        &self.bundles
     }
 }

@@ -1,5 +1,6 @@
 //! A body's box and course in one slice, under construction.
 
+use super::bundle::{Bundle, Outline};
 use super::course::Course;
 use super::piece::Piece;
 use super::pose::Stance;
@@ -10,7 +11,7 @@ use parry3d::math::Vector;
 
 /// The time of a slice.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Stretch {
+pub(crate) struct Period {
     /// First and last instant, s.
     pub(crate) from: f64,
     pub(crate) to: f64,
@@ -18,7 +19,7 @@ pub(crate) struct Stretch {
     rate: f64,
 }
 
-impl Stretch {
+impl Period {
     pub(crate) fn new(from: f64, to: f64) -> Self {
         let duration = to - from;
         let rate = if duration >= f64::MIN_POSITIVE {
@@ -52,22 +53,29 @@ pub(crate) struct Trace {
     change: Vec4,
     /// Where it is at the end of the pieces so far.
     line: Vec4,
-    stretch: Stretch,
+    period: Period,
 }
 
 impl Trace {
     /// From the first piece of a slice to the last.
     #[inline(always)]
-    pub(crate) fn between(head: &Piece, tail: &Piece, stretch: &Stretch) -> Self {
-        let start = head.points[0];
+    pub(crate) fn between(head: &Piece, tail: &Piece, period: &Period) -> Self {
+        let mut trace = Self::toward((head.points[0], head.from), tail.points[3], period);
+        trace.follow(head);
+        trace
+    }
+
+    /// From a point at an instant (s) to another one.
+    #[inline(always)]
+    pub(super) fn toward((start, from): (Vec4, f64), end: Vec4, period: &Period) -> Self {
         // In no time there is no change: what is elsewhere strays.
-        let change = if stretch.rate > 0.0 {
-            tail.points[3] - start
+        let change = if period.rate > 0.0 {
+            end - start
         } else {
             Vec4::ZERO
         };
-        let line = start + change * stretch.share(head.from);
-        let mut trace = Self {
+        let line = start + change * period.share(from);
+        Self {
             low: start,
             high: start,
             near: 0.0,
@@ -76,10 +84,8 @@ impl Trace {
             start,
             change,
             line,
-            stretch: *stretch,
-        };
-        trace.follow(head);
-        trace
+            period: *period,
+        }
     }
 
     /// Goes on with a piece that begins when the one before ends, wherever that is.
@@ -101,12 +107,39 @@ impl Trace {
         self.high = self.high.max(p1.max(p2).max(p3));
         self.near = self.near.max(piece.near);
         self.splits = self.splits.max(piece.splits);
-        let line_3 = self.start + self.change * self.stretch.share(piece.to);
+        let line_3 = self.start + self.change * self.period.share(piece.to);
         let third = (line_3 - self.line) * (1.0 / 3.0);
         let (line_1, line_2) = (self.line + third, line_3 - third);
         let stray = (p1 - line_1).abs().max((p2 - line_2).abs());
         self.stray = self.stray.max(stray.max((p3 - line_3).abs()));
         self.line = line_3;
+    }
+
+    /// Goes on with many cubics at once, until an instant (s).
+    #[inline(always)]
+    pub(super) fn pass(&mut self, bundle: &Outline, until: f64) {
+        self.low = self.low.min(bundle.low);
+        self.high = self.high.max(bundle.high);
+        self.near = self.near.max(bundle.near);
+        let line = self.start + self.change * self.period.share(until);
+        let (first, last) = (bundle.start - self.line, bundle.end - line);
+        let ends = first.abs().max(last.abs());
+        self.stray = self.stray.max(bundle.stray + ends);
+        self.line = line;
+    }
+
+    /// All of it as a bundle; `end` is where it ends.
+    pub(super) fn sum_up(&self, end: Vec4) -> Bundle {
+        // The line's: three of its start, eight of the change (and their shares); the sum's.
+        let rounding = (self.start.abs() + self.change.abs()) * (8.0 * ROUNDING);
+        Bundle::new(&Outline {
+            start: self.start,
+            end,
+            low: self.low,
+            high: self.high,
+            near: self.near,
+            stray: (self.stray + rounding) * (1.0 + 4.0 * ROUNDING),
+        })
     }
 
     /// The course, and the box rounded outward, in the frame's unit; everywhere, where the frame
@@ -161,3 +194,69 @@ fn course(
 /// Lengths below this may vanish when they are squared. The frame's unit is such that worlds are no
 /// smaller than 1e-10.
 const VANISHING: f32 = 1e-18;
+
+#[cfg(test)]
+mod tests {
+    use super::super::bundle::{bundle_up, largest};
+    use super::super::sketch::Sketch;
+    use super::*;
+    use crate::trajectory::{State, Trajectory};
+    use glam::DVec3;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// Whatever the line, a bundle strays from it as far as its cubics do, and not much farther.
+    #[test]
+    fn bundles_stray_as_far_as_their_cubics() {
+        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        let (mut found, mut lengths) = (Vec::new(), [0; 65]);
+        for round in 0..400 {
+            // Straight flight strays at its ends, wild flight in between.
+            let wild = if round % 2 == 0 { 0.0 } else { 3.0 };
+            let mut vector =
+                |half: f64| DVec3::from_array([0; 3].map(|_| rng.random_range(-half..=half)));
+            let velocity = vector(1.0);
+            let states: Vec<State> = (0..=64)
+                .map(|k| {
+                    let time = f64::from(k) + 0.3 * f64::from(k % 3);
+                    State::new(
+                        time,
+                        velocity * time + vector(wild),
+                        velocity + vector(wild),
+                    )
+                })
+                .collect();
+            let Ok(flight) = Trajectory::from_states(&states) else {
+                unreachable!("the states are in order")
+            };
+            let knots = flight.knots();
+            let sketch = Sketch::of(knots, flight.segments());
+            let strokes = sketch.strokes();
+            bundle_up(knots, strokes, &mut found);
+            assert_eq!(found.len(), 16 + 4 + 1);
+            let first = 4 * rng.random_range(0..16);
+            let Some((bundle, count)) = largest(&found, strokes.len(), first, 64) else {
+                unreachable!("there is one of four cubics at least")
+            };
+            lengths[count] += 1;
+            let period = Period::new(knots[first] - 1.0, knots[first + count] + 2.0);
+            let mut anywhere = || Vec4::from_array([0; 4].map(|_| rng.random_range(-1.0..=1.0)));
+            let (start, end) = (anywhere(), anywhere());
+            let mut whole = Trace::toward((start, knots[first]), end, &period);
+            let mut bundled = whole;
+            bundled.pass(&bundle.outline(1.0), knots[first + count]);
+            for number in first..first + count {
+                let ends = (knots[number], knots[number + 1]);
+                whole.follow_from_start(&Piece::whole(&strokes[number], ends, 1.0));
+            }
+            let (near, far) = (whole.stray.truncate(), bundled.stray.truncate());
+            assert!(far.cmpge(near * (1.0 - 1e-6)).all(), "{near} {far}");
+            let curved = bundle.outline(1.0).stray.truncate();
+            assert!(far.cmple(near + curved + 1e-6).all(), "{near} {far}");
+            assert_eq!((whole.low.truncate(), whole.high.truncate()), {
+                (bundled.low.truncate(), bundled.high.truncate())
+            });
+        }
+        assert!(lengths[4] > 100 && lengths[16] > 30 && lengths[64] > 5);
+    }
+}

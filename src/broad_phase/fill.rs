@@ -1,7 +1,7 @@
 //! One box and one course for each body in each of a few slices.
 
 use super::BodyBox;
-use crate::bounds::{Course, Cubic, Piece, Pose, Stretch, Trace};
+use crate::bounds::{Bundle, Course, Cubic, Period, Piece, Pose, Trace};
 use crate::narrow_phase::Party;
 use crate::simd::{Task, prefetch};
 
@@ -37,6 +37,8 @@ pub(crate) struct Fill<'a, C> {
     pub(crate) block: &'a mut Block,
     pub(crate) parties: &'a [Party<'a>],
     pub(crate) poses: &'a [Pose<'a, C>],
+    /// Places of those to look at, ascending: each that exists in one of the slices is among them.
+    pub(crate) present: &'a [u32],
     /// Where the slices begin and end, s: one more than there are slices.
     pub(crate) ends: &'a [f64],
 }
@@ -52,24 +54,25 @@ impl<C: Cubic> Task for Fill<'_, C> {
             slice.bodies.clear();
         }
         // At once: growing step by step would touch twice the memory.
-        let Self { ends, .. } = self;
+        let Self { ends, present, .. } = self;
         let count = ends.len() - 1;
         for slice in self.block.slices.iter_mut().take(count) {
-            slice.boxes.reserve(self.parties.len());
-            slice.courses.reserve(self.parties.len());
-            slice.bodies.reserve(self.parties.len());
+            slice.boxes.reserve(present.len());
+            slice.courses.reserve(present.len());
+            slice.bodies.reserve(present.len());
         }
-        let mut stretches = [Stretch::new(0.0, 0.0); Block::SLICES as usize];
-        for (stretch, ends) in stretches.iter_mut().zip(ends.windows(2)) {
-            *stretch = Stretch::new(ends[0], ends[1]);
+        let mut periods = [Period::new(0.0, 0.0); Block::SLICES as usize];
+        for (period, ends) in periods.iter_mut().zip(ends.windows(2)) {
+            *period = Period::new(ends[0], ends[1]);
         }
         self.block.pieces.resize(self.parties.len(), 0);
-        for body in 0..self.parties.len().min(Self::AHEAD) {
-            self.look_up(body, ends[0]);
+        for number in 0..Self::AHEAD {
+            self.look_up(number, ends[0]);
         }
-        for body in 0..self.parties.len() {
-            self.prefetch_knots(body + 2 * Self::AHEAD);
-            self.look_up(body + Self::AHEAD, ends[0]);
+        for (number, &place) in present.iter().enumerate() {
+            self.prefetch_knots(number + 2 * Self::AHEAD);
+            self.look_up(number + Self::AHEAD, ends[0]);
+            let body = place as usize;
             let party = &self.parties[body];
             let knots = party.knots;
             let (Some(&first), Some(&last)) = (knots.first(), knots.last()) else {
@@ -82,11 +85,11 @@ impl<C: Cubic> Task for Fill<'_, C> {
             let end = Walk {
                 knots,
                 pose: &self.poses[body],
-                stretches: &stretches[..count],
-                ahead: self.cubics_of(body + Self::AHEAD),
+                periods: &periods[..count],
+                ahead: self.cubics_of(number + Self::AHEAD),
                 begin: piece,
             }
-            .through(piece, short(body), &mut self.block.slices);
+            .through(piece, place, &mut self.block.slices);
             self.block.pieces[body] = short(end);
         }
     }
@@ -97,29 +100,36 @@ impl<'a, C> Fill<'a, C> {
     /// and each body's lie somewhere else: without it, half of the time is waiting.
     const AHEAD: usize = 4;
 
+    /// Fetches the knots of a body, given its number among those present.
     #[inline(always)]
-    fn prefetch_knots(&self, body: usize) {
-        if let Some(party) = self.parties.get(body) {
-            let first = (self.block.pieces[body] as usize).min(party.knots.len());
-            prefetch(&party.knots[first..(first + 8).min(party.knots.len())]);
+    fn prefetch_knots(&self, number: usize) {
+        if let Some(&place) = self.present.get(number) {
+            let knots = self.parties[place as usize].knots;
+            let first = (self.block.pieces[place as usize] as usize).min(knots.len());
+            prefetch(&knots[first..(first + 8).min(knots.len())]);
         }
     }
 
     /// Finds the cubic that a body begins with.
     #[inline(always)]
-    fn look_up(&mut self, body: usize, time: f64) {
-        if let Some(party) = self.parties.get(body) {
-            let piece = &mut self.block.pieces[body];
-            *piece = short(cubic_before(party.knots, time, *piece));
+    fn look_up(&mut self, number: usize, time: f64) {
+        if let Some(&place) = self.present.get(number) {
+            let piece = &mut self.block.pieces[place as usize];
+            *piece = short(cubic_before(
+                self.parties[place as usize].knots,
+                time,
+                *piece,
+            ));
         }
     }
 
     /// The cubics that a body begins with.
     #[inline(always)]
-    fn cubics_of(&self, body: usize) -> &'a [C] {
-        self.poses.get(body).map_or(&[], |pose| {
-            let first = (self.block.pieces[body] as usize).min(pose.cubics.len());
-            &pose.cubics[first..]
+    fn cubics_of(&self, number: usize) -> &'a [C] {
+        self.present.get(number).map_or(&[], |&place| {
+            let cubics = self.poses[place as usize].cubics;
+            let first = (self.block.pieces[place as usize] as usize).min(cubics.len());
+            &cubics[first..]
         })
     }
 }
@@ -145,7 +155,7 @@ fn cubic_before(knots: &[f64], time: f64, guess: u32) -> usize {
 struct Walk<'a, C> {
     knots: &'a [f64],
     pose: &'a Pose<'a, C>,
-    stretches: &'a [Stretch],
+    periods: &'a [Period],
     /// Cubics of a body that is still to come, fetched one for one of this body's.
     ahead: &'a [C],
     begin: usize,
@@ -157,45 +167,55 @@ impl<C: Cubic> Walk<'_, C> {
         if let Some(later) = self.ahead.get(number - self.begin) {
             prefetch(std::slice::from_ref(later));
         }
-        let knots = (self.knots[number], self.knots[number + 1]);
-        self.pose.cubics[number].piece(knots, &self.pose.stance)
+        self.pose.piece(number, self.knots)
+    }
+
+    /// Has a trace follow the cubics from `next` to before `end`.
+    #[inline(always)]
+    fn follow_whole(&self, trace: &mut Trace, mut next: usize, end: usize) {
+        while next < end {
+            if end - next >= Bundle::SIZE
+                && let Some(after) = self.pose.pass(trace, (next, end), self.knots)
+            {
+                next = after;
+            } else {
+                trace.follow_from_start(&self.piece(next));
+                next += 1;
+            }
+        }
     }
 
     /// Appends the body's box and course to each slice in which it exists; gives the cubic that it
     /// comes to.
     #[inline(always)]
     fn through(&self, mut number: usize, body: u32, slices: &mut [Slice]) -> usize {
-        let Self {
-            knots, stretches, ..
-        } = *self;
+        let Self { knots, periods, .. } = *self;
         let (first, last) = (knots[0], knots[knots.len() - 1]);
         let mut rest = self.piece(number);
-        if knots[number] < stretches[0].from {
-            rest = rest.split(stretches[0].from).1;
+        if knots[number] < periods[0].from {
+            rest = rest.split(periods[0].from).1;
         }
-        for (slice, stretch) in slices.iter_mut().zip(stretches) {
-            if first > stretch.to || last < stretch.from {
+        for (slice, period) in slices.iter_mut().zip(periods) {
+            if first > period.to || last < period.from {
                 continue;
             }
             let begin = number;
             // Slices are closed: a cubic that begins where the slice ends counts with its first
             // point.
-            while number + 2 < knots.len() && knots[number + 1] <= stretch.to {
+            while number + 2 < knots.len() && knots[number + 1] <= period.to {
                 number += 1;
             }
             let trace = if number == begin {
-                let (piece, after) = rest.split(stretch.to.min(rest.end()));
+                let (piece, after) = rest.split(period.to.min(rest.end()));
                 rest = after;
-                Trace::between(&piece, &piece, stretch)
+                Trace::between(&piece, &piece, period)
             } else {
                 let head = rest;
                 let whole = self.piece(number);
-                let (tail, after) = whole.split(stretch.to.min(whole.end()));
+                let (tail, after) = whole.split(period.to.min(whole.end()));
                 rest = after;
-                let mut trace = Trace::between(&head, &tail, stretch);
-                for between in begin + 1..number {
-                    trace.follow_from_start(&self.piece(between));
-                }
+                let mut trace = Trace::between(&head, &tail, period);
+                self.follow_whole(&mut trace, begin + 1, number);
                 trace.follow_from_start(&tail);
                 trace
             };
@@ -249,7 +269,13 @@ mod tests {
             } else {
                 0.3 + f64::from(seed) * 0.01
             };
-            let states: Vec<State> = (0..9)
+            // Some so many that slices hold bundles of bundles.
+            let (gap, count) = if seed % 4 == 1 {
+                (gap / 25.0, 225)
+            } else {
+                (gap, 9)
+            };
+            let states: Vec<State> = (0..count)
                 .map(|k| {
                     let time = -1.0 + gap * f64::from(k);
                     State::new(time, base + vector(5.0), vector(20.0))
@@ -273,6 +299,7 @@ mod tests {
                     block: &mut block,
                     parties: &[party],
                     poses: &[pose],
+                    present: &[0],
                     ends: &slices.ends(range.clone()),
                 });
                 for (slice, found) in range.zip(&block.slices) {

@@ -7,6 +7,7 @@
 
 mod brute_force;
 pub(crate) mod fill;
+pub(crate) mod presence;
 pub(crate) mod slices;
 mod sweep;
 mod tree;

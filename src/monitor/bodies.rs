@@ -20,10 +20,21 @@ pub(super) struct Bodies<'m> {
     pub(super) margin: f64,
 }
 
-impl<'m> Bodies<'m> {
-    /// Bodies whose boxes are formed at a time: what is known of them stays in the caches.
-    const BATCH: usize = 64;
+/// Bodies whose boxes are formed at a time: what is known of them stays in the caches.
+const BATCH: usize = 64;
 
+/// Their places: 0, 1, and so on.
+const PLACES: [u32; BATCH] = {
+    let mut places = [0; BATCH];
+    let mut place = 1;
+    while place < BATCH {
+        places[place] = places[place - 1] + 1;
+        place += 1;
+    }
+    places
+};
+
+impl<'m> Bodies<'m> {
     pub(super) fn party(&self, slot: u32) -> Option<Party<'m>> {
         self.flights.party(self.scene, slot)
     }
@@ -37,13 +48,13 @@ impl<'m> Bodies<'m> {
         block: &mut Block,
         mut visit: impl FnMut(usize, BodyBox),
     ) {
-        let mut batch = [0; Self::BATCH];
-        let mut parties = [Party::NONE; Self::BATCH];
-        let mut poses = [Pose::NONE; Self::BATCH];
+        let mut batch = [0; BATCH];
+        let mut parties = [Party::NONE; BATCH];
+        let mut poses = [Pose::NONE; BATCH];
         let mut slots = slots.filter_map(|slot| Some((slot, self.flights.get(self.scene, slot)?)));
         loop {
             let mut count = 0;
-            for (slot, (flight, party)) in slots.by_ref().take(Self::BATCH) {
+            for (slot, (flight, party)) in slots.by_ref().take(BATCH) {
                 batch[count] = slot;
                 parties[count] = party;
                 poses[count] = Pose::plain(party.segments, &flight.inflation, self.frame);
@@ -74,6 +85,7 @@ pub(super) fn form(
         block,
         parties,
         poses,
+        present: &PLACES[..parties.len()],
         ends,
     });
 }

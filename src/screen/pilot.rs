@@ -11,6 +11,7 @@ use super::room::Room;
 use super::scratch::Scratch;
 use crate::bounds::{Pose, Stroke};
 use crate::broad_phase::fill::Fill;
+use crate::broad_phase::presence::Presence;
 use crate::broad_phase::slices::Slices;
 use crate::broad_phase::{BroadPhase, Candidate, Everyone};
 use crate::narrow_phase::{Party, approaching};
@@ -130,11 +131,12 @@ impl LineUp<'_> {
         }
         let parties: Vec<Party<'_>> = sample.iter().map(|&place| parties[place]).collect();
         let sampled: Vec<Pose<'_, Stroke>> = sample.iter().map(|&place| poses[place]).collect();
+        let presence = Presence::of(&parties);
         let whole = poses.len() as f64 / sample.len() as f64;
         let mut last: Option<(Trial, f64)> = None;
         for _ in 0..MOST_TRIALS {
             let cubics = 1.0 + traffic.cubics_in(slices.length());
-            let trial = self.trial(&parties, &sampled, &slices, whole, cubics);
+            let trial = self.trial(&parties, &presence, &sampled, &slices, whole, cubics);
             let growth = last.as_ref().map_or(Growth::ASSUMED, |(last, factor)| {
                 Growth::between(last, &trial, *factor)
             });
@@ -159,6 +161,7 @@ impl LineUp<'_> {
     fn trial(
         &self,
         parties: &[Party<'_>],
+        presence: &Presence,
         poses: &[Pose<'_, Stroke>],
         slices: &Slices,
         whole: f64,
@@ -168,6 +171,7 @@ impl LineUp<'_> {
         let places = PLACES.min(slices.count());
         let mut borrowed = self.pool.take();
         let Scratch {
+            present,
             block,
             sweep,
             candidates,
@@ -178,10 +182,12 @@ impl LineUp<'_> {
         for place in 0..places {
             let share = (f64::from(place) + 0.5) / f64::from(places);
             let first = slices.number_at(share);
+            presence.list(slices.interval(first), present);
             self.level.run(Fill {
                 block: &mut *block,
                 parties,
                 poses,
+                present: &*present,
                 ends: &slices.ends(first..first + 1),
             });
             let slice = &block.slices[0];

@@ -15,6 +15,8 @@ pub(super) struct Scratch {
     pub(super) brute_force: BruteForce,
     pub(super) tree: Tree,
     pub(super) sweep: Sweep,
+    /// Places of the bodies that exist in the block.
+    pub(super) present: Vec<u32>,
     pub(super) block: Block,
     pub(super) candidates: Vec<Candidate>,
     pub(super) sieve: Sieve,
@@ -68,7 +70,7 @@ impl Drop for Borrowed<'_> {
 
 #[cfg(test)]
 mod tests {
-    use crate::bounds::{Course, Pose, Stroke};
+    use crate::bounds::{Bundle, Course, Pose, Stroke};
     use crate::broad_phase::{BodyBox, Candidate};
     use crate::narrow_phase::Party;
     use crate::scene::Occupant;
@@ -80,9 +82,11 @@ mod tests {
     fn sizes_are_as_documented() {
         assert_eq!(size_of::<Segment>(), 128);
         assert_eq!(size_of::<Stroke>(), 64);
-        assert_eq!(size_of::<Occupant>(), 544);
+        assert_eq!(size_of::<Occupant>(), 568);
+        assert_eq!(size_of::<Bundle>(), 64);
         let line = size_of::<Party<'_>>() + size_of::<Pose<'_, Stroke>>();
-        assert_eq!(line, 192);
+        let line = line + size_of::<(f64, f64)>();
+        assert_eq!(line, 224);
         let boxed = size_of::<BodyBox>() + size_of::<Course>() + size_of::<u32>();
         assert_eq!(boxed, 64);
         assert_eq!(size_of::<Candidate>(), 8);

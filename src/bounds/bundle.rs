@@ -1,0 +1,125 @@
+//! Runs of consecutive cubics summed up: a box that holds many of them need not look at each.
+
+use super::piece::Piece;
+use super::sketch::Stroke;
+use super::trace::{Period, Trace};
+use glam::Vec4;
+
+/// Four consecutive cubics, or four bundles of them, as one: 64 bytes.
+///
+/// Coordinates are as in a [`Stroke`]. A path that strays some way from the line between its ends
+/// strays from any other line at most by that and what the farther one of its ends does.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(crate) struct Bundle {
+    /// Where it begins; the last lane is what rounding is relative to besides coordinates.
+    start: Vec4,
+    /// Where it ends, and its extremes; their last lanes are how far it strays on each axis.
+    end: Vec4,
+    low: Vec4,
+    high: Vec4,
+}
+
+/// A bundle in another unit.
+pub(super) struct Outline {
+    pub(super) start: Vec4,
+    pub(super) end: Vec4,
+    pub(super) low: Vec4,
+    pub(super) high: Vec4,
+    pub(super) near: f32,
+    pub(super) stray: Vec4,
+}
+
+impl Bundle {
+    /// Cubics in a bundle of cubics, and bundles in a larger one.
+    pub(crate) const SIZE: usize = 4;
+
+    pub(super) fn new(outline: &Outline) -> Self {
+        let with = |lanes: Vec4, last: f32| lanes.truncate().extend(last);
+        Self {
+            start: with(outline.start, outline.near),
+            end: with(outline.end, outline.stray.x),
+            low: with(outline.low, outline.stray.y),
+            high: with(outline.high, outline.stray.z),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn outline(&self, factor: f32) -> Outline {
+        let [start, end, low, high] =
+            [self.start, self.end, self.low, self.high].map(|lanes| lanes * factor);
+        Outline {
+            start,
+            end,
+            low,
+            high,
+            near: start.w,
+            stray: Vec4::new(end.w, low.w, high.w, 0.0),
+        }
+    }
+
+    /// Of four cubics, between five knots.
+    fn of_cubics(strokes: &[Stroke], knots: &[f64]) -> Self {
+        let piece = |number: usize| {
+            let ends = (knots[number], knots[number + 1]);
+            Piece::whole(&strokes[number], ends, 1.0)
+        };
+        let (head, tail) = (piece(0), piece(Self::SIZE - 1));
+        let period = Period::new(knots[0], knots[Self::SIZE]);
+        let mut trace = Trace::between(&head, &tail, &period);
+        for number in 1..Self::SIZE {
+            trace.follow_from_start(&piece(number));
+        }
+        trace.sum_up(tail.points[3])
+    }
+
+    /// Of four bundles, with as many cubics each between these knots.
+    fn of_bundles(bundles: &[Self], knots: &[f64]) -> Self {
+        let (first, last) = (&bundles[0], &bundles[Self::SIZE - 1]);
+        let step = (knots.len() - 1) / Self::SIZE;
+        let period = Period::new(knots[0], knots[knots.len() - 1]);
+        let mut trace = Trace::toward((first.start, period.from), last.end, &period);
+        for (bundle, number) in bundles.iter().zip(1..) {
+            trace.pass(&bundle.outline(1.0), knots[number * step]);
+        }
+        trace.sum_up(last.end)
+    }
+}
+
+/// Lists all complete bundles of some cubics: those of 4 cubics, then those of 16, and so on.
+pub(super) fn bundle_up(knots: &[f64], strokes: &[Stroke], bundles: &mut Vec<Bundle>) {
+    bundles.clear();
+    let (mut span, mut below) = (Bundle::SIZE, 0);
+    while strokes.len() >= span {
+        let level = bundles.len();
+        for number in 0..strokes.len() / span {
+            let knots = &knots[number * span..=(number + 1) * span];
+            let four = number * Bundle::SIZE..(number + 1) * Bundle::SIZE;
+            bundles.push(if span == Bundle::SIZE {
+                Bundle::of_cubics(&strokes[four], knots)
+            } else {
+                Bundle::of_bundles(&bundles[below..][four], knots)
+            });
+        }
+        (below, span) = (level, span * Bundle::SIZE);
+    }
+}
+
+/// The largest bundle that begins with cubic `first` and ends before cubic `end`, out of all of
+/// `cubics`; and how many it holds.
+#[inline(always)]
+pub(super) fn largest(
+    bundles: &[Bundle],
+    cubics: usize,
+    first: usize,
+    end: usize,
+) -> Option<(&Bundle, usize)> {
+    let (mut level, mut span, mut found) = (0, Bundle::SIZE, None);
+    while first.is_multiple_of(span) && first + span <= end {
+        found = Some((level + first / span, span));
+        level += cubics / span;
+        span *= Bundle::SIZE;
+    }
+    let (number, span) = found?;
+    Some((bundles.get(number)?, span))
+}
