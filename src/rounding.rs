@@ -44,9 +44,35 @@ pub(crate) fn norm(vector: DVec3) -> f64 {
     }
 }
 
+/// The largest norm of some vectors: with a root less for each than [`norm`], and the same bits.
+pub(crate) fn largest_norm(vectors: &[DVec3]) -> f64 {
+    let (mut largest, mut square) = (DVec3::ZERO, 0.0_f64);
+    for vector in vectors {
+        largest = largest.max(vector.abs());
+        square = square.max(vector.length_squared());
+    }
+    if (1e-140..1e140).contains(&largest.max_element()) {
+        square.sqrt()
+    } else {
+        vectors.iter().copied().map(norm).fold(0.0, f64::max)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_largest_norm_is_one_of_them() {
+        let vectors = [DVec3::new(3.0, 0.1, -4.0), DVec3::splat(-2.7), DVec3::ZERO];
+        for scale in [5e-324, 1e-200, 1e-140, 1.0, 1e140, 1e200] {
+            let vectors = vectors.map(|vector| vector * scale);
+            for some in [&vectors[..], &vectors[1..], &vectors[2..], &[]] {
+                let expected = some.iter().copied().map(norm).fold(0.0, f64::max);
+                assert!(largest_norm(some).to_bits() == expected.to_bits());
+            }
+        }
+    }
 
     #[test]
     fn norms_at_both_ends_of_the_range() {

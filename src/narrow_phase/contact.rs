@@ -92,6 +92,28 @@ impl SpherePair {
         }
     }
 
+    /// Appends the contacts of the two spheres within `margin`, clipped to `clip`.
+    fn contacts(
+        &self,
+        profile: &Profile,
+        span: Span,
+        margin: f64,
+        clip: (f64, f64),
+        found: &mut Vec<Contact>,
+    ) {
+        let radius = contact_radius(self.radius_a, self.radius_b, margin);
+        if radius < 0.0 {
+            return;
+        }
+        profile.stretches(&self.cubic, radius, clip, |stretch| {
+            found.push(Contact {
+                enter: stretch.enter,
+                exit: stretch.exit,
+                closest: self.approach(span, stretch.closest),
+            });
+        });
+    }
+
     /// Whether cheap tests show that the separation stays above `margin` all along the span.
     pub(super) fn is_beyond(&self, margin: f64) -> bool {
         let radius = contact_radius(self.radius_a, self.radius_b, margin);
@@ -112,23 +134,6 @@ pub(crate) struct Solved {
 impl Solved {
     pub(crate) const fn span(&self) -> Span {
         self.span
-    }
-
-    /// Appends the contacts of these two spheres within `margin`, clipped to `clip`.
-    fn contacts(&self, margin: f64, clip: (f64, f64), found: &mut Vec<Contact>) {
-        let pair = &self.pair;
-        let radius = contact_radius(pair.radius_a, pair.radius_b, margin);
-        if radius < 0.0 {
-            return;
-        }
-        self.profile
-            .stretches(&pair.cubic, radius, clip, |stretch| {
-                found.push(Contact {
-                    enter: stretch.enter,
-                    exit: stretch.exit,
-                    closest: pair.approach(self.span, stretch.closest),
-                });
-            });
     }
 }
 
@@ -245,9 +250,13 @@ pub(crate) fn contacts(
     found: &mut Vec<Contact>,
 ) {
     let first = found.len();
+    // The only two spheres of a pair have been through the test that others are still to pass.
+    let is_lone = a.spheres.len() == 1 && b.spheres.len() == 1;
     for span in spans {
-        solve(a, b, span, margin, |solved| {
-            solved.contacts(margin, clip, found);
+        each_sphere_pair(a, b, span, |pair| {
+            if is_lone || !pair.is_beyond(margin) {
+                pair.contacts(&Profile::of(&pair.cubic), span, margin, clip, found);
+            }
         });
     }
     join(found, first);
@@ -261,8 +270,13 @@ pub(crate) fn contacts_of<'s>(
     found: &mut Vec<Contact>,
 ) {
     let first = found.len();
-    for solved in solved {
-        solved.contacts(margin, clip, found);
+    for Solved {
+        span,
+        pair,
+        profile,
+    } in solved
+    {
+        pair.contacts(profile, *span, margin, clip, found);
     }
     join(found, first);
 }

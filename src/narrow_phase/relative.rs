@@ -1,7 +1,7 @@
 //! The motion of one body relative to another over a span: difference first, then local.
 
 use crate::enclosure::UncertainCubic;
-use crate::rounding::{CLEARANCE, UNDERFLOW, UNIT_ROUNDOFF, norm};
+use crate::rounding::{CLEARANCE, UNDERFLOW, UNIT_ROUNDOFF, largest_norm, norm};
 use crate::trajectory::Segment;
 use glam::DVec3;
 
@@ -33,15 +33,9 @@ impl RelativeCubic {
         let apart = (a.origin() - b.origin()) + offset;
         let part_a = a.restrict(start, end);
         let part_b = b.restrict(start, end);
-        let mut points = [DVec3::ZERO; 4];
-        let mut size = 0.0_f64;
-        let mut spread = 0.0_f64;
-        for (j, point) in points.iter_mut().enumerate() {
-            let local = part_a.points[j] - part_b.points[j];
-            *point = apart + local;
-            size = size.max(norm(*point));
-            spread = spread.max(norm(local));
-        }
+        let local = [0, 1, 2, 3].map(|j| part_a.points[j] - part_b.points[j]);
+        let points = local.map(|local| apart + local);
+        let (size, spread) = (largest_norm(&points), largest_norm(&local));
         // One rounding each of the origins' difference, of the offset's (and the sum with it), of
         // the local difference and of the last sum. Second-order terms are covered by the 2^-40.
         let roundings = 2.0 * norm(apart) + 2.0 * norm(offset) + spread + size;
@@ -66,10 +60,8 @@ impl RelativeCubic {
 
     /// Whether the relative motion is zero, as far as its rounding can tell.
     pub(crate) fn is_constant(&self) -> bool {
-        let tolerance = self.tolerance();
-        self.points[1..]
-            .iter()
-            .all(|&point| norm(point - self.points[0]) <= tolerance)
+        let [p0, p1, p2, p3] = self.points;
+        largest_norm(&[p1 - p0, p2 - p0, p3 - p0]) <= self.tolerance()
     }
 
     /// Relative position and its derivative by s (m), formed from the nearer end so that what is

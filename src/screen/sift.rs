@@ -11,10 +11,11 @@ use crate::narrow_phase::kernels::{CubicBatch, Level, Verdict, within};
 use crate::narrow_phase::{Party, approaching, near_motion};
 use crate::simd::prefetch;
 use crate::spans::{Span, spans_from};
+use std::cmp::Ordering;
 use std::slice::from_ref;
 
 /// A pair's span that cheap tests could not rule out; bodies by their place in the line-up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Survivor {
     pub(super) a: u32,
     pub(super) b: u32,
@@ -31,6 +32,21 @@ impl Survivor {
             a: self.span_a,
             b: self.span_b,
         }
+    }
+}
+
+impl Ord for Survivor {
+    /// By the bodies, then by the span. Two numbers instead of four: lists are sorted often.
+    fn cmp(&self, other: &Self) -> Ordering {
+        let both = |first: u32, second: u32| u64::from(first) << 32 | u64::from(second);
+        let key = |one: &Self| (both(one.a, one.b), both(one.span_a, one.span_b));
+        key(self).cmp(&key(other))
+    }
+}
+
+impl PartialOrd for Survivor {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
     }
 }
 
