@@ -11,6 +11,7 @@
 //! them, and what turns out to be compared mostly in vain. Few boxes, and boxes that nearly all
 //! meet, are compared directly.
 
+mod all;
 mod parts;
 mod plan;
 mod region;
@@ -19,6 +20,7 @@ mod run;
 mod scale;
 mod survey;
 
+use self::all::{All, Faces};
 use self::parts::Parts;
 use self::plan::{Crowd, Plan};
 use self::region::Region;
@@ -26,7 +28,7 @@ use self::rows::{Rows, Sort};
 use self::run::Run;
 use self::scale::Scale;
 use self::survey::Survey;
-use super::{BodyBox, BroadPhase, Candidate, PairFilter, emit};
+use super::{BodyBox, BroadPhase, Candidate, PairFilter};
 use crate::simd::Level;
 
 /// Sorts boxes on a 16-bit grid into rows and sweeps along them: the method for everything.
@@ -40,6 +42,7 @@ pub struct Sweep {
     level: Level,
     survey: Survey,
     rows: Rows,
+    faces: Faces,
     /// The boxes divided at each depth.
     parts: Vec<Parts>,
     /// How many copies dividing may still make in this slice.
@@ -68,6 +71,7 @@ impl Sweep {
             level,
             survey: Survey::default(),
             rows: Rows::default(),
+            faces: Faces::default(),
             parts: Vec::new(),
             copies_left: 0,
         }
@@ -89,7 +93,7 @@ impl Sweep {
         candidates: &mut Vec<Candidate>,
     ) {
         if boxes.len() < Self::FEW || boxes.len() > Self::MOST {
-            return directly(boxes, &region, filter, candidates);
+            return self.compare_all(boxes, &region, filter, candidates);
         }
         self.survey.take(boxes, &region);
         if depth == self.parts.len() {
@@ -116,7 +120,7 @@ impl Sweep {
         if long || comparisons > 0.5 * pairs {
             let share = self.rows.probe(boxes).share();
             if share * comparisons > Self::CROWDED * pairs {
-                return directly(boxes, &region, filter, candidates);
+                return self.compare_all(boxes, &region, filter, candidates);
             }
             if long && share < Self::IN_VAIN {
                 let parts = &mut self.parts[depth];
@@ -130,6 +134,23 @@ impl Sweep {
             boxes,
             rows: &self.rows,
             region: (depth > 0).then_some(&region),
+            filter,
+            candidates,
+        });
+    }
+
+    /// Appends the pairs of boxes that belong to a region, each compared with each.
+    fn compare_all<F: PairFilter>(
+        &mut self,
+        boxes: &[BodyBox],
+        region: &Region,
+        filter: &F,
+        candidates: &mut Vec<Candidate>,
+    ) {
+        self.level.run(All {
+            boxes,
+            region,
+            faces: &mut self.faces,
             filter,
             candidates,
         });
@@ -168,24 +189,5 @@ impl BroadPhase for Sweep {
     ) {
         self.copies_left = Self::MOST_COPIES * boxes.len();
         self.find(boxes, Region::EVERYWHERE, 0, filter, candidates);
-    }
-}
-
-/// Compares every box with every other.
-fn directly<F: PairFilter>(
-    boxes: &[BodyBox],
-    region: &Region,
-    filter: &F,
-    candidates: &mut Vec<Candidate>,
-) {
-    for (i, one) in boxes.iter().enumerate() {
-        if filter.gives_up() {
-            return;
-        }
-        for other in &boxes[i + 1..] {
-            if one.meets(other) && region.owns(one, other) {
-                emit(one.body, other.body, filter, candidates);
-            }
-        }
     }
 }

@@ -138,7 +138,7 @@ impl<F: PairFilter> Run<'_, F> {
 
 /// A bit for each byte, all of which are 0 or 1.
 #[inline(always)]
-fn mask(lanes: [u8; STEP]) -> u32 {
+pub(super) fn mask(lanes: [u8; STEP]) -> u32 {
     // Moves the lowest bit of byte i to bit 56 + i, and all else below or out.
     const GATHER: u64 = 0x0102_0408_1020_4080;
     let half = |lanes: [u8; STEP / 2]| {
