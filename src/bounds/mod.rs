@@ -13,6 +13,7 @@
 //! middle; six more are relative to that, and six to the distance from the scene's middle. Each
 //! count is given where it arises. Next to it the clearance of filters, 2^-44, is nothing.
 
+mod apart;
 mod bundle;
 mod course;
 mod piece;
@@ -20,6 +21,7 @@ mod pose;
 mod sketch;
 mod trace;
 
+pub(crate) use apart::{Flight, certainly_apart};
 pub(crate) use bundle::Bundle;
 pub(crate) use course::Course;
 pub(crate) use piece::Piece;

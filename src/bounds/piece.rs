@@ -1,7 +1,7 @@
 //! Parts of a sketch's cubics.
 
-use super::nearest;
 use super::sketch::Stroke;
+use super::{ROUNDING, nearest};
 use glam::Vec4;
 
 /// A cubic or a part of one: control points relative to a body's place, in the frame's unit.
@@ -57,6 +57,31 @@ impl Piece {
     #[inline(always)]
     pub(crate) const fn end(&self) -> f64 {
         self.to
+    }
+
+    /// The part from an instant to another one (s).
+    #[inline]
+    pub(super) fn part(self, from: f64, to: f64) -> Self {
+        let rest = if from > self.from {
+            self.split(from).1
+        } else {
+            self
+        };
+        if to < rest.to { rest.split(to).0 } else { rest }
+    }
+
+    /// How far rounding can have moved each coordinate of its points.
+    #[inline]
+    pub(super) fn rounding(&self) -> Vec4 {
+        let [p0, p1, p2, p3] = self.points.map(Vec4::abs);
+        p0.max(p1).max(p2.max(p3)) * Self::count(Self::FAR, self.splits)
+            + Vec4::splat(self.near * Self::count(Self::NEAR, self.splits))
+    }
+
+    /// So many roundings, after some splits.
+    #[inline(always)]
+    pub(super) fn count([once, each]: [f32; 2], splits: f32) -> f32 {
+        ROUNDING * (once + each * splits)
     }
 
     /// The parts before and after an instant of it (s).

@@ -148,9 +148,8 @@ impl Trace {
     pub(crate) fn finish(&self, stance: &Stance, first: u32) -> (Course, Aabb) {
         let Self { low, high, .. } = *self;
         // How far rounding can have moved each coordinate.
-        let count = |[once, each]: [f32; 2]| ROUNDING * (once + each * self.splits);
-        let rounding = low.abs().max(high.abs()) * count(Piece::FAR)
-            + Vec4::splat(self.near * count(Piece::NEAR) + stance.steady);
+        let rounding = low.abs().max(high.abs()) * Piece::count(Piece::FAR, self.splits)
+            + Vec4::splat(self.near * Piece::count(Piece::NEAR, self.splits) + stance.steady);
         let (start, change) = (stance.place + self.start, self.change);
         let course = course(start, change, (self.stray, rounding), stance.reach, first);
         // Of the place, of the two sums with it, and of the subtraction below: 4; and more than the

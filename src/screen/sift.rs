@@ -1,10 +1,11 @@
 //! From candidates to survivors: which spans of a pair may hold a contact.
 //!
-//! Tests in the order of their cost: courses, then knots, then segments. Each stage goes through a
+//! Tests in the order of their cost: courses, then knots, sketches, and segments. Each stage goes through a
 //! batch of what the one before left, and what it reads is fetched a few entries ahead: the bodies
 //! of neighbouring candidates lie anywhere in memory, and waiting for them would be most of the
 //! time.
 
+use crate::bounds::{Flight, Pose, Stroke, certainly_apart};
 use crate::broad_phase::Candidate;
 use crate::broad_phase::fill::Slice;
 use crate::narrow_phase::kernels::{CubicBatch, Level, Verdict, within};
@@ -54,6 +55,7 @@ impl PartialOrd for Survivor {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Question<'a> {
     pub(super) parties: &'a [Party<'a>],
+    pub(super) poses: &'a [Pose<'a, Stroke>],
     pub(super) slice: &'a Slice,
     /// The slice's, s.
     pub(super) interval: (f64, f64),
@@ -79,6 +81,14 @@ struct Piece {
     b: u32,
     span: Span,
     interval: (f64, f64),
+}
+
+impl Piece {
+    /// When it is looked at, s.
+    fn part(&self) -> (f64, f64) {
+        let (from, to) = self.interval;
+        (self.span.start.max(from), self.span.end.min(to))
+    }
 }
 
 /// Sifts candidates; owns the batches between its stages.
@@ -116,8 +126,9 @@ impl Sieve {
             }
             self.judge(question, batch);
             self.cut(question.parties);
-            self.ask(question.parties, question.margin);
             looked_at += self.pieces.len() as u64;
+            self.sketch(question);
+            self.ask(question.parties, question.margin);
             if self.asked.len() >= Self::BATCH {
                 self.empty(question.level, survivors);
             }
@@ -172,6 +183,35 @@ impl Sieve {
                 });
             }
         }
+    }
+
+    /// Those that their sketches do not show to be apart.
+    fn sketch(&mut self, question: &Question<'_>) {
+        let Question { parties, poses, .. } = *question;
+        let flight = |body: u32, cubic: u32| Flight {
+            pose: &poses[body as usize],
+            knots: parties[body as usize].knots,
+            cubic: cubic as usize,
+        };
+        let mut kept = 0;
+        for number in 0..self.pieces.len() {
+            if let Some(later) = self.pieces.get(number + 2 * Self::AHEAD) {
+                prefetch(from_ref(&poses[later.a as usize]));
+                prefetch(from_ref(&poses[later.b as usize]));
+            }
+            if let Some(Piece { a, b, span, .. }) = self.pieces.get(number + Self::AHEAD) {
+                prefetch(from_ref(&poses[*a as usize].cubics[span.a as usize]));
+                prefetch(from_ref(&poses[*b as usize].cubics[span.b as usize]));
+            }
+            let piece = self.pieces[number];
+            let Piece { a, b, span, .. } = piece;
+            let (a, b) = (flight(a, span.a), flight(b, span.b));
+            if !certainly_apart(&a, &b, piece.part()) {
+                self.pieces[kept] = piece;
+                kept += 1;
+            }
+        }
+        self.pieces.truncate(kept);
     }
 
     /// The relative motions of those whose boxes are not apart.

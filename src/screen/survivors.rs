@@ -153,6 +153,7 @@ impl LineUp<'_> {
             let found = Instant::now();
             let question = Question {
                 parties,
+                poses,
                 slice,
                 interval: slices.interval(number),
                 margin: self.margin,

@@ -1,0 +1,116 @@
+//! Whether two bodies stay apart while each follows one cubic: in f32, from their sketches.
+
+use super::ROUNDING;
+use super::pose::Pose;
+use super::sketch::Stroke;
+use glam::{Vec3A, Vec4};
+
+/// One body on one of its cubics.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Flight<'a> {
+    pub(crate) pose: &'a Pose<'a, Stroke>,
+    pub(crate) knots: &'a [f64],
+    pub(crate) cubic: usize,
+}
+
+/// Whether two bodies certainly stay apart by more than the margin from `from` to `to` (s), within
+/// one cubic of each: all control points of the relative motion lie beyond it on an axis or in the
+/// direction of their sum.
+pub(crate) fn certainly_apart(a: &Flight<'_>, b: &Flight<'_>, (from, to): (f64, f64)) -> bool {
+    let part = |flight: &Flight<'_>| {
+        let piece = flight.pose.piece(flight.cubic, flight.knots);
+        let stance = &flight.pose.stance;
+        let piece = piece.part(from, to);
+        let rounding = piece.rounding() + Vec4::splat(stance.steady);
+        (
+            piece.points,
+            rounding + stance.place.abs() * (6.0 * ROUNDING),
+        )
+    };
+    let ((points_a, rounding_a), (points_b, rounding_b)) = (part(a), part(b));
+    let (stance_a, stance_b) = (&a.pose.stance, &b.pose.stance);
+    let apart = stance_a.place - stance_b.place;
+    let points = [0, 1, 2, 3].map(|j| Vec3A::from_vec4(apart + (points_a[j] - points_b[j])));
+    let rounding = Vec3A::from_vec4(rounding_a + rounding_b);
+    let radius = (stance_a.reach + stance_b.reach) * (1.0 + 4.0 * ROUNDING);
+    let [p0, p1, p2, p3] = points;
+    let (low, high) = (p0.min(p1).min(p2.min(p3)), p0.max(p1).max(p2.max(p3)));
+    let reach = rounding + radius;
+    if (low.cmpgt(reach) | high.cmplt(-reach)).any() {
+        return true;
+    }
+    let sum = (p0 + p3) + (p1 + p2);
+    let square = sum.length_squared();
+    // Each product of coordinates has a few roundings of its own.
+    let size = low.abs().max(high.abs());
+    let reach = radius + (rounding + size * (8.0 * ROUNDING)).element_sum();
+    let beyond = reach * square.sqrt() * (1.0 + 16.0 * ROUNDING);
+    // With smaller squares digits are lost, with larger ones everything.
+    (1e-30..1e30).contains(&square) && points.iter().all(|point| point.dot(sum) > beyond)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bounds::{Extremes, Frame, Inflation, Sketch};
+    use crate::hitbox::Hitbox;
+    use crate::trajectory::{State, Trajectory};
+    use glam::DVec3;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// Two bodies are not apart by as little as they come near each other, however far away they
+    /// and the scene's middle are; and mostly are by a third of it.
+    #[test]
+    fn what_comes_near_is_not_apart() {
+        let mut rng = ChaCha8Rng::seed_from_u64(6);
+        let mut rejected = 0;
+        for round in 0..3_000 {
+            let size = 10f64.powf(rng.random_range(-3.0..3.0));
+            let far = size * [1.0, 1e4, 1e6][round % 3];
+            let mut vector =
+                |half: f64| DVec3::from_array([0; 3].map(|_| rng.random_range(-half..half)));
+            let (middle, base) = (vector(far), vector(far));
+            let mut flight = || {
+                let states = [0.0, 1.0, 3.0].map(|time| {
+                    let position = base + vector(size);
+                    State::new(time, position, vector(size))
+                });
+                let Ok(flight) = Trajectory::from_states(&states) else {
+                    unreachable!("the states are in order")
+                };
+                flight
+            };
+            let flights = [flight(), flight()];
+            let (from, to) = (rng.random_range(1.0..=1.5), rng.random_range(2.0..=3.0));
+            let distance = |time: f64| {
+                let [a, b] = [0, 1].map(|k: usize| flights[k].position(time).unwrap_or_default());
+                a.distance(b)
+            };
+            let nearest = (0..=64)
+                .map(|step| distance((from + (to - from) * f64::from(step) / 64.0).min(to)))
+                .fold(f64::INFINITY, f64::min);
+            let extremes = Extremes {
+                low: middle,
+                high: middle,
+            };
+            let frame = Frame::around(extremes, far);
+            let sketches =
+                [0, 1].map(|k: usize| Sketch::of(flights[k].knots(), flights[k].segments()));
+            let is_apart = |margin: f64| {
+                let point = Hitbox::POINT;
+                let inflation = Inflation::of(point.spheres(), point.bounding(), margin, &frame);
+                let poses = [0, 1].map(|k: usize| Pose::sketched(&sketches[k], &inflation, &frame));
+                let [a, b] = [0, 1].map(|k: usize| Flight {
+                    pose: &poses[k],
+                    knots: flights[k].knots(),
+                    cubic: 1,
+                });
+                certainly_apart(&a, &b, (from, to))
+            };
+            assert!(!is_apart(nearest), "{round}");
+            rejected += u32::from(is_apart(nearest / 3.0));
+        }
+        assert!(rejected > 1_000, "{rejected}");
+    }
+}
