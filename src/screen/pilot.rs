@@ -223,14 +223,17 @@ impl LineUp<'_> {
 
 /// Different places below `count`, spread evenly but not in equal strides, so that no order of the
 /// bodies can hide some of them: enough, if `present` bodies exist at a time, for a dozen pairs of
-/// the sample to meet in the slices of the best length that are tried.
+/// the sample to meet in the slices of the best length that are tried. A dozen scatters: where that
+/// is a small part of many bodies, more of them are taken, which costs a few hundredths of the rest.
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "between 1 and count"
 )]
 fn sample(count: usize, present: f64) -> Vec<usize> {
-    let size = ((6.0 * count as f64 / present.max(1.0).sqrt()) as usize).clamp(1, count);
+    const LEAST_SHARE: usize = 12;
+    let enough = (6.0 * count as f64 / present.max(1.0).sqrt()) as usize;
+    let size = enough.max(count / LEAST_SHARE).clamp(1, count);
     let stride = count / size;
     (0..size)
         .map(|k| {
