@@ -150,3 +150,31 @@ fn a_short_crowd_is_refused_like_a_long_one() {
         refused
     );
 }
+
+/// A hundred flights of a few seconds in an hour and a half: slices that are mostly empty would be
+/// all that there is to do.
+#[test]
+fn lonely_flights_are_not_sliced_finely() {
+    let mut scene = Scene::new();
+    for number in 0..100_u32 {
+        let begin = 50.0 * f64::from(number * 37 % 100);
+        let states: Vec<State> = (0..9)
+            .map(|knot| {
+                let time = begin + 0.3 * f64::from(knot);
+                let place = DVec3::new(f64::from(number % 10), 10.0 * (time - begin), 0.0);
+                State::new(time, place, DVec3::new(0.0, 10.0, 0.0))
+            })
+            .collect();
+        scene
+            .insert(Body::new(Trajectory::from_states(&states).unwrap()))
+            .unwrap();
+    }
+    for count in [100, 3] {
+        let ids: Vec<_> = scene.bodies().map(|(id, _)| id).skip(count).collect();
+        for id in ids {
+            scene.remove(id).unwrap();
+        }
+        let stats = scene.screen(&Query::default()).unwrap().stats;
+        assert!(stats.slices <= 2 * stats.bodies, "{stats:?}");
+    }
+}

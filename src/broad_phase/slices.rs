@@ -45,6 +45,18 @@ impl Traffic {
     }
 }
 
+impl Traffic {
+    /// More slices of a window are not worth it: forming the boxes of one (and going through it,
+    /// if it is empty) costs as much as looking at as many spans, and all the spans of all pairs
+    /// are the work that slices can save.
+    pub(crate) fn most_slices(&self, window: (f64, f64)) -> f64 {
+        let present = self.body_time / (window.1 - window.0);
+        let spans = present * self.segments;
+        // No number where the window is an instant.
+        (1.0 + spans / (1.0 + present)).max(1.0)
+    }
+}
+
 impl Slices {
     /// Boxes about half as long as the bodies' mean spacing: with longer ones candidates grow with
     /// the cube of their size, with shorter ones the boxes themselves are the cost.
@@ -71,7 +83,8 @@ impl Slices {
         let length = (Self::SPACINGS_PER_SLICE * spacing / speed)
             .min(Self::MOST_SEGMENTS_PER_SLICE * traffic.body_time / traffic.segments)
             .max(traffic.body_time / Self::MOST_BOXES);
-        Self::whole(start, end).with_count((duration / length).ceil())
+        let count = (duration / length).ceil();
+        Self::whole(start, end).with_count(count.min(traffic.most_slices((start, end))))
     }
 
     /// One slice from `start` to `end` (s, finite).

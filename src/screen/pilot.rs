@@ -19,6 +19,9 @@ use crate::narrow_phase::{Party, approaching};
 /// Nanoseconds of each kind of work, one thread, measured on the reference swarm; only their
 /// ratios matter.
 mod cost {
+    /// Going through a slice, and through the list of bodies for those that exist in it.
+    pub(super) const SLICE: f64 = 60.0;
+    pub(super) const LISTING: f64 = 0.1;
     /// Forming a box and a course, cutting a segment for it, and sorting it.
     pub(super) const BOX: f64 = 50.0;
     /// Comparing a box with its neighbours, times the 3/4 power of its candidates.
@@ -39,6 +42,7 @@ const NEAR_GROWTH: f64 = 2.5;
 
 /// What was counted in slices of one length, for all bodies.
 struct Trial {
+    bodies: f64,
     /// Boxes, candidates, and candidates not ruled out by their courses, a slice.
     boxes: f64,
     candidates: f64,
@@ -90,7 +94,8 @@ impl Trial {
         // Each span ends with a cubic of one of the two bodies.
         let spans = 1.0 + 2.0 * self.cubics * factor;
         let per_near = cost::NEAR + cost::SPAN * spans;
-        (self.boxes * per_box + candidates * cost::CANDIDATE + near * per_near) / factor
+        let slice = cost::SLICE + cost::LISTING * self.bodies;
+        (slice + self.boxes * per_box + candidates * cost::CANDIDATE + near * per_near) / factor
     }
 
     /// The volume of a mean box in a slice `factor` times as long.
@@ -146,7 +151,8 @@ impl LineUp<'_> {
             if turned {
                 factor = factor.sqrt();
             }
-            let next = slices.with_count(f64::from(slices.count()) / factor);
+            let count = f64::from(slices.count()) / factor;
+            let next = slices.with_count(count.min(traffic.most_slices(window)));
             let settled = turned || (0.7..1.5).contains(&factor) || next.count() == slices.count();
             slices = next;
             if settled {
@@ -211,6 +217,7 @@ impl LineUp<'_> {
         let reach: f64 = poses.iter().map(|pose| pose.stance.reach()).sum();
         let places = f64::from(places);
         Trial {
+            bodies: poses.len() as f64 * whole,
             boxes: boxes * whole / places,
             candidates: found * whole * whole / places,
             near: near * whole * whole / places,
