@@ -1,7 +1,7 @@
 //! One slice of the lookahead: the boxes of all bodies in it, and what has not been compared yet.
 
 use super::bodies::{Bodies, Moved, form};
-use super::boxes::Boxes;
+use super::boxes::{Boxes, Search};
 use super::finds::Key;
 use super::flights::Flight;
 use crate::bounds::{Frame, Pose};
@@ -21,21 +21,16 @@ pub(super) struct Slice {
     pub(super) index: i64,
     interval: (f64, f64),
     boxes: Boxes,
-    /// All boxes are there and were compared with each other, but for the changed bodies'.
-    built: bool,
-    /// Not built yet: slots below this have their boxes in `boxes`, and were compared; or in
-    /// `listed`, as long as there is no order of places.
-    prepared: usize,
-    is_ordered: bool,
-    /// How many slots are to be prepared now: all of them if the slice is needed.
-    due: usize,
-    is_needed: bool,
+    stage: Stage,
+    /// What share of the slice is to be compared now, 0 to 1: all of it if it is needed.
+    due: f64,
     /// Bodies that changed since they were boxed.
     changed: Vec<u32>,
     is_changed: Vec<bool>,
     listed: Vec<BodyBox>,
     /// Memory for forming boxes.
     block: Block,
+    search: Search,
     candidates: Vec<Candidate>,
     /// Candidates before this one have been looked at.
     sifted: usize,
@@ -47,6 +42,26 @@ pub(super) struct Slice {
     pub(super) stats: Stats,
 }
 
+/// How far a slice is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    /// Slots below this have their boxes in `listed`.
+    Listing(usize),
+    /// Slots below this have their boxes in `boxes`, in the order of the slice before.
+    Placing(usize),
+    /// All boxes are there. The bodies in leaves below this were compared with all others; leaves
+    /// are counted in this order of the tree.
+    Joining(usize, u32),
+    /// All were compared with each other, but for those that have changed.
+    Built,
+}
+
+impl Default for Stage {
+    fn default() -> Self {
+        Self::Listing(0)
+    }
+}
+
 impl Slice {
     /// Sweeping over all boxes costs as much as asking for what meets the boxes of a tenth of the
     /// bodies (measured with 10,000 and 100,000): this share of the places for them.
@@ -55,6 +70,13 @@ impl Slice {
     /// Boxes formed, or candidates looked at, before a budget is looked at: some tenths of a
     /// millisecond.
     const STEP: usize = 1024;
+
+    /// Which share of the work for a slice is forming and placing its boxes; the rest is comparing
+    /// them.
+    const PLACING: f64 = 0.6;
+
+    /// Leaves with as many bodies.
+    const STEP_LEAVES: usize = 100;
 
     /// Boxes that are asked for what meets them before a filter is asked whether it gives up.
     const ASKED: usize = 64;
@@ -69,9 +91,7 @@ impl Slice {
     pub(super) fn begin(&mut self, index: i64, interval: (f64, f64)) {
         self.index = index;
         self.interval = interval;
-        self.built = false;
-        self.prepared = 0;
-        self.is_ordered = false;
+        self.stage = Stage::default();
         self.listed.clear();
         self.candidates.clear();
         self.sifted = 0;
@@ -79,43 +99,73 @@ impl Slice {
     }
 
     /// All of the slice is needed from now on.
-    pub(super) fn need(&mut self, bodies: &Bodies<'_>) {
-        self.due = bodies.flights.len();
-        self.is_needed = true;
+    pub(super) const fn need(&mut self) {
+        self.due = 1.0;
     }
 
     /// The slice is not needed yet, but soon: a share of it (0 to 1) is due. In most scenes bodies
     /// have the same neighbours in it as in the one before.
-    pub(super) fn foresee(&mut self, bodies: &Bodies<'_>, share: f64, before: &Self) {
-        if self.prepared == 0 && !self.is_ordered && before.is_ordered {
+    pub(super) fn foresee(&mut self, share: f64, before: &Self) {
+        if self.stage == Stage::default() && before.is_placed() {
             self.boxes.begin_like(&before.boxes);
-            self.is_ordered = true;
+            self.stage = Stage::Placing(0);
         }
-        let count = bodies.flights.len();
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            clippy::cast_precision_loss,
-            reason = "a share of a number of slots"
-        )]
-        let due = (count as f64 * share).ceil() as usize;
-        self.due = due.min(count);
-        self.is_needed = false;
+        self.due = share;
+    }
+
+    /// How much of `count` is due now in a stage of the work, which lasts from one share to
+    /// another.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
+        reason = "a share of a number of slots"
+    )]
+    fn due_of(&self, count: usize, (from, to): (f64, f64)) -> usize {
+        let share = ((self.due - from) / (to - from)).clamp(0.0, 1.0);
+        (count as f64 * share).ceil() as usize
+    }
+
+    /// How many slots are to have boxes now.
+    fn due_slots(&self, bodies: &Bodies<'_>) -> usize {
+        self.due_of(bodies.flights.len(), (0.0, Self::PLACING))
+    }
+
+    /// How many leaves are to be compared now.
+    fn due_leaves(&self) -> usize {
+        self.due_of(self.boxes.leaves(), (Self::PLACING, 1.0))
+    }
+
+    /// Whether all bodies have their boxes in the tree.
+    const fn is_placed(&self) -> bool {
+        matches!(self.stage, Stage::Joining(..) | Stage::Built)
     }
 
     /// Whether all that is due is compared.
-    pub(super) fn is_fresh(&self) -> bool {
-        let is_there = self.built || (!self.is_needed && self.prepared >= self.due);
-        let is_compared = self.changed.is_empty() || !self.is_ordered;
-        is_there && is_compared && self.sifted == self.candidates.len()
+    pub(super) fn is_fresh(&self, bodies: &Bodies<'_>) -> bool {
+        let is_there = match self.stage {
+            // What has changed is looked at when the slice is built.
+            Stage::Listing(slots) => {
+                return self.due < 1.0 && slots >= self.due_slots(bodies);
+            }
+            Stage::Placing(slots) => self.due < 1.0 && slots >= self.due_slots(bodies),
+            Stage::Joining(leaves, order) => {
+                self.due < 1.0 && leaves >= self.due_leaves() && order == self.boxes.orders()
+            }
+            Stage::Built => true,
+        };
+        is_there && self.changed.is_empty() && self.sifted == self.candidates.len()
     }
 
     /// Notes that bodies have changed; each slot once.
     pub(super) fn note(&mut self, slots: &[u32]) {
+        let boxed = match self.stage {
+            Stage::Listing(slots) | Stage::Placing(slots) => slots,
+            Stage::Joining(..) | Stage::Built => usize::MAX,
+        };
         for &slot in slots {
             let place = slot as usize;
-            // Not boxed yet.
-            if !self.built && place >= self.prepared {
+            if place >= boxed {
                 continue;
             }
             if self.is_changed.len() <= place {
@@ -137,35 +187,6 @@ impl Slice {
         }
     }
 
-    /// Forms the boxes of slots below `until` that are not there yet, and compares them with those
-    /// that are; returns how many slots.
-    fn prepare_to<F: PairFilter>(
-        &mut self,
-        bodies: &Bodies<'_>,
-        filter: &F,
-        until: usize,
-    ) -> usize {
-        let first = self.prepared;
-        let slots = (first..until).filter_map(|slot| u32::try_from(slot).ok());
-        let ends = self.ends();
-        if self.is_ordered {
-            self.listed.clear();
-        }
-        let (block, listed) = (&mut self.block, &mut self.listed);
-        bodies.boxes(slots, &ends, block, |_, boxed| listed.push(boxed));
-        if self.is_ordered {
-            self.boxes.move_to(&self.listed);
-            // All others have smaller slots: each pair once.
-            self.list_meeting(filter, |new, other| other < new);
-            if filter.gives_up() {
-                self.candidates.clear();
-                return 0;
-            }
-        }
-        self.prepared = until;
-        until - first
-    }
-
     /// Appends the pairs of the listed boxes with the others that they meet and that are wanted
     /// beside them; not all if the filter gives up.
     fn list_meeting<F: PairFilter>(&mut self, filter: &F, wanted: impl Fn(u32, u32) -> bool) {
@@ -174,7 +195,7 @@ impl Slice {
                 return;
             }
             let candidates = &mut self.candidates;
-            self.boxes.meeting(some, |own, other| {
+            self.boxes.meeting(some, &mut self.search, |own, other| {
                 let pair = (own.body.min(other), own.body.max(other));
                 if wanted(own.body, other) && filter.admits(pair.0, pair.1) {
                     candidates.push(Candidate::new(pair.0, pair.1));
@@ -193,7 +214,7 @@ impl Slice {
         moved: Option<(&Moved, usize)>,
         mut goes_on: impl FnMut(usize) -> bool,
     ) {
-        while !self.is_fresh() {
+        while !self.is_fresh(bodies) {
             let begin = Instant::now();
             let work = if self.sifted < self.candidates.len() {
                 let work = self.sift(bodies);
@@ -212,7 +233,7 @@ impl Slice {
         }
     }
 
-    /// One step towards all candidates.
+    /// One step towards all candidates; returns how many boxes were formed.
     fn compare<F: PairFilter>(
         &mut self,
         bodies: &Bodies<'_>,
@@ -221,30 +242,86 @@ impl Slice {
     ) -> usize {
         self.candidates.clear();
         self.sifted = 0;
-        let boxes = if !self.built && self.prepared < self.due {
-            let until = self.due.min(self.prepared + Self::STEP);
-            self.prepare_to(bodies, filter, until)
-        } else {
-            let boxes = if self.is_ordered {
-                self.compare_changed(bodies, filter, moved)
-            } else {
+        let boxes = match self.stage {
+            Stage::Listing(slots) if slots < self.due_slots(bodies) => {
+                let until = self.list(bodies, slots);
+                self.stage = Stage::Listing(until);
+                until - slots
+            }
+            Stage::Placing(slots) if slots < self.due_slots(bodies) => {
+                self.listed.clear();
+                let until = self.list(bodies, slots);
+                self.boxes.move_to(&self.listed);
+                self.stage = Stage::Placing(until);
+                until - slots
+            }
+            Stage::Placing(slots) if slots < bodies.flights.len() => {
+                let changed = self.changed.len();
+                self.box_changed(bodies, moved);
+                self.boxes.move_to(&self.listed);
+                self.forget_changes();
+                changed
+            }
+            Stage::Placing(_) => {
+                self.boxes.fit();
+                self.stage = Stage::Joining(0, self.boxes.orders());
+                0
+            }
+            Stage::Joining(leaves, order) if self.changed.is_empty() => {
+                self.join(filter, leaves, order);
+                0
+            }
+            Stage::Listing(_) => {
                 self.build(bodies, filter);
                 0
-            };
-            if filter.gives_up() {
-                // Not all was found: it stays to be done.
-                self.candidates.clear();
-                return boxes;
             }
-            self.is_ordered = true;
-            self.forget_changes();
-            self.stats.slices += u64::from(self.is_needed && !self.built);
-            self.built |= self.is_needed;
-            boxes
+            Stage::Joining(..) | Stage::Built => self.compare_changed(bodies, filter, moved),
         };
         self.stats.boxes += boxes as u64;
         self.stats.candidates += self.candidates.len() as u64;
         boxes
+    }
+
+    /// Appends to `listed` the boxes of slots from `first` on, as many as are due, but not too many
+    /// at a time; returns the slot that comes next.
+    fn list(&mut self, bodies: &Bodies<'_>, first: usize) -> usize {
+        let until = self.due_slots(bodies).min(first + Self::STEP);
+        let slots = (first..until).filter_map(|slot| u32::try_from(slot).ok());
+        let ends = self.ends();
+        let (block, listed) = (&mut self.block, &mut self.listed);
+        bodies.boxes(slots, &ends, block, |_, boxed| listed.push(boxed));
+        until
+    }
+
+    /// All is compared, unless the filter gave up: then not all was found, and it stays to be done.
+    fn end_at<F: PairFilter>(&mut self, stage: Stage, filter: &F) {
+        if filter.gives_up() {
+            self.candidates.clear();
+            return;
+        }
+        self.stats.slices += u64::from(stage == Stage::Built && self.stage != stage);
+        self.stage = stage;
+        self.forget_changes();
+    }
+
+    /// Compares the bodies of some more leaves, one of a pair after the other, with all.
+    fn join<F: PairFilter>(&mut self, filter: &F, leaves: usize, order: u32) {
+        let first = if order == self.boxes.orders() {
+            leaves
+        } else {
+            0
+        };
+        let until = self.due_leaves().min(first + Self::STEP_LEAVES);
+        self.listed.clear();
+        let listed = &mut self.listed;
+        self.boxes.each(first..until, |body| listed.push(body));
+        self.list_meeting(filter, |own, other| other < own);
+        let stage = if until == self.boxes.leaves() {
+            Stage::Built
+        } else {
+            Stage::Joining(until, self.boxes.orders())
+        };
+        self.end_at(stage, filter);
     }
 
     /// All pairs, of boxes that are all there.
@@ -256,6 +333,7 @@ impl Slice {
             self.list_all();
         }
         self.sweep.pairs(&self.listed, filter, &mut self.candidates);
+        self.end_at(Stage::Built, filter);
     }
 
     /// Changed bodies against all.
@@ -266,20 +344,22 @@ impl Slice {
         moved: Option<(&Moved, usize)>,
     ) -> usize {
         let changed = self.changed.len();
+
         self.box_changed(bodies, moved);
         if changed > self.boxes.capacity() / Self::FEW_CHANGED {
             self.boxes.replace(&self.listed);
             self.list_all();
-            let filter = Concerns {
+            let concerns = Concerns {
                 is_changed: &self.is_changed,
                 filter,
             };
             self.sweep
-                .pairs(&self.listed, &filter, &mut self.candidates);
+                .pairs(&self.listed, &concerns, &mut self.candidates);
         } else {
             self.boxes.move_to(&self.listed);
             self.list_meeting(filter, |moved, other| other != moved);
         }
+        self.end_at(self.stage, filter);
         changed
     }
 
@@ -306,8 +386,8 @@ impl Slice {
 
     fn list_all(&mut self) {
         self.listed.clear();
-        let listed = &mut self.listed;
-        self.boxes.each(|body| listed.push(body));
+        let (all, listed) = (0..self.boxes.leaves(), &mut self.listed);
+        self.boxes.each(all, |body| listed.push(body));
     }
 
     /// Keeps the spans of some more candidates that cheap tests cannot rule out. Bodies that have
@@ -359,20 +439,20 @@ impl Slice {
         &self,
         (flight, party): (&Flight, &Party<'_>),
         frame: &Frame,
-        block: &mut Block,
+        (block, search): (&mut Block, &mut Search),
         near: &mut Vec<u32>,
     ) {
         let pose = Pose::plain(party.segments, &flight.inflation, frame);
         form(&[*party], &[pose], &self.ends(), block);
         let boxes = &block.slices[0].boxes;
-        self.boxes.meeting(boxes, |_, other| near.push(other));
+        self.boxes
+            .meeting(boxes, search, |_, other| near.push(other));
         near.extend_from_slice(&self.changed);
     }
 
-    /// Whether the slice has boxes, all of them if it is needed, and a time in common with an
-    /// interval.
+    /// Whether the slice has all boxes, and a time in common with an interval.
     pub(super) fn covers_some_of(&self, (from, to): (f64, f64)) -> bool {
-        self.is_ordered && self.interval.0 <= to && self.interval.1 >= from
+        self.is_placed() && self.interval.0 <= to && self.interval.1 >= from
     }
 }
 
