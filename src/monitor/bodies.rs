@@ -1,13 +1,13 @@
 //! The bodies as slices see them, and their boxes.
 
 use super::flights::Flights;
-use crate::bounds::{Frame, Pose};
+use crate::bounds::{Frame, Inflation, Pose};
 use crate::broad_phase::BodyBox;
 use crate::broad_phase::fill::{Block, Fill};
 use crate::narrow_phase::Party;
 use crate::parallel;
 use crate::scene::Scene;
-use crate::simd::Level;
+use crate::simd::{Level, prefetch};
 use crate::trajectory::Segment;
 
 /// What slices need to know of the bodies.
@@ -23,6 +23,10 @@ pub(super) struct Bodies<'m> {
 impl<'m> Bodies<'m> {
     /// Bodies whose boxes are formed at a time: what is known of them stays in the caches.
     const BATCH: usize = 64;
+    /// How many bodies ahead they are fetched.
+    const AHEAD: usize = 4;
+    /// Knots that are fetched: two lines.
+    const KNOTS: usize = 16;
 
     pub(super) fn party(&self, slot: u32) -> Option<Party<'m>> {
         self.flights.party(self.scene, slot)
@@ -40,17 +44,35 @@ impl<'m> Bodies<'m> {
         let mut batch = [0; Self::BATCH];
         let mut parties = [Party::NONE; Self::BATCH];
         let mut poses = [Pose::NONE; Self::BATCH];
-        let mut slots = slots.filter_map(|slot| Some((slot, self.flights.get(self.scene, slot)?)));
-        loop {
+        let mut slots = slots.peekable();
+        while slots.peek().is_some() {
+            let mut listed = 0;
+            for (place, slot) in batch.iter_mut().zip(slots.by_ref()) {
+                *place = slot;
+                listed += 1;
+            }
+            let mut inflations = [&Inflation::NONE; Self::BATCH];
             let mut count = 0;
-            for (slot, (flight, party)) in slots.by_ref().take(Self::BATCH) {
+            for place in 0..listed {
+                // What each loop reads lies anywhere in memory, and was fetched by the one before.
+                if let Some(&later) = batch[..listed].get(place + Self::AHEAD) {
+                    self.scene.prefetch(later);
+                    self.flights.prefetch(later);
+                }
+                let slot = batch[place];
+                let Some((flight, party)) = self.flights.get(self.scene, slot) else {
+                    continue;
+                };
+                prefetch(&party.segments[..party.segments.len().min(1)]);
+                prefetch(&party.knots[..party.knots.len().min(Self::KNOTS)]);
                 batch[count] = slot;
                 parties[count] = party;
-                poses[count] = Pose::plain(party.segments, &flight.inflation, self.frame);
+                inflations[count] = &flight.inflation;
                 count += 1;
             }
-            if count == 0 {
-                return;
+            let known = parties[..count].iter().zip(inflations);
+            for (pose, (party, inflation)) in poses.iter_mut().zip(known) {
+                *pose = Pose::plain(party.segments, inflation, self.frame);
             }
             form(&parties[..count], &poses[..count], ends, block);
             for (number, slice) in block.slices[..ends.len() - 1].iter().enumerate() {

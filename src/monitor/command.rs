@@ -129,7 +129,7 @@ impl Batch {
         parallel::for_each_chunk(&mut self.changed, Self::CHUNK, |revisions| {
             for index in 0..revisions.len() {
                 if let Some(later) = revisions.get(index + 2 * Self::AHEAD) {
-                    scene.prefetch(later.id);
+                    scene.prefetch(later.id.slot);
                 }
                 if let Some(later) = revisions.get(index + Self::AHEAD) {
                     let flown = scene.body(later.id).map(|body| &body.trajectory);

@@ -14,6 +14,7 @@ mod event;
 mod finds;
 mod flights;
 mod foresight;
+mod kept;
 #[cfg(feature = "live")]
 mod live;
 mod outlook;
@@ -43,7 +44,7 @@ use crate::id::BodyId;
 use crate::scene::Scene;
 use crate::stats::Stats;
 use command::Batch;
-use encounters::{Encounters, Plain};
+use encounters::Encounters;
 use outlook::Outlook;
 use read::{Readings, Scratch};
 #[cfg(feature = "serde")]
@@ -120,7 +121,6 @@ pub struct Monitor {
     batch: Batch,
     /// By level.
     readings: Vec<Readings>,
-    plain: Vec<Plain>,
     scratch: Scratch,
     /// Set from another thread to have a tick end early, as if its budget were spent.
     interrupt: Option<Arc<AtomicBool>>,
@@ -213,7 +213,6 @@ impl Monitor {
             changed_bodies: 0,
             batch: Batch::default(),
             readings: levels.iter().map(|_| Readings::default()).collect(),
-            plain: Vec::new(),
             scratch: Scratch::default(),
             interrupt: None,
             #[cfg(feature = "serde")]

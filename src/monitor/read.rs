@@ -7,6 +7,7 @@
 
 use super::encounters::{Plain, Tick};
 use super::finds::Pair;
+use super::kept::{Entry, Kept};
 use super::outlook::Outlook;
 use super::{AlertLevel, Monitor};
 use crate::conflict::{ClosestApproach, Conflict};
@@ -14,14 +15,38 @@ use crate::narrow_phase::Contact;
 use crate::scene::Scene;
 use crate::screen::conflict;
 
-/// What one alert level has of every pair, whatever the window. Sorted by pair.
+/// What one alert level has of every pair.
 #[derive(Debug, Default)]
 pub(super) struct Readings {
-    conflicts: Vec<(Slots, Conflict)>,
-    plains: Vec<(Slots, Plain)>,
-    /// The memory of the last ones.
-    old_conflicts: Vec<(Slots, Conflict)>,
-    old_plains: Vec<(Slots, Plain)>,
+    conflicts: Reading<Conflict>,
+    plains: Reading<Plain>,
+}
+
+/// What pairs have.
+#[derive(Debug)]
+struct Reading<T> {
+    /// Whatever the window.
+    always: Kept<Slots, T>,
+    /// Of pairs at an edge of the window, as this tick sees them.
+    at_edge: Vec<T>,
+    /// What this tick has: when it begins (s), and where it is.
+    listed: Vec<(f64, Origin)>,
+}
+
+impl<T> Default for Reading<T> {
+    fn default() -> Self {
+        Self {
+            always: Kept::default(),
+            at_edge: Vec::new(),
+            listed: Vec::new(),
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Origin {
+    Always(usize),
+    AtEdge(usize),
 }
 
 type Slots = (u32, u32);
@@ -90,85 +115,128 @@ impl Monitor {
             outlook: &self.outlook,
             scene: &self.scene,
         };
-        let pairs = self.readings[level].conflicts.chunk_by(|x, y| x.0 == y.0);
-        for pair in pairs {
-            let place = |conflict: &Conflict| {
-                Place::of((conflict.enter, conflict.exit), (from, to), (from, to))
-            };
-            if pair.iter().any(|(_, x)| place(x) == Place::AtEdge) {
-                source.conflicts(pair[0].0, margin, (from, to), &mut self.scratch, conflicts);
-            } else {
-                let within = pair.iter().filter(|(_, x)| place(x) == Place::Within);
-                conflicts.extend(within.map(|(_, conflict)| *conflict));
-            }
-        }
-        conflicts.sort_unstable_by(Conflict::order);
+        let (reading, scratch) = (&mut self.readings[level].conflicts, &mut self.scratch);
+        let windows = ((from, to), (from, to));
+        reading.read(
+            windows,
+            |conflict| conflict.enter,
+            |pair, at_edge| {
+                source.conflicts(pair, margin, (from, to), scratch, at_edge);
+            },
+        );
+        reading.sort();
+        conflicts.extend(reading.iter().copied());
     }
 
     /// The plain encounters of a level from the last tick's clock to the end of what is known.
     pub(super) fn read_plain(&mut self, level: usize, tick: &Tick) {
         let alert = self.levels[level];
-        self.plain.clear();
         let source = Source {
             outlook: &self.outlook,
             scene: &self.scene,
         };
-        let pairs = self.readings[level].plains.chunk_by(|x, y| x.0 == y.0);
-        for pair in pairs {
-            // What the clock has reached must say how close it came.
-            let place = |plain: &Plain| {
-                let (ahead, all) = ((tick.told, tick.known), (tick.before, tick.known));
-                Place::of((plain.start, plain.exit), ahead, all)
-            };
-            if pair.iter().any(|(_, x)| place(x) == Place::AtEdge) {
-                source.plains(pair[0].0, &alert, tick, &mut self.scratch, &mut self.plain);
-            } else {
-                let within = pair.iter().filter(|(_, x)| place(x) == Place::Within);
-                self.plain.extend(within.map(|(_, plain)| *plain));
-            }
-        }
+        // What the clock has reached must say how close it came.
+        let (ahead, all) = ((tick.told, tick.known), (tick.before, tick.known));
+        let (reading, scratch) = (&mut self.readings[level].plains, &mut self.scratch);
+        reading.read(
+            (ahead, all),
+            |plain| plain.start,
+            |pair, at_edge| {
+                source.plains(pair, &alert, tick, scratch, at_edge);
+            },
+        );
     }
 }
 
 impl Readings {
+    /// The plain encounters that were read last, sorted by pair and time.
+    pub(super) fn plains(&self) -> impl Iterator<Item = &Plain> {
+        self.plains.iter()
+    }
+
     /// Takes over what is known of pairs that have not changed, and reads the others.
     fn update(&mut self, source: Source<'_>, alert: &AlertLevel, scratch: &mut Scratch) {
-        let Self {
-            conflicts,
-            plains,
-            old_conflicts,
-            old_plains,
-        } = self;
-        std::mem::swap(conflicts, old_conflicts);
-        std::mem::swap(plains, old_plains);
-        conflicts.clear();
-        plains.clear();
-        let (mut old_conflicts, mut old_plains) = (&old_conflicts[..], &old_plains[..]);
-        for pair in source.outlook.finds().pairs() {
-            let known = (
-                take(&mut old_conflicts, pair.slots),
-                take(&mut old_plains, pair.slots),
-            );
-            if pair.is_new {
-                source.always(pair, alert, scratch, conflicts, plains);
-            } else {
-                conflicts.extend_from_slice(known.0);
-                plains.extend_from_slice(known.1);
-            }
+        let pairs = source.outlook.finds().pairs();
+        let (conflicts, plains) = (&mut self.conflicts.always, &mut self.plains.always);
+        keep_unchanged(conflicts, pairs);
+        keep_unchanged(plains, pairs);
+        for pair in pairs.iter().filter(|pair| pair.is_new) {
+            source.always(pair, alert, scratch, conflicts, plains);
         }
+        conflicts.settle();
+        plains.settle();
     }
 }
 
-/// The entries of a pair, off the front of a sorted list.
-fn take<'e, T>(entries: &mut &'e [(Slots, T)], slots: Slots) -> &'e [(Slots, T)] {
-    let skipped = entries.iter().take_while(|entry| entry.0 < slots).count();
-    let count = entries[skipped..]
-        .iter()
-        .take_while(|entry| entry.0 == slots)
-        .count();
-    let found = &entries[skipped..skipped + count];
-    *entries = &entries[skipped + count..];
-    found
+/// Drops what is of pairs that are gone, or are to be read anew.
+fn keep_unchanged<T>(kept: &mut Kept<Slots, T>, pairs: &[Pair]) {
+    let mut rest = pairs.iter().peekable();
+    kept.retain(|entry| {
+        while rest.next_if(|pair| pair.slots < entry.key).is_some() {}
+        let pair = rest.peek();
+        pair.is_some_and(|pair| pair.slots == entry.key && !pair.is_new)
+    });
+}
+
+impl<T> Reading<T> {
+    /// Lists what lies in a window, in the order of the pairs. Of those with something at its edge,
+    /// all is read again. See [`Place::of`].
+    fn read(
+        &mut self,
+        (within, around): ((f64, f64), (f64, f64)),
+        begin: impl Fn(&T) -> f64,
+        mut again: impl FnMut(Slots, &mut Vec<T>),
+    ) {
+        self.at_edge.clear();
+        self.listed.clear();
+        let place = |entry: &Entry<Slots>| Place::of(entry.interval, within, around);
+        let entries = self.always.entries();
+        for pair in entries.chunk_by(|x, y| x.key == y.key) {
+            if pair.iter().any(|entry| place(entry) == Place::AtEdge) {
+                let first = self.at_edge.len();
+                again(pair[0].key, &mut self.at_edge);
+                let read = (first..).zip(&self.at_edge[first..]);
+                self.listed
+                    .extend(read.map(|(number, one)| (begin(one), Origin::AtEdge(number))));
+            } else {
+                let found = pair.iter().filter(|entry| place(entry) == Place::Within);
+                self.listed
+                    .extend(found.map(|entry| (entry.interval.0, Origin::Always(entry.place))));
+            }
+        }
+    }
+
+    /// What was read last.
+    fn iter(&self) -> impl Iterator<Item = &T> {
+        let Self {
+            always, at_edge, ..
+        } = self;
+        self.listed
+            .iter()
+            .map(|(_, origin)| origin.of(always, at_edge))
+    }
+}
+
+impl Reading<Conflict> {
+    /// Sorts what was read last as it is reported. Only what is short moves.
+    fn sort(&mut self) {
+        let Self {
+            always,
+            at_edge,
+            listed,
+        } = self;
+        let ties = |x: &Origin, y: &Origin| x.of(always, at_edge).order(y.of(always, at_edge));
+        listed.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then_with(|| ties(&x.1, &y.1)));
+    }
+}
+
+impl Origin {
+    fn of<'r, T>(&self, always: &'r Kept<Slots, T>, at_edge: &'r [T]) -> &'r T {
+        match *self {
+            Self::Always(place) => always.at(place),
+            Self::AtEdge(number) => &at_edge[number],
+        }
+    }
 }
 
 impl Source<'_> {
@@ -184,8 +252,8 @@ impl Source<'_> {
         pair: &Pair,
         alert: &AlertLevel,
         scratch: &mut Scratch,
-        conflicts: &mut Vec<(Slots, Conflict)>,
-        plains: &mut Vec<(Slots, Plain)>,
+        conflicts: &mut Kept<Slots, Conflict>,
+        plains: &mut Kept<Slots, Plain>,
     ) {
         let slots = pair.slots;
         let Some(always) = self.outlook.domain(self.scene, slots) else {
@@ -193,15 +261,19 @@ impl Source<'_> {
         };
         let contacts = &mut scratch.contacts;
         self.outlook.contacts(pair, alert.margin, always, contacts);
-        let report = |contact| Some((slots, self.report(slots, always, contact)?));
-        conflicts.extend(contacts.iter().filter_map(report));
+        for conflict in contacts
+            .iter()
+            .filter_map(|one| self.report(slots, always, one))
+        {
+            conflicts.add(slots, (conflict.enter, conflict.exit), conflict);
+        }
         let ahead = Tick {
             told: f64::NEG_INFINITY,
             known: f64::INFINITY,
             ..Tick::default()
         };
         self.each_plain(pair, alert, &ahead, always, scratch, |plain| {
-            plains.push((slots, plain));
+            plains.add(slots, (plain.start, plain.exit), plain);
         });
     }
 

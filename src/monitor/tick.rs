@@ -102,7 +102,8 @@ impl Monitor {
         if known > self.told {
             for level in 0..self.levels.len() {
                 self.read_plain(level, &tick);
-                self.encounters[level].work_out(&self.plain, &tick, &mut next_id, events);
+                let plain = self.readings[level].plains();
+                self.encounters[level].work_out(plain, &tick, &mut next_id, events);
             }
             // Nothing below can fail.
             self.encounters.iter_mut().for_each(Encounters::take_over);

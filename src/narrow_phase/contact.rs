@@ -110,10 +110,6 @@ pub(crate) struct Solved {
 }
 
 impl Solved {
-    pub(crate) const fn span(&self) -> Span {
-        self.span
-    }
-
     /// Appends the contacts of these two spheres within `margin`, clipped to `clip`.
     fn contacts(&self, margin: f64, clip: (f64, f64), found: &mut Vec<Contact>) {
         let pair = &self.pair;
