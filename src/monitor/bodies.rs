@@ -1,7 +1,7 @@
 //! The bodies as slices see them, and their boxes.
 
 use super::flights::Flights;
-use crate::bounds::{Frame, Inflation, Pose};
+use crate::bounds::{Course, Frame, Inflation, Pose};
 use crate::broad_phase::BodyBox;
 use crate::broad_phase::fill::{Block, Fill};
 use crate::narrow_phase::Party;
@@ -32,14 +32,14 @@ impl<'m> Bodies<'m> {
         self.flights.party(self.scene, slot)
     }
 
-    /// Calls `visit` with the box of each body in each slice in which it exists, slices numbered
+    /// Calls `visit` with the box and the course of each body in each slice in which it exists, slices numbered
     /// from 0; in each slice in the order of `slots`. `ends`: see [`Fill`].
     pub(super) fn boxes(
         &self,
         slots: impl Iterator<Item = u32>,
         ends: &[f64],
         block: &mut Block,
-        mut visit: impl FnMut(usize, BodyBox),
+        mut visit: impl FnMut(usize, BodyBox, &Course),
     ) {
         let mut batch = [0; Self::BATCH];
         let mut parties = [Party::NONE; Self::BATCH];
@@ -76,9 +76,10 @@ impl<'m> Bodies<'m> {
             }
             form(&parties[..count], &poses[..count], ends, block);
             for (number, slice) in block.slices[..ends.len() - 1].iter().enumerate() {
-                for (boxed, &place) in slice.boxes.iter().zip(&slice.bodies) {
+                let boxes = slice.boxes.iter().zip(&slice.courses);
+                for ((boxed, course), &place) in boxes.zip(&slice.bodies) {
                     let body = batch[place as usize];
-                    visit(number, BodyBox { body, ..*boxed });
+                    visit(number, BodyBox { body, ..*boxed }, course);
                 }
             }
         }
@@ -100,7 +101,7 @@ pub(super) fn form(
     });
 }
 
-/// The boxes of bodies that have changed, formed for all slices together: each body's segments
+/// The boxes and courses of bodies that have changed, formed for all slices together: each body's segments
 /// are read once.
 #[derive(Debug, Default)]
 pub(super) struct Moved {
@@ -115,14 +116,14 @@ struct Chunk {
     /// Where its bodies are in the list of all.
     first: usize,
     /// By slice.
-    boxes: Vec<Vec<BodyBox>>,
+    boxes: Vec<Vec<(BodyBox, Course)>>,
     block: Block,
 }
 
 impl Moved {
     const CHUNK: usize = 256;
 
-    /// Forms the boxes of these bodies in all slices.
+    /// Forms those of these bodies in all slices.
     pub(super) fn form(&mut self, bodies: &Bodies<'_>, slots: &[u32], ends: &[f64]) {
         self.slots.clear();
         self.slots.extend_from_slice(slots);
@@ -146,12 +147,11 @@ impl Moved {
         self.slots == slots
     }
 
-    /// Appends the boxes in a slice, in the order of the bodies.
-    pub(super) fn list(&self, slice: usize, boxes: &mut Vec<BodyBox>) {
+    /// The boxes and courses in a slice, in the order of the bodies.
+    pub(super) fn of(&self, slice: usize) -> impl Iterator<Item = &(BodyBox, Course)> {
         let count = self.slots.len().div_ceil(Self::CHUNK);
-        for chunk in &self.chunks[..count] {
-            boxes.extend_from_slice(&chunk.boxes[slice]);
-        }
+        let chunks = self.chunks[..count].iter();
+        chunks.flat_map(move |chunk| &chunk.boxes[slice])
     }
 }
 
@@ -166,8 +166,8 @@ impl Chunk {
         for first in (0..slices).step_by(most) {
             let ends = &ends[first..=slices.min(first + most)];
             let (slots, boxes) = (slots.iter().copied(), &mut self.boxes[first..]);
-            bodies.boxes(slots, ends, &mut self.block, |slice, boxed| {
-                boxes[slice].push(boxed);
+            bodies.boxes(slots, ends, &mut self.block, |slice, boxed, course| {
+                boxes[slice].push((boxed, *course));
             });
         }
     }

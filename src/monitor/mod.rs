@@ -46,7 +46,7 @@ use crate::stats::Stats;
 use command::Batch;
 use encounters::Encounters;
 use outlook::Outlook;
-use read::{Readings, Scratch};
+use read::Readings;
 #[cfg(feature = "serde")]
 use recording::Record;
 use std::sync::Arc;
@@ -119,9 +119,7 @@ pub struct Monitor {
     stats: Stats,
     changed_bodies: u64,
     batch: Batch,
-    /// By level.
-    readings: Vec<Readings>,
-    scratch: Scratch,
+    readings: Readings,
     /// Set from another thread to have a tick end early, as if its budget were spent.
     interrupt: Option<Arc<AtomicBool>>,
     #[cfg(feature = "serde")]
@@ -212,8 +210,7 @@ impl Monitor {
             stats: Stats::default(),
             changed_bodies: 0,
             batch: Batch::default(),
-            readings: levels.iter().map(|_| Readings::default()).collect(),
-            scratch: Scratch::default(),
+            readings: Readings::of_levels(levels.len()),
             interrupt: None,
             #[cfg(feature = "serde")]
             tape: None,

@@ -6,6 +6,7 @@
 //! that an edge of the window, or the clock, touches are read again.
 
 use super::encounters::{Plain, Tick};
+use super::event::Event;
 use super::finds::Pair;
 use super::kept::{Entry, Kept};
 use super::outlook::Outlook;
@@ -15,14 +16,15 @@ use crate::narrow_phase::Contact;
 use crate::scene::Scene;
 use crate::screen::conflict;
 
-/// What one alert level has of every pair.
-#[derive(Debug, Default)]
+/// What each alert level has of every pair.
+#[derive(Debug)]
 pub(super) struct Readings {
-    conflicts: Reading<Conflict>,
-    plains: Reading<Plain>,
+    conflicts: Vec<Reading<Conflict>>,
+    plains: Vec<Reading<Plain>>,
+    scratch: Scratch,
 }
 
-/// What pairs have.
+/// What pairs have at one level.
 #[derive(Debug)]
 struct Reading<T> {
     /// Whatever the window.
@@ -53,7 +55,7 @@ type Slots = (u32, u32);
 
 /// What reading reuses.
 #[derive(Debug, Default)]
-pub(super) struct Scratch {
+struct Scratch {
     contacts: Vec<Contact>,
     released: Vec<Contact>,
     passed: Vec<Contact>,
@@ -97,74 +99,65 @@ impl Monitor {
             outlook: &self.outlook,
             scene: &self.scene,
         };
-        for (readings, alert) in self.readings.iter_mut().zip(&self.levels) {
-            readings.update(source, alert, &mut self.scratch);
-        }
+        self.readings.update(source, &self.levels);
         self.outlook.all_are_read();
     }
 
-    /// The conflicts of a level from now to the end of what is known.
-    pub(super) fn read_conflicts(&mut self, level: usize, (from, to): (f64, f64)) {
-        let margin = self.levels[level].margin;
-        let conflicts = &mut self.conflicts[level];
-        conflicts.clear();
-        if to <= from {
-            return;
+    /// Reads the conflicts from now to the end of what is known; and the plain encounters from the
+    /// last tick's clock on, and works out what they come to.
+    pub(super) fn read(&mut self, tick: &Tick, next_id: &mut u64, events: &mut Vec<Event>) {
+        let source = Source {
+            outlook: &self.outlook,
+            scene: &self.scene,
+        };
+        let Readings {
+            conflicts,
+            plains,
+            scratch,
+        } = &mut self.readings;
+        let reported = conflicts.iter_mut().zip(&mut self.conflicts);
+        for ((reading, reported), alert) in reported.zip(&self.levels) {
+            reported.clear();
+            if tick.now < tick.known {
+                reading.read_conflicts(source, alert, (tick.now, tick.known), scratch);
+                reported.extend(reading.iter().copied());
+            }
         }
-        let source = Source {
-            outlook: &self.outlook,
-            scene: &self.scene,
-        };
-        let (reading, scratch) = (&mut self.readings[level].conflicts, &mut self.scratch);
-        let windows = ((from, to), (from, to));
-        reading.read(
-            windows,
-            |conflict| conflict.enter,
-            |pair, at_edge| {
-                source.conflicts(pair, margin, (from, to), scratch, at_edge);
-            },
-        );
-        reading.sort();
-        conflicts.extend(reading.iter().copied());
-    }
-
-    /// The plain encounters of a level from the last tick's clock to the end of what is known.
-    pub(super) fn read_plain(&mut self, level: usize, tick: &Tick) {
-        let alert = self.levels[level];
-        let source = Source {
-            outlook: &self.outlook,
-            scene: &self.scene,
-        };
-        // What the clock has reached must say how close it came.
-        let (ahead, all) = ((tick.told, tick.known), (tick.before, tick.known));
-        let (reading, scratch) = (&mut self.readings[level].plains, &mut self.scratch);
-        reading.read(
-            (ahead, all),
-            |plain| plain.start,
-            |pair, at_edge| {
-                source.plains(pair, &alert, tick, scratch, at_edge);
-            },
-        );
+        // Up to an instant that was reached before, nothing new is known.
+        if tick.before < tick.known {
+            let encounters = plains.iter_mut().zip(&mut self.encounters);
+            for ((reading, encounters), alert) in encounters.zip(&self.levels) {
+                reading.read_plains(source, alert, tick, scratch);
+                encounters.work_out(reading.iter(), tick, next_id, events);
+            }
+        }
     }
 }
 
 impl Readings {
-    /// The plain encounters that were read last, sorted by pair and time.
-    pub(super) fn plains(&self) -> impl Iterator<Item = &Plain> {
-        self.plains.iter()
+    /// Of so many levels, and no pair.
+    pub(super) fn of_levels(count: usize) -> Self {
+        Self {
+            conflicts: (0..count).map(|_| Reading::default()).collect(),
+            plains: (0..count).map(|_| Reading::default()).collect(),
+            scratch: Scratch::default(),
+        }
     }
 
     /// Takes over what is known of pairs that have not changed, and reads the others.
-    fn update(&mut self, source: Source<'_>, alert: &AlertLevel, scratch: &mut Scratch) {
+    fn update(&mut self, source: Source<'_>, levels: &[AlertLevel]) {
         let pairs = source.outlook.finds().pairs();
-        let (conflicts, plains) = (&mut self.conflicts.always, &mut self.plains.always);
-        keep_unchanged(conflicts, pairs);
-        keep_unchanged(plains, pairs);
-        for pair in pairs.iter().filter(|pair| pair.is_new) {
-            source.always(pair, alert, scratch, conflicts, plains);
+        let readings = self.conflicts.iter_mut().zip(&mut self.plains);
+        for ((conflicts, plains), alert) in readings.zip(levels) {
+            let (conflicts, plains) = (&mut conflicts.always, &mut plains.always);
+            keep_unchanged(conflicts, pairs);
+            keep_unchanged(plains, pairs);
+            for pair in pairs.iter().filter(|pair| pair.is_new) {
+                source.always(pair, alert, &mut self.scratch, conflicts, plains);
+            }
+            conflicts.settle();
+            plains.settle();
         }
-        conflicts.settle();
-        plains.settle();
     }
 }
 
@@ -217,7 +210,41 @@ impl<T> Reading<T> {
     }
 }
 
+impl Reading<Plain> {
+    /// Reads the plain encounters from the last tick's clock to the end of what is known, sorted by
+    /// pair and time.
+    fn read_plains(
+        &mut self,
+        source: Source<'_>,
+        alert: &AlertLevel,
+        tick: &Tick,
+        scratch: &mut Scratch,
+    ) {
+        // What the clock has reached must say how close it came.
+        let windows = ((tick.told, tick.known), (tick.before, tick.known));
+        let begin = |plain: &Plain| plain.start;
+        self.read(windows, begin, |pair, at_edge| {
+            source.plains(pair, alert, tick, scratch, at_edge);
+        });
+    }
+}
+
 impl Reading<Conflict> {
+    /// Reads the conflicts in a window, sorted as they are reported.
+    fn read_conflicts(
+        &mut self,
+        source: Source<'_>,
+        alert: &AlertLevel,
+        window: (f64, f64),
+        scratch: &mut Scratch,
+    ) {
+        let begin = |conflict: &Conflict| conflict.enter;
+        self.read((window, window), begin, |pair, at_edge| {
+            source.conflicts(pair, alert.margin, window, scratch, at_edge);
+        });
+        self.sort();
+    }
+
     /// Sorts what was read last as it is reported. Only what is short moves.
     fn sort(&mut self) {
         let Self {

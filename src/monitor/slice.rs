@@ -4,13 +4,14 @@ use super::bodies::{Bodies, Moved, form};
 use super::boxes::{Boxes, Search};
 use super::finds::Key;
 use super::flights::Flight;
-use crate::bounds::{Frame, Pose};
+use crate::bounds::{Course, Frame, Pose};
 use crate::broad_phase::fill::Block;
 use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter, Sweep};
-use crate::narrow_phase::{Party, may_touch};
+use crate::narrow_phase::{Party, approaching, may_touch};
 use crate::simd::prefetch;
-use crate::spans::{Span, spans};
+use crate::spans::{Span, spans_from};
 use crate::stats::Stats;
+use std::ops::Range;
 use std::slice::from_ref;
 use std::time::Instant;
 
@@ -24,6 +25,8 @@ pub(super) struct Slice {
     stage: Stage,
     /// What share of the slice is to be compared now, 0 to 1: all of it if it is needed.
     due: f64,
+    /// By slot: nearer to the body than its box, as long as it has one.
+    courses: Vec<Course>,
     /// Bodies that changed since they were boxed.
     changed: Vec<u32>,
     is_changed: Vec<bool>,
@@ -34,12 +37,22 @@ pub(super) struct Slice {
     candidates: Vec<Candidate>,
     /// Candidates before this one have been looked at.
     sifted: usize,
-    /// Spans of some candidates, these by number.
+    /// Candidates that may be near from their courses.
+    near: Vec<Near>,
+    /// Spans of some of them, these by number.
     pieces: Vec<(usize, Span)>,
     sweep: Sweep,
     /// What was found and not taken yet.
     pub(super) survivors: Vec<(Key, Span)>,
     pub(super) stats: Stats,
+}
+
+/// When two bodies may be near each other, and a cubic of each that is not later.
+#[derive(Clone, Copy, Debug)]
+struct Near {
+    pair: Candidate,
+    interval: (f64, f64),
+    hints: (u32, u32),
 }
 
 /// How far a slice is.
@@ -81,8 +94,19 @@ impl Slice {
     /// Boxes that are asked for what meets them before a filter is asked whether it gives up.
     const ASKED: usize = 64;
 
+    /// Of a body without a box: nobody asks for it.
+    const NO_COURSE: Course = Course {
+        start: [0.0; 3],
+        change: [0.0; 3],
+        slack: f32::INFINITY,
+        first: 0,
+    };
+
     /// Candidates looked at together.
     const BATCH: usize = 16;
+
+    /// How many candidates ahead courses are fetched.
+    const AHEAD: usize = 8;
 
     /// Knots that are fetched: few bodies have left more than these behind.
     const KNOTS: usize = 40;
@@ -188,7 +212,7 @@ impl Slice {
     }
 
     /// Appends the pairs of the listed boxes with the others that they meet and that are wanted
-    /// beside them; not all if the filter gives up.
+    /// beside them, admitted or not; not all if the filter gives up.
     fn list_meeting<F: PairFilter>(&mut self, filter: &F, wanted: impl Fn(u32, u32) -> bool) {
         for some in self.listed.chunks(Self::ASKED) {
             if filter.gives_up() {
@@ -196,9 +220,8 @@ impl Slice {
             }
             let candidates = &mut self.candidates;
             self.boxes.meeting(some, &mut self.search, |own, other| {
-                let pair = (own.body.min(other), own.body.max(other));
-                if wanted(own.body, other) && filter.admits(pair.0, pair.1) {
-                    candidates.push(Candidate::new(pair.0, pair.1));
+                if wanted(own.body, other) {
+                    candidates.push(Candidate::new(own.body, other));
                 }
             });
         }
@@ -217,7 +240,7 @@ impl Slice {
         while !self.is_fresh(bodies) {
             let begin = Instant::now();
             let work = if self.sifted < self.candidates.len() {
-                let work = self.sift(bodies);
+                let work = self.sift(bodies, filter);
                 self.stats.narrow_time += begin.elapsed();
                 work
             } else {
@@ -288,8 +311,12 @@ impl Slice {
         let until = self.due_slots(bodies).min(first + Self::STEP);
         let slots = (first..until).filter_map(|slot| u32::try_from(slot).ok());
         let ends = self.ends();
-        let (block, listed) = (&mut self.block, &mut self.listed);
-        bodies.boxes(slots, &ends, block, |_, boxed| listed.push(boxed));
+        let (listed, courses) = (&mut self.listed, &mut self.courses);
+        courses.resize(bodies.flights.len(), Self::NO_COURSE);
+        bodies.boxes(slots, &ends, &mut self.block, |_, boxed, course| {
+            courses[boxed.body as usize] = *course;
+            listed.push(boxed);
+        });
         until
     }
 
@@ -367,12 +394,23 @@ impl Slice {
     fn box_changed(&mut self, bodies: &Bodies<'_>, moved: Option<(&Moved, usize)>) {
         self.listed.clear();
         let ends = self.ends();
-        let (block, listed) = (&mut self.block, &mut self.listed);
+        let (listed, courses) = (&mut self.listed, &mut self.courses);
+        courses.resize(bodies.flights.len(), Self::NO_COURSE);
+        let mut list = |boxed: BodyBox, course: &Course| {
+            courses[boxed.body as usize] = *course;
+            listed.push(boxed);
+        };
         match moved {
-            Some((moved, number)) if moved.are(&self.changed) => moved.list(number, listed),
+            Some((moved, number)) if moved.are(&self.changed) => {
+                let boxes = moved.of(number);
+                boxes.for_each(|(boxed, course)| list(*boxed, course));
+            }
             _ => {
                 let changed = self.changed.iter().copied();
-                bodies.boxes(changed, &ends, block, |_, boxed| listed.push(boxed));
+                let block = &mut self.block;
+                bodies.boxes(changed, &ends, block, |_, boxed, course| {
+                    list(boxed, course)
+                });
             }
         }
         // In the order of `changed`, but for those that are missing.
@@ -392,16 +430,16 @@ impl Slice {
 
     /// Keeps the spans of some more candidates that cheap tests cannot rule out. Bodies that have
     /// changed since are compared anew.
-    fn sift(&mut self, bodies: &Bodies<'_>) -> usize {
+    fn sift<F: PairFilter>(&mut self, bodies: &Bodies<'_>, filter: &F) -> usize {
         let first = self.sifted;
         self.sifted = self.candidates.len().min(first + Self::STEP);
-        let is_changed = |slot: u32| self.is_changed.get(slot as usize) == Some(&true);
-        for batch in self.candidates[first..self.sifted].chunks(Self::BATCH) {
+        self.judge(first..self.sifted);
+        for batch in self.near.chunks(Self::BATCH) {
             // What each loop reads lies anywhere in memory, and was fetched by the one before.
             let mut pairs = [[Party::NONE; 2]; Self::BATCH];
-            for (pair, candidate) in pairs.iter_mut().zip(batch) {
-                let slots = [candidate.a, candidate.b];
-                if slots.into_iter().any(is_changed) {
+            for (pair, near) in pairs.iter_mut().zip(batch) {
+                let slots = [near.pair.a, near.pair.b];
+                if !filter.admits(slots[0], slots[1]) {
                     continue;
                 }
                 *pair = slots.map(|slot| bodies.party(slot).unwrap_or(Party::NONE));
@@ -410,8 +448,9 @@ impl Slice {
                 }
             }
             self.pieces.clear();
-            for (number, [a, b]) in pairs.iter().enumerate() {
-                for span in spans(a.knots, b.knots, self.interval.0, self.interval.1) {
+            for (number, ([a, b], near)) in pairs.iter().zip(batch).enumerate() {
+                let (from, to) = near.interval;
+                for span in spans_from(a.knots, b.knots, near.hints, from, to) {
                     prefetch(from_ref(&a.segments[span.a as usize]));
                     prefetch(from_ref(&b.segments[span.b as usize]));
                     self.pieces.push((number, span));
@@ -419,11 +458,11 @@ impl Slice {
             }
             self.stats.spans += self.pieces.len() as u64;
             for &(number, span) in &self.pieces {
-                let [a, b] = &pairs[number];
-                if may_touch(a, b, span, bodies.margin, self.interval) {
+                let ([a, b], near) = (&pairs[number], &batch[number]);
+                if may_touch(a, b, span, bodies.margin, near.interval) {
                     let key = Key {
-                        a: batch[number].a,
-                        b: batch[number].b,
+                        a: near.pair.a,
+                        b: near.pair.b,
                         span_a: span.a,
                         span_b: span.b,
                     };
@@ -432,6 +471,33 @@ impl Slice {
             }
         }
         self.sifted - first
+    }
+
+    /// Lists which of some candidates may be near each other from their courses.
+    fn judge(&mut self, some: Range<usize>) {
+        self.near.clear();
+        let candidates = &self.candidates[some];
+        let is_changed = |slot: u32| self.is_changed.get(slot as usize) == Some(&true);
+        for (number, &pair) in candidates.iter().enumerate() {
+            if let Some(later) = candidates.get(number + Self::AHEAD) {
+                prefetch(from_ref(&self.courses[later.a as usize]));
+                prefetch(from_ref(&self.courses[later.b as usize]));
+            }
+            let (a, b) = (
+                &self.courses[pair.a as usize],
+                &self.courses[pair.b as usize],
+            );
+            let Some(interval) = approaching(a, b, self.interval) else {
+                continue;
+            };
+            if !is_changed(pair.a) && !is_changed(pair.b) {
+                self.near.push(Near {
+                    pair,
+                    interval,
+                    hints: (a.first, b.first),
+                });
+            }
+        }
     }
 
     /// Bodies that a body's box over the slice may meet.
@@ -456,7 +522,8 @@ impl Slice {
     }
 }
 
-/// Wants pairs with a changed body.
+/// Wants pairs with a changed body. Whether they are admitted is asked when little else is left to
+/// ask: what that depends on lies anywhere in memory.
 struct Concerns<'f, F> {
     is_changed: &'f [bool],
     filter: &'f F,
@@ -465,7 +532,7 @@ struct Concerns<'f, F> {
 impl<F: PairFilter> PairFilter for Concerns<'_, F> {
     fn admits(&self, a: u32, b: u32) -> bool {
         let is_changed = |slot: u32| self.is_changed.get(slot as usize) == Some(&true);
-        (is_changed(a) || is_changed(b)) && self.filter.admits(a, b)
+        is_changed(a) || is_changed(b)
     }
 
     fn gives_up(&self) -> bool {

@@ -95,17 +95,9 @@ impl Monitor {
         self.read_new_pairs();
         let mut next_id = self.next_id;
         let first = events.len();
-        for level in 0..self.levels.len() {
-            self.read_conflicts(level, (now, known));
-        }
-        // Up to an instant that was reached before, nothing new is known.
+        self.read(&tick, &mut next_id, events);
+        // Nothing below can fail.
         if known > self.told {
-            for level in 0..self.levels.len() {
-                self.read_plain(level, &tick);
-                let plain = self.readings[level].plains();
-                self.encounters[level].work_out(plain, &tick, &mut next_id, events);
-            }
-            // Nothing below can fail.
             self.encounters.iter_mut().for_each(Encounters::take_over);
         }
         (self.now, self.told, self.known) = (now, tick.told, known);
