@@ -76,6 +76,23 @@ pub(crate) fn for_each_chunk<T: Send>(
     items.chunks_mut(size).for_each(work);
 }
 
+/// Two things at the same time, unless there are few items to go through: see [`map`].
+pub(crate) fn join<T: Send>(
+    count: usize,
+    few: usize,
+    one: impl FnOnce() -> T + Send,
+    other: impl FnOnce() + Send,
+) -> T {
+    #[cfg(feature = "parallel")]
+    if count > few {
+        return rayon::join(one, other).0;
+    }
+    #[cfg(not(feature = "parallel"))]
+    let _ = (count, few);
+    other();
+    one()
+}
+
 /// Sorts by a total order without ties that matter: the same result on any number of threads.
 pub(crate) fn sort<T: Send>(values: &mut [T], order: impl Fn(&T, &T) -> Ordering + Sync) {
     #[cfg(feature = "parallel")]

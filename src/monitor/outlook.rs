@@ -86,6 +86,11 @@ impl Outlook {
         self.forget(slot);
     }
 
+    /// Fetches what is known of a body into the caches.
+    pub(super) fn prefetch(&self, slot: u32) {
+        self.flights.prefetch(slot);
+    }
+
     /// Looks for a body's pairs anew: its filter changed.
     pub(super) fn forget(&mut self, slot: u32) {
         let place = slot as usize;

@@ -4,12 +4,14 @@
 //! nothing.
 
 use super::budget::{Budget, Meter};
+use super::command::Batch;
 use super::encounters::{Encounters, Tick};
 use super::event::{EndReason, Event, EventKind};
 #[cfg(feature = "serde")]
 use super::recording::Record;
 use super::{Admission, Monitor};
 use crate::error::{Error, LARGEST_MAGNITUDE};
+use crate::parallel;
 use crate::scene::Scene;
 use crate::stats::Stats;
 use crate::trajectory::{Outside, Trajectory};
@@ -75,15 +77,20 @@ impl Monitor {
             changed: self.changed_bodies,
             ..Stats::default()
         };
-        let known = self.outlook.catch_up(
-            &self.scene,
-            (self.told, end),
-            &Admission {
-                scene: &self.scene,
-                interrupt: self.interrupt.as_deref(),
+        let admission = Admission {
+            scene: &self.scene,
+            interrupt: self.interrupt.as_deref(),
+        };
+        let known = parallel::join(
+            self.batch.changed.len(),
+            Batch::FEW,
+            || {
+                let window = (self.told, end);
+                let (meter, stats) = (&mut meter, &mut self.stats);
+                self.outlook
+                    .catch_up(&self.scene, window, &admission, meter, stats)
             },
-            &mut meter,
-            &mut self.stats,
+            || self.batch.clear(),
         );
         let tick = Tick {
             now,
