@@ -147,7 +147,7 @@ impl PairFilter for Admission<'_> {
 impl Monitor {
     /// Slices that the lookahead is cut into: the boxes of more slices are tighter, and each
     /// changed plan is compared in every one of them.
-    const SLICES_AHEAD: f64 = 4.0;
+    const SLICES_AHEAD: f64 = 3.0;
 
     /// A monitor of `scene` whose clock shows `now` (s) and that looks `lookahead` seconds ahead.
     /// Levels are numbered as given; usually the widest comes first.
