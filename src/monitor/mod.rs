@@ -19,6 +19,7 @@ mod kept;
 mod live;
 mod outlook;
 mod read;
+mod reading;
 #[cfg(feature = "serde")]
 mod recording;
 mod slice;

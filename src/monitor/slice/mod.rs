@@ -1,5 +1,8 @@
 //! One slice of the lookahead: the boxes of all bodies in it, and what has not been compared yet.
 
+mod changes;
+mod sift;
+
 use super::bodies::{Bodies, Moved, form};
 use super::boxes::{Boxes, Search};
 use super::finds::Key;
@@ -7,12 +10,10 @@ use super::flights::Flight;
 use crate::bounds::{Course, Frame, Pose};
 use crate::broad_phase::fill::Block;
 use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter, Sweep};
-use crate::narrow_phase::{Party, approaching, may_touch};
-use crate::simd::prefetch;
-use crate::spans::{Span, spans_from};
+use crate::narrow_phase::Party;
+use crate::spans::Span;
 use crate::stats::Stats;
-use std::ops::Range;
-use std::slice::from_ref;
+use sift::Near;
 use std::time::Instant;
 
 /// See the module.
@@ -47,14 +48,6 @@ pub(super) struct Slice {
     pub(super) stats: Stats,
 }
 
-/// When two bodies may be near each other, and a cubic of each that is not later.
-#[derive(Clone, Copy, Debug)]
-struct Near {
-    pair: Candidate,
-    interval: (f64, f64),
-    hints: (u32, u32),
-}
-
 /// How far a slice is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
@@ -76,10 +69,6 @@ impl Default for Stage {
 }
 
 impl Slice {
-    /// Sweeping over all boxes costs as much as asking for what meets the boxes of a tenth of the
-    /// bodies (measured with 10,000 and 100,000): this share of the places for them.
-    const FEW_CHANGED: usize = 16;
-
     /// Boxes formed, or candidates looked at, before a budget is looked at: some tenths of a
     /// millisecond.
     const STEP: usize = 1024;
@@ -101,15 +90,6 @@ impl Slice {
         slack: f32::INFINITY,
         first: 0,
     };
-
-    /// Candidates looked at together.
-    const BATCH: usize = 16;
-
-    /// How many candidates ahead courses are fetched.
-    const AHEAD: usize = 8;
-
-    /// Knots that are fetched: few bodies have left more than these behind.
-    const KNOTS: usize = 40;
 
     /// An empty slice in this one's memory.
     pub(super) fn begin(&mut self, index: i64, interval: (f64, f64)) {
@@ -181,34 +161,8 @@ impl Slice {
         is_there && self.changed.is_empty() && self.sifted == self.candidates.len()
     }
 
-    /// Notes that bodies have changed; each slot once.
-    pub(super) fn note(&mut self, slots: &[u32]) {
-        let boxed = match self.stage {
-            Stage::Listing(slots) | Stage::Placing(slots) => slots,
-            Stage::Joining(..) | Stage::Built => usize::MAX,
-        };
-        for &slot in slots {
-            let place = slot as usize;
-            if place >= boxed {
-                continue;
-            }
-            if self.is_changed.len() <= place {
-                self.is_changed.resize(place + 1, false);
-            }
-            if !std::mem::replace(&mut self.is_changed[place], true) {
-                self.changed.push(slot);
-            }
-        }
-    }
-
     const fn ends(&self) -> [f64; 2] {
         [self.interval.0, self.interval.1]
-    }
-
-    fn forget_changes(&mut self) {
-        for slot in self.changed.drain(..) {
-            self.is_changed[slot as usize] = false;
-        }
     }
 
     /// Appends the pairs of the listed boxes with the others that they meet and that are wanted
@@ -363,141 +317,10 @@ impl Slice {
         self.end_at(Stage::Built, filter);
     }
 
-    /// Changed bodies against all.
-    fn compare_changed<F: PairFilter>(
-        &mut self,
-        bodies: &Bodies<'_>,
-        filter: &F,
-        moved: Option<(&Moved, usize)>,
-    ) -> usize {
-        let changed = self.changed.len();
-
-        self.box_changed(bodies, moved);
-        if changed > self.boxes.capacity() / Self::FEW_CHANGED {
-            self.boxes.replace(&self.listed);
-            self.list_all();
-            let concerns = Concerns {
-                is_changed: &self.is_changed,
-                filter,
-            };
-            self.sweep
-                .pairs(&self.listed, &concerns, &mut self.candidates);
-        } else {
-            self.boxes.move_to(&self.listed);
-            self.list_meeting(filter, |moved, other| other != moved);
-        }
-        self.end_at(self.stage, filter);
-        changed
-    }
-
-    /// Lists the boxes of the changed bodies; takes out those that have none any more.
-    fn box_changed(&mut self, bodies: &Bodies<'_>, moved: Option<(&Moved, usize)>) {
-        self.listed.clear();
-        let ends = self.ends();
-        let (listed, courses) = (&mut self.listed, &mut self.courses);
-        courses.resize(bodies.flights.len(), Self::NO_COURSE);
-        let mut list = |boxed: BodyBox, course: &Course| {
-            courses[boxed.body as usize] = *course;
-            listed.push(boxed);
-        };
-        match moved {
-            Some((moved, number)) if moved.are(&self.changed) => {
-                let boxes = moved.of(number);
-                boxes.for_each(|(boxed, course)| list(*boxed, course));
-            }
-            _ => {
-                let changed = self.changed.iter().copied();
-                let block = &mut self.block;
-                bodies.boxes(changed, &ends, block, |_, boxed, course| {
-                    list(boxed, course)
-                });
-            }
-        }
-        // In the order of `changed`, but for those that are missing.
-        let mut boxed = listed.iter().map(|boxed| boxed.body).peekable();
-        for &slot in &self.changed {
-            if boxed.next_if_eq(&slot).is_none() {
-                self.boxes.remove(slot);
-            }
-        }
-    }
-
     fn list_all(&mut self) {
         self.listed.clear();
         let (all, listed) = (0..self.boxes.leaves(), &mut self.listed);
         self.boxes.each(all, |body| listed.push(body));
-    }
-
-    /// Keeps the spans of some more candidates that cheap tests cannot rule out. Bodies that have
-    /// changed since are compared anew.
-    fn sift<F: PairFilter>(&mut self, bodies: &Bodies<'_>, filter: &F) -> usize {
-        let first = self.sifted;
-        self.sifted = self.candidates.len().min(first + Self::STEP);
-        self.judge(first..self.sifted);
-        for batch in self.near.chunks(Self::BATCH) {
-            // What each loop reads lies anywhere in memory, and was fetched by the one before.
-            let mut pairs = [[Party::NONE; 2]; Self::BATCH];
-            for (pair, near) in pairs.iter_mut().zip(batch) {
-                let slots = [near.pair.a, near.pair.b];
-                if !filter.admits(slots[0], slots[1]) {
-                    continue;
-                }
-                *pair = slots.map(|slot| bodies.party(slot).unwrap_or(Party::NONE));
-                for party in &*pair {
-                    prefetch(&party.knots[..party.knots.len().min(Self::KNOTS)]);
-                }
-            }
-            self.pieces.clear();
-            for (number, ([a, b], near)) in pairs.iter().zip(batch).enumerate() {
-                let (from, to) = near.interval;
-                for span in spans_from(a.knots, b.knots, near.hints, from, to) {
-                    prefetch(from_ref(&a.segments[span.a as usize]));
-                    prefetch(from_ref(&b.segments[span.b as usize]));
-                    self.pieces.push((number, span));
-                }
-            }
-            self.stats.spans += self.pieces.len() as u64;
-            for &(number, span) in &self.pieces {
-                let ([a, b], near) = (&pairs[number], &batch[number]);
-                if may_touch(a, b, span, bodies.margin, near.interval) {
-                    let key = Key {
-                        a: near.pair.a,
-                        b: near.pair.b,
-                        span_a: span.a,
-                        span_b: span.b,
-                    };
-                    self.survivors.push((key, span));
-                }
-            }
-        }
-        self.sifted - first
-    }
-
-    /// Lists which of some candidates may be near each other from their courses.
-    fn judge(&mut self, some: Range<usize>) {
-        self.near.clear();
-        let candidates = &self.candidates[some];
-        let is_changed = |slot: u32| self.is_changed.get(slot as usize) == Some(&true);
-        for (number, &pair) in candidates.iter().enumerate() {
-            if let Some(later) = candidates.get(number + Self::AHEAD) {
-                prefetch(from_ref(&self.courses[later.a as usize]));
-                prefetch(from_ref(&self.courses[later.b as usize]));
-            }
-            let (a, b) = (
-                &self.courses[pair.a as usize],
-                &self.courses[pair.b as usize],
-            );
-            let Some(interval) = approaching(a, b, self.interval) else {
-                continue;
-            };
-            if !is_changed(pair.a) && !is_changed(pair.b) {
-                self.near.push(Near {
-                    pair,
-                    interval,
-                    hints: (a.first, b.first),
-                });
-            }
-        }
     }
 
     /// Bodies that a body's box over the slice may meet.
@@ -519,23 +342,5 @@ impl Slice {
     /// Whether the slice has all boxes, and a time in common with an interval.
     pub(super) fn covers_some_of(&self, (from, to): (f64, f64)) -> bool {
         self.is_placed() && self.interval.0 <= to && self.interval.1 >= from
-    }
-}
-
-/// Wants pairs with a changed body. Whether they are admitted is asked when little else is left to
-/// ask: what that depends on lies anywhere in memory.
-struct Concerns<'f, F> {
-    is_changed: &'f [bool],
-    filter: &'f F,
-}
-
-impl<F: PairFilter> PairFilter for Concerns<'_, F> {
-    fn admits(&self, a: u32, b: u32) -> bool {
-        let is_changed = |slot: u32| self.is_changed.get(slot as usize) == Some(&true);
-        is_changed(a) || is_changed(b)
-    }
-
-    fn gives_up(&self) -> bool {
-        self.filter.gives_up()
     }
 }
