@@ -121,7 +121,7 @@ struct Chunk {
 }
 
 impl Moved {
-    const CHUNK: usize = 256;
+    const CHUNK: usize = Bodies::BATCH;
 
     /// Forms those of these bodies in all slices.
     pub(super) fn form(&mut self, bodies: &Bodies<'_>, slots: &[u32], ends: &[f64]) {
