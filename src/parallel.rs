@@ -57,7 +57,8 @@ pub(crate) fn threads() -> usize {
     1
 }
 
-/// `work(chunk)` for each chunk of `size` items (the last may have fewer).
+/// `work(chunk)` for each chunk of `size` items (the last may have fewer). Several threads begin
+/// with the last ones: where work grows along the items, none is left with the most of it.
 pub(crate) fn for_each_chunk<T: Send>(
     items: &mut [T],
     size: usize,
@@ -65,14 +66,31 @@ pub(crate) fn for_each_chunk<T: Send>(
 ) {
     #[cfg(feature = "parallel")]
     {
-        use rayon::iter::ParallelIterator;
+        use rayon::iter::{IndexedParallelIterator, ParallelIterator};
         use rayon::slice::ParallelSliceMut;
         if items.len() > size {
-            items.par_chunks_mut(size).for_each(work);
+            items.par_chunks_mut(size).rev().for_each(work);
             return;
         }
     }
     items.chunks_mut(size).for_each(work);
+}
+
+/// Two things at the same time, unless there are few items to go through: see [`map`].
+pub(crate) fn join<T: Send>(
+    count: usize,
+    few: usize,
+    one: impl FnOnce() -> T + Send,
+    other: impl FnOnce() + Send,
+) -> T {
+    #[cfg(feature = "parallel")]
+    if count > few {
+        return rayon::join(one, other).0;
+    }
+    #[cfg(not(feature = "parallel"))]
+    let _ = (count, few);
+    other();
+    one()
 }
 
 /// Sorts by a total order without ties that matter: the same result on any number of threads.

@@ -372,8 +372,8 @@ impl Scene {
     }
 
     /// Fetches a body into the caches, but for its segments.
-    pub(crate) fn prefetch(&self, id: BodyId) {
-        if let Some(slot) = self.slots.get(id.slot as usize) {
+    pub(crate) fn prefetch(&self, slot: u32) {
+        if let Some(slot) = self.slots.get(slot as usize) {
             prefetch(from_ref(slot));
         }
     }

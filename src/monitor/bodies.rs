@@ -1,13 +1,13 @@
 //! The bodies as slices see them, and their boxes.
 
 use super::flights::Flights;
-use crate::bounds::{Frame, Pose};
+use crate::bounds::{Course, Frame, Inflation, Pose};
 use crate::broad_phase::BodyBox;
 use crate::broad_phase::fill::{Block, Fill};
 use crate::narrow_phase::Party;
 use crate::parallel;
 use crate::scene::Scene;
-use crate::simd::Level;
+use crate::simd::{Level, prefetch};
 use crate::trajectory::Segment;
 
 /// What slices need to know of the bodies.
@@ -35,39 +35,63 @@ const PLACES: [u32; BATCH] = {
 };
 
 impl<'m> Bodies<'m> {
+    /// How many bodies ahead they are fetched.
+    const AHEAD: usize = 4;
+    /// Knots that are fetched: two lines.
+    const KNOTS: usize = 16;
+
     pub(super) fn party(&self, slot: u32) -> Option<Party<'m>> {
         self.flights.party(self.scene, slot)
     }
 
-    /// Calls `visit` with the box of each body in each slice in which it exists, slices numbered
+    /// Calls `visit` with the box and the course of each body in each slice in which it exists, slices numbered
     /// from 0; in each slice in the order of `slots`. `ends`: see [`Fill`].
     pub(super) fn boxes(
         &self,
         slots: impl Iterator<Item = u32>,
         ends: &[f64],
         block: &mut Block,
-        mut visit: impl FnMut(usize, BodyBox),
+        mut visit: impl FnMut(usize, BodyBox, &Course),
     ) {
         let mut batch = [0; BATCH];
         let mut parties = [Party::NONE; BATCH];
         let mut poses = [Pose::NONE; BATCH];
-        let mut slots = slots.filter_map(|slot| Some((slot, self.flights.get(self.scene, slot)?)));
-        loop {
+        let mut slots = slots.peekable();
+        while slots.peek().is_some() {
+            let mut listed = 0;
+            for (place, slot) in batch.iter_mut().zip(slots.by_ref()) {
+                *place = slot;
+                listed += 1;
+            }
+            let mut inflations = [&Inflation::NONE; BATCH];
             let mut count = 0;
-            for (slot, (flight, party)) in slots.by_ref().take(BATCH) {
+            for place in 0..listed {
+                // What each loop reads lies anywhere in memory, and was fetched by the one before.
+                if let Some(&later) = batch[..listed].get(place + Self::AHEAD) {
+                    self.scene.prefetch(later);
+                    self.flights.prefetch(later);
+                }
+                let slot = batch[place];
+                let Some((flight, party)) = self.flights.get(self.scene, slot) else {
+                    continue;
+                };
+                prefetch(&party.segments[..party.segments.len().min(1)]);
+                prefetch(&party.knots[..party.knots.len().min(Self::KNOTS)]);
                 batch[count] = slot;
                 parties[count] = party;
-                poses[count] = Pose::plain(party.segments, &flight.inflation, self.frame);
+                inflations[count] = &flight.inflation;
                 count += 1;
             }
-            if count == 0 {
-                return;
+            let known = parties[..count].iter().zip(inflations);
+            for (pose, (party, inflation)) in poses.iter_mut().zip(known) {
+                *pose = Pose::plain(party.segments, inflation, self.frame);
             }
             form(&parties[..count], &poses[..count], ends, block);
             for (number, slice) in block.slices[..ends.len() - 1].iter().enumerate() {
-                for (boxed, &place) in slice.boxes.iter().zip(&slice.bodies) {
+                let boxes = slice.boxes.iter().zip(&slice.courses);
+                for ((boxed, course), &place) in boxes.zip(&slice.bodies) {
                     let body = batch[place as usize];
-                    visit(number, BodyBox { body, ..*boxed });
+                    visit(number, BodyBox { body, ..*boxed }, course);
                 }
             }
         }
@@ -90,7 +114,7 @@ pub(super) fn form(
     });
 }
 
-/// The boxes of bodies that have changed, formed for all slices together: each body's segments
+/// The boxes and courses of bodies that have changed, formed for all slices together: each body's segments
 /// are read once.
 #[derive(Debug, Default)]
 pub(super) struct Moved {
@@ -105,14 +129,14 @@ struct Chunk {
     /// Where its bodies are in the list of all.
     first: usize,
     /// By slice.
-    boxes: Vec<Vec<BodyBox>>,
+    boxes: Vec<Vec<(BodyBox, Course)>>,
     block: Block,
 }
 
 impl Moved {
-    const CHUNK: usize = 256;
+    const CHUNK: usize = BATCH;
 
-    /// Forms the boxes of these bodies in all slices.
+    /// Forms those of these bodies in all slices.
     pub(super) fn form(&mut self, bodies: &Bodies<'_>, slots: &[u32], ends: &[f64]) {
         self.slots.clear();
         self.slots.extend_from_slice(slots);
@@ -136,12 +160,11 @@ impl Moved {
         self.slots == slots
     }
 
-    /// Appends the boxes in a slice, in the order of the bodies.
-    pub(super) fn list(&self, slice: usize, boxes: &mut Vec<BodyBox>) {
+    /// The boxes and courses in a slice, in the order of the bodies.
+    pub(super) fn of(&self, slice: usize) -> impl Iterator<Item = &(BodyBox, Course)> {
         let count = self.slots.len().div_ceil(Self::CHUNK);
-        for chunk in &self.chunks[..count] {
-            boxes.extend_from_slice(&chunk.boxes[slice]);
-        }
+        let chunks = self.chunks[..count].iter();
+        chunks.flat_map(move |chunk| &chunk.boxes[slice])
     }
 }
 
@@ -156,8 +179,8 @@ impl Chunk {
         for first in (0..slices).step_by(most) {
             let ends = &ends[first..=slices.min(first + most)];
             let (slots, boxes) = (slots.iter().copied(), &mut self.boxes[first..]);
-            bodies.boxes(slots, ends, &mut self.block, |slice, boxed| {
-                boxes[slice].push(boxed);
+            bodies.boxes(slots, ends, &mut self.block, |slice, boxed, course| {
+                boxes[slice].push((boxed, *course));
             });
         }
     }

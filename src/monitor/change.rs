@@ -145,7 +145,7 @@ impl Monitor {
             Ok(()) => self.take_over(&mut batch),
             Err(error) => Err(error),
         };
-        batch.clear();
+        // What was replaced is dropped with the next tick, beside other work.
         self.batch = batch;
         ids
     }
@@ -153,7 +153,12 @@ impl Monitor {
     /// Lets a batch take effect. Nothing is refused: the scene has room for 2^32 bodies, and all
     /// ids were found.
     fn take_over(&mut self, batch: &mut Batch) -> Result<Vec<BodyId>, Error> {
-        for revision in &mut batch.changed {
+        for place in 0..batch.changed.len() {
+            if let Some(later) = batch.changed.get(place + Batch::AHEAD) {
+                self.scene.prefetch(later.id.slot);
+                self.outlook.prefetch(later.id.slot);
+            }
+            let revision = &mut batch.changed[place];
             let id = revision.id;
             if revision.is_removed {
                 drop(self.take_out(id)?);

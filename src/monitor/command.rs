@@ -83,8 +83,9 @@ pub(super) struct Revision {
     splice: Option<Splice>,
     pub(super) hitbox: Option<Hitbox>,
     pub(super) layers: Option<Layers>,
-    /// Number of the last command that concerns the body.
-    command: usize,
+    /// Numbers of the first and the last command that concern the body.
+    first: usize,
+    last: usize,
     /// None once it is taken, and of what is removed.
     pub(super) flight: Option<Flight>,
     refusal: Option<Refusal>,
@@ -107,8 +108,10 @@ struct Refusal {
 impl Batch {
     /// Revisions that one thread settles at a time.
     const CHUNK: usize = 64;
+    /// Revisions that are not worth another thread to drop.
+    pub(super) const FEW: usize = 64;
     /// Revisions that are looked at ahead: bodies lie anywhere in memory.
-    const AHEAD: usize = 4;
+    pub(super) const AHEAD: usize = 4;
 
     /// Goes through the commands in order, each on what the ones before it left, and works out
     /// what becomes of each body. The first refusal is reported.
@@ -129,7 +132,7 @@ impl Batch {
         parallel::for_each_chunk(&mut self.changed, Self::CHUNK, |revisions| {
             for index in 0..revisions.len() {
                 if let Some(later) = revisions.get(index + 2 * Self::AHEAD) {
-                    scene.prefetch(later.id);
+                    scene.prefetch(later.id.slot);
                 }
                 if let Some(later) = revisions.get(index + Self::AHEAD) {
                     let flown = scene.body(later.id).map(|body| &body.trajectory);
@@ -177,50 +180,51 @@ impl Batch {
             | Command::Replan(id, ..)
             | Command::Extend(id, _) => id,
         };
-        let (body, revision) = self.revision(scene, id, number).map_err(refuse)?;
+        let revision = self.revision(scene, id, number).map_err(refuse)?;
         match command {
             Command::Insert(_) => {}
             Command::Remove(_) => revision.is_removed = true,
             Command::SetTrajectory(_, trajectory) => {
-                revision.splice(body, terms)?;
+                revision.splice(scene, terms)?;
                 revision.trajectory = Some(trajectory);
             }
             Command::SetHitbox(_, hitbox) => revision.hitbox = Some(hitbox),
             Command::SetLayers(_, layers) => revision.layers = Some(layers),
-            Command::Replan(_, from, plan) => revision.follow(body, Some(from), plan, terms)?,
-            Command::Extend(_, plan) => revision.follow(body, None, plan, terms)?,
+            Command::Replan(_, from, plan) => revision.follow(scene, Some(from), plan, terms)?,
+            Command::Extend(_, plan) => revision.follow(scene, None, plan, terms)?,
         }
         Ok(())
     }
 
-    /// The body as it is, and what the commands so far replace of it.
-    fn revision<'s>(
+    /// What the commands so far replace of a body. Whether there is such a body is seen when it is
+    /// settled, where it was fetched before.
+    fn revision(
         &mut self,
-        scene: &'s Scene,
+        scene: &Scene,
         id: BodyId,
         command: usize,
-    ) -> Result<(&'s Body, &mut Revision), Error> {
-        let body = scene.body(id).ok_or(Error::UnknownBody { id })?;
+    ) -> Result<&mut Revision, Error> {
         if self.place_of.len() < scene.slots() {
             self.place_of.resize(scene.slots(), 0);
         }
-        let place = &mut self.place_of[id.slot as usize];
+        let place = self.place_of.get_mut(id.slot as usize);
+        let place = place.ok_or(Error::UnknownBody { id })?;
         let known = self.changed.get(*place);
         if known.is_none_or(|known| known.id != id) {
             *place = self.changed.len();
-            self.changed.push(Revision::nothing(id));
+            self.changed.push(Revision::nothing(id, command));
         }
         let revision = &mut self.changed[*place];
         if revision.is_removed {
             return Err(Error::UnknownBody { id });
         }
-        revision.command = command;
-        Ok((body, revision))
+        revision.last = command;
+        Ok(revision)
     }
 }
 
 impl Revision {
-    const fn nothing(id: BodyId) -> Self {
+    const fn nothing(id: BodyId, command: usize) -> Self {
         Self {
             id,
             is_removed: false,
@@ -228,39 +232,54 @@ impl Revision {
             splice: None,
             hitbox: None,
             layers: None,
-            command: 0,
+            first: command,
+            last: command,
             flight: None,
             refusal: None,
         }
     }
 
+    /// The body as it is.
+    fn body<'s>(&self, scene: &'s Scene) -> Result<&'s Body, Refusal> {
+        scene.body(self.id).ok_or(Refusal {
+            command: self.first,
+            error: Error::UnknownBody { id: self.id },
+        })
+    }
+
     /// The plan so far up to `from` (none: its last knot), then `plan`.
     fn follow(
         &mut self,
-        body: &Body,
+        scene: &Scene,
         from: Option<f64>,
         plan: Trajectory,
         terms: &Terms<'_>,
     ) -> Result<(), Refusal> {
-        self.splice(body, terms)?;
+        self.splice(scene, terms)?;
         let flown = self.trajectory.replace(plan);
         self.splice = Some(Splice {
             from,
-            command: self.command,
+            command: self.last,
         });
         // What is flown on is settled, unless it is the body's own.
-        flown.map_or(Ok(()), |flown| self.precede_by(&flown, body, terms))
+        flown.map_or(Ok(()), |flown| {
+            self.precede_by(&flown, self.body(scene)?.tag, terms)
+        })
     }
 
     /// Lets the body's own trajectory precede the plan, if that is still to be done.
-    fn splice(&mut self, body: &Body, terms: &Terms<'_>) -> Result<(), Refusal> {
-        self.precede_by(&body.trajectory, body, terms)
+    fn splice(&mut self, scene: &Scene, terms: &Terms<'_>) -> Result<(), Refusal> {
+        if self.splice.is_none() {
+            return Ok(());
+        }
+        let body = self.body(scene)?;
+        self.precede_by(&body.trajectory, body.tag, terms)
     }
 
     fn precede_by(
         &mut self,
         flown: &Trajectory,
-        body: &Body,
+        tag: u64,
         terms: &Terms<'_>,
     ) -> Result<(), Refusal> {
         let (Some(plan), Some(splice)) = (&mut self.trajectory, self.splice.take()) else {
@@ -270,22 +289,22 @@ impl Revision {
         let spliced = plan.precede_by(flown, from.unwrap_or(0.0), terms.forget_before);
         spliced.map_err(|error| Refusal {
             command: splice.command,
-            error: error.in_body(body.tag),
+            error: error.in_body(tag),
         })
     }
 
     /// Works out what becomes of the body.
     fn settle(&mut self, scene: &Scene, terms: &Terms<'_>) -> Result<(), Refusal> {
-        let command = self.command;
-        let refuse = |error| Refusal { command, error };
-        let unknown = Error::UnknownBody { id: self.id };
-        let body = scene.body(self.id).ok_or_else(|| refuse(unknown))?;
-        self.splice(body, terms)?;
+        let body = self.body(scene)?;
+        self.splice(scene, terms)?;
         if !self.is_removed {
             let trajectory = self.trajectory.as_ref().unwrap_or(&body.trajectory);
             let hitbox = self.hitbox.as_ref().unwrap_or(&body.hitbox);
             let flight = terms.flight(trajectory, hitbox, body.tag);
-            self.flight = Some(flight.map_err(refuse)?);
+            self.flight = Some(flight.map_err(|error| Refusal {
+                command: self.last,
+                error,
+            })?);
         }
         Ok(())
     }

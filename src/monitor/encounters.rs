@@ -100,16 +100,16 @@ impl Encounters {
     }
 
     /// Works one tick out, without letting it take effect. `plain` is sorted by (a, b, start).
-    pub(super) fn work_out(
+    pub(super) fn work_out<'p>(
         &mut self,
-        plain: &[Plain],
+        plain: impl Iterator<Item = &'p Plain>,
         tick: &Tick,
         next_id: &mut u64,
         events: &mut Vec<Event>,
     ) {
         self.next.clear();
-        let mut old = self.tracked.iter().copied().peekable();
-        let mut new = plain.iter().peekable();
+        let mut old = self.tracked.iter().peekable();
+        let mut new = plain.peekable();
         loop {
             let order = match (old.peek(), new.peek()) {
                 (None, None) => break,
@@ -226,14 +226,14 @@ fn over_at(tracked: &Tracked, now: f64, reason: EndReason) -> Event {
 }
 
 /// An encounter that the plans no longer have.
-fn unmatched(old: Tracked, tick: &Tick, events: &mut Vec<Event>) -> Option<Tracked> {
+fn unmatched(old: &Tracked, tick: &Tick, events: &mut Vec<Event>) -> Option<Tracked> {
     if !old.begun && old.now.enter > tick.known {
         // Beyond what is known nothing is said: it waits.
-        return Some(old);
+        return Some(*old);
     }
     // A change takes effect where the last tick stood: what had been told by then stays.
     let time = if old.begun { tick.before } else { tick.now };
-    events.push(over_at(&old, time, EndReason::PlanChanged));
+    events.push(over_at(old, time, EndReason::PlanChanged));
     None
 }
 
@@ -275,12 +275,12 @@ fn appear(
 }
 
 /// An encounter that the plans still have.
-fn go_on(old: Tracked, new: &Plain, tick: &Tick, events: &mut Vec<Event>) -> Option<Tracked> {
+fn go_on(old: &Tracked, new: &Plain, tick: &Tick, events: &mut Vec<Event>) -> Option<Tracked> {
     let Some(enter) = new.enter.or(old.begun.then_some(old.now.enter)) else {
         // Only the release margin is left of one that had not begun.
         return unmatched(old, tick, events);
     };
-    let mut tracked = old;
+    let mut tracked = *old;
     tracked.with_trajectory = new.with_trajectory;
     tracked.now.exit = new.exit;
     tracked.now.open = new.open;

@@ -1,6 +1,7 @@
 //! Every span in which a pair may come within the largest margin, solved once and kept.
 
 use super::bodies::Bodies;
+use super::kept::Kept;
 use crate::narrow_phase::{Contact, Solved, contacts_of, solve};
 use crate::spans::Span;
 use std::ops::Range;
@@ -20,13 +21,6 @@ impl Key {
     }
 }
 
-/// A span that was found to matter, and its solution for one pair of spheres.
-#[derive(Clone, Copy, Debug)]
-struct Find {
-    key: Key,
-    solved: Solved,
-}
-
 /// A pair with its solved spans.
 #[derive(Clone, Debug)]
 pub(super) struct Pair {
@@ -40,9 +34,8 @@ pub(super) struct Pair {
 /// See the module.
 #[derive(Debug, Default)]
 pub(super) struct Finds {
-    /// Sorted by key.
-    finds: Vec<Find>,
-    merged: Vec<Find>,
+    /// The solution of each span for each two spheres.
+    finds: Kept<Key, Solved>,
     /// Sorted by slots.
     pairs: Vec<Pair>,
     /// Pairs to which spans were added, sorted.
@@ -54,31 +47,22 @@ pub(super) struct Finds {
 impl Finds {
     /// Forgets all that concerns some bodies.
     pub(super) fn forget(&mut self, is_gone: impl Fn(u32) -> bool) {
-        self.keep(|find| !is_gone(find.key.a) && !is_gone(find.key.b));
+        let gone = self
+            .finds
+            .retain(|find| !is_gone(find.key.a) && !is_gone(find.key.b));
+        self.is_stale |= gone;
     }
 
     /// Forgets spans that end before `from` (s).
     pub(super) fn forget_before(&mut self, from: f64) {
-        self.keep(|find| find.solved.span().end >= from);
-    }
-
-    fn keep(&mut self, keeps: impl Fn(&Find) -> bool) {
-        let count = self.finds.len();
-        self.finds.retain(keeps);
-        self.is_stale |= self.finds.len() < count;
+        self.is_stale |= self.finds.retain(|find| find.interval.1 >= from);
     }
 
     /// Solves the survivors (sorted by key, each once) that are not there yet; returns how many.
     pub(super) fn add(&mut self, survivors: &[(Key, Span)], bodies: &Bodies<'_>) -> u64 {
         let mut count = 0;
-        self.merged.clear();
-        self.merged.reserve(self.finds.len());
-        let mut rest = &self.finds[..];
         for &(key, span) in survivors {
-            let before = rest.partition_point(|find| find.key < key);
-            self.merged.extend_from_slice(&rest[..before]);
-            rest = &rest[before..];
-            if rest.first().is_some_and(|find| find.key == key) {
+            if self.finds.has(&key) {
                 continue;
             }
             let parties = [key.a, key.b].map(|slot| bodies.party(slot));
@@ -86,20 +70,17 @@ impl Finds {
                 continue;
             };
             count += 1;
-            let known = self.merged.len();
+            let mut is_found = false;
             solve(&a, &b, span, bodies.margin, |solved| {
-                self.merged.push(Find { key, solved });
+                self.finds.add(key, (span.start, span.end), solved);
+                is_found = true;
             });
-            if self.merged.len() > known {
+            if is_found {
                 self.grown.push(key.pair());
             }
         }
-        if self.grown.is_empty() {
-            return count;
-        }
-        self.merged.extend_from_slice(rest);
-        std::mem::swap(&mut self.finds, &mut self.merged);
-        self.is_stale = true;
+        self.finds.settle();
+        self.is_stale |= !self.grown.is_empty();
         count
     }
 
@@ -113,7 +94,8 @@ impl Finds {
         self.grown.dedup();
         let mut grown = self.grown.drain(..).peekable();
         let mut first = 0;
-        for finds in self.finds.chunk_by(|x, y| x.key.pair() == y.key.pair()) {
+        let entries = self.finds.entries();
+        for finds in entries.chunk_by(|x, y| x.key.pair() == y.key.pair()) {
             let slots = finds[0].key.pair();
             let end = first + finds.len();
             self.pairs.push(Pair {
@@ -148,9 +130,9 @@ impl Finds {
         found: &mut Vec<Contact>,
     ) {
         found.clear();
-        let solved = self.finds[pair.finds.clone()]
+        let solved = self.finds.entries()[pair.finds.clone()]
             .iter()
-            .map(|find| &find.solved);
+            .map(|find| self.finds.at(find.place));
         contacts_of(solved, margin, clip, found);
     }
 }

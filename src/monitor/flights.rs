@@ -5,8 +5,10 @@ use crate::error::Error;
 use crate::hitbox::Hitbox;
 use crate::narrow_phase::Party;
 use crate::scene::Scene;
+use crate::simd::prefetch;
 use crate::trajectory::{Pieces, Trajectory};
 use crate::window::Window;
+use std::slice::from_ref;
 
 /// What is worked out about a body's plan and hitbox once, when they are set.
 #[derive(Clone, Debug)]
@@ -94,6 +96,13 @@ impl Flights {
             self.endless_until = self.endless_until.min(flight.endless_until());
         }
         self.by_slot[place] = flight;
+    }
+
+    /// Fetches what is known of the body in a slot into the caches.
+    pub(super) fn prefetch(&self, slot: u32) {
+        if let Some(flight) = self.by_slot.get(slot as usize) {
+            prefetch(from_ref(flight));
+        }
     }
 
     /// The body in a slot.

@@ -6,6 +6,7 @@
 //! slice that comes next is compared as time passes, a share with each tick: none stands out.
 
 use super::bodies::{Bodies, Moved};
+use super::boxes::Search;
 use super::budget::Meter;
 use super::finds::{Finds, Key, Pair};
 use super::flights::{Flight, Flights};
@@ -85,6 +86,11 @@ impl Outlook {
         self.forget(slot);
     }
 
+    /// Fetches what is known of a body into the caches.
+    pub(super) fn prefetch(&self, slot: u32) {
+        self.flights.prefetch(slot);
+    }
+
     /// Looks for a body's pairs anew: its filter changed.
     pub(super) fn forget(&mut self, slot: u32) {
         let place = slot as usize;
@@ -146,16 +152,14 @@ impl Outlook {
         };
         self.survivors.clear();
         let mut known = to;
-        slices[..needed]
-            .iter_mut()
-            .for_each(|slice| slice.need(&bodies));
+        slices[..needed].iter_mut().for_each(Slice::need);
         if let [.., last, next] = slices {
             // It is due when the lookahead's end has passed through the last one.
             let start = self.origin + self.length * as_number(last.index);
             let share = ((to - start) / self.length).clamp(0.0, 1.0);
-            next.foresee(&bodies, share, last);
+            next.foresee(share, last);
         }
-        let stale = slices.iter().filter(|slice| !slice.is_fresh());
+        let stale = slices.iter().filter(|slice| !slice.is_fresh(&bodies));
         let is_parallel = meter.is_unlimited() && stale.count() > 1;
         if is_parallel {
             let begin = Instant::now();
@@ -177,7 +181,7 @@ impl Outlook {
                 if is_needed && meter.until().is_some_and(|until| start >= until) {
                     break;
                 }
-                if slice.is_fresh() {
+                if slice.is_fresh(&bodies) {
                     continue;
                 }
                 if !meter.is_spent() {
@@ -186,7 +190,7 @@ impl Outlook {
                         !meter.is_spent()
                     });
                 }
-                if is_needed && !slice.is_fresh() {
+                if is_needed && !slice.is_fresh(&bodies) {
                     known = start.min(to);
                     break;
                 }
@@ -275,10 +279,11 @@ impl Outlook {
         mut visit: impl FnMut(u32, (f64, f64), &Party<'_>, &Contact),
     ) {
         let mut near = self.dirty.clone();
-        let mut block = Block::default();
+        let (mut block, mut search) = (Block::default(), Search::default());
         for slice in &self.slices {
             if slice.covers_some_of((from, to)) {
-                slice.near((flight, own), &self.frame, &mut block, &mut near);
+                let memory = (&mut block, &mut search);
+                slice.near((flight, own), &self.frame, memory, &mut near);
             }
         }
         near.sort_unstable();

@@ -6,29 +6,28 @@
 //! that an edge of the window, or the clock, touches are read again.
 
 use super::encounters::{Plain, Tick};
+use super::event::Event;
 use super::finds::Pair;
+use super::kept::Kept;
 use super::outlook::Outlook;
+use super::reading::{Reading, Slots};
 use super::{AlertLevel, Monitor};
 use crate::conflict::{ClosestApproach, Conflict};
 use crate::narrow_phase::Contact;
 use crate::scene::Scene;
 use crate::screen::conflict;
 
-/// What one alert level has of every pair, whatever the window. Sorted by pair.
-#[derive(Debug, Default)]
+/// What each alert level has of every pair.
+#[derive(Debug)]
 pub(super) struct Readings {
-    conflicts: Vec<(Slots, Conflict)>,
-    plains: Vec<(Slots, Plain)>,
-    /// The memory of the last ones.
-    old_conflicts: Vec<(Slots, Conflict)>,
-    old_plains: Vec<(Slots, Plain)>,
+    conflicts: Vec<Reading<Conflict>>,
+    plains: Vec<Reading<Plain>>,
+    scratch: Scratch,
 }
-
-type Slots = (u32, u32);
 
 /// What reading reuses.
 #[derive(Debug, Default)]
-pub(super) struct Scratch {
+struct Scratch {
     contacts: Vec<Contact>,
     released: Vec<Contact>,
     passed: Vec<Contact>,
@@ -41,27 +40,6 @@ struct Source<'m> {
     scene: &'m Scene,
 }
 
-/// How a contact lies to a window.
-#[derive(PartialEq)]
-enum Place {
-    Within,
-    Beyond,
-    AtEdge,
-}
-
-impl Place {
-    /// `within` is open, `around` closed.
-    fn of((start, end): (f64, f64), within: (f64, f64), around: (f64, f64)) -> Self {
-        if start > within.0 && end < within.1 {
-            Self::Within
-        } else if end < around.0 || start > around.1 {
-            Self::Beyond
-        } else {
-            Self::AtEdge
-        }
-    }
-}
-
 impl Monitor {
     /// Reads the pairs to which spans were added.
     pub(super) fn read_new_pairs(&mut self) {
@@ -72,103 +50,102 @@ impl Monitor {
             outlook: &self.outlook,
             scene: &self.scene,
         };
-        for (readings, alert) in self.readings.iter_mut().zip(&self.levels) {
-            readings.update(source, alert, &mut self.scratch);
-        }
+        self.readings.update(source, &self.levels);
         self.outlook.all_are_read();
     }
 
-    /// The conflicts of a level from now to the end of what is known.
-    pub(super) fn read_conflicts(&mut self, level: usize, (from, to): (f64, f64)) {
-        let margin = self.levels[level].margin;
-        let conflicts = &mut self.conflicts[level];
-        conflicts.clear();
-        if to <= from {
-            return;
-        }
+    /// Reads the conflicts from now to the end of what is known; and the plain encounters from the
+    /// last tick's clock on, and works out what they come to.
+    pub(super) fn read(&mut self, tick: &Tick, next_id: &mut u64, events: &mut Vec<Event>) {
         let source = Source {
             outlook: &self.outlook,
             scene: &self.scene,
         };
-        let pairs = self.readings[level].conflicts.chunk_by(|x, y| x.0 == y.0);
-        for pair in pairs {
-            let place = |conflict: &Conflict| {
-                Place::of((conflict.enter, conflict.exit), (from, to), (from, to))
-            };
-            if pair.iter().any(|(_, x)| place(x) == Place::AtEdge) {
-                source.conflicts(pair[0].0, margin, (from, to), &mut self.scratch, conflicts);
-            } else {
-                let within = pair.iter().filter(|(_, x)| place(x) == Place::Within);
-                conflicts.extend(within.map(|(_, conflict)| *conflict));
+        let Readings {
+            conflicts,
+            plains,
+            scratch,
+        } = &mut self.readings;
+        let reported = conflicts.iter_mut().zip(&mut self.conflicts);
+        for ((reading, reported), alert) in reported.zip(&self.levels) {
+            reported.clear();
+            if tick.now < tick.known {
+                reading.read_conflicts(source, alert, (tick.now, tick.known), scratch);
+                reported.extend(reading.iter().copied());
             }
         }
-        conflicts.sort_unstable_by(Conflict::order);
-    }
-
-    /// The plain encounters of a level from the last tick's clock to the end of what is known.
-    pub(super) fn read_plain(&mut self, level: usize, tick: &Tick) {
-        let alert = self.levels[level];
-        self.plain.clear();
-        let source = Source {
-            outlook: &self.outlook,
-            scene: &self.scene,
-        };
-        let pairs = self.readings[level].plains.chunk_by(|x, y| x.0 == y.0);
-        for pair in pairs {
-            // What the clock has reached must say how close it came.
-            let place = |plain: &Plain| {
-                let (ahead, all) = ((tick.told, tick.known), (tick.before, tick.known));
-                Place::of((plain.start, plain.exit), ahead, all)
-            };
-            if pair.iter().any(|(_, x)| place(x) == Place::AtEdge) {
-                source.plains(pair[0].0, &alert, tick, &mut self.scratch, &mut self.plain);
-            } else {
-                let within = pair.iter().filter(|(_, x)| place(x) == Place::Within);
-                self.plain.extend(within.map(|(_, plain)| *plain));
+        // Up to an instant that was reached before, nothing new is known.
+        if tick.before < tick.known {
+            let encounters = plains.iter_mut().zip(&mut self.encounters);
+            for ((reading, encounters), alert) in encounters.zip(&self.levels) {
+                reading.read_plains(source, alert, tick, scratch);
+                encounters.work_out(reading.iter(), tick, next_id, events);
             }
         }
     }
 }
 
 impl Readings {
+    /// Of so many levels, and no pair.
+    pub(super) fn of_levels(count: usize) -> Self {
+        Self {
+            conflicts: (0..count).map(|_| Reading::default()).collect(),
+            plains: (0..count).map(|_| Reading::default()).collect(),
+            scratch: Scratch::default(),
+        }
+    }
+
     /// Takes over what is known of pairs that have not changed, and reads the others.
-    fn update(&mut self, source: Source<'_>, alert: &AlertLevel, scratch: &mut Scratch) {
-        let Self {
-            conflicts,
-            plains,
-            old_conflicts,
-            old_plains,
-        } = self;
-        std::mem::swap(conflicts, old_conflicts);
-        std::mem::swap(plains, old_plains);
-        conflicts.clear();
-        plains.clear();
-        let (mut old_conflicts, mut old_plains) = (&old_conflicts[..], &old_plains[..]);
-        for pair in source.outlook.finds().pairs() {
-            let known = (
-                take(&mut old_conflicts, pair.slots),
-                take(&mut old_plains, pair.slots),
-            );
-            if pair.is_new {
-                source.always(pair, alert, scratch, conflicts, plains);
-            } else {
-                conflicts.extend_from_slice(known.0);
-                plains.extend_from_slice(known.1);
+    fn update(&mut self, source: Source<'_>, levels: &[AlertLevel]) {
+        let pairs = source.outlook.finds().pairs();
+        let readings = self.conflicts.iter_mut().zip(&mut self.plains);
+        for ((conflicts, plains), alert) in readings.zip(levels) {
+            conflicts.keep_unchanged(pairs);
+            plains.keep_unchanged(pairs);
+            let (conflicts, plains) = (&mut conflicts.always, &mut plains.always);
+            for pair in pairs.iter().filter(|pair| pair.is_new) {
+                source.always(pair, alert, &mut self.scratch, conflicts, plains);
             }
+            conflicts.settle();
+            plains.settle();
         }
     }
 }
 
-/// The entries of a pair, off the front of a sorted list.
-fn take<'e, T>(entries: &mut &'e [(Slots, T)], slots: Slots) -> &'e [(Slots, T)] {
-    let skipped = entries.iter().take_while(|entry| entry.0 < slots).count();
-    let count = entries[skipped..]
-        .iter()
-        .take_while(|entry| entry.0 == slots)
-        .count();
-    let found = &entries[skipped..skipped + count];
-    *entries = &entries[skipped + count..];
-    found
+impl Reading<Plain> {
+    /// Reads the plain encounters from the last tick's clock to the end of what is known, sorted by
+    /// pair and time.
+    fn read_plains(
+        &mut self,
+        source: Source<'_>,
+        alert: &AlertLevel,
+        tick: &Tick,
+        scratch: &mut Scratch,
+    ) {
+        // What the clock has reached must say how close it came.
+        let windows = ((tick.told, tick.known), (tick.before, tick.known));
+        let begin = |plain: &Plain| plain.start;
+        self.read(windows, begin, |pair, at_edge| {
+            source.plains(pair, alert, tick, scratch, at_edge);
+        });
+    }
+}
+
+impl Reading<Conflict> {
+    /// Reads the conflicts in a window, sorted as they are reported.
+    fn read_conflicts(
+        &mut self,
+        source: Source<'_>,
+        alert: &AlertLevel,
+        window: (f64, f64),
+        scratch: &mut Scratch,
+    ) {
+        let begin = |conflict: &Conflict| conflict.enter;
+        self.read((window, window), begin, |pair, at_edge| {
+            source.conflicts(pair, alert.margin, window, scratch, at_edge);
+        });
+        self.sort();
+    }
 }
 
 impl Source<'_> {
@@ -184,8 +161,8 @@ impl Source<'_> {
         pair: &Pair,
         alert: &AlertLevel,
         scratch: &mut Scratch,
-        conflicts: &mut Vec<(Slots, Conflict)>,
-        plains: &mut Vec<(Slots, Plain)>,
+        conflicts: &mut Kept<Slots, Conflict>,
+        plains: &mut Kept<Slots, Plain>,
     ) {
         let slots = pair.slots;
         let Some(always) = self.outlook.domain(self.scene, slots) else {
@@ -193,15 +170,19 @@ impl Source<'_> {
         };
         let contacts = &mut scratch.contacts;
         self.outlook.contacts(pair, alert.margin, always, contacts);
-        let report = |contact| Some((slots, self.report(slots, always, contact)?));
-        conflicts.extend(contacts.iter().filter_map(report));
+        for conflict in contacts
+            .iter()
+            .filter_map(|one| self.report(slots, always, one))
+        {
+            conflicts.add(slots, (conflict.enter, conflict.exit), conflict);
+        }
         let ahead = Tick {
             told: f64::NEG_INFINITY,
             known: f64::INFINITY,
             ..Tick::default()
         };
         self.each_plain(pair, alert, &ahead, always, scratch, |plain| {
-            plains.push((slots, plain));
+            plains.add(slots, (plain.start, plain.exit), plain);
         });
     }
 

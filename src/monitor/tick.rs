@@ -4,12 +4,14 @@
 //! nothing.
 
 use super::budget::{Budget, Meter};
+use super::command::Batch;
 use super::encounters::{Encounters, Tick};
 use super::event::{EndReason, Event, EventKind};
 #[cfg(feature = "serde")]
 use super::recording::Record;
 use super::{Admission, Monitor};
 use crate::error::{Error, LARGEST_MAGNITUDE};
+use crate::parallel;
 use crate::scene::Scene;
 use crate::stats::Stats;
 use crate::trajectory::{Outside, Trajectory};
@@ -75,15 +77,20 @@ impl Monitor {
             changed: self.changed_bodies,
             ..Stats::default()
         };
-        let known = self.outlook.catch_up(
-            &self.scene,
-            (self.told, end),
-            &Admission {
-                scene: &self.scene,
-                interrupt: self.interrupt.as_deref(),
+        let admission = Admission {
+            scene: &self.scene,
+            interrupt: self.interrupt.as_deref(),
+        };
+        let known = parallel::join(
+            self.batch.changed.len(),
+            Batch::FEW,
+            || {
+                let window = (self.told, end);
+                let (meter, stats) = (&mut meter, &mut self.stats);
+                self.outlook
+                    .catch_up(&self.scene, window, &admission, meter, stats)
             },
-            &mut meter,
-            &mut self.stats,
+            || self.batch.clear(),
         );
         let tick = Tick {
             now,
@@ -95,16 +102,9 @@ impl Monitor {
         self.read_new_pairs();
         let mut next_id = self.next_id;
         let first = events.len();
-        for level in 0..self.levels.len() {
-            self.read_conflicts(level, (now, known));
-        }
-        // Up to an instant that was reached before, nothing new is known.
+        self.read(&tick, &mut next_id, events);
+        // Nothing below can fail.
         if known > self.told {
-            for level in 0..self.levels.len() {
-                self.read_plain(level, &tick);
-                self.encounters[level].work_out(&self.plain, &tick, &mut next_id, events);
-            }
-            // Nothing below can fail.
             self.encounters.iter_mut().for_each(Encounters::take_over);
         }
         (self.now, self.told, self.known) = (now, tick.told, known);

@@ -131,12 +131,6 @@ pub(crate) struct Solved {
     profile: Profile,
 }
 
-impl Solved {
-    pub(crate) const fn span(&self) -> Span {
-        self.span
-    }
-}
-
 /// Calls `visit` with each pair of spheres over a span.
 pub(super) fn each_sphere_pair(
     a: &Party<'_>,

@@ -6,18 +6,18 @@
 
 mod curve;
 mod node;
+mod place;
+mod search;
 
 use crate::broad_phase::BodyBox;
-use crate::simd::{Level, Task};
 use curve::Curve;
-use node::{EMPTY, Node, WIDTH, corners};
+use node::{Node, WIDTH, corners};
 use parry3d::bounding_volume::Aabb;
+pub(super) use search::Search;
+use std::ops::Range;
 
 /// Bodies in a leaf at first; the rest of it is room for those that come.
 const FILLED: usize = 10;
-
-/// More levels than the nodes of 2^32 bodies make.
-const DEPTH: usize = 9;
 
 /// Marks a body without a place, and a place without a body.
 const NOWHERE: u32 = u32::MAX;
@@ -36,6 +36,11 @@ pub(super) struct Boxes {
     /// By leaf: where on the curve it begins.
     begins: Vec<u32>,
     curve: Curve,
+    /// The boxes around nodes are there. Else they wait for [`fit`](Self::fit): no search is asked
+    /// for meanwhile.
+    is_fitted: bool,
+    /// How often all were put in order.
+    orders: u32,
     /// Bodies and leaves passed by since all were put in order, because a body was not where it
     /// belongs.
     wear: usize,
@@ -50,23 +55,27 @@ impl Boxes {
         self.put_in_order();
     }
 
-    /// No boxes, in the order of another tree: bodies can be moved to their places one by one.
+    /// No boxes, in the order of another tree: bodies can be moved to their places one by one, and
+    /// the whole be [fitted](Self::fit) once they are there.
     pub(super) fn begin_like(&mut self, other: &Self) {
         self.take_all_out();
         self.slot_at.resize(other.slot_at.len(), NOWHERE);
         self.lay_levels(other.slot_at.len() / WIDTH);
         self.begins.clone_from(&other.begins);
         self.curve = other.curve;
+        self.is_fitted = false;
         self.wear = 0;
     }
 
-    /// Replaces the boxes of some bodies, few of all: each finds the best place for it.
-    pub(super) fn move_to(&mut self, boxes: &[BodyBox]) {
-        Level::best().run(Move { tree: self, boxes });
-        if self.wear > self.slot_at.len() {
-            self.list_for_order();
-            self.put_in_order();
+    /// Fits every box around a node to what the node holds.
+    pub(super) fn fit(&mut self) {
+        for level in 1..self.height {
+            for node in 0..self.levels[level - 1].len() {
+                let around = self.levels[level - 1][node].around();
+                self.levels[level][node / WIDTH].set(node % WIDTH, around);
+            }
         }
+        self.is_fitted = true;
     }
 
     /// Replaces the boxes of many bodies: each keeps its place, and the order suffers.
@@ -76,11 +85,11 @@ impl Boxes {
                 Some(place) => {
                     self.levels[0][place / WIDTH].set(place % WIDTH, corners(&body.aabb));
                 }
-                None => self.insert(body),
+                None => self.insert(self.leaf_of(&body.aabb), body),
             }
         }
         self.wear += boxes.len();
-        self.fit_all();
+        self.fit();
     }
 
     /// Takes a body's box out, if it has one.
@@ -90,27 +99,29 @@ impl Boxes {
         }
     }
 
-    /// Calls `visit` with each of `boxes` and each slot whose box meets it (touching counts).
-    pub(super) fn meeting(&self, boxes: &[BodyBox], visit: impl FnMut(&BodyBox, u32)) {
-        Level::best().run(Meet {
-            tree: self,
-            boxes,
-            visit,
-        });
-    }
-
     /// How many bodies there is room for.
     pub(super) fn capacity(&self) -> usize {
         self.slot_at.len()
     }
 
-    /// Calls `visit` with each body's box.
-    pub(super) fn each(&self, mut visit: impl FnMut(BodyBox)) {
-        let leaves = self.levels.iter().take(1).flatten();
-        for (leaf, slots) in leaves.zip(self.slot_at.chunks(WIDTH)) {
+    /// How many leaves there are. What is in them stays there as long as
+    /// [`orders`](Self::orders) stays the same, but for bodies that are moved, inserted or removed.
+    pub(super) fn leaves(&self) -> usize {
+        self.slot_at.len() / WIDTH
+    }
+
+    /// How often all bodies were given other places.
+    pub(super) const fn orders(&self) -> u32 {
+        self.orders
+    }
+
+    /// Calls `visit` with the box of each body in some leaves.
+    pub(super) fn each(&self, leaves: Range<usize>, mut visit: impl FnMut(BodyBox)) {
+        for leaf in leaves {
+            let slots = &self.slot_at[leaf * WIDTH..(leaf + 1) * WIDTH];
             for (lane, &body) in slots.iter().enumerate() {
                 if body != NOWHERE {
-                    let (low, high) = leaf.get(lane);
+                    let (low, high) = self.levels[0][leaf].get(lane);
                     let aabb = Aabb::new(low.into(), high.into());
                     visit(BodyBox { aabb, body });
                 }
@@ -121,7 +132,7 @@ impl Boxes {
     fn list_for_order(&mut self) {
         let mut sorted = std::mem::take(&mut self.sorted);
         sorted.clear();
-        self.each(|body| sorted.push((0, body)));
+        self.each(0..self.leaves(), |body| sorted.push((0, body)));
         self.sorted = sorted;
     }
 
@@ -151,8 +162,9 @@ impl Boxes {
             }
         }
         self.sorted = sorted;
-        self.fit_all();
+        self.fit();
         self.wear = 0;
+        self.orders = self.orders.wrapping_add(1);
     }
 
     /// Empty levels above this many leaves.
@@ -171,15 +183,6 @@ impl Boxes {
                 return;
             }
             count = count.div_ceil(WIDTH);
-        }
-    }
-
-    /// Fits every box around a node to what the node holds.
-    fn fit_all(&mut self) {
-        for level in 1..self.height {
-            for node in 0..self.levels[level - 1].len() {
-                self.fit_one(level, node);
-            }
         }
     }
 
@@ -206,146 +209,6 @@ impl Boxes {
         let after = self.begins.partition_point(|&begin| begin <= place);
         after.saturating_sub(1)
     }
-
-    /// Sets one body's box.
-    #[inline(always)]
-    fn set(&mut self, body: &BodyBox) {
-        if let Some(place) = self.place(body.body) {
-            if place / WIDTH == self.leaf_of(&body.aabb) {
-                self.levels[0][place / WIDTH].set(place % WIDTH, corners(&body.aabb));
-                self.fit(place / WIDTH);
-                return;
-            }
-            self.vacate(place);
-        }
-        self.insert(body);
-    }
-
-    #[inline(always)]
-    fn vacate(&mut self, place: usize) {
-        let slot = std::mem::replace(&mut self.slot_at[place], NOWHERE);
-        self.place_of[slot as usize] = NOWHERE;
-        self.levels[0][place / WIDTH].set(place % WIDTH, EMPTY);
-        self.fit(place / WIDTH);
-    }
-
-    /// Gives a place to a body that has none: the nearest along the curve to where it belongs.
-    fn insert(&mut self, body: &BodyBox) {
-        let first = self.leaf_of(&body.aabb);
-        let leaves = self.slot_at.len() / WIDTH;
-        for distance in 0..leaves.max(1) {
-            let before = first.checked_sub(distance);
-            let after = (distance > 0).then_some(first + distance);
-            for leaf in before
-                .into_iter()
-                .chain(after)
-                .filter(|&leaf| leaf < leaves)
-            {
-                let places = leaf * WIDTH..(leaf + 1) * WIDTH;
-                let free = self.slot_at[places]
-                    .iter()
-                    .position(|&slot| slot == NOWHERE);
-                if let Some(lane) = free {
-                    self.take_place(leaf * WIDTH + lane, body);
-                    self.fit(leaf);
-                    return;
-                }
-                self.wear += 1;
-            }
-        }
-        self.list_for_order();
-        self.sorted.push((0, *body));
-        self.put_in_order();
-    }
-
-    /// Fits the boxes around a leaf and all above it.
-    #[inline(always)]
-    fn fit(&mut self, leaf: usize) {
-        let mut node = leaf;
-        for level in 1..self.height {
-            if !self.fit_one(level, node) {
-                return;
-            }
-            node /= WIDTH;
-        }
-    }
-
-    /// Fits what a level says of a node of the level below; whether it said something else.
-    #[inline(always)]
-    fn fit_one(&mut self, level: usize, node: usize) -> bool {
-        let around = self.levels[level - 1][node].around();
-        let (parent, lane) = (&mut self.levels[level][node / WIDTH], node % WIDTH);
-        let differs = parent.get(lane) != around;
-        parent.set(lane, around);
-        differs
-    }
-}
-
-/// See [`Boxes::move_to`].
-struct Move<'b> {
-    tree: &'b mut Boxes,
-    boxes: &'b [BodyBox],
-}
-
-impl Task for Move<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        for body in self.boxes {
-            self.tree.set(body);
-        }
-    }
-}
-
-/// See [`Boxes::meeting`].
-struct Meet<'b, V> {
-    tree: &'b Boxes,
-    boxes: &'b [BodyBox],
-    visit: V,
-}
-
-impl<V: FnMut(&BodyBox, u32)> Task for Meet<'_, V> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(mut self) {
-        let Boxes {
-            slot_at,
-            levels,
-            height,
-            ..
-        } = self.tree;
-        let Some(top) = height.checked_sub(1) else {
-            return;
-        };
-        for body in self.boxes {
-            let asked = corners(&body.aabb);
-            // The way down: a node of each level, and its lanes that are still to be seen.
-            let mut nodes = [0; DEPTH];
-            let mut lanes = [0_u32; DEPTH];
-            let mut level = top;
-            lanes[top] = levels[top][0].meeting(&asked);
-            loop {
-                if lanes[level] == 0 {
-                    if level == top {
-                        break;
-                    }
-                    level += 1;
-                    continue;
-                }
-                let below = nodes[level] * WIDTH + lanes[level].trailing_zeros() as usize;
-                lanes[level] &= lanes[level] - 1;
-                if level == 0 {
-                    (self.visit)(body, slot_at[below]);
-                } else {
-                    level -= 1;
-                    nodes[level] = below;
-                    lanes[level] = levels[level][below].meeting(&asked);
-                }
-            }
-        }
-    }
 }
 
 #[cfg(test)]
@@ -365,7 +228,7 @@ mod tests {
     fn meets_what_a_plain_list_meets_whatever_was_changed() {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         let mut plain: Vec<Option<Aabb>> = vec![None; 1000];
-        let mut boxes = Boxes::default();
+        let (mut boxes, mut search) = (Boxes::default(), Search::default());
         let (mut met, mut reordered) = (0, 0);
         for round in 0..30 {
             if round % 10 == 0 {
@@ -403,7 +266,7 @@ mod tests {
                     body: 0,
                 };
                 let mut found = Vec::new();
-                boxes.meeting(&[body], |_, slot| found.push(slot));
+                boxes.meeting(&[body], &mut search, |_, slot| found.push(slot));
                 found.sort_unstable();
                 let expected: Vec<u32> = (0..)
                     .zip(&plain)

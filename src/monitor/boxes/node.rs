@@ -83,11 +83,18 @@ fn reduce(lanes: &[f32; WIDTH], pick: impl Fn(f32, f32) -> f32) -> f32 {
     lanes[0]
 }
 
+#[inline(always)]
 pub(super) fn merged((low, high): Corners, (other_low, other_high): Corners) -> Corners {
     (
         [0, 1, 2].map(|axis| low[axis].min(other_low[axis])),
         [0, 1, 2].map(|axis| high[axis].max(other_high[axis])),
     )
+}
+
+/// Whether one box is inside another and touches none of its sides.
+#[inline(always)]
+pub(super) fn is_inside((low, high): Corners, (other_low, other_high): Corners) -> bool {
+    (0..3).all(|axis| low[axis] > other_low[axis] && high[axis] < other_high[axis])
 }
 
 #[inline(always)]

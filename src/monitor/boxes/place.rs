@@ -1,0 +1,152 @@
+//! A body's place in a tree: found, left, and what follows for the nodes above it.
+
+use super::node::{Corners, EMPTY, WIDTH, corners, is_inside, merged};
+use super::{Boxes, NOWHERE};
+use crate::broad_phase::BodyBox;
+use crate::simd::{Level, Task, prefetch};
+use std::slice::from_ref;
+
+impl Boxes {
+    /// Replaces the boxes of some bodies, few of all: each finds the best place for it.
+    pub(in crate::monitor) fn move_to(&mut self, boxes: &[BodyBox]) {
+        Level::best().run(Move { tree: self, boxes });
+        if self.wear > self.slot_at.len() {
+            self.list_for_order();
+            self.put_in_order();
+        }
+    }
+
+    /// Sets one body's box, which belongs in a leaf.
+    #[inline(always)]
+    fn set(&mut self, leaf: usize, body: &BodyBox) {
+        match self.place(body.body) {
+            Some(place) if place / WIDTH == leaf => {
+                let (node, lane, new) = (&mut self.levels[0][leaf], place % WIDTH, &body.aabb);
+                let old = node.get(lane);
+                node.set(lane, corners(new));
+                self.grow(leaf, corners(new));
+                self.shrink(leaf, old);
+            }
+            Some(place) => {
+                self.vacate(place);
+                self.insert(leaf, body);
+            }
+            None => self.insert(leaf, body),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn vacate(&mut self, place: usize) {
+        let slot = std::mem::replace(&mut self.slot_at[place], NOWHERE);
+        self.place_of[slot as usize] = NOWHERE;
+        let (node, lane) = (&mut self.levels[0][place / WIDTH], place % WIDTH);
+        let old = node.get(lane);
+        node.set(lane, EMPTY);
+        self.shrink(place / WIDTH, old);
+    }
+
+    /// Gives a place to a body that has none: the nearest along the curve to the leaf where it
+    /// belongs.
+    pub(super) fn insert(&mut self, first: usize, body: &BodyBox) {
+        let leaves = self.leaves();
+        for distance in 0..leaves.max(1) {
+            let before = first.checked_sub(distance);
+            let after = (distance > 0).then_some(first + distance);
+            for leaf in before
+                .into_iter()
+                .chain(after)
+                .filter(|&leaf| leaf < leaves)
+            {
+                let places = leaf * WIDTH..(leaf + 1) * WIDTH;
+                let free = self.slot_at[places]
+                    .iter()
+                    .position(|&slot| slot == NOWHERE);
+                if let Some(lane) = free {
+                    self.take_place(leaf * WIDTH + lane, body);
+                    self.grow(leaf, corners(&body.aabb));
+                    return;
+                }
+                self.wear += 1;
+            }
+        }
+        self.list_for_order();
+        self.sorted.push((0, *body));
+        self.put_in_order();
+    }
+
+    /// Widens the boxes around a leaf to which a box came.
+    #[inline(always)]
+    fn grow(&mut self, leaf: usize, new: Corners) {
+        if !self.is_fitted {
+            return;
+        }
+        let mut node = leaf;
+        for level in &mut self.levels[1..self.height] {
+            let (parent, lane) = (&mut level[node / WIDTH], node % WIDTH);
+            let around = parent.get(lane);
+            let grown = merged(around, new);
+            if grown == around {
+                return;
+            }
+            parent.set(lane, grown);
+            node /= WIDTH;
+        }
+    }
+
+    /// Fits the boxes around a leaf that a box left, as far as they may have hung on it.
+    #[inline(always)]
+    fn shrink(&mut self, leaf: usize, mut old: Corners) {
+        if !self.is_fitted {
+            return;
+        }
+        let mut node = leaf;
+        for level in 1..self.height {
+            let around = self.levels[level][node / WIDTH].get(node % WIDTH);
+            if is_inside(old, around) {
+                return;
+            }
+            let fitted = self.levels[level - 1][node].around();
+            if fitted == around {
+                return;
+            }
+            self.levels[level][node / WIDTH].set(node % WIDTH, fitted);
+            old = around;
+            node /= WIDTH;
+        }
+    }
+}
+
+/// See [`Boxes::move_to`].
+struct Move<'b> {
+    tree: &'b mut Boxes,
+    boxes: &'b [BodyBox],
+}
+
+impl Move<'_> {
+    /// Boxes whose places are fetched together: they lie anywhere in memory.
+    const BATCH: usize = 16;
+}
+
+impl Task for Move<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let tree = self.tree;
+        for boxes in self.boxes.chunks(Self::BATCH) {
+            let mut leaves = [0; Self::BATCH];
+            for (leaf, body) in leaves.iter_mut().zip(boxes) {
+                *leaf = tree.leaf_of(&body.aabb);
+                let before = tree.place(body.body).map(|place| place / WIDTH);
+                for leaf in before.into_iter().chain([*leaf]) {
+                    if let Some(node) = tree.levels.first().and_then(|level| level.get(leaf)) {
+                        prefetch(from_ref(node));
+                    }
+                }
+            }
+            for (&leaf, body) in leaves.iter().zip(boxes) {
+                tree.set(leaf, body);
+            }
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! What boxes meet in a tree.
+
+use super::node::corners;
+use super::{Boxes, WIDTH};
+use crate::broad_phase::BodyBox;
+use crate::simd::{Level, Task, prefetch};
+use std::slice::from_ref;
+
+/// Memory for searches: the nodes of one level, and of the next one down, that are to be looked
+/// into, and for which box.
+#[derive(Clone, Debug, Default)]
+pub(in crate::monitor) struct Search {
+    visits: Vec<Visit>,
+    below: Vec<Visit>,
+}
+
+/// A box that is asked about, by its number, and a node that may hold what it meets (below the
+/// lowest level, the place of what it does meet).
+#[derive(Clone, Copy, Debug)]
+struct Visit {
+    asked: u32,
+    node: u32,
+}
+
+impl Boxes {
+    /// Calls `visit` with each of `boxes` and each slot whose box meets it (touching counts).
+    pub(in crate::monitor) fn meeting(
+        &self,
+        boxes: &[BodyBox],
+        search: &mut Search,
+        visit: impl FnMut(&BodyBox, u32),
+    ) {
+        debug_assert!(self.is_fitted, "no way down yet");
+        Level::best().run(Meet {
+            tree: self,
+            boxes,
+            search,
+            visit,
+        });
+    }
+}
+
+/// All boxes go down together, level by level: so the nodes are known that come next, and are
+/// fetched before they are looked into.
+struct Meet<'b, V> {
+    tree: &'b Boxes,
+    boxes: &'b [BodyBox],
+    search: &'b mut Search,
+    visit: V,
+}
+
+impl<V> Meet<'_, V> {
+    /// Nodes that are fetched ahead.
+    const AHEAD: usize = 4;
+}
+
+impl<V: FnMut(&BodyBox, u32)> Task for Meet<'_, V> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(mut self) {
+        let Search { visits, below } = self.search;
+        let all = (0..).zip(self.boxes);
+        visits.clear();
+        visits.extend(all.map(|(asked, _)| Visit { asked, node: 0 }));
+        for level in self.tree.levels[..self.tree.height].iter().rev() {
+            below.clear();
+            for (number, &Visit { asked, node }) in visits.iter().enumerate() {
+                if let Some(later) = visits.get(number + Self::AHEAD) {
+                    prefetch(from_ref(&level[later.node as usize]));
+                }
+                let mut lanes =
+                    level[node as usize].meeting(&corners(&self.boxes[asked as usize].aabb));
+                while lanes != 0 {
+                    let node = node * WIDTH_U32 + lanes.trailing_zeros();
+                    below.push(Visit { asked, node });
+                    lanes &= lanes - 1;
+                }
+            }
+            std::mem::swap(visits, below);
+        }
+        if self.tree.height > 0 {
+            for &Visit { asked, node } in &*visits {
+                let slot = self.tree.slot_at[node as usize];
+                (self.visit)(&self.boxes[asked as usize], slot);
+            }
+        }
+    }
+}
+
+#[allow(clippy::cast_possible_truncation, reason = "it is 16")]
+const WIDTH_U32: u32 = WIDTH as u32;

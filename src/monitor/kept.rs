@@ -1,0 +1,137 @@
+//! Values that are large and stay for long, in the order of their keys: what is searched, and moves
+//! when some come or go, is a short entry for each.
+
+/// What is known of a value without looking at it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Entry<K> {
+    pub(super) key: K,
+    /// When, s.
+    pub(super) interval: (f64, f64),
+    /// See [`Kept::at`].
+    pub(super) place: usize,
+}
+
+/// See the module.
+#[derive(Debug)]
+pub(super) struct Kept<K, V> {
+    /// Sorted by key.
+    entries: Vec<Entry<K>>,
+    /// Those that are not among the entries yet.
+    added: Vec<Entry<K>>,
+    merged: Vec<Entry<K>>,
+    values: Vec<V>,
+    /// Places of values that nobody needs.
+    free: Vec<usize>,
+}
+
+impl<K, V> Default for Kept<K, V> {
+    fn default() -> Self {
+        Self {
+            entries: Vec::new(),
+            added: Vec::new(),
+            merged: Vec::new(),
+            values: Vec::new(),
+            free: Vec::new(),
+        }
+    }
+}
+
+impl<K: Copy + Ord, V> Kept<K, V> {
+    /// In the order of their keys; those of one key as they were added.
+    pub(super) fn entries(&self) -> &[Entry<K>] {
+        &self.entries
+    }
+
+    pub(super) fn has(&self, key: &K) -> bool {
+        let found = self.entries.binary_search_by(|entry| entry.key.cmp(key));
+        found.is_ok()
+    }
+
+    /// The value of the entry with this place.
+    pub(super) fn at(&self, place: usize) -> &V {
+        &self.values[place]
+    }
+
+    /// Drops all but those that `keeps` says, asked in order; whether there were any.
+    pub(super) fn retain(&mut self, mut keeps: impl FnMut(&Entry<K>) -> bool) -> bool {
+        let Self { entries, free, .. } = self;
+        let count = entries.len();
+        entries.retain(|entry| {
+            let is_kept = keeps(entry);
+            if !is_kept {
+                free.push(entry.place);
+            }
+            is_kept
+        });
+        entries.len() < count
+    }
+
+    /// Adds a value, the keys in ascending order. It is among the entries when all
+    /// [have settled](Self::settle).
+    pub(super) fn add(&mut self, key: K, interval: (f64, f64), value: V) {
+        let place = if let Some(place) = self.free.pop() {
+            self.values[place] = value;
+            place
+        } else {
+            self.values.push(value);
+            self.values.len() - 1
+        };
+        self.added.push(Entry {
+            key,
+            interval,
+            place,
+        });
+    }
+
+    /// Puts what was added in its places.
+    pub(super) fn settle(&mut self) {
+        if self.added.is_empty() {
+            return;
+        }
+        self.merged.clear();
+        let mut rest = &self.entries[..];
+        for new in self.added.drain(..) {
+            let before = rest.partition_point(|entry| entry.key <= new.key);
+            self.merged.extend_from_slice(&rest[..before]);
+            self.merged.push(new);
+            rest = &rest[before..];
+        }
+        self.merged.extend_from_slice(rest);
+        std::mem::swap(&mut self.entries, &mut self.merged);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Kept;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    #[test]
+    fn equals_a_plain_sorted_list_whatever_comes_and_goes() {
+        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        let (mut kept, mut plain) = (Kept::default(), Vec::<(u32, u32)>::new());
+        let mut most = 0;
+        for value in 0..2000 {
+            let gone: u32 = rng.random_range(0..8);
+            kept.retain(|entry| entry.key % 8 != gone);
+            plain.retain(|(key, _)| key % 8 != gone);
+            let mut keys: Vec<u32> = (0..5).map(|_| rng.random_range(0..100)).collect();
+            keys.sort_unstable();
+            for key in keys {
+                kept.add(key, (0.0, 0.0), value);
+                plain.push((key, value));
+            }
+            kept.settle();
+            plain.sort_by_key(|(key, _)| *key);
+            let entries = kept.entries().iter();
+            let found: Vec<_> = entries.map(|one| (one.key, *kept.at(one.place))).collect();
+            assert_eq!(found, plain);
+            for key in 0..100 {
+                assert_eq!(kept.has(&key), plain.iter().any(|one| one.0 == key));
+            }
+            most = most.max(plain.len());
+        }
+        assert_eq!(kept.values.len(), most, "places are used again");
+    }
+}

@@ -1,0 +1,346 @@
+//! One slice of the lookahead: the boxes of all bodies in it, and what has not been compared yet.
+
+mod changes;
+mod sift;
+
+use super::bodies::{Bodies, Moved, form};
+use super::boxes::{Boxes, Search};
+use super::finds::Key;
+use super::flights::Flight;
+use crate::bounds::{Course, Frame, Pose};
+use crate::broad_phase::fill::Block;
+use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter, Sweep};
+use crate::narrow_phase::Party;
+use crate::spans::Span;
+use crate::stats::Stats;
+use sift::Near;
+use std::time::Instant;
+
+/// See the module.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Slice {
+    /// Place on the monitor's grid of time.
+    pub(super) index: i64,
+    interval: (f64, f64),
+    boxes: Boxes,
+    stage: Stage,
+    /// What share of the slice is to be compared now, 0 to 1: all of it if it is needed.
+    due: f64,
+    /// By slot: nearer to the body than its box, as long as it has one.
+    courses: Vec<Course>,
+    /// Bodies that changed since they were boxed.
+    changed: Vec<u32>,
+    is_changed: Vec<bool>,
+    listed: Vec<BodyBox>,
+    /// Memory for forming boxes.
+    block: Block,
+    search: Search,
+    candidates: Vec<Candidate>,
+    /// Candidates before this one have been looked at.
+    sifted: usize,
+    /// Candidates that may be near from their courses.
+    near: Vec<Near>,
+    /// Spans of some of them, these by number.
+    pieces: Vec<(usize, Span)>,
+    sweep: Sweep,
+    /// What was found and not taken yet.
+    pub(super) survivors: Vec<(Key, Span)>,
+    pub(super) stats: Stats,
+}
+
+/// How far a slice is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    /// Slots below this have their boxes in `listed`.
+    Listing(usize),
+    /// Slots below this have their boxes in `boxes`, in the order of the slice before.
+    Placing(usize),
+    /// All boxes are there. The bodies in leaves below this were compared with all others; leaves
+    /// are counted in this order of the tree.
+    Joining(usize, u32),
+    /// All were compared with each other, but for those that have changed.
+    Built,
+}
+
+impl Default for Stage {
+    fn default() -> Self {
+        Self::Listing(0)
+    }
+}
+
+impl Slice {
+    /// Boxes formed, or candidates looked at, before a budget is looked at: some tenths of a
+    /// millisecond.
+    const STEP: usize = 1024;
+
+    /// Which share of the work for a slice is forming and placing its boxes; the rest is comparing
+    /// them.
+    const PLACING: f64 = 0.6;
+
+    /// Leaves with as many bodies.
+    const STEP_LEAVES: usize = 100;
+
+    /// Boxes that are asked for what meets them before a filter is asked whether it gives up.
+    const ASKED: usize = 64;
+
+    /// Of a body without a box: nobody asks for it.
+    const NO_COURSE: Course = Course {
+        start: [0.0; 3],
+        change: [0.0; 3],
+        slack: f32::INFINITY,
+        first: 0,
+    };
+
+    /// An empty slice in this one's memory.
+    pub(super) fn begin(&mut self, index: i64, interval: (f64, f64)) {
+        self.index = index;
+        self.interval = interval;
+        self.stage = Stage::default();
+        self.listed.clear();
+        self.candidates.clear();
+        self.sifted = 0;
+        self.forget_changes();
+    }
+
+    /// All of the slice is needed from now on.
+    pub(super) const fn need(&mut self) {
+        self.due = 1.0;
+    }
+
+    /// The slice is not needed yet, but soon: a share of it (0 to 1) is due. In most scenes bodies
+    /// have the same neighbours in it as in the one before.
+    pub(super) fn foresee(&mut self, share: f64, before: &Self) {
+        if self.stage == Stage::default() && before.is_placed() {
+            self.boxes.begin_like(&before.boxes);
+            self.stage = Stage::Placing(0);
+        }
+        self.due = share;
+    }
+
+    /// How much of `count` is due now in a stage of the work, which lasts from one share to
+    /// another.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
+        reason = "a share of a number of slots"
+    )]
+    fn due_of(&self, count: usize, (from, to): (f64, f64)) -> usize {
+        let share = ((self.due - from) / (to - from)).clamp(0.0, 1.0);
+        (count as f64 * share).ceil() as usize
+    }
+
+    /// How many slots are to have boxes now.
+    fn due_slots(&self, bodies: &Bodies<'_>) -> usize {
+        self.due_of(bodies.flights.len(), (0.0, Self::PLACING))
+    }
+
+    /// How many leaves are to be compared now.
+    fn due_leaves(&self) -> usize {
+        self.due_of(self.boxes.leaves(), (Self::PLACING, 1.0))
+    }
+
+    /// Whether all bodies have their boxes in the tree.
+    const fn is_placed(&self) -> bool {
+        matches!(self.stage, Stage::Joining(..) | Stage::Built)
+    }
+
+    /// Whether all that is due is compared.
+    pub(super) fn is_fresh(&self, bodies: &Bodies<'_>) -> bool {
+        let is_there = match self.stage {
+            // What has changed is looked at when the slice is built.
+            Stage::Listing(slots) => {
+                return self.due < 1.0 && slots >= self.due_slots(bodies);
+            }
+            Stage::Placing(slots) => self.due < 1.0 && slots >= self.due_slots(bodies),
+            Stage::Joining(leaves, order) => {
+                self.due < 1.0 && leaves >= self.due_leaves() && order == self.boxes.orders()
+            }
+            Stage::Built => true,
+        };
+        is_there && self.changed.is_empty() && self.sifted == self.candidates.len()
+    }
+
+    const fn ends(&self) -> [f64; 2] {
+        [self.interval.0, self.interval.1]
+    }
+
+    /// Appends the pairs of the listed boxes with the others that they meet and that are wanted
+    /// beside them, admitted or not; not all if the filter gives up.
+    fn list_meeting<F: PairFilter>(&mut self, filter: &F, wanted: impl Fn(u32, u32) -> bool) {
+        for some in self.listed.chunks(Self::ASKED) {
+            if filter.gives_up() {
+                return;
+            }
+            let candidates = &mut self.candidates;
+            self.boxes.meeting(some, &mut self.search, |own, other| {
+                if wanted(own.body, other) {
+                    candidates.push(Candidate::new(own.body, other));
+                }
+            });
+        }
+    }
+
+    /// Compares what has not been compared, as long as `goes_on` lets: it is told the work of each
+    /// step (boxes and candidates). What is found is added to `survivors` and `stats`. Boxes that
+    /// were formed for all slices are taken from `moved`, where this slice has a number.
+    pub(super) fn refresh<F: PairFilter>(
+        &mut self,
+        bodies: &Bodies<'_>,
+        filter: &F,
+        moved: Option<(&Moved, usize)>,
+        mut goes_on: impl FnMut(usize) -> bool,
+    ) {
+        while !self.is_fresh(bodies) {
+            let begin = Instant::now();
+            let work = if self.sifted < self.candidates.len() {
+                let work = self.sift(bodies, filter);
+                self.stats.narrow_time += begin.elapsed();
+                work
+            } else {
+                let work = self.compare(bodies, filter, moved);
+                self.stats.broad_time += begin.elapsed();
+                work
+            };
+            // A slice without a body is work as well: a budget of counted work stops at one place
+            // only.
+            if !goes_on(1 + work) || filter.gives_up() {
+                return;
+            }
+        }
+    }
+
+    /// One step towards all candidates; returns how many boxes were formed.
+    fn compare<F: PairFilter>(
+        &mut self,
+        bodies: &Bodies<'_>,
+        filter: &F,
+        moved: Option<(&Moved, usize)>,
+    ) -> usize {
+        self.candidates.clear();
+        self.sifted = 0;
+        let boxes = match self.stage {
+            Stage::Listing(slots) if slots < self.due_slots(bodies) => {
+                let until = self.list(bodies, slots);
+                self.stage = Stage::Listing(until);
+                until - slots
+            }
+            Stage::Placing(slots) if slots < self.due_slots(bodies) => {
+                self.listed.clear();
+                let until = self.list(bodies, slots);
+                self.boxes.move_to(&self.listed);
+                self.stage = Stage::Placing(until);
+                until - slots
+            }
+            Stage::Placing(slots) if slots < bodies.flights.len() => {
+                let changed = self.changed.len();
+                self.box_changed(bodies, moved);
+                self.boxes.move_to(&self.listed);
+                self.forget_changes();
+                changed
+            }
+            Stage::Placing(_) => {
+                self.boxes.fit();
+                self.stage = Stage::Joining(0, self.boxes.orders());
+                0
+            }
+            Stage::Joining(leaves, order) if self.changed.is_empty() => {
+                self.join(filter, leaves, order);
+                0
+            }
+            Stage::Listing(_) => {
+                self.build(bodies, filter);
+                0
+            }
+            Stage::Joining(..) | Stage::Built => self.compare_changed(bodies, filter, moved),
+        };
+        self.stats.boxes += boxes as u64;
+        self.stats.candidates += self.candidates.len() as u64;
+        boxes
+    }
+
+    /// Appends to `listed` the boxes of slots from `first` on, as many as are due, but not too many
+    /// at a time; returns the slot that comes next.
+    fn list(&mut self, bodies: &Bodies<'_>, first: usize) -> usize {
+        let until = self.due_slots(bodies).min(first + Self::STEP);
+        let slots = (first..until).filter_map(|slot| u32::try_from(slot).ok());
+        let ends = self.ends();
+        let (listed, courses) = (&mut self.listed, &mut self.courses);
+        courses.resize(bodies.flights.len(), Self::NO_COURSE);
+        bodies.boxes(slots, &ends, &mut self.block, |_, boxed, course| {
+            courses[boxed.body as usize] = *course;
+            listed.push(boxed);
+        });
+        until
+    }
+
+    /// All is compared, unless the filter gave up: then not all was found, and it stays to be done.
+    fn end_at<F: PairFilter>(&mut self, stage: Stage, filter: &F) {
+        if filter.gives_up() {
+            self.candidates.clear();
+            return;
+        }
+        self.stats.slices += u64::from(stage == Stage::Built && self.stage != stage);
+        self.stage = stage;
+        self.forget_changes();
+    }
+
+    /// Compares the bodies of some more leaves, one of a pair after the other, with all.
+    fn join<F: PairFilter>(&mut self, filter: &F, leaves: usize, order: u32) {
+        let first = if order == self.boxes.orders() {
+            leaves
+        } else {
+            0
+        };
+        let until = self.due_leaves().min(first + Self::STEP_LEAVES);
+        self.listed.clear();
+        let listed = &mut self.listed;
+        self.boxes.each(first..until, |body| listed.push(body));
+        self.list_meeting(filter, |own, other| other < own);
+        let stage = if until == self.boxes.leaves() {
+            Stage::Built
+        } else {
+            Stage::Joining(until, self.boxes.orders())
+        };
+        self.end_at(stage, filter);
+    }
+
+    /// All pairs, of boxes that are all there.
+    fn build<F: PairFilter>(&mut self, bodies: &Bodies<'_>, filter: &F) {
+        self.boxes.build(&self.listed);
+        if !self.changed.is_empty() {
+            self.box_changed(bodies, None);
+            self.boxes.replace(&self.listed);
+            self.list_all();
+        }
+        self.sweep.pairs(&self.listed, filter, &mut self.candidates);
+        self.end_at(Stage::Built, filter);
+    }
+
+    fn list_all(&mut self) {
+        self.listed.clear();
+        let (all, listed) = (0..self.boxes.leaves(), &mut self.listed);
+        self.boxes.each(all, |body| listed.push(body));
+    }
+
+    /// Bodies that a body's box over the slice may meet.
+    pub(super) fn near(
+        &self,
+        (flight, party): (&Flight, &Party<'_>),
+        frame: &Frame,
+        (block, search): (&mut Block, &mut Search),
+        near: &mut Vec<u32>,
+    ) {
+        let pose = Pose::plain(party.segments, &flight.inflation, frame);
+        form(&[*party], &[pose], &self.ends(), block);
+        let boxes = &block.slices[0].boxes;
+        self.boxes
+            .meeting(boxes, search, |_, other| near.push(other));
+        near.extend_from_slice(&self.changed);
+    }
+
+    /// Whether the slice has all boxes, and a time in common with an interval.
+    pub(super) fn covers_some_of(&self, (from, to): (f64, f64)) -> bool {
+        self.is_placed() && self.interval.0 <= to && self.interval.1 >= from
+    }
+}

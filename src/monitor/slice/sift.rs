@@ -1,0 +1,102 @@
+//! From a slice's candidates to spans that may hold a contact, in the order of what a test costs.
+
+use super::Slice;
+use crate::broad_phase::{Candidate, PairFilter};
+use crate::monitor::bodies::Bodies;
+use crate::monitor::finds::Key;
+use crate::narrow_phase::{Party, approaching, may_touch};
+use crate::simd::prefetch;
+use crate::spans::spans_from;
+use std::ops::Range;
+use std::slice::from_ref;
+
+/// When two bodies may be near each other, and a cubic of each that is not later.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Near {
+    pair: Candidate,
+    interval: (f64, f64),
+    hints: (u32, u32),
+}
+
+impl Slice {
+    /// Candidates looked at together.
+    const BATCH: usize = 16;
+
+    /// How many candidates ahead courses are fetched.
+    const AHEAD: usize = 8;
+
+    /// Knots that are fetched: few bodies have left more than these behind.
+    const KNOTS: usize = 40;
+
+    /// Keeps the spans of some more candidates that cheap tests cannot rule out. Bodies that have
+    /// changed since are compared anew.
+    pub(super) fn sift<F: PairFilter>(&mut self, bodies: &Bodies<'_>, filter: &F) -> usize {
+        let first = self.sifted;
+        self.sifted = self.candidates.len().min(first + Self::STEP);
+        self.judge(first..self.sifted);
+        for batch in self.near.chunks(Self::BATCH) {
+            // What each loop reads lies anywhere in memory, and was fetched by the one before.
+            let mut pairs = [[Party::NONE; 2]; Self::BATCH];
+            for (pair, near) in pairs.iter_mut().zip(batch) {
+                let slots = [near.pair.a, near.pair.b];
+                if !filter.admits(slots[0], slots[1]) {
+                    continue;
+                }
+                *pair = slots.map(|slot| bodies.party(slot).unwrap_or(Party::NONE));
+                for party in &*pair {
+                    prefetch(&party.knots[..party.knots.len().min(Self::KNOTS)]);
+                }
+            }
+            self.pieces.clear();
+            for (number, ([a, b], near)) in pairs.iter().zip(batch).enumerate() {
+                let (from, to) = near.interval;
+                for span in spans_from(a.knots, b.knots, near.hints, from, to) {
+                    prefetch(from_ref(&a.segments[span.a as usize]));
+                    prefetch(from_ref(&b.segments[span.b as usize]));
+                    self.pieces.push((number, span));
+                }
+            }
+            self.stats.spans += self.pieces.len() as u64;
+            for &(number, span) in &self.pieces {
+                let ([a, b], near) = (&pairs[number], &batch[number]);
+                if may_touch(a, b, span, bodies.margin, near.interval) {
+                    let key = Key {
+                        a: near.pair.a,
+                        b: near.pair.b,
+                        span_a: span.a,
+                        span_b: span.b,
+                    };
+                    self.survivors.push((key, span));
+                }
+            }
+        }
+        self.sifted - first
+    }
+
+    /// Lists which of some candidates may be near each other from their courses.
+    fn judge(&mut self, some: Range<usize>) {
+        self.near.clear();
+        let candidates = &self.candidates[some];
+        let is_changed = |slot: u32| self.is_changed.get(slot as usize) == Some(&true);
+        for (number, &pair) in candidates.iter().enumerate() {
+            if let Some(later) = candidates.get(number + Self::AHEAD) {
+                prefetch(from_ref(&self.courses[later.a as usize]));
+                prefetch(from_ref(&self.courses[later.b as usize]));
+            }
+            let (a, b) = (
+                &self.courses[pair.a as usize],
+                &self.courses[pair.b as usize],
+            );
+            let Some(interval) = approaching(a, b, self.interval) else {
+                continue;
+            };
+            if !is_changed(pair.a) && !is_changed(pair.b) {
+                self.near.push(Near {
+                    pair,
+                    interval,
+                    hints: (a.first, b.first),
+                });
+            }
+        }
+    }
+}
