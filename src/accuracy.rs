@@ -27,9 +27,9 @@
 /// | beyond the knots | an extrapolated cubic's error grows by (1 + 2 s)³, s segment lengths away; coasting is linear, with exact control points | the same |
 /// | window | it clips answers, it never cuts what is solved | two exact comparisons |
 /// | boxes | f32, relative to the middle of the scene and in a power of two that suits its size, so that no range overflows | enlarged by all roundings of f32, next to whose spare ones what filters keep clear is nothing; they contain hitbox and half the margin |
+/// | candidates | sweep rounds boxes outward to 16 bits and folds them; the tree compares them as they are | overlap is only ever added; every method is tested against brute force |
 /// | courses | f32, the straight line that a body nearly follows through a slice | its slack holds the cubic's largest distance from the line, all roundings, hitbox and half the margin |
 /// | sketches | f32, both bodies' cubics over a part of a span | the same roundings, and those of the relative motion, are added to the radius |
-/// | candidates | sweep rounds boxes outward to 16 bits and folds them; the tree compares them as they are | overlap is only ever added; every method is tested against brute force |
 /// | cheap tests | f64 hulls, a separating direction, Bernstein coefficients of the squared distance, the verdicts of the kernel `within`, wrong by at most 100 u L | they reject only what is beyond the threshold by 512 u L |
 /// | clusters | the bounding sphere is tested first | its radius is rounded outward; then every pair of spheres is solved, and the results united |
 /// | relative cubic | restriction to the span and difference: a bound on its error is computed with it | handed to the solver |

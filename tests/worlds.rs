@@ -1,4 +1,4 @@
-//! Bodies of very different sizes in one scene: whoever else is there takes nothing away.
+//! Worlds of odd shapes: very different sizes, places, lives and speeds take nothing away.
 
 #![allow(
     clippy::unwrap_used,
@@ -176,5 +176,71 @@ fn lonely_flights_are_not_sliced_finely() {
         }
         let stats = scene.screen(&Query::default()).unwrap().stats;
         assert!(stats.slices <= 2 * stats.bodies, "{stats:?}");
+    }
+}
+
+/// Two spheres that overlap by kilometres, one of which hardly moves: f32 holds few digits of its
+/// squared velocity.
+#[test]
+fn slow_giants_overlap() {
+    for step in 0..200 {
+        let velocity = DVec3::X * 1e-22 * 1.01_f64.powi(step);
+        let place = DVec3::Y * 8.49e6;
+        let mut scene = Scene::new();
+        for flight in [line(DVec3::ZERO, velocity), line(place, place)] {
+            let hitbox = Hitbox::sphere(4.25e6).unwrap();
+            scene.insert(Body::new(flight).with_hitbox(hitbox)).unwrap();
+        }
+        let found = scene.screen(&Query::default()).unwrap().conflicts;
+        assert_eq!(found.len(), 1, "{velocity}");
+    }
+}
+
+/// One that stands still on each cubic, and jumps where the next one begins.
+fn jumps(knots: &[f64], places: &[f64]) -> Trajectory {
+    let cubics: Vec<_> = places
+        .iter()
+        .map(|&x| [DVec3::ZERO, DVec3::ZERO, DVec3::ZERO, DVec3::X * x])
+        .collect();
+    Trajectory::from_coefficients(knots, &cubics, TimeBase::SegmentLocal).unwrap()
+}
+
+/// A body that jumps to and fro within less than the smallest normal number of seconds.
+#[test]
+fn jumps_in_no_time() {
+    let mut knots: Vec<f64> = (0..4).map(|k| f64::from(k) * 1e-310).collect();
+    knots.extend((0..4).map(|k| 4e-310 + f64::from(k) * 5e-309));
+    knots.extend((0..5).map(|k| 2.04e-308 + f64::from(k) * 1e-309));
+    let mut places = [0.0; 12];
+    places[6] = -100.0;
+    places[7..].fill(100.0);
+    let mut scene = Scene::new();
+    let there = jumps(&[0.0, knots[12]], &[-100.0]);
+    for flight in [jumps(&knots, &places), there] {
+        let hitbox = Hitbox::sphere(1.0).unwrap();
+        scene.insert(Body::new(flight).with_hitbox(hitbox)).unwrap();
+    }
+    for count in [1, 2, 7] {
+        let found = scene.screen(&slices(count)).unwrap().conflicts;
+        assert_eq!(found.len(), 1, "{count} slices");
+    }
+}
+
+/// A body that jumps into contact at the very end of the window, or of a slice.
+#[test]
+fn a_jump_at_the_end_of_the_window() {
+    let mut scene = Scene::new();
+    let there = jumps(&[0.0, 4.0], &[5.0]);
+    for flight in [jumps(&[0.0, 1.0, 2.0, 4.0], &[0.0, 2.0, 5.0]), there] {
+        scene.insert(Body::new(flight)).unwrap();
+    }
+    for (from, to) in [(0.0, 2.0), (2.0, 2.0), (0.0, 4.0), (2.0, 4.0)] {
+        let window = Window::new(from, to).unwrap();
+        for count in [1, 2, 3, 4] {
+            let query = Query::new(window).with_slices(NonZeroU32::new(count).unwrap());
+            let found = scene.screen(&query).unwrap().conflicts;
+            assert_eq!(found.len(), 1, "{from}..{to}, {count} slices");
+            assert!((found[0].enter, found[0].exit) == (2.0, to));
+        }
     }
 }

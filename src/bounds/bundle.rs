@@ -4,11 +4,13 @@ use super::piece::Piece;
 use super::sketch::Stroke;
 use super::trace::{Period, Trace};
 use glam::Vec4;
+use std::iter::successors;
 
 /// Four consecutive cubics, or four bundles of them, as one: 64 bytes.
 ///
 /// Coordinates are as in a [`Stroke`]. A path that strays some way from the line between its ends
-/// strays from any other line at most by that and what the farther one of its ends does.
+/// strays from any other line (each gone along in proportion to time) at most by that and what the
+/// farther one of its ends does.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct Bundle {
@@ -89,6 +91,9 @@ impl Bundle {
 /// Lists all complete bundles of some cubics: those of 4 cubics, then those of 16, and so on.
 pub(super) fn bundle_up(knots: &[f64], strokes: &[Stroke], bundles: &mut Vec<Bundle>) {
     bundles.clear();
+    let levels = |span: &usize| span.checked_mul(Bundle::SIZE);
+    let counts = successors(Some(Bundle::SIZE), levels).map(|span| strokes.len() / span);
+    bundles.reserve_exact(counts.take_while(|&count| count > 0).sum());
     let (mut span, mut below) = (Bundle::SIZE, 0);
     while strokes.len() >= span {
         let level = bundles.len();

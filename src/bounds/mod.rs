@@ -8,9 +8,10 @@
 //!
 //! From a trajectory to a box, all in f32: its [`Sketch`] (or, where few boxes are wanted, its
 //! segments), split at the ends of slices into [`Piece`]s, which a [`Trace`] follows through a
-//! slice; many whole cubics in one are passed in [`Bundle`]s. A sketch is drawn around the trajectory itself. With each split of a cubic, some 24
-//! roundings (2^-24) are relative to its size and three to the distance from the trajectory's
-//! middle; six more are relative to that, and six to the distance from the scene's middle. Each
+//! slice; many whole cubics in one are passed in [`Bundle`]s. A sketch is drawn around the
+//! trajectory itself. With each split of a cubic, some 24 roundings (2^-24) are relative to its
+//! size and three to the distance from the trajectory's middle; six more are relative to that, and
+//! six to the distance from the scene's middle. Each
 //! count is given where it arises. Next to it the clearance of filters, 2^-44, is nothing.
 
 mod apart;

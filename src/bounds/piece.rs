@@ -8,7 +8,8 @@ use glam::Vec4;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Piece {
     pub(super) points: [Vec4; 4],
-    /// What rounding is relative to, besides the points' own size: none is farther from the first.
+    /// What rounding is relative to, besides the points' own size: no two points are farther from
+    /// each other than twice this.
     pub(super) near: f32,
     /// How often it was split from the rest of the cubic.
     pub(super) splits: f32,
@@ -25,7 +26,9 @@ impl Piece {
     /// one for its place, and one to spare.
     /// Near: differences of points are at most 2. At each level a difference and its product with
     /// the share are rounded, 3 (2 + 2); the share's own rounding moves a point by up to 6; and
-    /// coordinates of a part may be smaller than those that were rounded, by 2 for each of Far's.
+    /// coordinates of a part may be smaller than those that were rounded, by 2 for each of Far's: 2
+    /// at first, with 2 to spare. Of a split's, the share has 3 to spare: below 1 it is rounded half
+    /// as much.
     pub(super) const FAR: [f32; 2] = [6.0, 3.0];
     pub(super) const NEAR: [f32; 2] = [4.0, 24.0];
 

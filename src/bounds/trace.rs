@@ -130,15 +130,17 @@ impl Trace {
 
     /// All of it as a bundle; `end` is where it ends.
     pub(super) fn sum_up(&self, end: Vec4) -> Bundle {
-        // The line's: three of its start, eight of the change (and their shares); the sum's.
+        // Of the line: three of where it starts, eight of its change, shares of time included.
         let rounding = (self.start.abs() + self.change.abs()) * (8.0 * ROUNDING);
+        // A bundle is about the line to its end, even if that takes no time.
+        let turned = (end - self.start - self.change).abs();
         Bundle::new(&Outline {
             start: self.start,
             end,
             low: self.low,
             high: self.high,
             near: self.near,
-            stray: (self.stray + rounding) * (1.0 + 4.0 * ROUNDING),
+            stray: (self.stray + rounding + turned) * (1.0 + 4.0 * ROUNDING),
         })
     }
 
@@ -176,6 +178,7 @@ fn course(
     first: u32,
 ) -> Course {
     let stray = stray * stray;
+    // Eight of the line's change; of where it starts in its own place, `rounding` holds those.
     let rounding = rounding + (start.abs() + change.abs()) * (8.0 * ROUNDING);
     let slack = (stray.x + stray.y + stray.z).sqrt()
         + VANISHING

@@ -28,10 +28,12 @@ fn lines_apart(a: &Course, b: &Course) -> bool {
     let difference = |x: [f32; 3], y: [f32; 3]| Vec3A::from_array(x) - Vec3A::from_array(y);
     let (apart, change) = (difference(a.start, b.start), difference(a.change, b.change));
     let radius = (a.slack + b.slack) + apart.abs().element_sum() * (8.0 * ROUNDING);
-    let bound = radius * radius * change.length_squared() * (1.0 + 64.0 * ROUNDING);
-    // Smaller squares have lost digits, larger ones are no numbers.
+    let along = change.length_squared();
+    let bound = radius * radius * along * (1.0 + 64.0 * ROUNDING);
     let square = apart.cross(change).length_squared();
-    square > bound && bound > 1e-30 && square < 1e30
+    // Smaller squares have lost digits (that of the radius has not: no slack is below 1e-18),
+    // larger ones are no numbers.
+    square > bound && along > 1e-30 && bound > 1e-30 && square < 1e30
 }
 
 fn solve(a: &Course, b: &Course, (from, to): (f64, f64)) -> Option<(f64, f64)> {
@@ -108,9 +110,22 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(2);
         let (mut near, mut apart) = (0, 0);
         for round in 0..20_000 {
-            // Crossing, far and fast, and at rest.
-            let (far, fast) = [(8.0, 10.0), (1e3, 2e3), (5.0, 1e-30)][round % 3];
-            let (a, b) = (course(&mut rng, far, fast), course(&mut rng, far, fast));
+            // Crossing, far and fast, at rest, and giants at any speed.
+            let (far, fast, size) = match round % 4 {
+                0 => (8.0, 10.0, 1.0),
+                1 => (1e3, 2e3, 1.0),
+                2 => (5.0, 1e-30, 1.0),
+                _ => (5.0, 10f32.powf(rng.random_range(-30.0..3.0)), 1e6),
+            };
+            let mut any = || {
+                let course = course(&mut rng, far, fast);
+                Course {
+                    start: course.start.map(|lane| lane * size),
+                    slack: course.slack * size,
+                    ..course
+                }
+            };
+            let (a, b) = (any(), any());
             let radius = f64::from(a.slack) + f64::from(b.slack);
             let found = approaching(&a, &b, SLICE);
             let share_of = |time: f64| (time - SLICE.0) / (SLICE.1 - SLICE.0);

@@ -1,9 +1,9 @@
 //! From candidates to survivors: which spans of a pair may hold a contact.
 //!
-//! Tests in the order of their cost: courses, then knots, sketches, and segments. Each stage goes through a
-//! batch of what the one before left, and what it reads is fetched a few entries ahead: the bodies
-//! of neighbouring candidates lie anywhere in memory, and waiting for them would be most of the
-//! time.
+//! Tests in the order of their cost: courses, then knots, sketches, and segments. Each stage goes
+//! through a batch of what the one before left, and what it reads is fetched a few entries ahead:
+//! the bodies of neighbouring candidates lie anywhere in memory, and waiting for them would be most
+//! of the time.
 
 use crate::bounds::{Flight, Pose, Stroke, certainly_apart};
 use crate::broad_phase::Candidate;
