@@ -1,19 +1,18 @@
 //! Which bodies exist when.
 
-use crate::narrow_phase::Party;
-
-/// When each body exists, side by side: most bodies of a long recording exist in few slices.
-#[derive(Clone, Debug)]
+/// When each body exists (first and last instant, s), side by side: most bodies of a long recording
+/// exist in few slices.
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Presence(Vec<(f64, f64)>);
 
 impl Presence {
-    pub(crate) fn of(parties: &[Party<'_>]) -> Self {
-        let domain = |party: &Party<'_>| match *party.knots {
-            [first, .., last] => (first, last),
-            // Of less than a cubic: never.
-            _ => (f64::INFINITY, f64::NEG_INFINITY),
-        };
-        Self(parties.iter().map(domain).collect())
+    pub(crate) const fn of(lives: Vec<(f64, f64)>) -> Self {
+        Self(lives)
+    }
+
+    /// That of some of the bodies.
+    pub(crate) fn of_some(&self, places: &[usize]) -> Self {
+        Self(places.iter().map(|&place| self.0[place]).collect())
     }
 
     /// Lists the places of those that exist within `from..=to` (s), ascending.
@@ -40,19 +39,17 @@ mod tests {
 
     #[test]
     fn those_that_exist_are_listed() {
-        let lives: [&[f64]; 5] = [
-            &[0.0, 1.0, 2.0],
-            &[2.0, 3.0],
-            &[],
-            &[-1.0, 5.0],
-            &[3.5, 4.0],
-        ];
-        let parties = lives.map(|knots| Party {
-            knots,
-            ..Party::NONE
-        });
-        let presence = Presence::of(&parties);
+        let presence = Presence::of(vec![
+            (0.0, 2.0),
+            (2.0, 3.0),
+            (f64::INFINITY, f64::NEG_INFINITY),
+            (-1.0, 5.0),
+            (3.5, 4.0),
+        ]);
+        let some = presence.of_some(&[1, 4]);
         let mut present = vec![7];
+        some.list((3.6, 9.0), &mut present);
+        assert_eq!(present, [1]);
         for (interval, expected) in [
             ((2.0, 3.0), &[0, 1, 3][..]),
             ((2.5, 3.4), &[1, 3]),

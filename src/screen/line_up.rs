@@ -3,6 +3,7 @@
 use super::scratch::Pool;
 use crate::accuracy::Accuracy;
 use crate::bounds::{Extremes, Sketch};
+use crate::broad_phase::presence::Presence;
 use crate::broad_phase::slices::Traffic;
 use crate::broad_phase::{Level, PairFilter};
 use crate::error::Error;
@@ -22,6 +23,7 @@ use std::num::NonZeroU32;
 pub(super) struct LineUp<'a> {
     pub(super) ids: Vec<BodyId>,
     pub(super) occupants: Vec<&'a Occupant>,
+    pub(super) presence: Presence,
     /// Those that go on beyond their knots in the window, by ascending place.
     beyond: Vec<Beyond>,
     pub(super) window: Window,
@@ -46,7 +48,7 @@ impl<'a> LineUp<'a> {
     pub(super) fn new(scene: &'a Scene, query: &Query) -> Result<Self, Error> {
         let count = scene.len();
         let (mut ids, mut occupants) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        let mut beyond = Vec::new();
+        let (mut lives, mut beyond) = (Vec::with_capacity(count), Vec::new());
         // Open ends are closed where no body exists beyond them.
         let (mut start, mut end) = (f64::INFINITY, f64::NEG_INFINITY);
         for (place, (id, occupant)) in scene.occupants().enumerate() {
@@ -62,6 +64,7 @@ impl<'a> LineUp<'a> {
             }
             start = start.min(first);
             end = end.max(last);
+            lives.push((first, last));
             ids.push(id);
             occupants.push(occupant);
         }
@@ -71,10 +74,12 @@ impl<'a> LineUp<'a> {
             ids.clear();
             occupants.clear();
             beyond.clear();
+            lives.clear();
         }
         Ok(Self {
             ids,
             occupants,
+            presence: Presence::of(lives),
             beyond,
             window: window.unwrap_or(query.window()),
             margin: query.margin(),

@@ -136,7 +136,7 @@ impl LineUp<'_> {
         }
         let parties: Vec<Party<'_>> = sample.iter().map(|&place| parties[place]).collect();
         let sampled: Vec<Pose<'_, Stroke>> = sample.iter().map(|&place| poses[place]).collect();
-        let presence = Presence::of(&parties);
+        let presence = self.presence.of_some(&sample);
         let whole = poses.len() as f64 / sample.len() as f64;
         let mut last: Option<(Trial, f64)> = None;
         for _ in 0..MOST_TRIALS {

@@ -6,7 +6,6 @@ use super::scratch::Scratch;
 use super::sift::{Question, Survivor};
 use crate::bounds::{Frame, Inflation, Pose, Stroke};
 use crate::broad_phase::fill::{Block, Fill};
-use crate::broad_phase::presence::Presence;
 use crate::broad_phase::slices::Slices;
 use crate::broad_phase::{BroadPhase, PairFilter};
 use crate::error::Error;
@@ -33,7 +32,6 @@ impl LineUp<'_> {
     ) -> Result<Vec<Survivor>, Error> {
         let poses = self.poses(parties);
         let slices = self.slices(parties, &poses);
-        let presence = Presence::of(parties);
         stats.slices = u64::from(slices.count());
         let blocks = Blocks::new(slices.count(), parties.len());
         let done_blocks = AtomicU32::new(0);
@@ -45,9 +43,7 @@ impl LineUp<'_> {
             let results = parallel::map(round, 1, take, |borrowed, block| {
                 let scratch = &mut borrowed.scratch;
                 let range = blocks.range(first + block);
-                let found = self.block(
-                    &method, parties, &presence, &poses, &slices, range, filter, scratch,
-                );
+                let found = self.block(&method, parties, &poses, &slices, range, filter, scratch);
                 let done = done_blocks.fetch_add(1, Ordering::Relaxed) + 1;
                 progress(f64::from(done) / f64::from(blocks.count));
                 found
@@ -114,7 +110,6 @@ impl LineUp<'_> {
         &self,
         method: impl Fn(&mut Scratch) -> &mut B,
         parties: &[Party<'_>],
-        presence: &Presence,
         poses: &[Pose<'_, Stroke>],
         slices: &Slices,
         range: Range<u32>,
@@ -126,7 +121,8 @@ impl LineUp<'_> {
         scratch.sieve.forget();
         let begin = Instant::now();
         let ends = slices.ends(range.clone());
-        presence.list((ends[0], ends[ends.len() - 1]), &mut scratch.present);
+        self.presence
+            .list((ends[0], ends[ends.len() - 1]), &mut scratch.present);
         self.level.run(Fill {
             block: &mut scratch.block,
             parties,
