@@ -130,7 +130,7 @@ impl LineUp<'_> {
         if let Some(count) = self.prescribed {
             return slices.with_count(f64::from(count.get()));
         }
-        let sample = sample(parties.len(), traffic.present(window));
+        let sample = sample(parties.len(), traffic.present(window), slices.count());
         if sample.len() < FEW {
             return slices;
         }
@@ -230,17 +230,21 @@ impl LineUp<'_> {
 
 /// Different places below `count`, spread evenly but not in equal strides, so that no order of the
 /// bodies can hide some of them: enough, if `present` bodies exist at a time, for a dozen pairs of
-/// the sample to meet in the slices of the best length that are tried. A dozen scatters: where that
-/// is a small part of many bodies, more of them are taken, which costs a few hundredths of the rest.
+/// the sample to meet in the slices of the best length that are tried. A dozen scatters: where many
+/// bodies go through many `slices`, more are taken, for a few hundredths of the time of the rest.
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "between 1 and count"
 )]
-fn sample(count: usize, present: f64) -> Vec<usize> {
-    const LEAST_SHARE: usize = 12;
-    let enough = (6.0 * count as f64 / present.max(1.0).sqrt()) as usize;
-    let size = enough.max(count / LEAST_SHARE).clamp(1, count);
+fn sample(count: usize, present: f64, slices: u32) -> Vec<usize> {
+    /// Shares of all bodies: per slice of the rest, and at most.
+    const AFFORDABLE: f64 = 0.008;
+    const MOST: f64 = 1.0 / 12.0;
+    let affordable = (AFFORDABLE * f64::from(slices)).min(MOST);
+    let enough = 6.0 / present.max(1.0).sqrt();
+    let size = (count as f64 * enough.max(affordable)) as usize;
+    let size = size.clamp(1, count);
     let stride = count / size;
     (0..size)
         .map(|k| {
