@@ -9,7 +9,8 @@ mod support;
 
 use glam::DVec3;
 use nearmiss::{
-    Body, Error, Hitbox, Outside, Query, Scene, Screening, State, TimeBase, Trajectory, Window,
+    AlertLevel, Body, Error, Hitbox, Layers, Monitor, Outside, Query, Scene, Screening, State,
+    TimeBase, Trajectory, Window,
 };
 use std::num::NonZeroU32;
 use support::bits;
@@ -177,6 +178,32 @@ fn lonely_flights_are_not_sliced_finely() {
         let stats = scene.screen(&Query::default()).unwrap().stats;
         assert!(stats.slices <= 2 * stats.bodies, "{stats:?}");
     }
+}
+
+/// Debris in one place, in a layer that ignores itself: a monitor does not list all its pairs.
+#[test]
+fn debris_that_ignores_itself() {
+    let layers = Layers {
+        membership: 2,
+        filter: 1,
+    };
+    let mut scene = Scene::new();
+    for number in 0..2_000 {
+        let place = DVec3::new(f64::from(number) * 1e-3, 0.0, 0.0);
+        let states = [0.0, 60.0].map(|time| State::new(time, place, DVec3::ZERO));
+        let body = Body::new(Trajectory::from_states(&states).unwrap()).with_layers(layers);
+        scene.insert(body).unwrap();
+    }
+    let mut monitor = Monitor::new(scene, 0.0, 3.0, &[AlertLevel::at(5.0)]).unwrap();
+    let mut candidates = 0;
+    for tick in 0..100 {
+        monitor
+            .advance(0.1 * f64::from(tick), &mut Vec::new())
+            .unwrap();
+        candidates += monitor.stats().candidates;
+    }
+    assert!(candidates < 1_000_000, "{candidates}");
+    assert!(monitor.conflicts(0).is_empty());
 }
 
 /// Two spheres that overlap by kilometres, one of which hardly moves: f32 holds few digits of its

@@ -80,6 +80,9 @@ impl Slice {
     /// Leaves with as many bodies.
     const STEP_LEAVES: usize = 100;
 
+    /// Pairs of so many boxes as are asked for at a time that are many.
+    const MANY: usize = 1 << 14;
+
     /// Boxes that are asked for what meets them before a filter is asked whether it gives up.
     const ASKED: usize = 64;
 
@@ -166,18 +169,31 @@ impl Slice {
     }
 
     /// Appends the pairs of the listed boxes with the others that they meet and that are wanted
-    /// beside them, admitted or not; not all if the filter gives up.
+    /// beside them; not all if the filter gives up. Few are asked for admission only when they are
+    /// looked at, which is cheaper; of many, those that are not admitted would fill the memory.
     fn list_meeting<F: PairFilter>(&mut self, filter: &F, wanted: impl Fn(u32, u32) -> bool) {
         for some in self.listed.chunks(Self::ASKED) {
             if filter.gives_up() {
                 return;
             }
             let candidates = &mut self.candidates;
+            let before = candidates.len();
             self.boxes.meeting(some, &mut self.search, |own, other| {
                 if wanted(own.body, other) {
                     candidates.push(Candidate::new(own.body, other));
                 }
             });
+            if candidates.len() - before > Self::MANY {
+                let mut kept = before;
+                for number in before..candidates.len() {
+                    let pair = candidates[number];
+                    if filter.admits(pair.a, pair.b) {
+                        candidates[kept] = pair;
+                        kept += 1;
+                    }
+                }
+                candidates.truncate(kept);
+            }
         }
     }
 
