@@ -188,20 +188,29 @@ fn debris_that_ignores_itself() {
         filter: 1,
     };
     let mut scene = Scene::new();
-    for number in 0..2_000 {
-        let place = DVec3::new(f64::from(number) * 1e-3, 0.0, 0.0);
+    let rest = |x: f64| {
+        let place = DVec3::new(x, 0.0, 0.0);
         let states = [0.0, 60.0].map(|time| State::new(time, place, DVec3::ZERO));
-        let body = Body::new(Trajectory::from_states(&states).unwrap()).with_layers(layers);
-        scene.insert(body).unwrap();
+        Trajectory::from_states(&states).unwrap()
+    };
+    let mut ids = Vec::new();
+    for number in 0..2_000 {
+        let body = Body::new(rest(f64::from(number) * 1e-3)).with_layers(layers);
+        ids.push(scene.insert(body).unwrap());
     }
     let mut monitor = Monitor::new(scene, 0.0, 3.0, &[AlertLevel::at(5.0)]).unwrap();
     let mut candidates = 0;
     for tick in 0..100 {
-        monitor
-            .advance(0.1 * f64::from(tick), &mut Vec::new())
-            .unwrap();
+        let now = 0.1 * f64::from(tick);
+        // None, few, and many of them are replanned.
+        let changed = [0, 20, 500][tick as usize % 3];
+        for &id in &ids[..changed] {
+            monitor.replan(id, now, rest(0.5)).unwrap();
+        }
+        monitor.advance(now, &mut Vec::new()).unwrap();
         candidates += monitor.stats().candidates;
     }
+    // There are two million pairs.
     assert!(candidates < 1_000_000, "{candidates}");
     assert!(monitor.conflicts(0).is_empty());
 }

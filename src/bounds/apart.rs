@@ -3,11 +3,11 @@
 use super::ROUNDING;
 use super::pose::Pose;
 use super::sketch::Stroke;
-use glam::{Vec3A, Vec4};
+use glam::Vec3A;
 
 /// One body on one of its cubics.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Flight<'a> {
+pub(crate) struct Leg<'a> {
     pub(crate) pose: &'a Pose<'a, Stroke>,
     pub(crate) knots: &'a [f64],
     pub(crate) cubic: usize,
@@ -16,12 +16,12 @@ pub(crate) struct Flight<'a> {
 /// Whether two bodies certainly stay apart by more than the margin from `from` to `to` (s), within
 /// one cubic of each: all control points of the relative motion lie beyond it on an axis or in the
 /// direction of their sum.
-pub(crate) fn certainly_apart(a: &Flight<'_>, b: &Flight<'_>, (from, to): (f64, f64)) -> bool {
-    let part = |flight: &Flight<'_>| {
-        let piece = flight.pose.piece(flight.cubic, flight.knots);
-        let stance = &flight.pose.stance;
+pub(crate) fn certainly_apart(a: &Leg<'_>, b: &Leg<'_>, (from, to): (f64, f64)) -> bool {
+    let part = |leg: &Leg<'_>| {
+        let piece = leg.pose.piece(leg.cubic, leg.knots);
+        let stance = &leg.pose.stance;
         let piece = piece.part(from, to);
-        let rounding = piece.rounding() + Vec4::splat(stance.steady);
+        let rounding = piece.rounding() + stance.steady;
         (
             piece.points,
             rounding + stance.place.abs() * (6.0 * ROUNDING),
@@ -101,7 +101,7 @@ mod tests {
                 let point = Hitbox::POINT;
                 let inflation = Inflation::of(point.spheres(), point.bounding(), margin, &frame);
                 let poses = [0, 1].map(|k: usize| Pose::sketched(&sketches[k], &inflation, &frame));
-                let [a, b] = [0, 1].map(|k: usize| Flight {
+                let [a, b] = [0, 1].map(|k: usize| Leg {
                     pose: &poses[k],
                     knots: flights[k].knots(),
                     cubic: 1,

@@ -23,7 +23,7 @@ pub(crate) struct Bundle {
 }
 
 /// A bundle in another unit.
-pub(super) struct Outline {
+pub(super) struct Unpacked {
     pub(super) start: Vec4,
     pub(super) end: Vec4,
     pub(super) low: Vec4,
@@ -36,21 +36,21 @@ impl Bundle {
     /// Cubics in a bundle of cubics, and bundles in a larger one.
     pub(crate) const SIZE: usize = 4;
 
-    pub(super) fn new(outline: &Outline) -> Self {
+    pub(super) fn new(unpacked: &Unpacked) -> Self {
         let with = |lanes: Vec4, last: f32| lanes.truncate().extend(last);
         Self {
-            start: with(outline.start, outline.near),
-            end: with(outline.end, outline.stray.x),
-            low: with(outline.low, outline.stray.y),
-            high: with(outline.high, outline.stray.z),
+            start: with(unpacked.start, unpacked.near),
+            end: with(unpacked.end, unpacked.stray.x),
+            low: with(unpacked.low, unpacked.stray.y),
+            high: with(unpacked.high, unpacked.stray.z),
         }
     }
 
     #[inline(always)]
-    pub(super) fn outline(&self, factor: f32) -> Outline {
+    pub(super) fn unpack(&self, factor: f32) -> Unpacked {
         let [start, end, low, high] =
             [self.start, self.end, self.low, self.high].map(|lanes| lanes * factor);
-        Outline {
+        Unpacked {
             start,
             end,
             low,
@@ -82,7 +82,7 @@ impl Bundle {
         let period = Period::new(knots[0], knots[knots.len() - 1]);
         let mut trace = Trace::toward((first.start, period.from), last.end, &period);
         for (bundle, number) in bundles.iter().zip(1..) {
-            trace.pass(&bundle.outline(1.0), knots[number * step]);
+            trace.pass(&bundle.unpack(1.0), knots[number * step]);
         }
         trace.sum_up(last.end)
     }

@@ -11,8 +11,8 @@
 //! slice; many whole cubics in one are passed in [`Bundle`]s. A sketch is drawn around the
 //! trajectory itself. With each split of a cubic, some 24 roundings (2^-24) are relative to its
 //! size and three to the distance from the trajectory's middle; six more are relative to that, and
-//! six to the distance from the scene's middle. Each
-//! count is given where it arises. Next to it the clearance of filters, 2^-44, is nothing.
+//! six to the distance from the scene's middle. Each count is given where it arises. Next to it
+//! the clearance of filters, 2^-44, is nothing.
 
 mod apart;
 mod bundle;
@@ -22,7 +22,7 @@ mod pose;
 mod sketch;
 mod trace;
 
-pub(crate) use apart::{Flight, certainly_apart};
+pub(crate) use apart::{Leg, certainly_apart};
 pub(crate) use bundle::Bundle;
 pub(crate) use course::Course;
 pub(crate) use piece::Piece;

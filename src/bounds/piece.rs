@@ -77,14 +77,14 @@ impl Piece {
     #[inline]
     pub(super) fn rounding(&self) -> Vec4 {
         let [p0, p1, p2, p3] = self.points.map(Vec4::abs);
-        p0.max(p1).max(p2.max(p3)) * Self::count(Self::FAR, self.splits)
-            + Vec4::splat(self.near * Self::count(Self::NEAR, self.splits))
+        Self::roundings(p0.max(p1).max(p2.max(p3)), self.near, self.splits)
     }
 
-    /// So many roundings, after some splits.
+    /// The same of points with these largest coordinates.
     #[inline(always)]
-    pub(super) fn count([once, each]: [f32; 2], splits: f32) -> f32 {
-        ROUNDING * (once + each * splits)
+    pub(super) fn roundings(largest: Vec4, near: f32, splits: f32) -> Vec4 {
+        let count = |[once, each]: [f32; 2]| ROUNDING * (once + each * splits);
+        largest * count(Self::FAR) + near * count(Self::NEAR)
     }
 
     /// The parts before and after an instant of it (s).

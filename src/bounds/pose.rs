@@ -68,7 +68,7 @@ impl<C: Cubic> Pose<'_, C> {
         knots: &[f64],
     ) -> Option<usize> {
         let (bundle, count) = largest(self.bundles, self.cubics.len(), first, end)?;
-        trace.pass(&bundle.outline(self.stance.factor), knots[first + count]);
+        trace.pass(&bundle.unpack(self.stance.factor), knots[first + count]);
         Some(first + count)
     }
 }

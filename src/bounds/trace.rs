@@ -1,6 +1,6 @@
 //! A body's box and course in one slice, under construction.
 
-use super::bundle::{Bundle, Outline};
+use super::bundle::{Bundle, Unpacked};
 use super::course::Course;
 use super::piece::Piece;
 use super::pose::Stance;
@@ -117,7 +117,7 @@ impl Trace {
 
     /// Goes on with many cubics at once, until an instant (s).
     #[inline(always)]
-    pub(super) fn pass(&mut self, bundle: &Outline, until: f64) {
+    pub(super) fn pass(&mut self, bundle: &Unpacked, until: f64) {
         self.low = self.low.min(bundle.low);
         self.high = self.high.max(bundle.high);
         self.near = self.near.max(bundle.near);
@@ -134,7 +134,7 @@ impl Trace {
         let rounding = (self.start.abs() + self.change.abs()) * (8.0 * ROUNDING);
         // A bundle is about the line to its end, even if that takes no time.
         let turned = (end - self.start - self.change).abs();
-        Bundle::new(&Outline {
+        Bundle::new(&Unpacked {
             start: self.start,
             end,
             low: self.low,
@@ -150,8 +150,8 @@ impl Trace {
     pub(crate) fn finish(&self, stance: &Stance, first: u32) -> (Course, Aabb) {
         let Self { low, high, .. } = *self;
         // How far rounding can have moved each coordinate.
-        let rounding = low.abs().max(high.abs()) * Piece::count(Piece::FAR, self.splits)
-            + Vec4::splat(self.near * Piece::count(Piece::NEAR, self.splits) + stance.steady);
+        let largest = low.abs().max(high.abs());
+        let rounding = Piece::roundings(largest, self.near, self.splits) + stance.steady;
         let (start, change) = (stance.place + self.start, self.change);
         let course = course(start, change, (self.stray, rounding), stance.reach, first);
         // Of the place, of the two sums with it, and of the subtraction below: 4; and more than the
@@ -246,14 +246,14 @@ mod tests {
             let (start, end) = (anywhere(), anywhere());
             let mut whole = Trace::toward((start, knots[first]), end, &period);
             let mut bundled = whole;
-            bundled.pass(&bundle.outline(1.0), knots[first + count]);
+            bundled.pass(&bundle.unpack(1.0), knots[first + count]);
             for number in first..first + count {
                 let ends = (knots[number], knots[number + 1]);
                 whole.follow_from_start(&Piece::whole(&strokes[number], ends, 1.0));
             }
             let (near, far) = (whole.stray.truncate(), bundled.stray.truncate());
             assert!(far.cmpge(near * (1.0 - 1e-6)).all(), "{near} {far}");
-            let curved = bundle.outline(1.0).stray.truncate();
+            let curved = bundle.unpack(1.0).stray.truncate();
             assert!(far.cmple(near + curved + 1e-6).all(), "{near} {far}");
             assert_eq!((whole.low.truncate(), whole.high.truncate()), {
                 (bundled.low.truncate(), bundled.high.truncate())

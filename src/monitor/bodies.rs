@@ -44,8 +44,8 @@ impl<'m> Bodies<'m> {
         self.flights.party(self.scene, slot)
     }
 
-    /// Calls `visit` with the box and the course of each body in each slice in which it exists, slices numbered
-    /// from 0; in each slice in the order of `slots`. `ends`: see [`Fill`].
+    /// Calls `visit` with the box and the course of each body in each slice in which it exists,
+    /// slices numbered from 0; in each slice in the order of `slots`. `ends`: see [`Fill`].
     pub(super) fn boxes(
         &self,
         slots: impl Iterator<Item = u32>,
@@ -114,8 +114,8 @@ pub(super) fn form(
     });
 }
 
-/// The boxes and courses of bodies that have changed, formed for all slices together: each body's segments
-/// are read once.
+/// The boxes and courses of bodies that have changed, formed for all slices together: each body's
+/// segments are read once.
 #[derive(Debug, Default)]
 pub(super) struct Moved {
     slots: Vec<u32>,

@@ -5,7 +5,7 @@
 //! the bodies of neighbouring candidates lie anywhere in memory, and waiting for them would be most
 //! of the time.
 
-use crate::bounds::{Flight, Pose, Stroke, certainly_apart};
+use crate::bounds::{Leg, Pose, Stroke, certainly_apart};
 use crate::broad_phase::Candidate;
 use crate::broad_phase::fill::Slice;
 use crate::narrow_phase::kernels::{CubicBatch, Level, Verdict, within};
@@ -188,7 +188,7 @@ impl Sieve {
     /// Those that their sketches do not show to be apart.
     fn sketch(&mut self, question: &Question<'_>) {
         let Question { parties, poses, .. } = *question;
-        let flight = |body: u32, cubic: u32| Flight {
+        let leg = |body: u32, cubic: u32| Leg {
             pose: &poses[body as usize],
             knots: parties[body as usize].knots,
             cubic: cubic as usize,
@@ -205,7 +205,7 @@ impl Sieve {
             }
             let piece = self.pieces[number];
             let Piece { a, b, span, .. } = piece;
-            let (a, b) = (flight(a, span.a), flight(b, span.b));
+            let (a, b) = (leg(a, span.a), leg(b, span.b));
             if !certainly_apart(&a, &b, piece.part()) {
                 self.pieces[kept] = piece;
                 kept += 1;

@@ -4,7 +4,7 @@ use super::double_double::DoubleDouble;
 use super::roomy::Roomy;
 use super::{Outside, Segment, State, Trajectory};
 use crate::error::{Error, LARGEST_MAGNITUDE, Quantity};
-use crate::rounding::{UNIT_ROUNDOFF, norm};
+use crate::rounding::{UNIT_ROUNDOFF, largest_norm, norm};
 use glam::DVec3;
 
 /// What the variable of a segment's polynomial is.
@@ -273,7 +273,7 @@ fn polynomial_segment(
         TimeBase::Absolute => UNIT_ROUNDOFF * norm(origin),
         TimeBase::SegmentLocal => 0.0,
     };
-    let largest = control.iter().map(|&point| norm(point)).fold(0.0, f64::max);
+    let largest = largest_norm(&control);
     let error = origin_error + 4.0 * UNIT_ROUNDOFF * largest + 2f64.powi(-100) * reached;
     let unusable = [origin, control[0], control[1], control[2]]
         .into_iter()

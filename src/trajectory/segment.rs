@@ -1,7 +1,7 @@
 //! One cubic between two knots, in local form: what everything downstream computes with.
 
 use crate::error::{Error, LARGEST_MAGNITUDE, Quantity};
-use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, norm, normalising_power};
+use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, largest_norm, norm, normalising_power};
 use crate::trajectory::state::State;
 use glam::DVec3;
 
@@ -95,8 +95,7 @@ impl Segment {
         error: f64,
         knot: usize,
     ) -> Result<Self, Error> {
-        let extent = control.iter().map(|&point| norm(point)).fold(0.0, f64::max)
-            * (1.0 + 8.0 * UNIT_ROUNDOFF);
+        let extent = largest_norm(&control) * (1.0 + 8.0 * UNIT_ROUNDOFF);
         Self {
             start,
             end,

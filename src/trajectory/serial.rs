@@ -2,7 +2,7 @@
 
 use super::{Outside, Segment, Trajectory};
 use crate::error::{Error, LARGEST_MAGNITUDE, Quantity};
-use crate::rounding::norm;
+use crate::rounding::largest_norm;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -130,7 +130,7 @@ impl Segment {
             });
         }
         let control = [[ax, ay, az], [bx, by, bz], [cx, cy, cz]].map(DVec3::from_array);
-        let farthest = control.iter().map(|&point| norm(point)).fold(0.0, f64::max);
+        let farthest = largest_norm(&control);
         // What bounds the others must do so.
         let is_line = control[1] == 2.0 * control[0] && control[2] == 3.0 * control[0];
         if extent < farthest * (1.0 - 8.0 * f64::EPSILON) || (error <= 0.0 && !is_line) {

@@ -95,8 +95,7 @@ impl Slice {
     }
 }
 
-/// Wants pairs with a changed body. Whether they are admitted is asked when little else is left to
-/// ask: what that depends on lies anywhere in memory.
+/// Admits pairs with a changed body.
 struct Concerns<'f, F> {
     is_changed: &'f [bool],
     filter: &'f F,
@@ -105,7 +104,7 @@ struct Concerns<'f, F> {
 impl<F: PairFilter> PairFilter for Concerns<'_, F> {
     fn admits(&self, a: u32, b: u32) -> bool {
         let is_changed = |slot: u32| self.is_changed.get(slot as usize) == Some(&true);
-        is_changed(a) || is_changed(b)
+        (is_changed(a) || is_changed(b)) && self.filter.admits(a, b)
     }
 
     fn gives_up(&self) -> bool {
