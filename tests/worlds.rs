@@ -200,10 +200,9 @@ fn debris_that_ignores_itself() {
     }
     let mut monitor = Monitor::new(scene, 0.0, 3.0, &[AlertLevel::at(5.0)]).unwrap();
     let mut candidates = 0;
-    for tick in 0..100 {
+    // None, few, and many of them are replanned.
+    for (tick, changed) in (0..100).zip([0, 20, 500].into_iter().cycle()) {
         let now = 0.1 * f64::from(tick);
-        // None, few, and many of them are replanned.
-        let changed = [0, 20, 500][tick as usize % 3];
         for &id in &ids[..changed] {
             monitor.replan(id, now, rest(0.5)).unwrap();
         }
