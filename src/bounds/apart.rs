@@ -9,7 +9,6 @@ use glam::Vec3A;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Leg<'a> {
     pub(crate) pose: &'a Pose<'a, Stroke>,
-    pub(crate) knots: &'a [f64],
     pub(crate) cubic: usize,
 }
 
@@ -18,7 +17,7 @@ pub(crate) struct Leg<'a> {
 /// direction of their sum.
 pub(crate) fn certainly_apart(a: &Leg<'_>, b: &Leg<'_>, (from, to): (f64, f64)) -> bool {
     let part = |leg: &Leg<'_>| {
-        let piece = leg.pose.piece(leg.cubic, leg.knots);
+        let piece = leg.pose.piece(leg.cubic);
         let stance = &leg.pose.stance;
         let piece = piece.part(from, to);
         let rounding = piece.rounding() + stance.steady;
@@ -103,7 +102,6 @@ mod tests {
                 let poses = [0, 1].map(|k: usize| Pose::sketched(&sketches[k], &inflation, &frame));
                 let [a, b] = [0, 1].map(|k: usize| Leg {
                     pose: &poses[k],
-                    knots: flights[k].knots(),
                     cubic: 1,
                 });
                 certainly_apart(&a, &b, (from, to))

@@ -17,6 +17,7 @@ pub(crate) trait Cubic {
 /// A body's cubics, and how it lies in the frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pose<'a, C> {
+    pub(crate) knots: &'a [f64],
     pub(crate) cubics: &'a [C],
     /// Those of the cubics that were summed up.
     bundles: &'a [Bundle],
@@ -44,6 +45,7 @@ pub(crate) struct Stance {
 impl<C> Pose<'_, C> {
     /// Of a body that never exists.
     pub(crate) const NONE: Self = Self {
+        knots: &[],
         cubics: &[],
         bundles: &[],
         stance: Stance::NONE,
@@ -53,22 +55,20 @@ impl<C> Pose<'_, C> {
 impl<C: Cubic> Pose<'_, C> {
     /// A whole cubic.
     #[inline(always)]
-    pub(crate) fn piece(&self, number: usize, knots: &[f64]) -> Piece {
-        let ends = (knots[number], knots[number + 1]);
+    pub(crate) fn piece(&self, number: usize) -> Piece {
+        let ends = (self.knots[number], self.knots[number + 1]);
         self.cubics[number].piece(ends, &self.stance)
     }
 
     /// Has a trace go on with the largest bundle of cubics from `first` to before `end`; gives the
     /// one after it, or none if there is no such bundle.
     #[inline(always)]
-    pub(crate) fn pass(
-        &self,
-        trace: &mut Trace,
-        (first, end): (usize, usize),
-        knots: &[f64],
-    ) -> Option<usize> {
+    pub(crate) fn pass(&self, trace: &mut Trace, (first, end): (usize, usize)) -> Option<usize> {
         let (bundle, count) = largest(self.bundles, self.cubics.len(), first, end)?;
-        trace.pass(&bundle.unpack(self.stance.factor), knots[first + count]);
+        trace.pass(
+            &bundle.unpack(self.stance.factor),
+            self.knots[first + count],
+        );
         Some(first + count)
     }
 }
@@ -77,6 +77,7 @@ impl<'a> Pose<'a, Stroke> {
     /// Of a body that was sketched.
     pub(crate) fn sketched(sketch: &'a Sketch, inflation: &Inflation, frame: &Frame) -> Self {
         Self {
+            knots: sketch.knots(),
             cubics: sketch.strokes(),
             bundles: sketch.bundles(),
             stance: Stance::new(sketch.frame, sketch.size, inflation, frame),
@@ -86,12 +87,17 @@ impl<'a> Pose<'a, Stroke> {
 
 impl<'a> Pose<'a, Segment> {
     /// Of a body of which a few boxes are wanted only: not worth a sketch.
-    pub(crate) fn plain(segments: &'a [Segment], inflation: &Inflation, frame: &Frame) -> Self {
+    pub(crate) fn plain(
+        (knots, segments): (&'a [f64], &'a [Segment]),
+        inflation: &Inflation,
+        frame: &Frame,
+    ) -> Self {
         let anchor = Frame {
             origin: segments.first().map_or(frame.origin, Segment::origin),
             power: frame.power,
         };
         Self {
+            knots,
             cubics: segments,
             bundles: &[],
             stance: Stance::new(anchor, 0.0, inflation, frame),

@@ -66,6 +66,9 @@ pub(crate) struct Sketch {
     pub(super) frame: Frame,
     /// No coordinate is larger, in the frame's unit; infinite where `f32` does not serve them.
     pub(super) size: f64,
+    /// A copy, allocated next to the cubics: whoever reads these reads those, and the trajectory's
+    /// own lie elsewhere.
+    knots: Vec<f64>,
     strokes: Vec<Stroke>,
     bundles: Vec<Bundle>,
 }
@@ -74,6 +77,7 @@ impl Sketch {
     pub(crate) const EMPTY: Self = Self {
         frame: Frame::OF_NOTHING,
         size: 0.0,
+        knots: Vec::new(),
         strokes: Vec::new(),
         bundles: Vec::new(),
     };
@@ -103,6 +107,8 @@ impl Sketch {
             self.frame.power = normalising_power(size);
             self.size = size * self.frame.power;
         }
+        self.knots.clear();
+        self.knots.extend_from_slice(knots);
         self.strokes.clear();
         let pieces = segments.iter().zip(knots.windows(2));
         let (frame, size) = (&self.frame, &mut self.size);
@@ -115,6 +121,10 @@ impl Sketch {
         }));
         bundle_up(knots, &self.strokes, &mut self.bundles);
         extremes
+    }
+
+    pub(crate) fn knots(&self) -> &[f64] {
+        &self.knots
     }
 
     pub(crate) fn strokes(&self) -> &[Stroke] {

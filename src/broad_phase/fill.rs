@@ -2,7 +2,6 @@
 
 use super::BodyBox;
 use crate::bounds::{Bundle, Course, Cubic, Period, Piece, Pose, Trace};
-use crate::narrow_phase::Party;
 use crate::simd::{Task, prefetch};
 
 /// One slice: a box and a course for each body that exists in it, side by side.
@@ -35,7 +34,6 @@ impl Block {
 /// Forms the boxes and courses of some slices (at most [`Block::SLICES`]).
 pub(crate) struct Fill<'a, C> {
     pub(crate) block: &'a mut Block,
-    pub(crate) parties: &'a [Party<'a>],
     pub(crate) poses: &'a [Pose<'a, C>],
     /// Places of those to look at, ascending: each that exists in one of the slices is among them.
     pub(crate) present: &'a [u32],
@@ -65,7 +63,7 @@ impl<C: Cubic> Task for Fill<'_, C> {
         for (period, ends) in periods.iter_mut().zip(ends.windows(2)) {
             *period = Period::new(ends[0], ends[1]);
         }
-        self.block.pieces.resize(self.parties.len(), 0);
+        self.block.pieces.resize(self.poses.len(), 0);
         for number in 0..Self::AHEAD {
             self.look_up(number, ends[0]);
         }
@@ -73,8 +71,8 @@ impl<C: Cubic> Task for Fill<'_, C> {
             self.prefetch_knots(number + 2 * Self::AHEAD);
             self.look_up(number + Self::AHEAD, ends[0]);
             let body = place as usize;
-            let party = &self.parties[body];
-            let knots = party.knots;
+            let pose = &self.poses[body];
+            let knots = pose.knots;
             let (Some(&first), Some(&last)) = (knots.first(), knots.last()) else {
                 continue;
             };
@@ -83,8 +81,7 @@ impl<C: Cubic> Task for Fill<'_, C> {
             }
             let piece = self.block.pieces[body] as usize;
             let end = Walk {
-                knots,
-                pose: &self.poses[body],
+                pose,
                 periods: &periods[..count],
                 ahead: self.cubics_of(number + Self::AHEAD),
                 begin: piece,
@@ -104,7 +101,7 @@ impl<'a, C> Fill<'a, C> {
     #[inline(always)]
     fn prefetch_knots(&self, number: usize) {
         if let Some(&place) = self.present.get(number) {
-            let knots = self.parties[place as usize].knots;
+            let knots = self.poses[place as usize].knots;
             let first = (self.block.pieces[place as usize] as usize).min(knots.len());
             prefetch(&knots[first..(first + 8).min(knots.len())]);
         }
@@ -115,11 +112,7 @@ impl<'a, C> Fill<'a, C> {
     fn look_up(&mut self, number: usize, time: f64) {
         if let Some(&place) = self.present.get(number) {
             let piece = &mut self.block.pieces[place as usize];
-            *piece = short(cubic_before(
-                self.parties[place as usize].knots,
-                time,
-                *piece,
-            ));
+            *piece = short(cubic_before(self.poses[place as usize].knots, time, *piece));
         }
     }
 
@@ -153,7 +146,6 @@ fn cubic_before(knots: &[f64], time: f64, guess: u32) -> usize {
 
 /// One body's way through the slices of a block.
 struct Walk<'a, C> {
-    knots: &'a [f64],
     pose: &'a Pose<'a, C>,
     periods: &'a [Period],
     /// Cubics of a body that is still to come, fetched one for one of this body's.
@@ -167,7 +159,7 @@ impl<C: Cubic> Walk<'_, C> {
         if let Some(later) = self.ahead.get(number - self.begin) {
             prefetch(std::slice::from_ref(later));
         }
-        self.pose.piece(number, self.knots)
+        self.pose.piece(number)
     }
 
     /// Has a trace follow the cubics from `next` to before `end`.
@@ -175,7 +167,7 @@ impl<C: Cubic> Walk<'_, C> {
     fn follow_whole(&self, trace: &mut Trace, mut next: usize, end: usize) {
         while next < end {
             if end - next >= Bundle::SIZE
-                && let Some(after) = self.pose.pass(trace, (next, end), self.knots)
+                && let Some(after) = self.pose.pass(trace, (next, end))
             {
                 next = after;
             } else {
@@ -189,7 +181,8 @@ impl<C: Cubic> Walk<'_, C> {
     /// comes to.
     #[inline(always)]
     fn through(&self, mut number: usize, body: u32, slices: &mut [Slice]) -> usize {
-        let Self { knots, periods, .. } = *self;
+        let Self { pose, periods, .. } = *self;
+        let knots = pose.knots;
         let (first, last) = (knots[0], knots[knots.len() - 1]);
         let mut rest = self.piece(number);
         if knots[number] < periods[0].from {
@@ -220,7 +213,7 @@ impl<C: Cubic> Walk<'_, C> {
                 trace
             };
             let place = short(slice.bodies.len());
-            let (course, aabb) = trace.finish(&self.pose.stance, short(begin));
+            let (course, aabb) = trace.finish(&pose.stance, short(begin));
             slice.boxes.push(BodyBox { aabb, body: place });
             slice.courses.push(course);
             slice.bodies.push(body);
@@ -284,20 +277,13 @@ mod tests {
             let Ok(trajectory) = Trajectory::from_states(&states) else {
                 unreachable!("the states are in order")
             };
-            let party = Party {
-                knots: trajectory.knots(),
-                segments: trajectory.segments(),
-                spheres: hitbox.spheres(),
-                bounding: hitbox.bounding(),
-            };
-            let sketch = Sketch::of(party.knots, party.segments);
+            let sketch = Sketch::of(trajectory.knots(), trajectory.segments());
             let pose = Pose::sketched(&sketch, &inflation, &frame);
             let mut block = Block::default();
             for first in (0..slices.count()).step_by(Block::SLICES as usize) {
                 let range = first..(first + Block::SLICES).min(slices.count());
                 Level::best().run(Fill {
                     block: &mut block,
-                    parties: &[party],
                     poses: &[pose],
                     present: &[0],
                     ends: &slices.ends(range.clone()),

@@ -84,9 +84,9 @@ impl<'m> Bodies<'m> {
             }
             let known = parties[..count].iter().zip(inflations);
             for (pose, (party, inflation)) in poses.iter_mut().zip(known) {
-                *pose = Pose::plain(party.segments, inflation, self.frame);
+                *pose = Pose::plain((party.knots, party.segments), inflation, self.frame);
             }
-            form(&parties[..count], &poses[..count], ends, block);
+            form(&poses[..count], ends, block);
             for (number, slice) in block.slices[..ends.len() - 1].iter().enumerate() {
                 let boxes = slice.boxes.iter().zip(&slice.courses);
                 for ((boxed, course), &place) in boxes.zip(&slice.bodies) {
@@ -99,17 +99,11 @@ impl<'m> Bodies<'m> {
 }
 
 /// Forms the boxes of bodies in the first slices of `block`.
-pub(super) fn form(
-    parties: &[Party<'_>],
-    poses: &[Pose<'_, Segment>],
-    ends: &[f64],
-    block: &mut Block,
-) {
+pub(super) fn form(poses: &[Pose<'_, Segment>], ends: &[f64], block: &mut Block) {
     Level::best().run(Fill {
         block,
-        parties,
         poses,
-        present: &PLACES[..parties.len()],
+        present: &PLACES[..poses.len()],
         ends,
     });
 }

@@ -106,8 +106,13 @@ impl<'a> LineUp<'a> {
                 trajectory, hitbox, ..
             } = &occupant.body;
             match beyond {
-                Some(Beyond { pieces, .. }) => party(hitbox, &pieces.knots, &pieces.segments),
-                None => party(hitbox, trajectory.knots(), trajectory.segments()),
+                Some(Beyond { pieces, sketch, .. }) => {
+                    party(hitbox, sketch.knots(), &pieces.segments)
+                }
+                None => {
+                    let sketch = &occupant.outline().sketch;
+                    party(hitbox, sketch.knots(), trajectory.segments())
+                }
             }
         });
         bodies.collect()

@@ -14,7 +14,7 @@ use crate::broad_phase::fill::Fill;
 use crate::broad_phase::presence::Presence;
 use crate::broad_phase::slices::Slices;
 use crate::broad_phase::{BroadPhase, Candidate, Everyone};
-use crate::narrow_phase::{Party, approaching};
+use crate::narrow_phase::approaching;
 
 /// Nanoseconds of each kind of work, one thread, measured on the reference swarm; only their
 /// ratios matter.
@@ -119,7 +119,7 @@ impl Trial {
 
 impl LineUp<'_> {
     /// The window cut into slices of the length that is expected to cost least.
-    pub(super) fn slices(&self, parties: &[Party<'_>], poses: &[Pose<'_, Stroke>]) -> Slices {
+    pub(super) fn slices(&self, poses: &[Pose<'_, Stroke>]) -> Slices {
         /// Fewer bodies are not worth a trial.
         const FEW: usize = 64;
         /// Each may change the length fourfold.
@@ -130,18 +130,17 @@ impl LineUp<'_> {
         if let Some(count) = self.prescribed {
             return slices.with_count(f64::from(count.get()));
         }
-        let sample = sample(parties.len(), traffic.present(window), slices.count());
+        let sample = sample(poses.len(), traffic.present(window), slices.count());
         if sample.len() < FEW {
             return slices;
         }
-        let parties: Vec<Party<'_>> = sample.iter().map(|&place| parties[place]).collect();
         let sampled: Vec<Pose<'_, Stroke>> = sample.iter().map(|&place| poses[place]).collect();
         let presence = self.presence.of_some(&sample);
         let whole = poses.len() as f64 / sample.len() as f64;
         let mut last: Option<(Trial, f64)> = None;
         for _ in 0..MOST_TRIALS {
             let cubics = 1.0 + traffic.cubics_in(slices.length());
-            let trial = self.trial(&parties, &presence, &sampled, &slices, whole, cubics);
+            let trial = self.trial(&presence, &sampled, &slices, whole, cubics);
             let growth = last.as_ref().map_or(Growth::ASSUMED, |(last, factor)| {
                 Growth::between(last, &trial, *factor)
             });
@@ -166,7 +165,6 @@ impl LineUp<'_> {
     /// Counts in a few slices of a length, scaled from the sample to all bodies.
     fn trial(
         &self,
-        parties: &[Party<'_>],
         presence: &Presence,
         poses: &[Pose<'_, Stroke>],
         slices: &Slices,
@@ -191,7 +189,6 @@ impl LineUp<'_> {
             presence.list(slices.interval(first), present);
             self.level.run(Fill {
                 block: &mut *block,
-                parties,
                 poses,
                 present: &*present,
                 ends: &slices.ends(first..first + 1),

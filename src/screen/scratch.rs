@@ -82,11 +82,11 @@ mod tests {
     fn sizes_are_as_documented() {
         assert_eq!(size_of::<Segment>(), 128);
         assert_eq!(size_of::<Stroke>(), 64);
-        assert_eq!(size_of::<Occupant>(), 568);
+        assert_eq!(size_of::<Occupant>(), 592);
         assert_eq!(size_of::<Bundle>(), 64);
         let line = size_of::<Party<'_>>() + size_of::<Pose<'_, Stroke>>();
         let line = line + size_of::<(f64, f64)>();
-        assert_eq!(line, 224);
+        assert_eq!(line, 240);
         let boxed = size_of::<BodyBox>() + size_of::<Course>() + size_of::<u32>();
         assert_eq!(boxed, 64);
         assert_eq!(size_of::<Candidate>(), 8);

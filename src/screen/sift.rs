@@ -125,7 +125,7 @@ impl Sieve {
                 break;
             }
             self.judge(question, batch);
-            self.cut(question.parties);
+            self.cut(question.poses);
             looked_at += self.pieces.len() as u64;
             self.sketch(question);
             self.ask(question.parties, question.margin);
@@ -161,18 +161,18 @@ impl Sieve {
     }
 
     /// Their spans.
-    fn cut(&mut self, parties: &[Party<'_>]) {
+    fn cut(&mut self, poses: &[Pose<'_, Stroke>]) {
         self.pieces.clear();
         for (i, near) in self.near.iter().enumerate() {
             if let Some(later) = self.near.get(i + 2 * Self::AHEAD) {
-                prefetch(from_ref(&parties[later.a as usize]));
-                prefetch(from_ref(&parties[later.b as usize]));
+                prefetch(from_ref(&poses[later.a as usize]));
+                prefetch(from_ref(&poses[later.b as usize]));
             }
             if let Some(later) = self.near.get(i + Self::AHEAD) {
-                fetch_knots(&parties[later.a as usize], later.hints.0);
-                fetch_knots(&parties[later.b as usize], later.hints.1);
+                fetch_knots(&poses[later.a as usize], later.hints.0);
+                fetch_knots(&poses[later.b as usize], later.hints.1);
             }
-            let (a, b) = (&parties[near.a as usize], &parties[near.b as usize]);
+            let (a, b) = (&poses[near.a as usize], &poses[near.b as usize]);
             let (from, to) = near.interval;
             for span in spans_from(a.knots, b.knots, near.hints, from, to) {
                 self.pieces.push(Piece {
@@ -187,18 +187,13 @@ impl Sieve {
 
     /// Those that their sketches do not show to be apart.
     fn sketch(&mut self, question: &Question<'_>) {
-        let Question { parties, poses, .. } = *question;
+        let poses = question.poses;
         let leg = |body: u32, cubic: u32| Leg {
             pose: &poses[body as usize],
-            knots: parties[body as usize].knots,
             cubic: cubic as usize,
         };
         let mut kept = 0;
         for number in 0..self.pieces.len() {
-            if let Some(later) = self.pieces.get(number + 2 * Self::AHEAD) {
-                prefetch(from_ref(&poses[later.a as usize]));
-                prefetch(from_ref(&poses[later.b as usize]));
-            }
             if let Some(Piece { a, b, span, .. }) = self.pieces.get(number + Self::AHEAD) {
                 prefetch(from_ref(&poses[*a as usize].cubics[span.a as usize]));
                 prefetch(from_ref(&poses[*b as usize].cubics[span.b as usize]));
@@ -261,9 +256,9 @@ impl Sieve {
     }
 }
 
-fn fetch_knots(party: &Party<'_>, first: u32) {
+fn fetch_knots(pose: &Pose<'_, Stroke>, first: u32) {
     /// Two lines.
     const KNOTS: usize = 16;
-    let first = (first as usize).min(party.knots.len());
-    prefetch(&party.knots[first..(first + KNOTS).min(party.knots.len())]);
+    let first = (first as usize).min(pose.knots.len());
+    prefetch(&pose.knots[first..(first + KNOTS).min(pose.knots.len())]);
 }

@@ -31,7 +31,7 @@ impl LineUp<'_> {
         stats: &mut Stats,
     ) -> Result<Vec<Survivor>, Error> {
         let poses = self.poses(parties);
-        let slices = self.slices(parties, &poses);
+        let slices = self.slices(&poses);
         stats.slices = u64::from(slices.count());
         let blocks = Blocks::new(slices.count(), parties.len());
         let done_blocks = AtomicU32::new(0);
@@ -125,7 +125,6 @@ impl LineUp<'_> {
             .list((ends[0], ends[ends.len() - 1]), &mut scratch.present);
         self.level.run(Fill {
             block: &mut scratch.block,
-            parties,
             poses,
             present: &scratch.present,
             ends: &ends,

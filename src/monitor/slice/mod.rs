@@ -347,8 +347,8 @@ impl Slice {
         (block, search): (&mut Block, &mut Search),
         near: &mut Vec<u32>,
     ) {
-        let pose = Pose::plain(party.segments, &flight.inflation, frame);
-        form(&[*party], &[pose], &self.ends(), block);
+        let pose = Pose::plain((party.knots, party.segments), &flight.inflation, frame);
+        form(&[pose], &self.ends(), block);
         let boxes = &block.slices[0].boxes;
         self.boxes
             .meeting(boxes, search, |_, other| near.push(other));
