@@ -1,14 +1,18 @@
 //! Time of a whole screening, from trajectories to conflicts, on one thread: `screen/METHOD/SCENE`.
 //!
-//! `elem/s` counts bodies. With `NEARMISS_SLICE_LENGTHS=1` in the environment it is printed first how
+//! `elem/s` counts bodies. With `NEARMISS_DATA`, a folder of recordings, in the environment, those are
+//! screened as well, by the default method. With `NEARMISS_SLICE_LENGTHS=1` in the environment it is printed first how
 //! far the automatic slice length is from the best fixed one.
 
 #[path = "screen/lengths.rs"]
 mod lengths;
+#[path = "../examples/screen/read.rs"]
+mod read;
 #[path = "../examples/scenes/mod.rs"]
 mod scenes;
 
 use std::hint::black_box;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use criterion::measurement::WallTime;
@@ -34,6 +38,14 @@ const SEED: u64 = 1;
 
 type Generate = fn() -> Generated;
 
+/// Recordings by name, and the distance that is asked about, m.
+const RECORDINGS: [(&str, f64); 4] = [
+    ("sat-large-a", 5_000.0),
+    ("crowd-a", 0.4),
+    ("aircraft-a", 1_852.0),
+    ("game-a", 1.5),
+];
+
 /// Scenes in which every pair of boxes is compared in bearable time.
 const SMALL: usize = 1_000;
 
@@ -50,6 +62,24 @@ fn build(generated: &Generated) -> (Scene, Query) {
         scene,
         query.unwrap_or_else(|error| panic!("a generated margin is refused: {error}")),
     )
+}
+
+/// The recordings of the folder in `NEARMISS_DATA`, if that is set; each must be there.
+fn recordings() -> impl Iterator<Item = (&'static str, Scene, Query)> {
+    let folder = std::env::var_os("NEARMISS_DATA").map(PathBuf::from);
+    folder.into_iter().flat_map(|folder| {
+        RECORDINGS.map(|(name, margin)| {
+            let bodies = read::trajectories(&folder.join(format!("{name}.csv.gz")));
+            let mut scene = Scene::new();
+            for (label, trajectory) in bodies.unwrap_or_else(|error| panic!("{error}")) {
+                let inserted = scene.insert(Body::new(trajectory).with_tag(label));
+                inserted.unwrap_or_else(|error| panic!("{name}: {error}"));
+            }
+            let query = Query::default().with_margin(margin);
+            let query = query.unwrap_or_else(|error| panic!("{name}: {error}"));
+            (name, scene, query)
+        })
+    })
 }
 
 /// Screens on the pool; entering it is not timed.
@@ -100,6 +130,10 @@ fn screen(criterion: &mut Criterion) {
             let (query, id) = (query.with_method(method), BenchmarkId::new(title, name));
             measure(&mut group, id, &pool, &scene, &query);
         }
+    }
+    for (name, scene, query) in recordings() {
+        let id = BenchmarkId::new("sweep", name);
+        measure(&mut group, id, &pool, &scene, &query);
     }
     group.finish();
 }
