@@ -1,4 +1,4 @@
-//! What must not matter does not: the order of bodies, the origin of space and time, extra knots,
+//! What must not matter does not: the order of bodies, their earlier plans, the origin of space and time, extra knots,
 //! where the window is cut. And a dense sampling that would see a conflict that was lost.
 
 #![allow(
@@ -9,7 +9,7 @@
 mod support;
 
 use glam::DVec3;
-use nearmiss::{Clip, Conflict, State, Trajectory, Window};
+use nearmiss::{Clip, Conflict, Hitbox, State, Trajectory, Window};
 use support::{bits, scene_of, screen, swarm};
 
 const MARGIN: f64 = 1.5;
@@ -55,6 +55,42 @@ fn the_order_of_bodies() {
     a.sort_unstable();
     b.sort_unstable();
     assert_eq!(a, b);
+}
+
+/// A body that was given another plan is where that says, at any of its knots: plans of the same
+/// number of knots, of more and of fewer take each other's place.
+#[test]
+fn what_a_body_followed_before() {
+    let later = |mut bodies: Vec<(Vec<State>, f64)>| {
+        for (states, _) in &mut bodies {
+            states.iter_mut().for_each(|state| state.time += 1.3);
+        }
+        bodies
+    };
+    let halved = |mut bodies: Vec<(Vec<State>, f64)>| {
+        for (states, _) in &mut bodies {
+            states.truncate(states.len().div_ceil(2));
+        }
+        bodies
+    };
+    let mut scene = scene_of(&bodies(6));
+    for next in [
+        later(bodies(6)),
+        halved(bodies(7)),
+        bodies(8),
+        later(bodies(7)),
+    ] {
+        let ids: Vec<_> = scene.bodies().map(|(id, _)| id).collect();
+        for (id, (states, radius)) in ids.into_iter().zip(&next) {
+            let plan = Trajectory::from_states(states).unwrap();
+            scene.set_trajectory(id, plan).unwrap();
+            let hitbox = Hitbox::sphere(*radius).unwrap();
+            scene.set_hitbox(id, hitbox).unwrap();
+        }
+        let expected = screen(&scene_of(&next), Window::ALL, MARGIN);
+        assert!(!expected.is_empty());
+        assert_eq!(bits(&screen(&scene, Window::ALL, MARGIN)), bits(&expected));
+    }
 }
 
 #[test]
