@@ -34,7 +34,8 @@ pub(super) struct Unpacked {
 
 impl Bundle {
     /// Cubics in a bundle of cubics, and bundles in a larger one.
-    pub(crate) const SIZE: usize = 4;
+    pub(crate) const SIZE: usize = 1 << Self::SHIFT;
+    const SHIFT: u32 = 2;
 
     pub(super) fn new(unpacked: &Unpacked) -> Self {
         let with = |lanes: Vec4, last: f32| lanes.truncate().extend(last);
@@ -119,12 +120,28 @@ pub(super) fn largest(
     first: usize,
     end: usize,
 ) -> Option<(&Bundle, usize)> {
-    let (mut level, mut span, mut found) = (0, Bundle::SIZE, None);
-    while first.is_multiple_of(span) && first + span <= end {
-        found = Some((level + first / span, span));
-        level += cubics / span;
-        span *= Bundle::SIZE;
+    let (mut level, mut shift, mut found) = (0, Bundle::SHIFT, None);
+    while first & ((1 << shift) - 1) == 0 && first + (1 << shift) <= end {
+        found = Some((level + (first >> shift), 1 << shift));
+        level += cubics >> shift;
+        shift += Bundle::SHIFT;
     }
-    let (number, span) = found?;
-    Some((bundles.get(number)?, span))
+    let (number, count) = found?;
+    Some((bundles.get(number)?, count))
+}
+
+/// The bundle of `count` cubics that holds one, out of all of `cubics`.
+#[inline(always)]
+pub(super) fn holding(
+    bundles: &[Bundle],
+    cubics: usize,
+    cubic: usize,
+    count: usize,
+) -> Option<&Bundle> {
+    let (mut level, mut shift) = (0, Bundle::SHIFT);
+    while 1 << shift < count {
+        level += cubics >> shift;
+        shift += Bundle::SHIFT;
+    }
+    bundles.get(level + (cubic >> shift))
 }

@@ -1,12 +1,14 @@
 //! How a body lies in the frame: its cubics, and what is the same for all its boxes.
 
-use super::bundle::{Bundle, largest};
+use super::bundle::{Bundle, holding, largest};
 use super::piece::Piece;
 use super::sketch::{Sketch, Stroke};
 use super::trace::Trace;
 use super::{FAR, Frame, Inflation, ROUNDING, nearest};
+use crate::simd::prefetch;
 use crate::trajectory::Segment;
 use glam::{DVec3, Vec4};
+use std::slice::from_ref;
 
 /// A cubic that boxes are formed from.
 pub(crate) trait Cubic {
@@ -58,6 +60,22 @@ impl<C: Cubic> Pose<'_, C> {
     pub(crate) fn piece(&self, number: usize) -> Piece {
         let ends = (self.knots[number], self.knots[number + 1]);
         self.cubics[number].piece(ends, &self.stance)
+    }
+
+    /// Fetches a cubic.
+    #[inline(always)]
+    pub(crate) fn fetch(&self, number: usize) {
+        if let Some(cubic) = self.cubics.get(number) {
+            prefetch(from_ref(cubic));
+        }
+    }
+
+    /// Fetches the bundle of so many cubics that holds one.
+    #[inline(always)]
+    pub(crate) fn fetch_bundle(&self, cubic: usize, count: usize) {
+        if let Some(bundle) = holding(self.bundles, self.cubics.len(), cubic, count) {
+            prefetch(from_ref(bundle));
+        }
     }
 
     /// Has a trace go on with the largest bundle of cubics from `first` to before `end`; gives the

@@ -83,7 +83,7 @@ impl<C: Cubic> Task for Fill<'_, C> {
             let end = Walk {
                 pose,
                 periods: &periods[..count],
-                ahead: self.cubics_of(number + Self::AHEAD),
+                ahead: self.later(number + Self::AHEAD),
                 begin: piece,
             }
             .through(piece, place, &mut self.block.slices);
@@ -116,14 +116,11 @@ impl<'a, C> Fill<'a, C> {
         }
     }
 
-    /// The cubics that a body begins with.
+    /// How a body lies, given its number among those present, and the cubic that it begins with.
     #[inline(always)]
-    fn cubics_of(&self, number: usize) -> &'a [C] {
-        self.present.get(number).map_or(&[], |&place| {
-            let cubics = self.poses[place as usize].cubics;
-            let first = (self.block.pieces[place as usize] as usize).min(cubics.len());
-            &cubics[first..]
-        })
+    fn later(&self, number: usize) -> Option<(&'a Pose<'a, C>, usize)> {
+        let body = *self.present.get(number)? as usize;
+        Some((&self.poses[body], self.block.pieces[body] as usize))
     }
 }
 
@@ -148,16 +145,17 @@ fn cubic_before(knots: &[f64], time: f64, guess: u32) -> usize {
 struct Walk<'a, C> {
     pose: &'a Pose<'a, C>,
     periods: &'a [Period],
-    /// Cubics of a body that is still to come, fetched one for one of this body's.
-    ahead: &'a [C],
+    /// A body that is still to come, and how much later its cubics begin than this one's: they are
+    /// fetched one for one, and bundle for bundle.
+    ahead: Option<(&'a Pose<'a, C>, usize)>,
     begin: usize,
 }
 
 impl<C: Cubic> Walk<'_, C> {
     #[inline(always)]
     fn piece(&self, number: usize) -> Piece {
-        if let Some(later) = self.ahead.get(number - self.begin) {
-            prefetch(std::slice::from_ref(later));
+        if let Some((later, first)) = self.ahead {
+            later.fetch(first + (number - self.begin));
         }
         self.pose.piece(number)
     }
@@ -169,6 +167,9 @@ impl<C: Cubic> Walk<'_, C> {
             if end - next >= Bundle::SIZE
                 && let Some(after) = self.pose.pass(trace, (next, end))
             {
+                if let Some((later, first)) = self.ahead {
+                    later.fetch_bundle(first + (next - self.begin), after - next);
+                }
                 next = after;
             } else {
                 trace.follow_from_start(&self.piece(next));
