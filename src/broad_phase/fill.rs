@@ -141,6 +141,22 @@ fn cubic_before(knots: &[f64], time: f64, guess: u32) -> usize {
     piece + knots[piece + 1..].partition_point(|&knot| knot < time)
 }
 
+/// The last cubic that begins by `time`, from one that begins before it. (Slices are closed: one that
+/// begins where the slice ends counts with its first point.)
+#[inline(always)]
+fn cubic_at(knots: &[f64], time: f64, number: usize) -> usize {
+    /// Knots that are passed at once.
+    const STEP: usize = 4;
+    let mut rest = &knots[number + 1..knots.len() - 1];
+    while let Some((step, further)) = rest.split_first_chunk::<STEP>()
+        && step[STEP - 1] <= time
+    {
+        rest = further;
+    }
+    let passed = rest.iter().take_while(|&&knot| knot <= time).count();
+    knots.len() - 2 - rest.len() + passed
+}
+
 /// One body's way through the slices of a block.
 struct Walk<'a, C> {
     pose: &'a Pose<'a, C>,
@@ -194,11 +210,7 @@ impl<C: Cubic> Walk<'_, C> {
                 continue;
             }
             let begin = number;
-            // Slices are closed: a cubic that begins where the slice ends counts with its first
-            // point.
-            while number + 2 < knots.len() && knots[number + 1] <= period.to {
-                number += 1;
-            }
+            number = cubic_at(knots, period.to, number);
             let trace = if number == begin {
                 let (piece, after) = rest.split(period.to.min(rest.end()));
                 rest = after;
