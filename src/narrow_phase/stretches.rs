@@ -5,6 +5,7 @@
 //! the whole span first and clipped to the window afterwards, so that a stretch has the same bits
 //! whatever the window.
 
+use super::hull::is_monotonic;
 use super::relative::RelativeCubic;
 use super::stationary::{MOST_STATIONARY, stationary_points};
 use crate::rounding::normalising_power;
@@ -68,8 +69,10 @@ impl Profile {
             });
             profile.plateau = cubic.tolerance();
         } else {
-            for &s in stationary_points(cubic).as_slice() {
-                push(node(s));
+            if !is_monotonic(cubic) {
+                for &s in stationary_points(cubic).as_slice() {
+                    push(node(s));
+                }
             }
             push(node(1.0));
         }
