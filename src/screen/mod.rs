@@ -5,6 +5,7 @@
 //! on which thread, is forgotten before the solver sees it: hence the same bits whatever the
 //! slicing and the number of threads.
 
+mod arrange;
 mod line_up;
 mod pilot;
 mod room;

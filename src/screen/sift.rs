@@ -25,6 +25,16 @@ pub(super) struct Survivor {
 }
 
 impl Survivor {
+    #[cfg(test)]
+    pub(super) const fn new((a, b): (u32, u32), (span_a, span_b): (u32, u32)) -> Self {
+        Self {
+            a,
+            b,
+            span_a,
+            span_b,
+        }
+    }
+
     pub(super) fn span(&self, a: &Party<'_>, b: &Party<'_>) -> Span {
         let (i, j) = (self.span_a as usize, self.span_b as usize);
         Span {
