@@ -1,7 +1,6 @@
 //! When two bodies may be near each other in a slice of time: the cheapest test of a candidate.
 
 use crate::bounds::Course;
-use glam::Vec3A;
 
 /// The part of a slice (first and last instant, s) in which two bodies may be within the margin of
 /// each other, from their courses alone; none where they certainly are not.
@@ -10,33 +9,7 @@ use glam::Vec3A;
 /// between the roots of a quadratic. The slacks hold all rounding of the courses, and more than a
 /// millionth of what is computed here: 2^-22 of the coordinates, where f64 rounds 2^-53.
 #[inline]
-pub(crate) fn approaching(a: &Course, b: &Course, interval: (f64, f64)) -> Option<(f64, f64)> {
-    if lines_apart(a, b) {
-        return None;
-    }
-    solve(a, b, interval)
-}
-
-/// Whether the two bodies pass each other at a distance, whenever: what most candidates do.
-///
-/// The distance of a straight motion from zero is that of its cross product with its change,
-/// divided by the change. Rounding (2^-24 each): one of each difference, one of a product, one of
-/// a sum; 7 of the product of both lengths in all.
-#[inline]
-fn lines_apart(a: &Course, b: &Course) -> bool {
-    const ROUNDING: f32 = 0.5 * f32::EPSILON;
-    let difference = |x: [f32; 3], y: [f32; 3]| Vec3A::from_array(x) - Vec3A::from_array(y);
-    let (apart, change) = (difference(a.start, b.start), difference(a.change, b.change));
-    let radius = (a.slack + b.slack) + apart.abs().element_sum() * (8.0 * ROUNDING);
-    let along = change.length_squared();
-    let bound = radius * radius * along * (1.0 + 64.0 * ROUNDING);
-    let square = apart.cross(change).length_squared();
-    // Smaller squares have lost digits (that of the radius has not: no slack is below 1e-18),
-    // larger ones are no numbers.
-    square > bound && along > 1e-30 && bound > 1e-30 && square < 1e30
-}
-
-fn solve(a: &Course, b: &Course, (from, to): (f64, f64)) -> Option<(f64, f64)> {
+pub(crate) fn approaching(a: &Course, b: &Course, (from, to): (f64, f64)) -> Option<(f64, f64)> {
     /// Share by which the distance is taken larger, for the rounding of the roots.
     const WIDER: f64 = 1.0 + 1e-6;
     /// Rounding of the shares of the slice, and of instants.
@@ -44,24 +17,27 @@ fn solve(a: &Course, b: &Course, (from, to): (f64, f64)) -> Option<(f64, f64)> {
     let apart = [0, 1, 2].map(|axis| f64::from(a.start[axis]) - f64::from(b.start[axis]));
     let change = [0, 1, 2].map(|axis| f64::from(a.change[axis]) - f64::from(b.change[axis]));
     let radius = (f64::from(a.slack) + f64::from(b.slack)) * WIDER;
+    let reach = radius * radius;
     let dot = |x: [f64; 3], y: [f64; 3]| x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
+    let square_at = |share: f64| {
+        let place = [0, 1, 2].map(|axis| apart[axis] + share * change[axis]);
+        dot(place, place)
+    };
     let square = dot(change, change);
-    // Without motion, or beyond the range of numbers, there is no telling when.
     let nearest = -dot(apart, change) / square;
-    if !nearest.is_finite() {
-        let beyond = dot(apart, apart) > radius * radius && square <= 0.0;
-        return (!beyond).then_some((from, to));
-    }
-    let foot = [0, 1, 2].map(|axis| apart[axis] + nearest * change[axis]);
-    let room = radius * radius - dot(foot, foot);
-    if room < 0.0 {
+    // Most candidates end here, so it is one comparison. What is not a number becomes the start
+    // of the slice: there is no motion, or no telling, and then nothing is beyond.
+    if square_at(nearest.max(0.0).min(1.0)) > reach {
         return None;
     }
+    // Without motion, or beyond the range of numbers, there is no telling when.
+    if !nearest.is_finite() {
+        return Some((from, to));
+    }
+    // Not below zero but for rounding: the nearest instant of all is no farther.
+    let room = (reach - square_at(nearest)).max(0.0);
     let half = (room / square).sqrt() + ROUNDING;
     let (enter, exit) = (nearest - half, nearest + half);
-    if enter > 1.0 || exit < 0.0 {
-        return None;
-    }
     let instant = |share: f64| from + share * (to - from);
     let resolution = 4.0 * f64::EPSILON * from.abs().max(to.abs());
     let first = if enter > 0.0 {
