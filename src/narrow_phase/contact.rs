@@ -179,37 +179,56 @@ pub(crate) fn may_touch(
     margin: f64,
     interval: (f64, f64),
 ) -> bool {
-    near_motion(a, b, span, margin, interval)
-        .is_some_and(|(points, threshold)| !certainly_beyond(&points, threshold))
+    let Some(threshold) = near_threshold(a, b, span, margin) else {
+        return false;
+    };
+    let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
+    let offset = a.bounding.offset - b.bounding.offset;
+    let within_knots =
+        segment_a.covers(span.start, span.end) && segment_b.covers(span.start, span.end);
+    if within_knots && segments_apart(segment_a, segment_b, offset, threshold) {
+        return false;
+    }
+    !certainly_beyond(&near_points(a, b, span, interval), threshold)
 }
 
 /// The relative motion of a pair's bounding spheres in the part of a span within `from..=to`, as
-/// control points, and the distance that a filter must see it beyond; none if the boxes of the
-/// whole cubics are already apart.
+/// control points, and the distance that a filter must see it beyond; none if no distance is small
+/// enough.
 #[inline]
 pub(crate) fn near_motion(
     a: &Party<'_>,
     b: &Party<'_>,
     span: Span,
     margin: f64,
-    (from, to): (f64, f64),
+    interval: (f64, f64),
 ) -> Option<([DVec3; 4], f64)> {
+    let threshold = near_threshold(a, b, span, margin)?;
+    Some((near_points(a, b, span, interval), threshold))
+}
+
+/// The distance beyond which the bounding spheres of a pair are certainly apart in a span; none if
+/// no distance is small enough.
+#[inline]
+fn near_threshold(a: &Party<'_>, b: &Party<'_>, span: Span, margin: f64) -> Option<f64> {
     let radius = contact_radius(a.bounding.radius, b.bounding.radius, margin);
     if radius < 0.0 {
         return None;
     }
     let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
     let offset = a.bounding.offset - b.bounding.offset;
-    let whole = (span.start, span.end);
-    let threshold = filter_threshold(radius, local_scale(segment_a, segment_b, whole, offset));
-    let within_knots =
-        segment_a.covers(span.start, span.end) && segment_b.covers(span.start, span.end);
-    if within_knots && segments_apart(segment_a, segment_b, offset, threshold) {
-        return None;
-    }
+    let scale = local_scale(segment_a, segment_b, (span.start, span.end), offset);
+    Some(filter_threshold(radius, scale))
+}
+
+/// The relative control points of a pair's bounding spheres in the part of a span within
+/// `from..=to`.
+#[inline]
+fn near_points(a: &Party<'_>, b: &Party<'_>, span: Span, (from, to): (f64, f64)) -> [DVec3; 4] {
+    let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
     let part = (span.start.max(from), span.end.min(to));
-    let points = relative_points(segment_a, segment_b, part, offset);
-    Some((points, threshold))
+    let offset = a.bounding.offset - b.bounding.offset;
+    relative_points(segment_a, segment_b, part, offset)
 }
 
 /// Solves each pair of spheres over a span that may come within `margin`.
