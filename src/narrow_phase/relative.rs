@@ -66,6 +66,7 @@ impl RelativeCubic {
 
     /// Relative position and its derivative by s (m), formed from the nearer end so that what is
     /// constant stays exactly constant.
+    #[inline]
     pub(crate) fn at(&self, s: f64) -> (DVec3, DVec3) {
         let [p0, p1, p2, p3] = self.points;
         if s <= 0.5 {

@@ -99,7 +99,7 @@ impl Profile {
             plateau: self.plateau,
         };
         let (from, to) = (from.max(cubic.start), to.min(cubic.end));
-        let mut closest = if self.plateau > 0.0 {
+        let mut closest = if self.plateau > 0.0 || from <= cubic.start {
             Instant {
                 time: from,
                 ..self.instant(&self.nodes[0])
