@@ -77,7 +77,6 @@ pub(super) struct SpherePair {
     pub(super) radius_a: f64,
     pub(super) radius_b: f64,
     pub(super) cubic: RelativeCubic,
-    scale: f64,
 }
 
 impl SpherePair {
@@ -114,11 +113,18 @@ impl SpherePair {
         });
     }
 
-    /// Whether cheap tests show that the separation stays above `margin` all along the span.
-    pub(super) fn is_beyond(&self, margin: f64) -> bool {
+    /// Whether cheap tests show that the separation stays above `margin` all along the span of
+    /// these two bodies.
+    pub(super) fn is_beyond(&self, a: &Party<'_>, b: &Party<'_>, span: Span, margin: f64) -> bool {
         let radius = contact_radius(self.radius_a, self.radius_b, margin);
         // Below zero no distance is small enough, whatever the rounding.
-        radius < 0.0 || certainly_beyond(&self.cubic.points, filter_threshold(radius, self.scale))
+        if radius < 0.0 {
+            return true;
+        }
+        let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
+        let offset = a.spheres[self.a as usize].offset - b.spheres[self.b as usize].offset;
+        let scale = local_scale(segment_a, segment_b, (span.start, span.end), offset);
+        certainly_beyond(&self.cubic.points, filter_threshold(radius, scale))
     }
 }
 
@@ -147,7 +153,6 @@ pub(super) fn each_sphere_pair(
             radius_a,
             radius_b,
             cubic: RelativeCubic::between(segment_a, segment_b, interval, offset),
-            scale: local_scale(segment_a, segment_b, interval, offset),
         });
     });
 }
@@ -240,7 +245,7 @@ pub(crate) fn solve(
     mut solved: impl FnMut(Solved),
 ) {
     each_sphere_pair(a, b, span, |pair| {
-        if !pair.is_beyond(margin) {
+        if !pair.is_beyond(a, b, span, margin) {
             solved(Solved {
                 span,
                 pair: *pair,
@@ -267,7 +272,7 @@ pub(crate) fn contacts(
     let is_lone = a.spheres.len() == 1 && b.spheres.len() == 1;
     for span in spans {
         each_sphere_pair(a, b, span, |pair| {
-            if is_lone || !pair.is_beyond(margin) {
+            if is_lone || !pair.is_beyond(a, b, span, margin) {
                 pair.contacts(&Profile::of(&pair.cubic), span, margin, clip, found);
             }
         });
@@ -329,7 +334,7 @@ pub(crate) fn closest_approach(
     let mut closest: Option<Approach> = None;
     for span in spans {
         each_sphere_pair(a, b, span, |pair| {
-            if closest.is_some_and(|best| pair.is_beyond(best.separation)) {
+            if closest.is_some_and(|best| pair.is_beyond(a, b, span, best.separation)) {
                 return;
             }
             let profile = Profile::of(&pair.cubic);

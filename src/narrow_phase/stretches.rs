@@ -189,8 +189,9 @@ fn crossing(cubic: &RelativeCubic, radius: f64, inside: &Node, outside: &Node) -
     }
     let power = normalising_power(cubic.size.max(radius));
     let radius = radius * power;
+    let motion = cubic.motion();
     let excess = |s: f64| {
-        let (position, rate) = cubic.at(s);
+        let (position, rate) = motion(s);
         let (h, h1) = (position * power, rate * power);
         (h.length_squared() - radius * radius, 2.0 * h.dot(h1))
     };
