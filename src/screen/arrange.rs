@@ -85,7 +85,7 @@ mod tests {
         let mut arranger = Arranger::default();
         let mut lost = 0;
         for round in 0..600 {
-            let bodies = [2, 20, 300][round % 3];
+            let bodies: u32 = [2, 20, 300][round % 3];
             let count = rng.random_range(0..400);
             let mut any = |most: u32| rng.random_range(0..most);
             let mut survivors: Vec<Survivor> = (0..count)

@@ -1,6 +1,7 @@
 //! From candidates to survivors: which spans of a pair may hold a contact.
 //!
-//! Tests in the order of their cost: courses, then knots, sketches, and segments. Each stage goes
+//! Tests in the order of their cost: courses, then knots, sketches, and segments as long as these
+//! rule out what the courses and sketches of a slice do not. Each stage goes
 //! through a batch of what the one before left, and what it reads is fetched a few entries ahead:
 //! the bodies of neighbouring candidates lie anywhere in memory, and waiting for them would be most
 //! of the time.
@@ -281,6 +282,7 @@ impl Sieve {
                 span_a: piece.span.a,
                 span_b: piece.span.b,
             };
+            // These come after all that were asked about: a pair's spans stay in the order of time.
             if self.trial.left > 0 {
                 self.trial.left -= 1;
                 survivors.push(survivor);
