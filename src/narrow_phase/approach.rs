@@ -25,9 +25,10 @@ pub(crate) fn approaching(a: &Course, b: &Course, (from, to): (f64, f64)) -> Opt
     };
     let square = dot(change, change);
     let nearest = -dot(apart, change) / square;
-    // Most candidates end here, so it is one comparison. What is not a number becomes the start
-    // of the slice: there is no motion, or no telling, and then nothing is beyond.
-    if square_at(nearest.max(0.0).min(1.0)) > reach {
+    // Most candidates end here, so it is one comparison. Without motion any instant will do, and
+    // what is no number is not beyond.
+    let share = if nearest > 0.0 { nearest.min(1.0) } else { 0.0 };
+    if square_at(share) > reach {
         return None;
     }
     // Without motion, or beyond the range of numbers, there is no telling when.
