@@ -21,6 +21,7 @@ pub(crate) const CLEARANCE: f64 = 512.0 * UNIT_ROUNDOFF;
 /// The power of two that brings `magnitude` into [1, 2); 1 where there is nothing to bring.
 ///
 /// Exact; a subnormal magnitude is brought as near as one factor can.
+#[inline]
 pub(crate) fn normalising_power(magnitude: f64) -> f64 {
     const EXPONENT_MASK: u64 = 0x7ff;
     let exponent = (magnitude.to_bits() >> 52) & EXPONENT_MASK;
@@ -34,6 +35,7 @@ pub(crate) fn normalising_power(magnitude: f64) -> f64 {
 }
 
 /// Euclidean norm, correct to a few roundings from the smallest to the largest numbers.
+#[inline]
 pub(crate) fn norm(vector: DVec3) -> f64 {
     let largest = vector.abs().max_element();
     if (1e-140..1e140).contains(&largest) {
@@ -45,6 +47,7 @@ pub(crate) fn norm(vector: DVec3) -> f64 {
 }
 
 /// The largest norm of some vectors: with a root less for each than [`norm`], and the same bits.
+#[inline]
 pub(crate) fn largest_norm(vectors: &[DVec3]) -> f64 {
     let (mut largest, mut square) = (DVec3::ZERO, 0.0_f64);
     for vector in vectors {

@@ -69,7 +69,7 @@ pub(crate) fn certified_contacts(
     parts.clear();
     for span in spans {
         each_sphere_pair(a, b, span, |pair| {
-            if !pair.is_beyond(margin) {
+            if !pair.is_beyond(a, b, span, margin) {
                 let count = parts.len();
                 let member = members.len();
                 push_parts(pair, margin, clip, member, parts);
@@ -118,7 +118,7 @@ pub(crate) fn certified_approach(
     let mut reached = f64::INFINITY;
     for span in spans {
         each_sphere_pair(a, b, span, |pair| {
-            if reached < f64::INFINITY && pair.is_beyond(reached) {
+            if reached < f64::INFINITY && pair.is_beyond(a, b, span, reached) {
                 return;
             }
             let (start, end) = (span.start.max(from), span.end.min(to));

@@ -77,7 +77,6 @@ pub(super) struct SpherePair {
     pub(super) radius_a: f64,
     pub(super) radius_b: f64,
     pub(super) cubic: RelativeCubic,
-    scale: f64,
 }
 
 impl SpherePair {
@@ -114,11 +113,18 @@ impl SpherePair {
         });
     }
 
-    /// Whether cheap tests show that the separation stays above `margin` all along the span.
-    pub(super) fn is_beyond(&self, margin: f64) -> bool {
+    /// Whether cheap tests show that the separation stays above `margin` all along the span of
+    /// these two bodies.
+    pub(super) fn is_beyond(&self, a: &Party<'_>, b: &Party<'_>, span: Span, margin: f64) -> bool {
         let radius = contact_radius(self.radius_a, self.radius_b, margin);
         // Below zero no distance is small enough, whatever the rounding.
-        radius < 0.0 || certainly_beyond(&self.cubic.points, filter_threshold(radius, self.scale))
+        if radius < 0.0 {
+            return true;
+        }
+        let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
+        let offset = a.spheres[self.a as usize].offset - b.spheres[self.b as usize].offset;
+        let scale = local_scale(segment_a, segment_b, (span.start, span.end), offset);
+        certainly_beyond(&self.cubic.points, filter_threshold(radius, scale))
     }
 }
 
@@ -147,7 +153,6 @@ pub(super) fn each_sphere_pair(
             radius_a,
             radius_b,
             cubic: RelativeCubic::between(segment_a, segment_b, interval, offset),
-            scale: local_scale(segment_a, segment_b, interval, offset),
         });
     });
 }
@@ -179,37 +184,56 @@ pub(crate) fn may_touch(
     margin: f64,
     interval: (f64, f64),
 ) -> bool {
-    near_motion(a, b, span, margin, interval)
-        .is_some_and(|(points, threshold)| !certainly_beyond(&points, threshold))
+    let Some(threshold) = near_threshold(a, b, span, margin) else {
+        return false;
+    };
+    let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
+    let offset = a.bounding.offset - b.bounding.offset;
+    let within_knots =
+        segment_a.covers(span.start, span.end) && segment_b.covers(span.start, span.end);
+    if within_knots && segments_apart(segment_a, segment_b, offset, threshold) {
+        return false;
+    }
+    !certainly_beyond(&near_points(a, b, span, interval), threshold)
 }
 
 /// The relative motion of a pair's bounding spheres in the part of a span within `from..=to`, as
-/// control points, and the distance that a filter must see it beyond; none if the boxes of the
-/// whole cubics are already apart.
+/// control points, and the distance that a filter must see it beyond; none if no distance is small
+/// enough.
 #[inline]
 pub(crate) fn near_motion(
     a: &Party<'_>,
     b: &Party<'_>,
     span: Span,
     margin: f64,
-    (from, to): (f64, f64),
+    interval: (f64, f64),
 ) -> Option<([DVec3; 4], f64)> {
+    let threshold = near_threshold(a, b, span, margin)?;
+    Some((near_points(a, b, span, interval), threshold))
+}
+
+/// The distance beyond which the bounding spheres of a pair are certainly apart in a span; none if
+/// no distance is small enough.
+#[inline]
+fn near_threshold(a: &Party<'_>, b: &Party<'_>, span: Span, margin: f64) -> Option<f64> {
     let radius = contact_radius(a.bounding.radius, b.bounding.radius, margin);
     if radius < 0.0 {
         return None;
     }
     let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
     let offset = a.bounding.offset - b.bounding.offset;
-    let whole = (span.start, span.end);
-    let threshold = filter_threshold(radius, local_scale(segment_a, segment_b, whole, offset));
-    let within_knots =
-        segment_a.covers(span.start, span.end) && segment_b.covers(span.start, span.end);
-    if within_knots && segments_apart(segment_a, segment_b, offset, threshold) {
-        return None;
-    }
+    let scale = local_scale(segment_a, segment_b, (span.start, span.end), offset);
+    Some(filter_threshold(radius, scale))
+}
+
+/// The relative control points of a pair's bounding spheres in the part of a span within
+/// `from..=to`.
+#[inline]
+fn near_points(a: &Party<'_>, b: &Party<'_>, span: Span, (from, to): (f64, f64)) -> [DVec3; 4] {
+    let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
     let part = (span.start.max(from), span.end.min(to));
-    let points = relative_points(segment_a, segment_b, part, offset);
-    Some((points, threshold))
+    let offset = a.bounding.offset - b.bounding.offset;
+    relative_points(segment_a, segment_b, part, offset)
 }
 
 /// Solves each pair of spheres over a span that may come within `margin`.
@@ -221,7 +245,7 @@ pub(crate) fn solve(
     mut solved: impl FnMut(Solved),
 ) {
     each_sphere_pair(a, b, span, |pair| {
-        if !pair.is_beyond(margin) {
+        if !pair.is_beyond(a, b, span, margin) {
             solved(Solved {
                 span,
                 pair: *pair,
@@ -248,7 +272,7 @@ pub(crate) fn contacts(
     let is_lone = a.spheres.len() == 1 && b.spheres.len() == 1;
     for span in spans {
         each_sphere_pair(a, b, span, |pair| {
-            if is_lone || !pair.is_beyond(margin) {
+            if is_lone || !pair.is_beyond(a, b, span, margin) {
                 pair.contacts(&Profile::of(&pair.cubic), span, margin, clip, found);
             }
         });
@@ -310,7 +334,7 @@ pub(crate) fn closest_approach(
     let mut closest: Option<Approach> = None;
     for span in spans {
         each_sphere_pair(a, b, span, |pair| {
-            if closest.is_some_and(|best| pair.is_beyond(best.separation)) {
+            if closest.is_some_and(|best| pair.is_beyond(a, b, span, best.separation)) {
                 return;
             }
             let profile = Profile::of(&pair.cubic);

@@ -4,6 +4,7 @@
 //! let through goes to the exact solver; see [`CLEARANCE`](crate::rounding::CLEARANCE) for why
 //! they never reject what the solver would report.
 
+use super::hull::squared_distance;
 use crate::rounding::{UNIT_ROUNDOFF, norm, normalising_power};
 use crate::trajectory::Segment;
 use glam::DVec3;
@@ -65,19 +66,6 @@ fn beyond_by_coefficients(points: &[DVec3; 4], largest: DVec3, threshold: f64) -
     // (numerics, section 5), 16 of the threshold's square.
     let radius = threshold * power;
     least > radius * radius * (1.0 + 16.0 * UNIT_ROUNDOFF) + 128.0 * UNIT_ROUNDOFF
-}
-
-/// Bernstein coefficients of the squared distance, degree 6, from the control points.
-fn squared_distance(h: [DVec3; 4]) -> [f64; 7] {
-    [
-        h[0].dot(h[0]),
-        h[0].dot(h[1]),
-        (2.0 * h[0].dot(h[2]) + 3.0 * h[1].dot(h[1])) * 0.2,
-        (h[0].dot(h[3]) + 9.0 * h[1].dot(h[2])) * 0.1,
-        (2.0 * h[1].dot(h[3]) + 3.0 * h[2].dot(h[2])) * 0.2,
-        h[2].dot(h[3]),
-        h[3].dot(h[3]),
-    ]
 }
 
 #[cfg(test)]

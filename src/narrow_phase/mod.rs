@@ -9,6 +9,7 @@ mod certified;
 mod contact;
 mod fast;
 mod filter;
+mod hull;
 pub mod kernels;
 mod relative;
 mod stationary;

@@ -61,34 +61,38 @@ impl RelativeCubic {
     /// Whether the relative motion is zero, as far as its rounding can tell.
     pub(crate) fn is_constant(&self) -> bool {
         let [p0, p1, p2, p3] = self.points;
-        largest_norm(&[p1 - p0, p2 - p0, p3 - p0]) <= self.tolerance()
+        let tolerance = self.tolerance();
+        // Most motions are not, by far: a coordinate tells, and no root is needed.
+        if (p3 - p0).abs().max_element() > 2.0 * tolerance {
+            return false;
+        }
+        largest_norm(&[p1 - p0, p2 - p0, p3 - p0]) <= tolerance
     }
 
     /// Relative position and its derivative by s (m), formed from the nearer end so that what is
     /// constant stays exactly constant.
+    #[inline]
     pub(crate) fn at(&self, s: f64) -> (DVec3, DVec3) {
         let [p0, p1, p2, p3] = self.points;
         if s <= 0.5 {
-            let (c1, c2, c3) = (
-                3.0 * (p1 - p0),
-                3.0 * ((p2 - p1) - (p1 - p0)),
-                (p3 - p0) - 3.0 * (p2 - p1),
-            );
-            (
-                p0 + s * (c1 + s * (c2 + s * c3)),
-                c1 + s * (2.0 * c2 + s * (3.0 * c3)),
-            )
+            PowerForm::of(p0, p1, p2, p3).at(s)
         } else {
-            let r = 1.0 - s;
-            let (c1, c2, c3) = (
-                3.0 * (p2 - p3),
-                3.0 * ((p1 - p2) - (p2 - p3)),
-                (p0 - p3) - 3.0 * (p1 - p2),
-            );
-            (
-                p3 + r * (c1 + r * (c2 + r * c3)),
-                -(c1 + r * (2.0 * c2 + r * (3.0 * c3))),
-            )
+            let (position, rate) = PowerForm::of(p3, p2, p1, p0).at(1.0 - s);
+            (position, -rate)
+        }
+    }
+
+    /// The same for many s.
+    pub(crate) fn motion(&self) -> impl Fn(f64) -> (DVec3, DVec3) {
+        let [p0, p1, p2, p3] = self.points;
+        let (forth, back) = (PowerForm::of(p0, p1, p2, p3), PowerForm::of(p3, p2, p1, p0));
+        move |s| {
+            if s <= 0.5 {
+                forth.at(s)
+            } else {
+                let (position, rate) = back.at(1.0 - s);
+                (position, -rate)
+            }
         }
     }
 
@@ -155,6 +159,36 @@ impl RelativeCubic {
         } else {
             0.0
         }
+    }
+}
+
+/// A cubic in powers of the distance from one of its ends.
+struct PowerForm {
+    coefficients: [DVec3; 4],
+}
+
+impl PowerForm {
+    /// From the control points, beginning at that end.
+    #[inline]
+    fn of(p0: DVec3, p1: DVec3, p2: DVec3, p3: DVec3) -> Self {
+        Self {
+            coefficients: [
+                p0,
+                3.0 * (p1 - p0),
+                3.0 * ((p2 - p1) - (p1 - p0)),
+                (p3 - p0) - 3.0 * (p2 - p1),
+            ],
+        }
+    }
+
+    /// Value and derivative.
+    #[inline]
+    fn at(&self, s: f64) -> (DVec3, DVec3) {
+        let [c0, c1, c2, c3] = self.coefficients;
+        (
+            c0 + s * (c1 + s * (c2 + s * c3)),
+            c1 + s * (2.0 * c2 + s * (3.0 * c3)),
+        )
     }
 }
 

@@ -5,6 +5,7 @@
 //! the whole span first and clipped to the window afterwards, so that a stretch has the same bits
 //! whatever the window.
 
+use super::hull::is_monotonic;
 use super::relative::RelativeCubic;
 use super::stationary::{MOST_STATIONARY, stationary_points};
 use crate::rounding::normalising_power;
@@ -68,8 +69,10 @@ impl Profile {
             });
             profile.plateau = cubic.tolerance();
         } else {
-            for &s in stationary_points(cubic).as_slice() {
-                push(node(s));
+            if !is_monotonic(cubic) {
+                for &s in stationary_points(cubic).as_slice() {
+                    push(node(s));
+                }
             }
             push(node(1.0));
         }
@@ -96,7 +99,7 @@ impl Profile {
             plateau: self.plateau,
         };
         let (from, to) = (from.max(cubic.start), to.min(cubic.end));
-        let mut closest = if self.plateau > 0.0 {
+        let mut closest = if self.plateau > 0.0 || from <= cubic.start {
             Instant {
                 time: from,
                 ..self.instant(&self.nodes[0])
@@ -186,8 +189,9 @@ fn crossing(cubic: &RelativeCubic, radius: f64, inside: &Node, outside: &Node) -
     }
     let power = normalising_power(cubic.size.max(radius));
     let radius = radius * power;
+    let motion = cubic.motion();
     let excess = |s: f64| {
-        let (position, rate) = cubic.at(s);
+        let (position, rate) = motion(s);
         let (h, h1) = (position * power, rate * power);
         (h.length_squared() - radius * radius, 2.0 * h.dot(h1))
     };

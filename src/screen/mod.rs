@@ -5,6 +5,7 @@
 //! on which thread, is forgotten before the solver sees it: hence the same bits whatever the
 //! slicing and the number of threads.
 
+mod arrange;
 mod line_up;
 mod pilot;
 mod room;
@@ -22,7 +23,6 @@ use crate::conflict::{ClosestApproach, Conflict};
 use crate::error::Error;
 use crate::id::BodyId;
 use crate::narrow_phase::{Party, certified_approach, closest_approach};
-use crate::parallel;
 use crate::query::Query;
 use crate::scene::Scene;
 use crate::spans::{Spans, spans};
@@ -199,8 +199,7 @@ impl LineUp<'_> {
             }?
         };
         let begin = Instant::now();
-        let mut conflicts = self.solve(&parties, &survivors);
-        parallel::sort(&mut conflicts, Conflict::order);
+        let conflicts = self.solve(&parties, &survivors);
         stats.narrow_time += begin.elapsed();
         stats.survivors = survivors.len() as u64;
         stats.conflicts = conflicts.len() as u64;

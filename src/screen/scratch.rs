@@ -1,5 +1,6 @@
 //! Memory that one screening leaves to the next.
 
+use super::arrange::Arranger;
 use super::sift::Sieve;
 use crate::broad_phase::fill::Block;
 use crate::broad_phase::{BruteForce, Candidate, Sweep, Tree};
@@ -20,6 +21,7 @@ pub(super) struct Scratch {
     pub(super) block: Block,
     pub(super) candidates: Vec<Candidate>,
     pub(super) sieve: Sieve,
+    pub(super) arranger: Arranger,
 }
 
 /// Scratch that is not in use, kept by a scene: first use of fresh memory costs as much as forming

@@ -27,7 +27,7 @@ const CHUNK: usize = 64;
 type OfPair<'s> = &'s [Survivor];
 
 impl LineUp<'_> {
-    /// The answer for the survivors (sorted), pair by pair.
+    /// The answer for the survivors (sorted), in the order of reports.
     pub(super) fn solve(&self, parties: &[Party<'_>], survivors: &[Survivor]) -> Vec<Conflict> {
         let pairs: Vec<OfPair<'_>> = survivors
             .chunk_by(|x, y| (x.a, x.b) == (y.a, y.b))
@@ -43,7 +43,7 @@ impl LineUp<'_> {
             }
             conflicts
         });
-        solved.into_iter().flatten().collect()
+        in_order(&solved)
     }
 
     fn exact(
@@ -124,6 +124,30 @@ impl LineUp<'_> {
             survivors,
         })
     }
+}
+
+/// All conflicts in the order of reports, from those of each pair after the other.
+///
+/// Pairs ascend, and the conflicts of one follow in time: so it is the order of their beginnings,
+/// and of their places where these tie. A conflict is long: it is moved once, by its place.
+fn in_order(found: &[Vec<Conflict>]) -> Vec<Conflict> {
+    let places = (0_u32..).zip(found).flat_map(|(chunk, conflicts)| {
+        let places = (0_u32..).zip(conflicts);
+        places.map(move |(place, conflict)| (conflict.enter, chunk, place))
+    });
+    let mut places: Vec<(f64, u32, u32)> = places.collect();
+    parallel::sort(&mut places, |x, y| {
+        x.0.total_cmp(&y.0).then((x.1, x.2).cmp(&(y.1, y.2)))
+    });
+    let ordered: Vec<Conflict> = places
+        .iter()
+        .map(|&(_, chunk, place)| found[chunk as usize][place as usize])
+        .collect();
+    debug_assert!(
+        ordered.is_sorted_by(|x, y| x.order(y).is_le()),
+        "pairs ascend"
+    );
+    ordered
 }
 
 /// Two bodies with the spans in which they may touch.

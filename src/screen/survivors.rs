@@ -1,5 +1,6 @@
 //! From slices to survivors: boxes, candidates, and cheap tests of their spans.
 
+use super::arrange::Arranger;
 use super::line_up::LineUp;
 use super::room::Room;
 use super::scratch::Scratch;
@@ -36,6 +37,7 @@ impl LineUp<'_> {
         let blocks = Blocks::new(slices.count(), parties.len());
         let done_blocks = AtomicU32::new(0);
         let mut survivors = Vec::new();
+        let mut arranger = Arranger::default();
         let mut first = 0;
         while first < blocks.count {
             let round = blocks.round.min(blocks.count - first);
@@ -54,8 +56,7 @@ impl LineUp<'_> {
                 *stats += counted;
             }
             let begin = Instant::now();
-            parallel::sort(&mut survivors, Survivor::cmp);
-            survivors.dedup();
+            arranger.tidy(&mut survivors, parties.len());
             self.check_room(survivors.len())?;
             stats.narrow_time += begin.elapsed();
             first += round;
@@ -160,7 +161,7 @@ impl LineUp<'_> {
             stats.candidates += candidates.len() as u64;
             stats.broad_time += found - begin;
             if survivors.len() > self.most_spans {
-                tidy(&mut survivors);
+                scratch.arranger.tidy(&mut survivors, parties.len());
                 self.check_room(survivors.len())?;
             }
             stats.narrow_time += found.elapsed();
@@ -168,16 +169,12 @@ impl LineUp<'_> {
         (scratch.block, scratch.candidates) = (block, candidates);
         let begin = Instant::now();
         scratch.sieve.empty(self.level, &mut survivors);
-        tidy(&mut survivors);
+        if survivors.len() > FEW_SURVIVORS {
+            scratch.arranger.tidy(&mut survivors, parties.len());
+        }
         stats.narrow_time += begin.elapsed();
         Ok((survivors, stats))
     }
-}
-
-/// Keeps each survivor once: a span that lasts for several slices survives in each.
-fn tidy(survivors: &mut Vec<Survivor>) {
-    survivors.sort_unstable();
-    survivors.dedup();
 }
 
 /// Slices dealt out in blocks of about equal size. What is found does not depend on it.
@@ -225,6 +222,9 @@ impl Blocks {
         cut(block)..cut(block + 1)
     }
 }
+
+/// Not more of a block are left untidied until all blocks' are put together: 64 KiB.
+const FEW_SURVIVORS: usize = 1 << 12;
 
 /// Room for candidates of a slice, but for what is allowed for spans: half a GiB.
 const MOST_CANDIDATES: u64 = 1 << 26;

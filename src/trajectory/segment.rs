@@ -237,6 +237,7 @@ impl Segment {
     ///
     /// Inside the knots by blossoming with weights of sum one, beyond them (`Extrapolate`,
     /// `Coast`) in power form around the first knot. `from == to` gives one point four times.
+    #[inline]
     pub(crate) fn restrict(&self, from: f64, to: f64) -> Restriction {
         if from <= self.start && to >= self.end && from >= self.start && to <= self.end {
             return Restriction {
@@ -244,6 +245,11 @@ impl Segment {
                 error: self.error() + UNIT_ROUNDOFF * self.extent,
             };
         }
+        self.restrict_part(from, to)
+    }
+
+    /// The same for less than the whole segment, or more.
+    fn restrict_part(&self, from: f64, to: f64) -> Restriction {
         if self.covers(from, to) {
             self.restrict_inside(from, to)
         } else {
