@@ -143,6 +143,9 @@ fn print_lengths() {
         let (scene, query) = build(&generate());
         one_thread().install(|| lengths::print_line(name, &scene, &query));
     }
+    for (name, scene, query) in recordings() {
+        one_thread().install(|| lengths::print_line(name, &scene, &query));
+    }
 }
 
 criterion_group!(benches, screen);
