@@ -104,7 +104,7 @@ mod tests {
 
     #[test]
     fn equals_a_plain_list_whatever_is_replaced_and_dropped() {
-        let mut roomy = Roomy::<u32, 2>::with_capacity(4);
+        let mut roomy = Roomy::<usize, 2>::with_capacity(4);
         (0..4).for_each(|entry| roomy.push(entry));
         roomy.put_beside(0, 70);
         roomy.put_beside(1, 71);
@@ -113,8 +113,7 @@ mod tests {
         // Within the room, beyond it, and back.
         for (replaced, count) in [(1, 2), (0, 1), (0, 3), (2, 0), (0, 1), (1, 4)] {
             let new = 10 * count..11 * count;
-            let length = usize::try_from(count).unwrap();
-            roomy.replace_front(replaced, length, new.clone());
+            roomy.replace_front(replaced, count, new.clone());
             plain.splice(..replaced, new);
             assert_eq!((&*roomy, roomy.beside()), (&plain[..], &[70, 71][..]));
             if plain.len() == 6 {
