@@ -181,15 +181,16 @@ impl Source<'_> {
             known: f64::INFINITY,
             ..Tick::default()
         };
-        self.each_plain(pair, alert, &ahead, always, scratch, |plain| {
+        self.each_plain(pair, alert, &ahead, (always, always.1), scratch, |plain| {
             plains.add(slots, (plain.start, plain.exit), plain);
         });
     }
 
-    fn clip(&self, slots: Slots, (from, to): (f64, f64)) -> Option<(f64, f64)> {
-        let (start, end) = self.outlook.domain(self.scene, slots)?;
-        let (start, end) = (start.max(from), end.min(to));
-        (start <= end).then_some((start, end))
+    /// When both bodies of a pair exist within a window; and when they cease to.
+    fn clip(&self, slots: Slots, (from, to): (f64, f64)) -> Option<((f64, f64), f64)> {
+        let (start, ends) = self.outlook.domain(self.scene, slots)?;
+        let clip = (start.max(from), ends.min(to));
+        (clip.0 <= clip.1).then_some((clip, ends))
     }
 
     /// The conflicts of a pair within a window.
@@ -201,7 +202,7 @@ impl Source<'_> {
         scratch: &mut Scratch,
         conflicts: &mut Vec<Conflict>,
     ) {
-        let (Some(pair), Some(clip)) = (self.pair(slots), self.clip(slots, window)) else {
+        let (Some(pair), Some((clip, _))) = (self.pair(slots), self.clip(slots, window)) else {
             return;
         };
         let contacts = &mut scratch.contacts;
@@ -220,17 +221,24 @@ impl Source<'_> {
         plains: &mut Vec<Plain>,
     ) {
         let window = (tick.before, tick.known);
-        if let (Some(pair), Some(clip)) = (self.pair(slots), self.clip(slots, window)) {
-            self.each_plain(pair, alert, tick, clip, scratch, |plain| plains.push(plain));
+        if let (Some(pair), Some((clip, ends))) = (self.pair(slots), self.clip(slots, window)) {
+            let contacts = &mut scratch.contacts;
+            self.outlook.contacts(pair, alert.margin, clip, contacts);
+            let period = (clip, ends);
+            self.each_plain(pair, alert, tick, period, scratch, |plain| {
+                plains.push(plain)
+            });
         }
     }
 
+    /// Works out the plain encounters of a pair within `clip`, of which `scratch` has the contacts
+    /// at the margin. `ends` is when one of its bodies ceases to exist.
     fn each_plain(
         &self,
         pair: &Pair,
         alert: &AlertLevel,
         tick: &Tick,
-        clip: (f64, f64),
+        (clip, ends): ((f64, f64), f64),
         scratch: &mut Scratch,
         mut visit: impl FnMut(Plain),
     ) {
@@ -240,14 +248,11 @@ impl Source<'_> {
             released,
             passed,
         } = scratch;
-        outlook.contacts(pair, alert.margin, clip, contacts);
         if alert.release > alert.margin {
             outlook.contacts(pair, alert.release, clip, released);
         } else {
             released.clone_from(contacts);
         }
-        let domain = outlook.domain(self.scene, pair.slots);
-        let ends = domain.map_or(tick.known, |(_, end)| end);
         for hold in &*released {
             let mut within = contacts
                 .iter()

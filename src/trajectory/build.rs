@@ -37,14 +37,15 @@ impl Trajectory {
             segments.push(Segment::hermite(&pair[0], &pair[1], index + 1)?);
         }
         let last_knot = states.len() - 1;
-        let coast = [
-            Segment::line(first, states[1].time - first.time, 0.0, 0)?,
-            Segment::line(last, last.time - states[last_knot - 1].time, 0.0, last_knot)?,
-        ];
+        let (before, after) = (
+            states[1].time - first.time,
+            last.time - states[last_knot - 1].time,
+        );
+        segments.put_beside(0, Segment::line(first, before, 0.0, 0)?);
+        segments.put_beside(1, Segment::line(last, after, 0.0, last_knot)?);
         Ok(Self {
             knots,
             segments,
-            coast,
             outside: Outside::default(),
         })
     }
@@ -152,9 +153,8 @@ impl Trajectory {
             end_line(&segments[last], knots[last + 1], last + 1)?,
         ];
         Ok(Self {
-            knots: knots.to_vec().into(),
-            segments: segments.into(),
-            coast,
+            knots: Roomy::new(knots, &[]),
+            segments: Roomy::new(&segments, &coast),
             outside: Outside::default(),
         })
     }
@@ -169,9 +169,8 @@ impl Trajectory {
         check_states(&[state])?;
         let line = Segment::line(&state, 1.0, 0.0, 0)?;
         Ok(Self {
-            knots: vec![0.0].into(),
-            segments: Vec::new().into(),
-            coast: [line, line],
+            knots: Roomy::new(&[0.0], &[]),
+            segments: Roomy::new(&[], &[line, line]),
             outside: Outside::Coast,
         })
     }

@@ -45,9 +45,9 @@ use roomy::Roomy;
 pub struct Trajectory {
     /// One more than segments. A body at rest has one knot and no segment.
     knots: Roomy<f64>,
-    segments: Roomy<Segment>,
-    /// Straight motion before the first and after the last knot.
-    coast: [Segment; 2],
+    /// Beside them: straight motion before the first and after the last knot. There they cost a
+    /// body that is moved about, or never asked, nothing.
+    segments: Roomy<Segment, 2>,
     outside: Outside,
 }
 

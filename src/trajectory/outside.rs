@@ -60,7 +60,7 @@ impl Trajectory {
     pub(super) fn before(&self) -> &Segment {
         match (self.outside, self.segments.first()) {
             (Outside::Extrapolate, Some(first)) => first,
-            _ => &self.coast[0],
+            _ => &self.segments.beside()[0],
         }
     }
 
@@ -68,7 +68,7 @@ impl Trajectory {
     pub(super) fn after(&self) -> &Segment {
         match (self.outside, self.segments.last()) {
             (Outside::Extrapolate, Some(last)) => last,
-            _ => &self.coast[1],
+            _ => &self.segments.beside()[1],
         }
     }
 

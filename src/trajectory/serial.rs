@@ -1,5 +1,6 @@
 //! Trajectories in files: the exact numbers that are computed with, checked when they come back.
 
+use super::roomy::Roomy;
 use super::{Outside, Segment, Trajectory};
 use crate::error::{Error, LARGEST_MAGNITUDE, Quantity};
 use crate::rounding::largest_norm;
@@ -18,10 +19,11 @@ pub(super) struct Numbers {
 
 impl From<Trajectory> for Numbers {
     fn from(trajectory: Trajectory) -> Self {
+        let coast = trajectory.segments.beside();
         Self {
             knots: trajectory.knots.to_vec(),
             segments: trajectory.segments.iter().map(Segment::numbers).collect(),
-            coast: trajectory.coast.each_ref().map(Segment::numbers),
+            coast: [&coast[0], &coast[1]].map(Segment::numbers),
             outside: trajectory.outside,
         }
     }
@@ -60,14 +62,12 @@ impl TryFrom<Numbers> for Trajectory {
         }
         let segment = |(knot, numbers)| Segment::from_numbers(numbers, knot);
         let [before, after] = coast;
+        let segments = (1..).zip(segments).map(segment);
+        let segments = segments.collect::<Result<Vec<_>, _>>()?;
+        let coast = [segment((0, before))?, segment((last, after))?];
         Ok(Self {
-            segments: (1..)
-                .zip(segments)
-                .map(segment)
-                .collect::<Result<Vec<_>, _>>()?
-                .into(),
-            coast: [segment((0, before))?, segment((last, after))?],
-            knots: knots.into(),
+            segments: Roomy::new(&segments, &coast),
+            knots: Roomy::new(&knots, &[]),
             outside,
         })
     }

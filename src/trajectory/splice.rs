@@ -66,13 +66,14 @@ impl Trajectory {
             _ if ahead < self.knots.len() => self.segments[ahead - 1],
             _ => {
                 // No knot left: the carrier goes on for ever, whatever its rule was called.
-                self.coast[1] = *self.after();
+                let after = *self.after();
+                self.segments.put_beside(1, after);
                 self.outside = Outside::Coast;
-                self.coast[1]
+                after
             }
         };
         let goes_on = ahead < self.knots.len();
-        self.coast[0] = *flown.before();
+        self.segments.put_beside(0, *flown.before());
         let replaced = ahead.min(self.segments.len());
         let kept = flown_knots.len();
         let flown_segments = flown_segments.copied().chain(beyond);
@@ -89,10 +90,17 @@ impl Trajectory {
 
     /// Fetches what a splice near the front reads into the caches.
     pub(crate) fn prefetch(&self) {
-        /// Five lines.
-        const KNOTS: usize = 40;
+        /// One line or two.
+        const KNOTS: usize = 8;
         prefetch(&self.knots[..self.knots.len().min(KNOTS)]);
+        prefetch(self.segments.beside());
         prefetch(&self.segments[..self.segments.len().min(2)]);
+    }
+
+    /// Fetches what dropping it reads into the caches.
+    pub(crate) fn prefetch_ends(&self) {
+        self.knots.prefetch_ends();
+        self.segments.prefetch_ends();
     }
 
     /// How many cubics end before `time`, but for the last one.

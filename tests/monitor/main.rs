@@ -336,6 +336,55 @@ fn equals_one_shot_screening_with_many_bodies() {
     assert!(conflicts > 50_000, "{conflicts}");
 }
 
+/// Bodies changed and boxes formed in each tick of a monitor of 200 bodies, a share of which is
+/// replanned before each tick.
+fn boxes_formed(share: f64) -> Vec<(u64, u64)> {
+    let mut rng = rng(31);
+    let mut scene = Scene::new();
+    let mut ids = Vec::new();
+    for _ in 0..200 {
+        let states = wander(&mut rng, 0.0, 40, 1.0, 60.0, 4.0);
+        let plan = Trajectory::from_states(&states).unwrap();
+        ids.push(scene.insert(Body::new(plan)).unwrap());
+    }
+    let mut monitor = Monitor::new(scene, 0.0, 6.0, &LEVELS).unwrap();
+    tick(&mut monitor, 0.0);
+    let ticks = (1..=120).map(|number| {
+        for &id in &ids {
+            if rng.random_bool(share) {
+                let same = monitor.scene().body(id).unwrap().trajectory.clone();
+                monitor.set_trajectory(id, same).unwrap();
+            }
+        }
+        tick(&mut monitor, f64::from(number) / 30.0);
+        (monitor.stats().changed, monitor.stats().boxes)
+    });
+    ticks.collect()
+}
+
+/// Slices of 2 s, which are 60 ticks.
+#[test]
+fn what_comes_next_is_boxed_little_by_little_but_late_where_plans_change_all_the_time() {
+    let quiet = boxes_formed(0.0);
+    // Boxes are formed in 36 of the 60 ticks.
+    assert!(quiet.iter().all(|tick| tick.1 <= 6), "{quiet:?}");
+    assert!(quiet.iter().map(|tick| tick.1).sum::<u64>() >= 2 * 200);
+    let busy = boxes_formed(0.5);
+    let (changed, boxes) = busy
+        .iter()
+        .fold((0, 0), |sum, tick| (sum.0 + tick.0, sum.1 + tick.1));
+    // In the four slices of the lookahead; those of the next one, if they were formed all the time,
+    // would be a sixth more.
+    assert!(
+        boxes >= 4 * changed && boxes * 100 <= 4 * 107 * changed,
+        "{boxes} {changed}"
+    );
+    assert!(
+        busy.iter().all(|tick| tick.1 <= 5 * tick.0 + 100),
+        "{busy:?}"
+    );
+}
+
 /// A monitor of two points on straight lines, and what it tells at each tick.
 fn two(a: Trajectory, b: Trajectory, levels: &[AlertLevel]) -> (Monitor, BodyId, BodyId) {
     let mut scene = Scene::new();

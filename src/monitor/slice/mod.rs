@@ -113,7 +113,7 @@ impl Slice {
     /// The slice is not needed yet, but soon: a share of it (0 to 1) is due. In most scenes bodies
     /// have the same neighbours in it as in the one before.
     pub(super) fn foresee(&mut self, share: f64, before: &Self) {
-        if self.stage == Stage::default() && before.is_placed() {
+        if share > 0.0 && self.stage == Stage::default() && before.is_placed() {
             self.boxes.begin_like(&before.boxes);
             self.stage = Stage::Placing(0);
         }
