@@ -1,4 +1,4 @@
-//! What must not matter does not: the order of bodies, their earlier plans, the origin of space and time, extra knots,
+//! What must not matter does not: the order of bodies, what else there is, earlier plans, the origin of space and time, extra knots,
 //! where the window is cut. And a dense sampling that would see a conflict that was lost.
 
 #![allow(
@@ -9,7 +9,8 @@
 mod support;
 
 use glam::DVec3;
-use nearmiss::{Clip, Conflict, Hitbox, State, Trajectory, Window};
+use nearmiss::{Clip, Conflict, Hitbox, Method, Query, State, Trajectory, Window};
+use std::num::NonZeroU32;
 use support::{bits, scene_of, screen, swarm};
 
 const MARGIN: f64 = 1.5;
@@ -55,6 +56,47 @@ fn the_order_of_bodies() {
     a.sort_unstable();
     b.sort_unstable();
     assert_eq!(a, b);
+}
+
+/// Whether a pair is in contact at the very instant at which the window begins, where its separation is
+/// the margin up to rounding, is not for other bodies to decide, nor for the number of slices.
+#[test]
+fn what_else_is_in_the_scene() {
+    let (start, end) = (1e6, 1e6 + 60.0);
+    let flight = |(from, to): (DVec3, DVec3), (first, last): (DVec3, DVec3)| {
+        let states = [State::new(start, from, first), State::new(end, to, last)];
+        (states.to_vec(), 50.0)
+    };
+    for step in 0..100 {
+        let y = 0.1 * f64::from(step);
+        let (x, z) = (10.0 * DVec3::X, DVec3::Z);
+        let pair = [
+            flight((-30.0 * x, 30.0 * x), (x, x)),
+            flight(
+                (DVec3::new(0.0, -300.0, y), DVec3::new(0.0, 300.0, y + 3.0)),
+                (10.0 * DVec3::Y + 0.3 * z, 10.0 * DVec3::Y + 0.1 * z),
+            ),
+        ];
+        let mut bodies = Vec::new();
+        for place in 0..8 {
+            let position = DVec3::new(1e4 * f64::from(place), 1e6, 0.0);
+            let rest = [50.0, 60.0].map(|time| State::new(start + time, position, DVec3::ZERO));
+            bodies.extend([(rest.to_vec(), 1.0), (rest.to_vec(), 1.0)]);
+        }
+        bodies.extend(pair.clone());
+        let (alone, crowd) = (scene_of(&pair), scene_of(&bodies));
+        let found = screen(&alone, Window::ALL, 0.0);
+        let window = Window::new(found[0].exit, end).unwrap();
+        let expected = screen(&alone, window, 0.0).len();
+        for method in Method::EVERY {
+            for count in [1, 4] {
+                let slices = NonZeroU32::new(count).unwrap();
+                let query = Query::new(window).with_slices(slices).with_method(method);
+                let found = crowd.screen(&query).unwrap().conflicts;
+                assert_eq!(found.len() - 8, expected, "{y} {method:?} {count}");
+            }
+        }
+    }
 }
 
 /// A body that was given another plan is where that says, at any of its knots: plans of the same

@@ -1,7 +1,6 @@
 //! From candidates to survivors: which spans of a pair may hold a contact.
 //!
-//! Tests in the order of their cost: courses, then knots, sketches, and segments as long as these
-//! rule out what the courses and sketches of a slice do not. Each stage goes
+//! Tests in the order of their cost: courses, then knots, sketches, and segments. Each stage goes
 //! through a batch of what the one before left, and what it reads is fetched a few entries ahead:
 //! the bodies of neighbouring candidates lie anywhere in memory, and waiting for them would be most
 //! of the time.
@@ -112,49 +111,6 @@ pub(super) struct Sieve {
     motions: CubicBatch<f64>,
     thresholds: Vec<f64>,
     verdicts: Vec<Verdict>,
-    trial: Trial,
-}
-
-/// Whether asking about spans is worth while, found out anew in each slice: so it depends on
-/// nothing but what is in the slice.
-///
-/// The solver takes three times as long for a span as asking does. In crowds, where spans are short
-/// and nearly straight, sketches rule out nearly all that can be, and the rest is left to it.
-#[derive(Clone, Copy, Debug, Default)]
-struct Trial {
-    /// Among those asked about: the first of the trial, and how many make it complete.
-    first: usize,
-    complete: usize,
-    /// Spans that are not asked about until the next trial.
-    left: usize,
-}
-
-impl Trial {
-    const SIZE: usize = 8;
-
-    /// The first one in a slice; so many spans of other slices are still to be put to the kernel.
-    fn begin(waiting: usize) -> Self {
-        Self {
-            first: waiting,
-            complete: waiting + Self::SIZE,
-            left: 0,
-        }
-    }
-
-    /// The next one after so many of those asked about were ruled out.
-    fn next(&self, asked: usize, ruled_out: usize) -> Self {
-        let size = asked - self.first;
-        let is_worth_while = 8 * ruled_out >= size;
-        Self {
-            first: 0,
-            complete: if is_worth_while {
-                Sieve::BATCH
-            } else {
-                Self::SIZE
-            },
-            left: if is_worth_while { 0 } else { 7 * size },
-        }
-    }
 }
 
 impl Sieve {
@@ -172,7 +128,6 @@ impl Sieve {
         survivors: &mut Vec<Survivor>,
     ) -> u64 {
         let mut looked_at = 0;
-        self.trial = Trial::begin(self.asked.len());
         // Of earlier slices.
         let before = survivors.len() + self.asked.len();
         for batch in candidates.chunks(Self::BATCH) {
@@ -183,7 +138,10 @@ impl Sieve {
             self.cut(question.poses);
             looked_at += self.pieces.len() as u64;
             self.sketch(question);
-            self.ask(question, survivors);
+            self.ask(question.parties, question.margin);
+            if self.asked.len() >= Self::BATCH {
+                self.empty(question.level, survivors);
+            }
         }
         looked_at
     }
@@ -261,28 +219,11 @@ impl Sieve {
         self.pieces.truncate(kept);
     }
 
-    /// Puts the relative motions of these to the kernel, unless that has ruled out too few lately.
-    fn ask(&mut self, question: &Question<'_>, survivors: &mut Vec<Survivor>) {
-        let Question {
-            parties,
-            margin,
-            level,
-            ..
-        } = *question;
-        for i in 0..self.pieces.len() {
-            let piece = self.pieces[i];
-            let survivor = Survivor {
-                a: piece.a,
-                b: piece.b,
-                span_a: piece.span.a,
-                span_b: piece.span.b,
-            };
-            // These come after all that were asked about: a pair's spans stay in the order of time.
-            if self.trial.left > 0 {
-                self.trial.left -= 1;
-                survivors.push(survivor);
-                continue;
-            }
+    /// The relative motions of all of them. Each is asked about, however few that rules out: what is
+    /// beyond where the window cuts a span, the solver could take for a contact of no duration, and
+    /// then it would matter what else is in the scene.
+    fn ask(&mut self, parties: &[Party<'_>], margin: f64) {
+        for (i, piece) in self.pieces.iter().enumerate() {
             if let Some(later) = self.pieces.get(i + Self::AHEAD) {
                 let (a, b) = (&parties[later.a as usize], &parties[later.b as usize]);
                 prefetch(from_ref(&a.segments[later.span.a as usize]));
@@ -293,14 +234,12 @@ impl Sieve {
             if let Some((points, threshold)) = motion {
                 self.motions.push(points.map(|point| point.to_array()));
                 self.thresholds.push(threshold);
-                self.asked.push(survivor);
-            }
-            let asked = self.asked.len();
-            if asked >= self.trial.complete {
-                self.empty(level, survivors);
-                let of_trial = &self.verdicts[self.trial.first..];
-                let outside = of_trial.iter().filter(|&&verdict| is_outside(verdict));
-                self.trial = self.trial.next(asked, outside.count());
+                self.asked.push(Survivor {
+                    a: piece.a,
+                    b: piece.b,
+                    span_a: piece.span.a,
+                    span_b: piece.span.b,
+                });
             }
         }
     }
@@ -316,7 +255,7 @@ impl Sieve {
         let motions = self.motions.lanes();
         within(level, &motions, thresholds, thresholds, &mut self.verdicts);
         let judged = self.asked.iter().zip(&self.verdicts);
-        let kept = judged.filter(|(_, verdict)| !is_outside(**verdict));
+        let kept = judged.filter(|(_, verdict)| **verdict != Verdict::Outside);
         survivors.extend(kept.map(|(survivor, _)| survivor));
         self.forget();
     }
@@ -329,34 +268,9 @@ impl Sieve {
     }
 }
 
-fn is_outside(verdict: Verdict) -> bool {
-    verdict == Verdict::Outside
-}
-
 fn fetch_knots(pose: &Pose<'_, Stroke>, first: u32) {
     /// Two lines.
     const KNOTS: usize = 16;
     let first = (first as usize).min(pose.knots.len());
     prefetch(&pose.knots[first..(first + KNOTS).min(pose.knots.len())]);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// One in eight is worth while. Spans of other slices that wait are not counted.
-    #[test]
-    fn trials_end_asking_where_hardly_any_is_ruled_out() {
-        for waiting in [0, 100] {
-            let trial = Trial::begin(waiting);
-            let asked = waiting + Trial::SIZE;
-            assert_eq!(trial.complete, asked);
-            let poor = trial.next(asked, 0);
-            assert_eq!((poor.left, poor.complete), (7 * Trial::SIZE, Trial::SIZE));
-            let good = trial.next(asked, 1);
-            assert_eq!((good.left, good.complete), (0, Sieve::BATCH));
-            let poor = good.next(Sieve::BATCH, Sieve::BATCH / 8 - 1);
-            assert_eq!((poor.left, poor.complete), (7 * Sieve::BATCH, Trial::SIZE));
-        }
-    }
 }
