@@ -5,8 +5,9 @@ use std::time::Duration;
 
 /// The funnel of one screening.
 ///
-/// Counts depend on the scene and the query alone, not on threads. Stage times add up over
-/// threads; `total` is wall time.
+/// Counts depend on the scene and the query; a few candidates and spans of many thousands also on
+/// the number of threads, which cut motions in other places and round their boxes differently.
+/// Stage times add up over threads; `total` is wall time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stats {
     /// Bodies in the scene.

@@ -156,6 +156,49 @@ fn windows_and_margins() {
     }
 }
 
+/// A cubic that would have to be followed over too many of its lengths is no part of a plan: not
+/// before a splice, nor after it, nor in a window.
+#[test]
+fn splices_along_too_short_a_carrier() {
+    let line = |start: f64, duration: f64| {
+        let states =
+            [0.0, duration].map(|time| State::new(start + time, DVec3::X * (1.0 + time), DVec3::X));
+        Trajectory::from_states(&states).unwrap()
+    };
+    let long = line(0.0, 20.0);
+    for duration in [5e-324, 1e-299, 1e-160, 1e-101] {
+        let short = line(0.0, duration).with_outside(Outside::Coast);
+        let error = short.spliced(10.0, &long).unwrap_err();
+        assert!(
+            matches!(error, Error::OutOfRange { knot: 1, .. }),
+            "{error}"
+        );
+        let error = line(-30.0, 10.0)
+            .with_outside(Outside::Coast)
+            .spliced(-10.0, &short)
+            .unwrap_err();
+        assert!(
+            matches!(error, Error::OutOfRange { knot: 0, .. }),
+            "{error}"
+        );
+    }
+    for duration in [1e-98, 1e-10] {
+        let short = line(0.0, duration).with_outside(Outside::Coast);
+        let mut scene = Scene::new();
+        scene
+            .insert(Body::new(short.spliced(10.0, &long).unwrap()))
+            .unwrap();
+        let rest = Trajectory::at_rest(5.0 * DVec3::X).unwrap();
+        scene.insert(Body::new(rest)).unwrap();
+        let query = Query::new(Window::new(0.0, 10.0).unwrap())
+            .with_margin(1.0)
+            .unwrap();
+        let found = scene.screen(&query).unwrap().conflicts;
+        assert_eq!(found.len(), 1);
+        assert!((found[0].enter - 3.0).abs() < 1e-9 && (found[0].exit - 5.0).abs() < 1e-9);
+    }
+}
+
 #[test]
 fn hitboxes() {
     for radius in [-1.0, f64::NAN, f64::INFINITY] {

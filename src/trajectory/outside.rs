@@ -44,10 +44,6 @@ impl Pieces<'_> {
 }
 
 impl Trajectory {
-    /// A cubic is not followed farther than this many of its lengths: their third power must stay
-    /// within the range of numbers.
-    const MOST_LENGTHS: f64 = 1e100;
-
     /// From the first to the last knot.
     pub(super) fn planned(&self) -> Window {
         match (self.knots.first(), self.knots.last()) {
@@ -133,28 +129,43 @@ impl Trajectory {
         segments.extend_from_slice(&self.segments);
         segments.extend(std::iter::repeat_n(*self.after(), after));
         for (segment, ends) in segments.iter().zip(knots.windows(2)) {
-            // What its rounding amounts to grows as well.
-            let reach = segment.rounding_scale(ends[0], ends[1]);
-            let is_served = reach <= LARGEST_MAGNITUDE
-                && segment.lengths_to(ends[0], ends[1]) <= Self::MOST_LENGTHS;
-            if !is_served {
-                return Err(Error::OutOfRange {
-                    knot: self.knots.len() - 1,
-                    quantity: Quantity::Position(0),
-                    // Not a number: the growth itself has left the range.
-                    value: if reach > LARGEST_MAGNITUDE {
-                        reach
-                    } else {
-                        f64::INFINITY
-                    },
-                });
-            }
+            check_reach(segment, (ends[0], ends[1]), self.knots.len() - 1)?;
         }
         Ok(Some(Pieces {
             knots: Cow::Owned(knots),
             segments: Cow::Owned(segments),
         }))
     }
+}
+
+/// Checks that a cubic can be followed from an instant to another one (s) beyond its own knots, the last
+/// of which has number `knot`.
+///
+/// # Errors
+///
+/// [`Error::OutOfRange`].
+pub(super) fn check_reach(
+    segment: &Segment,
+    (from, to): (f64, f64),
+    knot: usize,
+) -> Result<(), Error> {
+    /// Lengths of it: their third power must stay within the range of numbers.
+    const MOST_LENGTHS: f64 = 1e100;
+    // What its rounding amounts to grows as well.
+    let reach = segment.rounding_scale(from, to);
+    if reach <= LARGEST_MAGNITUDE && segment.lengths_to(from, to) <= MOST_LENGTHS {
+        return Ok(());
+    }
+    Err(Error::OutOfRange {
+        knot,
+        quantity: Quantity::Position(0),
+        // Not a number: the growth itself has left the range.
+        value: if reach > LARGEST_MAGNITUDE {
+            reach
+        } else {
+            f64::INFINITY
+        },
+    })
 }
 
 /// Instants `knot + step (2^k - 1)`, k = 1, 2, ..., up to the first that reaches `until`.

@@ -1,5 +1,6 @@
 //! Changing a plan while it is flown: what has been flown stays, bit for bit.
 
+use super::outside::check_reach;
 use super::{Outside, Trajectory};
 use crate::error::Error;
 use crate::simd::prefetch;
@@ -16,7 +17,8 @@ impl Trajectory {
     /// # Errors
     ///
     /// [`Error::NoPlanAt`] if `from` is not a time at which both plans exist, and the new one goes
-    /// on from.
+    /// on from; [`Error::OutOfRange`] if one of them leaves the range of numbers between its knots and
+    /// `from`.
     pub fn spliced(&self, from: f64, plan: &Self) -> Result<Self, Error> {
         let mut spliced = plan.clone();
         spliced.precede_by(self, from, f64::NEG_INFINITY)?;
@@ -58,6 +60,12 @@ impl Trajectory {
         // Not copied only to be dropped.
         let dropped = flown.past(since.min(from)).min(cut);
         let beyond = (cut > flown.segments.len()).then(|| *flown.after());
+        if let (Some(carrier), Some(&last)) = (&beyond, flown.knots.last()) {
+            check_reach(carrier, (last, from), flown.knots.len() - 1)?;
+        }
+        if let (0, Some(&first)) = (ahead, self.knots.first()) {
+            check_reach(self.before(), (from, first), 0)?;
+        }
         let flown_knots = flown.knots[dropped..cut].iter().copied();
         let flown_segments = flown.segments[dropped..cut.min(flown.segments.len())].iter();
         // To come: the piece of this plan that holds at `from`, and the rest.
