@@ -25,7 +25,6 @@ pub(super) struct Survivor {
 }
 
 impl Survivor {
-    #[cfg(test)]
     pub(super) const fn new((a, b): (u32, u32), (span_a, span_b): (u32, u32)) -> Self {
         Self {
             a,
@@ -234,12 +233,10 @@ impl Sieve {
             if let Some((points, threshold)) = motion {
                 self.motions.push(points.map(|point| point.to_array()));
                 self.thresholds.push(threshold);
-                self.asked.push(Survivor {
-                    a: piece.a,
-                    b: piece.b,
-                    span_a: piece.span.a,
-                    span_b: piece.span.b,
-                });
+                self.asked.push(Survivor::new(
+                    (piece.a, piece.b),
+                    (piece.span.a, piece.span.b),
+                ));
             }
         }
     }

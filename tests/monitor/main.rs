@@ -1,4 +1,5 @@
-//! The monitor against one-shot screening at every tick, and its events against a plain reference.
+//! The monitor against one-shot screening at every tick, and its events against a plain reference;
+//! beside it, scenarios of two bodies that are told step by step.
 
 #![allow(
     clippy::unwrap_used,
@@ -7,19 +8,20 @@
 )]
 
 mod reference;
+mod scenarios;
 #[path = "../support/mod.rs"]
 mod support;
 
-use glam::DVec3;
 use nearmiss::{
-    AlertLevel, Body, BodyId, Budget, Command, EncounterId, EndReason, Error, Event, EventKind,
-    Hitbox, Layers, LeastChange, Monitor, Outside, Query, Scene, Sphere, State, Trajectory, Window,
+    AlertLevel, Body, BodyId, Budget, EncounterId, EndReason, Error, Event, EventKind, Hitbox,
+    Layers, Monitor, Outside, Query, Scene, Sphere, State, Trajectory, Window,
 };
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use reference::{Reference, order, told};
+use scenarios::tick;
 use std::collections::BTreeMap;
-use support::{bits, line, rng, vector, wander};
+use support::{bits, rng, vector, wander};
 
 const LEVELS: [AlertLevel; 3] = [
     AlertLevel::at(4.0),
@@ -383,258 +385,4 @@ fn what_comes_next_is_boxed_little_by_little_but_late_where_plans_change_all_the
         busy.iter().all(|tick| tick.1 <= 5 * tick.0 + 100),
         "{busy:?}"
     );
-}
-
-/// A monitor of two points on straight lines, and what it tells at each tick.
-fn two(a: Trajectory, b: Trajectory, levels: &[AlertLevel]) -> (Monitor, BodyId, BodyId) {
-    let mut scene = Scene::new();
-    let a = scene.insert(Body::new(a)).unwrap();
-    let b = scene.insert(Body::new(b)).unwrap();
-    (Monitor::new(scene, 0.0, 10.0, levels).unwrap(), a, b)
-}
-
-fn tick(monitor: &mut Monitor, now: f64) -> Vec<Event> {
-    let mut events = Vec::new();
-    monitor.advance(now, &mut events).unwrap();
-    events
-}
-
-fn kinds(events: &[Event]) -> Vec<String> {
-    let name = |event: &Event| match event.kind {
-        EventKind::Predicted(e) => format!("predicted {}", e.level),
-        EventKind::Revised(e) => format!("revised {}", e.level),
-        EventKind::Withdrawn(e) => format!("withdrawn {}", e.level),
-        EventKind::Began(e) => format!("began {}", e.level),
-        EventKind::Ended(e, reason) => format!("ended {} {reason:?}", e.level),
-        EventKind::PlanEnds(_) => "plan ends".to_owned(),
-        _ => "another".to_owned(),
-    };
-    events.iter().map(name).collect()
-}
-
-/// Head on along x, 20 m apart at t = 0, each 1 m/s, passing at 0.5 m; they meet at t = 10.
-fn head_on() -> (Trajectory, Trajectory) {
-    let end = 100.0;
-    (
-        line(0.0, end, DVec3::ZERO, DVec3::X),
-        line(0.0, end, DVec3::new(20.0, 0.5, 0.0), -DVec3::X),
-    )
-}
-
-#[test]
-fn an_encounter_from_first_sight_to_end() {
-    let (a, b) = head_on();
-    let (mut monitor, ..) = two(a, b, &[AlertLevel::at(2.0)]);
-    // Enters 2 m at 10 - sqrt(3.75)/2 = 9.03: within the lookahead of 10 s, its exit is not.
-    assert_eq!(kinds(&tick(&mut monitor, 0.0)), ["predicted 0"]);
-    assert!(monitor.encounters().next().unwrap().open);
-    // The closest approach at 10 s is inside the lookahead now, and told once.
-    assert_eq!(kinds(&tick(&mut monitor, 0.5)), ["revised 0"]);
-    assert_eq!(kinds(&tick(&mut monitor, 0.6)), [""; 0]);
-    // Now the whole of it is known: the exit is told once.
-    assert_eq!(kinds(&tick(&mut monitor, 2.0)), ["revised 0"]);
-    assert_eq!(kinds(&tick(&mut monitor, 2.0)), [""; 0]);
-    let began = tick(&mut monitor, 9.5);
-    assert_eq!(kinds(&began), ["began 0"]);
-    assert!((began[0].time - (10.0 - 3.75_f64.sqrt() / 2.0)).abs() < 1e-12);
-    let ended = tick(&mut monitor, 11.0);
-    assert_eq!(kinds(&ended), ["ended 0 Separated"]);
-    assert_eq!(ended[0].kind.encounter().unwrap().closest.separation, 0.5);
-    assert_eq!(kinds(&tick(&mut monitor, 30.0)), [""; 0]);
-}
-
-#[test]
-fn a_jump_over_an_encounter_tells_both_its_ends() {
-    let (a, b) = head_on();
-    let (mut monitor, ..) = two(a, b, &[AlertLevel::at(2.0), AlertLevel::at(1.0)]);
-    let events = tick(&mut monitor, 50.0);
-    assert_eq!(
-        kinds(&events),
-        [
-            "began 0",
-            "began 1",
-            "ended 1 Separated",
-            "ended 0 Separated"
-        ]
-    );
-    let back = monitor.advance(49.0, &mut Vec::new());
-    assert_eq!(
-        back.unwrap_err(),
-        Error::ClockWentBack {
-            now: 50.0,
-            time: 49.0
-        }
-    );
-    assert_eq!(monitor.now(), 50.0);
-}
-
-#[test]
-fn plans_that_change() {
-    let (a, b) = head_on();
-    let (mut monitor, id, _) = two(a.clone(), b, &[AlertLevel::at(2.0)]);
-    tick(&mut monitor, 1.0);
-    // Away in time: withdrawn. Back again: another encounter.
-    let away = line(0.0, 100.0, DVec3::ZERO, DVec3::new(1.0, -1.0, 0.0));
-    let would = monitor.what_if(id, &away, 0).unwrap();
-    assert_eq!(would, []);
-    assert_eq!(monitor.what_if(id, &a, 0).unwrap(), monitor.conflicts(0));
-    monitor.replan(id, 1.0, away.clone()).unwrap();
-    assert_eq!(kinds(&tick(&mut monitor, 1.5)), ["withdrawn 0"]);
-    monitor.replan(id, 2.0, a).unwrap();
-    assert_eq!(kinds(&tick(&mut monitor, 2.0)), ["predicted 0"]);
-    // In the middle of it: it ends where the clock last stood, with what had passed.
-    assert_eq!(kinds(&tick(&mut monitor, 9.5)), ["began 0"]);
-    monitor.set_trajectory(id, away).unwrap();
-    let ended = tick(&mut monitor, 9.6);
-    assert_eq!(kinds(&ended), ["ended 0 PlanChanged"]);
-    let encounter = ended[0].kind.encounter().unwrap();
-    assert_eq!(encounter.exit, 9.5);
-    // At 9.5 s they were 1 m apart along x, 0.5 m across.
-    assert!((encounter.closest.separation - 1.25_f64.sqrt()).abs() < 1e-12);
-}
-
-#[test]
-fn inside_from_the_start_removed_and_closed() {
-    let rest = |x: f64| line(0.0, 100.0, DVec3::new(x, 0.0, 0.0), DVec3::ZERO);
-    let (mut monitor, a, _) = two(rest(0.0), rest(1.0), &[AlertLevel::at(2.0)]);
-    assert_eq!(kinds(&tick(&mut monitor, 0.0)), ["began 0"]);
-    // A clip that moves with the window is no revision.
-    for now in 1..50 {
-        assert_eq!(kinds(&tick(&mut monitor, f64::from(now))), [""; 0]);
-    }
-    let third = monitor.insert(Body::new(rest(1.5))).unwrap();
-    assert_eq!(kinds(&tick(&mut monitor, 50.0)), ["began 0", "began 0"]);
-    monitor.remove(a).unwrap();
-    assert_eq!(
-        kinds(&tick(&mut monitor, 51.0)),
-        ["ended 0 BodyRemoved", "ended 0 BodyRemoved"]
-    );
-    assert!(monitor.remove(a).is_err());
-    assert_eq!(monitor.conflicts_of(third, 0).count(), 1);
-    let mut last = Vec::new();
-    let scene = monitor.close(&mut last);
-    assert_eq!(kinds(&last), ["ended 0 MonitorClosed"]);
-    assert_eq!(scene.len(), 2);
-}
-
-#[test]
-fn trajectories_and_plans_that_end() {
-    let (a, b) = (
-        line(0.0, 12.0, DVec3::ZERO, DVec3::ZERO),
-        line(0.0, 100.0, DVec3::X, DVec3::ZERO),
-    );
-    let (mut monitor, id, _) = two(a, b, &[AlertLevel::at(2.0)]);
-    assert_eq!(kinds(&tick(&mut monitor, 1.0)), ["began 0"]);
-    let told = tick(&mut monitor, 2.0);
-    // The exit is known now, and so is the end of the plan.
-    assert_eq!(kinds(&told), ["revised 0", "plan ends"]);
-    assert_eq!(told[1].time, 12.0);
-    // Extended: the end moves out of sight again.
-    let more = line(12.0, 60.0, DVec3::ZERO, DVec3::ZERO);
-    monitor.extend(id, more).unwrap();
-    assert_eq!(kinds(&tick(&mut monitor, 3.0)), ["revised 0"]);
-    assert_eq!(kinds(&tick(&mut monitor, 50.0)), ["revised 0", "plan ends"]);
-    assert_eq!(
-        kinds(&tick(&mut monitor, 61.0)),
-        ["ended 0 TrajectoryEnded"]
-    );
-}
-
-#[test]
-fn hysteresis_keeps_an_encounter_that_hovers() {
-    // Hovers around 2 m: 1.8 m and 2.2 m in turn, every second, then leaves.
-    let mut states: Vec<State> = (0..9)
-        .map(|k| {
-            let x = if k % 2 == 0 { 2.2 } else { 1.8 };
-            State::new(f64::from(k), DVec3::new(x, 0.0, 0.0), DVec3::ZERO)
-        })
-        .collect();
-    states.push(State::new(9.0, DVec3::new(5.0, 0.0, 0.0), DVec3::ZERO));
-    let hover = Trajectory::from_states(&states).unwrap();
-    let post = line(0.0, 100.0, DVec3::ZERO, DVec3::ZERO);
-    let count = |release: f64| {
-        let level = AlertLevel {
-            margin: 2.0,
-            release,
-        };
-        let (mut monitor, ..) = two(hover.clone(), post.clone(), &[level]);
-        let mut began = 0;
-        let mut ended = 0;
-        for now in 0..90 {
-            for event in tick(&mut monitor, f64::from(now) * 0.11) {
-                began += u32::from(matches!(event.kind, EventKind::Began(_)));
-                ended += u32::from(matches!(event.kind, EventKind::Ended(..)));
-            }
-        }
-        assert_eq!(began, ended);
-        began
-    };
-    assert_eq!(count(2.0), 4);
-    assert_eq!(count(2.5), 1);
-}
-
-#[test]
-fn small_changes_are_not_told() {
-    let (a, b) = head_on();
-    let (mut monitor, id, _) = two(a.clone(), b, &[AlertLevel::at(2.0)]);
-    monitor.set_least_change(LeastChange {
-        time: 0.1,
-        separation: 0.1,
-    });
-    tick(&mut monitor, 2.0);
-    let nudged = |y: f64| line(0.0, 100.0, DVec3::new(0.0, y, 0.0), DVec3::X);
-    monitor.set_trajectory(id, nudged(0.05)).unwrap();
-    assert_eq!(kinds(&tick(&mut monitor, 2.1)), [""; 0]);
-    // Measured from what was last sent, not from the last tick.
-    monitor.set_trajectory(id, nudged(0.15)).unwrap();
-    assert_eq!(kinds(&tick(&mut monitor, 2.2)), ["revised 0"]);
-}
-
-#[test]
-fn a_batch_is_all_or_nothing() {
-    let (a, b) = head_on();
-    let (mut monitor, id, other) = two(a.clone(), b, &[AlertLevel::at(2.0)]);
-    tick(&mut monitor, 0.0);
-    let before = bits(monitor.conflicts(0));
-    let refused = monitor.apply([
-        Command::Remove(other),
-        Command::Insert(Body::new(a.clone())),
-        Command::SetHitbox(other, Hitbox::POINT),
-    ]);
-    assert_eq!(refused.unwrap_err(), Error::UnknownBody { id: other });
-    assert_eq!(kinds(&tick(&mut monitor, 0.0)), [""; 0]);
-    assert_eq!(bits(monitor.conflicts(0)), before);
-    let gap = line(40.0, 50.0, DVec3::ZERO, DVec3::X);
-    assert!(monitor.replan(id, 5.0, gap).is_err());
-    assert_eq!(bits(monitor.conflicts(0)), before);
-    let inserted = monitor
-        .apply([Command::Remove(other), Command::Insert(Body::new(a))])
-        .unwrap();
-    assert_eq!(inserted.len(), 1);
-    assert_eq!(monitor.scene().len(), 2);
-}
-
-#[test]
-fn a_splice_keeps_what_was_flown() {
-    let mut rng = rng(8);
-    for _ in 0..200 {
-        let old = Trajectory::from_states(&wander(&mut rng, 0.0, 6, 1.0, 20.0, 4.0)).unwrap();
-        let end = *old.knots().last().unwrap();
-        let from = rng.random_range(0.0..end);
-        let states = wander(&mut rng, from - 1.0, 6, 1.0, 20.0, 4.0);
-        let new = Trajectory::from_states(&states).unwrap();
-        let both = old.spliced(from, &new).unwrap();
-        for step in 0..=100 {
-            let time = f64::from(step) * 0.01 * (from + 3.0);
-            let expected = if time < from { &old } else { &new };
-            assert_eq!(
-                both.position(time),
-                expected.position(time),
-                "{time} {from}"
-            );
-        }
-        let late = both.clone().since(from);
-        assert_eq!(late.position(from + 0.5), both.position(from + 0.5));
-        assert!(late.knots().len() < both.knots().len() || from < old.knots()[1]);
-    }
 }
