@@ -61,6 +61,23 @@ pub(crate) fn largest_norm(vectors: &[DVec3]) -> f64 {
     }
 }
 
+/// From when on (s) to look for all that is reported from `time` on: a reported instant is rounded,
+/// and where the motion is then it was a little earlier.
+#[inline]
+pub(crate) fn seen_from(time: f64) -> f64 {
+    time - INSTANT * time.abs()
+}
+
+/// Until when (s) to look for all that is reported up to `time`.
+#[inline]
+pub(crate) fn seen_until(time: f64) -> f64 {
+    time + INSTANT * time.abs()
+}
+
+/// Relative rounding of a reported instant: half a unit of its last place, and some to spare. (What
+/// the solver's own parameter is off by, it is off by in distance: that is [`CLEARANCE`]'s.)
+const INSTANT: f64 = 8.0 * UNIT_ROUNDOFF;
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,6 +3,10 @@
 use crate::error::Error;
 
 /// A closed interval of time, s. May be a single instant; may be open-ended (infinite).
+///
+/// It only clips: what is reported of a window is what is reported of all of time, cut off at its ends. A
+/// plan that jumps at a knot is in both places at that instant, also where a window begins or ends
+/// there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
     start: f64,

@@ -9,9 +9,11 @@
 mod support;
 
 use glam::DVec3;
-use nearmiss::{Clip, Conflict, Hitbox, Method, Query, State, Trajectory, Window};
+use nearmiss::{
+    Body, Clip, Conflict, Hitbox, Method, Outside, Query, Scene, State, Trajectory, Window,
+};
 use std::num::NonZeroU32;
-use support::{bits, scene_of, screen, swarm};
+use support::{bits, line, scene_of, screen, swarm};
 
 const MARGIN: f64 = 1.5;
 
@@ -194,6 +196,37 @@ fn a_knot_more_changes_nothing_but_roundings() {
     assert_alike(&found, &expected, 1e-9, 1e-12);
 }
 
+/// What a window shows of a scene's conflicts is these, clipped to it. Gives how many it cuts.
+fn assert_clipped(found: &[Conflict], whole: &[Conflict], (start, end): (f64, f64)) -> usize {
+    let mut cut_inside = 0;
+    let expected: Vec<&Conflict> = whole
+        .iter()
+        .filter(|c| c.exit >= start && c.enter <= end)
+        .collect();
+    assert_eq!(found.len(), expected.len(), "{start} {end}");
+    for full in expected {
+        let same_pair = |c: &&Conflict| {
+            (c.a, c.b) == (full.a, full.b) && c.enter.to_bits() == full.enter.max(start).to_bits()
+        };
+        let part = found.iter().find(same_pair).unwrap();
+        assert_eq!(part.exit.to_bits(), full.exit.min(end).to_bits());
+        let cut = full.enter < start || full.exit > end;
+        if cut {
+            cut_inside += 1;
+            assert!(part.closest.separation >= full.closest.separation);
+            let clip = Clip {
+                at_enter: full.clip.at_enter || full.enter <= start,
+                at_exit: full.clip.at_exit || full.exit >= end,
+            };
+            assert_eq!(part.clip, clip);
+        } else if start < full.enter && full.exit < end {
+            // Wholly inside: the same bits.
+            assert_eq!(bits(&[*part]), bits(&[*full]));
+        }
+    }
+    cut_inside
+}
+
 #[test]
 fn a_window_only_clips() {
     // Denser than elsewhere: many conflicts that a cut goes through.
@@ -208,34 +241,104 @@ fn a_window_only_clips() {
         (15.0, 99.0),
     ] {
         let found = screen(&scene, Window::new(start, end).unwrap(), MARGIN);
-        let expected: Vec<&Conflict> = whole
-            .iter()
-            .filter(|c| c.exit >= start && c.enter <= end)
-            .collect();
-        assert_eq!(found.len(), expected.len());
-        for full in expected {
-            let same_pair = |c: &&Conflict| {
-                (c.a, c.b) == (full.a, full.b)
-                    && c.enter.to_bits() == full.enter.max(start).to_bits()
-            };
-            let part = found.iter().find(same_pair).unwrap();
-            assert_eq!(part.exit.to_bits(), full.exit.min(end).to_bits());
-            let cut = full.enter < start || full.exit > end;
-            if cut {
-                cut_inside += 1;
-                assert!(part.closest.separation >= full.closest.separation);
-                let clip = Clip {
-                    at_enter: full.clip.at_enter || full.enter <= start,
-                    at_exit: full.clip.at_exit || full.exit >= end,
-                };
-                assert_eq!(part.clip, clip);
-            } else {
-                // Wholly inside: the same bits.
-                assert_eq!(bits(&[*part]), bits(&[*full]));
+        cut_inside += assert_clipped(&found, &whole, (start, end));
+    }
+    assert!(cut_inside > 10);
+}
+
+/// Reported instants are rounded: where a window begins or ends at one, the motion may be beyond the
+/// margin there by more than any rounding of positions. At 1.7e9 s and 5 m/s it is by a micrometre.
+#[test]
+fn a_window_may_begin_or_end_at_a_reported_instant() {
+    for (seed, epoch) in [(11, 0.0), (12, 1.7e9)] {
+        let mut bodies = swarm(seed, 40, 15.0);
+        for (states, _) in &mut bodies {
+            for state in states {
+                state.time += epoch;
+            }
+        }
+        let scene = scene_of(&bodies);
+        let whole = screen(&scene, Window::ALL, MARGIN);
+        assert!(whole.len() > 50);
+        for one in &whole {
+            for window in [
+                (one.exit, one.exit),
+                (one.exit, one.exit + 1.0),
+                (one.enter, one.enter),
+                (one.enter - 1.0, one.enter),
+                (one.exit.next_up(), one.exit + 1.0),
+                (one.enter - 1.0, one.enter.next_down()),
+            ] {
+                for slices in [None, NonZeroU32::new(7)] {
+                    let mut query = Query::new(Window::new(window.0, window.1).unwrap())
+                        .with_margin(MARGIN)
+                        .unwrap();
+                    if let Some(slices) = slices {
+                        query = query.with_slices(slices);
+                    }
+                    let found = scene.screen(&query).unwrap().conflicts;
+                    assert_clipped(&found, &whole, window);
+                }
             }
         }
     }
-    assert!(cut_inside > 10);
+}
+
+/// A plan that jumps is in two places at one instant, and both count in a window that begins or ends
+/// there: also where the jump is at the first or the last knot of a plan that goes on beyond them.
+#[test]
+fn both_sides_of_a_jump_count() {
+    let at = |y: f64| line(0.0, 10.0, DVec3::new(0.0, y, 0.0), DVec3::X);
+    let still = |start: f64, end: f64| line(start, end, DVec3::new(5.0, 0.0, 0.0), DVec3::ZERO);
+    let coasting = |plan: Trajectory| plan.with_outside(Outside::Coast);
+    // Also one that goes on where its plan begins or ends at the jump.
+    let others = [
+        still(-100.0, 100.0),
+        coasting(still(5.0, 9.0)),
+        coasting(still(3.0, 5.0)),
+        coasting(still(5.0, 5.5)),
+    ];
+    for outside in [Outside::Absent, Outside::Coast, Outside::Extrapolate] {
+        // Beside the other body until it jumps away, and the other way round.
+        for (before, after) in [(0.0, 50.0), (50.0, 0.0)] {
+            let flown = at(before).with_outside(outside);
+            let plan = at(after).with_outside(outside);
+            // In the middle, at the first knot that is left, and after the last one.
+            let joined = flown.spliced(5.0, &plan).unwrap();
+            let mut jumps = vec![joined.clone().since(5.0), joined];
+            if outside == Outside::Coast {
+                let begins = line(5.0, 10.0, DVec3::new(5.0, after, 0.0), DVec3::X);
+                let coasts = line(7.0, 10.0, DVec3::new(7.0, before, 0.0), DVec3::X);
+                let ended = line(0.0, 3.0, DVec3::new(0.0, after, 0.0), DVec3::X);
+                for (flown, plan) in [(&coasts, &begins), (&flown, &ended), (&coasts, &ended)] {
+                    let flown = flown.clone().with_outside(outside);
+                    let plan = plan.clone().with_outside(outside);
+                    jumps.push(flown.spliced(5.0, &plan).unwrap());
+                }
+            }
+            let pairs = jumps
+                .iter()
+                .flat_map(|jumps| others.iter().map(move |other| (jumps, other)));
+            for (trajectory, other) in pairs {
+                let mut scene = Scene::new();
+                let a = scene.insert(Body::new(trajectory.clone())).unwrap();
+                let b = scene.insert(Body::new(other.clone())).unwrap();
+                for (start, end) in [(4.0, 6.0), (5.0, 6.0), (4.0, 5.0), (5.0, 5.0)] {
+                    let window = Window::new(start, end).unwrap();
+                    let found = screen(&scene, window, 0.5);
+                    let beside = if before < after {
+                        (start.max(4.5), 5.0)
+                    } else {
+                        (5.0, end.min(5.5))
+                    };
+                    let times: Vec<_> = found.iter().map(|c| (c.enter, c.exit)).collect();
+                    assert_eq!(times, [beside], "{start} {end} {trajectory:?} {other:?}");
+                    let closest = scene.closest_approach(a, b, window).unwrap().unwrap();
+                    assert_eq!(closest, found[0].closest);
+                }
+            }
+        }
+    }
 }
 
 #[test]

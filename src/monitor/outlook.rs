@@ -18,6 +18,7 @@ use crate::broad_phase::fill::Block;
 use crate::error::Error;
 use crate::narrow_phase::{Contact, Party, contacts, may_touch};
 use crate::parallel;
+use crate::rounding::{seen_from, seen_until};
 use crate::scene::Scene;
 use crate::spans::{Span, common_domain, spans};
 use crate::stats::Stats;
@@ -230,7 +231,7 @@ impl Outlook {
         self.ends.clear();
         loop {
             self.ends.push(self.start(index));
-            let is_needed = self.start(index) <= to;
+            let is_needed = self.start(index) <= seen_until(to);
             let place = usize::try_from(index - self.index(from)).unwrap_or(usize::MAX);
             if place >= self.slices.len() {
                 let mut slice = self.spare.pop().unwrap_or_default();
@@ -312,8 +313,9 @@ impl Outlook {
             let Some(clip) = clip.filter(|clip| clip.0 <= clip.1) else {
                 continue;
             };
+            let seen = (seen_from(clip.0), seen_until(clip.1));
             let near = spans(a.knots, b.knots, clip.0, clip.1)
-                .filter(|&span| may_touch(a, b, span, margin, clip));
+                .filter(|&span| may_touch(a, b, span, margin, seen));
             found.clear();
             contacts(a, b, near, margin, clip, &mut found);
             for contact in &found {
@@ -333,12 +335,14 @@ impl Outlook {
         self.origin + self.length * as_number(index)
     }
 
-    /// The slice that `time` lies in; on a cut, the one before it, since slices are closed.
+    /// The first slice in which to look for what is reported from `time` on: where that is on a cut,
+    /// the one before it.
     #[allow(
         clippy::cast_possible_truncation,
         reason = "saturates; a lookahead of 2^63 slices is refused by `Monitor`"
     )]
     fn index(&self, time: f64) -> i64 {
+        let time = seen_from(time);
         let mut index = ((time - self.origin) / self.length).floor() as i64;
         while self.start(index) >= time {
             index -= 1;

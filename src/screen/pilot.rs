@@ -15,6 +15,7 @@ use crate::broad_phase::presence::Presence;
 use crate::broad_phase::slices::Slices;
 use crate::broad_phase::{BroadPhase, Candidate, Everyone};
 use crate::narrow_phase::approaching;
+use crate::rounding::{seen_from, seen_until};
 
 /// Nanoseconds of each kind of work, one thread, measured on the reference swarm; only their
 /// ratios matter.
@@ -118,14 +119,18 @@ impl Trial {
 }
 
 impl LineUp<'_> {
-    /// The window cut into slices of the length that is expected to cost least.
+    /// The window, and no less than all that is reported of it, cut into slices of the length that is
+    /// expected to cost least.
     pub(super) fn slices(&self, poses: &[Pose<'_, Stroke>]) -> Slices {
         /// Fewer bodies are not worth a trial.
         const FEW: usize = 64;
         /// Each may change the length fourfold.
         const MOST_TRIALS: usize = 6;
         let traffic = self.traffic();
-        let window = (self.window.start(), self.window.end());
+        let window = (
+            seen_from(self.window.start()),
+            seen_until(self.window.end()),
+        );
         let mut slices = Slices::choose(window, &traffic);
         if let Some(count) = self.prescribed {
             return slices.with_count(f64::from(count.get()));

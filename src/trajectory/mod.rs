@@ -2,6 +2,7 @@
 
 mod build;
 mod double_double;
+mod jumps;
 mod outside;
 mod roomy;
 mod rows;
