@@ -66,7 +66,7 @@ pub enum Error {
         segments: usize,
     },
     /// The time of a knot is not later than that of the knot before it.
-    #[error("knot {knot}: time {time} s is not later than the knot before it, {previous} s")]
+    #[error("knot {knot}: time {time:?} s is not later than the knot before it, {previous:?} s")]
     TimeNotIncreasing {
         /// The later knot, counted from 0.
         knot: usize,
@@ -95,6 +95,15 @@ pub enum Error {
         /// Its value, or a bound of what follows from it.
         value: f64,
     },
+    /// A body cannot be followed so far beyond its knots: more than 1e100 times the duration of what
+    /// carries it there.
+    #[error("knot {knot}: {time:?} s is too far from it to follow the body to")]
+    TooFar {
+        /// The knot that it is followed from, counted from 0.
+        knot: usize,
+        /// The time, s.
+        time: f64,
+    },
     /// The rows of one body are not together.
     #[error("row {row}: the body appeared before, and others since: its rows must be together")]
     RowsApart {
@@ -109,8 +118,8 @@ pub enum Error {
         /// What is wrong with it.
         error: Box<Error>,
     },
-    /// A radius is negative, NaN or infinite.
-    #[error("sphere {sphere}: radius {radius} m is not a finite number of at least 0")]
+    /// A radius is negative, NaN, infinite or too large.
+    #[error("sphere {sphere}: radius {radius:?} m is not a number from 0 to 1e300")]
     Radius {
         /// The sphere within its hitbox, counted from 0.
         sphere: usize,
@@ -118,7 +127,7 @@ pub enum Error {
         radius: f64,
     },
     /// A sphere's offset is NaN, infinite or too large.
-    #[error("sphere {sphere}: offset component {value} m is not a finite number below 1e300")]
+    #[error("sphere {sphere}: offset component {value:?} m is not a number within ±1e300")]
     Offset {
         /// The sphere within its hitbox, counted from 0.
         sphere: usize,
@@ -129,13 +138,14 @@ pub enum Error {
     #[error("a cluster needs at least one sphere")]
     EmptyCluster,
     /// A margin is NaN or infinite, or too large.
-    #[error("margin {margin} m is not a finite number below 1e300")]
+    #[error("margin {margin:?} m is not a number within ±1e300")]
     Margin {
         /// The margin, m.
         margin: f64,
     },
-    /// A window whose start is NaN or later than its end.
-    #[error("window {start}..{end} s: the start must not be later than the end")]
+    /// A window in which no instant lies: its start is later than its end, either is NaN, or both are the
+    /// same infinity.
+    #[error("window {start:?}..{end:?} s: no instant lies between them")]
     Window {
         /// Start, s.
         start: f64,
@@ -171,28 +181,50 @@ pub enum Error {
         id: BodyId,
     },
     /// A plan cannot be spliced where one of the two does not exist, or the new one ends.
-    #[error("there is no plan to splice at {time} s")]
+    #[error("there is no plan to splice at {time:?} s")]
     NoPlanAt {
         /// The time of the splice, s.
         time: f64,
     },
     /// The monitor's clock never goes back.
-    #[error("the clock cannot go back from {now} s to {time} s")]
+    #[error("the clock cannot go back from {now:?} s to {time:?} s")]
     ClockWentBack {
         /// What the clock shows, s.
         now: f64,
         /// What was asked for, s.
         time: f64,
     },
-    /// A monitor's lookahead is not a positive finite duration, or not a finite time.
-    #[error("{value} s is not a usable time or lookahead")]
+    /// A time that a monitor's clock cannot show: not finite, or so far from 0 that the lookahead would
+    /// be lost in its rounding.
+    #[error("the clock cannot show {time:?} s: not finite, or too far from 0 for the lookahead")]
+    Clock {
+        /// The time, s.
+        time: f64,
+    },
+    /// A monitor's lookahead is not a positive finite duration, or lost in the rounding of its time.
+    #[error("{value:?} s is not a usable lookahead")]
     Lookahead {
         /// The value, s.
         value: f64,
     },
-    /// A monitor needs at least one alert level; each has a release margin that is not smaller
-    /// than its margin.
-    #[error("alert level {level}: margin {margin} m and release margin {release} m")]
+    /// A monitor needs at least one alert level.
+    #[error("a monitor needs at least one alert level")]
+    NoAlertLevel,
+    /// There is no alert level with this number.
+    #[error("there is no alert level {level}")]
+    UnknownAlertLevel {
+        /// The number, counted from 0.
+        level: usize,
+    },
+    /// A duration or a length that a monitor is to keep to is negative or NaN.
+    #[error("{value:?} is not a number of at least 0")]
+    Setting {
+        /// The value, s or m.
+        value: f64,
+    },
+    /// Both margins of an alert level are finite and below 1e300, and the release margin is not smaller
+    /// than the other.
+    #[error("alert level {level}: margin {margin:?} m and release margin {release:?} m")]
     AlertLevel {
         /// The level, counted from 0.
         level: usize,

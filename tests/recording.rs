@@ -104,11 +104,13 @@ fn live_on(monitor: &mut Monitor, rng: &mut ChaCha8Rng, events: &mut Vec<Event>)
         1 if ids.len() > 6 => drop(monitor.remove(ids[rng.random_range(0..ids.len())]).unwrap()),
         2 if ids.len() > 6 => drop(monitor.ignore_pair(ids[3], ids[4])),
         3 if ids.len() > 6 => drop(monitor.heed_pair(ids[3], ids[4])),
-        4 => monitor.set_history(rng.random_range(0.0..3.0)),
-        5 => monitor.set_least_change(LeastChange {
-            time: 0.1,
-            separation: f64::INFINITY,
-        }),
+        4 => monitor.set_history(rng.random_range(0.0..3.0)).unwrap(),
+        5 => monitor
+            .set_least_change(LeastChange {
+                time: 0.1,
+                separation: f64::INFINITY,
+            })
+            .unwrap(),
         _ => {}
     }
     let step = [0.0, 0.05, 0.05, 0.05, 2.0][rng.random_range(0..5)];

@@ -169,18 +169,12 @@ fn splices_along_too_short_a_carrier() {
     for duration in [5e-324, 1e-299, 1e-160, 1e-101] {
         let short = line(0.0, duration).with_outside(Outside::Coast);
         let error = short.spliced(10.0, &long).unwrap_err();
-        assert!(
-            matches!(error, Error::OutOfRange { knot: 1, .. }),
-            "{error}"
-        );
+        assert!(matches!(error, Error::TooFar { knot: 1, .. }), "{error}");
         let error = line(-30.0, 10.0)
             .with_outside(Outside::Coast)
             .spliced(-10.0, &short)
             .unwrap_err();
-        assert!(
-            matches!(error, Error::OutOfRange { knot: 0, .. }),
-            "{error}"
-        );
+        assert!(matches!(error, Error::TooFar { knot: 0, .. }), "{error}");
     }
     for duration in [1e-98, 1e-10] {
         let short = line(0.0, duration).with_outside(Outside::Coast);

@@ -8,6 +8,7 @@
 mod brute_force;
 pub(crate) mod fill;
 pub(crate) mod presence;
+mod room;
 pub(crate) mod slices;
 mod sweep;
 mod tree;
@@ -16,6 +17,7 @@ use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
 pub use crate::simd::Level;
 pub use brute_force::BruteForce;
+pub(crate) use room::Room;
 pub use sweep::Sweep;
 pub use tree::Tree;
 

@@ -35,6 +35,20 @@ const PLACES: [u32; BATCH] = {
 };
 
 impl<'m> Bodies<'m> {
+    /// Those of a scene, as they lie in a frame; pairs within a margin (m) are looked for.
+    pub(super) const fn of(
+        scene: &'m Scene,
+        flights: &'m Flights,
+        (frame, margin): (&'m Frame, f64),
+    ) -> Self {
+        Self {
+            scene,
+            flights,
+            frame,
+            margin,
+        }
+    }
+
     /// How many bodies ahead they are fetched.
     const AHEAD: usize = 4;
     /// Knots that are fetched: two lines.

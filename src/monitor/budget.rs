@@ -8,8 +8,9 @@ use std::time::{Duration, Instant};
 pub enum Budget {
     /// As much as there is.
     Unlimited,
-    /// Wall time, looked at after every thousand boxes or candidates; exceeded by what sorting the
-    /// boxes of one slice takes, and solving and reading what was found.
+    /// Wall time, looked at after every thousand boxes or candidates: so many are looked at however
+    /// short it is. Exceeded by what sorting the boxes of one slice takes, and solving and reading
+    /// what was found.
     Time(Duration),
     /// Counted work (boxes formed and candidates found): the same on every machine and every run.
     Work(u64),
@@ -57,7 +58,6 @@ impl Meter {
     }
 
     /// Boxes formed and candidates found so far.
-    #[cfg(feature = "serde")]
     pub(super) const fn done(&self) -> u64 {
         self.done
     }
@@ -71,7 +71,8 @@ impl Meter {
     }
 
     pub(super) fn is_spent(&self) -> bool {
-        self.left.is_some_and(|left| self.done >= left)
-            || self.deadline.is_some_and(|end| Instant::now() >= end)
+        // However little time there is, something is done: else nothing ever would be.
+        let is_late = |end| self.done > 0 && Instant::now() >= end;
+        self.left.is_some_and(|left| self.done >= left) || self.deadline.is_some_and(is_late)
     }
 }

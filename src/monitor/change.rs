@@ -100,7 +100,7 @@ impl Monitor {
     /// # Errors
     ///
     /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::NoPlanAt`] or
-    /// [`Error::OutOfRange`].
+    /// [`Error::OutOfRange`] or [`Error::TooFar`].
     pub fn replan(&mut self, id: BodyId, from: f64, plan: Trajectory) -> Result<(), Error> {
         self.apply([Command::Replan(id, from, plan)]).map(drop)
     }

@@ -14,7 +14,8 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownBody`], [`Error::InBody`]; [`Error::AlertLevel`] if there is no such level.
+    /// [`Error::UnknownBody`], [`Error::InBody`]; [`Error::UnknownAlertLevel`]; in a body [`Error::NoPlanAt`] if
+    /// the plan does not exist now, as [`replan`](Self::replan) would say.
     pub fn what_if(
         &self,
         id: BodyId,
@@ -22,11 +23,11 @@ impl Monitor {
         level: usize,
     ) -> Result<Vec<Conflict>, Error> {
         let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
-        let alert = self.levels.get(level).ok_or(Error::AlertLevel {
-            level,
-            margin: f64::NAN,
-            release: f64::NAN,
-        })?;
+        let alert = self.levels.get(level);
+        let alert = alert.ok_or(Error::UnknownAlertLevel { level })?;
+        if !plan.domain().contains(self.now) {
+            return Err(Error::NoPlanAt { time: self.now }.in_body(body.tag));
+        }
         let flight = self.terms()?.flight(plan, &body.hitbox, body.tag)?;
         let own = flight.party(plan, &body.hitbox);
         let window = (self.now, self.known);

@@ -6,6 +6,7 @@
 
 mod bodies;
 mod boxes;
+mod bridge;
 mod budget;
 mod change;
 mod command;
@@ -156,7 +157,8 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// [`Error::Lookahead`], [`Error::AlertLevel`]; [`Error::InBody`] if a plan leaves the range of
+    /// [`Error::Clock`], [`Error::Lookahead`], [`Error::NoAlertLevel`], [`Error::AlertLevel`];
+    /// [`Error::InBody`] if a plan leaves the range of
     /// numbers within the lookahead.
     pub fn new(
         scene: Scene,
@@ -166,12 +168,10 @@ impl Monitor {
     ) -> Result<Self, Error> {
         let usable = |value: f64| value.is_finite() && value.abs() < LARGEST_MAGNITUDE;
         if !usable(now) {
-            return Err(Error::Lookahead { value: now });
+            return Err(Error::Clock { time: now });
         }
-        // Slices must be told apart on the clock.
         let length = lookahead / Self::SLICES_AHEAD;
-        let resolution = 4.0 * f64::EPSILON * now.abs();
-        if !usable(lookahead) || length <= resolution || length < f64::MIN_POSITIVE {
+        if !usable(lookahead) || !can_tell_apart(now, length) || length < f64::MIN_POSITIVE {
             return Err(Error::Lookahead { value: lookahead });
         }
         let bad = |(_, level): &(usize, &AlertLevel)| {
@@ -185,11 +185,7 @@ impl Monitor {
             });
         }
         let widest = levels.iter().map(|level| level.release);
-        let widest = widest.reduce(f64::max).ok_or(Error::AlertLevel {
-            level: 0,
-            margin: f64::NAN,
-            release: f64::NAN,
-        })?;
+        let widest = widest.reduce(f64::max).ok_or(Error::NoAlertLevel)?;
         let mut extremes = Extremes::NOTHING;
         for (_, occupant) in scene.occupants() {
             extremes.include(occupant.outline().extremes);
@@ -223,17 +219,31 @@ impl Monitor {
     }
 
     /// Tells revisions only if numbers differ from those last sent by more than this.
-    pub fn set_least_change(&mut self, least_change: LeastChange) {
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Setting`] if one is negative or NaN.
+    pub fn set_least_change(&mut self, least_change: LeastChange) -> Result<(), Error> {
+        for value in [least_change.time, least_change.separation] {
+            check_setting(value)?;
+        }
         #[cfg(feature = "serde")]
         self.write_down(|| Record::LeastChange(least_change));
         self.least_change = least_change;
+        Ok(())
     }
 
-    /// Keeps plans this many seconds back when bodies are replanned (0 at first).
-    pub fn set_history(&mut self, history: f64) {
-        self.history = history.max(0.0);
+    /// Keeps plans this many seconds back when bodies are replanned (0 at first; infinite: all of them).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Setting`] if it is negative or NaN.
+    pub fn set_history(&mut self, history: f64) -> Result<(), Error> {
+        check_setting(history)?;
+        self.history = history;
         #[cfg(feature = "serde")]
-        self.write_down(|| Record::History(history.max(0.0)));
+        self.write_down(|| Record::History(history));
+        Ok(())
     }
 
     /// The bodies and their plans.
@@ -289,5 +299,18 @@ impl Monitor {
     #[must_use]
     pub const fn stats(&self) -> &Stats {
         &self.stats
+    }
+}
+
+/// Whether slices of this length (s) can be told apart on a clock that shows `time` (s).
+fn can_tell_apart(time: f64, length: f64) -> bool {
+    length > 4.0 * f64::EPSILON * time.abs()
+}
+
+fn check_setting(value: f64) -> Result<(), Error> {
+    if value >= 0.0 {
+        Ok(())
+    } else {
+        Err(Error::Setting { value })
     }
 }

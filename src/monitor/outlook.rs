@@ -4,10 +4,13 @@
 //! in it, and which bodies have changed since they were compared. Catching up goes through the
 //! slices in the order of time, so that what is known is always complete up to some instant. The
 //! slice that comes next is compared as time passes, a share with each tick: none stands out. (Later,
-//! and in fewer ticks, where many plans change: see [`due_ahead`].)
+//! and in fewer ticks, where many plans change: see [`due_ahead`].) Where the clock has jumped far, what
+//! it passed over is [bridged](Bridge).
 
+use super::Monitor;
 use super::bodies::{Bodies, Moved};
 use super::boxes::Search;
+use super::bridge::Bridge;
 use super::budget::Meter;
 use super::finds::{Finds, Key, Pair};
 use super::flights::{Flight, Flights};
@@ -37,6 +40,7 @@ pub(super) struct Outlook {
     /// Those of the lookahead, and the next one.
     slices: VecDeque<Slice>,
     spare: Vec<Slice>,
+    bridge: Bridge,
     survivors: Vec<(Key, Span)>,
     /// Bodies that changed since the last catching up, each once.
     dirty: Vec<u32>,
@@ -60,6 +64,7 @@ impl Outlook {
             length,
             slices: VecDeque::new(),
             spare: Vec::new(),
+            bridge: Bridge::default(),
             survivors: Vec::new(),
             dirty: Vec::new(),
             is_dirty: Vec::new(),
@@ -118,6 +123,7 @@ impl Outlook {
         for slice in &mut self.slices {
             slice.note(&self.dirty);
         }
+        self.bridge.note(&self.dirty);
         for &slot in &self.dirty {
             self.is_dirty[slot as usize] = false;
         }
@@ -145,17 +151,45 @@ impl Outlook {
         meter: &mut Meter,
         stats: &mut Stats,
     ) -> f64 {
-        self.drop_before(from);
         self.spread_changes();
-        let needed = self.lay_slices(from, to);
-        let slices = self.slices.make_contiguous();
-        let bodies = Bodies {
-            scene,
-            flights: &self.flights,
-            frame: &self.frame,
-            margin: self.margin,
-        };
         self.survivors.clear();
+        let reached = self.look(scene, (from, to), filter, meter, stats);
+        self.dirty.clear();
+        let begin = Instant::now();
+        let bodies = Bodies::of(scene, &self.flights, (&self.frame, self.margin));
+        self.finds.forget_before(from);
+        self.survivors.sort_unstable_by_key(|(key, _)| *key);
+        self.survivors.dedup_by_key(|(key, _)| *key);
+        stats.survivors += self.finds.add(&self.survivors, &bodies);
+        stats.narrow_time += begin.elapsed();
+        meter.until().unwrap_or(reached)
+    }
+
+    /// Looks at what is not up to date from `from` to `to`: lists survivors. Returns how far all is.
+    fn look<F: PairFilter>(
+        &mut self,
+        scene: &Scene,
+        (mut from, to): (f64, f64),
+        filter: &F,
+        meter: &mut Meter,
+        stats: &mut Stats,
+    ) -> f64 {
+        let present = self.start(self.index(to - Monitor::SLICES_AHEAD * self.length));
+        if self.bridge.is_needed((from, present), self.length) {
+            // They lie behind, or not yet ahead.
+            self.spare.extend(self.slices.drain(..));
+            let bodies = Bodies::of(scene, &self.flights, (&self.frame, self.margin));
+            let jump = (from, present, self.length);
+            let found = (&mut self.survivors, &mut *stats);
+            if let Some(stop) = self.bridge.cross(jump, (&bodies, filter), meter, found) {
+                return stop;
+            }
+            from = present;
+        }
+        self.drop_before(from);
+        let needed = self.lay_slices(from, to);
+        let bodies = Bodies::of(scene, &self.flights, (&self.frame, self.margin));
+        let slices = self.slices.make_contiguous();
         let mut known = to;
         slices[..needed].iter_mut().for_each(Slice::need);
         if let [.., last, next] = slices {
@@ -204,8 +238,6 @@ impl Outlook {
                 }
             }
         }
-        self.dirty.clear();
-        known = meter.until().unwrap_or(known);
         for slice in slices {
             self.survivors.append(&mut slice.survivors);
             if is_parallel {
@@ -214,12 +246,6 @@ impl Outlook {
             }
             *stats += std::mem::take(&mut slice.stats);
         }
-        let begin = Instant::now();
-        self.finds.forget_before(from);
-        self.survivors.sort_unstable_by_key(|(key, _)| *key);
-        self.survivors.dedup_by_key(|(key, _)| *key);
-        stats.survivors += self.finds.add(&self.survivors, &bodies);
-        stats.narrow_time += begin.elapsed();
         known
     }
 

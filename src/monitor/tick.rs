@@ -9,8 +9,8 @@ use super::encounters::{Encounters, Tick};
 use super::event::{EndReason, Event, EventKind};
 #[cfg(feature = "serde")]
 use super::recording::Record;
-use super::{Admission, Monitor};
-use crate::error::{Error, LARGEST_MAGNITUDE};
+use super::{Admission, Monitor, can_tell_apart};
+use crate::error::Error;
 use crate::parallel;
 use crate::scene::Scene;
 use crate::stats::Stats;
@@ -23,8 +23,8 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// [`Error::ClockWentBack`]; [`Error::InBody`] if an extrapolated plan leaves the range of
-    /// numbers. The clock stays where it was.
+    /// [`Error::ClockWentBack`], [`Error::Clock`]; [`Error::InBody`] if an extrapolated plan leaves the
+    /// range of numbers. The clock stays where it was.
     pub fn advance(&mut self, now: f64, events: &mut Vec<Event>) -> Result<(), Error> {
         self.advance_within(now, Budget::Unlimited, events)
     }
@@ -64,11 +64,15 @@ impl Monitor {
         events: &mut Vec<Event>,
     ) -> Result<(), Error> {
         let begin = Instant::now();
-        if now.is_nan() || now < self.now || now >= LARGEST_MAGNITUDE {
+        if now < self.now {
             return Err(Error::ClockWentBack {
                 now: self.now,
                 time: now,
             });
+        }
+        let length = self.lookahead / Self::SLICES_AHEAD;
+        if !now.is_finite() || !can_tell_apart(now, length) {
+            return Err(Error::Clock { time: now });
         }
         let end = now + self.lookahead;
         self.outlook.extend_beyond(&self.scene, end)?;

@@ -245,7 +245,7 @@ pub(super) fn with_jumps<'s>(window: Window, bodies: impl Iterator<Item = &'s Oc
 
 /// Also of zeros with different signs.
 fn same(x: f64, y: f64) -> bool {
-    x <= y && x >= y
+    (x - y).abs() <= 0.0
 }
 
 /// A body that goes on beyond its knots can only be screened within a window that has an end.

@@ -8,7 +8,6 @@
 mod arrange;
 mod line_up;
 mod pilot;
-mod room;
 mod scratch;
 mod sift;
 mod solve;
@@ -62,7 +61,7 @@ impl Scene {
     ///
     /// [`Error::WindowNotClosed`] if a body exists beyond its knots and the window has no end;
     /// [`Error::InBody`] with [`Error::OutOfRange`] if an extrapolated cubic leaves the range of
-    /// numbers within the window; [`Error::TooCrowded`] if more spans may hold a conflict than the
+    /// numbers within the window, or with [`Error::TooFar`]; [`Error::TooCrowded`] if more spans may hold a conflict than the
     /// query has room for.
     pub fn screen(&self, query: &Query) -> Result<Screening, Error> {
         self.screen_with_progress(query, |_| {})

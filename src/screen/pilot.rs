@@ -7,13 +7,12 @@
 //! tried in turn.
 
 use super::line_up::LineUp;
-use super::room::Room;
 use super::scratch::Scratch;
 use crate::bounds::{Pose, Stroke};
 use crate::broad_phase::fill::Fill;
 use crate::broad_phase::presence::Presence;
 use crate::broad_phase::slices::Slices;
-use crate::broad_phase::{BroadPhase, Candidate, Everyone};
+use crate::broad_phase::{BroadPhase, Candidate, Everyone, Room};
 use crate::narrow_phase::approaching;
 use crate::rounding::{seen_from, seen_until};
 
@@ -200,7 +199,7 @@ impl LineUp<'_> {
             });
             let slice = &block.slices[0];
             candidates.clear();
-            let room = Room::new(Everyone, MOST_CANDIDATES);
+            let room = Room::new(&Everyone, MOST_CANDIDATES);
             sweep.at(self.level).pairs(&slice.boxes, &room, candidates);
             let interval = slices.interval(first);
             let is_near = |pair: &&Candidate| {

@@ -2,13 +2,12 @@
 
 use super::arrange::Arranger;
 use super::line_up::LineUp;
-use super::room::Room;
 use super::scratch::Scratch;
 use super::sift::{Question, Survivor};
 use crate::bounds::{Frame, Inflation, Pose, Stroke};
 use crate::broad_phase::fill::{Block, Fill};
 use crate::broad_phase::slices::Slices;
-use crate::broad_phase::{BroadPhase, PairFilter};
+use crate::broad_phase::{BroadPhase, PairFilter, Room};
 use crate::error::Error;
 use crate::narrow_phase::Party;
 use crate::parallel;
@@ -141,9 +140,9 @@ impl LineUp<'_> {
                 bodies: &slice.bodies,
                 filter,
             };
-            let admission = Room::new(by_place, MOST_CANDIDATES.max(self.most_spans as u64));
+            let admission = Room::new(&by_place, MOST_CANDIDATES.max(self.most_spans as u64));
             method(scratch).pairs(&slice.boxes, &admission, &mut candidates);
-            if admission.gives_up() {
+            if admission.is_short() {
                 return Err(self.too_crowded());
             }
             let found = Instant::now();

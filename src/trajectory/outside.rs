@@ -74,7 +74,8 @@ impl Trajectory {
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`] where an extrapolated cubic leaves the range of numbers served.
+    /// [`Error::OutOfRange`] where an extrapolated cubic leaves the range of numbers served;
+    /// [`Error::TooFar`].
     pub(crate) fn pieces(&self, window: Window) -> Result<Pieces<'_>, Error> {
         let beyond = self.pieces_beyond(window)?;
         Ok(beyond.unwrap_or(Pieces {
@@ -143,7 +144,7 @@ impl Trajectory {
 ///
 /// # Errors
 ///
-/// [`Error::OutOfRange`].
+/// [`Error::OutOfRange`], [`Error::TooFar`].
 pub(super) fn check_reach(
     segment: &Segment,
     (from, to): (f64, f64),
@@ -151,21 +152,21 @@ pub(super) fn check_reach(
 ) -> Result<(), Error> {
     /// Lengths of it: their third power must stay within the range of numbers.
     const MOST_LENGTHS: f64 = 1e100;
+    if segment.lengths_to(from, to) > MOST_LENGTHS {
+        let far = (from - segment.start()).abs() > (to - segment.start()).abs();
+        let time = if far { from } else { to };
+        return Err(Error::TooFar { knot, time });
+    }
     // What its rounding amounts to grows as well.
     let reach = segment.rounding_scale(from, to);
-    if reach <= LARGEST_MAGNITUDE && segment.lengths_to(from, to) <= MOST_LENGTHS {
-        return Ok(());
+    if reach > LARGEST_MAGNITUDE {
+        return Err(Error::OutOfRange {
+            knot,
+            quantity: Quantity::Position(0),
+            value: reach,
+        });
     }
-    Err(Error::OutOfRange {
-        knot,
-        quantity: Quantity::Position(0),
-        // Not a number: the growth itself has left the range.
-        value: if reach > LARGEST_MAGNITUDE {
-            reach
-        } else {
-            f64::INFINITY
-        },
-    })
+    Ok(())
 }
 
 /// Instants `knot + step (2^k - 1)`, k = 1, 2, ..., up to the first that reaches `until`.

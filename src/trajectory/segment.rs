@@ -143,7 +143,9 @@ impl Segment {
             return out_of_range(Quantity::Time, duration);
         }
         if self.extent.is_nan() || self.extent > LARGEST_MAGNITUDE {
-            return out_of_range(Quantity::Position(0), self.extent);
+            // Not a number: what it follows from has left the range of f64.
+            let reached = Some(self.extent).filter(|extent| !extent.is_nan());
+            return out_of_range(Quantity::Position(0), reached.unwrap_or(f64::INFINITY));
         }
         if self.extent > 0.0 && (acceleration.is_nan() || acceleration > LARGEST_MAGNITUDE) {
             return out_of_range(Quantity::Acceleration, acceleration);

@@ -18,7 +18,7 @@ impl Trajectory {
     ///
     /// [`Error::NoPlanAt`] if `from` is not a time at which both plans exist, and the new one goes
     /// on from; [`Error::OutOfRange`] if one of them leaves the range of numbers between its knots and
-    /// `from`.
+    /// `from`, [`Error::TooFar`] if that is too far.
     pub fn spliced(&self, from: f64, plan: &Self) -> Result<Self, Error> {
         let mut spliced = plan.clone();
         spliced.precede_by(self, from, f64::NEG_INFINITY)?;

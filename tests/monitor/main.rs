@@ -204,20 +204,28 @@ fn ticks(default: u32) -> u32 {
 #[test]
 fn equals_one_shot_screening_and_the_reference_at_every_tick() {
     for seed in 31..34 {
-        long_run(seed);
+        long_run(seed, 3.0);
     }
 }
 
-fn long_run(seed: u64) {
+/// The lookahead is so short that the clock jumps over many of them at once, now and then.
+#[test]
+fn equals_one_shot_screening_and_the_reference_after_far_jumps() {
+    for seed in 35..37 {
+        long_run(seed, 0.05);
+    }
+}
+
+fn long_run(seed: u64, lookahead: f64) {
     const CUBE: f64 = 14.0;
     let mut rng = rng(seed);
     let mut scene = Scene::new();
     let mut ids: Vec<BodyId> = (0..24)
         .map(|_| scene.insert(body(&mut rng, -1.0, CUBE)).unwrap())
         .collect();
-    let mut monitor = Monitor::new(scene, 0.0, 3.0, &LEVELS).unwrap();
+    let mut monitor = Monitor::new(scene, 0.0, lookahead, &LEVELS).unwrap();
     let mut ledger = Ledger::default();
-    let mut reference = Reference::new(&LEVELS, 0.0, 3.0);
+    let mut reference = Reference::new(&LEVELS, 0.0, lookahead);
     let (mut conflicts, mut events) = (0, Vec::new());
     let mut count = 0;
     for tick in 0..ticks(1500) {
@@ -261,7 +269,7 @@ fn long_run(seed: u64) {
         }
         assert_eq!(found.len(), expected.len(), "seed {seed}, tick {tick}");
         if budget == Budget::Unlimited {
-            assert_eq!(known, now + 3.0);
+            assert_eq!(known, now + lookahead);
         }
         for (index, level) in LEVELS.into_iter().enumerate() {
             let expected = if known > now {
@@ -289,7 +297,7 @@ fn long_run(seed: u64) {
     monitor.close(&mut events);
     ledger.read(&events);
     assert!(ledger.open.is_empty(), "every encounter has its end");
-    assert!(conflicts > 10_000 && count > 1_000, "{conflicts} {count}");
+    assert!(conflicts > 5_000 && count > 1_000, "{conflicts} {count}");
     for reason in [
         EndReason::Separated,
         EndReason::TrajectoryEnded,

@@ -3,10 +3,11 @@
 use super::support::{bits, line, rng, wander};
 use glam::DVec3;
 use nearmiss::{
-    AlertLevel, Body, BodyId, Command, Error, Event, EventKind, Hitbox, LeastChange, Monitor,
-    Scene, State, Trajectory,
+    AlertLevel, Body, BodyId, Budget, Command, Error, Event, EventKind, Hitbox, LeastChange,
+    Monitor, Query, Scene, State, Trajectory,
 };
 use rand::RngExt;
+use std::time::Duration;
 
 /// A monitor of two points on straight lines, and what it tells at each tick.
 fn two(a: Trajectory, b: Trajectory, levels: &[AlertLevel]) -> (Monitor, BodyId, BodyId) {
@@ -200,10 +201,11 @@ fn hysteresis_keeps_an_encounter_that_hovers() {
 fn small_changes_are_not_told() {
     let (a, b) = head_on();
     let (mut monitor, id, _) = two(a.clone(), b, &[AlertLevel::at(2.0)]);
-    monitor.set_least_change(LeastChange {
+    let least_change = LeastChange {
         time: 0.1,
         separation: 0.1,
-    });
+    };
+    monitor.set_least_change(least_change).unwrap();
     tick(&mut monitor, 2.0);
     let nudged = |y: f64| line(0.0, 100.0, DVec3::new(0.0, y, 0.0), DVec3::X);
     monitor.set_trajectory(id, nudged(0.05)).unwrap();
@@ -260,4 +262,85 @@ fn a_splice_keeps_what_was_flown() {
         assert_eq!(late.position(from + 0.5), both.position(from + 0.5));
         assert!(late.knots().len() < both.knots().len() || from < old.knots()[1]);
     }
+}
+
+/// A jump over 3e12 slices: bodies rest, some touching, some fly past each other early on or after
+/// a long time, and what happened meanwhile is told, whatever the budget of a tick.
+#[test]
+fn the_clock_may_jump_as_far_as_it_can_show() {
+    let (lookahead, end) = (1e-3, 1e9);
+    for budget in [
+        Budget::Unlimited,
+        Budget::Work(200),
+        Budget::Time(Duration::ZERO),
+    ] {
+        for count in [0, 1, 300] {
+            let mut scene = Scene::new();
+            for k in 0..count {
+                let place = DVec3::new(0.9 * f64::from(k), 50.0, 0.0);
+                let body = Body::new(Trajectory::at_rest(place).unwrap());
+                scene.insert(body).unwrap();
+            }
+            if count > 1 {
+                // 5 s from each other.
+                let (a, b) = head_on();
+                scene.insert(Body::new(a)).unwrap();
+                scene.insert(Body::new(b)).unwrap();
+                // Passes all those at rest, one after the other, from 7e8 s on.
+                let late = line(7e8, 7e8 + 500.0, DVec3::new(-10.0, 50.5, 0.0), DVec3::X);
+                scene.insert(Body::new(late)).unwrap();
+            }
+            let mut monitor = Monitor::new(scene, 0.0, lookahead, &[AlertLevel::at(1.0)]).unwrap();
+            let mut events = tick(&mut monitor, 0.0);
+            let mut ticks = 0;
+            loop {
+                monitor.advance_within(end, budget, &mut events).unwrap();
+                if monitor.is_caught_up() {
+                    break;
+                }
+                ticks += 1;
+                assert!(ticks < 200_000, "{budget:?} {count}");
+            }
+            let names = kinds(&events);
+            let number = |name: &str| names.iter().filter(|kind| *kind == name).count();
+            let neighbours = usize::max(count as usize, 1) - 1;
+            let passed = if count > 1 { 1 + count as usize } else { 0 };
+            assert_eq!(number("began 0"), neighbours + passed);
+            assert_eq!(number("ended 0 Separated"), passed);
+            assert_eq!(monitor.encounters().count(), neighbours);
+        }
+    }
+    // So far that the lookahead would be lost in the clock's rounding, or no time at all.
+    let (mut monitor, ..) = two(head_on().0, head_on().1, &[AlertLevel::at(2.0)]);
+    tick(&mut monitor, 1e9);
+    for time in [1e17, 1e300, f64::INFINITY, f64::NAN] {
+        let refused = monitor.advance(time, &mut Vec::new()).unwrap_err();
+        assert!(matches!(refused, Error::Clock { .. }), "{refused}");
+        assert_eq!(monitor.now(), 1e9);
+    }
+}
+
+/// Nothing for a million seconds, so that slices become long; then a minute in which everybody meets
+/// everybody in such a slice.
+#[test]
+fn a_jump_over_nothing_and_then_a_crowd() {
+    let mut rng = rng(77);
+    let mut scene = Scene::new();
+    for _ in 0..1000 {
+        let states = wander(&mut rng, 1e6, 30, 2.0, 200.0, 5.0);
+        let plan = Trajectory::from_states(&states).unwrap();
+        scene.insert(Body::new(plan)).unwrap();
+    }
+    let all = Query::default().with_margin(1.0).unwrap();
+    let expected = scene.screen(&all).unwrap().conflicts.len();
+    let mut monitor = Monitor::new(scene, 0.0, 10.0, &[AlertLevel::at(1.0)]).unwrap();
+    let names = kinds(&tick(&mut monitor, 3e6));
+    let number = |name: &str| names.iter().filter(|kind| kind.starts_with(name)).count();
+    assert!(expected > 500, "{expected}");
+    assert_eq!([number("began"), number("ended")], [expected; 2]);
+    // In slices of the least length a million seconds would be 300 million boxes; in one slice the
+    // crowd would be 500,000 candidates.
+    let stats = monitor.stats();
+    assert!(stats.boxes < 200_000, "{stats:?}");
+    assert!(stats.candidates < 300_000, "{stats:?}");
 }

@@ -157,10 +157,14 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// If the system gives no thread.
+    /// If the system gives no thread, or the options leave no room for an order or a report.
     pub fn spawn(mut self, options: LiveOptions) -> io::Result<Live> {
-        let (orders_in, orders) = bounded(options.orders.max(1));
-        let (reports_in, reports) = bounded(options.reports.max(1));
+        if options.orders == 0 || options.reports == 0 {
+            let what = "at least one order and one report must be able to wait";
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, what));
+        }
+        let (orders_in, orders) = bounded(options.orders);
+        let (reports_in, reports) = bounded(options.reports);
         let (stop, stopped) = bounded(0);
         let handle = Handle::new(orders_in, self.now(), self.certified_until());
         let interrupt = Arc::new(AtomicBool::new(false));

@@ -151,8 +151,8 @@ impl<R: BufRead> Replay<R> {
             Record::Remove(id) => drop(monitor.remove(id).map_err(refused)?),
             Record::Ignore(a, b) => monitor.ignore_pair(a, b).map_err(refused)?,
             Record::Heed(a, b) => monitor.heed_pair(a, b).map_err(refused)?,
-            Record::LeastChange(least) => monitor.set_least_change(least),
-            Record::History(history) => monitor.set_history(history),
+            Record::LeastChange(least) => monitor.set_least_change(least).map_err(refused)?,
+            Record::History(history) => monitor.set_history(history).map_err(refused)?,
             Record::Tick { now, known, .. } => {
                 monitor.advance_to(now, known, events).map_err(refused)?;
                 return Ok(Some(now));

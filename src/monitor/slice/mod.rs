@@ -105,6 +105,11 @@ impl Slice {
         self.forget_changes();
     }
 
+    /// Where it ends, s.
+    pub(super) const fn end(&self) -> f64 {
+        self.interval.1
+    }
+
     /// All of the slice is needed from now on.
     pub(super) const fn need(&mut self) {
         self.due = 1.0;

@@ -1,28 +1,34 @@
 //! Room for candidates: what would fill the memory is given up.
 
-use crate::broad_phase::PairFilter;
+use super::PairFilter;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// A filter that counts what it admits, and gives up when there is no more room.
-pub(super) struct Room<F> {
-    filter: F,
+pub(crate) struct Room<'f, F> {
+    filter: &'f F,
     most: u64,
     /// Written by one thread: atomic because filters are shared.
     admitted: AtomicU64,
 }
 
-impl<F: PairFilter> Room<F> {
+impl<'f, F: PairFilter> Room<'f, F> {
     /// Room for this many.
-    pub(super) const fn new(filter: F, most: u64) -> Self {
+    pub(crate) const fn new(filter: &'f F, most: u64) -> Self {
         Self {
             filter,
             most,
             admitted: AtomicU64::new(0),
         }
     }
+
+    /// Whether there was too little.
+    #[inline]
+    pub(crate) fn is_short(&self) -> bool {
+        self.admitted.load(Ordering::Relaxed) > self.most
+    }
 }
 
-impl<F: PairFilter> PairFilter for Room<F> {
+impl<F: PairFilter> PairFilter for Room<'_, F> {
     #[inline]
     fn admits(&self, a: u32, b: u32) -> bool {
         if !self.filter.admits(a, b) {
@@ -36,7 +42,7 @@ impl<F: PairFilter> PairFilter for Room<F> {
 
     #[inline]
     fn gives_up(&self) -> bool {
-        self.admitted.load(Ordering::Relaxed) > self.most
+        self.is_short() || self.filter.gives_up()
     }
 }
 
@@ -47,7 +53,7 @@ mod tests {
 
     #[test]
     fn gives_up_when_one_more_is_wanted_than_there_is_room_for() {
-        let room = Room::new(Everyone, 2);
+        let room = Room::new(&Everyone, 2);
         assert!(room.admits(0, 1) && room.admits(0, 2));
         assert!(!room.gives_up(), "full, but enough");
         assert!(!room.admits(1, 2));

@@ -1,0 +1,195 @@
+//! Catching up with a clock that has jumped: long slices, one at a time.
+//!
+//! A lookahead is cut into slices of equal length, and a clock that moves on by a frame needs one more
+//! of them now and then. One that jumps by hours would need thousands, most of them about nothing
+//! new. What it passed over is looked at once, so no slice of it is kept, and each is as long as
+//! measured work makes it: where bodies rest, or there are none, slices grow until they reach the
+//! other side. What is found does not depend on it.
+
+use super::bodies::Bodies;
+use super::budget::Meter;
+use super::finds::Key;
+use super::slice::Slice;
+use crate::broad_phase::{PairFilter, Room};
+use crate::rounding::seen_from;
+use crate::spans::Span;
+use crate::stats::Stats;
+
+/// See the module.
+#[derive(Debug, Default)]
+pub(super) struct Bridge {
+    /// Up to where it was built, s, and the slice that goes on from there; none if there is nothing to
+    /// bridge.
+    head: Option<Head>,
+    /// Memory for the next one.
+    spare: Slice,
+}
+
+/// Where a bridge is being built.
+#[derive(Debug)]
+struct Head {
+    at: f64,
+    slice: Slice,
+    stride: Stride,
+}
+
+/// Where what is found, and what it took, are added.
+type Found<'o> = (&'o mut Vec<(Key, Span)>, &'o mut Stats);
+
+impl Bridge {
+    /// With fewer slices left to look at, there is no need of a bridge.
+    const FEW: f64 = 16.0;
+
+    /// Whether it is far from one instant to another (s) in slices of `length` s, or a bridge was begun.
+    pub(super) fn is_needed(&self, (from, to): (f64, f64), length: f64) -> bool {
+        self.head.is_some() || to - from > Self::FEW * length
+    }
+
+    /// Goes on from `from` to `to` (s) as far as the meter lets, in slices of at least `length` s. Returns
+    /// where it had to stop, none if it is across.
+    pub(super) fn cross<F: PairFilter>(
+        &mut self,
+        (from, to, length): (f64, f64, f64),
+        (bodies, filter): (&Bodies<'_>, &F),
+        meter: &mut Meter,
+        mut found: Found<'_>,
+    ) -> Option<f64> {
+        let spare = &mut self.spare;
+        let head = self.head.get_or_insert_with(|| {
+            let mut head = Head {
+                at: seen_from(from),
+                slice: std::mem::take(spare),
+                stride: Stride::of(length),
+            };
+            head.begin(to);
+            head
+        });
+        while head.at < to {
+            if !head.go_on(to, (bodies, filter), meter, &mut found) {
+                return Some(head.at.max(from));
+            }
+        }
+        self.spare = self.head.take()?.slice;
+        None
+    }
+
+    /// Notes that bodies have changed.
+    pub(super) fn note(&mut self, slots: &[u32]) {
+        if let Some(head) = &mut self.head {
+            head.slice.note(slots);
+        }
+    }
+}
+
+impl Head {
+    /// Begins the next slice.
+    fn begin(&mut self, to: f64) {
+        let end = (self.at + self.stride.length).min(to);
+        self.slice.begin(0, (self.at, end));
+        self.slice.need();
+    }
+
+    /// Looks at the slice at hand; whether there is something to go on with.
+    fn go_on<F: PairFilter>(
+        &mut self,
+        to: f64,
+        (bodies, filter): (&Bodies<'_>, &F),
+        meter: &mut Meter,
+        (survivors, stats): &mut Found<'_>,
+    ) -> bool {
+        if meter.is_spent() || meter.until().is_some_and(|until| self.at >= until) {
+            return false;
+        }
+        let room = Room::new(filter, self.stride.most_candidates(bodies.flights.len()));
+        let before = meter.done();
+        self.slice.refresh(bodies, &room, None, |work| {
+            meter.count(work);
+            !meter.is_spent()
+        });
+        self.stride.work += meter.done() - before;
+        **stats += std::mem::take(&mut self.slice.stats);
+        survivors.append(&mut self.slice.survivors);
+        if self.slice.is_fresh(bodies) {
+            self.at = self.slice.end();
+            self.stride.adapt();
+        } else if room.is_short() {
+            self.stride.shorten();
+        } else {
+            return false;
+        }
+        if self.at < to {
+            self.begin(to);
+        }
+        true
+    }
+}
+
+/// How long a slice is to be: as long as a longer one means less work for the same time.
+#[derive(Debug)]
+struct Stride {
+    length: f64,
+    least: f64,
+    /// Work on the slice at hand so far.
+    work: u64,
+    /// Work per second of the slice before.
+    rate: f64,
+    /// Slices until a longer one is tried, and how many there were the last time.
+    wait: u32,
+    patience: u32,
+}
+
+impl Stride {
+    const FACTOR: f64 = 4.0;
+    /// Slices of the least length between trials, at most.
+    const MOST_PATIENCE: u32 = 64;
+
+    const fn of(least: f64) -> Self {
+        Self {
+            length: least,
+            least,
+            work: 0,
+            rate: f64::INFINITY,
+            wait: 0,
+            patience: 1,
+        }
+    }
+
+    /// More candidates mean that a slice is too long. The shortest ones hold what they must.
+    fn most_candidates(&self, bodies: usize) -> u64 {
+        const FEW: u64 = 1 << 16;
+        const PER_BODY: u64 = 64;
+        if self.length > self.least {
+            FEW + PER_BODY * bodies as u64
+        } else {
+            u64::MAX
+        }
+    }
+
+    /// After a slice is done.
+    #[allow(clippy::cast_precision_loss, reason = "a rate")]
+    fn adapt(&mut self) {
+        let rate = self.work as f64 / self.length;
+        let is_dearer = rate > self.rate;
+        (self.rate, self.work) = (rate, 0);
+        if is_dearer && self.length > self.least {
+            self.shrink();
+        } else if self.wait > 0 {
+            self.wait -= 1;
+        } else {
+            self.length *= Self::FACTOR;
+        }
+    }
+
+    /// After one that was given up.
+    fn shorten(&mut self) {
+        self.work = 0;
+        self.rate = f64::INFINITY;
+        self.shrink();
+    }
+
+    fn shrink(&mut self) {
+        self.length = (self.length / Self::FACTOR).max(self.least);
+        self.patience = (2 * self.patience).min(Self::MOST_PATIENCE);
+        self.wait = self.patience;
+    }
+}
