@@ -498,3 +498,69 @@ fn slices_of_different_lengths_are_refused() {
     slices[2][3] = &short;
     assert!(Lanes::new(slices).is_none());
 }
+
+/// Nothing is certain about what is no number, alone or among others that are.
+#[test]
+fn nothing_is_claimed_of_what_is_not_finite() {
+    let plain = [[1.0_f64, 2.0, 3.0]; 4];
+    let bad = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+    let mut cubics = vec![plain; 100];
+    for (number, cubic) in (0..).zip(&mut cubics) {
+        if number % 3 > 0 {
+            cubic[(number / 3) % 4][number % 4 % 3] = bad[number % 5 % 3];
+        }
+    }
+    let is_plain = |number: usize| number.is_multiple_of(3);
+    let mut batch = CubicBatch::new();
+    cubics.iter().for_each(|cubic| batch.push(*cubic));
+    let (errors, unbounded) = (
+        vec![0.0; 100],
+        Enclosure {
+            low: 0.0,
+            high: f64::INFINITY,
+            time: 0.0,
+        },
+    );
+    for level in Level::available() {
+        let mut enclosures = vec![unbounded; 100];
+        enclose(level, &batch.lanes(), &errors, &mut enclosures);
+        for (number, found) in enclosures.iter().enumerate() {
+            let holds = (found.low, found.high) == (0.0, f64::INFINITY);
+            assert!(holds != is_plain(number), "{found:?}");
+            assert!(scalar::enclose(&cubics[number], 0.0).low == 0.0 || is_plain(number));
+        }
+        for (threshold, expected) in [(0.5, Verdict::Outside), (1e3, Verdict::Inside)] {
+            let thresholds = vec![threshold; 100];
+            let mut verdicts = vec![Verdict::Undecided; 100];
+            within(
+                level,
+                &batch.lanes(),
+                &thresholds,
+                &thresholds,
+                &mut verdicts,
+            );
+            for (number, found) in verdicts.into_iter().enumerate() {
+                let expected = if is_plain(number) {
+                    expected
+                } else {
+                    Verdict::Undecided
+                };
+                assert_eq!(found, expected, "{number}");
+                assert_eq!(
+                    scalar::within(&cubics[number], threshold, threshold),
+                    expected
+                );
+            }
+        }
+        // Errors that bound nothing.
+        for error in [-1.0, -1e308, f64::NAN, f64::INFINITY] {
+            enclose(level, &batch.lanes(), &[error; 100], &mut enclosures);
+            assert!(
+                enclosures
+                    .iter()
+                    .all(|found| found.low <= 0.0 && found.high >= f64::INFINITY)
+            );
+            assert_eq!(scalar::enclose(&plain, error).high, f64::INFINITY);
+        }
+    }
+}

@@ -386,3 +386,39 @@ fn a_crowd_does_not_hold_up_a_shutdown() {
     assert!(!stopped.monitor.is_caught_up());
     assert_eq!(stopped.monitor.conflicts(0), []);
 }
+
+/// However short a stretch of work is, the monitor catches up; also from clock 0 to today's.
+#[test]
+fn the_smallest_budget_gets_there() {
+    let (monitor, _) = crowd(9, 30);
+    let options = LiveOptions {
+        budget: Duration::ZERO,
+        ..LiveOptions::default()
+    };
+    let live = monitor.spawn(options).unwrap();
+    for now in [1.0, 1.7e9] {
+        live.handle().advance(now).unwrap();
+        let is_there = |report: &Report| match report {
+            Report::Ticked {
+                certified_until, ..
+            } => *certified_until >= now + LOOKAHEAD,
+            _ => false,
+        };
+        let mut reports = live.reports().iter().take(100_000);
+        assert!(reports.any(|report| is_there(&report)), "{now}");
+    }
+    drop(live.shutdown());
+}
+
+#[test]
+fn queues_hold_at_least_one() {
+    for (orders, reports) in [(0, 1), (1, 0)] {
+        let options = LiveOptions {
+            orders,
+            reports,
+            ..LiveOptions::default()
+        };
+        let refused = crowd(1, 2).0.spawn(options).unwrap_err();
+        assert_eq!(refused.kind(), std::io::ErrorKind::InvalidInput);
+    }
+}

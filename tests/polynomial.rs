@@ -371,3 +371,28 @@ fn evaluation_and_derivative() {
     );
     assert!(Polynomial::new([6.0, 1.0]).cauchy_bound().unwrap() >= 7.0);
 }
+
+#[test]
+fn endless_intervals_and_what_is_not_finite() {
+    // (1 - x)² (1 + 2 x): a double root, and one on the other side.
+    let cubic = Polynomial::new([1.0, 0.0, -3.0, 2.0]);
+    let roots = cubic.roots_in(f64::NEG_INFINITY, f64::INFINITY, 0.0);
+    assert_eq!(roots.isolated().unwrap().len(), 2);
+    assert_eq!(
+        cubic
+            .roots_in(0.0, f64::INFINITY, 0.0)
+            .isolated()
+            .unwrap()
+            .len(),
+        1
+    );
+    let three = Polynomial::new([0.0, -1.0, 0.0, 1.0]);
+    let roots = three.roots_in(f64::NEG_INFINITY, f64::INFINITY, 0.0);
+    assert_eq!(roots.isolated().unwrap(), [-1.0, 0.0, 1.0]);
+    // What is found of these means nothing, but it is found.
+    for bad in [f64::INFINITY, f64::NEG_INFINITY, f64::NAN] {
+        let _ = quadratic([1.0, bad, -3.0]);
+        let _ = Polynomial::new([1.0, bad, 0.0, 2.0]).roots_in(0.0, 1.0, 0.0);
+        let _ = Polynomial::new([1.0, bad, 0.0, 2.0]).real_roots(0.0);
+    }
+}

@@ -9,8 +9,8 @@ mod support;
 
 use glam::DVec3;
 use nearmiss::{
-    Body, Error, Hitbox, Outside, Quantity, Query, Scene, Sphere, State, TimeBase, Trajectory,
-    Window, trajectories_from_rows,
+    AlertLevel, Body, Error, Hitbox, LeastChange, Monitor, Outside, Quantity, Query, Scene, Sphere,
+    State, TimeBase, Trajectory, Window, trajectories_from_rows,
 };
 
 fn state(time: f64, x: f64) -> State {
@@ -278,4 +278,53 @@ fn an_extrapolation_out_of_range_is_an_error() {
         scene.screen(&far).unwrap_err(),
         Error::InBody { body: 5, error } if matches!(*error, Error::OutOfRange { .. })
     ));
+}
+
+/// What a monitor is to keep to, a clock, and levels: refused by name, and nothing has changed.
+#[test]
+fn what_a_monitor_refuses() {
+    let line = |start: f64| {
+        let states = [0.0, 10.0].map(|t| State::new(start + t, DVec3::X * t, DVec3::X));
+        Trajectory::from_states(&states).unwrap()
+    };
+    let mut scene = Scene::new();
+    let id = scene.insert(Body::new(line(0.0)).with_tag(7)).unwrap();
+    let levels = [AlertLevel::at(1.0)];
+    for now in [f64::NAN, f64::INFINITY, 1e300] {
+        let refused = Monitor::new(scene.clone(), now, 1.0, &levels).unwrap_err();
+        assert!(matches!(refused, Error::Clock { .. }), "{refused}");
+    }
+    for lookahead in [f64::NAN, f64::INFINITY, 0.0, -1.0] {
+        let refused = Monitor::new(scene.clone(), 0.0, lookahead, &levels).unwrap_err();
+        assert!(matches!(refused, Error::Lookahead { .. }), "{refused}");
+    }
+    let refused = Monitor::new(scene.clone(), 0.0, 1.0, &[]).unwrap_err();
+    assert_eq!(refused, Error::NoAlertLevel);
+
+    let mut monitor = Monitor::new(scene, 0.0, 5.0, &levels).unwrap();
+    for value in [f64::NAN, -1.0, f64::NEG_INFINITY] {
+        let least = |time, separation| LeastChange { time, separation };
+        for refused in [
+            monitor.set_history(value),
+            monitor.set_least_change(least(value, 0.0)),
+            monitor.set_least_change(least(0.0, value)),
+        ] {
+            assert!(matches!(refused, Err(Error::Setting { .. })), "{value}");
+        }
+    }
+    monitor.set_history(f64::INFINITY).unwrap();
+
+    monitor.advance(1.0, &mut Vec::new()).unwrap();
+    let missing = Error::UnknownAlertLevel { level: 1 };
+    assert_eq!(monitor.what_if(id, &line(0.0), 1).unwrap_err(), missing);
+    // Over, or not begun: no plan to follow from now on, as a replan would say.
+    for start in [-20.0, 1.5] {
+        let refused = monitor.what_if(id, &line(start), 0).unwrap_err();
+        assert_eq!(refused, Error::NoPlanAt { time: 1.0 }.in_body(7));
+        let replanned = monitor.replan(id, 1.0, line(start)).unwrap_err();
+        assert_eq!(replanned, refused);
+    }
+    assert_eq!(monitor.what_if(id, &line(0.5), 0).unwrap(), []);
+    let text = Error::Margin { margin: 1e301 }.to_string();
+    assert_eq!(text, "margin 1e301 m is not a number within ±1e300");
 }

@@ -64,6 +64,9 @@ enum Cut {
 }
 
 pub(super) fn stretches(given: &UncertainCubic, threshold: Threshold) -> Stretches {
+    if threshold.low.is_nan() || threshold.high.is_nan() || threshold.low > threshold.high {
+        return Stretches::all(Side::Undecided);
+    }
     // No distance is negative, however large the error.
     if threshold.high < 0.0 {
         return Stretches::all(Side::Outside);

@@ -222,7 +222,8 @@ pub struct ParameterEnclosure {
     pub last: f64,
 }
 
-/// The exact threshold lies in `low..=high` (m); it may be negative, and then nothing is inside.
+/// The exact threshold lies in `low..=high` (m); it may be negative, and then nothing is inside. Nothing is
+/// certain about ends in the wrong order, or that are no numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Threshold {
     /// Lower end, m.

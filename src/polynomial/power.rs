@@ -117,6 +117,13 @@ impl<const N: usize> Polynomial<N> {
         if low > high {
             return Roots::At(RootList::default());
         }
+        if low.is_infinite() || high.is_infinite() {
+            // No root is farther out.
+            let Some(bound) = self.cauchy_bound() else {
+                return Roots::At(RootList::default());
+            };
+            return self.roots_in(low.max(-bound), high.min(bound), tolerance);
+        }
         // Away from the ends of the range nothing overflows in the derivatives or squares.
         if !(1e-90..=1e90).contains(&largest) {
             let factor = unit_factor(largest);

@@ -11,7 +11,8 @@ use super::roots::RootList;
 /// only `c0` is not, the list is empty: [`Polynomial::roots_in`](super::Polynomial::roots_in)
 /// tells these apart.
 ///
-/// Any finite coefficients are allowed: those outside 1e±120 are scaled by a power of two first.
+/// Any finite coefficients are allowed: those outside 1e±120 are scaled by a power of two first. With
+/// one that is not finite what is listed means nothing.
 ///
 /// ```
 /// use nearmiss::polynomial::quadratic;
@@ -35,7 +36,7 @@ pub fn quadratic(coefficients: [f64; 3]) -> RootList {
 /// Ratios of numbers multiplied by it stay exact as long as the smaller ones do not underflow.
 pub(super) fn unit_factor(largest: f64) -> f64 {
     let biased_exponent = (largest.to_bits() >> 52) & 0x7ff;
-    f64::from_bits((2046 - biased_exponent).max(1) << 52)
+    f64::from_bits(2046_u64.saturating_sub(biased_exponent).max(1) << 52)
 }
 
 /// The formula for coefficients whose squares do not overflow.

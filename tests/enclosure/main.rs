@@ -203,3 +203,18 @@ fn claims_hold_on_all_families() {
 fn long_campaign() {
     campaign::long();
 }
+
+#[test]
+fn nothing_is_certain_about_a_threshold_that_is_none() {
+    let cubic = UncertainCubic::new([DVec3::X; 4], 0.0).unwrap();
+    for (low, high) in [
+        (f64::NAN, f64::NAN),
+        (0.5, f64::NAN),
+        (f64::NAN, 0.5),
+        (2.0, 0.5),
+    ] {
+        let stretches = cubic.stretches(Threshold { low, high });
+        let sides: Vec<Side> = stretches.as_slice().iter().map(|one| one.side).collect();
+        assert_eq!(sides, [Side::Undecided], "{low} {high}");
+    }
+}

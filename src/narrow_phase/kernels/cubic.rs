@@ -118,13 +118,26 @@ pub(super) fn widened<R: Real>([p0, p1, p2, p3]: &ControlPoints<R>) -> ControlPo
     [wide(p0), wide(p1), wide(p2), wide(p3)]
 }
 
+/// The largest of four squares; no number if one of them is none, or their sum is beyond the range.
+#[inline(always)]
+pub(super) fn largest_of<R: Real>([a, b, c, d]: [R; 4]) -> R {
+    // What is no number is lost where the larger one of two is taken, but not in a product.
+    let sum = (a + b) + (c + d);
+    (a.or_more(b)).or_more(c.or_more(d)) + R::from_f64(0.0) * sum
+}
+
 /// The largest absolute value of a coordinate.
 #[inline]
 pub(super) fn largest_coordinate(points: &ControlPoints<f64>) -> f64 {
     let mut largest = 0.0;
     for coordinate in points.iter().flatten() {
         let size = coordinate.abs();
-        largest = if size > largest { size } else { largest };
+        // Also what is no number, and then nothing else.
+        largest = if size > largest || size.is_nan() {
+            size
+        } else {
+            largest
+        };
     }
     largest
 }

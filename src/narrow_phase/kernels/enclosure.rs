@@ -1,7 +1,9 @@
 //! Enclosures of the least distance: proven bounds, for a given error of the cubic.
 
 use super::closest::{QUICK, refined};
-use super::cubic::{CentredCubic, ControlPoints, Vector, dot, largest_coordinate, power_of_two};
+use super::cubic::{
+    CentredCubic, ControlPoints, Vector, dot, largest_coordinate, largest_of, power_of_two,
+};
 use super::guess::{descend, lowest_sample, outline, polish, settle};
 use super::loops::local_time;
 use super::minorant::{from_nearer, lower_bound, lower_bound_far, lower_bound_near, split};
@@ -97,7 +99,12 @@ pub(super) fn enclose_between<R: Real>(
     Bracketed {
         low,
         high,
-        tight: if in_range { tight } else { -one },
+        // Negative errors, and those that are no numbers, prove nothing.
+        tight: if in_range & (error >= zero) {
+            tight
+        } else {
+            -one
+        },
     }
 }
 
@@ -111,8 +118,8 @@ fn is_in_range<R: Real>(size: R) -> bool {
 #[inline(always)]
 fn size<R: Real>(points: ControlPoints<R>) -> R {
     let [p0, p1, p2, p3] = points;
-    let largest = (dot(p0, p0).or_more(dot(p1, p1))).or_more(dot(p2, p2).or_more(dot(p3, p3)));
-    largest.sqrt() * up::<R>(4.0)
+    let squares = [dot(p0, p0), dot(p1, p1), dot(p2, p2), dot(p3, p3)];
+    largest_of(squares).sqrt() * up::<R>(4.0)
 }
 
 /// The error of the cubic after splits: some units of its size more, rounded up.
@@ -221,7 +228,7 @@ enum Start {
 
 fn search(points: &ControlPoints<f64>, error: f64, start: Start, goal: Goal) -> Enclosure {
     let largest = largest_coordinate(points);
-    if !(largest.is_finite() && error.is_finite()) {
+    if !(largest.is_finite() && error.is_finite() && error >= 0.0) {
         return Enclosure {
             low: 0.0,
             high: f64::INFINITY,

@@ -77,7 +77,8 @@
 //!
 //! Squares that overflow or underflow fail every test; such pairs end in the scalar `f64` code,
 //! which scales by powers of two first. As guesses are proven in `f32`, these are polygons beyond
-//! some 1e15 m or below 1e-10 m. Coordinates must be finite.
+//! some 1e15 m or below 1e-10 m. Nothing is claimed of a pair with a coordinate that is not finite: its
+//! verdict is undecided, its enclosure without end; a closest approach means nothing.
 
 mod batch;
 mod closest;
@@ -133,7 +134,8 @@ pub fn closest_approach<R: Real>(
 /// `errors[i]` bounds, in metres and at every instant, the distance between the true relative
 /// position of pair `i` and the one its control points give. Then the true least distance lies in
 /// the enclosure, whatever rounds. Its width is a little more than twice the error plus 18 units
-/// of rounding of the polygon's size.
+/// of rounding of the polygon's size. An error that is negative or not finite bounds nothing: nor
+/// does the enclosure then.
 ///
 /// # Panics
 ///

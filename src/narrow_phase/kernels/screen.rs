@@ -6,7 +6,7 @@
 //! points before they were rounded to the type of the lanes; a halving adds 6 u M² at most. The
 //! margins below are at least twice that.
 
-use super::cubic::{ControlPoints, dot};
+use super::cubic::{ControlPoints, dot, largest_of};
 use super::real::Real;
 
 /// Whether the bodies of a pair come within a threshold of each other during a span.
@@ -73,8 +73,9 @@ fn verdict<R: Real>(lowest: R, nearest: R, inner: R, outer: R, units: f64, size:
     let above = outer * outer * (one + R::from_f64(8.0) * u) + margin;
     let below = inner * inner * (one - R::from_f64(8.0) * u) - margin;
     // Not a number compares false, and stays undecided; so do infinities.
-    let outside = (lowest > above) & (size < R::LARGE) & (outer >= zero);
-    let inside = (nearest < below) & (inner >= zero);
+    let is_served = size < R::LARGE;
+    let outside = (lowest > above) & is_served & (outer >= zero);
+    let inside = (nearest < below) & is_served & (inner >= zero);
     if outside {
         Verdict::Outside
     } else if inside {
@@ -98,7 +99,7 @@ fn squared_distance<R: Real>(points: ControlPoints<R>) -> ([R; 7], R) {
         dot(p2, p3),
         d33,
     ];
-    (coefficients, (d00.or_more(d11)).or_more(d22.or_more(d33)))
+    (coefficients, largest_of([d00, d11, d22, d33]))
 }
 
 /// The least coefficient that is not a value at an end.

@@ -55,7 +55,8 @@ impl<R: Real> SpanBatch<R> {
     }
 
     /// Appends a pair: body `a` on one segment, `b` on another, from the first to the second time
-    /// of `span` (s).
+    /// of `span` (s). Outside their knots the cubics go on. Of a span or a threshold that is no number
+    /// the verdict is undecided.
     ///
     /// `offset` (m) is added to the position of `a` relative to `b`: the difference of the spheres'
     /// centres in their bodies' frames. `threshold` (m) is the distance asked about; nothing comes
