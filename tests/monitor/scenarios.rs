@@ -274,7 +274,7 @@ fn the_clock_may_jump_as_far_as_it_can_show() {
         Budget::Work(200),
         Budget::Time(Duration::ZERO),
     ] {
-        for count in [0, 1, 300] {
+        for count in [0_u16, 1, 300] {
             let mut scene = Scene::new();
             for k in 0..count {
                 let place = DVec3::new(0.9 * f64::from(k), 50.0, 0.0);
@@ -303,8 +303,8 @@ fn the_clock_may_jump_as_far_as_it_can_show() {
             }
             let names = kinds(&events);
             let number = |name: &str| names.iter().filter(|kind| *kind == name).count();
-            let neighbours = usize::max(count as usize, 1) - 1;
-            let passed = if count > 1 { 1 + count as usize } else { 0 };
+            let neighbours = usize::from(count).max(1) - 1;
+            let passed = if count > 1 { 1 + usize::from(count) } else { 0 };
             assert_eq!(number("began 0"), neighbours + passed);
             assert_eq!(number("ended 0 Separated"), passed);
             assert_eq!(monitor.encounters().count(), neighbours);
