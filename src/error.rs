@@ -1,7 +1,4 @@
 //! Everything that can be wrong with an input, as one enum.
-//!
-//! A trajectory's own errors carry the knot and the value; whoever knows the body wraps them in
-//! [`Error::InBody`]. A failed call leaves the scene as it was.
 
 use crate::id::BodyId;
 use std::fmt;
@@ -110,7 +107,8 @@ pub enum Error {
         /// The row, counted from 0 over all rows.
         row: usize,
     },
-    /// A body's own error.
+    /// A body's own error: a trajectory's errors carry the knot and the value, and whoever knows
+    /// the body wraps them in this.
     #[error("body {body}: {error}")]
     InBody {
         /// The body's tag.

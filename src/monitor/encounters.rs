@@ -1,9 +1,8 @@
 //! The state machine: from what is planned, tick by tick, to encounters with a life of their own.
 //!
 //! It is fed, for each alert level, with the plain encounters of the window from where the last
-//! tick's clock stood to the end of what is known. It remembers what has passed: when an encounter
-//! began, and how close it came. Old and new are matched by overlap in time, in order, pair by
-//! pair; what finds no match was withdrawn, or ended by a change.
+//! tick's clock stood to the end of what is known. How old and new are matched is said at
+//! [`Encounter`].
 
 use super::event::{Encounter, EncounterId, EndReason, Event, EventKind};
 use crate::conflict::ClosestApproach;

@@ -17,6 +17,10 @@ impl fmt::Display for EncounterId {
 }
 
 /// A conflict as the monitor follows it over time: one per pair and alert level.
+///
+/// It remembers what has passed: when it began, and how close it came. At each tick the encounters
+/// of a pair are matched with what the plans lead into now, by overlap in time and in order. What
+/// finds no match is withdrawn, or ended if it had begun; what is new has a new id.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Encounter {
@@ -26,9 +30,11 @@ pub struct Encounter {
     pub a: BodyId,
     /// The body with the larger id.
     pub b: BodyId,
-    /// Which alert level, counted from 0, the outermost.
+    /// Which alert level: its place, from 0, in the list that [`Monitor::new`](crate::Monitor::new)
+    /// was given.
     pub level: usize,
-    /// First instant within the level's margin, s.
+    /// First instant within the level's margin, s; of bodies that are within it already when they
+    /// are first looked at, the clock of the tick before (or of [`Monitor::new`](crate::Monitor::new)).
     pub enter: f64,
     /// Last instant within the level's release margin, s; the end of what is known while `open`.
     pub exit: f64,
@@ -56,6 +62,17 @@ pub enum EndReason {
 }
 
 /// What happened.
+///
+/// The events of one encounter (the same [`Encounter::id`]), in the order in which they are told:
+///
+/// | after | may come |
+/// |---|---|
+/// | nothing yet | `Predicted` if it lies ahead; `Began` if the clock has reached it when it is first seen |
+/// | `Predicted`, or a `Revised` before it began | `Revised`, `Withdrawn`, `Began` |
+/// | `Began`, or a `Revised` after that | `Revised`, `Ended` |
+/// | `Withdrawn` or `Ended` | nothing |
+///
+/// A clock that jumps tells what lay in between all the same: `Began` and `Ended` at one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -70,7 +87,7 @@ pub enum EventKind {
     Began(Encounter),
     /// It is over. Every encounter that began has exactly one of these.
     Ended(Encounter, EndReason),
-    /// A body's plan ends within the lookahead, and the body with it.
+    /// A body's plan ends within the lookahead, and the body with it. Told once for each plan.
     PlanEnds(BodyId),
 }
 

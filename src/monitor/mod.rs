@@ -1,8 +1,4 @@
-//! A clock, a lookahead, plans that change, and events: never a lost one.
-//!
-//! A [`Monitor`] owns a [`Scene`]. Between ticks plans change; [`Monitor::advance`] moves the clock
-//! and tells what happened. Whenever all is caught up, [`Monitor::conflicts`] is, bit for bit, what
-//! [`Scene::screen`] says of the window from now to the end of the lookahead.
+//! A clock, a lookahead, plans that change, and events. What is promised is said at [`Monitor`].
 
 mod bodies;
 mod boxes;
@@ -76,7 +72,17 @@ impl AlertLevel {
     }
 }
 
-/// Watches a scene as time passes and plans change.
+/// Watches a scene as time passes and plans change: a clock, a lookahead, and events, of which none
+/// is lost.
+///
+/// A monitor owns its [`Scene`]. Between ticks plans change; a tick ([`advance`](Self::advance))
+/// moves the clock and tells what happened.
+///
+/// - Whenever all is caught up, [`conflicts`](Self::conflicts) is, bit for bit, what
+///   [`Scene::screen`] says with the level's margin of the window from now to the end of the
+///   lookahead; else, of the window from now to [`certified_until`](Self::certified_until).
+/// - Every encounter that began has exactly one end, at the latest at [`close`](Self::close).
+///   [`EventKind`] says what may follow what.
 ///
 /// ```
 /// use nearmiss::glam::DVec3;
@@ -93,7 +99,7 @@ impl AlertLevel {
 /// monitor.advance(0.0, &mut events)?;
 /// assert!(matches!(events[0].kind, EventKind::Predicted(_)));
 /// monitor.advance(5.0, &mut events)?;
-/// assert!(matches!(events.last().unwrap().kind, EventKind::Began(_)));
+/// assert!(matches!(events.last().map(|event| event.kind), Some(EventKind::Began(_))));
 /// # Ok::<(), nearmiss::Error>(())
 /// ```
 #[derive(Debug)]
@@ -153,7 +159,7 @@ impl Monitor {
     const SLICES_AHEAD: f64 = 3.0;
 
     /// A monitor of `scene` whose clock shows `now` (s) and that looks `lookahead` seconds ahead.
-    /// Levels are numbered as given; usually the widest comes first.
+    /// Levels are numbered as given, from 0; they may come in any order.
     ///
     /// # Errors
     ///

@@ -98,7 +98,8 @@ impl Shared {
     }
 }
 
-/// Sends orders to a live monitor. Cheap to clone; usable from any thread.
+/// Sends orders to a live monitor, under the contract written at [`Live`](super::Live). Cheap to
+/// clone; usable from any thread.
 #[derive(Clone, Debug)]
 pub struct Handle {
     orders: Sender<(Ticket, Order)>,
@@ -130,7 +131,8 @@ impl Handle {
     ///
     /// # Errors
     ///
-    /// [`Unsent`], with the order.
+    /// [`Unsent`], with the order: [`Busy`](Unsent::Busy) if the queue is full,
+    /// [`Closed`](Unsent::Closed) if nobody reads it any more.
     pub fn send(&self, order: impl Into<Order>) -> Result<Ticket, Unsent> {
         let order = order.into();
         let closed = self.shared.closed.read();

@@ -1,21 +1,4 @@
-//! A monitor on a thread of its own: orders go in, reports come out, nobody blocks the game.
-//!
-//! # Contract
-//!
-//! - Both queues are bounded. When the one for orders is full, [`Handle::send`] returns
-//!   [`Unsent::Busy`] with the order handed back: it never blocks and never drops.
-//! - Between two clock orders the latest plan for a body wins: a plan that a later one replaces
-//!   altogether (see [`Order`]) is superseded without being tried. Clock orders merge only where
-//!   nothing lies between them. Batches are never taken apart, and nothing is merged across them.
-//! - Every order sent is in the end applied, superseded or refused: [`Counts`] adds up.
-//! - Reports come in order, and none is dropped. A reader that stalls stalls the monitor, not the
-//!   senders: [`Handle::certified_until`] then stands still.
-//! - A tick works within [`LiveOptions::budget`] at a time; what is left is caught up while no
-//!   orders wait.
-//! - [`Live::shutdown`] returns in under 100 ms, after the step at hand (one budget and one order's
-//!   work; at most 25 ms were measured with 40,000 bodies, release build), with the monitor, every
-//!   report that was not read and every order that was not applied. A panic inside the
-//!   thread comes back as an error, with the monitor as the last whole order left it.
+//! A monitor on a thread of its own. Its contract is written at [`Live`].
 
 mod handle;
 mod order;
@@ -36,14 +19,17 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 use worker::{Outcome, Worker};
 
-/// How a live monitor runs.
+/// How a live monitor runs. What its queues and its budget mean is in the contract at [`Live`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LiveOptions {
-    /// Orders that may wait; at least 1.
+    /// Orders that may wait; 4,096 by default, and 0 is taken as 1. As many again may have left the
+    /// queue and not be applied yet.
     pub orders: usize,
-    /// Reports that may wait; at least 1.
+    /// Reports that may wait to be read; 4,096 by default, and 0 is taken as 1. Those of the step at
+    /// hand wait beside them.
     pub reports: usize,
-    /// How long the monitor works at a stretch before it looks for orders again.
+    /// How long the monitor works at a stretch before it looks for orders again; 10 ms by default.
+    /// With none at all nothing is ever caught up with.
     pub budget: Duration,
 }
 
@@ -87,7 +73,25 @@ pub enum Report {
     },
 }
 
-/// A monitor at work on its own thread. Dropping it stops the thread.
+/// A monitor at work on its own thread: orders go in, reports come out, nobody blocks the game.
+/// Dropping it stops the thread.
+///
+/// # Contract
+///
+/// - Both queues are bounded. When the one for orders is full, [`Handle::send`] returns
+///   [`Unsent::Busy`] with the order handed back: it never blocks and never drops.
+/// - Between two clock orders the latest plan for a body wins: a plan that a later one replaces
+///   altogether (see [`Order`]) is superseded without being tried. Clock orders merge only where
+///   nothing lies between them. Batches are never taken apart, and nothing is merged across them.
+/// - Every order sent is in the end applied, superseded or refused: [`Counts`] adds up.
+/// - Reports come in order, and none is dropped. A reader that stalls stalls the monitor, not the
+///   senders: [`Handle::certified_until`] then stands still.
+/// - A tick works within [`LiveOptions::budget`] at a time; what is left is caught up while no
+///   orders wait.
+/// - [`Live::shutdown`] returns in under 100 ms, after the step at hand (one budget and one order's
+///   work; at most 25 ms were measured with 40,000 bodies, release build), with the monitor, every
+///   report that was not read and every order that was not applied. A panic inside the
+///   thread comes back as an error, with the monitor as the last whole order left it.
 ///
 /// ```
 /// use nearmiss::glam::DVec3;
@@ -153,7 +157,7 @@ impl fmt::Display for Panicked {
 impl std::error::Error for Panicked {}
 
 impl Monitor {
-    /// Goes on on a thread of its own.
+    /// Goes on on a thread of its own, under the contract written at [`Live`].
     ///
     /// # Errors
     ///

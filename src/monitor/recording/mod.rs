@@ -1,11 +1,5 @@
-//! Recordings: what a monitor was told, so that what it said can be had again.
-//!
-//! [`Monitor::start_recording`] writes the monitor as it is, then everything that changes it, as it
-//! is applied (a live monitor's orders after they were coalesced), and for each tick how far it
-//! came. [`Replay`] reads that and goes through the same events, bit for bit, budgets included: a
-//! tick that ran out of time stops in the replay where it stopped then, however fast the machine.
-//!
-//! The format is in the documentation of [`Replay`].
+//! Recordings: what a monitor was told, so that what it said can be had again. What is in one is
+//! said at [`Monitor::start_recording`], its format at [`Replay`].
 
 mod begin;
 pub(in crate::monitor) mod number;
@@ -25,6 +19,9 @@ use std::io::{self, Write};
 impl Monitor {
     /// Writes down everything from now on, in the format that [`Replay`] reads; a recording under way
     /// is given up.
+    ///
+    /// First comes the monitor as it is, then everything that changes it, as it is applied (a live
+    /// monitor's orders after they were coalesced), and for each tick how far it came.
     ///
     /// # Errors
     ///

@@ -4,7 +4,8 @@ use super::record::{PREFIX, Record, RecordingError, TITLE};
 use crate::monitor::{Event, Monitor};
 use std::io::{BufRead, Read};
 
-/// Goes through a recording tick by tick: the same events, bit for bit, deadlines included.
+/// Goes through a recording tick by tick: the same events, bit for bit, budgets included. A tick
+/// that ran out of time stops in the replay where it stopped then, however fast the machine.
 ///
 /// ```
 /// use nearmiss::{AlertLevel, Monitor, Replay, Scene};
