@@ -3,7 +3,11 @@
 use crate::id::BodyId;
 use std::fmt;
 
-/// Magnitude at and above which an input, or a quantity that follows from it, is refused (SI units).
+/// Magnitude beyond which an input, or a quantity that follows from it, is refused (SI units).
+///
+/// A number of exactly this magnitude is refused as a time, a position, a velocity or a coefficient,
+/// and as a monitor's clock, lookahead or alert level; it is accepted as a radius, an offset, or
+/// the margin of a query.
 ///
 /// Below it no linear stage of the pipeline can overflow; squares are taken on scaled numbers.
 pub const LARGEST_MAGNITUDE: f64 = 1e300;
@@ -82,7 +86,7 @@ pub enum Error {
         /// Its value.
         value: f64,
     },
-    /// A number, or one that follows from it, is larger than [`LARGEST_MAGNITUDE`].
+    /// A number, or one that follows from it, is beyond what [`LARGEST_MAGNITUDE`] says.
     #[error("knot {knot}: {quantity} reaches {value:e}, beyond ±1e300")]
     OutOfRange {
         /// The knot, counted from 0.

@@ -64,7 +64,14 @@
 //!
 //! # Features
 //!
-//! - `parallel` (default): screening on the current rayon pool. Without it, on the caller's thread.
+//! - `parallel` (default): screenings and a monitor's ticks run on the threads of the current rayon
+//!   pool, and `narrow_phase::kernels::parallel` exists. Without it they run on the caller's thread,
+//!   with the same answers.
+//! - `live` (default): `Monitor::spawn` runs a monitor on a thread of its own, behind the bounded
+//!   channels of `Live`.
+//! - `serde`: scenes, commands, events and their parts implement `Serialize` and `Deserialize`;
+//!   `Monitor::start_recording` writes down what a monitor is told, and `Replay` goes through it
+//!   again, bit for bit.
 
 mod accuracy;
 mod bounds;

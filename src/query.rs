@@ -8,7 +8,19 @@ use std::num::NonZeroU32;
 
 /// A question to a scene: when, and how close is too close.
 ///
-/// The default asks for overlaps (margin 0) at all times.
+/// ```
+/// use nearmiss::glam::DVec3;
+/// use nearmiss::{Body, Query, Scene, Trajectory, Window};
+///
+/// let mut scene = Scene::new();
+/// for x in [0.0, 3.0] {
+///     scene.insert(Body::new(Trajectory::at_rest(x * DVec3::X)?))?;
+/// }
+/// let query = Query::new(Window::new(0.0, 60.0)?);
+/// assert_eq!(scene.screen(&query)?.conflicts.len(), 0);
+/// assert_eq!(scene.screen(&query.with_margin(3.0)?)?.conflicts.len(), 1);
+/// # Ok::<(), nearmiss::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Query {
     window: Window,
@@ -21,6 +33,8 @@ pub struct Query {
 }
 
 impl Default for Query {
+    /// Overlaps (margin 0) at all times ([`Window::ALL`]): refused with [`Error::WindowNotClosed`]
+    /// if a body goes on beyond its knots, or is at rest.
     fn default() -> Self {
         Self {
             window: Window::default(),

@@ -3,11 +3,11 @@
 use std::ops::AddAssign;
 use std::time::Duration;
 
-/// The funnel of one screening.
+/// The funnel of one screening, or of one tick of a monitor.
 ///
 /// Counts depend on the scene and the query; a few candidates and spans of many thousands also on
 /// the number of threads, which cut motions in other places and round their boxes differently.
-/// Stage times add up over threads; `total` is wall time.
+/// Stage times add up over threads; `total_time` is wall time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stats {
     /// Bodies in the scene.

@@ -7,6 +7,16 @@ use crate::error::Error;
 /// It only clips: what is reported of a window is what is reported of all of time, cut off at its ends. A
 /// plan that jumps at a knot is in both places at that instant, also where a window begins or ends
 /// there.
+///
+/// ```
+/// use nearmiss::Window;
+///
+/// let hour = Window::new(0.0, 3600.0)?;
+/// let late = Window::new(1800.0, f64::INFINITY)?;
+/// assert_eq!(hour.intersection(late), Some(Window::new(1800.0, 3600.0)?));
+/// assert!(late.contains(1e9) && !late.is_closed());
+/// # Ok::<(), nearmiss::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
     start: f64,
@@ -14,7 +24,8 @@ pub struct Window {
 }
 
 impl Window {
-    /// All of time.
+    /// All of time. Where a body goes on beyond its knots ([`Outside`](crate::Outside)), or is
+    /// [at rest](crate::Trajectory::at_rest), this is refused with [`Error::WindowNotClosed`].
     pub const ALL: Self = Self {
         start: f64::NEG_INFINITY,
         end: f64::INFINITY,
@@ -69,6 +80,7 @@ impl Window {
 }
 
 impl Default for Window {
+    /// [`Window::ALL`].
     fn default() -> Self {
         Self::ALL
     }

@@ -94,8 +94,11 @@ impl Monitor {
         self.apply([Command::SetLayers(id, layers)]).map(drop)
     }
 
-    /// From `from` (s) on the body follows `plan`; what it has flown until then stays. See
+    /// From `from` (s) on the body follows `plan`; until then it keeps its old one. See
     /// [`Trajectory::spliced`].
+    ///
+    /// Cubics that end before the clock of the last tick are forgotten with this call, unless
+    /// [`set_history`](Self::set_history) keeps them.
     ///
     /// # Errors
     ///
@@ -105,7 +108,12 @@ impl Monitor {
         self.apply([Command::Replan(id, from, plan)]).map(drop)
     }
 
-    /// Appends `plan` to the body's plan, from its last knot on.
+    /// Appends `plan` to the body's plan: from its last knot on, not from now on, the body follows
+    /// `plan`, which must exist there. What is forgotten: see [`replan`](Self::replan).
+    ///
+    /// A body that goes on beyond its knots may have passed the last one long ago (one
+    /// [at rest](Trajectory::at_rest) has a single knot, at 0 s). A plan that begins later is
+    /// refused then, with [`Error::NoPlanAt`]: use [`replan`](Self::replan).
     ///
     /// # Errors
     ///

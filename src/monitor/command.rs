@@ -29,7 +29,8 @@ pub enum Command {
     /// Keeps the old plan up to the time (s), then follows the new one: see
     /// [`Trajectory::spliced`].
     Replan(BodyId, f64, Trajectory),
-    /// Appends: the old plan to its last knot, then the new one.
+    /// Appends: the old plan to its last knot, then the new one. See
+    /// [`Monitor::extend`](crate::Monitor::extend).
     Extend(BodyId, Trajectory),
 }
 

@@ -8,14 +8,14 @@ use super::event::{Encounter, EncounterId, EndReason, Event, EventKind};
 use crate::conflict::ClosestApproach;
 use crate::id::BodyId;
 
-/// Changes smaller than this are not told.
+/// Changes up to this are not told; measured from what was last told. By default all are.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LeastChange {
-    /// Of enter, exit and the time of closest approach, s.
+    /// Of enter, exit and the time of closest approach, s; 0 by default.
     #[cfg_attr(feature = "serde", serde(with = "super::recording::number"))]
     pub time: f64,
-    /// Of the least separation, m.
+    /// Of the least separation, m; 0 by default.
     #[cfg_attr(feature = "serde", serde(with = "super::recording::number"))]
     pub separation: f64,
 }

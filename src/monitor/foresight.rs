@@ -10,7 +10,8 @@ use crate::trajectory::Trajectory;
 impl Monitor {
     /// Which conflicts at a level the body would have from now to
     /// [`certified_until`](Self::certified_until) if it followed `plan` from now on. Changes
-    /// nothing.
+    /// nothing. The level's margin counts, as for [`conflicts`](Self::conflicts), not its release
+    /// margin; so do layers and ignored pairs.
     ///
     /// # Errors
     ///

@@ -239,7 +239,9 @@ impl Monitor {
         Ok(())
     }
 
-    /// Keeps plans this many seconds back when bodies are replanned (0 at first; infinite: all of them).
+    /// Keeps plans this many seconds back, from the clock of the last tick, when bodies are
+    /// [replanned](Self::replan) or [extended](Self::extend); 0 at first, and infinity keeps all.
+    /// What is older is forgotten then, but for the cubic that holds at that instant.
     ///
     /// # Errors
     ///

@@ -11,6 +11,23 @@ use crate::window::Window;
 use std::borrow::Cow;
 
 /// What a body does before its first and after its last knot.
+///
+/// A body that goes on beyond its knots exists at all times: it can only be screened within a
+/// closed window, else there is an [`Error::WindowNotClosed`].
+///
+/// ```
+/// use nearmiss::glam::DVec3;
+/// use nearmiss::{Outside, State, Trajectory};
+///
+/// // It speeds up: t² metres after t seconds.
+/// let states = [State::new(0.0, DVec3::ZERO, DVec3::ZERO), State::new(1.0, DVec3::X, 2.0 * DVec3::X)];
+/// let plan = Trajectory::from_states(&states)?;
+/// assert_eq!(plan.position(2.0), None);
+/// for (outside, metres) in [(Outside::Extrapolate, 4.0), (Outside::Coast, 3.0)] {
+///     assert_eq!(plan.clone().with_outside(outside).position(2.0), Some(metres * DVec3::X));
+/// }
+/// # Ok::<(), nearmiss::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Outside {
