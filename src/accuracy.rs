@@ -69,6 +69,29 @@ pub struct TimeEnclosure {
 /// The truth is the motion in real arithmetic through the `f64` states (or of the `f64`
 /// polynomials) given, with the exact sum of radii and margin. The proof is in
 /// [`enclosure`](crate::enclosure).
+///
+/// ```
+/// use nearmiss::glam::DVec3;
+/// use nearmiss::{Accuracy, Body, Query, Scene, State, Trajectory};
+///
+/// let mut scene = Scene::new();
+/// for velocity in [DVec3::X, DVec3::Y] {
+///     // They cross at 0 s.
+///     let states = [-9.0, 9.0].map(|t| State::new(t, t * velocity, velocity));
+///     scene.insert(Body::new(Trajectory::from_states(&states)?))?;
+/// }
+/// let query = Query::default().with_margin(2.0)?.with_accuracy(Accuracy::Certified);
+/// let conflict = scene.screen(&query)?.conflicts[0];
+/// assert!(conflict.certificate.is_some_and(|proof| {
+///     // A proof to the last digits: it is one conflict, and contains the instant 0 s.
+///     proof.resolved
+///         && proof.error < 1e-13
+///         && proof.closest.earliest <= 0.0
+///         && 0.0 <= proof.closest.latest
+///         && proof.enter.latest - proof.enter.earliest < 1e-13
+/// }));
+/// # Ok::<(), nearmiss::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Certificate {
     /// The least separation within the conflict lies in `closest.separation ± error` (m).

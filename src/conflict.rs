@@ -26,6 +26,23 @@ pub struct ClosestApproach {
 }
 
 /// A maximal interval in which two bodies' separation is at most the margin.
+///
+/// ```
+/// use nearmiss::glam::DVec3;
+/// use nearmiss::{Body, Query, Scene, State, Trajectory, Window};
+///
+/// // One body passes the other 3 m off, at 1 m/s: within 5 m from 4 s before to 4 s after.
+/// let fly = [-10.0, 10.0].map(|t| State::new(t, DVec3::new(t, 3.0, 0.0), DVec3::X));
+/// let mut scene = Scene::new();
+/// scene.insert(Body::new(Trajectory::from_states(&fly)?))?;
+/// scene.insert(Body::new(Trajectory::at_rest(DVec3::ZERO)?))?;
+/// let query = Query::new(Window::new(-10.0, 10.0)?).with_margin(5.0)?;
+/// let conflict = scene.screen(&query)?.conflicts[0];
+/// assert!((conflict.enter + 4.0).abs() < 1e-9 && (conflict.exit - 4.0).abs() < 1e-9);
+/// assert!((conflict.closest.separation - 3.0).abs() < 1e-9);
+/// assert!(!conflict.clip.at_enter && !conflict.clip.at_exit);
+/// # Ok::<(), nearmiss::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conflict {
     /// The body with the smaller id.

@@ -4,6 +4,17 @@
 ///
 /// Two bodies are a pair if each is a member of a layer that the other filters for. Checked
 /// before a candidate leaves the broad phase.
+///
+/// ```
+/// use nearmiss::Layers;
+///
+/// const DRONES: u32 = 1;
+/// const BUILDINGS: u32 = 2;
+/// let drone = Layers::new(DRONES, DRONES | BUILDINGS);
+/// let building = Layers::new(BUILDINGS, DRONES);
+/// assert!(drone.admits(drone) && drone.admits(building));
+/// assert!(!building.admits(building));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Layers {

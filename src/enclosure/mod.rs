@@ -193,6 +193,22 @@ pub use stretches::Stretches;
 use glam::DVec3;
 
 /// A cubic from which the exact relative motion is nowhere farther than an error bound.
+///
+/// ```
+/// use glam::DVec3;
+/// use nearmiss::enclosure::{Side, Threshold, UncertainCubic};
+///
+/// // Straight past the origin, 3 m off; the exact motion is within a nanometre of that.
+/// let cubic = UncertainCubic::new([-6.0, -2.0, 2.0, 6.0].map(|x| DVec3::new(x, 3.0, 0.0)), 1e-9)?;
+/// let least = cubic.least_distance().distance;
+/// assert!(least.low <= 3.0 && 3.0 <= least.high && least.high - least.low < 3e-9);
+///
+/// let stretches = cubic.stretches(Threshold { low: 5.0, high: 5.0 });
+/// let sides: Vec<Side> = stretches.as_slice().iter().map(|stretch| stretch.side).collect();
+/// use Side::{Inside, Outside, Undecided};
+/// assert_eq!(sides, [Outside, Undecided, Inside, Undecided, Outside]);
+/// # Ok::<(), nearmiss::enclosure::OutOfRange>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UncertainCubic {
     points: [DVec3; 4],

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 /// How much work a call of [`Monitor::advance_within`](super::Monitor::advance_within) may do
-/// before it returns with what it has.
+/// before it returns with what it has. With none at all nothing is ever caught up with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Budget {
     /// As much as there is.

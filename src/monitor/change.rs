@@ -125,6 +125,20 @@ impl Monitor {
     /// Several changes that take effect together, or, if one is refused, not at all. Returns the
     /// ids of the inserted bodies, in order.
     ///
+    /// ```
+    /// # use nearmiss::glam::DVec3;
+    /// # use nearmiss::{AlertLevel, Body, Command, Monitor, Scene, Trajectory};
+    /// # let mut monitor = Monitor::new(Scene::new(), 0.0, 10.0, &[AlertLevel::at(2.0)])?;
+    /// let body = Body::new(Trajectory::at_rest(DVec3::ZERO)?);
+    /// let old = monitor.insert(body.clone())?;
+    /// let new = monitor.apply([Command::Remove(old), Command::Insert(body.clone())])?;
+    /// assert_eq!(new.len(), 1);
+    /// // The old one is gone: nothing is inserted either.
+    /// assert!(monitor.apply([Command::Insert(body), Command::Remove(old)]).is_err());
+    /// assert_eq!(monitor.scene().len(), 1);
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// That of the first command that is refused; nothing was changed then.

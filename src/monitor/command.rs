@@ -11,7 +11,8 @@ use crate::scene::{Body, Scene};
 use crate::trajectory::Trajectory;
 use crate::window::Window;
 
-/// One change to a monitor's scene.
+/// One change to a monitor's scene, for [`Monitor::apply`](crate::Monitor::apply) or to be sent to a
+/// live monitor.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

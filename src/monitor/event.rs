@@ -34,7 +34,8 @@ pub struct Encounter {
     /// was given.
     pub level: usize,
     /// First instant within the level's margin, s; of bodies that are within it already when they
-    /// are first looked at, the clock of the tick before (or of [`Monitor::new`](crate::Monitor::new)).
+    /// are first looked at, the clock of the tick before, or that of
+    /// [`Monitor::new`](crate::Monitor::new).
     pub enter: f64,
     /// Last instant within the level's release margin, s; the end of what is known while `open`.
     pub exit: f64,

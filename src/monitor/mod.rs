@@ -51,6 +51,21 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A margin that is watched, and when to let go.
+///
+/// ```
+/// use nearmiss::glam::DVec3;
+/// use nearmiss::{AlertLevel, Body, Monitor, Scene, Trajectory};
+///
+/// // A caution at 50 m; an alarm at 10 m, which is over beyond 12 m.
+/// let levels = [AlertLevel::at(50.0), AlertLevel { margin: 10.0, release: 12.0 }];
+/// let mut monitor = Monitor::new(Scene::new(), 0.0, 10.0, &levels)?;
+/// for x in [0.0, 30.0] {
+///     monitor.insert(Body::new(Trajectory::at_rest(x * DVec3::X)?))?;
+/// }
+/// monitor.advance(0.0, &mut Vec::new())?;
+/// assert_eq!((monitor.conflicts(0).len(), monitor.conflicts(1).len()), (1, 0));
+/// # Ok::<(), nearmiss::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AlertLevel {

@@ -31,7 +31,26 @@ impl Monitor {
 
     /// The same within a budget, soonest first. When it is spent,
     /// [`certified_until`](Self::certified_until) says up to when nothing is missing; what happens
-    /// later waits for later ticks.
+    /// later waits for later ticks. They go on where this one stopped, also while the clock stands
+    /// still.
+    ///
+    /// ```
+    /// # use nearmiss::glam::DVec3;
+    /// # use nearmiss::{AlertLevel, Body, Budget, Monitor, Scene, Trajectory};
+    /// let mut scene = Scene::new();
+    /// for x in 0..2_000 {
+    ///     scene.insert(Body::new(Trajectory::at_rest(f64::from(x) * DVec3::X)?))?;
+    /// }
+    /// let mut monitor = Monitor::new(scene, 0.0, 9.0, &[AlertLevel::at(0.5)])?;
+    /// let (mut ticks, mut events) = (0, Vec::new());
+    /// while !monitor.is_caught_up() {
+    ///     monitor.advance_within(0.0, Budget::Work(1_000), &mut events)?;
+    ///     ticks += 1;
+    /// }
+    /// assert!(ticks > 1);
+    /// assert_eq!(monitor.certified_until(), 9.0);
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -131,7 +150,7 @@ impl Monitor {
     /// Ends everything: each encounter under way ends, each ahead is withdrawn. Gives back the
     /// scene.
     ///
-    /// A recording under way ends with it; [`stop_recording`](Self::stop_recording) before tells
+    /// A recording under way ends with it; `stop_recording` before tells
     /// whether all of it could be written.
     pub fn close(mut self, events: &mut Vec<Event>) -> Scene {
         self.end_all(events);

@@ -110,6 +110,24 @@ impl Scene {
 
     /// The same with a proof; dearer by the proof.
     ///
+    /// ```
+    /// # use nearmiss::glam::DVec3;
+    /// # use nearmiss::{Body, Scene, State, Trajectory, Window};
+    /// let mut scene = Scene::new();
+    /// let fly = [-9.0, 9.0].map(|t| State::new(t, DVec3::new(t, 3.0, 0.0), DVec3::X));
+    /// let a = scene.insert(Body::new(Trajectory::from_states(&fly)?))?;
+    /// let b = scene.insert(Body::new(Trajectory::at_rest(DVec3::ZERO)?))?;
+    /// let window = Window::new(-9.0, 9.0)?;
+    /// let found = scene.certified_closest_approach(a, b, window)?;
+    /// assert!(found.is_some_and(|found| {
+    ///     (found.approach.separation - 3.0).abs() <= found.error
+    ///         && found.error < 1e-13
+    ///         && found.time.earliest <= 0.0
+    ///         && 0.0 <= found.time.latest
+    /// }));
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// As [`closest_approach`](Self::closest_approach).

@@ -107,6 +107,19 @@ impl Trajectory {
     /// coefficients themselves, as f64, may no longer describe the motion that was meant: at
     /// t = 1e6 s they are good to metres only. Prefer local time.) Segments need not meet.
     ///
+    /// ```
+    /// use nearmiss::glam::DVec3;
+    /// use nearmiss::{TimeBase, Trajectory};
+    ///
+    /// // Thrown up at 8 m/s when the clock shows 100 s, and slowed down by 8 m/s².
+    /// let throw = [DVec3::ZERO, -4.0 * DVec3::Z, 8.0 * DVec3::Z, DVec3::ZERO];
+    /// let knots = [100.0, 102.0];
+    /// let flight = Trajectory::from_coefficients(&knots, &[throw], TimeBase::SegmentLocal)?;
+    /// let height = flight.position(101.0).map_or(f64::NAN, |position| position.z);
+    /// assert!((height - 4.0).abs() < 1e-14);
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// [`Error::SegmentCount`], [`Error::TooFewStates`], [`Error::TimeNotIncreasing`],

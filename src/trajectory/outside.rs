@@ -20,8 +20,8 @@ use std::borrow::Cow;
 /// use nearmiss::{Outside, State, Trajectory};
 ///
 /// // It speeds up: t² metres after t seconds.
-/// let states = [State::new(0.0, DVec3::ZERO, DVec3::ZERO), State::new(1.0, DVec3::X, 2.0 * DVec3::X)];
-/// let plan = Trajectory::from_states(&states)?;
+/// let square = |t: f64| State::new(t, t * t * DVec3::X, 2.0 * t * DVec3::X);
+/// let plan = Trajectory::from_states(&[square(0.0), square(1.0)])?;
 /// assert_eq!(plan.position(2.0), None);
 /// for (outside, metres) in [(Outside::Extrapolate, 4.0), (Outside::Coast, 3.0)] {
 ///     assert_eq!(plan.clone().with_outside(outside).position(2.0), Some(metres * DVec3::X));

@@ -9,6 +9,18 @@ use std::collections::HashSet;
 ///
 /// The result is in the order of the rows.
 ///
+/// ```
+/// use nearmiss::glam::DVec3;
+/// use nearmiss::{State, trajectories_from_rows};
+///
+/// let row = |body, time, x| (body, State::new(time, x * DVec3::X, DVec3::X));
+/// let rows = [row(7, 0.0, 0.0), row(7, 1.0, 1.0), row(3, 0.0, 5.0), row(3, 2.0, 7.0)];
+/// let bodies = trajectories_from_rows(rows)?;
+/// assert_eq!((bodies[0].0, bodies[0].1.knots()), (7, &[0.0, 1.0][..]));
+/// assert_eq!((bodies[1].0, bodies[1].1.knots()), (3, &[0.0, 2.0][..]));
+/// # Ok::<(), nearmiss::Error>(())
+/// ```
+///
 /// # Errors
 ///
 /// [`Error::InBody`] with the body and, within, [`Error::RowsApart`] or what

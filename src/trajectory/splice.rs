@@ -14,6 +14,23 @@ impl Trajectory {
     /// absent. (That the positions meet is the planner's affair: a jump is allowed.) What the body
     /// does outside its knots is the new plan's rule.
     ///
+    /// ```
+    /// use nearmiss::glam::DVec3;
+    /// use nearmiss::{State, Trajectory};
+    ///
+    /// let line = |start: f64, from: DVec3, velocity: DVec3| {
+    ///     let states = [0.0, 10.0].map(|t| State::new(start + t, from + t * velocity, velocity));
+    ///     Trajectory::from_states(&states)
+    /// };
+    /// let ahead = line(0.0, DVec3::ZERO, DVec3::X)?;
+    /// let aside = line(5.0, 5.0 * DVec3::X, DVec3::Y)?;
+    /// let turn = ahead.spliced(5.0, &aside)?;
+    /// assert_eq!(turn.knots(), [0.0, 5.0, 15.0]);
+    /// assert_eq!(turn.position(3.0), ahead.position(3.0));
+    /// assert_eq!(turn.position(8.0), aside.position(8.0));
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// [`Error::NoPlanAt`] if `from` is not a time at which both plans exist, and the new one goes

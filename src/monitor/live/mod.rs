@@ -96,7 +96,7 @@ pub enum Report {
 /// ```
 /// use nearmiss::glam::DVec3;
 /// use nearmiss::{
-///     AlertLevel, Body, Command, Hitbox, LiveOptions, Monitor, Report, Scene, Trajectory,
+///     AlertLevel, Body, Command, LiveOptions, Monitor, Report, Scene, Trajectory,
 /// };
 ///
 /// let monitor = Monitor::new(Scene::new(), 0.0, 10.0, &[AlertLevel::at(2.0)])?;

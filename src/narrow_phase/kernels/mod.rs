@@ -137,6 +137,17 @@ pub fn closest_approach<R: Real>(
 /// of rounding of the polygon's size. An error that is negative or not finite bounds nothing: nor
 /// does the enclosure then.
 ///
+/// ```
+/// use nearmiss::narrow_phase::kernels::{CubicBatch, Enclosure, Level, enclose};
+///
+/// let mut batch = CubicBatch::new();
+/// batch.push([[-6.0, 3.0, 0.0], [-2.0, 3.0, 0.0], [2.0, 3.0, 0.0], [6.0, 3.0, 0.0]]);
+/// let mut found = [Enclosure { low: 0.0, high: 0.0, time: 0.0 }];
+/// enclose(Level::best(), &batch.lanes(), &[1e-9], &mut found);
+/// assert!(found[0].low <= 3.0 && 3.0 <= found[0].high);
+/// assert!(found[0].high - found[0].low < 3e-9);
+/// ```
+///
 /// # Panics
 ///
 /// If the slices do not have one entry for each pair.
@@ -153,6 +164,18 @@ pub fn enclose(level: Level, lanes: &Lanes<'_, f64>, errors: &[f64], enclosures:
 /// and `R + E`, rounded away from each other. A pair whose least distance is between them, or
 /// within rounding of them, is undecided. `f32` control points may have been rounded from `f64`:
 /// the verdict holds for the points before. A negative `inner` is never reached.
+///
+/// ```
+/// use nearmiss::narrow_phase::kernels::{CubicBatch, Level, Verdict, within};
+///
+/// // 3 m off; are these within 2.9 m, 3.1 m, and 3 m?
+/// let pass = [[-6.0, 3.0, 0.0], [-2.0, 3.0, 0.0], [2.0, 3.0, 0.0], [6.0, 3.0, 0.0]];
+/// let mut batch = CubicBatch::<f32>::new();
+/// batch.extend([pass; 3]);
+/// let (thresholds, mut verdicts) = ([2.9, 3.1, 3.0], [Verdict::Undecided; 3]);
+/// within(Level::best(), &batch.lanes(), &thresholds, &thresholds, &mut verdicts);
+/// assert_eq!(verdicts, [Verdict::Outside, Verdict::Inside, Verdict::Undecided]);
+/// ```
 ///
 /// # Panics
 ///
