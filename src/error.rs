@@ -6,8 +6,8 @@ use std::fmt;
 /// Magnitude beyond which an input, or a quantity that follows from it, is refused (SI units).
 ///
 /// A number of exactly this magnitude is refused as a time, a position, a velocity or a coefficient,
-/// and as a monitor's clock, lookahead or alert level; it is accepted as a radius, an offset, or
-/// the margin of a query.
+/// and as a monitor's first clock, lookahead or alert level; it is accepted as a radius, an offset,
+/// or the margin of a query.
 ///
 /// Below it no linear stage of the pipeline can overflow; squares are taken on scaled numbers.
 pub const LARGEST_MAGNITUDE: f64 = 1e300;

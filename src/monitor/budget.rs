@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 /// How much work a call of [`Monitor::advance_within`](super::Monitor::advance_within) may do
-/// before it returns with what it has. With none at all nothing is ever caught up with.
+/// before it returns with what it has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Budget {
     /// As much as there is.
@@ -13,6 +13,7 @@ pub enum Budget {
     /// what was found.
     Time(Duration),
     /// Counted work (boxes formed and candidates found): the same on every machine and every run.
+    /// With 0 nothing is caught up with, however many ticks.
     Work(u64),
 }
 

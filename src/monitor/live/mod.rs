@@ -22,14 +22,13 @@ use worker::{Outcome, Worker};
 /// How a live monitor runs. What its queues and its budget mean is in the contract at [`Live`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LiveOptions {
-    /// Orders that may wait; 4,096 by default, and 0 is taken as 1. As many again may have left the
-    /// queue and not be applied yet.
+    /// Orders that may wait, at least 1; 4,096 by default. As many again may have left the queue and
+    /// not be applied yet.
     pub orders: usize,
-    /// Reports that may wait to be read; 4,096 by default, and 0 is taken as 1. Those of the step at
-    /// hand wait beside them.
+    /// Reports that may wait to be read, at least 1; 4,096 by default. Those of the step at hand wait
+    /// beside them.
     pub reports: usize,
     /// How long the monitor works at a stretch before it looks for orders again; 10 ms by default.
-    /// With none at all nothing is ever caught up with.
     pub budget: Duration,
 }
 
