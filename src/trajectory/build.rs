@@ -175,8 +175,8 @@ impl Trajectory {
     /// A body that stays at `position` for all time (m).
     ///
     /// It exists at all times: it can only be screened within a closed window
-    /// ([`Error::WindowNotClosed`]). Its single knot is at 0 s, and there is where
-    /// [`Monitor::extend`](crate::Monitor::extend) goes on from, whatever the clock: to set it in
+    /// ([`Error::WindowNotClosed`]). Its single knot is at 0 s: that is where
+    /// [`Monitor::extend`](crate::Monitor::extend) goes on, whatever the clock shows. To set it in
     /// motion use [`Monitor::replan`](crate::Monitor::replan).
     ///
     /// # Errors
