@@ -20,7 +20,7 @@ pub(crate) fn threads() -> impl TypedValueParser<Value = usize> {
 
 /// A number of bodies in a scene that is made up.
 pub(crate) fn bodies() -> impl TypedValueParser<Value = usize> {
-    whole(0..=MOST_BODIES)
+    whole(1..=MOST_BODIES)
 }
 
 fn whole(range: RangeInclusive<i64>) -> impl TypedValueParser<Value = usize> {

@@ -1,7 +1,7 @@
 //! What is said on standard output and standard error.
 
 use std::fmt::Display;
-use std::io::{ErrorKind, Result, Stdout, Write};
+use std::io::{Error, ErrorKind, Result, Stdout, Write};
 use std::process::ExitCode;
 
 /// Standard output for as long as someone reads it. One who has seen enough (`| head`) ends what is
@@ -28,6 +28,11 @@ impl Write for StandardOutput {
 fn forgive<T>(result: Result<T>, otherwise: T) -> Result<T> {
     match result {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(otherwise),
+        // An interrupted call is made again by whoever made it.
+        Err(error) if error.kind() != ErrorKind::Interrupted => {
+            let message = format!("standard output: {error}");
+            Err(Error::new(error.kind(), message))
+        }
         result => result,
     }
 }
