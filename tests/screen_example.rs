@@ -214,6 +214,8 @@ fn bad_options() {
     refuses_options("margin", &["--margin", "NaN"], &["--margin", "NaN m"]);
     refuses_options("accuracy", &["--accuracy", "perfect"], &["perfect"]);
     refuses_options("window", &["--window=5..1"], &["--window", "5..1"]);
+    refuses_options("radius", &["--radius", "-1e-3"], &["-0.001 m"]);
+    refuses_options("margin", &["--margin", "-inf"], &["-inf m"]);
     for threads in ["-1", "1025", "99999999", "99999999999999999999"] {
         let parts = ["--threads", threads];
         refuses_options("threads", &parts, &parts);

@@ -50,7 +50,7 @@ pub(crate) struct Arguments {
         long,
         value_parser = terminal::within(0.01..=1e6),
         default_value = "20",
-        allow_negative_numbers = true
+        allow_hyphen_values = true
     )]
     seconds: f64,
     /// How many bodies; 1,000 if not given, with a window 300.
@@ -61,7 +61,7 @@ pub(crate) struct Arguments {
         long,
         value_parser = terminal::within(0.0..=1.0),
         default_value = "0.01",
-        allow_negative_numbers = true
+        allow_hyphen_values = true
     )]
     replan: f64,
     /// Whether the bodies steer clear of what the monitor predicts.
@@ -71,7 +71,12 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
     /// Threads to run on; all cores if not given, or 0.
-    #[arg(long, value_parser = terminal::threads(), default_value = "0", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_parser = terminal::threads(),
+        default_value = "0",
+        allow_negative_numbers = true
+    )]
     threads: usize,
     /// Write a picture of the window (.png) after `--seconds` of simulated time, and leave.
     #[arg(long, value_parser = parse_png, conflicts_with = "headless")]

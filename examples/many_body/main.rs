@@ -40,10 +40,15 @@ struct Arguments {
     #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
     /// Separation that counts as an encounter, m; the scene's own if not given.
-    #[arg(long, value_parser = terminal::margin, allow_negative_numbers = true)]
+    #[arg(long, value_parser = terminal::margin, allow_hyphen_values = true)]
     margin: Option<f64>,
     /// Threads to run on; all cores if not given, or 0.
-    #[arg(long, value_parser = terminal::threads(), default_value = "0", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_parser = terminal::threads(),
+        default_value = "0",
+        allow_negative_numbers = true
+    )]
     threads: usize,
     /// Where the picture goes; one that is there is replaced.
     #[arg(long, default_value = "many_body.svg")]

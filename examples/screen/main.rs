@@ -38,7 +38,7 @@ struct Arguments {
         value_parser = parse_radius,
         default_value = "0",
         value_name = "RADIUS",
-        allow_negative_numbers = true
+        allow_hyphen_values = true
     )]
     hitbox: Hitbox,
     /// A conflict lasts while the separation is at most this, m; may be negative.
@@ -46,7 +46,7 @@ struct Arguments {
         long,
         value_parser = terminal::margin,
         default_value = "0",
-        allow_negative_numbers = true
+        allow_hyphen_values = true
     )]
     margin: f64,
     /// Only this time, s: A..B, A.. or ..B.
@@ -59,7 +59,12 @@ struct Arguments {
     #[arg(long, value_enum, default_value_t = AccuracyName::Exact)]
     accuracy: AccuracyName,
     /// Threads to run on; all cores if not given, or 0.
-    #[arg(long, value_parser = terminal::threads(), default_value = "0", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_parser = terminal::threads(),
+        default_value = "0",
+        allow_negative_numbers = true
+    )]
     threads: usize,
     /// Where to write the conflicts; standard output if not given. A file is replaced when all is
     /// written.

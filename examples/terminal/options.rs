@@ -1,4 +1,7 @@
 //! What may be said on a command line. What is out of range is refused by clap: exit code 2.
+//!
+//! Options that take fractions allow all values with a hyphen: clap does not take `-1e-3` for a
+//! negative number.
 
 use clap::builder::TypedValueParser;
 use clap::error::ErrorKind;
