@@ -11,26 +11,19 @@
 mod cases;
 #[path = "oracle/check.rs"]
 mod check;
+#[path = "support/example.rs"]
+mod example;
 mod oracle_support;
 
 use cases::{Case, FAMILIES};
 use check::Truth;
+use example::example;
 use glam::DVec3;
 use nearmiss::{BodyId, Certificate, Clip, ClosestApproach, Conflict, Outside, TimeEnclosure};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
-use std::process::Command;
-
-/// The example beside this test's own binary: `cargo test` builds both.
-fn example() -> PathBuf {
-    let tests = std::env::current_exe().unwrap();
-    let folder = tests.parent().and_then(Path::parent).unwrap();
-    folder
-        .join("examples")
-        .join(format!("screen{}", std::env::consts::EXE_SUFFIX))
-}
+use std::path::Path;
 
 fn write_states(case: &Case, path: &Path) {
     let mut text = "body,t,px,py,pz,vx,vy,vz\n".to_owned();
@@ -102,7 +95,7 @@ fn files_are_answered_exactly() {
                 Outside::Extrapolate => "extrapolate",
                 Outside::Coast => "coast",
             };
-            let result = Command::new(example())
+            let result = example("screen")
                 .arg(&states)
                 .args([
                     "--accuracy",

@@ -5,8 +5,13 @@
     reason = "a file or process that fails, fails the test"
 )]
 
+#[path = "support/example.rs"]
+mod example;
+
+use example::{example, folder};
+use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Output, Stdio};
 
 const HEADER: &str = "body,t,px,py,pz,vx,vy,vz\n";
 
@@ -14,36 +19,12 @@ const HEADER: &str = "body,t,px,py,pz,vx,vy,vz\n";
 const PASS: &str = "0,0,-6,2,0,1,0,0\n0,12,6,2,0,1,0,0\n\
                     3,0,0,0,0,0,0,0\n3,12,0,0,0,0,0,0\n";
 
-/// The example beside this test's own binary: `cargo test` builds both.
-fn example() -> PathBuf {
-    let tests = std::env::current_exe().unwrap();
-    let example = tests
-        .parent()
-        .and_then(Path::parent)
-        .unwrap()
-        .join("examples")
-        .join(format!("screen{}", std::env::consts::EXE_SUFFIX));
-    assert!(
-        example.exists(),
-        "{} is missing: run `cargo build --example screen` with the tests' profile, or all tests",
-        example.display()
-    );
-    example
-}
-
-/// A folder of its own for each test.
-fn folder(name: &str) -> PathBuf {
-    let folder = std::env::temp_dir().join(format!("nearmiss-{name}-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    folder
-}
-
 fn screen(name: &str, content: &str, options: &[&str]) -> (Output, PathBuf) {
     let folder = folder(name);
     let states = folder.join("states.csv");
     std::fs::write(&states, content).unwrap();
     let output = folder.join("out.csv");
-    let result = Command::new(example())
+    let result = example("screen")
         .arg(&states)
         .arg("--output")
         .arg(&output)
@@ -55,15 +36,26 @@ fn screen(name: &str, content: &str, options: &[&str]) -> (Output, PathBuf) {
 
 /// Runs on bad input: exit 1, one line that holds all of `parts`, no output file.
 fn refuses(name: &str, content: &str, options: &[&str], parts: &[&str]) {
+    let said = fails(1, name, content, options, parts);
+    assert_eq!(said.lines().count(), 1, "{name}: {said}");
+}
+
+/// Runs with a wrong command line: exit 2, a message that holds all of `parts`, no output file.
+fn refuses_options(name: &str, options: &[&str], parts: &[&str]) {
+    // The file is wrong too: the options come first.
+    fails(2, name, "", options, parts);
+}
+
+fn fails(code: i32, name: &str, content: &str, options: &[&str], parts: &[&str]) -> String {
     let (result, output) = screen(name, content, options);
     let said = String::from_utf8(result.stderr).unwrap();
-    assert_eq!(result.status.code(), Some(1), "{name}: {said}");
-    assert_eq!(said.lines().count(), 1, "{name}: {said}");
+    assert_eq!(result.status.code(), Some(code), "{name}: {said}");
     for part in parts {
         assert!(said.contains(part), "{name}: no {part:?} in {said}");
     }
     assert!(!output.exists(), "{name}: an output was left behind");
     assert!(result.stdout.is_empty());
+    said
 }
 
 #[test]
@@ -137,12 +129,13 @@ fn windows_and_outside_rules() {
     assert_eq!(rows("later", &["--window=8.."]).len(), 0);
     let coast = ["--window=-20..30", "--outside", "coast"];
     assert_eq!(rows("coast", &coast), ["0,3,4.5,7.5,6,2,,0,"]);
-    refuses(
-        "open",
-        &states,
-        &["--outside", "extrapolate"],
-        &["window must be closed"],
-    );
+    for window in ["--window=..", "--window=0..", "--window=..9"] {
+        refuses_options(
+            "open",
+            &["--outside", "extrapolate", window],
+            &["--outside extrapolate", "--window=A..B"],
+        );
+    }
 }
 
 #[test]
@@ -194,6 +187,13 @@ fn broken_files() {
         &[],
         &["row 6", "column body", "body 0", "together"],
     );
+    // In the order of time, bodies in turns.
+    refuses(
+        "turns",
+        &file("1,0,0,0,0,0,0,0\n2,0,0,0,0,0,0,0\n1,1,0,0,0,0,0,0\n2,1,0,0,0,0,0,0\n"),
+        &[],
+        &["row 4", "column body", "body 1", "row 2", "together"],
+    );
     refuses(
         "short",
         &file("0,0,0,0,0,0,0,0\n0,1,0,0,0\n"),
@@ -210,19 +210,49 @@ fn broken_files() {
 
 #[test]
 fn bad_options() {
-    let states = format!("{HEADER}{PASS}");
-    refuses("radius", &states, &["--radius", "-1"], &["--radius", "-1"]);
-    refuses("margin", &states, &["--margin", "NaN"], &["margin NaN"]);
-    let (result, _) = screen("accuracy", &states, &["--accuracy", "perfect"]);
-    assert_eq!(result.status.code(), Some(1));
-    let absent = Command::new(example())
-        .arg("no-such-file.csv")
-        .output()
-        .unwrap();
+    refuses_options("radius", &["--radius", "-1"], &["--radius", "-1 m"]);
+    refuses_options("margin", &["--margin", "NaN"], &["--margin", "NaN m"]);
+    refuses_options("accuracy", &["--accuracy", "perfect"], &["perfect"]);
+    refuses_options("window", &["--window=5..1"], &["--window", "5..1"]);
+    refuses_options("radius", &["--radius", "-1e-3"], &["-0.001 m"]);
+    refuses_options("margin", &["--margin", "-inf"], &["-inf m"]);
+    for threads in ["-1", "1025", "99999999", "99999999999999999999"] {
+        let parts = ["--threads", threads];
+        refuses_options("threads", &parts, &parts);
+    }
+    refuses_options("threads", &["--threads", "1025"], &["0..=1024"]);
+    let absent = example("screen").arg("no-such-file.csv").output().unwrap();
     assert_eq!(absent.status.code(), Some(1));
-    let bad_window = Command::new(example())
-        .args(["x.csv", "--window=5..1"])
-        .output()
-        .unwrap();
-    assert_eq!(bad_window.status.code(), Some(1));
+}
+
+#[test]
+fn packed_or_not_and_standard_input() {
+    let states = format!("{HEADER}{PASS}");
+    let mut packer = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+    packer.write_all(states.as_bytes()).unwrap();
+    let packed = packer.finish().unwrap();
+    let folder = folder("packed");
+    let conflicts = |input: &Path, sent: &[u8]| {
+        let mut child = example("screen")
+            .arg(input)
+            .args(["--margin", "2"])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        child.stdin.take().unwrap().write_all(sent).unwrap();
+        let result = child.wait_with_output().unwrap();
+        assert!(result.status.success(), "{}", input.display());
+        String::from_utf8(result.stdout).unwrap()
+    };
+    let plain = conflicts(Path::new("-"), states.as_bytes());
+    assert_eq!(plain.lines().count(), 2);
+    assert_eq!(conflicts(Path::new("-"), &packed), plain);
+    for name in ["STATES.CSV.GZ", "states.csv.gz", "states.csv"] {
+        let input = folder.join(name);
+        for content in [states.as_bytes(), &packed] {
+            std::fs::write(&input, content).unwrap();
+            assert_eq!(conflicts(&input, &[]), plain, "{name}");
+        }
+    }
 }

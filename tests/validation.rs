@@ -110,6 +110,25 @@ fn rows() {
         ]),
         Error::RowsApart { row: 4 }.in_body(7)
     );
+    // In the order of time, bodies in turns.
+    assert_eq!(
+        rows(vec![
+            (7, state(0.0, 0.0)),
+            (8, state(0.0, 0.0)),
+            (9, state(0.0, 0.0)),
+            (7, state(1.0, 0.0)),
+            (8, state(1.0, 0.0)),
+        ]),
+        Error::RowsApart { row: 3 }.in_body(7)
+    );
+    assert_eq!(
+        rows(vec![
+            (7, state(0.0, 0.0)),
+            (8, state(0.0, 0.0)),
+            (8, state(1.0, 0.0)),
+        ]),
+        Error::TooFewStates { count: 1 }.in_body(7)
+    );
     assert_eq!(
         rows(vec![(1, state(1.0, 0.0)), (1, state(0.0, 0.0))]),
         Error::TimeNotIncreasing {

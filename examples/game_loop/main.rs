@@ -24,12 +24,19 @@ mod panel;
 mod shapes;
 mod steering;
 mod tally;
+#[path = "../terminal/mod.rs"]
+mod terminal;
 mod window;
 
 use clap::{Parser, ValueEnum};
 use std::error::Error as StdError;
-use std::path::PathBuf;
+use std::ffi::OsStr;
+use std::io::Write;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use terminal::{Product, StandardOutput};
+
+type Failure = Box<dyn StdError + Send + Sync>;
 
 /// Hundreds to thousands of bodies under a monitor, sixty times a second.
 #[derive(Clone, Debug, Parser)]
@@ -39,25 +46,40 @@ pub(crate) struct Arguments {
     #[arg(long)]
     headless: bool,
     /// Simulated time, s.
-    #[arg(long, default_value_t = 20.0)]
+    #[arg(
+        long,
+        value_parser = terminal::within(0.01..=1e6),
+        default_value = "20",
+        allow_hyphen_values = true
+    )]
     seconds: f64,
     /// How many bodies; 1,000 if not given, with a window 300.
-    #[arg(long)]
+    #[arg(long, value_parser = terminal::bodies(), allow_negative_numbers = true)]
     bodies: Option<usize>,
     /// Share of the bodies that get a new plan every tick.
-    #[arg(long, default_value_t = 0.01)]
+    #[arg(
+        long,
+        value_parser = terminal::within(0.0..=1.0),
+        default_value = "0.01",
+        allow_hyphen_values = true
+    )]
     replan: f64,
     /// Whether the bodies steer clear of what the monitor predicts.
     #[arg(long, value_enum, default_value_t = Avoid::On)]
     avoid: Avoid,
     /// The same seed gives the same run.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
-    /// Threads to run on; all cores if not given.
-    #[arg(long, default_value_t = 0)]
+    /// Threads to run on; all cores if not given, or 0.
+    #[arg(
+        long,
+        value_parser = terminal::threads(),
+        default_value = "0",
+        allow_negative_numbers = true
+    )]
     threads: usize,
-    /// Write a picture of the window after `--seconds` of simulated time, and leave.
-    #[arg(long)]
+    /// Write a picture of the window (.png) after `--seconds` of simulated time, and leave.
+    #[arg(long, value_parser = parse_png, conflicts_with = "headless")]
     screenshot: Option<PathBuf>,
 }
 
@@ -67,27 +89,33 @@ enum Avoid {
     Off,
 }
 
-fn main() -> ExitCode {
-    match run(Arguments::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
+/// The name says in which format a picture is written.
+fn parse_png(name: &str) -> Result<PathBuf, String> {
+    let path = Path::new(name);
+    let is_png = |ending: &OsStr| ending.eq_ignore_ascii_case("png");
+    if path.extension().is_some_and(is_png) {
+        Ok(path.to_owned())
+    } else {
+        Err("the name of a picture ends in .png".to_owned())
     }
 }
 
-fn run(arguments: Arguments) -> Result<(), Box<dyn StdError + Send + Sync>> {
-    if !(0.0..=1.0).contains(&arguments.replan) {
-        let share = arguments.replan;
-        return Err(format!("--replan {share} is not a share between 0 and 1").into());
-    }
+fn main() -> ExitCode {
+    terminal::exit_code(run(Arguments::parse()))
+}
+
+fn run(arguments: Arguments) -> Result<(), Failure> {
     if !arguments.headless {
+        if let Some(path) = &arguments.screenshot {
+            // The window cannot say so kindly, and only at the end.
+            Product::at(path)?;
+        }
         return window::open(arguments);
     }
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(arguments.threads)
         .build()?;
-    println!("{}", pool.install(|| headless::run(&arguments))?);
+    let line = pool.install(|| headless::run(&arguments))?;
+    writeln!(StandardOutput::new(), "{line}")?;
     Ok(())
 }

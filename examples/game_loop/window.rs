@@ -4,16 +4,13 @@ use crate::draw::{View, draw_world};
 use crate::fleet::Setting;
 use crate::game::Game;
 use crate::panel::{Panel, draw_panel};
-use crate::{Arguments, Avoid};
+use crate::{Arguments, Avoid, Failure, terminal};
 use macroquad::conf::Conf as Settings;
 use macroquad::miniquad::conf::Conf;
 use macroquad::prelude::{
     KeyCode, MouseButton, get_frame_time, get_screen_data, is_key_pressed, is_mouse_button_down,
     mouse_delta_position, mouse_wheel, next_frame,
 };
-use std::error::Error as StdError;
-
-type Failure = Box<dyn StdError + Send + Sync>;
 
 /// Length of a tick of simulated time, s.
 const STEP: f64 = 1.0 / 60.0;
@@ -43,7 +40,7 @@ pub(crate) fn open(arguments: Arguments) -> Result<(), Failure> {
     };
     macroquad::Window::from_config(settings, async move {
         if let Err(error) = play(arguments).await {
-            eprintln!("Error: {error}");
+            terminal::complain(format_args!("error: {error}"));
             std::process::exit(1);
         }
     });

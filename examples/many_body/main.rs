@@ -9,6 +9,8 @@
 mod picture;
 #[path = "../scenes/mod.rs"]
 mod scenes;
+#[path = "../terminal/mod.rs"]
+mod terminal;
 mod watch;
 
 use clap::{Parser, ValueEnum};
@@ -16,8 +18,13 @@ use indicatif::{HumanCount, ProgressBar, ProgressStyle};
 use nearmiss::{Body, Conflict, Error, Hitbox, Query, Scene, Screening, Stats, Trajectory};
 use scenes::{Generated, Shape};
 use std::error::Error as StdError;
+use std::io::{self, Write};
 use std::path::PathBuf;
+use std::process::ExitCode;
 use std::time::{Duration, Instant};
+use terminal::{Product, StandardOutput};
+
+type Failure = Box<dyn StdError + Send + Sync>;
 
 /// Every close encounter of a generated many-body scene.
 #[derive(Debug, Parser)]
@@ -27,18 +34,23 @@ struct Arguments {
     #[arg(long, value_enum, default_value_t = Kind::Satellites)]
     scene: Kind,
     /// How many bodies; some thousands that take a few seconds if not given.
-    #[arg(long)]
+    #[arg(long, value_parser = terminal::bodies(), allow_negative_numbers = true)]
     bodies: Option<usize>,
     /// The same seed gives the same scene.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
     /// Separation that counts as an encounter, m; the scene's own if not given.
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long, value_parser = terminal::margin, allow_hyphen_values = true)]
     margin: Option<f64>,
-    /// Threads to run on; all cores if not given.
-    #[arg(long, default_value_t = 0)]
+    /// Threads to run on; all cores if not given, or 0.
+    #[arg(
+        long,
+        value_parser = terminal::threads(),
+        default_value = "0",
+        allow_negative_numbers = true
+    )]
     threads: usize,
-    /// Where the picture goes.
+    /// Where the picture goes; one that is there is replaced.
     #[arg(long, default_value = "many_body.svg")]
     picture: PathBuf,
     /// Then plays the scene through a monitor and checks its events against the screening.
@@ -72,8 +84,13 @@ impl Kind {
     }
 }
 
-fn main() -> Result<(), Box<dyn StdError>> {
-    let arguments = Arguments::parse();
+fn main() -> ExitCode {
+    terminal::exit_code(run(&Arguments::parse()))
+}
+
+fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let picture = Product::at(&arguments.picture)?;
+    let mut out = StandardOutput::new();
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(arguments.threads)
         .build()?;
@@ -86,26 +103,23 @@ fn main() -> Result<(), Box<dyn StdError>> {
         .fold(f64::INFINITY, f64::min);
     let end = times().map(|state| state.time).fold(start, f64::max);
     let scene = build(generated)?;
-    println!(
+    writeln!(
+        out,
         "{:?}: {} bodies, made in {:.2} s; encounters within {margin} m",
         arguments.scene,
         HumanCount(scene.len() as u64),
         begin.elapsed().as_secs_f64(),
-    );
-    let screening = pool.install(|| screen(&scene, margin))?;
-    print_funnel(&screening.stats);
-    print_closest(&scene, &screening.conflicts);
-    picture::draw(
-        &arguments.picture,
-        &format!("{:?}", arguments.scene),
-        &scene,
-        &screening.conflicts,
-        margin,
     )?;
-    println!("\npicture: {}", arguments.picture.display());
+    let screening = pool.install(|| screen(&scene, margin))?;
+    print_funnel(&mut out, &screening.stats)?;
+    print_closest(&mut out, &scene, &screening.conflicts)?;
+    let name = format!("{:?}", arguments.scene);
+    let drawn = picture::draw(&name, &scene, &screening.conflicts, margin)?;
+    picture.write(|mut file| file.write_all(drawn.as_bytes()))?;
+    writeln!(out, "\nthe picture is in {}", arguments.picture.display())?;
     if arguments.monitor {
         let span = (start, end);
-        if !pool.install(|| watch::run(scene, span, margin, &screening.conflicts))? {
+        if !pool.install(|| watch::run(&mut out, scene, span, margin, &screening.conflicts))? {
             return Err("the monitor and the screening disagree".into());
         }
     }
@@ -139,34 +153,34 @@ fn screen(scene: &Scene, margin: f64) -> Result<Screening, Error> {
     screening
 }
 
-fn print_funnel(stats: &Stats) {
-    let line = |name: &str, count: u64, of: Option<u64>| {
+fn print_funnel(out: &mut impl Write, stats: &Stats) -> io::Result<()> {
+    let all_pairs = stats.bodies * stats.bodies.saturating_sub(1) / 2;
+    let in_slices = all_pairs * stats.slices;
+    writeln!(out, "\nfunnel")?;
+    for (name, count, of) in [
+        ("bodies", stats.bodies, None),
+        ("segments", stats.segments, None),
+        ("pairs of bodies", all_pairs, None),
+        ("pairs in time slices", in_slices, None),
+        ("candidates (boxes meet)", stats.candidates, Some(in_slices)),
+        ("spans to look at", stats.spans, None),
+        (
+            "survivors, solved exactly",
+            stats.survivors,
+            Some(stats.spans),
+        ),
+        ("encounters", stats.conflicts, Some(stats.survivors)),
+    ] {
         let share = of.filter(|&of| of > 0).map_or(String::new(), |of| {
             format!("{:>9.4} %", 100.0 * ratio(count, of))
         });
-        println!("  {name:<34}{:>16}{share}", HumanCount(count).to_string());
-    };
-    let all_pairs = stats.bodies * stats.bodies.saturating_sub(1) / 2;
-    println!("\nfunnel");
-    line("bodies", stats.bodies, None);
-    line("segments", stats.segments, None);
-    line("pairs of bodies", all_pairs, None);
-    line("pairs in time slices", all_pairs * stats.slices, None);
-    line(
-        "candidates (boxes meet)",
-        stats.candidates,
-        Some(all_pairs * stats.slices),
-    );
-    line("spans to look at", stats.spans, None);
-    line(
-        "survivors, solved exactly",
-        stats.survivors,
-        Some(stats.spans),
-    );
-    line("encounters", stats.conflicts, Some(stats.survivors));
+        let count = HumanCount(count).to_string();
+        writeln!(out, "  {name:<34}{count:>16}{share}")?;
+    }
     let ms = |time: Duration| time.as_secs_f64() * 1e3;
     let total = stats.total_time.as_secs_f64();
-    println!(
+    writeln!(
+        out,
         "\n{:.0} ms in all (boxes {:.0}, broad phase {:.0}, narrow phase {:.0}, summed over \
          threads): {} bodies a second",
         ms(stats.total_time),
@@ -174,15 +188,19 @@ fn print_funnel(stats: &Stats) {
         ms(stats.broad_time),
         ms(stats.narrow_time),
         HumanCount(rounded(ratio(stats.bodies, 1) / total.max(1e-9))),
-    );
+    )
 }
 
-fn print_closest(scene: &Scene, conflicts: &[Conflict]) {
-    println!("\nthe closest encounters");
-    println!("        body      body      time s   separation m   relative speed m/s   lasts s");
+fn print_closest(out: &mut impl Write, scene: &Scene, conflicts: &[Conflict]) -> io::Result<()> {
+    writeln!(
+        out,
+        "\nthe closest encounters\n        \
+         body      body      time s   separation m   relative speed m/s   lasts s"
+    )?;
     for conflict in closest(conflicts, 10) {
         let tag = |id| scene.body(id).map_or(0, |body| body.tag);
-        println!(
+        writeln!(
+            out,
             "  {:>10}{:>10}{:>12.3}{:>15.4}{:>21.2}{:>10.3}",
             tag(conflict.a),
             tag(conflict.b),
@@ -190,8 +208,9 @@ fn print_closest(scene: &Scene, conflicts: &[Conflict]) {
             conflict.closest.separation,
             conflict.closest.relative_velocity.length(),
             conflict.exit - conflict.enter,
-        );
+        )?;
     }
+    Ok(())
 }
 
 /// The `count` encounters of least separation, closest first.

@@ -1,13 +1,12 @@
 //! A picture of a scene and its encounters: an oblique view of all paths, and how close they came.
 
-use crate::closest;
+use crate::{Failure, closest};
 use nearmiss::glam::{DVec2, DVec3};
 use nearmiss::{Body, Conflict, Scene, Trajectory};
 use plotters::coord::Shift;
 use plotters::prelude::*;
-use std::path::Path;
 
-type Outcome = Result<(), Box<dyn std::error::Error>>;
+type Outcome = Result<(), Failure>;
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 const NIGHT: RGBColor = RGBColor(12, 16, 28);
@@ -20,15 +19,29 @@ const MOST_DOTS: usize = 4_000;
 const SIZE: (u32, u32) = (1500, 960);
 const PANEL: u32 = 380;
 
-/// Draws the scene into an SVG file.
+/// Draws the scene as the text of an SVG file.
 pub(crate) fn draw(
-    path: &Path,
+    name: &str,
+    scene: &Scene,
+    conflicts: &[Conflict],
+    margin: f64,
+) -> Result<String, Failure> {
+    let mut text = String::new();
+    {
+        // The last of the areas closes the drawing.
+        let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
+        draw_page(&root, name, scene, conflicts, margin)?;
+    }
+    Ok(text)
+}
+
+fn draw_page(
+    root: &Area<'_>,
     name: &str,
     scene: &Scene,
     conflicts: &[Conflict],
     margin: f64,
 ) -> Outcome {
-    let root = SVGBackend::new(path, SIZE).into_drawing_area();
     root.fill(&NIGHT)?;
     let (view, panel) = root.split_horizontally(SIZE.0 - PANEL);
     let camera = Camera::framing(scene, view.dim_in_pixel());

@@ -1,8 +1,9 @@
 //! The same scene played through a monitor, its events compared with the one-shot screening.
 
-use crate::{ratio, rounded};
+use crate::{Failure, ratio, rounded};
 use indicatif::{HumanCount, ProgressBar, ProgressStyle};
-use nearmiss::{AlertLevel, BodyId, Conflict, Error, Event, EventKind, Monitor, Scene, Stats};
+use nearmiss::{AlertLevel, BodyId, Conflict, Event, EventKind, Monitor, Scene, Stats};
+use std::io::{self, Write};
 use std::time::Instant;
 
 /// Ticks that the whole scene is cut into.
@@ -46,11 +47,12 @@ impl Told {
 /// Plays the scene from `start` to `end` (s) and prints what the monitor did. Says whether the
 /// encounters that ended are the `conflicts` of the one-shot screening, to the bit.
 pub(crate) fn run(
+    out: &mut (impl Write + Send),
     scene: Scene,
     (start, end): (f64, f64),
     margin: f64,
     conflicts: &[Conflict],
-) -> Result<bool, Error> {
+) -> Result<bool, Failure> {
     let step = (end - start) / f64::from(TICKS);
     let mut monitor = Monitor::new(scene, start, step * TICKS_AHEAD, &[AlertLevel::at(margin)])?;
     let style = ProgressStyle::with_template("monitor {wide_bar} {pos}/{len} ticks {msg}");
@@ -74,11 +76,11 @@ pub(crate) fn run(
         bar.set_position(u64::from(tick));
     }
     bar.finish_and_clear();
-    print(&told, &mut times, &funnel);
-    Ok(same(told.met, conflicts))
+    print(out, &told, &mut times, &funnel)?;
+    Ok(same(out, told.met, conflicts)?)
 }
 
-fn same(mut met: Vec<Met>, conflicts: &[Conflict]) -> bool {
+fn same(out: &mut impl Write, mut met: Vec<Met>, conflicts: &[Conflict]) -> io::Result<bool> {
     let mut expected: Vec<Met> = conflicts
         .iter()
         .map(|one| {
@@ -89,20 +91,21 @@ fn same(mut met: Vec<Met>, conflicts: &[Conflict]) -> bool {
     met.sort_unstable();
     expected.sort_unstable();
     let same = met == expected;
-    println!(
+    writeln!(
+        out,
         "  check: {} encounters ended, {} conflicts screened at once: {}",
         HumanCount(met.len() as u64),
         HumanCount(expected.len() as u64),
         if same { "the same bits" } else { "THEY DIFFER" },
-    );
-    same
+    )?;
+    Ok(same)
 }
 
-fn print(told: &Told, times: &mut [f64], funnel: &Stats) {
+fn print(out: &mut impl Write, told: &Told, times: &mut [f64], funnel: &Stats) -> io::Result<()> {
     times.sort_unstable_by(f64::total_cmp);
     let last = ratio(times.len() as u64 - 1, 1);
     let at = |share: f64| times[usize::try_from(rounded(last * share)).unwrap_or(0)];
-    println!("\nmonitor");
+    writeln!(out, "\nmonitor")?;
     for (name, count) in [
         ("ticks", times.len() as u64),
         ("predicted", told.predicted),
@@ -116,12 +119,13 @@ fn print(told: &Told, times: &mut [f64], funnel: &Stats) {
         ("spans to look at", funnel.spans),
         ("survivors, solved exactly", funnel.survivors),
     ] {
-        println!("  {name:<34}{:>16}", HumanCount(count).to_string());
+        writeln!(out, "  {name:<34}{:>16}", HumanCount(count).to_string())?;
     }
-    println!(
+    writeln!(
+        out,
         "  tick: p50 {:.3} ms, p99 {:.3} ms, longest {:.3} ms",
         at(0.5),
         at(0.99),
         at(1.0)
-    );
+    )
 }

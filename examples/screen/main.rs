@@ -7,32 +7,47 @@
 //! ```
 //!
 //! `STATES` has the header `body,t,px,py,pz,vx,vy,vz` (SI units; a body's rows together and in the
-//! order of time). Writes one row for each maximal interval in which two bodies' separation is at
-//! most the margin. Bad input: exit code 1, one line that says what and where, no output.
+//! order of time); `-` is standard input. Writes one row for each maximal interval in which two
+//! bodies' separation is at most the margin. Bad input: exit code 1, one line that says what and
+//! where, no output. A wrong command line: exit code 2.
 
 mod read;
+#[path = "../terminal/mod.rs"]
+mod terminal;
 mod write;
 
 use clap::{Parser, ValueEnum};
 use indicatif::ProgressBar;
-use nearmiss::{Accuracy, Body, Hitbox, Outside, Query, Scene, Screening, Window};
+use nearmiss::{Accuracy, Body, Hitbox, Outside, Query, Scene, Window};
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
+use terminal::Product;
 use write::Table;
 
 /// Every conflict among the bodies of a file of states.
 #[derive(Debug, Parser)]
 #[command(name = "screen")]
 struct Arguments {
-    /// Header body,t,px,py,pz,vx,vy,vz; SI units; `.gz` is unpacked.
+    /// Header body,t,px,py,pz,vx,vy,vz; SI units; gzip is unpacked; - is standard input.
     states: PathBuf,
     /// Radius of every body, m.
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
-    radius: f64,
+    #[arg(
+        long = "radius",
+        value_parser = parse_radius,
+        default_value = "0",
+        value_name = "RADIUS",
+        allow_hyphen_values = true
+    )]
+    hitbox: Hitbox,
     /// A conflict lasts while the separation is at most this, m; may be negative.
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_parser = terminal::margin,
+        default_value = "0",
+        allow_hyphen_values = true
+    )]
     margin: f64,
     /// Only this time, s: A..B, A.. or ..B.
     #[arg(long, value_parser = parse_window, allow_hyphen_values = true, default_value = "..")]
@@ -43,10 +58,16 @@ struct Arguments {
     /// How exact the answer is.
     #[arg(long, value_enum, default_value_t = AccuracyName::Exact)]
     accuracy: AccuracyName,
-    /// Threads to run on; all cores if not given.
-    #[arg(long)]
-    threads: Option<usize>,
-    /// Where to write the conflicts; standard output if not given.
+    /// Threads to run on; all cores if not given, or 0.
+    #[arg(
+        long,
+        value_parser = terminal::threads(),
+        default_value = "0",
+        allow_negative_numbers = true
+    )]
+    threads: usize,
+    /// Where to write the conflicts; standard output if not given. A file is replaced when all is
+    /// written.
     #[arg(long)]
     output: Option<PathBuf>,
     /// Print the funnel and the stage times as one line on standard error.
@@ -80,32 +101,40 @@ enum StatsFormat {
     Json,
 }
 
-fn main() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
-        Ok(arguments) => arguments,
-        Err(error) => {
-            // Help and version go to standard output and are no failure.
-            let failed = error.use_stderr();
-            print_or_ignore(&error);
-            return if failed {
-                ExitCode::FAILURE
-            } else {
-                ExitCode::SUCCESS
-            };
+impl Arguments {
+    /// What is right option by option, but not together.
+    fn check(&self) -> Result<(), String> {
+        let rule = self.outside.to_possible_value();
+        if let Some(rule) = rule.filter(|_| !matches!(self.outside, OutsideRule::Absent))
+            && !self.window.is_closed()
+        {
+            return Err(format!(
+                "--outside {} needs a window that is closed on both sides: --window=A..B",
+                rule.get_name()
+            ));
         }
-    };
-    match run(&arguments) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(message) => {
-            eprintln!("error: {message}");
-            ExitCode::FAILURE
+        match &self.output {
+            Some(output) if is_same_file(&self.states, output) => Err(format!(
+                "--output {} is the file of states itself",
+                output.display()
+            )),
+            _ => Ok(()),
         }
     }
 }
 
-/// A closed pipe is no reason to fail twice.
-fn print_or_ignore(error: &clap::Error) {
-    let _ = error.print();
+fn is_same_file(states: &Path, output: &Path) -> bool {
+    // Two names of one terminal or device are no conflict.
+    states.is_file()
+        && matches!((states.canonicalize(), output.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    match arguments.check() {
+        Ok(()) => terminal::exit_code(run(&arguments)),
+        Err(message) => terminal::refuse::<Arguments>(message),
+    }
 }
 
 fn run(arguments: &Arguments) -> Result<(), String> {
@@ -114,9 +143,10 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         AccuracyName::Certified => Accuracy::Certified,
         AccuracyName::Fast => Accuracy::Fast,
     };
+    let output = arguments.output.as_deref().map(Product::at).transpose()?;
     // This thread is one of them: it is about to read the file, and its caches will know it.
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(arguments.threads.unwrap_or(0))
+        .num_threads(arguments.threads)
         .use_current_thread()
         .build()
         .map_err(|error| format!("--threads: {error}"))?;
@@ -137,11 +167,18 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         conflicts: &screening.conflicts,
         accuracy,
     };
-    report(arguments, &table, &screening, pool.current_num_threads())
+    match output {
+        None => write::to_standard_output(&table)?,
+        Some(product) => product.write(|file| table.write(file))?,
+    }
+    if let Some(StatsFormat::Json) = arguments.stats {
+        let threads = pool.current_num_threads();
+        terminal::complain(write::stats_line(&screening.stats, threads));
+    }
+    Ok(())
 }
 
 fn build_scene(arguments: &Arguments) -> Result<Scene, String> {
-    let hitbox = Hitbox::sphere(arguments.radius).map_err(|error| format!("--radius: {error}"))?;
     let outside = match arguments.outside {
         OutsideRule::Absent => Outside::Absent,
         OutsideRule::Extrapolate => Outside::Extrapolate,
@@ -153,27 +190,11 @@ fn build_scene(arguments: &Arguments) -> Result<Scene, String> {
     let mut scene = Scene::new();
     for (label, trajectory) in bodies {
         let body = Body::new(trajectory.with_outside(outside))
-            .with_hitbox(hitbox.clone())
+            .with_hitbox(arguments.hitbox.clone())
             .with_tag(label);
         scene.insert(body).map_err(|error| error.to_string())?;
     }
     Ok(scene)
-}
-
-fn report(
-    arguments: &Arguments,
-    table: &Table<'_>,
-    screening: &Screening,
-    threads: usize,
-) -> Result<(), String> {
-    match &arguments.output {
-        None => write::to_standard_output(table)?,
-        Some(path) => write::to_file(path, table)?,
-    }
-    if let Some(StatsFormat::Json) = arguments.stats {
-        eprintln!("{}", write::stats_line(&screening.stats, threads));
-    }
-    Ok(())
 }
 
 /// Shown only on a terminal, and only if the work takes long enough to be seen.
@@ -184,6 +205,11 @@ fn spinner() -> ProgressBar {
     let spinner = ProgressBar::new_spinner();
     spinner.enable_steady_tick(Duration::from_millis(120));
     spinner
+}
+
+fn parse_radius(text: &str) -> Result<Hitbox, String> {
+    let radius = text.parse().map_err(|_| "not a number".to_owned())?;
+    Hitbox::sphere(radius).map_err(|error| error.to_string())
 }
 
 fn parse_window(text: &str) -> Result<Window, String> {

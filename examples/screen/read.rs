@@ -4,40 +4,27 @@
 
 use flate2::read::MultiGzDecoder;
 use glam::DVec3;
-use nearmiss::{Error, Quantity, State, Trajectory};
-use std::collections::HashMap;
+use nearmiss::{Error, Quantity, State, Trajectory, trajectories_from_rows};
 use std::fs::File;
-use std::io::Read;
+use std::io::{BufReader, Cursor, Read};
 use std::path::Path;
 
 const COLUMNS: [&str; 8] = ["body", "t", "px", "py", "pz", "vx", "vy", "vz"];
 
-/// The bodies of a file in the order of its rows, by label.
+/// The bodies of a file in the order of its rows, by label. The file `-` is standard input.
 pub(crate) fn trajectories(path: &Path) -> Result<Vec<(u64, Trajectory)>, String> {
-    let table = Table::read(path)?;
-    let mut bodies = Vec::new();
-    let mut seen: HashMap<u64, u64> = HashMap::new();
-    let mut rest = table.rows.as_slice();
-    while let Some(first) = rest.first() {
-        let count = rest.iter().take_while(|row| row.body == first.body).count();
-        let (rows, following) = rest.split_at(count);
-        if let Some(before) = seen.insert(first.body, first.line) {
-            return Err(format!(
-                "{}: row {}, column body: body {} has rows from row {before} on, and others \
-                 since; a body's rows must be together",
-                table.name, first.line, first.body
-            ));
-        }
-        let states: Vec<State> = rows.iter().map(|row| row.state).collect();
-        let trajectory =
-            Trajectory::from_states(&states).map_err(|error| table.complain(rows, &error))?;
-        bodies.push((first.body, trajectory));
-        rest = following;
-    }
-    if bodies.is_empty() {
+    let table = if path == Path::new("-") {
+        Table::read("standard input", std::io::stdin().lock())
+    } else {
+        let name = path.display().to_string();
+        let file = File::open(path).map_err(|error| format!("{name}: {error}"))?;
+        Table::read(&name, file)
+    }?;
+    if table.rows.is_empty() {
         return Err(format!("{}: row 2: no states after the header", table.name));
     }
-    Ok(bodies)
+    trajectories_from_rows(table.rows.iter().map(|row| (row.body, row.state)))
+        .map_err(|error| table.complain(&error))
 }
 
 struct Row {
@@ -52,24 +39,17 @@ struct Table {
 }
 
 impl Table {
-    fn read(path: &Path) -> Result<Self, String> {
-        let name = path.display().to_string();
-        let file = File::open(path).map_err(|error| format!("{name}: {error}"))?;
-        let packed = path.extension().is_some_and(|extension| extension == "gz");
-        let reader: Box<dyn Read> = if packed {
-            Box::new(MultiGzDecoder::new(std::io::BufReader::new(file)))
-        } else {
-            Box::new(file)
-        };
+    fn read(name: &str, source: impl Read) -> Result<Self, String> {
+        let source = unpacked(source).map_err(|error| format!("{name}: {error}"))?;
         let mut reader = csv::ReaderBuilder::new()
             .flexible(true)
             .trim(csv::Trim::All)
-            .from_reader(reader);
+            .from_reader(source);
         let header = reader
             .headers()
             .map_err(|error| format!("{name}: row 1: {error}"))?;
         let header: Vec<String> = header.iter().map(str::to_owned).collect();
-        check_header(&name, &header)?;
+        check_header(name, &header)?;
         let mut rows = Vec::new();
         let mut record = csv::StringRecord::new();
         loop {
@@ -78,22 +58,37 @@ impl Table {
                 Ok(false) => break,
                 Ok(true) => {
                     let line = record.position().map_or(line, csv::Position::line);
-                    rows.push(parse(&name, line, &record)?);
+                    rows.push(parse(name, line, &record)?);
                 }
                 Err(error) => return Err(format!("{name}: row {line}: {error}")),
             }
         }
-        Ok(Self { name, rows })
+        Ok(Self {
+            name: name.to_owned(),
+            rows,
+        })
     }
 
     /// A trajectory's error in the terms of the file.
-    fn complain(&self, rows: &[Row], error: &Error) -> String {
+    fn complain(&self, error: &Error) -> String {
+        let Error::InBody { body, error } = error else {
+            return format!("{}: {error}", self.name);
+        };
+        let first = self.rows.iter().position(|row| row.body == *body);
+        let first = first.unwrap_or(0);
+        let line = |row: usize| self.rows.get(row).map_or(0, |row| row.line);
         let place = |knot: usize, column: &str| {
-            let line = rows.get(knot).map_or(0, |row| row.line);
+            let line = line(first + knot);
             format!("{}: row {line}, column {column}", self.name)
         };
-        let body = rows.first().map_or(0, |row| row.body);
-        match *error {
+        match **error {
+            Error::RowsApart { row } => format!(
+                "{}: row {}, column body: body {body} has rows from row {} on, and others since; \
+                 a body's rows must be together",
+                self.name,
+                line(row),
+                line(first)
+            ),
             Error::TooFewStates { count } => format!(
                 "{}: body {body} has {count} row, and needs at least two",
                 place(0, "body")
@@ -125,6 +120,23 @@ impl Table {
             _ => format!("{}: {error}", place(0, "body")),
         }
     }
+}
+
+/// What is packed with gzip says so in its first two bytes, whatever its name; no text begins so.
+fn unpacked<'a>(mut source: impl Read + 'a) -> std::io::Result<Box<dyn Read + 'a>> {
+    const GZIP: [u8; 2] = [0x1f, 0x8b];
+    let mut start = Vec::new();
+    source
+        .by_ref()
+        .take(GZIP.len() as u64)
+        .read_to_end(&mut start)?;
+    let is_packed = start == GZIP;
+    let whole = Cursor::new(start).chain(source);
+    Ok(if is_packed {
+        Box::new(MultiGzDecoder::new(BufReader::new(whole)))
+    } else {
+        Box::new(whole)
+    })
 }
 
 fn column(quantity: Quantity) -> &'static str {

@@ -1,9 +1,7 @@
 //! Writing conflicts as CSV, and the funnel as JSON.
 
 use nearmiss::{Accuracy, BodyId, Conflict, Scene, Stats};
-use std::fs::File;
 use std::io::{BufWriter, ErrorKind, Write};
-use std::path::Path;
 use std::time::Duration;
 
 const HEADER: &str = "a,b,enter,exit,tca,separation,error,clip,resolved";
@@ -24,21 +22,8 @@ pub(crate) fn to_standard_output(table: &Table<'_>) -> Result<(), String> {
     }
 }
 
-/// A file that could not be written whole is removed.
-pub(crate) fn to_file(path: &Path, table: &Table<'_>) -> Result<(), String> {
-    let explain = |error: std::io::Error| format!("{}: {error}", path.display());
-    let file = File::create(path).map_err(explain)?;
-    table.write(file).map_err(|error| {
-        let message = explain(error);
-        match std::fs::remove_file(path) {
-            Ok(()) => message,
-            Err(left) => format!("{message}; an incomplete file is left: {left}"),
-        }
-    })
-}
-
 impl Table<'_> {
-    fn write(&self, target: impl Write) -> std::io::Result<()> {
+    pub(crate) fn write(&self, target: impl Write) -> std::io::Result<()> {
         let mut out = BufWriter::new(target);
         match self.accuracy {
             Accuracy::Certified => writeln!(out, "{HEADER},{ENCLOSURES}")?,

@@ -24,7 +24,8 @@ use std::collections::HashSet;
 /// # Errors
 ///
 /// [`Error::InBody`] with the body and, within, [`Error::RowsApart`] or what
-/// [`Trajectory::from_states`] says of its states.
+/// [`Trajectory::from_states`] says of its states. A body with a single row that comes again later,
+/// as in a table in the order of time, has its rows apart; it is not too short.
 pub fn trajectories_from_rows(
     rows: impl IntoIterator<Item = (u64, State)>,
 ) -> Result<Vec<(u64, Trajectory)>, Error> {
@@ -32,12 +33,18 @@ pub fn trajectories_from_rows(
     let mut seen = HashSet::new();
     let mut states: Vec<State> = Vec::new();
     let mut current: Option<u64> = None;
-    for (row, (body, state)) in rows.into_iter().enumerate() {
+    let mut rows = rows.into_iter().enumerate();
+    while let Some((row, (body, state))) = rows.next() {
         if current != Some(body) {
             if !seen.insert(body) {
                 return Err(Error::RowsApart { row }.in_body(body));
             }
             if let Some(previous) = current.replace(body) {
+                if states.len() < 2
+                    && let Some((row, _)) = rows.find(|&(_, (later, _))| later == previous)
+                {
+                    return Err(Error::RowsApart { row }.in_body(previous));
+                }
                 bodies.push(finish(previous, &mut states)?);
             }
         }

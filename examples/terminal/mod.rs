@@ -1,0 +1,14 @@
+//! What the examples have in common on a terminal: the ranges of their options, where their output
+//! goes, how they end.
+//!
+//! Exit codes: 0 done; 2 the command line is wrong (by clap); 1 anything else that went wrong.
+
+#![allow(dead_code, unused_imports, reason = "each example uses some of it")]
+
+mod options;
+mod product;
+mod speech;
+
+pub(crate) use options::{bodies, margin, refuse, threads, within};
+pub(crate) use product::Product;
+pub(crate) use speech::{StandardOutput, complain, exit_code};

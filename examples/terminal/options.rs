@@ -1,0 +1,68 @@
+//! What may be said on a command line. What is out of range is refused by clap: exit code 2.
+//!
+//! Options that take fractions allow all values with a hyphen: clap does not take `-1e-3` for a
+//! negative number.
+
+use clap::builder::TypedValueParser;
+use clap::error::ErrorKind;
+use clap::{CommandFactory, value_parser};
+use nearmiss::Query;
+use std::fmt::Display;
+use std::ops::RangeInclusive;
+
+/// More threads than any machine has cores help nobody, and far more than that cannot be started.
+const MOST_THREADS: i64 = 1_024;
+
+/// More bodies do not fit into memory.
+const MOST_BODIES: i64 = 100_000_000;
+
+/// A number of threads; 0 is all cores.
+pub(crate) fn threads() -> impl TypedValueParser<Value = usize> {
+    whole(0..=MOST_THREADS)
+}
+
+/// A number of bodies in a scene that is made up.
+pub(crate) fn bodies() -> impl TypedValueParser<Value = usize> {
+    whole(1..=MOST_BODIES)
+}
+
+fn whole(range: RangeInclusive<i64>) -> impl TypedValueParser<Value = usize> {
+    value_parser!(u32)
+        .range(range)
+        .map(|number| number as usize)
+}
+
+/// A finite number in this range.
+pub(crate) fn within(
+    range: RangeInclusive<f64>,
+) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    move |text| {
+        let number = number(text)?;
+        let (least, most) = (range.start(), range.end());
+        if range.contains(&number) {
+            Ok(number)
+        } else {
+            Err(format!("{number} is not in {least}..={most}"))
+        }
+    }
+}
+
+/// A margin that a query takes, m.
+pub(crate) fn margin(text: &str) -> Result<f64, String> {
+    let margin = number(text)?;
+    match Query::default().with_margin(margin) {
+        Ok(_) => Ok(margin),
+        Err(error) => Err(error.to_string()),
+    }
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    text.parse().map_err(|_| "not a number".to_owned())
+}
+
+/// Ends the process as clap does, over what clap cannot know: options that do not go together.
+pub(crate) fn refuse<A: CommandFactory>(message: impl Display) -> ! {
+    A::command()
+        .error(ErrorKind::ArgumentConflict, message)
+        .exit()
+}

@@ -1,0 +1,107 @@
+//! A file that a run makes: there whole at the end, or what was there before.
+
+use std::fs::{File, OpenOptions};
+use std::io::{ErrorKind, Result as Done};
+use std::path::{Path, PathBuf};
+
+/// Names of what the process holds open already: `> file` made it, `>> file` holds more than ours.
+const OPEN_FILES: [&str; 4] = ["/dev/stdout", "/dev/stderr", "/dev/fd", "/proc"];
+
+/// Where a run's result goes, looked at before the work starts.
+#[derive(Debug)]
+pub(crate) struct Product {
+    path: PathBuf,
+    way: Way,
+}
+
+#[derive(Debug)]
+enum Way {
+    /// Into a new file beside this one, which takes its name when it is whole.
+    Beside(PathBuf),
+    /// Into what has the name: a device, a pipe, an open file, or a link to nothing yet. It is not
+    /// ours to remove or replace.
+    Straight,
+}
+
+impl Product {
+    /// Refuses what cannot be written. Leaves nothing behind, and opens no pipe or device.
+    pub(crate) fn at(path: &Path) -> Result<Self, String> {
+        let explain = |error| format!("{}: {error}", path.display());
+        let way = match path.metadata() {
+            Ok(found) if found.is_dir() => return Err(explain(ErrorKind::IsADirectory.into())),
+            Ok(found) if !found.is_file() || is_open(path) => Way::Straight,
+            // A link stays one: the file that it leads to is replaced.
+            Ok(_) => Way::Beside(check_old(path).map_err(explain)?),
+            Err(error) if error.kind() != ErrorKind::NotFound => return Err(explain(error)),
+            Err(_) if path.is_symlink() => Way::Straight,
+            Err(_) => Way::Beside(path.to_owned()),
+        };
+        if let Way::Beside(target) = &way {
+            let (beside, _) = create_beside(target).map_err(explain)?;
+            std::fs::remove_file(beside).map_err(explain)?;
+        }
+        Ok(Self {
+            path: path.to_owned(),
+            way,
+        })
+    }
+
+    /// Has the content written. An error is explained with the name of the file.
+    pub(crate) fn write(&self, content: impl FnOnce(File) -> Done<()>) -> Result<(), String> {
+        match &self.way {
+            Way::Beside(target) => replace(target, content),
+            Way::Straight => write_straight(&self.path, content),
+        }
+        .map_err(|error| format!("{}: {error}", self.path.display()))
+    }
+}
+
+fn is_open(path: &Path) -> bool {
+    OPEN_FILES.iter().any(|open| path.starts_with(open))
+}
+
+/// A file that may not be written may not be replaced either.
+fn check_old(path: &Path) -> Done<PathBuf> {
+    OpenOptions::new().append(true).open(path)?;
+    path.canonicalize()
+}
+
+fn write_straight(path: &Path, content: impl FnOnce(File) -> Done<()>) -> Done<()> {
+    let file = OpenOptions::new().append(true).create(true).open(path)?;
+    match content(file) {
+        // A reader that has seen enough.
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        result => result,
+    }
+}
+
+fn replace(target: &Path, content: impl FnOnce(File) -> Done<()>) -> Done<()> {
+    let (beside, file) = create_beside(target)?;
+    let result = content(file)
+        .and_then(|()| match target.metadata() {
+            Ok(old) => std::fs::set_permissions(&beside, old.permissions()),
+            Err(_) => Ok(()),
+        })
+        .and_then(|()| std::fs::rename(&beside, target));
+    result.inspect_err(|_| {
+        // It is the first error that counts.
+        let _ = std::fs::remove_file(&beside);
+    })
+}
+
+/// A new file in the same folder, under a name that nobody else uses. A process that was killed may
+/// have left one under a number that is used again.
+fn create_beside(target: &Path) -> Done<(PathBuf, File)> {
+    const MOST_TRIES: u32 = 100;
+    let mut number = 0;
+    loop {
+        let name = format!(".nearmiss-{}-{number}.partial", std::process::id());
+        let path = target.with_file_name(name);
+        match File::create_new(&path) {
+            Err(error) if error.kind() == ErrorKind::AlreadyExists && number < MOST_TRIES => {
+                number += 1;
+            }
+            result => return result.map(|file| (path, file)),
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! The examples `many_body` and `game_loop` as programs: what they refuse, and how.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "a file or process that fails, fails the test"
+)]
+
+#[path = "support/example.rs"]
+mod example;
+
+use example::{example, folder};
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn many_body(picture: &Path, options: &[&str]) -> Command {
+    let mut command = example("many_body");
+    command
+        .args(["--scene", "swarm", "--bodies", "50", "--picture"])
+        .arg(picture)
+        .args(options);
+    command
+}
+
+fn game_loop(options: &[&str]) -> Command {
+    let mut command = example("game_loop");
+    command
+        .args(["--headless", "--bodies", "20", "--seconds", "0.5"])
+        .args(options);
+    command
+}
+
+/// Ends with this code and a message that holds all of `parts`, before anything was done.
+fn refuses(code: i32, command: &mut Command, parts: &[&str]) {
+    let Output {
+        status,
+        stdout,
+        stderr,
+    } = command.output().unwrap();
+    let said = String::from_utf8(stderr).unwrap();
+    assert_eq!(status.code(), Some(code), "{parts:?}: {said}");
+    assert!(stdout.is_empty(), "{parts:?}");
+    for part in parts {
+        assert!(said.contains(part), "no {part:?} in {said}");
+    }
+}
+
+#[test]
+fn options_out_of_range() {
+    let picture = folder("ranges").join("picture.svg");
+    for threads in ["-1", "1025", "99999999", "99999999999999999999"] {
+        let options = ["--threads", threads];
+        refuses(2, &mut many_body(&picture, &options), &options);
+        refuses(2, &mut game_loop(&options), &options);
+    }
+    for bodies in ["-1", "0", "18446744073709551615"] {
+        let options = ["--bodies", bodies];
+        refuses(2, example("many_body").args(options), &options);
+        refuses(2, example("game_loop").args(options), &options);
+    }
+    for margin in ["nan", "1e301", "wide"] {
+        let options = ["--margin", margin];
+        refuses(2, &mut many_body(&picture, &options), &["--margin"]);
+    }
+    for options in [
+        ["--replan", "-0.1"],
+        ["--replan", "1.5"],
+        ["--replan", "NaN"],
+    ] {
+        refuses(2, &mut game_loop(&options), &[options[0], "0..=1"]);
+    }
+    for seconds in ["-1", "0", "1e9", "inf"] {
+        let mut command = example("game_loop");
+        command.args(["--headless", "--seconds", seconds]);
+        refuses(2, &mut command, &["--seconds", "0.01..=1000000"]);
+    }
+    assert!(!picture.exists());
+}
+
+#[test]
+fn pictures_that_cannot_be() {
+    let folder = folder("pictures");
+    let nowhere = folder.join("no-such-folder").join("picture.svg");
+    let parts = ["error: ", "no-such-folder"];
+    refuses(1, &mut many_body(&nowhere, &[]), &parts);
+    let picture = folder.join("picture.png");
+    let screenshot = ["--screenshot", picture.to_str().unwrap()];
+    refuses(
+        2,
+        &mut game_loop(&screenshot),
+        &["--headless", "--screenshot"],
+    );
+    let mut window = example("game_loop");
+    refuses(2, window.args(["--screenshot", "picture.txt"]), &[".png"]);
+    let mut window = example("game_loop");
+    window
+        .arg("--screenshot")
+        .arg(nowhere.with_extension("png"));
+    refuses(1, &mut window, &parts);
+    assert!(!picture.exists());
+}
+
+#[test]
+fn a_crowd_is_explained() {
+    let picture = folder("crowd").join("picture.svg");
+    // So many bodies that it is found out at once.
+    let Output { status, stderr, .. } = example("many_body")
+        .args(["--scene", "asteroids", "--bodies", "30000"])
+        .args(["--margin", "1e12", "--threads", "2", "--picture"])
+        .arg(&picture)
+        .output()
+        .unwrap();
+    let said = String::from_utf8(stderr).unwrap();
+    assert_eq!(status.code(), Some(1), "{said}");
+    assert!(said.starts_with("error: more than"), "{said}");
+    assert!(!picture.exists());
+}
+
+/// One who has seen enough does not end the work: the picture is drawn, the exit code is 0.
+#[test]
+fn nobody_reads_what_is_said() {
+    let picture = folder("unread").join("picture.svg");
+    for mut command in [many_body(&picture, &["--monitor"]), game_loop(&[])] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let result = command.stdout(writer).output().unwrap();
+        let said = String::from_utf8(result.stderr).unwrap();
+        assert_eq!(result.status.code(), Some(0), "{said}");
+        assert!(said.is_empty(), "{said}");
+    }
+    let drawn = std::fs::read_to_string(&picture).unwrap();
+    assert!(drawn.starts_with("<svg") && drawn.trim_end().ends_with("</svg>"));
+}
+
+#[test]
+fn what_is_said() {
+    let picture = folder("said").join("picture.svg");
+    let result = many_body(&picture, &["--threads", "0"]).output().unwrap();
+    let said = String::from_utf8(result.stdout).unwrap();
+    assert!(said.contains(picture.to_str().unwrap()), "{said}");
+    let result = game_loop(&["--threads", "1024"]).output().unwrap();
+    let said = String::from_utf8(result.stdout).unwrap();
+    assert!(said.starts_with("{\"ticks\":30,"), "{said}");
+}
