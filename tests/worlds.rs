@@ -13,7 +13,7 @@ use nearmiss::{
     TimeBase, Trajectory, Window,
 };
 use std::num::NonZeroU32;
-use support::bits;
+use support::{bits, rng, vector};
 
 fn line(from: DVec3, to: DVec3) -> Trajectory {
     let states = [(0.0, from), (1.0, to)].map(|(time, place)| State::new(time, place, to - from));
@@ -177,6 +177,39 @@ fn lonely_flights_are_not_sliced_finely() {
         }
         let stats = scene.screen(&Query::default()).unwrap().stats;
         assert!(stats.slices <= 2 * stats.bodies, "{stats:?}");
+    }
+}
+
+/// Dead reckoning: plans of a hundredth of a second, followed for an hour. What there is to cut is an
+/// hour of straight flight, not 360,000 plans.
+#[test]
+fn short_plans_that_go_on_for_long() {
+    let mut rng = rng(15);
+    for outside in [Outside::Coast, Outside::Extrapolate] {
+        let mut scene = Scene::new();
+        for _ in 0..200 {
+            let (place, velocity) = (vector(&mut rng, 1e5), vector(&mut rng, 30.0));
+            let states = [0.0, 0.01].map(|t| State::new(t, place + velocity * t, velocity));
+            let plan = Trajectory::from_states(&states).unwrap();
+            scene.insert(Body::new(plan.with_outside(outside))).unwrap();
+        }
+        let query = Query::new(Window::new(0.0, 3600.0).unwrap());
+        let query = query.with_margin(50.0).unwrap();
+        let found = scene.screen(&query).unwrap();
+        let stats = found.stats;
+        assert!(stats.slices < 1_000, "{stats:?}");
+        // The rounding of a cubic grows with the third power of time: after 360,000 of its lengths
+        // everybody may be anywhere.
+        let most = match outside {
+            Outside::Coast => 50_000,
+            _ => 2_000_000,
+        };
+        assert!(stats.boxes + stats.candidates < most, "{stats:?}");
+        let one = query.with_slices(NonZeroU32::MIN);
+        assert_eq!(
+            bits(&scene.screen(&one).unwrap().conflicts),
+            bits(&found.conflicts)
+        );
     }
 }
 

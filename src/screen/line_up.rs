@@ -164,27 +164,39 @@ impl<'a> LineUp<'a> {
             reach: self.margin.max(0.0),
         };
         let mut extremes = Extremes::NOTHING;
-        for occupant in &self.occupants {
-            let trajectory = &occupant.body.trajectory;
-            let (first, last) = occupant.outline().knots;
-            let (start, end) = (self.window.start(), self.window.end());
-            let time = match trajectory.outside() {
-                Outside::Absent => (last.min(end) - first.max(start)).max(0.0),
-                Outside::Extrapolate | Outside::Coast => end - start,
-            };
-            let planned = last - first;
+        let window = (self.window.start(), self.window.end());
+        for (occupant, beyond) in self.bodies() {
+            let outline = occupant.outline();
+            extremes.include(outline.extremes);
+            if let Some(Beyond { pieces, .. }) = beyond {
+                for (segment, ends) in pieces.segments.iter().zip(pieces.knots.windows(2)) {
+                    let share = overlap(window, (ends[0], ends[1])) / (ends[1] - ends[0]);
+                    let [from, to] = [ends[0], ends[1]].map(|knot| segment.motion_at(knot).0);
+                    traffic.path += from.distance(to) * share;
+                    traffic.segments += share;
+                }
+                traffic.body_time += window.1 - window.0;
+                continue;
+            }
+            let (first, last) = outline.knots;
+            let time = overlap(window, (first, last));
             traffic.body_time += time;
+            let planned = last - first;
             if planned > 0.0 {
-                traffic.path += occupant.outline().path * (time / planned);
+                traffic.path += outline.path * (time / planned);
                 #[allow(clippy::cast_precision_loss, reason = "an estimate")]
-                let segments = trajectory.segments().len() as f64;
+                let segments = occupant.body.trajectory.segments().len() as f64;
                 traffic.segments += segments * (time / planned);
             }
-            extremes.include(occupant.outline().extremes);
         }
         traffic.world = (extremes.high - extremes.low).to_array();
         traffic
     }
+}
+
+/// How much of an interval lies within another one, s.
+fn overlap((start, end): (f64, f64), (from, to): (f64, f64)) -> f64 {
+    (to.min(end) - from.max(start)).max(0.0)
 }
 
 /// Layers and ignored pairs, by place in the line-up.
