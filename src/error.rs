@@ -5,11 +5,7 @@ use std::fmt;
 
 /// Magnitude beyond which an input, or a quantity that follows from it, is refused (SI units).
 ///
-/// A number of exactly this magnitude is refused as a time, a position, a velocity or a coefficient,
-/// and as a monitor's first clock, lookahead or alert level; it is accepted as a radius, an offset,
-/// or the margin of a query.
-///
-/// Below it no linear stage of the pipeline can overflow; squares are taken on scaled numbers.
+/// Up to it no linear stage of the pipeline can overflow; squares are taken on scaled numbers.
 pub const LARGEST_MAGNITUDE: f64 = 1e300;
 
 /// Which number of an input an error speaks of.
@@ -86,7 +82,7 @@ pub enum Error {
         /// Its value.
         value: f64,
     },
-    /// A number, or one that follows from it, is beyond what [`LARGEST_MAGNITUDE`] says.
+    /// A number, or one that follows from it, is larger than [`LARGEST_MAGNITUDE`].
     #[error("knot {knot}: {quantity} reaches {value:e}, beyond ±1e300")]
     OutOfRange {
         /// The knot, counted from 0.
@@ -224,7 +220,7 @@ pub enum Error {
         /// The value, s or m.
         value: f64,
     },
-    /// Both margins of an alert level are finite and below 1e300, and the release margin is not smaller
+    /// Both margins of an alert level are within ±1e300, and the release margin is not smaller
     /// than the other.
     #[error("alert level {level}: margin {margin:?} m and release margin {release:?} m")]
     AlertLevel {

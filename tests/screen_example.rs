@@ -210,7 +210,7 @@ fn broken_files() {
 
 #[test]
 fn bad_options() {
-    refuses_options("radius", &["--radius", "-1"], &["--radius", "-1 m"]);
+    refuses_options("radius", &["--radius", "-1"], &["--radius", "-1.0 m"]);
     refuses_options("margin", &["--margin", "NaN"], &["--margin", "NaN m"]);
     refuses_options("accuracy", &["--accuracy", "perfect"], &["perfect"]);
     refuses_options("window", &["--window=5..1"], &["--window", "5..1"]);

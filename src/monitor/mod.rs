@@ -187,7 +187,7 @@ impl Monitor {
         lookahead: f64,
         levels: &[AlertLevel],
     ) -> Result<Self, Error> {
-        let usable = |value: f64| value.is_finite() && value.abs() < LARGEST_MAGNITUDE;
+        let usable = |value: f64| value.abs() <= LARGEST_MAGNITUDE;
         if !usable(now) {
             return Err(Error::Clock { time: now });
         }

@@ -202,7 +202,7 @@ fn check_number(knot: usize, quantity: Quantity, value: f64) -> Result<(), Error
             value,
         });
     }
-    if value.abs() >= LARGEST_MAGNITUDE {
+    if value.abs() > LARGEST_MAGNITUDE {
         return Err(Error::OutOfRange {
             knot,
             quantity,

@@ -49,7 +49,7 @@ impl Begin {
     /// The same monitor, with nothing looked at yet.
     pub(super) fn monitor(self) -> Result<Monitor, Error> {
         let mut monitor = Monitor::new(self.scene, self.told, self.lookahead, &self.levels)?;
-        let is_time = |time: f64| time >= self.told && time < LARGEST_MAGNITUDE;
+        let is_time = |time: f64| time >= self.told && time <= LARGEST_MAGNITUDE;
         if !is_time(self.now) {
             return Err(Error::ClockWentBack {
                 now: self.told,
