@@ -1,16 +1,26 @@
 //! The partition of the parameter interval that a threshold makes.
 
 use super::{Effort, Side, Stretch};
+use std::fmt;
 
 /// Up to six crossings make seven certain stretches and six undecided ones between them.
 const LARGEST_COUNT: usize = 16;
 
 /// A partition of 0..=1 into stretches, ascending; neighbours share their end and differ in kind.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Stretches {
     stretches: [Stretch; LARGEST_COUNT],
     count: usize,
     effort: Effort,
+}
+
+impl fmt::Debug for Stretches {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Stretches")
+            .field("stretches", &self.as_slice())
+            .field("effort", &self.effort)
+            .finish()
+    }
 }
 
 impl Stretches {

@@ -1,5 +1,6 @@
 //! What a root search found.
 
+use std::fmt;
 use std::ops::Deref;
 
 /// The largest number of roots a search reports: searches stop at degree 6.
@@ -42,10 +43,16 @@ impl Roots {
 }
 
 /// Up to six numbers in increasing order, without allocation; dereferences to a slice.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Default)]
 pub struct RootList {
     values: [f64; CAPACITY],
     count: usize,
+}
+
+impl fmt::Debug for RootList {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.iter()).finish()
+    }
 }
 
 impl RootList {
