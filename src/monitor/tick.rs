@@ -19,7 +19,8 @@ use std::time::Instant;
 
 impl Monitor {
     /// Moves the clock to `now` (s) and appends what happened to `events`, in their order. The
-    /// clock may stand still, or jump.
+    /// clock may stand still, or jump: a far jump costs what there is to see on the way, hardly its
+    /// length, and tells all of it.
     ///
     /// # Errors
     ///
