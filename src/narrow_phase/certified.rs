@@ -8,13 +8,14 @@
 //! The plain solver gives the numbers that are reported; they are moved into the enclosures where
 //! its rounding left them outside.
 
-use super::contact::{Approach, Contact, SpherePair, each_sphere_pair};
+use super::contact::{Approach, Contact, SpherePair, each_sphere_pair, is_lone};
 use super::relative::RelativeCubic;
 use super::stretches::Profile;
 use super::{Party, contact_radius, two_sum};
 use crate::accuracy::{Certificate, TimeEnclosure};
 use crate::enclosure::{Side, Stretch, Threshold};
 use crate::spans::Span;
+use std::iter::once;
 
 /// A contact and what is proven of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,7 +70,7 @@ pub(crate) fn certified_contacts(
     parts.clear();
     for span in spans {
         each_sphere_pair(a, b, span, |pair| {
-            if !pair.is_beyond(a, b, span, margin) {
+            if is_lone(a, b) || !pair.is_beyond(a, b, span, margin) {
                 let count = parts.len();
                 let member = members.len();
                 push_parts(pair, margin, clip, member, parts);
@@ -274,25 +275,19 @@ impl Group<'_> {
         clip: (f64, f64),
     ) -> CertifiedContact {
         let (enter, exit, resolved) = self.ends();
-        let mut found = Vec::new();
-        let mut closest: Option<Approach> = None;
+        let mut closest: Option<(Approach, usize)> = None;
         let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
         for (index, Member { span, pair }) in self.members.iter().enumerate() {
             let Some((start, end)) = self.times_of(index) else {
                 continue;
             };
-            let is_whole = self.is_all_of(index, span, clip);
-            found.push(least_separation(
-                parties,
-                *span,
-                pair,
-                is_whole,
-                (start, end),
-            ));
             let profile = Profile::of(&pair.cubic);
             let instant = profile.closest(&pair.cubic, start, end);
             let approach = pair.approach(*span, instant);
-            closest = Some(closest.map_or(approach, |best| best.or_lower(approach)));
+            let (best, nearest) = closest.unwrap_or((approach, index));
+            let is_nearer = approach.separation < best.separation;
+            let nearest = if is_nearer { index } else { nearest };
+            closest = Some((best.or_lower(approach), nearest));
             let radius = contact_radius(pair.radius_a, pair.radius_b, margin);
             profile.stretches(&pair.cubic, radius.max(0.0), clip, |stretch| {
                 if stretch.exit >= self.start && stretch.enter <= self.end {
@@ -301,7 +296,8 @@ impl Group<'_> {
                 }
             });
         }
-        let (Some(least), Some(closest)) = (Least::of_all(&found), closest) else {
+        let least = closest.and_then(|(_, nearest)| self.least(parties, nearest, clip));
+        let (Some(least), Some((closest, _))) = (least, closest) else {
             unreachable!("a group has parts, and each part a member")
         };
         let (closest, error) = least.settle(closest);
@@ -319,6 +315,33 @@ impl Group<'_> {
                 closest: least.time,
             },
         }
+    }
+
+    /// The least separation of all members. It is likely that of `nearest`, whose enclosure rules out
+    /// most others without one of their own.
+    fn least(
+        &self,
+        (a, b): (&Party<'_>, &Party<'_>),
+        nearest: usize,
+        clip: (f64, f64),
+    ) -> Option<Least> {
+        let mut found: Vec<Least> = Vec::new();
+        let mut reached = f64::INFINITY;
+        let others = (0..self.members.len()).filter(|&index| index != nearest);
+        for index in once(nearest).chain(others) {
+            let (Member { span, pair }, Some(times)) = (&self.members[index], self.times_of(index))
+            else {
+                continue;
+            };
+            if reached < f64::INFINITY && pair.is_beyond(a, b, *span, reached) {
+                continue;
+            }
+            let is_whole = self.is_all_of(index, span, clip);
+            let least = least_separation((a, b), *span, pair, is_whole, times);
+            reached = reached.min(least.high);
+            found.push(least);
+        }
+        Least::of_all(&found)
     }
 
     /// When it begins and ends, and whether it is certainly one conflict: that some part is

@@ -268,16 +268,19 @@ pub(crate) fn contacts(
     found: &mut Vec<Contact>,
 ) {
     let first = found.len();
-    // The only two spheres of a pair have been through the test that others are still to pass.
-    let is_lone = a.spheres.len() == 1 && b.spheres.len() == 1;
     for span in spans {
         each_sphere_pair(a, b, span, |pair| {
-            if is_lone || !pair.is_beyond(a, b, span, margin) {
+            if is_lone(a, b) || !pair.is_beyond(a, b, span, margin) {
                 pair.contacts(&Profile::of(&pair.cubic), span, margin, clip, found);
             }
         });
     }
     join(found, first);
+}
+
+/// Whether the only two spheres of a pair have been through the test that others are still to pass.
+pub(super) const fn is_lone(a: &Party<'_>, b: &Party<'_>) -> bool {
+    a.spheres.len() == 1 && b.spheres.len() == 1
 }
 
 /// The same from spans of one pair that were solved at this margin or a larger one.
