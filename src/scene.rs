@@ -72,8 +72,6 @@ pub(crate) struct Outline {
     pub(crate) extremes: Extremes,
     /// Sum of the segments' extents: a bound on the way flown, m.
     pub(crate) path: f64,
-    /// When it is in two places at once, s.
-    pub(crate) jumps: Vec<f64>,
     pub(crate) sketch: Sketch,
 }
 
@@ -82,7 +80,6 @@ impl Outline {
         knots: (0.0, 0.0),
         extremes: Extremes::NOTHING,
         path: 0.0,
-        jumps: Vec::new(),
         sketch: Sketch::EMPTY,
     };
 
@@ -107,8 +104,6 @@ impl Outline {
             });
         }
         self.path = segments.iter().map(Segment::extent).sum();
-        self.jumps.clear();
-        self.jumps.extend(trajectory.jumps());
     }
 }
 

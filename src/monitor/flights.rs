@@ -28,19 +28,16 @@ impl Flight {
         (margin, frame): (f64, &Frame),
         window: Window,
     ) -> Result<Self, Error> {
-        // Also what comes before a knot that is at the very beginning: another body may jump then.
-        let begin = window.start().next_down();
         let has_end = trajectory.domain() != Window::ALL;
         let beyond = if has_end {
             None
         } else {
-            let window = Window::new(begin, window.end())?;
             Some(trajectory.pieces(window)?.into_owned())
         };
         Ok(Self {
             inflation: Inflation::of(hitbox.spheres(), hitbox.bounding(), margin, frame),
             beyond,
-            begin,
+            begin: window.start(),
         })
     }
 

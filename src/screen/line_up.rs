@@ -51,15 +51,9 @@ impl<'a> LineUp<'a> {
         let (mut lives, mut beyond) = (Vec::with_capacity(count), Vec::new());
         // Open ends are closed where no body exists beyond them.
         let (mut start, mut end) = (f64::INFINITY, f64::NEG_INFINITY);
-        let mut at_jumps = None;
         for (place, (id, occupant)) in scene.occupants().enumerate() {
             let (mut first, mut last) = occupant.outline().knots;
-            let mut window = query.window();
-            if touches(occupant, window) {
-                let occupants = || scene.occupants().map(|(_, occupant)| occupant);
-                window = *at_jumps.get_or_insert_with(|| with_jumps(window, occupants()));
-            }
-            if let Some(pieces) = pieces_beyond(&occupant.body, window)? {
+            if let Some(pieces) = pieces_beyond(&occupant.body, query.window())? {
                 first = pieces.knots.first().copied().unwrap_or(first);
                 last = pieces.knots.last().copied().unwrap_or(last);
                 beyond.push(Beyond {
@@ -230,34 +224,6 @@ impl PairFilter for Admission {
         self.layers[a as usize].admits(self.layers[b as usize])
             && (self.ignored.is_empty() || !self.ignored.contains(&(a.min(b), a.max(b))))
     }
-}
-
-/// Whether a body that goes on beyond its knots has its first or its last one where the window begins
-/// or ends.
-fn touches(occupant: &Occupant, window: Window) -> bool {
-    let (first, last) = occupant.outline().knots;
-    (same(first, window.start()) || same(last, window.end()))
-        && occupant.body.trajectory.outside() != Outside::Absent
-}
-
-/// The window, and a little more where one of some bodies jumps at its very start or end: the body
-/// is on both sides then, and near others as they come and as they go on.
-pub(super) fn with_jumps<'s>(window: Window, bodies: impl Iterator<Item = &'s Occupant>) -> Window {
-    let (mut start, mut end) = (window.start(), window.end());
-    for &jump in bodies.flat_map(|body| &body.outline().jumps) {
-        if same(jump, window.start()) {
-            start = window.start().next_down();
-        }
-        if same(jump, window.end()) {
-            end = window.end().next_up();
-        }
-    }
-    Window::new(start, end).unwrap_or(window)
-}
-
-/// Also of zeros with different signs.
-fn same(x: f64, y: f64) -> bool {
-    (x - y).abs() <= 0.0
 }
 
 /// A body that goes on beyond its knots can only be screened within a window that has an end.

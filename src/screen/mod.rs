@@ -27,7 +27,7 @@ use crate::scene::Scene;
 use crate::spans::{Spans, spans};
 use crate::stats::Stats;
 use crate::window::Window;
-use line_up::{Admission, LineUp, clip_of, party, pieces_of, with_jumps};
+use line_up::{Admission, LineUp, clip_of, party, pieces_of};
 use solve::describe;
 use std::time::Instant;
 
@@ -157,14 +157,9 @@ impl Scene {
         answer: impl FnOnce(&Party<'_>, &Party<'_>, Spans<'_>, (f64, f64)) -> Option<T>,
     ) -> Result<Option<T>, Error> {
         self.pair(a, b)?;
-        let occupant = |id: BodyId| {
-            let found = self.in_slot(id.slot).map(|(_, occupant)| occupant);
-            found.ok_or(Error::UnknownBody { id })
-        };
-        let occupants = [occupant(a)?, occupant(b)?];
-        let seen = with_jumps(window, occupants.into_iter());
-        let [body_a, body_b] = occupants.map(|occupant| &occupant.body);
-        let (pieces_a, pieces_b) = (pieces_of(body_a, seen)?, pieces_of(body_b, seen)?);
+        let body = |id| self.body(id).ok_or(Error::UnknownBody { id });
+        let (body_a, body_b) = (body(a)?, body(b)?);
+        let (pieces_a, pieces_b) = (pieces_of(body_a, window)?, pieces_of(body_b, window)?);
         let (party_a, party_b) = (
             party(&body_a.hitbox, &pieces_a.knots, &pieces_a.segments),
             party(&body_b.hitbox, &pieces_b.knots, &pieces_b.segments),

@@ -2,7 +2,6 @@
 
 mod build;
 mod double_double;
-mod jumps;
 mod outside;
 mod roomy;
 mod rows;

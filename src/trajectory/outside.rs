@@ -110,15 +110,12 @@ impl Trajectory {
         if self.outside == Outside::Absent {
             return Ok(None);
         }
-        let planned = self.planned();
+        let (first, last) = (self.planned().start(), self.planned().end());
+        // Windows are closed: where one begins or ends at a knot, what comes before or after it counts
+        // as well. (It may be in another place, after a splice; and an instant may round to the knot.)
+        let goes_before = window.start() <= first;
         // A body at rest has no cubic of its own: it goes on beyond its knot, whatever the window.
-        let until = if self.segments.is_empty() {
-            window.end().max(planned.end().next_up())
-        } else {
-            window.end()
-        };
-        let goes_before = window.start() < planned.start();
-        let goes_after = until > planned.end();
+        let goes_after = self.segments.is_empty() || window.end() >= last;
         if !(goes_before || goes_after) {
             return Ok(None);
         }
@@ -126,9 +123,9 @@ impl Trajectory {
         if goes_before {
             let carrier = self.before();
             let cuts = doubling_cuts(
-                planned.start(),
+                first,
                 carrier.start() - carrier.end(),
-                window.start(),
+                window.start().min(first.next_down()),
             );
             knots.extend(cuts.into_iter().rev());
         }
@@ -137,9 +134,9 @@ impl Trajectory {
         if goes_after {
             let carrier = self.after();
             knots.extend(doubling_cuts(
-                planned.end(),
+                last,
                 carrier.end() - carrier.start(),
-                until,
+                window.end().max(last.next_up()),
             ));
         }
         let after = knots.len() - before - self.knots.len();
