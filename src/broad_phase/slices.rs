@@ -51,9 +51,13 @@ impl Traffic {
     /// are the work that slices can save.
     pub(crate) fn most_slices(&self, window: (f64, f64)) -> f64 {
         let present = self.body_time / (window.1 - window.0);
-        let spans = present * self.segments;
         // No number where the window is an instant.
-        (1.0 + spans / (1.0 + present)).max(1.0)
+        (1.0 + self.spans(window) / (1.0 + present)).max(1.0)
+    }
+
+    /// All the spans of all pairs, each counted for both of its bodies.
+    pub(crate) fn spans(&self, window: (f64, f64)) -> f64 {
+        self.body_time / (window.1 - window.0) * self.segments
     }
 }
 

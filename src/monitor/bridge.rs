@@ -30,6 +30,8 @@ pub(super) struct Bridge {
 struct Head {
     at: f64,
     slice: Slice,
+    /// The slice was begun, in an earlier tick maybe.
+    is_begun: bool,
     stride: Stride,
 }
 
@@ -55,14 +57,11 @@ impl Bridge {
         mut found: Found<'_>,
     ) -> Option<f64> {
         let spare = &mut self.spare;
-        let head = self.head.get_or_insert_with(|| {
-            let mut head = Head {
-                at: seen_from(from),
-                slice: std::mem::take(spare),
-                stride: Stride::of(length),
-            };
-            head.begin(to);
-            head
+        let head = self.head.get_or_insert_with(|| Head {
+            at: seen_from(from),
+            slice: std::mem::take(spare),
+            is_begun: false,
+            stride: Stride::of(length),
         });
         while head.at < to {
             if !head.go_on(to, (bodies, filter), meter, &mut found) {
@@ -75,18 +74,21 @@ impl Bridge {
 
     /// Notes that bodies have changed.
     pub(super) fn note(&mut self, slots: &[u32]) {
-        if let Some(head) = &mut self.head {
+        if let Some(head) = self.head.as_mut().filter(|head| head.is_begun) {
             head.slice.note(slots);
         }
     }
 }
 
 impl Head {
-    /// Begins the next slice.
+    /// Begins the next slice, unless it was begun.
     fn begin(&mut self, to: f64) {
-        let end = (self.at + self.stride.length).min(to);
-        self.slice.begin(0, (self.at, end));
-        self.slice.need();
+        if !self.is_begun {
+            let end = (self.at + self.stride.length).min(to);
+            self.slice.begin(0, (self.at, end));
+            self.slice.need();
+            self.is_begun = true;
+        }
     }
 
     /// Looks at the slice at hand; whether there is something to go on with.
@@ -97,9 +99,12 @@ impl Head {
         meter: &mut Meter,
         (survivors, stats): &mut Found<'_>,
     ) -> bool {
-        if meter.is_spent() || meter.until().is_some_and(|until| self.at >= until) {
+        let until = meter.until().unwrap_or(f64::INFINITY);
+        if meter.is_spent() || self.at >= until {
             return false;
         }
+        // Not beyond what is known after this tick: what changes then is looked for from there on.
+        self.begin(to.min(until));
         let room = Room::new(filter, self.stride.most_candidates(bodies.flights.len()));
         let before = meter.done();
         self.slice.refresh(bodies, &room, None, |work| {
@@ -117,9 +122,7 @@ impl Head {
         } else {
             return false;
         }
-        if self.at < to {
-            self.begin(to);
-        }
+        self.is_begun = false;
         true
     }
 }

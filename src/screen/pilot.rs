@@ -134,8 +134,12 @@ impl LineUp<'_> {
         if let Some(count) = self.prescribed {
             return slices.with_count(f64::from(count.get()));
         }
-        let sample = sample(poses.len(), traffic.present(window), slices.count());
-        if sample.len() < FEW {
+        let present = traffic.present(window);
+        let sample = sample(poses.len(), present, slices.count());
+        // Where everybody is near everybody all the time slices save nothing.
+        let spans = traffic.spans(window);
+        let most_near = 0.5 * present * present * f64::from(slices.count());
+        if sample.len() < FEW && most_near <= spans {
             return slices;
         }
         let sampled: Vec<Pose<'_, Stroke>> = sample.iter().map(|&place| poses[place]).collect();
@@ -155,7 +159,8 @@ impl LineUp<'_> {
                 factor = factor.sqrt();
             }
             let count = f64::from(slices.count()) / factor;
-            let next = slices.with_count(count.min(traffic.most_slices(window)));
+            let most = traffic.most_slices(window).min(spans / trial.near);
+            let next = slices.with_count(count.min(most));
             let settled = turned || (0.7..1.5).contains(&factor) || next.count() == slices.count();
             slices = next;
             if settled {

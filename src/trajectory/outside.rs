@@ -111,8 +111,8 @@ impl Trajectory {
             return Ok(None);
         }
         let (first, last) = (self.planned().start(), self.planned().end());
-        // Windows are closed: where one begins or ends at a knot, what comes before or after it counts
-        // as well. (It may be in another place, after a splice; and an instant may round to the knot.)
+        // Windows are closed: where one begins or ends at a knot, or a cut, what comes before or after
+        // it counts as well. (It may be in another place, after a splice; and an instant may round to the knot.)
         let goes_before = window.start() <= first;
         // A body at rest has no cubic of its own: it goes on beyond its knot, whatever the window.
         let goes_after = self.segments.is_empty() || window.end() >= last;
@@ -125,7 +125,7 @@ impl Trajectory {
             let cuts = doubling_cuts(
                 first,
                 carrier.start() - carrier.end(),
-                window.start().min(first.next_down()),
+                window.start().next_down().max(f64::MIN),
             );
             knots.extend(cuts.into_iter().rev());
         }
@@ -136,7 +136,7 @@ impl Trajectory {
             knots.extend(doubling_cuts(
                 last,
                 carrier.end() - carrier.start(),
-                window.end().max(last.next_up()),
+                window.end().max(last).next_up().min(f64::MAX),
             ));
         }
         let after = knots.len() - before - self.knots.len();
