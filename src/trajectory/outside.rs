@@ -13,7 +13,9 @@ use std::borrow::Cow;
 /// What a body does before its first and after its last knot.
 ///
 /// A body that goes on beyond its knots exists at all times: it can only be screened within a
-/// closed window, else there is an [`Error::WindowNotClosed`].
+/// closed window, else there is an [`Error::WindowNotClosed`]. Where the window reaches its first or its
+/// last knot, what it does beyond is laid out for that window: some microseconds a body, and room for
+/// its plan once more. (A monitor does that once a plan.)
 ///
 /// ```
 /// use nearmiss::glam::DVec3;
