@@ -284,6 +284,32 @@ fn a_window_may_begin_or_end_at_a_reported_instant() {
     }
 }
 
+/// An encounter that begins just after a body's last knot, at an instant that rounds to it, is in a
+/// window that ends there, whoever else is in the scene.
+#[test]
+fn an_instant_that_rounds_to_a_last_knot() {
+    let t = 1.7e9;
+    let coasts = line(t - 10.0, t, DVec3::X * -50.0, DVec3::X * 5.0);
+    let jumps = line(t - 10.0, t + 9.0, DVec3::X * 1e6, DVec3::X);
+    let jumps = jumps.spliced(t, &line(t - 10.0, t + 9.0, DVec3::Y * 1e6, DVec3::X));
+    for third in [None, Some(jumps.unwrap())] {
+        let mut scene = Scene::new();
+        let place = DVec3::X * (1.0 + 4e-7);
+        for plan in [
+            Some(coasts.clone().with_outside(Outside::Coast)),
+            Some(Trajectory::at_rest(place).unwrap()),
+            third,
+        ] {
+            plan.map(|plan| scene.insert(Body::new(plan)).unwrap());
+        }
+        for start in [t - 8.0, t] {
+            let found = screen(&scene, Window::new(start, t).unwrap(), 1.0);
+            let times: Vec<_> = found.iter().map(|c| (c.enter, c.exit)).collect();
+            assert_eq!(times, [(t, t)]);
+        }
+    }
+}
+
 /// A plan that jumps is in two places at one instant, and both count in a window that begins or ends
 /// there: also where the jump is at the first or the last knot of a plan that goes on beyond them.
 #[test]

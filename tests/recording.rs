@@ -187,6 +187,18 @@ fn a_replay_says_the_same() {
     assert!(said > 1_000, "{said}");
 }
 
+/// Where a clock jumps over many lookaheads with little budget, and plans change before it is caught up
+/// with, a replay must not look farther ahead than the recorded run had come.
+#[test]
+fn a_replay_says_the_same_after_far_jumps_on_a_budget() {
+    for seed in 100..140 {
+        let (file, events) = run_with(0.01, seed, 40, 0, 60);
+        let (again, end) = replay(&file);
+        end.unwrap();
+        assert_eq!(text(&events), text(&again), "seed {seed}");
+    }
+}
+
 #[test]
 fn a_stopped_recording_ends_where_it_was_stopped() {
     let mut rng = rng(5);
