@@ -34,7 +34,7 @@ use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use terminal::{Product, StandardOutput};
+use terminal::{Product, StandardOutput, Threads};
 
 type Failure = Box<dyn StdError + Send + Sync>;
 
@@ -70,14 +70,8 @@ pub(crate) struct Arguments {
     /// The same seed gives the same run.
     #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
-    /// Threads to run on; all cores if not given, or 0.
-    #[arg(
-        long,
-        value_parser = terminal::threads(),
-        default_value = "0",
-        allow_negative_numbers = true
-    )]
-    threads: usize,
+    #[command(flatten)]
+    threads: Threads,
     /// Write a picture of the window (.png) after `--seconds` of simulated time, and leave.
     #[arg(long, value_parser = parse_png, conflicts_with = "headless")]
     screenshot: Option<PathBuf>,
@@ -112,9 +106,7 @@ fn run(arguments: Arguments) -> Result<(), Failure> {
         }
         return window::open(arguments);
     }
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(arguments.threads)
-        .build()?;
+    let pool = arguments.threads.pool()?;
     let line = pool.install(|| headless::run(&arguments))?;
     writeln!(StandardOutput::new(), "{line}")?;
     Ok(())

@@ -22,7 +22,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
-use terminal::{Product, StandardOutput};
+use terminal::{Product, StandardOutput, Threads};
 
 type Failure = Box<dyn StdError + Send + Sync>;
 
@@ -42,14 +42,8 @@ struct Arguments {
     /// Separation that counts as an encounter, m; the scene's own if not given.
     #[arg(long, value_parser = terminal::margin, allow_hyphen_values = true)]
     margin: Option<f64>,
-    /// Threads to run on; all cores if not given, or 0.
-    #[arg(
-        long,
-        value_parser = terminal::threads(),
-        default_value = "0",
-        allow_negative_numbers = true
-    )]
-    threads: usize,
+    #[command(flatten)]
+    threads: Threads,
     /// Where the picture goes; one that is there is replaced.
     #[arg(long, default_value = "many_body.svg")]
     picture: PathBuf,
@@ -91,9 +85,7 @@ fn main() -> ExitCode {
 fn run(arguments: &Arguments) -> Result<(), Failure> {
     let picture = Product::at(&arguments.picture)?;
     let mut out = StandardOutput::new();
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(arguments.threads)
-        .build()?;
+    let pool = arguments.threads.pool()?;
     let begin = Instant::now();
     let generated = arguments.scene.generate(arguments.bodies, arguments.seed);
     let margin = arguments.margin.unwrap_or(generated.margin);

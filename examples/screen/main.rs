@@ -23,7 +23,7 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
-use terminal::Product;
+use terminal::{Product, Threads};
 use write::Table;
 
 /// Every conflict among the bodies of a file of states.
@@ -58,14 +58,8 @@ struct Arguments {
     /// How exact the answer is.
     #[arg(long, value_enum, default_value_t = AccuracyName::Exact)]
     accuracy: AccuracyName,
-    /// Threads to run on; all cores if not given, or 0.
-    #[arg(
-        long,
-        value_parser = terminal::threads(),
-        default_value = "0",
-        allow_negative_numbers = true
-    )]
-    threads: usize,
+    #[command(flatten)]
+    threads: Threads,
     /// Where to write the conflicts; standard output if not given. A file is replaced when all is
     /// written.
     #[arg(long)]
@@ -144,12 +138,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         AccuracyName::Fast => Accuracy::Fast,
     };
     let output = arguments.output.as_deref().map(Product::at).transpose()?;
-    // This thread is one of them: it is about to read the file, and its caches will know it.
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(arguments.threads)
-        .use_current_thread()
-        .build()
-        .map_err(|error| format!("--threads: {error}"))?;
+    let pool = arguments.threads.pool()?;
     let progress = spinner();
     progress.set_message("reading");
     let scene = build_scene(arguments)?;

@@ -9,6 +9,6 @@ mod options;
 mod product;
 mod speech;
 
-pub(crate) use options::{bodies, margin, refuse, threads, within};
+pub(crate) use options::{Threads, bodies, margin, refuse, within};
 pub(crate) use product::Product;
 pub(crate) use speech::{StandardOutput, complain, exit_code};

@@ -5,8 +5,9 @@
 
 use clap::builder::TypedValueParser;
 use clap::error::ErrorKind;
-use clap::{CommandFactory, value_parser};
+use clap::{Args, CommandFactory, value_parser};
 use nearmiss::Query;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
@@ -16,9 +17,29 @@ const MOST_THREADS: i64 = 1_024;
 /// More bodies do not fit into memory.
 const MOST_BODIES: i64 = 100_000_000;
 
-/// A number of threads; 0 is all cores.
-pub(crate) fn threads() -> impl TypedValueParser<Value = usize> {
-    whole(0..=MOST_THREADS)
+/// How many threads an example runs on.
+#[derive(Clone, Copy, Debug, Args)]
+pub(crate) struct Threads {
+    /// Threads to run on; all cores if not given, or 0.
+    #[arg(
+        long,
+        value_parser = whole(0..=MOST_THREADS),
+        default_value = "0",
+        allow_negative_numbers = true
+    )]
+    threads: usize,
+}
+
+impl Threads {
+    /// These threads, the caller's among them: what it has read lies in its caches. An error says
+    /// which option asked for them.
+    pub(crate) fn pool(self) -> Result<ThreadPool, String> {
+        ThreadPoolBuilder::new()
+            .num_threads(self.threads)
+            .use_current_thread()
+            .build()
+            .map_err(|error| format!("--threads: {error}"))
+    }
 }
 
 /// A number of bodies in a scene that is made up.
