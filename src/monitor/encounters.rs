@@ -5,6 +5,8 @@
 //! [`Encounter`].
 
 use super::event::{Encounter, EncounterId, EndReason, Event, EventKind};
+use super::kept::Kept;
+use super::reading::Slots;
 use crate::conflict::ClosestApproach;
 use crate::id::BodyId;
 
@@ -56,12 +58,15 @@ pub(super) struct Tracked {
 pub(super) struct Saved(Vec<Tracked>);
 
 /// The encounters of one alert level.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(super) struct Encounters {
     level: usize,
-    /// Sorted by (a, b, enter).
-    tracked: Vec<Tracked>,
-    next: Vec<Tracked>,
+    /// Those of one pair in the order of time.
+    tracked: Kept<Slots, Tracked>,
+    /// Pairs of which some lie beyond what is known and were not found again, sorted.
+    waiting: Vec<Slots>,
+    /// Pairs that were worked out last.
+    done: Vec<Slots>,
 }
 
 /// What a tick knows about time.
@@ -95,63 +100,105 @@ impl Encounters {
 
     /// Encounters that have begun and not ended, or lie ahead.
     pub(super) fn iter(&self) -> impl Iterator<Item = &Encounter> {
-        self.tracked.iter().map(|tracked| &tracked.now)
+        self.tracked.values().map(|tracked| &tracked.now)
     }
 
-    /// Works one tick out, without letting it take effect. `plain` is sorted by (a, b, start).
-    pub(super) fn work_out<'p>(
+    /// Pairs that are to be worked out whether something of them has changed or not, sorted.
+    pub(super) fn waiting(&self) -> &[Slots] {
+        &self.waiting
+    }
+
+    /// Works out what has become of some pairs: those that [wait](Self::waiting), and all others of
+    /// which plain encounters, or what a tick sees of them, are not as they were. Pairs are sorted,
+    /// and so are the plain encounters of each, by time.
+    pub(super) fn work_out<'p, P: Iterator<Item = &'p Plain>>(
         &mut self,
+        changed: impl Iterator<Item = (Slots, P)>,
+        tick: &Tick,
+        next_id: &mut u64,
+        events: &mut Vec<Event>,
+    ) {
+        self.waiting.clear();
+        self.done.clear();
+        for (slots, plain) in changed {
+            self.work_out_pair(slots, plain, tick, next_id, events);
+            self.done.push(slots);
+        }
+        let mut done = self.done.iter().peekable();
+        self.tracked.retain(|entry, _| {
+            while done.next_if(|slots| **slots < entry.key).is_some() {}
+            done.peek() != Some(&&entry.key)
+        });
+        self.tracked.settle();
+    }
+
+    /// The same for one pair. What was tracked of it is dropped later.
+    fn work_out_pair<'p>(
+        &mut self,
+        slots: Slots,
         plain: impl Iterator<Item = &'p Plain>,
         tick: &Tick,
         next_id: &mut u64,
         events: &mut Vec<Event>,
     ) {
-        self.next.clear();
-        let mut old = self.tracked.iter().peekable();
+        let mut old = self.tracked.of(&slots);
         let mut new = plain.peekable();
         loop {
-            let order = match (old.peek(), new.peek()) {
+            let first = (!old.is_empty()).then(|| *self.tracked.nth(old.start));
+            let matched = match (first, new.peek()) {
                 (None, None) => break,
                 (Some(_), None) => Match::OldOnly,
                 (None, Some(_)) => Match::NewOnly,
-                (Some(old), Some(new)) => compare(old, new),
+                (Some(old), Some(new)) => compare(&old, new),
             };
-            match order {
-                Match::OldOnly => {
-                    if let Some(old) = old.next() {
-                        self.next.extend(unmatched(old, tick, events));
-                    }
+            let (first, plain) = match matched {
+                Match::OldOnly => (first, None),
+                Match::NewOnly => (None, new.next()),
+                Match::Both => (first, new.next()),
+            };
+            old.start += usize::from(first.is_some());
+            let goes_on = match (first, plain) {
+                (None, None) => break,
+                (Some(old), None) => unmatched(&old, tick, events),
+                (None, Some(new)) => appear(new, self.level, tick, next_id, events),
+                (Some(old), Some(new)) => go_on(&old, new, tick, events),
+            };
+            if let Some(tracked) = goes_on {
+                // Only one that is not found again.
+                if tracked.now.enter > tick.known && self.waiting.last() != Some(&slots) {
+                    self.waiting.push(slots);
                 }
-                Match::NewOnly => {
-                    if let Some(new) = new.next() {
-                        self.next
-                            .extend(appear(new, self.level, tick, next_id, events));
-                    }
-                }
-                Match::Both => {
-                    if let (Some(old), Some(new)) = (old.next(), new.next()) {
-                        self.next.extend(go_on(old, new, tick, events));
-                    }
-                }
+                self.track(slots, tracked);
             }
         }
     }
 
-    /// Lets what was worked out last take effect.
-    pub(super) fn take_over(&mut self) {
-        std::mem::swap(&mut self.tracked, &mut self.next);
+    /// Remembers one, after all that are earlier. It is among the others when all are.
+    fn track(&mut self, slots: Slots, tracked: Tracked) {
+        let interval = (tracked.now.enter, tracked.now.exit);
+        self.tracked.add(slots, interval, tracked);
     }
 
     /// What is remembered.
     #[cfg(feature = "serde")]
     pub(super) fn save(&self) -> Saved {
-        Saved(self.tracked.clone())
+        Saved(self.tracked.values().copied().collect())
     }
 
-    /// Remembers what was saved.
+    /// Remembers what was saved: all of it waits for being found again.
     #[cfg(feature = "serde")]
     pub(super) fn restore(&mut self, saved: Saved) {
-        self.tracked = saved.0;
+        let Saved(mut saved) = saved;
+        let slots_of = |tracked: &Tracked| (tracked.now.a.slot, tracked.now.b.slot);
+        // They are, unless the file was changed.
+        saved.sort_by_key(slots_of);
+        for tracked in saved {
+            let slots = slots_of(&tracked);
+            self.waiting.push(slots);
+            self.track(slots, tracked);
+        }
+        self.waiting.dedup();
+        self.tracked.settle();
     }
 
     /// Ends or withdraws what `gone` says, at the clock.
@@ -162,7 +209,7 @@ impl Encounters {
         gone: impl Fn(&Encounter) -> bool,
         events: &mut Vec<Event>,
     ) {
-        self.tracked.retain(|tracked| {
+        self.tracked.retain(|_, tracked| {
             let over = gone(&tracked.now);
             if over {
                 events.push(over_at(tracked, now, reason));

@@ -1,6 +1,8 @@
 //! Values that are large and stay for long, in the order of their keys: what is searched, and moves
 //! when some come or go, is a short entry for each.
 
+use std::ops::Range;
+
 /// What is known of a value without looking at it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Entry<K> {
@@ -47,17 +49,40 @@ impl<K: Copy + Ord, V> Kept<K, V> {
         found.is_ok()
     }
 
+    /// Which of all values, counted in the order of their keys, have a key.
+    pub(super) fn of(&self, key: &K) -> Range<usize> {
+        let first = self.entries.partition_point(|entry| entry.key < *key);
+        let rest = &self.entries[first..];
+        let count = rest.iter().take_while(|entry| entry.key == *key).count();
+        first..first + count
+    }
+
+    /// A value by its number.
+    pub(super) fn nth(&self, number: usize) -> &V {
+        &self.values[self.entries[number].place]
+    }
+
+    /// In the order of their keys.
+    pub(super) fn values(&self) -> impl Iterator<Item = &V> {
+        self.entries.iter().map(|entry| &self.values[entry.place])
+    }
+
     /// The value of the entry with this place.
     pub(super) fn at(&self, place: usize) -> &V {
         &self.values[place]
     }
 
     /// Drops all but those that `keeps` says, asked in order; whether there were any.
-    pub(super) fn retain(&mut self, mut keeps: impl FnMut(&Entry<K>) -> bool) -> bool {
-        let Self { entries, free, .. } = self;
+    pub(super) fn retain(&mut self, mut keeps: impl FnMut(&Entry<K>, &V) -> bool) -> bool {
+        let Self {
+            entries,
+            values,
+            free,
+            ..
+        } = self;
         let count = entries.len();
         entries.retain(|entry| {
-            let is_kept = keeps(entry);
+            let is_kept = keeps(entry, &values[entry.place]);
             if !is_kept {
                 free.push(entry.place);
             }
@@ -66,8 +91,8 @@ impl<K: Copy + Ord, V> Kept<K, V> {
         entries.len() < count
     }
 
-    /// Adds a value, the keys in ascending order. It is among the entries when all
-    /// [have settled](Self::settle).
+    /// Adds a value. It is among the entries when all [have settled](Self::settle): until then, keys
+    /// come in ascending order, or each once.
     pub(super) fn add(&mut self, key: K, interval: (f64, f64), value: V) {
         let place = if let Some(place) = self.free.pop() {
             self.values[place] = value;
@@ -87,6 +112,9 @@ impl<K: Copy + Ord, V> Kept<K, V> {
     pub(super) fn settle(&mut self) {
         if self.added.is_empty() {
             return;
+        }
+        if !self.added.is_sorted_by_key(|entry| entry.key) {
+            self.added.sort_unstable_by_key(|entry| entry.key);
         }
         self.merged.clear();
         let mut rest = &self.entries[..];
@@ -114,7 +142,7 @@ mod tests {
         let mut most = 0;
         for value in 0..2000 {
             let gone: u32 = rng.random_range(0..8);
-            kept.retain(|entry| entry.key % 8 != gone);
+            kept.retain(|entry, _| entry.key % 8 != gone);
             plain.retain(|(key, _)| key % 8 != gone);
             let mut keys: Vec<u32> = (0..5).map(|_| rng.random_range(0..100)).collect();
             keys.sort_unstable();

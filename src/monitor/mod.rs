@@ -251,6 +251,7 @@ impl Monitor {
         #[cfg(feature = "serde")]
         self.write_down(|| Record::LeastChange(least_change));
         self.least_change = least_change;
+        self.read_all_plains();
         Ok(())
     }
 

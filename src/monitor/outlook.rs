@@ -12,8 +12,9 @@ use super::bodies::{Bodies, Moved};
 use super::boxes::Search;
 use super::bridge::Bridge;
 use super::budget::Meter;
-use super::finds::{Finds, Key, Pair};
+use super::finds::{Finds, Key};
 use super::flights::{Flight, Flights};
+use super::reading::Slots;
 use super::slice::Slice;
 use crate::bounds::Frame;
 use crate::broad_phase::PairFilter;
@@ -272,18 +273,13 @@ impl Outlook {
         }
     }
 
-    /// Brings the list of pairs that may have contacts up to date; whether it has changed.
-    pub(super) fn list_pairs(&mut self) -> bool {
-        self.finds.list_pairs()
-    }
-
     pub(super) const fn finds(&self) -> &Finds {
         &self.finds
     }
 
-    /// Notes that all pairs' contacts were read.
-    pub(super) fn all_are_read(&mut self) {
-        self.finds.all_are_read();
+    /// See [`Finds::take_changed`].
+    pub(super) fn take_changed(&mut self, changed: &mut Vec<Slots>) {
+        self.finds.take_changed(changed);
     }
 
     /// When both bodies of a pair exist.
@@ -294,7 +290,7 @@ impl Outlook {
     /// All contacts of a pair within `margin` in `clip`; replaces what `found` held.
     pub(super) fn contacts(
         &self,
-        pair: &Pair,
+        pair: Slots,
         margin: f64,
         clip: (f64, f64),
         found: &mut Vec<Contact>,

@@ -7,22 +7,24 @@
 
 use super::encounters::{Plain, Tick};
 use super::event::Event;
-use super::finds::Pair;
-use super::kept::Kept;
 use super::outlook::Outlook;
-use super::reading::{Reading, Slots};
+use super::reading::{Conflicts, Edges, Plains, Slots};
 use super::{AlertLevel, Monitor};
 use crate::conflict::{ClosestApproach, Conflict};
 use crate::narrow_phase::Contact;
+use crate::parallel;
 use crate::scene::Scene;
 use crate::screen::conflict;
 
 /// What each alert level has of every pair.
 #[derive(Debug)]
 pub(super) struct Readings {
-    conflicts: Vec<Reading<Conflict>>,
-    plains: Vec<Reading<Plain>>,
-    scratch: Scratch,
+    conflicts: Vec<Conflicts>,
+    plains: Vec<Plains>,
+    /// Pairs to be read.
+    changed: Vec<Slots>,
+    /// Of two threads.
+    scratch: [Scratch; 2],
 }
 
 /// What reading reuses.
@@ -41,22 +43,21 @@ struct Source<'m> {
 }
 
 impl Monitor {
-    /// Reads the pairs to which spans were added.
-    pub(super) fn read_new_pairs(&mut self) {
-        if !self.outlook.list_pairs() {
-            return;
-        }
+    /// Reads the pairs that have changed.
+    pub(super) fn read_changed_pairs(&mut self) {
+        self.outlook.take_changed(&mut self.readings.changed);
         let source = Source {
             outlook: &self.outlook,
             scene: &self.scene,
         };
-        self.readings.update(source, &self.levels);
-        self.outlook.all_are_read();
+        self.readings.update(source, &self.levels, self.told);
     }
 
     /// Reads the conflicts from now to the end of what is known; and the plain encounters from the
     /// last tick's clock on, and works out what they come to.
     pub(super) fn read(&mut self, tick: &Tick, next_id: &mut u64, events: &mut Vec<Event>) {
+        /// Spans of pairs that are sooner read than another thread wakes up.
+        const FEW: usize = 1024;
         let source = Source {
             outlook: &self.outlook,
             scene: &self.scene,
@@ -64,24 +65,46 @@ impl Monitor {
         let Readings {
             conflicts,
             plains,
-            scratch,
+            scratch: [scratch, other_scratch],
+            ..
         } = &mut self.readings;
-        let reported = conflicts.iter_mut().zip(&mut self.conflicts);
-        for ((reading, reported), alert) in reported.zip(&self.levels) {
-            reported.clear();
-            if tick.now < tick.known {
-                reading.read_conflicts(source, alert, (tick.now, tick.known), scratch);
-                reported.extend(reading.iter().copied());
+        let (levels, reported) = (&self.levels, &mut self.conflicts);
+        let read_conflicts = || {
+            for ((conflicts, reported), alert) in conflicts.iter_mut().zip(reported).zip(levels) {
+                reported.clear();
+                if tick.now < tick.known {
+                    let window = (tick.now, tick.known);
+                    reported.extend(conflicts.list(window, |pair, lasts, found| {
+                        let period = (lasts, window);
+                        source.clipped(pair, alert.margin, period, &mut scratch.contacts, found);
+                    }));
+                }
             }
-        }
-        // Up to an instant that was reached before, nothing new is known.
-        if tick.before < tick.known {
-            let encounters = plains.iter_mut().zip(&mut self.encounters);
-            for ((reading, encounters), alert) in encounters.zip(&self.levels) {
-                reading.read_plains(source, alert, tick, scratch);
-                encounters.work_out(reading.iter(), tick, next_id, events);
+        };
+        let encounters = &mut self.encounters;
+        let read_plains = || {
+            // Up to an instant that was reached before, nothing new is known.
+            if tick.before < tick.known {
+                for ((plains, encounters), alert) in plains.iter_mut().zip(encounters).zip(levels) {
+                    let edges = Edges {
+                        // What the clock has reached must say how close it came.
+                        within: (tick.told, tick.known),
+                        around: (tick.before, tick.known),
+                    };
+                    plains.list(edges, encounters.waiting(), |pair, found| {
+                        source.plains(pair, alert, tick, other_scratch, found);
+                    });
+                    encounters.work_out(plains.listed(), tick, next_id, events);
+                }
             }
-        }
+        };
+        let count = self.outlook.finds().len();
+        parallel::join(count, FEW, read_plains, read_conflicts);
+    }
+
+    /// Tells of all encounters whatever a least change that was set before has kept back.
+    pub(super) fn read_all_plains(&mut self) {
+        self.readings.plains.iter_mut().for_each(Plains::list_all);
     }
 }
 
@@ -89,22 +112,23 @@ impl Readings {
     /// Of so many levels, and no pair.
     pub(super) fn of_levels(count: usize) -> Self {
         Self {
-            conflicts: (0..count).map(|_| Reading::default()).collect(),
-            plains: (0..count).map(|_| Reading::default()).collect(),
-            scratch: Scratch::default(),
+            conflicts: (0..count).map(|_| Conflicts::default()).collect(),
+            plains: (0..count).map(|_| Plains::default()).collect(),
+            changed: Vec::new(),
+            scratch: Default::default(),
         }
     }
 
-    /// Takes over what is known of pairs that have not changed, and reads the others.
-    fn update(&mut self, source: Source<'_>, levels: &[AlertLevel]) {
-        let pairs = source.outlook.finds().pairs();
+    /// Takes over what is known of pairs that have not changed, unless it has ended before an
+    /// instant, and reads the others.
+    fn update(&mut self, source: Source<'_>, levels: &[AlertLevel], before: f64) {
+        let (changed, [scratch, _]) = (&self.changed, &mut self.scratch);
         let readings = self.conflicts.iter_mut().zip(&mut self.plains);
         for ((conflicts, plains), alert) in readings.zip(levels) {
-            conflicts.keep_unchanged(pairs);
-            plains.keep_unchanged(pairs);
-            let (conflicts, plains) = (&mut conflicts.always, &mut plains.always);
-            for pair in pairs.iter().filter(|pair| pair.is_new) {
-                source.always(pair, alert, &mut self.scratch, conflicts, plains);
+            conflicts.drop_changed(changed, before);
+            plains.drop_changed(changed, before);
+            for &slots in changed {
+                source.always(slots, alert, scratch, conflicts, plains);
             }
             conflicts.settle();
             plains.settle();
@@ -112,77 +136,34 @@ impl Readings {
     }
 }
 
-impl Reading<Plain> {
-    /// Reads the plain encounters from the last tick's clock to the end of what is known, sorted by
-    /// pair and time.
-    fn read_plains(
-        &mut self,
-        source: Source<'_>,
-        alert: &AlertLevel,
-        tick: &Tick,
-        scratch: &mut Scratch,
-    ) {
-        // What the clock has reached must say how close it came.
-        let windows = ((tick.told, tick.known), (tick.before, tick.known));
-        let begin = |plain: &Plain| plain.start;
-        self.read(windows, begin, |pair, at_edge| {
-            source.plains(pair, alert, tick, scratch, at_edge);
-        });
-    }
-}
-
-impl Reading<Conflict> {
-    /// Reads the conflicts in a window, sorted as they are reported.
-    fn read_conflicts(
-        &mut self,
-        source: Source<'_>,
-        alert: &AlertLevel,
-        window: (f64, f64),
-        scratch: &mut Scratch,
-    ) {
-        let begin = |conflict: &Conflict| conflict.enter;
-        self.read((window, window), begin, |pair, at_edge| {
-            source.conflicts(pair, alert.margin, window, scratch, at_edge);
-        });
-        self.sort();
-    }
-}
-
 impl Source<'_> {
-    fn pair(&self, slots: Slots) -> Option<&Pair> {
-        let pairs = self.outlook.finds().pairs();
-        let place = pairs.binary_search_by_key(&slots, |pair| pair.slots).ok()?;
-        Some(&pairs[place])
-    }
-
     /// Reads a pair as if the window were endless, and the clock had not come to it.
     fn always(
         &self,
-        pair: &Pair,
+        slots: Slots,
         alert: &AlertLevel,
         scratch: &mut Scratch,
-        conflicts: &mut Kept<Slots, Conflict>,
-        plains: &mut Kept<Slots, Plain>,
+        conflicts: &mut Conflicts,
+        plains: &mut Plains,
     ) {
-        let slots = pair.slots;
         let Some(always) = self.outlook.domain(self.scene, slots) else {
             return;
         };
         let contacts = &mut scratch.contacts;
-        self.outlook.contacts(pair, alert.margin, always, contacts);
+        self.outlook.contacts(slots, alert.margin, always, contacts);
         for conflict in contacts
             .iter()
             .filter_map(|one| self.report(slots, always, one))
         {
-            conflicts.add(slots, (conflict.enter, conflict.exit), conflict);
+            conflicts.add(slots, conflict);
         }
         let ahead = Tick {
             told: f64::NEG_INFINITY,
             known: f64::INFINITY,
             ..Tick::default()
         };
-        self.each_plain(pair, alert, &ahead, (always, always.1), scratch, |plain| {
-            plains.add(slots, (plain.start, plain.exit), plain);
+        self.each_plain(slots, alert, &ahead, (always, always.1), scratch, |plain| {
+            plains.add(slots, plain);
         });
     }
 
@@ -193,20 +174,20 @@ impl Source<'_> {
         (clip.0 <= clip.1).then_some((clip, ends))
     }
 
-    /// The conflicts of a pair within a window.
-    fn conflicts(
+    /// What a window has of the conflict of a pair that lasts for some time whatever the window.
+    fn clipped(
         &self,
         slots: Slots,
         margin: f64,
-        window: (f64, f64),
-        scratch: &mut Scratch,
+        (lasts, window): ((f64, f64), (f64, f64)),
+        contacts: &mut Vec<Contact>,
         conflicts: &mut Vec<Conflict>,
     ) {
-        let (Some(pair), Some((clip, _))) = (self.pair(slots), self.clip(slots, window)) else {
+        let Some((clip, _)) = self.clip(slots, window) else {
             return;
         };
-        let contacts = &mut scratch.contacts;
-        self.outlook.contacts(pair, margin, clip, contacts);
+        let part = (clip.0.max(lasts.0), clip.1.min(lasts.1));
+        self.outlook.contacts(slots, margin, part, contacts);
         let report = |contact| self.report(slots, clip, contact);
         conflicts.extend(contacts.iter().filter_map(report));
     }
@@ -221,11 +202,11 @@ impl Source<'_> {
         plains: &mut Vec<Plain>,
     ) {
         let window = (tick.before, tick.known);
-        if let (Some(pair), Some((clip, ends))) = (self.pair(slots), self.clip(slots, window)) {
+        if let Some((clip, ends)) = self.clip(slots, window) {
             let contacts = &mut scratch.contacts;
-            self.outlook.contacts(pair, alert.margin, clip, contacts);
+            self.outlook.contacts(slots, alert.margin, clip, contacts);
             let period = (clip, ends);
-            self.each_plain(pair, alert, tick, period, scratch, |plain| {
+            self.each_plain(slots, alert, tick, period, scratch, |plain| {
                 plains.push(plain)
             });
         }
@@ -235,7 +216,7 @@ impl Source<'_> {
     /// at the margin. `ends` is when one of its bodies ceases to exist.
     fn each_plain(
         &self,
-        pair: &Pair,
+        slots: Slots,
         alert: &AlertLevel,
         tick: &Tick,
         (clip, ends): ((f64, f64), f64),
@@ -249,7 +230,7 @@ impl Source<'_> {
             passed,
         } = scratch;
         if alert.release > alert.margin {
-            outlook.contacts(pair, alert.release, clip, released);
+            outlook.contacts(slots, alert.release, clip, released);
         } else {
             released.clone_from(contacts);
         }
@@ -258,7 +239,7 @@ impl Source<'_> {
                 .iter()
                 .filter(|contact| contact.enter >= hold.enter && contact.exit <= hold.exit);
             let first = within.next();
-            let Some(closest) = self.report(pair.slots, clip, hold) else {
+            let Some(closest) = self.report(slots, clip, hold) else {
                 continue;
             };
             let flown = (hold.enter, hold.exit.min(tick.told));
@@ -271,7 +252,7 @@ impl Source<'_> {
                 open: hold.exit >= tick.known && ends > tick.known,
                 with_trajectory: hold.exit >= ends,
                 closest: closest.closest,
-                passed: self.passed_closest(pair, alert.release, flown, passed),
+                passed: self.passed_closest(slots, alert.release, flown, passed),
             });
         }
     }
@@ -279,7 +260,7 @@ impl Source<'_> {
     /// The closest approach over the part of an encounter that the clock has passed.
     fn passed_closest(
         &self,
-        pair: &Pair,
+        slots: Slots,
         margin: f64,
         flown: (f64, f64),
         scratch: &mut Vec<Contact>,
@@ -287,10 +268,10 @@ impl Source<'_> {
         if flown.0 > flown.1 {
             return None;
         }
-        self.outlook.contacts(pair, margin, flown, scratch);
+        self.outlook.contacts(slots, margin, flown, scratch);
         let conflicts = scratch
             .iter()
-            .filter_map(|contact| self.report(pair.slots, flown, contact));
+            .filter_map(|contact| self.report(slots, flown, contact));
         conflicts
             .map(|conflict| conflict.closest)
             .reduce(|x, y| if y.separation < x.separation { y } else { x })

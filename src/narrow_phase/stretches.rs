@@ -140,13 +140,23 @@ impl Profile {
             while k + 1 < nodes.len() && is_inside(&nodes[k + 1]) {
                 k += 1;
             }
-            let enter = match first {
-                0 => nodes[0].time,
-                _ => crossing(cubic, radius, &nodes[first], &nodes[first - 1]),
+            let last = k;
+            k += 1;
+            // Crossings lie between nodes: those beyond the window need not be known.
+            let (before, after) = (first.checked_sub(1).map(|k| &nodes[k]), nodes.get(k));
+            if before.is_some_and(|node| node.time > to)
+                || after.is_some_and(|node| node.time < from)
+            {
+                continue;
+            }
+            let (first, last) = (&nodes[first], &nodes[last]);
+            let enter = match before {
+                Some(outside) if first.time > from => crossing(cubic, radius, first, outside),
+                _ => first.time,
             };
-            let exit = match nodes.get(k + 1) {
-                None => nodes[k].time,
-                Some(outside) => crossing(cubic, radius, &nodes[k], outside),
+            let exit = match after {
+                Some(outside) if last.time < to => crossing(cubic, radius, last, outside),
+                _ => last.time,
             };
             let (enter, exit) = (enter.max(from), exit.min(to));
             if enter <= exit {
@@ -156,7 +166,6 @@ impl Profile {
                     closest: self.closest(cubic, enter, exit),
                 });
             }
-            k += 1;
         }
     }
 }

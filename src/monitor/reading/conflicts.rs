@@ -1,0 +1,109 @@
+//! The conflicts of one alert level.
+
+use super::{Edges, Origin, Place, Slots};
+use crate::conflict::Conflict;
+use crate::monitor::kept::Kept;
+use std::cmp::Ordering;
+
+/// See the module.
+#[derive(Debug, Default)]
+pub(in crate::monitor) struct Conflicts {
+    /// Whatever the window.
+    always: Kept<Beginning, Conflict>,
+    /// Of those at an edge of the window, what this tick sees of them.
+    at_edge: Vec<Conflict>,
+    /// All of the window, in the order of reports.
+    listed: Vec<Origin>,
+}
+
+/// When a conflict begins, and whose: the order of reports.
+#[derive(Clone, Copy, Debug)]
+struct Beginning {
+    enter: f64,
+    slots: Slots,
+}
+
+impl Ord for Beginning {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let order = self.enter.total_cmp(&other.enter);
+        order.then_with(|| self.slots.cmp(&other.slots))
+    }
+}
+
+impl PartialOrd for Beginning {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Beginning {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Beginning {}
+
+impl Conflicts {
+    /// Drops those of some pairs (sorted), and those that have ended before an instant.
+    pub(in crate::monitor) fn drop_changed(&mut self, changed: &[Slots], before: f64) {
+        self.always.retain(|entry, _| {
+            entry.interval.1 >= before && changed.binary_search(&entry.key.slots).is_err()
+        });
+    }
+
+    /// Adds one of a pair of which there is none, or one that is earlier.
+    pub(in crate::monitor) fn add(&mut self, slots: Slots, conflict: Conflict) {
+        let enter = conflict.enter;
+        let interval = (enter, conflict.exit);
+        self.always
+            .add(Beginning { enter, slots }, interval, conflict);
+    }
+
+    /// All were added.
+    pub(in crate::monitor) fn settle(&mut self) {
+        self.always.settle();
+    }
+
+    /// All of a window, in the order of reports. `again` reads what the window has of one that is
+    /// at its edge, given the pair and when it lasts (s) whatever the window.
+    pub(in crate::monitor) fn list(
+        &mut self,
+        window: (f64, f64),
+        mut again: impl FnMut(Slots, (f64, f64), &mut Vec<Conflict>),
+    ) -> impl Iterator<Item = &Conflict> {
+        let Self {
+            always,
+            at_edge,
+            listed,
+        } = self;
+        at_edge.clear();
+        listed.clear();
+        let edges = Edges {
+            within: window,
+            around: window,
+        };
+        let mut begun = 0;
+        for entry in always.entries() {
+            match edges.place(entry.interval) {
+                Place::Within => listed.push(Origin::Always(entry.place)),
+                Place::Beyond => {}
+                Place::AtEdge => {
+                    let first = at_edge.len();
+                    again(entry.key.slots, entry.interval, at_edge);
+                    listed.extend((first..at_edge.len()).map(Origin::AtEdge));
+                    if entry.key.enter <= window.0 {
+                        begun = at_edge.len();
+                    }
+                }
+            }
+        }
+        // All that had begun now begin with the window; the others begin as ever.
+        at_edge[..begun].sort_unstable_by(Conflict::order);
+        let (always, at_edge) = (&*always, &*at_edge);
+        listed.iter().map(|origin| match *origin {
+            Origin::Always(place) => always.at(place),
+            Origin::AtEdge(number) => &at_edge[number],
+        })
+    }
+}

@@ -1,0 +1,126 @@
+//! The plain encounters of one alert level, as far as something of them may have changed.
+//!
+//! Most are the same from tick to tick, and nothing can be told of them.
+
+use super::{Edges, Origin, Place, Slots};
+use crate::monitor::encounters::Plain;
+use crate::monitor::kept::{Entry, Kept};
+
+/// See the module.
+#[derive(Debug, Default)]
+pub(in crate::monitor) struct Plains {
+    /// Whatever the window.
+    always: Kept<Slots, Plain>,
+    /// Of pairs at an edge of the window, what this tick sees of them.
+    at_edge: Vec<Plain>,
+    /// Pairs that were dropped, or added, since the last listing.
+    touched: Vec<Slots>,
+    /// What each listed pair has.
+    listed: Vec<Origin>,
+    /// The pairs, and where the list of each ends.
+    pairs: Vec<(Slots, usize)>,
+    /// Of the last listing; none if all are to be listed.
+    before: Option<Edges>,
+}
+
+impl Plains {
+    /// Drops those of some pairs (sorted), and those that have ended before an instant.
+    pub(in crate::monitor) fn drop_changed(&mut self, changed: &[Slots], before: f64) {
+        let (mut changed, touched) = (changed.iter().peekable(), &mut self.touched);
+        self.always.retain(|entry, _| {
+            while changed.next_if(|slots| **slots < entry.key).is_some() {}
+            let keeps = entry.interval.1 >= before && changed.peek() != Some(&&entry.key);
+            if !keeps {
+                touched.push(entry.key);
+            }
+            keeps
+        });
+    }
+
+    /// Adds what a pair has, the pairs in order.
+    pub(in crate::monitor) fn add(&mut self, slots: Slots, plain: Plain) {
+        self.touched.push(slots);
+        self.always.add(slots, (plain.start, plain.exit), plain);
+    }
+
+    /// All were added.
+    pub(in crate::monitor) fn settle(&mut self) {
+        self.always.settle();
+    }
+
+    /// All are to be listed, whether they have changed or not.
+    pub(in crate::monitor) const fn list_all(&mut self) {
+        self.before = None;
+    }
+
+    /// Lists the pairs of which something may not be as it was when they were listed last: those
+    /// that were read anew, or are gone; of which something is at an edge of the window, or has
+    /// passed one; and those that `wait` for something. `again` reads all that a pair has in the
+    /// window.
+    pub(in crate::monitor) fn list(
+        &mut self,
+        edges: Edges,
+        wait: &[Slots],
+        mut again: impl FnMut(Slots, &mut Vec<Plain>),
+    ) {
+        let Self {
+            always,
+            at_edge,
+            touched,
+            listed,
+            pairs,
+            before,
+        } = self;
+        at_edge.clear();
+        listed.clear();
+        pairs.clear();
+        touched.extend_from_slice(wait);
+        touched.sort_unstable();
+        touched.dedup();
+        let mut touched = touched.drain(..).peekable();
+        let before = before.replace(edges);
+        for entries in always.entries().chunk_by(|x, y| x.key == y.key) {
+            let slots = entries[0].key;
+            while let Some(gone) = touched.next_if(|other| *other < slots) {
+                pairs.push((gone, listed.len()));
+            }
+            let is_touched = touched.next_if_eq(&slots).is_some();
+            let place = |entry: &Entry<Slots>| edges.place(entry.interval);
+            let is_at_edge = entries.iter().any(|entry| place(entry) == Place::AtEdge);
+            let is_as_before = |before: Edges| {
+                let is_same = |entry: &Entry<Slots>| place(entry) == before.place(entry.interval);
+                entries.iter().all(is_same)
+            };
+            if is_at_edge {
+                let first = at_edge.len();
+                again(slots, at_edge);
+                listed.extend((first..at_edge.len()).map(Origin::AtEdge));
+            } else if is_touched || !before.is_some_and(is_as_before) {
+                let within = entries.iter().filter(|entry| place(entry) == Place::Within);
+                listed.extend(within.map(|entry| Origin::Always(entry.place)));
+            } else {
+                continue;
+            }
+            pairs.push((slots, listed.len()));
+        }
+        pairs.extend(touched.map(|gone| (gone, listed.len())));
+    }
+
+    /// The pairs that were listed, sorted, each with all that it has in the window, sorted by time.
+    pub(in crate::monitor) fn listed(
+        &self,
+    ) -> impl Iterator<Item = (Slots, impl Iterator<Item = &Plain>)> {
+        let mut first = 0;
+        self.pairs.iter().map(move |&(slots, end)| {
+            let plains = self.listed[std::mem::replace(&mut first, end)..end].iter();
+            (slots, plains.map(|&origin| self.at(origin)))
+        })
+    }
+
+    fn at(&self, origin: Origin) -> &Plain {
+        match origin {
+            Origin::Always(place) => self.always.at(place),
+            Origin::AtEdge(number) => &self.at_edge[number],
+        }
+    }
+}
