@@ -18,6 +18,13 @@ pub(crate) const UNDERFLOW: f64 = f64::MIN_POSITIVE;
 /// solver would report.
 pub(crate) const CLEARANCE: f64 = 512.0 * UNIT_ROUNDOFF;
 
+/// A time as it was given, but for one of the zeros: reports are ordered by the bits of times, and
+/// of two zeros either may come out as the later one.
+#[inline]
+pub(crate) const fn one_zero(time: f64) -> f64 {
+    time + 0.0
+}
+
 /// The power of two that brings `magnitude` into [1, 2); 1 where there is nothing to bring.
 ///
 /// Exact; a subnormal magnitude is brought as near as one factor can.

@@ -1,6 +1,7 @@
 //! The closed time interval a question is about.
 
 use crate::error::Error;
+use crate::rounding::one_zero;
 
 /// A closed interval of time, s. May be a single instant; may be open-ended (infinite).
 ///
@@ -40,7 +41,10 @@ impl Window {
     pub fn new(start: f64, end: f64) -> Result<Self, Error> {
         let holds_an_instant = start <= end && start < f64::INFINITY && end > f64::NEG_INFINITY;
         if holds_an_instant {
-            Ok(Self { start, end })
+            Ok(Self {
+                start: one_zero(start),
+                end: one_zero(end),
+            })
         } else {
             Err(Error::Window { start, end })
         }

@@ -10,8 +10,11 @@ mod support;
 
 use glam::DVec3;
 use nearmiss::{
-    Body, Clip, Conflict, Hitbox, Method, Outside, Query, Scene, State, Trajectory, Window,
+    AlertLevel, Body, Clip, Conflict, Hitbox, Method, Monitor, Outside, Query, Scene, State,
+    Trajectory, Window,
 };
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use std::num::NonZeroU32;
 use support::{bits, line, scene_of, screen, swarm};
 
@@ -312,6 +315,47 @@ fn an_instant_that_rounds_to_a_last_knot() {
 
 /// A plan that jumps is in two places at one instant, and both count in a window that begins or ends
 /// there: also where the jump is at the first or the last knot of a plan that goes on beyond them.
+/// Bodies in one place at time 0, most of which part there: encounters of no duration among others.
+/// Of plans that begin at 0 there, all that is told, and when.
+fn told_at_zero(zero: impl Fn(u64) -> f64) -> (String, String) {
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let mut scene = Scene::new();
+    for number in 0..24 {
+        let time = zero(number);
+        let from = f64::from(rng.random_range(0..3)) * DVec3::X;
+        let velocity = f64::from(rng.random_range(-2..=2)) * DVec3::Y;
+        let times = match number % 3 {
+            0 => vec![time, 1.0, 2.0],
+            1 => vec![-1.0, time],
+            _ => vec![-1.0, time, 2.0],
+        };
+        let states: Vec<State> = times
+            .iter()
+            .map(|&time| State::new(time, from + velocity * time, velocity))
+            .collect();
+        let plan = Trajectory::from_states(&states).unwrap();
+        scene.insert(Body::new(plan)).unwrap();
+    }
+    let conflicts = screen(&scene, Window::new(zero(7), 2.0).unwrap(), 0.0);
+    let levels = [AlertLevel::at(0.0)];
+    let mut monitor = Monitor::new(scene, zero(8), 0.5, &levels).unwrap();
+    let mut events = Vec::new();
+    for now in [zero(9), 0.5, 1.0] {
+        monitor.advance(now, &mut events).unwrap();
+    }
+    monitor.close(&mut events);
+    assert!(conflicts.iter().any(|conflict| conflict.exit <= 0.0));
+    (format!("{conflicts:?}"), format!("{events:?}"))
+}
+
+#[test]
+fn which_zero_a_time_is() {
+    let positive = told_at_zero(|_| 0.0);
+    assert_eq!(told_at_zero(|_| -0.0), positive);
+    let mixed = |number| if number % 2 == 0 { 0.0 } else { -0.0 };
+    assert_eq!(told_at_zero(mixed), positive);
+}
+
 #[test]
 fn both_sides_of_a_jump_count() {
     let at = |y: f64| line(0.0, 10.0, DVec3::new(0.0, y, 0.0), DVec3::X);

@@ -39,6 +39,7 @@ use crate::broad_phase::PairFilter;
 use crate::conflict::Conflict;
 use crate::error::{Error, LARGEST_MAGNITUDE};
 use crate::id::BodyId;
+use crate::rounding::one_zero;
 use crate::scene::Scene;
 use crate::stats::Stats;
 use command::Batch;
@@ -187,6 +188,7 @@ impl Monitor {
         lookahead: f64,
         levels: &[AlertLevel],
     ) -> Result<Self, Error> {
+        let now = one_zero(now);
         let usable = |value: f64| value.abs() <= LARGEST_MAGNITUDE;
         if !usable(now) {
             return Err(Error::Clock { time: now });

@@ -186,7 +186,11 @@ impl Source<'_> {
         let Some((clip, _)) = self.clip(slots, window) else {
             return;
         };
-        let part = (clip.0.max(lasts.0), clip.1.min(lasts.1));
+        // Where they tie it is the window's: which zero it is, is told.
+        let part = (
+            if lasts.0 > clip.0 { lasts.0 } else { clip.0 },
+            if lasts.1 < clip.1 { lasts.1 } else { clip.1 },
+        );
         self.outlook.contacts(slots, margin, part, contacts);
         let report = |contact| self.report(slots, clip, contact);
         conflicts.extend(contacts.iter().filter_map(report));

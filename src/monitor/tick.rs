@@ -11,6 +11,7 @@ use super::recording::Record;
 use super::{Admission, Monitor, can_tell_apart};
 use crate::error::Error;
 use crate::parallel;
+use crate::rounding::one_zero;
 use crate::scene::Scene;
 use crate::stats::Stats;
 use crate::trajectory::{Outside, Trajectory};
@@ -83,6 +84,7 @@ impl Monitor {
         events: &mut Vec<Event>,
     ) -> Result<(), Error> {
         let begin = Instant::now();
+        let now = one_zero(now);
         if now < self.now {
             return Err(Error::ClockWentBack {
                 now: self.now,

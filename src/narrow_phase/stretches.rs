@@ -152,11 +152,13 @@ impl Profile {
             let (first, last) = (&nodes[first], &nodes[last]);
             let enter = match before {
                 Some(outside) if first.time > from => crossing(cubic, radius, first, outside),
-                _ => first.time,
+                Some(_) => from,
+                None => first.time,
             };
             let exit = match after {
                 Some(outside) if last.time < to => crossing(cubic, radius, last, outside),
-                _ => last.time,
+                Some(_) => to,
+                None => last.time,
             };
             let (enter, exit) = (enter.max(from), exit.min(to));
             if enter <= exit {

@@ -4,7 +4,7 @@ use super::double_double::DoubleDouble;
 use super::roomy::Roomy;
 use super::{Outside, Segment, State, Trajectory};
 use crate::error::{Error, LARGEST_MAGNITUDE, Quantity};
-use crate::rounding::{UNIT_ROUNDOFF, largest_norm, norm};
+use crate::rounding::{UNIT_ROUNDOFF, largest_norm, norm, one_zero};
 use glam::DVec3;
 
 /// What the variable of a segment's polynomial is.
@@ -31,7 +31,9 @@ impl Trajectory {
         };
         check_states(states)?;
         let mut knots = Roomy::with_capacity(states.len());
-        states.iter().for_each(|state| knots.push(state.time));
+        states
+            .iter()
+            .for_each(|state| knots.push(one_zero(state.time)));
         let mut segments = Roomy::with_capacity(states.len() - 1);
         for (index, pair) in states.windows(2).enumerate() {
             segments.push(Segment::hermite(&pair[0], &pair[1], index + 1)?);
@@ -140,6 +142,7 @@ impl Trajectory {
             });
         }
         check_times(knots.iter().copied())?;
+        let knots: Vec<f64> = knots.iter().copied().map(one_zero).collect();
         let segments = coefficients
             .iter()
             .enumerate()
@@ -166,7 +169,7 @@ impl Trajectory {
             end_line(&segments[last], knots[last + 1], last + 1)?,
         ];
         Ok(Self {
-            knots: Roomy::new(knots, &[]),
+            knots: Roomy::new(&knots, &[]),
             segments: Roomy::new(&segments, &coast),
             outside: Outside::default(),
         })

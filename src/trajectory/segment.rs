@@ -1,7 +1,7 @@
 //! One cubic between two knots, in local form: what everything downstream computes with.
 
 use crate::error::{Error, LARGEST_MAGNITUDE, Quantity};
-use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, largest_norm, norm, normalising_power};
+use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, largest_norm, norm, normalising_power, one_zero};
 use crate::trajectory::state::State;
 use glam::DVec3;
 
@@ -128,7 +128,8 @@ impl Segment {
     }
 
     /// Refuses what could overflow later: positions, velocities or accelerations beyond 1e300.
-    fn checked(self, knot: usize) -> Result<Self, Error> {
+    fn checked(mut self, knot: usize) -> Result<Self, Error> {
+        (self.start, self.end) = (one_zero(self.start), one_zero(self.end));
         let duration = self.end - self.start;
         // The largest acceleration of a cubic with these control points is 6 · 4 extents.
         let acceleration = 24.0 * (self.extent / duration / duration);

@@ -3,7 +3,7 @@
 use super::roomy::Roomy;
 use super::{Outside, Segment, Trajectory};
 use crate::error::{Error, LARGEST_MAGNITUDE, Quantity};
-use crate::rounding::largest_norm;
+use crate::rounding::{largest_norm, one_zero};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -34,7 +34,7 @@ impl TryFrom<Numbers> for Trajectory {
 
     fn try_from(numbers: Numbers) -> Result<Self, Error> {
         let Numbers {
-            knots,
+            mut knots,
             segments,
             coast,
             outside,
@@ -49,7 +49,9 @@ impl TryFrom<Numbers> for Trajectory {
             });
         }
         let mut previous = f64::NEG_INFINITY;
-        for (knot, &time) in knots.iter().enumerate() {
+        for (knot, time) in knots.iter_mut().enumerate() {
+            *time = one_zero(*time);
+            let time = *time;
             check(knot, Quantity::Time, time)?;
             if time <= previous {
                 return Err(Error::TimeNotIncreasing {

@@ -3,6 +3,7 @@
 use super::outside::check_reach;
 use super::{Outside, Trajectory};
 use crate::error::Error;
+use crate::rounding::one_zero;
 use crate::simd::prefetch;
 use std::iter::once;
 
@@ -65,6 +66,7 @@ impl Trajectory {
     ///
     /// As [`spliced`](Self::spliced); nothing was changed then.
     pub(crate) fn precede_by(&mut self, flown: &Self, from: f64, since: f64) -> Result<(), Error> {
+        let from = one_zero(from);
         let exists = |trajectory: &Self| from.is_finite() && trajectory.domain().contains(from);
         let ahead = count_at_front(&self.knots, |knot| knot <= from);
         let ends = ahead == self.knots.len() && self.outside == Outside::Absent;
