@@ -213,6 +213,12 @@ fn small_changes_are_not_told() {
     // Measured from what was last sent, not from the last tick.
     monitor.set_trajectory(id, nudged(0.15)).unwrap();
     assert_eq!(kinds(&tick(&mut monitor, 2.2)), ["revised 0"]);
+    // What was kept back is told once it is no longer too little.
+    monitor.set_trajectory(id, nudged(0.2)).unwrap();
+    assert_eq!(kinds(&tick(&mut monitor, 2.3)), [""; 0]);
+    monitor.set_least_change(LeastChange::default()).unwrap();
+    assert_eq!(kinds(&tick(&mut monitor, 2.4)), ["revised 0"]);
+    assert_eq!(kinds(&tick(&mut monitor, 2.5)), [""; 0]);
 }
 
 #[test]

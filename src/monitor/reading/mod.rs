@@ -44,3 +44,126 @@ impl Edges {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Conflicts, Edges, Plains};
+    use crate::conflict::{Clip, ClosestApproach, Conflict};
+    use crate::id::BodyId;
+    use crate::monitor::encounters::Plain;
+    use glam::DVec3;
+
+    const CLOSEST: ClosestApproach = ClosestApproach {
+        time: 0.0,
+        separation: 0.0,
+        position_a: DVec3::ZERO,
+        position_b: DVec3::ZERO,
+        relative_velocity: DVec3::ZERO,
+        sphere_a: 0,
+        sphere_b: 0,
+    };
+
+    fn ids((a, b): (u32, u32)) -> (BodyId, BodyId) {
+        let id = |slot| BodyId {
+            slot,
+            generation: 0,
+        };
+        (id(a), id(b))
+    }
+
+    fn conflict(slots: (u32, u32), (enter, exit): (f64, f64)) -> Conflict {
+        let (a, b) = ids(slots);
+        Conflict {
+            a,
+            b,
+            enter,
+            exit,
+            closest: CLOSEST,
+            clip: Clip {
+                at_enter: false,
+                at_exit: false,
+            },
+            certificate: None,
+        }
+    }
+
+    fn plain(slots: (u32, u32), (start, exit): (f64, f64)) -> Plain {
+        let (a, b) = ids(slots);
+        Plain {
+            a,
+            b,
+            enter: Some(start),
+            start,
+            exit,
+            open: false,
+            with_trajectory: false,
+            closest: CLOSEST,
+            passed: None,
+        }
+    }
+
+    /// Else a monitor would never forget encounters of bodies whose plans do not change.
+    #[test]
+    fn what_has_ended_is_dropped() {
+        let (mut conflicts, mut plains) = (Conflicts::default(), Plains::default());
+        for number in 0..10 {
+            let (slots, start) = ((0, number + 1), f64::from(number));
+            conflicts.add(slots, conflict(slots, (start, start + 0.5)));
+            plains.add(slots, plain(slots, (start, start + 0.5)));
+        }
+        conflicts.settle();
+        plains.settle();
+        let all = (f64::NEG_INFINITY, f64::INFINITY);
+        let edges = Edges {
+            within: all,
+            around: all,
+        };
+        conflicts.drop_changed(&[(0, 9)], 5.2);
+        plains.drop_changed(&[(0, 9)], 5.2);
+        let left = [6, 7, 8, 10].map(|other| (0, other));
+        let found = conflicts.list(all, |_, _, _| {}).map(|one| one.b.slot);
+        assert_eq!(found.collect::<Vec<_>>(), left.map(|(_, other)| other));
+        plains.list(edges, &[], |_, _| {});
+        let found = plains.listed().filter_map(|(slots, mut plains)| {
+            plains.next().map(|plain| {
+                assert_eq!(plain.b.slot, slots.1);
+                slots
+            })
+        });
+        assert_eq!(found.collect::<Vec<_>>(), left);
+        // The others are looked at once more: something may have been told of them.
+        assert_eq!(plains.listed().count(), 10);
+    }
+
+    /// Pairs of which nothing has changed are not looked at again.
+    #[test]
+    fn only_what_may_have_changed_is_listed() {
+        let mut plains = Plains::default();
+        for number in 0..10 {
+            let (slots, start) = ((0, number + 1), f64::from(number));
+            plains.add(slots, plain(slots, (start, start + 0.5)));
+        }
+        plains.settle();
+        let listed = |plains: &mut Plains, now: f64, known: f64, wait: &[(u32, u32)]| {
+            let edges = Edges {
+                within: (now, known),
+                around: (now - 0.1, known),
+            };
+            let mut read = Vec::new();
+            plains.list(edges, wait, |slots, _| read.push(slots.1));
+            let all: Vec<_> = plains.listed().map(|(slots, _)| slots.1).collect();
+            (all, read)
+        };
+        let all: Vec<u32> = (1..=10).collect();
+        assert_eq!(listed(&mut plains, 0.9, 4.2, &[]), (all.clone(), vec![5]));
+        assert_eq!(listed(&mut plains, 0.9, 4.3, &[]), (vec![5], vec![5]));
+        // The clock comes to one; another one lies ahead now with all of it.
+        assert_eq!(listed(&mut plains, 1.1, 4.8, &[]), (vec![2, 5], vec![2]));
+        assert_eq!(
+            listed(&mut plains, 1.2, 4.9, &[(0, 7)]),
+            (vec![2, 7], vec![2])
+        );
+        plains.list_all();
+        assert_eq!(listed(&mut plains, 1.2, 4.9, &[]), (all, vec![2]));
+    }
+}
