@@ -19,16 +19,15 @@ pub(crate) struct Slice {
 /// Bodies are walked one by one, each through all slices at once: its segments are read once.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Block {
-    pub(crate) slices: [Slice; Block::SLICES as usize],
+    pub(crate) slices: Vec<Slice>,
     /// For each body, its first cubic in the block; once it was walked, its last: where the search
     /// for the next block begins.
     pieces: Vec<u32>,
 }
 
 impl Block {
-    /// Slices in a block: with more, a body's segments are read less often, but the lists of boxes
-    /// leave the caches.
-    pub(crate) const SLICES: u32 = 8;
+    /// Slices in a block at most: their lists are all as long as one of them may become.
+    pub(crate) const SLICES: usize = 32;
 }
 
 /// Forms the boxes and courses of some slices (at most [`Block::SLICES`]).
@@ -46,20 +45,22 @@ impl<C: Cubic> Task for Fill<'_, C> {
 
     #[inline(always)]
     fn run(mut self) {
-        for slice in &mut self.block.slices {
+        let Self { ends, present, .. } = self;
+        let count = ends.len() - 1;
+        if self.block.slices.len() < count {
+            self.block.slices.resize_with(count, Slice::default);
+        }
+        let slices = &mut self.block.slices[..count];
+        for slice in &mut *slices {
             slice.boxes.clear();
             slice.courses.clear();
             slice.bodies.clear();
-        }
-        // At once: growing step by step would touch twice the memory.
-        let Self { ends, present, .. } = self;
-        let count = ends.len() - 1;
-        for slice in self.block.slices.iter_mut().take(count) {
+            // At once: growing step by step would touch twice the memory.
             slice.boxes.reserve(present.len());
             slice.courses.reserve(present.len());
             slice.bodies.reserve(present.len());
         }
-        let mut periods = [Period::new(0.0, 0.0); Block::SLICES as usize];
+        let mut periods = [Period::new(0.0, 0.0); Block::SLICES];
         for (period, ends) in periods.iter_mut().zip(ends.windows(2)) {
             *period = Period::new(ends[0], ends[1]);
         }
@@ -86,7 +87,7 @@ impl<C: Cubic> Task for Fill<'_, C> {
                 ahead: self.later(number + Self::AHEAD),
                 begin: piece,
             }
-            .through(piece, place, &mut self.block.slices);
+            .through(piece, place, &mut self.block.slices[..count]);
             self.block.pieces[body] = short(end);
         }
     }
@@ -161,17 +162,21 @@ fn cubic_at(knots: &[f64], time: f64, number: usize) -> usize {
 struct Walk<'a, C> {
     pose: &'a Pose<'a, C>,
     periods: &'a [Period],
-    /// A body that is still to come, and how much later its cubics begin than this one's: they are
-    /// fetched one for one, and bundle for bundle.
+    /// A body that is still to come, and the cubic it begins with: its cubics are fetched one for one
+    /// with this one's, and bundle for bundle. After the last one, this one's own are.
     ahead: Option<(&'a Pose<'a, C>, usize)>,
     begin: usize,
 }
 
 impl<C: Cubic> Walk<'_, C> {
+    /// How many of a body's own cubics ahead the next one is fetched.
+    const AHEAD: usize = 8;
+
     #[inline(always)]
     fn piece(&self, number: usize) -> Piece {
-        if let Some((later, first)) = self.ahead {
-            later.fetch(first + (number - self.begin));
+        match self.ahead {
+            Some((later, first)) => later.fetch(first + (number - self.begin)),
+            None => self.pose.fetch(number + Self::AHEAD),
         }
         self.pose.piece(number)
     }
@@ -183,8 +188,11 @@ impl<C: Cubic> Walk<'_, C> {
             if end - next >= Bundle::SIZE
                 && let Some(after) = self.pose.pass(trace, (next, end))
             {
-                if let Some((later, first)) = self.ahead {
-                    later.fetch_bundle(first + (next - self.begin), after - next);
+                match self.ahead {
+                    Some((later, first)) => {
+                        later.fetch_bundle(first + (next - self.begin), after - next);
+                    }
+                    None => self.pose.fetch(after + Self::AHEAD),
                 }
                 next = after;
             } else {
@@ -293,8 +301,8 @@ mod tests {
             let sketch = Sketch::of(trajectory.knots(), trajectory.segments());
             let pose = Pose::sketched(&sketch, &inflation, &frame);
             let mut block = Block::default();
-            for first in (0..slices.count()).step_by(Block::SLICES as usize) {
-                let range = first..(first + Block::SLICES).min(slices.count());
+            for first in (0..slices.count()).step_by(8) {
+                let range = first..(first + 8).min(slices.count());
                 Level::best().run(Fill {
                     block: &mut block,
                     poses: &[pose],

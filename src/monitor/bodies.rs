@@ -183,7 +183,7 @@ impl Chunk {
             self.boxes.resize_with(slices, Vec::new);
         }
         self.boxes.iter_mut().for_each(Vec::clear);
-        let most = Block::SLICES as usize;
+        let most = Block::SLICES;
         for first in (0..slices).step_by(most) {
             let ends = &ends[first..=slices.min(first + most)];
             let (slots, boxes) = (slots.iter().copied(), &mut self.boxes[first..]);

@@ -33,7 +33,8 @@ impl LineUp<'_> {
         let poses = self.poses(parties);
         let slices = self.slices(&poses);
         stats.slices = u64::from(slices.count());
-        let blocks = Blocks::new(slices.count(), parties.len());
+        let present = self.presence.mean(slices.window());
+        let blocks = Blocks::new(slices.count(), parties.len(), present);
         let done_blocks = AtomicU32::new(0);
         let mut survivors = Vec::new();
         let mut arranger = Arranger::default();
@@ -190,14 +191,26 @@ impl Blocks {
     /// this to share.
     const FEWEST: u32 = 2;
     const FEW_BOXES: u64 = 2048;
+    /// With more slices in a block, a body's segments are read less often, but the lists of boxes
+    /// leave the caches.
+    const FEW_SLICES: usize = 8;
+    const CACHED_BOXES: f64 = 2048.0;
     /// Not more boxes in a block, which bounds its memory: 64 bytes each.
     const MOST_BOXES: usize = 1 << 20;
     /// Nor many more boxes in a round.
     const ROUND_BOXES: usize = 1 << 24;
 
-    fn new(slices: u32, bodies: usize) -> Self {
-        let most = u32::try_from(Self::MOST_BOXES / bodies.max(1)).unwrap_or(u32::MAX);
-        let count = slices.div_ceil(most.clamp(1, Block::SLICES));
+    /// Of `slices`, where that many bodies exist in all, and at a time on average.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "rounds towards zero, saturates"
+    )]
+    fn new(slices: u32, bodies: usize, present: f64) -> Self {
+        let cached = (Self::CACHED_BOXES / present) as usize;
+        let fit = cached.clamp(Self::FEW_SLICES, Block::SLICES);
+        let most = (Self::MOST_BOXES / bodies.max(1)).clamp(1, fit);
+        let count = slices.div_ceil(u32::try_from(most).unwrap_or(u32::MAX));
         let threads = u32::try_from(parallel::threads()).unwrap_or(u32::MAX);
         let is_shared = threads > 1 && u64::from(slices) * bodies as u64 > Self::FEW_BOXES;
         let fewest = if is_shared {
@@ -205,7 +218,7 @@ impl Blocks {
         } else {
             1
         };
-        let round = Self::ROUND_BOXES / (Block::SLICES as usize * bodies.max(1));
+        let round = Self::ROUND_BOXES / (most * bodies.max(1));
         Self {
             slices,
             count: count.max(fewest).min(slices),
