@@ -32,7 +32,8 @@ impl Window {
         end: f64::INFINITY,
     };
 
-    /// The window from `start` to `end`, both included (s; infinities mean open-ended).
+    /// The window from `start` to `end`, both included (s; infinities mean open-ended; -0 is taken as
+    /// 0).
     ///
     /// # Errors
     ///

@@ -313,8 +313,6 @@ fn an_instant_that_rounds_to_a_last_knot() {
     }
 }
 
-/// A plan that jumps is in two places at one instant, and both count in a window that begins or ends
-/// there: also where the jump is at the first or the last knot of a plan that goes on beyond them.
 /// Bodies in one place at time 0, most of which part there: encounters of no duration among others.
 /// Of plans that begin at 0 there, all that is told, and when.
 fn told_at_zero(zero: impl Fn(u64) -> f64) -> (String, String) {
@@ -356,6 +354,8 @@ fn which_zero_a_time_is() {
     assert_eq!(told_at_zero(mixed), positive);
 }
 
+/// A plan that jumps is in two places at one instant, and both count in a window that begins or ends
+/// there: also where the jump is at the first or the last knot of a plan that goes on beyond them.
 #[test]
 fn both_sides_of_a_jump_count() {
     let at = |y: f64| line(0.0, 10.0, DVec3::new(0.0, y, 0.0), DVec3::X);

@@ -4,6 +4,8 @@ use super::Monitor;
 use super::command::{Batch, Command, Terms};
 use super::event::{Encounter, EndReason};
 use super::flights::Flight;
+#[cfg(feature = "live")]
+use super::read::Readings;
 #[cfg(feature = "serde")]
 use super::recording::Record;
 use super::tick::plan_end;
@@ -255,6 +257,7 @@ impl Monitor {
     #[cfg(feature = "live")]
     pub(super) fn repaired(mut self) -> Result<Self, Error> {
         self.outlook = self.outlook.renewed();
+        self.readings = Readings::of_levels(self.levels.len());
         self.lay_out()?;
         Ok(self)
     }

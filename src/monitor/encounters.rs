@@ -1,8 +1,8 @@
 //! The state machine: from what is planned, tick by tick, to encounters with a life of their own.
 //!
 //! It is fed, for each alert level, with the plain encounters of the window from where the last
-//! tick's clock stood to the end of what is known. How old and new are matched is said at
-//! [`Encounter`].
+//! tick's clock stood to the end of what is known: with those of pairs of which something may have
+//! changed. How old and new are matched is said at [`Encounter`].
 
 use super::event::{Encounter, EncounterId, EndReason, Event, EventKind};
 use super::kept::Kept;
@@ -65,8 +65,18 @@ pub(super) struct Encounters {
     tracked: Kept<Slots, Tracked>,
     /// Pairs of which some lie beyond what is known and were not found again, sorted.
     waiting: Vec<Slots>,
-    /// Pairs that were worked out last.
-    done: Vec<Slots>,
+    /// What was worked out last, and has not taken effect yet.
+    next: Next,
+}
+
+/// What has become of some pairs.
+#[derive(Debug, Default)]
+struct Next {
+    /// Those pairs, sorted.
+    pairs: Vec<Slots>,
+    /// What they have from now on, each pair's in the order of time.
+    tracked: Vec<(Slots, Tracked)>,
+    waiting: Vec<Slots>,
 }
 
 /// What a tick knows about time.
@@ -108,9 +118,17 @@ impl Encounters {
         &self.waiting
     }
 
-    /// Works out what has become of some pairs: those that [wait](Self::waiting), and all others of
-    /// which plain encounters, or what a tick sees of them, are not as they were. Pairs are sorted,
-    /// and so are the plain encounters of each, by time.
+    /// All pairs are to be worked out.
+    pub(super) fn wait_for_all(&mut self) {
+        self.waiting.clear();
+        let tracked = self.tracked.entries().iter();
+        self.waiting.extend(tracked.map(|entry| entry.key));
+        self.waiting.dedup();
+    }
+
+    /// Works out what has become of some pairs, without letting it take effect: of those that
+    /// [wait](Self::waiting), and all others of which plain encounters, or what a tick sees of them,
+    /// are not as they were. Pairs are sorted, and so are the plain encounters of each, by time.
     pub(super) fn work_out<'p, P: Iterator<Item = &'p Plain>>(
         &mut self,
         changed: impl Iterator<Item = (Slots, P)>,
@@ -118,21 +136,36 @@ impl Encounters {
         next_id: &mut u64,
         events: &mut Vec<Event>,
     ) {
-        self.waiting.clear();
-        self.done.clear();
+        self.next.pairs.clear();
+        self.next.tracked.clear();
+        self.next.waiting.clear();
         for (slots, plain) in changed {
             self.work_out_pair(slots, plain, tick, next_id, events);
-            self.done.push(slots);
+            self.next.pairs.push(slots);
         }
-        let mut done = self.done.iter().peekable();
-        self.tracked.retain(|entry, _| {
-            while done.next_if(|slots| **slots < entry.key).is_some() {}
-            done.peek() != Some(&&entry.key)
-        });
-        self.tracked.settle();
     }
 
-    /// The same for one pair. What was tracked of it is dropped later.
+    /// Lets what was worked out last take effect.
+    pub(super) fn take_over(&mut self) {
+        let Next {
+            pairs,
+            tracked,
+            waiting,
+        } = &mut self.next;
+        let mut pairs = pairs.iter().peekable();
+        self.tracked.retain(|entry, _| {
+            while pairs.next_if(|slots| **slots < entry.key).is_some() {}
+            pairs.peek() != Some(&&entry.key)
+        });
+        for (slots, tracked) in tracked.drain(..) {
+            let interval = (tracked.now.enter, tracked.now.exit);
+            self.tracked.add(slots, interval, tracked);
+        }
+        self.tracked.settle();
+        std::mem::swap(&mut self.waiting, waiting);
+    }
+
+    /// The same for one pair.
     fn work_out_pair<'p>(
         &mut self,
         slots: Slots,
@@ -165,18 +198,13 @@ impl Encounters {
             };
             if let Some(tracked) = goes_on {
                 // Only one that is not found again.
-                if tracked.now.enter > tick.known && self.waiting.last() != Some(&slots) {
-                    self.waiting.push(slots);
+                let waiting = &mut self.next.waiting;
+                if tracked.now.enter > tick.known && waiting.last() != Some(&slots) {
+                    waiting.push(slots);
                 }
-                self.track(slots, tracked);
+                self.next.tracked.push((slots, tracked));
             }
         }
-    }
-
-    /// Remembers one, after all that are earlier. It is among the others when all are.
-    fn track(&mut self, slots: Slots, tracked: Tracked) {
-        let interval = (tracked.now.enter, tracked.now.exit);
-        self.tracked.add(slots, interval, tracked);
     }
 
     /// What is remembered.
@@ -185,20 +213,18 @@ impl Encounters {
         Saved(self.tracked.values().copied().collect())
     }
 
-    /// Remembers what was saved: all of it waits for being found again.
+    /// Remembers what was saved.
     #[cfg(feature = "serde")]
     pub(super) fn restore(&mut self, saved: Saved) {
         let Saved(mut saved) = saved;
         let slots_of = |tracked: &Tracked| (tracked.now.a.slot, tracked.now.b.slot);
         // They are, unless the file was changed.
         saved.sort_by_key(slots_of);
-        for tracked in saved {
-            let slots = slots_of(&tracked);
-            self.waiting.push(slots);
-            self.track(slots, tracked);
-        }
-        self.waiting.dedup();
-        self.tracked.settle();
+        self.next.tracked = saved
+            .into_iter()
+            .map(|tracked| (slots_of(&tracked), tracked))
+            .collect();
+        self.take_over();
     }
 
     /// Ends or withdraws what `gone` says, at the clock.

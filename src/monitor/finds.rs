@@ -26,8 +26,9 @@ impl Key {
 pub(super) struct Finds {
     /// The solution of each span for each two spheres.
     finds: Kept<Key, Solved>,
-    /// Pairs to which spans were added, or of which all was forgotten, since they were
-    /// [taken](Self::take_changed).
+    /// Pairs to which spans were added, or with a body of which all was forgotten, since they were
+    /// [taken](Self::take_changed). (Not those of which something has passed: that changes nothing
+    /// that is still to come, and who reads them sees when.)
     changed: Vec<Slots>,
 }
 

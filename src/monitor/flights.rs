@@ -120,6 +120,17 @@ impl Flights {
         self.get(scene, slot).map(|(_, party)| party)
     }
 
+    /// When the body in a slot exists, as far back as it is known: also beyond what it is laid out
+    /// to, where it goes on.
+    pub(super) fn domain(&self, scene: &Scene, slot: u32) -> Option<(f64, f64)> {
+        let (flight, party) = self.get(scene, slot)?;
+        let end = match flight.beyond {
+            Some(_) => f64::INFINITY,
+            None => *party.knots.last()?,
+        };
+        Some((*party.knots.first()?, end))
+    }
+
     /// Extends plans that go on beyond their knots so that they reach `end` (s).
     pub(super) fn extend_beyond(&mut self, scene: &Scene, end: f64) -> Result<(), Error> {
         if self.endless_until >= end {

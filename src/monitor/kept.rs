@@ -72,15 +72,14 @@ impl<K: Copy + Ord, V> Kept<K, V> {
         &self.values[place]
     }
 
-    /// Drops all but those that `keeps` says, asked in order; whether there were any.
-    pub(super) fn retain(&mut self, mut keeps: impl FnMut(&Entry<K>, &V) -> bool) -> bool {
+    /// Drops all but those that `keeps` says, asked in order.
+    pub(super) fn retain(&mut self, mut keeps: impl FnMut(&Entry<K>, &V) -> bool) {
         let Self {
             entries,
             values,
             free,
             ..
         } = self;
-        let count = entries.len();
         entries.retain(|entry| {
             let is_kept = keeps(entry, &values[entry.place]);
             if !is_kept {
@@ -88,7 +87,6 @@ impl<K: Copy + Ord, V> Kept<K, V> {
             }
             is_kept
         });
-        entries.len() < count
     }
 
     /// Adds a value. It is among the entries when all [have settled](Self::settle): until then, keys

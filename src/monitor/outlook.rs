@@ -234,7 +234,8 @@ impl Outlook {
                     });
                 }
                 if is_needed && !slice.is_fresh(&bodies) {
-                    known = start.min(to);
+                    // What is reported at its very start may be found in it.
+                    known = seen_from(start).next_down().max(from).min(to);
                     break;
                 }
             }
@@ -282,9 +283,12 @@ impl Outlook {
         self.finds.take_changed(changed);
     }
 
-    /// When both bodies of a pair exist.
+    /// When both bodies of a pair exist, as far back as they are known.
     pub(super) fn domain(&self, scene: &Scene, (a, b): (u32, u32)) -> Option<(f64, f64)> {
-        common_domain(self.party(scene, a)?.knots, self.party(scene, b)?.knots)
+        let (start_a, end_a) = self.flights.domain(scene, a)?;
+        let (start_b, end_b) = self.flights.domain(scene, b)?;
+        let (start, end) = (start_a.max(start_b), end_a.min(end_b));
+        (start <= end).then_some((start, end))
     }
 
     /// All contacts of a pair within `margin` in `clip`; replaces what `found` held.

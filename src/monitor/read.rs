@@ -2,8 +2,8 @@
 //! state machine.
 //!
 //! Most contacts lie well within the window, and stay the same from tick to tick: each pair is
-//! read once, when spans are added to it, as if the window were endless. Only pairs with a contact
-//! that an edge of the window, or the clock, touches are read again.
+//! read once, when its spans have changed, as if the window were endless. Only what an edge of the
+//! window, or the clock, touches is read again: conflicts one by one, encounters pair by pair.
 
 use super::encounters::{Plain, Tick};
 use super::event::Event;
@@ -91,6 +91,9 @@ impl Monitor {
                         within: (tick.told, tick.known),
                         around: (tick.before, tick.known),
                     };
+                    if plains.lists_all() {
+                        encounters.wait_for_all();
+                    }
                     plains.list(edges, encounters.waiting(), |pair, found| {
                         source.plains(pair, alert, tick, other_scratch, found);
                     });
@@ -186,11 +189,7 @@ impl Source<'_> {
         let Some((clip, _)) = self.clip(slots, window) else {
             return;
         };
-        // Where they tie it is the window's: which zero it is, is told.
-        let part = (
-            if lasts.0 > clip.0 { lasts.0 } else { clip.0 },
-            if lasts.1 < clip.1 { lasts.1 } else { clip.1 },
-        );
+        let part = (clip.0.max(lasts.0), clip.1.min(lasts.1));
         self.outlook.contacts(slots, margin, part, contacts);
         let report = |contact| self.report(slots, clip, contact);
         conflicts.extend(contacts.iter().filter_map(report));

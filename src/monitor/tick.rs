@@ -1,10 +1,11 @@
 //! One tick: catch up with the clock, read what is known, tell what changed.
 //!
-//! What can fail comes first, so that a tick that fails has done nothing.
+//! Everything is worked out first and takes effect at the end, so that a tick that fails has done
+//! nothing.
 
 use super::budget::{Budget, Meter};
 use super::command::Batch;
-use super::encounters::Tick;
+use super::encounters::{Encounters, Tick};
 use super::event::{EndReason, Event, EventKind};
 #[cfg(feature = "serde")]
 use super::recording::Record;
@@ -129,6 +130,9 @@ impl Monitor {
         let mut next_id = self.next_id;
         let first = events.len();
         self.read(&tick, &mut next_id, events);
+        if known > self.told {
+            self.encounters.iter_mut().for_each(Encounters::take_over);
+        }
         (self.now, self.told, self.known) = (now, tick.told, known);
         self.next_id = next_id;
         events.append(&mut self.waiting);

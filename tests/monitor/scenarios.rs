@@ -4,7 +4,7 @@ use super::support::{bits, line, rng, wander};
 use glam::DVec3;
 use nearmiss::{
     AlertLevel, Body, BodyId, Budget, Command, Error, Event, EventKind, Hitbox, LeastChange,
-    Monitor, Query, Scene, State, Trajectory,
+    Monitor, Outside, Query, Scene, State, Trajectory, Window,
 };
 use rand::RngExt;
 use std::time::Duration;
@@ -272,6 +272,29 @@ fn a_splice_keeps_what_was_flown() {
 
 /// A jump over 3e12 slices: bodies rest, some touching, some fly past each other early on or after
 /// a long time, and what happened meanwhile is told, whatever the budget of a tick.
+/// The encounter ends where the plan of one ends, which goes on: at a jump of the other one. It was
+/// found when plans were laid out as far as that.
+#[test]
+fn a_plan_that_goes_on_does_not_cut_an_encounter() {
+    let still = line(0.0, 4.0, DVec3::ZERO, DVec3::ZERO).with_outside(Outside::Coast);
+    let away = line(4.0, 9.0, DVec3::X * 100.0, DVec3::ZERO);
+    let comes = line(0.0, 8.0, DVec3::X * 4.1, -DVec3::X);
+    let comes = comes.spliced(4.0, &away).unwrap();
+    let levels = [AlertLevel::at(1.5)];
+    let mut scene = Scene::new();
+    let bodies = [still, comes].map(|plan| scene.insert(Body::new(plan)).unwrap());
+    let mut monitor = Monitor::new(scene, 0.0, 1.5, &levels).unwrap();
+    for now in [0.0, 1.4, 2.55] {
+        tick(&mut monitor, now);
+        let window = Window::new(now, now + 1.5).unwrap();
+        let query = Query::new(window).with_margin(1.5).unwrap();
+        let screened = monitor.scene().screen(&query).unwrap().conflicts;
+        assert_eq!(monitor.conflicts(0), screened, "{now}");
+    }
+    let found = monitor.conflicts(0)[0];
+    assert_eq!(([found.a, found.b], found.exit), (bodies, 4.0));
+}
+
 #[test]
 fn the_clock_may_jump_as_far_as_it_can_show() {
     let (lookahead, end) = (1e-3, 1e9);

@@ -11,7 +11,7 @@ use super::*;
 use crate::layers::Layers;
 use crate::monitor::{AlertLevel, Command, EndReason, EventKind};
 use crate::scene::{Body, Scene};
-use crate::trajectory::Trajectory;
+use crate::trajectory::{State, Trajectory};
 use glam::DVec3;
 
 fn rest(x: f64) -> Trajectory {
@@ -54,6 +54,33 @@ fn a_panic_comes_back_with_the_monitor() {
         events[0].kind,
         EventKind::Ended(_, EndReason::BodyRemoved)
     ));
+}
+
+#[test]
+fn after_a_panic_only_what_is_planned_is_reported() {
+    let fly = |from: f64, speed: f64| {
+        let states = [0.0, 20.0]
+            .map(|time| State::new(time, DVec3::X * (from + speed * time), DVec3::X * speed));
+        Trajectory::from_states(&states).unwrap()
+    };
+    let mut scene = Scene::new();
+    let [a, _, c, _] = [(0.0, 1.0), (9.0, -1.0), (100.0, 1.0), (109.0, -1.0)]
+        .map(|(from, speed)| scene.insert(Body::new(fly(from, speed))).unwrap());
+    let mut monitor = Monitor::new(scene, 0.0, 10.0, &[AlertLevel::at(1.0)]).unwrap();
+    let mut events = Vec::new();
+    monitor.advance(0.0, &mut events).unwrap();
+    assert_eq!((monitor.conflicts(0).len(), events.len()), (2, 2));
+    monitor.set_trajectory(a, fly(-50.0, 0.0)).unwrap();
+    monitor.remove(c).unwrap();
+    let mut monitor = monitor.repaired().unwrap();
+    events.clear();
+    monitor.advance(0.0, &mut events).unwrap();
+    assert_eq!(
+        (monitor.conflicts(0), monitor.encounters().count()),
+        (&[][..], 0)
+    );
+    let is_withdrawn = |event: &Event| matches!(event.kind, EventKind::Withdrawn(_));
+    assert_eq!(events.iter().filter(|event| is_withdrawn(event)).count(), 2);
 }
 
 #[test]

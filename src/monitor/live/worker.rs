@@ -90,8 +90,8 @@ impl Worker {
             }
             let next = self.waiting.pop();
             in_hand = u64::from(next.is_some());
-            // A panic leaves at worst half-filled buffers and an outlook to be made anew: all else
-            // takes effect at the end of a step, by moves that do not panic.
+            // A panic leaves at worst half-filled buffers, an outlook and what was read of it to be
+            // made anew: all else takes effect at the end of a step, by moves that do not panic.
             let step = catch_unwind(AssertUnwindSafe(|| self.step(next)));
             if let Err(payload) = step {
                 break Some(message_of(payload.as_ref()));

@@ -135,6 +135,32 @@ mod tests {
         assert_eq!(plains.listed().count(), 10);
     }
 
+    /// A monitor that never gets anywhere, since its budget is too small for the plans that change,
+    /// does not fill the memory: it looks at all pairs once it does.
+    #[test]
+    fn changes_that_nobody_lists_do_not_add_up() {
+        let mut plains = Plains::default();
+        let edges = Edges {
+            within: (0.0, 1.0),
+            around: (0.0, 1.0),
+        };
+        plains.list(edges, &[], |_, _| {});
+        assert!(!plains.lists_all());
+        for round in 0..2_000 {
+            let slots = (round, round + 1);
+            plains.drop_changed(&[(round.max(1) - 1, round), slots], 0.0);
+            plains.add(slots, plain(slots, (0.25, 0.5)));
+            plains.settle();
+        }
+        assert!(plains.lists_all());
+        plains.list(edges, &[(7, 8)], |_, _| {});
+        let listed = plains
+            .listed()
+            .map(|(slots, plains)| (slots, plains.count()));
+        assert!(listed.eq([((7, 8), 0), ((1_999, 2_000), 1)]));
+        assert!(!plains.lists_all());
+    }
+
     /// Pairs of which nothing has changed are not looked at again.
     #[test]
     fn only_what_may_have_changed_is_listed() {

@@ -45,18 +45,32 @@ impl Plains {
 
     /// All were added.
     pub(in crate::monitor) fn settle(&mut self) {
+        /// So many are not too many, whatever there is.
+        const FEW: usize = 1024;
         self.always.settle();
+        // Those that are gone add up where nothing is listed for long: time does not go on, say.
+        let most = FEW + 2 * self.always.entries().len();
+        if self.lists_all() || self.touched.len() > most {
+            self.list_all();
+        }
     }
 
-    /// All are to be listed, whether they have changed or not.
-    pub(in crate::monitor) const fn list_all(&mut self) {
+    /// All are to be listed next, whether they have changed or not; and whatever is known of pairs
+    /// that are gone is to be looked at.
+    pub(in crate::monitor) fn list_all(&mut self) {
         self.before = None;
+        self.touched.clear();
+    }
+
+    /// Whether all are listed next.
+    pub(in crate::monitor) const fn lists_all(&self) -> bool {
+        self.before.is_none()
     }
 
     /// Lists the pairs of which something may not be as it was when they were listed last: those
-    /// that were read anew, or are gone; of which something is at an edge of the window, or has
-    /// passed one; and those that `wait` for something. `again` reads all that a pair has in the
-    /// window.
+    /// that were read anew, or are gone (not if [all are listed](Self::lists_all)); of which
+    /// something is at an edge of the window, or has passed one; and those that `wait` for
+    /// something. `again` reads all that a pair has in the window.
     pub(in crate::monitor) fn list(
         &mut self,
         edges: Edges,
