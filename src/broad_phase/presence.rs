@@ -15,16 +15,6 @@ impl Presence {
         Self(places.iter().map(|&place| self.0[place]).collect())
     }
 
-    /// How many exist at a time, on average over `from..=to` (s).
-    pub(crate) fn mean(&self, (from, to): (f64, f64)) -> f64 {
-        let lives = self.0.iter();
-        let time: f64 = lives
-            .map(|&(first, last)| (last.min(to) - first.max(from)).max(0.0))
-            .sum();
-        // No number over an instant: all, at worst.
-        (time / (to - from)).min(self.0.len() as f64)
-    }
-
     /// Lists the places of those that exist within `from..=to` (s), ascending.
     #[allow(
         clippy::cast_possible_truncation,

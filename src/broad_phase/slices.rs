@@ -120,11 +120,6 @@ impl Slices {
         whole_number((share * f64::from(self.count)).floor()).min(self.count - 1)
     }
 
-    /// First and last instant of all, s.
-    pub(crate) const fn window(&self) -> (f64, f64) {
-        (self.start, self.end)
-    }
-
     pub(crate) const fn count(&self) -> u32 {
         self.count
     }

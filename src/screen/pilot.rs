@@ -11,7 +11,7 @@ use super::scratch::Scratch;
 use crate::bounds::{Pose, Stroke};
 use crate::broad_phase::fill::Fill;
 use crate::broad_phase::presence::Presence;
-use crate::broad_phase::slices::Slices;
+use crate::broad_phase::slices::{Slices, Traffic};
 use crate::broad_phase::{BroadPhase, Candidate, Everyone, Room};
 use crate::narrow_phase::approaching;
 use crate::rounding::{seen_from, seen_until};
@@ -120,17 +120,16 @@ impl Trial {
 impl LineUp<'_> {
     /// The window, and no less than all that is reported of it, cut into slices of the length that is
     /// expected to cost least.
-    pub(super) fn slices(&self, poses: &[Pose<'_, Stroke>]) -> Slices {
+    pub(super) fn slices(&self, traffic: &Traffic, poses: &[Pose<'_, Stroke>]) -> Slices {
         /// Fewer bodies are not worth a trial.
         const FEW: usize = 64;
         /// Each may change the length fourfold.
         const MOST_TRIALS: usize = 6;
-        let traffic = self.traffic();
         let window = (
             seen_from(self.window.start()),
             seen_until(self.window.end()),
         );
-        let mut slices = Slices::choose(window, &traffic);
+        let mut slices = Slices::choose(window, traffic);
         if let Some(count) = self.prescribed {
             return slices.with_count(f64::from(count.get()));
         }

@@ -31,9 +31,10 @@ impl LineUp<'_> {
         stats: &mut Stats,
     ) -> Result<Vec<Survivor>, Error> {
         let poses = self.poses(parties);
-        let slices = self.slices(&poses);
+        let traffic = self.traffic();
+        let slices = self.slices(&traffic, &poses);
         stats.slices = u64::from(slices.count());
-        let present = self.presence.mean(slices.window());
+        let present = traffic.present((self.window.start(), self.window.end()));
         let blocks = Blocks::new(slices.count(), parties.len(), present);
         let done_blocks = AtomicU32::new(0);
         let mut survivors = Vec::new();

@@ -187,7 +187,7 @@ impl Worker {
         self.events.clear();
         let budget = Budget::Time(self.options.budget);
         self.monitor.advance_within(now, budget, &mut self.events)?;
-        let certified_until = self.monitor.certified_until();
+        let (now, certified_until) = (self.monitor.now(), self.monitor.certified_until());
         self.outbox.extend(self.events.drain(..).map(Report::Event));
         self.outbox.push_back(Report::Ticked {
             now,

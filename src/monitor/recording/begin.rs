@@ -3,6 +3,7 @@
 use crate::error::{Error, LARGEST_MAGNITUDE};
 use crate::monitor::encounters::Saved;
 use crate::monitor::{AlertLevel, Event, LeastChange, Monitor};
+use crate::rounding::one_zero;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 
@@ -62,7 +63,7 @@ impl Begin {
                 value: self.history,
             });
         }
-        monitor.now = self.now;
+        monitor.now = one_zero(self.now);
         monitor.known = self.told;
         monitor.least_change = self.least_change;
         monitor.history = self.history;
