@@ -1,19 +1,20 @@
 //! Bodies under ids: what is screened.
 
+mod occupant;
 #[cfg(feature = "serde")]
 mod serial;
 
-use crate::bounds::{Extremes, Sketch};
+pub(crate) use occupant::{Beyond, Occupant, Outline};
+
 use crate::error::Error;
 use crate::hitbox::Hitbox;
 use crate::id::BodyId;
 use crate::layers::Layers;
 use crate::screen::Pool;
 use crate::simd::prefetch;
-use crate::trajectory::{Segment, Trajectory};
+use crate::trajectory::Trajectory;
 use std::collections::BTreeSet;
 use std::slice::from_ref;
-use std::sync::OnceLock;
 
 /// A trajectory with a hitbox around it.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,69 +64,6 @@ impl Body {
     }
 }
 
-/// What screening needs to know of a motion, worked out once.
-#[derive(Clone, Debug)]
-pub(crate) struct Outline {
-    /// First and last knot, s.
-    pub(crate) knots: (f64, f64),
-    /// Rough extremes of all segments, m.
-    pub(crate) extremes: Extremes,
-    /// Sum of the segments' extents: a bound on the way flown, m.
-    pub(crate) path: f64,
-    pub(crate) sketch: Sketch,
-}
-
-impl Outline {
-    const NONE: Self = Self {
-        knots: (0.0, 0.0),
-        extremes: Extremes::NOTHING,
-        path: 0.0,
-        sketch: Sketch::EMPTY,
-    };
-
-    fn of(trajectory: &Trajectory) -> Self {
-        let mut outline = Self::NONE;
-        outline.follow(trajectory);
-        outline
-    }
-
-    /// The outline of another trajectory, in this one's memory.
-    fn follow(&mut self, trajectory: &Trajectory) {
-        let (knots, segments) = (trajectory.knots(), trajectory.segments());
-        if let (Some(&first), Some(&last)) = (knots.first(), knots.last()) {
-            self.knots = (first, last);
-        }
-        self.extremes = self.sketch.redraw(knots, segments);
-        if segments.is_empty() {
-            let position = trajectory.position(self.knots.0).unwrap_or_default();
-            self.extremes.include(Extremes {
-                low: position,
-                high: position,
-            });
-        }
-        self.path = segments.iter().map(Segment::extent).sum();
-    }
-}
-
-#[derive(Clone, Debug)]
-pub(crate) struct Occupant {
-    pub(crate) body: Body,
-    outline: OnceLock<Outline>,
-}
-
-impl Occupant {
-    fn new(body: Body) -> Self {
-        let outline = Outline::of(&body.trajectory).into();
-        Self { body, outline }
-    }
-
-    /// Of the trajectory: worked out now, if it was not yet.
-    pub(crate) fn outline(&self) -> &Outline {
-        let trajectory = &self.body.trajectory;
-        self.outline.get_or_init(|| Outline::of(trajectory))
-    }
-}
-
 #[derive(Clone, Debug, Default)]
 struct Slot {
     generation: u32,
@@ -137,7 +75,9 @@ struct Slot {
 /// # Memory
 ///
 /// A body takes about 600 bytes, a segment 230 (64 of them a copy in f32, which boxes are formed
-/// from, 22 sums over runs of these; twice 8 its knot). A screening adds some 250 a body and, for each
+/// from, 22 sums over runs of these; twice 8 its knot). One that goes on beyond its knots takes as much
+/// for its segments again, and for some ten more, from the first screening on that reaches beyond them
+/// to its next plan. A screening adds some 250 a body and, for each
 /// thread, at most 64 MiB of boxes (64 bytes each, for up to 2^20 of them or one slice, if that has
 /// more), 40 to 130 bytes a box of one slice for the sweep, and 8 for each of a slice's candidates;
 /// then 16 bytes for each span that is solved, and the conflicts themselves. Boxes, candidates and
@@ -256,9 +196,13 @@ impl Scene {
     /// The body with this id, if it is still there.
     #[must_use]
     pub fn body(&self, id: BodyId) -> Option<&Body> {
+        self.occupant(id).map(|occupant| &occupant.body)
+    }
+
+    pub(crate) fn occupant(&self, id: BodyId) -> Option<&Occupant> {
         let slot = self.slots.get(id.slot as usize)?;
         let occupant = slot.occupant.as_ref()?;
-        (slot.generation == id.generation).then_some(&occupant.body)
+        (slot.generation == id.generation).then_some(occupant)
     }
 
     /// All bodies, in the order of their ids' slots.
@@ -276,24 +220,17 @@ impl Scene {
         id: BodyId,
         trajectory: Trajectory,
     ) -> Result<Trajectory, Error> {
-        let occupant = self.occupant_mut(id)?;
-        // In the memory of the old one.
-        let mut outline = occupant.outline.take().unwrap_or(Outline::NONE);
-        outline.follow(&trajectory);
-        occupant.outline = outline.into();
-        Ok(std::mem::replace(&mut occupant.body.trajectory, trajectory))
+        Ok(self.occupant_mut(id)?.follow(trajectory))
     }
 
-    /// The same in place. The outline is left for when it is asked for: a body that is replanned
-    /// each tick seldom needs it.
+    /// The same in place; nothing is worked out until it is asked for.
     pub(crate) fn swap_trajectory(
         &mut self,
         id: BodyId,
         trajectory: &mut Trajectory,
     ) -> Result<&Occupant, Error> {
         let occupant = self.occupant_mut(id)?;
-        occupant.outline = OnceLock::new();
-        std::mem::swap(&mut occupant.body.trajectory, trajectory);
+        occupant.swap(trajectory);
         Ok(occupant)
     }
 

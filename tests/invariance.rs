@@ -411,6 +411,58 @@ fn both_sides_of_a_jump_count() {
     }
 }
 
+/// What bodies do beyond their knots is kept from screening to screening: that changes no answer,
+/// whatever the windows were before, and whichever plans were replaced.
+#[test]
+fn earlier_screenings_do_not_matter() {
+    let mut rng = ChaCha8Rng::seed_from_u64(8);
+    let (mut scene, mut found) = (Scene::new(), 0);
+    let (states, _): (Vec<_>, Vec<_>) = swarm(8, 40, 12.0).into_iter().unzip();
+    let mut plan = |number: usize| {
+        let shift = rng.random_range(-20.0..20.0);
+        let moved = |state: &State| State::new(state.time + shift, state.position, state.velocity);
+        let states: Vec<State> = states[number].iter().map(moved).collect();
+        match rng.random_range(0..4) {
+            0 => Trajectory::at_rest(states[0].position),
+            1 => Trajectory::from_states(&states),
+            2 => Trajectory::from_states(&states).map(|plan| plan.with_outside(Outside::Coast)),
+            _ => Trajectory::from_states(&states[..3])
+                .map(|plan| plan.with_outside(Outside::Extrapolate)),
+        }
+        .unwrap()
+    };
+    let ids: Vec<_> = (0..40)
+        .map(|number| scene.insert(Body::new(plan(number))).unwrap())
+        .collect();
+    let mut rng = ChaCha8Rng::seed_from_u64(9);
+    for round in 0..60 {
+        if round % 3 == 0 {
+            let number = rng.random_range(0..ids.len());
+            scene.set_trajectory(ids[number], plan(number)).unwrap();
+        }
+        let start = rng.random_range(-30.0..40.0);
+        let window = Window::new(start, start + rng.random_range(0.0..30.0)).unwrap();
+        // As if it had never been screened.
+        let mut fresh = Scene::new();
+        for (_, body) in scene.bodies() {
+            fresh.insert(body.clone()).unwrap();
+        }
+        let query = Query::new(window).with_margin(MARGIN).unwrap();
+        let [kept, new] = [&scene.clone(), &fresh].map(|scene| scene.screen(&query).unwrap());
+        assert_eq!(bits(&kept.conflicts), bits(&new.conflicts));
+        assert_eq!(
+            (kept.stats.slices, kept.stats.boxes),
+            (new.stats.slices, new.stats.boxes)
+        );
+        assert_eq!(bits(&screen(&scene, window, MARGIN)), bits(&new.conflicts));
+        let [a, b] = [ids[round % 40], ids[(round + 7) % 40]];
+        let [kept, new] = [&scene, &fresh].map(|scene| scene.closest_approach(a, b, window));
+        assert_eq!(kept, new);
+        found += screen(&scene, window, MARGIN).len();
+    }
+    assert!(found > 500, "{found}");
+}
+
 #[test]
 fn the_closest_approach_agrees_with_the_conflicts() {
     let scene = scene_of(&bodies(5));

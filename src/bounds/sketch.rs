@@ -83,6 +83,7 @@ impl Sketch {
     };
 
     /// Of the cubics of a motion, each between two knots.
+    #[cfg(test)]
     pub(crate) fn of(knots: &[f64], segments: &[Segment]) -> Self {
         let mut sketch = Self::EMPTY;
         sketch.redraw(knots, segments);

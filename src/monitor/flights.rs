@@ -14,10 +14,13 @@ use std::slice::from_ref;
 #[derive(Clone, Debug)]
 pub(super) struct Flight {
     pub(super) inflation: Inflation,
-    /// Pieces beyond the knots, where the body exists there: they begin with the monitor's window
-    /// at the time the plan was set, so that their numbers stay as the window's end moves on.
-    beyond: Option<Pieces<'static>>,
+    /// Pieces beyond the knots, where the body exists there and the monitor's window reached it so
+    /// far. They begin with that window at the time the plan was set, so that their numbers stay as
+    /// its end moves on.
+    beyond: Option<Pieces>,
     begin: f64,
+    /// Up to where a plan without end is laid out, s; infinite for one that has an end.
+    until: f64,
 }
 
 impl Flight {
@@ -28,17 +31,27 @@ impl Flight {
         (margin, frame): (f64, &Frame),
         window: Window,
     ) -> Result<Self, Error> {
-        let has_end = trajectory.domain() != Window::ALL;
-        let beyond = if has_end {
-            None
-        } else {
-            Some(trajectory.pieces(window)?.into_owned())
-        };
-        Ok(Self {
+        let mut flight = Self {
             inflation: Inflation::of(hitbox.spheres(), hitbox.bounding(), margin, frame),
-            beyond,
+            beyond: None,
             begin: window.start(),
-        })
+            until: f64::INFINITY,
+        };
+        if trajectory.domain() == Window::ALL {
+            flight.lay_out(trajectory, window.end())?;
+        }
+        Ok(flight)
+    }
+
+    /// Lays out a plan without end up to an instant (s), at least.
+    fn lay_out(&mut self, trajectory: &Trajectory, end: f64) -> Result<(), Error> {
+        self.beyond = trajectory.pieces(Window::new(self.begin, end)?)?;
+        let knots = match &self.beyond {
+            Some(pieces) => &pieces.knots,
+            None => trajectory.knots(),
+        };
+        self.until = knots.last().copied().unwrap_or(f64::NEG_INFINITY);
+        Ok(())
     }
 
     /// The plan and the hitbox it was made of, as the narrow phase takes them.
@@ -52,14 +65,6 @@ impl Flight {
             segments,
             spheres: hitbox.spheres(),
             bounding: hitbox.bounding(),
-        }
-    }
-
-    /// Up to where the pieces reach of a body that exists for ever, s.
-    fn endless_until(&self) -> f64 {
-        match &self.beyond {
-            Some(pieces) => pieces.knots.last().copied().unwrap_or(f64::NEG_INFINITY),
-            None => f64::INFINITY,
         }
     }
 }
@@ -93,7 +98,7 @@ impl Flights {
             self.by_slot.resize(place + 1, None);
         }
         if let Some(flight) = &flight {
-            self.endless_until = self.endless_until.min(flight.endless_until());
+            self.endless_until = self.endless_until.min(flight.until);
         }
         self.by_slot[place] = flight;
     }
@@ -124,16 +129,17 @@ impl Flights {
     /// to, where it goes on.
     pub(super) fn domain(&self, scene: &Scene, slot: u32) -> Option<(f64, f64)> {
         let (flight, party) = self.get(scene, slot)?;
-        let end = match flight.beyond {
-            Some(_) => f64::INFINITY,
-            None => *party.knots.last()?,
+        let end = if flight.until < f64::INFINITY {
+            f64::INFINITY
+        } else {
+            *party.knots.last()?
         };
         Some((*party.knots.first()?, end))
     }
 
     /// Extends plans that go on beyond their knots so that they reach `end` (s).
     pub(super) fn extend_beyond(&mut self, scene: &Scene, end: f64) -> Result<(), Error> {
-        if self.endless_until >= end {
+        if self.endless_until > end {
             return Ok(());
         }
         let mut until = f64::INFINITY;
@@ -141,14 +147,12 @@ impl Flights {
             let (Some(flight), Some((_, occupant))) = (flight, scene.in_slot(slot)) else {
                 continue;
             };
-            if flight.endless_until() < end {
+            if flight.until <= end {
                 let body = &occupant.body;
-                let window = Window::new(flight.begin, end)?;
-                let pieces = body.trajectory.pieces(window);
-                let pieces = pieces.map_err(|error| error.in_body(body.tag))?;
-                flight.beyond = Some(pieces.into_owned());
+                let laid_out = flight.lay_out(&body.trajectory, end);
+                laid_out.map_err(|error| error.in_body(body.tag))?;
             }
-            until = until.min(flight.endless_until());
+            until = until.min(flight.until);
         }
         self.endless_until = until;
         Ok(())

@@ -7,25 +7,26 @@ use crate::broad_phase::presence::Presence;
 use crate::broad_phase::slices::Traffic;
 use crate::broad_phase::{Level, PairFilter};
 use crate::error::Error;
-use crate::hitbox::Hitbox;
 use crate::id::BodyId;
 use crate::layers::Layers;
 use crate::narrow_phase::Party;
+use crate::parallel;
 use crate::query::Query;
-use crate::scene::{Body, Occupant, Scene};
+use crate::scene::{Beyond, Body, Occupant, Outline, Scene};
 use crate::spans::common_domain;
-use crate::trajectory::{Outside, Pieces, Segment};
+use crate::trajectory::Outside;
 use crate::window::Window;
 use std::collections::BTreeSet;
 use std::num::NonZeroU32;
+use std::sync::Arc;
 
 /// The bodies of a scene as the pipeline sees them: by place, in the order of their ids.
 pub(super) struct LineUp<'a> {
     pub(super) ids: Vec<BodyId>,
     pub(super) occupants: Vec<&'a Occupant>,
     pub(super) presence: Presence,
-    /// Those that go on beyond their knots in the window, by ascending place.
-    beyond: Vec<Beyond>,
+    /// Those that go on beyond their knots in the window, by ascending place, and how.
+    beyond: Vec<(usize, Arc<Beyond>)>,
     pub(super) window: Window,
     pub(super) margin: f64,
     pub(super) accuracy: Accuracy,
@@ -37,58 +38,45 @@ pub(super) struct LineUp<'a> {
     pub(super) pool: &'a Pool,
 }
 
-/// A body that goes on beyond its knots: what it follows over the window.
-struct Beyond {
-    place: usize,
-    pieces: Pieces<'static>,
-    sketch: Sketch,
-}
-
 impl<'a> LineUp<'a> {
     pub(super) fn new(scene: &'a Scene, query: &Query) -> Result<Self, Error> {
-        let count = scene.len();
-        let (mut ids, mut occupants) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        let (mut lives, mut beyond) = (Vec::with_capacity(count), Vec::new());
-        // Open ends are closed where no body exists beyond them.
-        let (mut start, mut end) = (f64::INFINITY, f64::NEG_INFINITY);
-        for (place, (id, occupant)) in scene.occupants().enumerate() {
-            let (mut first, mut last) = occupant.outline().knots;
-            if let Some(pieces) = pieces_beyond(&occupant.body, query.window())? {
-                first = pieces.knots.first().copied().unwrap_or(first);
-                last = pieces.knots.last().copied().unwrap_or(last);
-                beyond.push(Beyond {
-                    place,
-                    sketch: Sketch::of(&pieces.knots, &pieces.segments),
-                    pieces,
-                });
-            }
-            start = start.min(first);
-            end = end.max(last);
-            lives.push((first, last));
-            ids.push(id);
-            occupants.push(occupant);
-        }
-        let existence = Window::new(start, end).ok();
-        let window = existence.and_then(|existence| existence.intersection(query.window()));
-        if window.is_none() {
-            ids.clear();
-            occupants.clear();
-            beyond.clear();
-            lives.clear();
-        }
-        Ok(Self {
+        let (ids, occupants): (Vec<_>, Vec<_>) = scene.occupants().unzip();
+        let beyond = lay_out(&occupants, query.window())?;
+        let mut line_up = Self {
             ids,
             occupants,
-            presence: Presence::of(lives),
+            presence: Presence::default(),
             beyond,
-            window: window.unwrap_or(query.window()),
+            window: query.window(),
             margin: query.margin(),
             accuracy: query.accuracy(),
             level: query.level(),
             prescribed: query.slices(),
             most_spans: query.most_spans(),
             pool: scene.pool(),
-        })
+        };
+        // Open ends are closed where no body exists beyond them.
+        let (mut start, mut end) = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut lives = Vec::with_capacity(scene.len());
+        for (occupant, beyond) in line_up.bodies() {
+            let (first, last) = outline_over(occupant, beyond).knots;
+            start = start.min(first);
+            end = end.max(last);
+            lives.push((first, last));
+        }
+        let existence = Window::new(start, end).ok();
+        match existence.and_then(|existence| existence.intersection(query.window())) {
+            Some(window) => {
+                line_up.window = window;
+                line_up.presence = Presence::of(lives);
+            }
+            None => {
+                line_up.ids.clear();
+                line_up.occupants.clear();
+                line_up.beyond.clear();
+            }
+        }
+        Ok(line_up)
     }
 
     /// Each body, and what it follows over the window if it goes on beyond its knots.
@@ -96,33 +84,26 @@ impl<'a> LineUp<'a> {
         let mut beyond = self.beyond.iter().peekable();
         let occupants = self.occupants.iter().enumerate();
         occupants.map(move |(place, &occupant)| {
-            (occupant, beyond.next_if(|beyond| beyond.place == place))
+            let beyond = beyond.next_if(|(beyond, _)| *beyond == place);
+            (occupant, beyond.map(|(_, beyond)| &**beyond))
         })
     }
 
     pub(super) fn parties(&self) -> Vec<Party<'_>> {
-        let bodies = self.bodies().map(|(occupant, beyond)| {
-            let Body {
-                trajectory, hitbox, ..
-            } = &occupant.body;
-            match beyond {
-                Some(Beyond { pieces, sketch, .. }) => {
-                    party(hitbox, sketch.knots(), &pieces.segments)
-                }
-                None => {
-                    let sketch = &occupant.outline().sketch;
-                    party(hitbox, sketch.knots(), trajectory.segments())
-                }
-            }
-        });
-        bodies.collect()
+        let bodies = self.bodies();
+        bodies
+            .map(|(occupant, beyond)| Party {
+                // A screening reads them next to the sketches.
+                knots: outline_over(occupant, beyond).sketch.knots(),
+                ..party_over(occupant, beyond)
+            })
+            .collect()
     }
 
     /// The bodies' sketches over the window, by place.
     pub(super) fn sketches(&self) -> impl Iterator<Item = &Sketch> {
-        self.bodies().map(|(occupant, beyond)| {
-            beyond.map_or(&occupant.outline().sketch, |beyond| &beyond.sketch)
-        })
+        self.bodies()
+            .map(|(occupant, beyond)| &outline_over(occupant, beyond).sketch)
     }
 
     pub(super) fn is_unfiltered(&self, scene: &Scene) -> bool {
@@ -135,15 +116,8 @@ impl<'a> LineUp<'a> {
 
     pub(super) fn extremes(&self) -> Extremes {
         let mut extremes = Extremes::NOTHING;
-        for occupant in &self.occupants {
-            extremes.include(occupant.outline().extremes);
-        }
-        // Pieces beyond the knots are not in the outlines.
-        for Beyond { pieces, .. } in &self.beyond {
-            for (segment, ends) in pieces.segments.iter().zip(pieces.knots.windows(2)) {
-                let reach = segment.reach(ends[0], ends[1]);
-                extremes.include(Extremes::of_segment(segment, reach));
-            }
+        for (occupant, beyond) in self.bodies() {
+            extremes.include(outline_over(occupant, beyond).extremes);
         }
         extremes
     }
@@ -162,15 +136,12 @@ impl<'a> LineUp<'a> {
         for (occupant, beyond) in self.bodies() {
             let outline = occupant.outline();
             extremes.include(outline.extremes);
-            if let Some(Beyond { pieces, .. }) = beyond {
-                for (segment, ends) in pieces.segments.iter().zip(pieces.knots.windows(2)) {
-                    let share = overlap(window, (ends[0], ends[1])) / (ends[1] - ends[0]);
-                    let [from, to] = [ends[0], ends[1]].map(|knot| segment.motion_at(knot).0);
-                    traffic.path += from.distance(to) * share;
-                    traffic.segments += share;
-                }
-                traffic.body_time += window.1 - window.0;
-                continue;
+            for way in beyond.iter().flat_map(|beyond| &beyond.ways) {
+                let time = overlap(window, way.ends);
+                let share = time / (way.ends.1 - way.ends.0);
+                traffic.path += way.length * share;
+                traffic.segments += share;
+                traffic.body_time += time;
             }
             let (first, last) = outline.knots;
             let time = overlap(window, (first, last));
@@ -226,39 +197,43 @@ impl PairFilter for Admission {
     }
 }
 
-/// A body that goes on beyond its knots can only be screened within a window that has an end.
-fn check_end(body: &Body, window: Window) -> Result<(), Error> {
-    if !window.is_closed() && body.trajectory.outside() != Outside::Absent {
-        return Err(Error::WindowNotClosed { body: body.tag });
-    }
-    Ok(())
+/// What bodies do beyond their knots, of those that go on there in a window: by ascending place.
+fn lay_out(occupants: &[&Occupant], window: Window) -> Result<Vec<(usize, Arc<Beyond>)>, Error> {
+    /// Fewer are laid out on this thread.
+    const FEW: usize = 64;
+    let goes_on = |occupant: &Occupant| occupant.body.trajectory.outside() != Outside::Absent;
+    let places = 0..occupants.len();
+    let places: Vec<usize> = places.filter(|&place| goes_on(occupants[place])).collect();
+    let lay_out = |(): &mut (), number: usize| {
+        let place = places[number];
+        let beyond = occupants[place].beyond(window)?;
+        Ok(beyond.map(|beyond| (place, beyond)))
+    };
+    parallel::map(places.len(), FEW, || (), lay_out)
+        .into_iter()
+        .filter_map(Result::transpose)
+        .collect()
 }
 
-/// What a body follows over the window.
-pub(super) fn pieces_of(body: &Body, window: Window) -> Result<Pieces<'_>, Error> {
-    check_end(body, window)?;
-    let pieces = body.trajectory.pieces(window);
-    pieces.map_err(|error| error.in_body(body.tag))
-}
-
-/// The same; none if the window stays within the body's own knots.
-fn pieces_beyond(body: &Body, window: Window) -> Result<Option<Pieces<'static>>, Error> {
-    check_end(body, window)?;
-    let pieces = body.trajectory.pieces_beyond(window);
-    pieces.map_err(|error| error.in_body(body.tag))
-}
-
-pub(super) fn party<'a>(
-    hitbox: &'a Hitbox,
-    knots: &'a [f64],
-    segments: &'a [Segment],
-) -> Party<'a> {
+/// A body as the narrow phase takes it, with what it does beyond its knots.
+pub(super) fn party_over<'a>(occupant: &'a Occupant, beyond: Option<&'a Beyond>) -> Party<'a> {
+    let Body {
+        trajectory, hitbox, ..
+    } = &occupant.body;
+    let (knots, segments) = match beyond {
+        Some(Beyond { pieces, .. }) => (&pieces.knots[..], &pieces.segments[..]),
+        None => (trajectory.knots(), trajectory.segments()),
+    };
     Party {
         knots,
         segments,
         spheres: hitbox.spheres(),
         bounding: hitbox.bounding(),
     }
+}
+
+fn outline_over<'a>(occupant: &'a Occupant, beyond: Option<&'a Beyond>) -> &'a Outline {
+    beyond.map_or_else(|| occupant.outline(), |beyond| &beyond.outline)
 }
 
 /// The part of the window in which both bodies exist.

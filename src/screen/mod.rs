@@ -27,7 +27,7 @@ use crate::scene::Scene;
 use crate::spans::{Spans, spans};
 use crate::stats::Stats;
 use crate::window::Window;
-use line_up::{Admission, LineUp, clip_of, party, pieces_of};
+use line_up::{Admission, LineUp, clip_of, party_over};
 use solve::describe;
 use std::time::Instant;
 
@@ -157,12 +157,12 @@ impl Scene {
         answer: impl FnOnce(&Party<'_>, &Party<'_>, Spans<'_>, (f64, f64)) -> Option<T>,
     ) -> Result<Option<T>, Error> {
         self.pair(a, b)?;
-        let body = |id| self.body(id).ok_or(Error::UnknownBody { id });
-        let (body_a, body_b) = (body(a)?, body(b)?);
-        let (pieces_a, pieces_b) = (pieces_of(body_a, window)?, pieces_of(body_b, window)?);
+        let occupant = |id| self.occupant(id).ok_or(Error::UnknownBody { id });
+        let (a, b) = (occupant(a)?, occupant(b)?);
+        let (beyond_a, beyond_b) = (a.beyond(window)?, b.beyond(window)?);
         let (party_a, party_b) = (
-            party(&body_a.hitbox, &pieces_a.knots, &pieces_a.segments),
-            party(&body_b.hitbox, &pieces_b.knots, &pieces_b.segments),
+            party_over(a, beyond_a.as_deref()),
+            party_over(b, beyond_b.as_deref()),
         );
         let Some(clip) = clip_of(&party_a, &party_b, window) else {
             return Ok(None);

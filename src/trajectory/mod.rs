@@ -13,7 +13,7 @@ mod state;
 
 pub use build::TimeBase;
 pub use outside::Outside;
-pub(crate) use outside::Pieces;
+pub(crate) use outside::{Pieces, Scope};
 pub use rows::trajectories_from_rows;
 pub use segment::Segment;
 pub use state::State;

@@ -8,14 +8,15 @@
 use super::{Segment, Trajectory};
 use crate::error::{Error, LARGEST_MAGNITUDE, Quantity};
 use crate::window::Window;
-use std::borrow::Cow;
+use std::iter::repeat_n;
 
 /// What a body does before its first and after its last knot.
 ///
 /// A body that goes on beyond its knots exists at all times: it can only be screened within a
 /// closed window, else there is an [`Error::WindowNotClosed`]. Where the window reaches its first or its
-/// last knot, what it does beyond is laid out for that window: some microseconds a body, and room for
-/// its plan once more. (A monitor does that once a plan.)
+/// last knot, what it does beyond is laid out once: some microseconds a body, and room for its plan
+/// once more. It is laid out again for a new plan, and where a window reaches twice as far beyond the
+/// knots, or half as far.
 ///
 /// ```
 /// use nearmiss::glam::DVec3;
@@ -42,23 +43,63 @@ pub enum Outside {
     Coast,
 }
 
-/// A motion over a window: cubics, and the instants between which each of them holds.
+/// A motion over a window that reaches beyond its knots: cubics, and the instants between which each
+/// of them holds.
 ///
 /// `knots[k]..knots[k + 1]` is the interval of `segments[k]`; inside a trajectory's own knots
 /// that is the segment's own interval, outside it the carrying segment goes on beyond its own.
 #[derive(Clone, Debug)]
-pub(crate) struct Pieces<'a> {
-    pub(crate) knots: Cow<'a, [f64]>,
-    pub(crate) segments: Cow<'a, [Segment]>,
+pub(crate) struct Pieces {
+    pub(crate) knots: Vec<f64>,
+    pub(crate) segments: Vec<Segment>,
+    /// How many of them are before the first knot, and how many after the last one.
+    before: usize,
+    after: usize,
 }
 
-impl Pieces<'_> {
-    /// The same, borrowing nothing.
-    pub(crate) fn into_owned(self) -> Pieces<'static> {
-        Pieces {
-            knots: Cow::Owned(self.knots.into_owned()),
-            segments: Cow::Owned(self.segments.into_owned()),
+/// Windows over which a motion has the same pieces.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scope {
+    /// They begin after the first of these instants and by the second one, s.
+    starts: (f64, f64),
+    /// And end from the first of these on and before the second one, s.
+    ends: (f64, f64),
+}
+
+impl Scope {
+    pub(crate) fn holds(&self, window: Window) -> bool {
+        let (start, end) = (window.start(), window.end());
+        (self.starts.0 < start && start <= self.starts.1)
+            && (self.ends.0 <= end && end < self.ends.1)
+    }
+}
+
+impl Pieces {
+    /// The windows over which the motion has just these.
+    pub(crate) fn scope(&self) -> Scope {
+        let last = self.knots.len() - 1;
+        let is_at_rest = self.segments.len() == self.before + self.after;
+        Scope {
+            starts: match self.before {
+                0 => (self.knots[0], f64::INFINITY),
+                _ => (self.knots[0], self.knots[1]),
+            },
+            ends: match self.after {
+                0 => (f64::NEG_INFINITY, self.knots[last]),
+                1 if is_at_rest => (f64::NEG_INFINITY, self.knots[last]),
+                _ => (self.knots[last - 1], self.knots[last]),
+            },
         }
+    }
+
+    /// Those beyond the trajectory's own knots, with the interval of each (s).
+    pub(crate) fn beyond(&self) -> impl Iterator<Item = (&Segment, (f64, f64))> {
+        let own = self.before..self.segments.len() - self.after;
+        let ends = self.knots.windows(2).map(|ends| (ends[0], ends[1]));
+        let pieces = self.segments.iter().zip(ends).enumerate();
+        pieces
+            .filter(move |(number, _)| !own.contains(number))
+            .map(|(_, piece)| piece)
     }
 }
 
@@ -87,76 +128,64 @@ impl Trajectory {
         }
     }
 
-    /// The pieces that cover the part of the domain within `window`, which is closed wherever the
-    /// body exists beyond its knots. The body's own segments are borrowed, not copied, where the
-    /// window stays within them.
+    /// The pieces that cover the part of the domain within `window`, which is closed where the body
+    /// exists beyond its knots; none if the window stays within them, or the body is absent beyond.
     ///
     /// # Errors
     ///
     /// [`Error::OutOfRange`] where an extrapolated cubic leaves the range of numbers served;
     /// [`Error::TooFar`].
-    pub(crate) fn pieces(&self, window: Window) -> Result<Pieces<'_>, Error> {
-        let beyond = self.pieces_beyond(window)?;
-        Ok(beyond.unwrap_or(Pieces {
-            knots: Cow::Borrowed(&self.knots),
-            segments: Cow::Borrowed(&self.segments),
-        }))
-    }
-
-    /// The same; none if the window stays within the body's own knots.
-    ///
-    /// # Errors
-    ///
-    /// As [`pieces`](Self::pieces).
-    pub(crate) fn pieces_beyond(&self, window: Window) -> Result<Option<Pieces<'static>>, Error> {
+    pub(crate) fn pieces(&self, window: Window) -> Result<Option<Pieces>, Error> {
         if self.outside == Outside::Absent {
             return Ok(None);
         }
         let (first, last) = (self.planned().start(), self.planned().end());
         // Windows are closed: where one begins or ends at a knot, or a cut, what comes before or after
-        // it counts as well. (It may be in another place, after a splice; and an instant may round to the knot.)
+        // it counts as well. (It may be in another place, after a splice; and an instant may round to
+        // the knot.)
         let goes_before = window.start() <= first;
         // A body at rest has no cubic of its own: it goes on beyond its knot, whatever the window.
         let goes_after = self.segments.is_empty() || window.end() >= last;
         if !(goes_before || goes_after) {
             return Ok(None);
         }
-        let mut knots = Vec::new();
+        let (mut before, mut after) = (Vec::new(), Vec::new());
         if goes_before {
             let carrier = self.before();
-            let cuts = doubling_cuts(
-                first,
-                carrier.start() - carrier.end(),
-                window.start().next_down().max(f64::MIN),
-            );
-            knots.extend(cuts.into_iter().rev());
+            let until = window.start().next_down().max(f64::MIN);
+            before = doubling_cuts(first, carrier.start() - carrier.end(), until);
         }
-        let before = knots.len();
-        knots.extend_from_slice(&self.knots);
         if goes_after {
             let carrier = self.after();
-            knots.extend(doubling_cuts(
-                last,
-                carrier.end() - carrier.start(),
-                window.end().max(last).next_up().min(f64::MAX),
-            ));
+            let until = window.end().max(last).next_up().min(f64::MAX);
+            after = doubling_cuts(last, carrier.end() - carrier.start(), until);
         }
-        let after = knots.len() - before - self.knots.len();
-        let mut segments = vec![*self.before(); before];
+        let count = before.len() + self.segments.len() + after.len();
+        let mut knots = Vec::with_capacity(count + 1);
+        knots.extend(before.iter().rev());
+        knots.extend_from_slice(&self.knots);
+        knots.extend_from_slice(&after);
+        let mut segments = Vec::with_capacity(count);
+        segments.extend(repeat_n(*self.before(), before.len()));
         segments.extend_from_slice(&self.segments);
-        segments.extend(std::iter::repeat_n(*self.after(), after));
-        for (segment, ends) in segments.iter().zip(knots.windows(2)) {
-            check_reach(segment, (ends[0], ends[1]), self.knots.len() - 1)?;
+        segments.extend(repeat_n(*self.after(), after.len()));
+        let pieces = Pieces {
+            knots,
+            segments,
+            before: before.len(),
+            after: after.len(),
+        };
+        for (segment, ends) in pieces.beyond() {
+            let is_before = ends.1 <= first;
+            let knot = if is_before { 0 } else { self.knots.len() - 1 };
+            check_reach(segment, ends, knot)?;
         }
-        Ok(Some(Pieces {
-            knots: Cow::Owned(knots),
-            segments: Cow::Owned(segments),
-        }))
+        Ok(Some(pieces))
     }
 }
 
-/// Checks that a cubic can be followed from an instant to another one (s) beyond its own knots, the last
-/// of which has number `knot`.
+/// Checks that a cubic can be followed from an instant to another one (s) beyond the knot with this
+/// number.
 ///
 /// # Errors
 ///
@@ -204,7 +233,10 @@ fn doubling_cuts(knot: f64, step: f64, until: f64) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::doubling_cuts;
+    use super::{Outside, doubling_cuts};
+    use crate::trajectory::{State, Trajectory};
+    use crate::window::Window;
+    use glam::DVec3;
 
     #[test]
     fn cuts_do_not_depend_on_the_window() {
@@ -220,5 +252,51 @@ mod tests {
         let cuts = doubling_cuts(1.7e9, 1e-9, 1.7e9 + 1.0);
         assert!(cuts.windows(2).all(|pair| pair[0] < pair[1]));
         assert!(cuts.last().is_some_and(|&last| last >= 1.7e9 + 1.0));
+    }
+
+    /// Each window against each other one, that begin and end at knots, at cuts, and beside them.
+    #[test]
+    fn the_scope_holds_what_has_the_same_pieces() {
+        let state = |time: f64| State::new(time, DVec3::X * time, DVec3::X);
+        let plan = Trajectory::from_states(&[-0.5, 1.0, 3.0].map(state))
+            .unwrap_or_else(|_| unreachable!());
+        let rest = Trajectory::at_rest(DVec3::ONE).unwrap_or_else(|_| unreachable!());
+        let instants = [-11.0, -5.0, -2.0, -0.5, 0.0, 1.0, 3.0, 5.0, 7.0, 9.0, 20.0];
+        let instants = instants.map(|time: f64| [time.next_down(), time, time.next_up()]);
+        let instants: Vec<f64> = instants.into_iter().flatten().collect();
+        for plan in [
+            rest,
+            plan.clone().with_outside(Outside::Coast),
+            plan.with_outside(Outside::Extrapolate),
+        ] {
+            let windows = instants.iter().flat_map(|&start| {
+                let windows = instants.iter().map(move |&end| Window::new(start, end));
+                windows.filter_map(Result::ok)
+            });
+            let laid_out: Vec<_> = windows
+                .map(|window| {
+                    (
+                        window,
+                        plan.pieces(window).unwrap_or_else(|_| unreachable!()),
+                    )
+                })
+                .collect();
+            let mut same = 0;
+            for (_, pieces) in &laid_out {
+                let Some(pieces) = pieces else { continue };
+                for (window, others) in &laid_out {
+                    let is_same = others
+                        .as_ref()
+                        .is_some_and(|others| others.knots == pieces.knots);
+                    assert_eq!(
+                        pieces.scope().holds(*window),
+                        is_same,
+                        "{window:?} {pieces:?}"
+                    );
+                    same += u32::from(is_same);
+                }
+            }
+            assert!(same > 5_000, "{same}");
+        }
     }
 }
