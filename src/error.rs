@@ -93,7 +93,7 @@ pub enum Error {
         value: f64,
     },
     /// A body cannot be followed so far beyond its knots: more than 1e100 times the duration of what
-    /// carries it there.
+    /// carries it there, or to times far beyond [`LARGEST_MAGNITUDE`].
     #[error("knot {knot}: {time:?} s is too far from it to follow the body to")]
     TooFar {
         /// The knot that it is followed from, counted from 0.

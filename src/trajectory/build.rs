@@ -188,7 +188,8 @@ impl Trajectory {
     pub fn at_rest(position: DVec3) -> Result<Self, Error> {
         let state = State::new(0.0, position, DVec3::ZERO);
         check_states(&[state])?;
-        let line = Segment::line(&state, 1.0, 0.0, 0)?;
+        // It lasts as long as times go, so that a window however long needs one piece, or two.
+        let line = Segment::line(&state, LARGEST_MAGNITUDE, 0.0, 0)?;
         Ok(Self {
             knots: Roomy::new(&[0.0], &[]),
             segments: Roomy::new(&[], &[line, line]),

@@ -1,8 +1,8 @@
 //! What a body does beyond its knots, and the pieces that its motion has over a window.
 //!
 //! Beyond the knots a motion is cut into pieces of doubling length, from the knot outwards:
-//! T, 2 T, 4 T, ... with T the duration of the neighbouring segment. The cuts depend on the
-//! trajectory alone, never on a window, so an encounter out there has the same bits whatever
+//! T, 2 T, 4 T, ... with T the duration of the neighbouring segment (of a body at rest, longer than
+//! any time). The cuts depend on the trajectory alone, never on a window, so an encounter out there has the same bits whatever
 //! window it was found with; and a window however long needs only a few dozen pieces.
 
 use super::{Segment, Trajectory};
@@ -197,7 +197,10 @@ pub(super) fn check_reach(
 ) -> Result<(), Error> {
     /// Lengths of it: their third power must stay within the range of numbers.
     const MOST_LENGTHS: f64 = 1e100;
-    if segment.lengths_to(from, to) > MOST_LENGTHS {
+    /// The last cut before the end of a window may be some times as far as that.
+    const FARTHEST: f64 = 10.0 * LARGEST_MAGNITUDE;
+    let farthest = from.abs().max(to.abs());
+    if segment.lengths_to(from, to) > MOST_LENGTHS || farthest > FARTHEST {
         let far = (from - segment.start()).abs() > (to - segment.start()).abs();
         let time = if far { from } else { to };
         return Err(Error::TooFar { knot, time });
