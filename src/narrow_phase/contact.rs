@@ -1,7 +1,7 @@
 //! Contacts and closest approach of one pair, over all its spans and all its spheres.
 
 use super::filter::{certainly_beyond, segments_apart};
-use super::relative::{RelativeCubic, filter_threshold, local_scale, relative_points};
+use super::relative::{RelativeCubic, RelativeMotion, filter_threshold, local_scale};
 use super::stretches::{Instant, Profile};
 use super::{Party, contact_radius};
 use crate::spans::Span;
@@ -145,14 +145,14 @@ pub(super) fn each_sphere_pair(
     mut visit: impl FnMut(&SpherePair),
 ) {
     let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
-    let interval = (span.start, span.end);
+    let motion = RelativeMotion::between(segment_a, segment_b, (span.start, span.end));
     each_sphere_pair_offset(a, b, |(index_a, index_b), (radius_a, radius_b), offset| {
         visit(&SpherePair {
             a: index_a,
             b: index_b,
             radius_a,
             radius_b,
-            cubic: RelativeCubic::between(segment_a, segment_b, interval, offset),
+            cubic: motion.of_spheres(offset),
         });
     });
 }
@@ -233,7 +233,7 @@ fn near_points(a: &Party<'_>, b: &Party<'_>, span: Span, (from, to): (f64, f64))
     let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
     let part = (span.start.max(from), span.end.min(to));
     let offset = a.bounding.offset - b.bounding.offset;
-    relative_points(segment_a, segment_b, part, offset)
+    RelativeMotion::between(segment_a, segment_b, part).points(offset)
 }
 
 /// Solves each pair of spheres over a span that may come within `margin`.

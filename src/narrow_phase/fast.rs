@@ -9,7 +9,7 @@
 
 use super::contact::{Approach, Contact, each_sphere_pair_offset, join};
 use super::kernels::{CubicBatch, Level, closest_approach};
-use super::relative::relative_points;
+use super::relative::RelativeMotion;
 use super::{Party, contact_radius};
 use crate::rounding::normalising_power;
 use crate::spans::Span;
@@ -67,14 +67,15 @@ impl FastBatch {
             if times.0 > times.1 {
                 continue;
             }
+            let (segment_a, segment_b) =
+                (&a.segments[span.a as usize], &b.segments[span.b as usize]);
+            let motion = RelativeMotion::between(segment_a, segment_b, times);
             each_sphere_pair_offset(a, b, |spheres, radii, offset| {
                 let radius = contact_radius(radii.0, radii.1, margin);
                 if radius < 0.0 {
                     return;
                 }
-                let (segment_a, segment_b) =
-                    (&a.segments[span.a as usize], &b.segments[span.b as usize]);
-                let points = relative_points(segment_a, segment_b, times, offset);
+                let points = motion.points(offset);
                 let largest = points.iter().fold(radius, |largest, point| {
                     largest.max(point.abs().max_element())
                 });

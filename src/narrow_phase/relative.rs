@@ -24,31 +24,8 @@ pub(crate) struct RelativeCubic {
 impl RelativeCubic {
     /// The difference of two cubics over `start..end`, plus `offset` (a's sphere centre minus
     /// b's, in their bodies' frames, m).
-    pub(crate) fn between(
-        a: &Segment,
-        b: &Segment,
-        (start, end): (f64, f64),
-        offset: DVec3,
-    ) -> Self {
-        let apart = (a.origin() - b.origin()) + offset;
-        let part_a = a.restrict(start, end);
-        let part_b = b.restrict(start, end);
-        let local = [0, 1, 2, 3].map(|j| part_a.points[j] - part_b.points[j]);
-        let points = local.map(|local| apart + local);
-        let (size, spread) = (largest_norm(&points), largest_norm(&local));
-        // One rounding each of the origins' difference, of the offset's (and the sum with it), of
-        // the local difference and of the last sum. Second-order terms are covered by the 2^-40.
-        let roundings = 2.0 * norm(apart) + 2.0 * norm(offset) + spread + size;
-        let error = (part_a.error + part_b.error + UNIT_ROUNDOFF * roundings)
-            * (1.0 + 2f64.powi(-40))
-            + UNDERFLOW;
-        Self {
-            start,
-            end,
-            points,
-            error,
-            size,
-        }
+    pub(crate) fn between(a: &Segment, b: &Segment, interval: (f64, f64), offset: DVec3) -> Self {
+        RelativeMotion::between(a, b, interval).of_spheres(offset)
     }
 
     /// How far the computed relative position at any s can be from the exact one, evaluation
@@ -192,17 +169,58 @@ impl PowerForm {
     }
 }
 
-/// The relative control points alone, for filters: those of [`RelativeCubic::between`].
-pub(crate) fn relative_points(
-    a: &Segment,
-    b: &Segment,
-    (start, end): (f64, f64),
-    offset: DVec3,
-) -> [DVec3; 4] {
-    let apart = (a.origin() - b.origin()) + offset;
-    let part_a = a.restrict(start, end).points;
-    let part_b = b.restrict(start, end).points;
-    [0, 1, 2, 3].map(|j| apart + (part_a[j] - part_b[j]))
+/// The motion of one body relative to another over a span, which all pairs of their spheres share.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RelativeMotion {
+    start: f64,
+    end: f64,
+    /// Difference of the cubics' origins, m.
+    apart: DVec3,
+    /// Differences of their control points, m.
+    local: [DVec3; 4],
+    /// Of both cubics' control points, m.
+    error: f64,
+}
+
+impl RelativeMotion {
+    #[inline]
+    pub(super) fn between(a: &Segment, b: &Segment, (start, end): (f64, f64)) -> Self {
+        let part_a = a.restrict(start, end);
+        let part_b = b.restrict(start, end);
+        Self {
+            start,
+            end,
+            apart: a.origin() - b.origin(),
+            local: [0, 1, 2, 3].map(|j| part_a.points[j] - part_b.points[j]),
+            error: part_a.error + part_b.error,
+        }
+    }
+
+    /// The control points of two spheres' centres; `offset` is that of a's less that of b's in their
+    /// bodies' frames, m.
+    #[inline]
+    pub(super) fn points(&self, offset: DVec3) -> [DVec3; 4] {
+        let apart = self.apart + offset;
+        self.local.map(|local| apart + local)
+    }
+
+    /// The same with what is known of their error.
+    pub(super) fn of_spheres(&self, offset: DVec3) -> RelativeCubic {
+        let apart = self.apart + offset;
+        let points = self.points(offset);
+        let (size, spread) = (largest_norm(&points), largest_norm(&self.local));
+        // One rounding each of the origins' difference, of the offset's (and the sum with it), of
+        // the local difference and of the last sum. Second-order terms are covered by the 2^-40.
+        let roundings = 2.0 * norm(apart) + 2.0 * norm(offset) + spread + size;
+        let error = (self.error + UNIT_ROUNDOFF * roundings) * (1.0 + 2f64.powi(-40)) + UNDERFLOW;
+        RelativeCubic {
+            start: self.start,
+            end: self.end,
+            points,
+            error,
+            size,
+        }
+    }
 }
 
 /// A bound on the size that all rounding of a pair over a span is relative to, before anything is
