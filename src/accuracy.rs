@@ -47,7 +47,7 @@ pub enum Accuracy {
     /// may be reported, a conflict may begin earlier or end later by what that takes and by
     /// 2^-16 of a span, and conflicts with a gap within one span may be reported as one. The same
     /// bits on every instruction set and any number of threads; a window that cuts a span may
-    /// change them.
+    /// change them. Clusters of spheres are solved as in [`Exact`](Self::Exact).
     Fast,
     /// Every conflict carries a [`Certificate`]: enclosures of its separation and of its times,
     /// proven against the exact real-arithmetic motion through the given numbers. What is

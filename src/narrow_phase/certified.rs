@@ -8,7 +8,8 @@
 //! The plain solver gives the numbers that are reported; they are moved into the enclosures where
 //! its rounding left them outside.
 
-use super::contact::{Approach, Contact, SpherePair, each_sphere_pair, is_lone};
+use super::clusters::{Clusters, Shown};
+use super::contact::{Approach, Contact, Nearest, SpherePair, each_that_may_be_nearest, lone_pair};
 use super::relative::RelativeCubic;
 use super::stretches::Profile;
 use super::{Party, contact_radius, two_sum};
@@ -29,6 +30,8 @@ pub(crate) struct CertifiedContact {
 pub(crate) struct Workspace {
     members: Vec<Member>,
     parts: Vec<Part>,
+    /// The members in the order of time and of their spheres' numbers, whenever they were solved.
+    order: Vec<usize>,
 }
 
 /// Two spheres over a span in which they are not certainly apart.
@@ -40,7 +43,7 @@ struct Member {
 
 /// A time in which a member is not certainly apart.
 #[derive(Clone, Copy, Debug)]
-struct Part {
+pub(super) struct Part {
     start: f64,
     end: f64,
     side: Side,
@@ -63,46 +66,96 @@ pub(crate) fn certified_contacts(
     spans: impl Iterator<Item = Span>,
     margin: f64,
     clip: (f64, f64),
-    Workspace { members, parts }: &mut Workspace,
+    workspace: &mut Workspace,
     found: &mut Vec<CertifiedContact>,
 ) {
-    members.clear();
-    parts.clear();
+    workspace.clear();
     for span in spans {
-        each_sphere_pair(a, b, span, |pair| {
-            if is_lone(a, b) || !pair.is_beyond(a, b, span, margin) {
-                let count = parts.len();
-                let member = members.len();
-                push_parts(pair, margin, clip, member, parts);
-                if parts.len() > count {
-                    members.push(Member { span, pair: *pair });
-                }
-            }
+        if let Some(pair) = lone_pair(a, b, span) {
+            workspace.solve(&pair, span, margin, clip);
+            continue;
+        }
+        Clusters::of(a, b, span).each_that_matters(margin, clip, |pair, shown| {
+            let parts = workspace.solve(pair, span, margin, clip);
+            // Only what is certain keeps others from being looked at.
+            let inside = parts.iter().filter(|part| part.side == Side::Inside);
+            shown.extend(inside.map(|part| Shown {
+                enter: part.start,
+                exit: part.end,
+                separation: pair.reaches(span, (part.start, part.end)),
+            }));
         });
     }
-    parts.sort_unstable_by(|x, y| {
-        let order = x.start.total_cmp(&y.start);
-        order
-            .then(x.end.total_cmp(&y.end))
-            .then(x.member.cmp(&y.member))
-    });
-    let mut first = 0;
-    while first < parts.len() {
-        let mut end = parts[first].end;
-        let mut next = first + 1;
-        while next < parts.len() && parts[next].start <= end {
-            end = end.max(parts[next].end);
-            next += 1;
+    workspace.join((a, b), margin, clip, found);
+}
+
+impl Workspace {
+    pub(super) fn clear(&mut self) {
+        self.members.clear();
+        self.parts.clear();
+    }
+
+    /// Takes in a pair of spheres over a span; gives the times in which it is not certainly apart.
+    pub(super) fn solve(
+        &mut self,
+        pair: &SpherePair,
+        span: Span,
+        margin: f64,
+        clip: (f64, f64),
+    ) -> &[Part] {
+        let count = self.parts.len();
+        push_parts(pair, margin, clip, self.members.len(), &mut self.parts);
+        if self.parts.len() > count {
+            self.members.push(Member { span, pair: *pair });
         }
-        let group = Group {
+        &self.parts[count..]
+    }
+
+    /// The contacts of all that was taken in, in the order of time; appends to `found`.
+    pub(super) fn join(
+        &mut self,
+        parties: (&Party<'_>, &Party<'_>),
+        margin: f64,
+        clip: (f64, f64),
+        found: &mut Vec<CertifiedContact>,
+    ) {
+        let Self {
             members,
-            all: parts,
-            parts: &parts[first..next],
-            start: parts[first].start,
-            end,
-        };
-        found.push(group.contact((a, b), margin, clip));
-        first = next;
+            parts,
+            order,
+        } = self;
+        order.clear();
+        order.extend(0..members.len());
+        order.sort_by(|&x, &y| {
+            let (x, y) = (&members[x], &members[y]);
+            let time = x.span.start.total_cmp(&y.span.start);
+            time.then((x.pair.a, x.pair.b).cmp(&(y.pair.a, y.pair.b)))
+        });
+        parts.sort_unstable_by(|x, y| {
+            let order = x.start.total_cmp(&y.start);
+            order
+                .then(x.end.total_cmp(&y.end))
+                .then(x.member.cmp(&y.member))
+        });
+        let mut first = 0;
+        while first < parts.len() {
+            let mut end = parts[first].end;
+            let mut next = first + 1;
+            while next < parts.len() && parts[next].start <= end {
+                end = end.max(parts[next].end);
+                next += 1;
+            }
+            let group = Group {
+                members,
+                order,
+                all: parts,
+                parts: &parts[first..next],
+                start: parts[first].start,
+                end,
+            };
+            found.push(group.contact(parties, margin, clip));
+            first = next;
+        }
     }
 }
 
@@ -114,24 +167,22 @@ pub(crate) fn certified_approach(
     spans: impl Iterator<Item = Span>,
     (from, to): (f64, f64),
 ) -> Option<(Approach, f64, TimeEnclosure)> {
-    let mut closest: Option<Approach> = None;
+    let mut nearest = Nearest::default();
     let mut found: Vec<Least> = Vec::new();
     let mut reached = f64::INFINITY;
     for span in spans {
-        each_sphere_pair(a, b, span, |pair| {
-            if reached < f64::INFINITY && pair.is_beyond(a, b, span, reached) {
-                return;
-            }
+        each_that_may_be_nearest((a, b), span, (from, to), reached, |pair| {
             let (start, end) = (span.start.max(from), span.end.min(to));
             let is_whole = start <= span.start && end >= span.end;
             let least = least_separation((a, b), span, pair, is_whole, (start, end));
-            let instant = Profile::of(&pair.cubic).closest(&pair.cubic, start, end);
-            let approach = pair.approach(span, instant);
-            closest = Some(closest.map_or(approach, |best| best.or_lower(approach)));
+            nearest.push(pair, span, (from, to));
             reached = reached.min(least.high);
             found.push(least);
+            reached
         });
+        nearest.settle();
     }
+    let closest = nearest.closest;
     let least = Least::of_all(&found)?;
     let (approach, error) = least.settle(closest?);
     Some((approach, error, least.time))
@@ -260,6 +311,7 @@ impl Least {
 /// Parts that meet: one conflict.
 struct Group<'w> {
     members: &'w [Member],
+    order: &'w [usize],
     /// All parts of the pair of bodies, and those of this group, by start.
     all: &'w [Part],
     parts: &'w [Part],
@@ -277,8 +329,10 @@ impl Group<'_> {
         let (enter, exit, resolved) = self.ends();
         let mut closest: Option<(Approach, usize)> = None;
         let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
-        for (index, Member { span, pair }) in self.members.iter().enumerate() {
-            let Some((start, end)) = self.times_of(index) else {
+        for &index in self.order {
+            let (Member { span, pair }, Some((start, end))) =
+                (&self.members[index], self.times_of(index))
+            else {
                 continue;
             };
             let profile = Profile::of(&pair.cubic);

@@ -1,5 +1,6 @@
 //! Contacts and closest approach of one pair, over all its spans and all its spheres.
 
+use super::clusters::{Clusters, Shown};
 use super::filter::{certainly_beyond, segments_apart};
 use super::relative::{RelativeCubic, RelativeMotion, filter_threshold, local_scale};
 use super::stretches::{Instant, Profile};
@@ -92,7 +93,7 @@ impl SpherePair {
     }
 
     /// Appends the contacts of the two spheres within `margin`, clipped to `clip`.
-    fn contacts(
+    pub(super) fn contacts(
         &self,
         profile: &Profile,
         span: Span,
@@ -111,6 +112,12 @@ impl SpherePair {
                 closest: self.approach(span, stretch.closest),
             });
         });
+    }
+
+    /// A separation (m) that is reached between two instants of a span, rounding included.
+    pub(super) fn reaches(&self, span: Span, (from, to): (f64, f64)) -> f64 {
+        let instant = Profile::of(&self.cubic).closest(&self.cubic, from, to);
+        self.approach(span, instant).separation + self.cubic.tolerance()
     }
 
     /// Whether cheap tests show that the separation stays above `margin` all along the span of
@@ -137,42 +144,20 @@ pub(crate) struct Solved {
     profile: Profile,
 }
 
-/// Calls `visit` with each pair of spheres over a span.
-pub(super) fn each_sphere_pair(
-    a: &Party<'_>,
-    b: &Party<'_>,
-    span: Span,
-    mut visit: impl FnMut(&SpherePair),
-) {
+/// The only two spheres of a pair, over a span; none if there are more.
+pub(super) fn lone_pair(a: &Party<'_>, b: &Party<'_>, span: Span) -> Option<SpherePair> {
+    let ([sphere_a], [sphere_b]) = (a.spheres, b.spheres) else {
+        return None;
+    };
     let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
-    let motion = RelativeMotion::between(segment_a, segment_b, (span.start, span.end));
-    each_sphere_pair_offset(a, b, |(index_a, index_b), (radius_a, radius_b), offset| {
-        visit(&SpherePair {
-            a: index_a,
-            b: index_b,
-            radius_a,
-            radius_b,
-            cubic: motion.of_spheres(offset),
-        });
-    });
-}
-
-/// Calls `visit` with each pair of spheres: their numbers, their radii, and the centre of a's
-/// less that of b's in their bodies' frames.
-pub(super) fn each_sphere_pair_offset(
-    a: &Party<'_>,
-    b: &Party<'_>,
-    mut visit: impl FnMut((u32, u32), (f64, f64), DVec3),
-) {
-    for (index_a, sphere_a) in (0..).zip(a.spheres) {
-        for (index_b, sphere_b) in (0..).zip(b.spheres) {
-            visit(
-                (index_a, index_b),
-                (sphere_a.radius, sphere_b.radius),
-                sphere_a.offset - sphere_b.offset,
-            );
-        }
-    }
+    let offset = sphere_a.offset - sphere_b.offset;
+    Some(SpherePair {
+        a: 0,
+        b: 0,
+        radius_a: sphere_a.radius,
+        radius_b: sphere_b.radius,
+        cubic: RelativeCubic::between(segment_a, segment_b, (span.start, span.end), offset),
+    })
 }
 
 /// Whether the bounding spheres of a pair come within the margin in a span, as far as cheap tests
@@ -244,15 +229,21 @@ pub(crate) fn solve(
     margin: f64,
     mut solved: impl FnMut(Solved),
 ) {
-    each_sphere_pair(a, b, span, |pair| {
-        if !pair.is_beyond(a, b, span, margin) {
-            solved(Solved {
-                span,
-                pair: *pair,
-                profile: Profile::of(&pair.cubic),
-            });
+    let mut solve = |pair: &SpherePair| {
+        solved(Solved {
+            span,
+            pair: *pair,
+            profile: Profile::of(&pair.cubic),
+        });
+    };
+    match lone_pair(a, b, span) {
+        Some(pair) => {
+            if !pair.is_beyond(a, b, span, margin) {
+                solve(&pair);
+            }
         }
-    });
+        None => Clusters::of(a, b, span).each_near(margin, solve),
+    }
 }
 
 /// All maximal intervals of `clip` in which the separation is at most `margin`, found in `spans`
@@ -269,18 +260,25 @@ pub(crate) fn contacts(
 ) {
     let first = found.len();
     for span in spans {
-        each_sphere_pair(a, b, span, |pair| {
-            if is_lone(a, b) || !pair.is_beyond(a, b, span, margin) {
-                pair.contacts(&Profile::of(&pair.cubic), span, margin, clip, found);
-            }
-        });
+        let solve = |pair: &SpherePair, found: &mut Vec<Contact>| {
+            pair.contacts(&Profile::of(&pair.cubic), span, margin, clip, found);
+        };
+        // Lone spheres have been through the test that those of clusters are still to pass.
+        if let Some(pair) = lone_pair(a, b, span) {
+            solve(&pair, found);
+        } else {
+            Clusters::of(a, b, span).each_that_matters(margin, clip, |pair, shown| {
+                let count = found.len();
+                solve(pair, found);
+                shown.extend(found[count..].iter().map(|contact| Shown {
+                    enter: contact.enter,
+                    exit: contact.exit,
+                    separation: contact.closest.separation,
+                }));
+            });
+        }
     }
     join(found, first);
-}
-
-/// Whether the only two spheres of a pair have been through the test that others are still to pass.
-pub(super) const fn is_lone(a: &Party<'_>, b: &Party<'_>) -> bool {
-    a.spheres.len() == 1 && b.spheres.len() == 1
 }
 
 /// The same from spans of one pair that were solved at this margin or a larger one.
@@ -334,17 +332,69 @@ pub(crate) fn closest_approach(
     spans: impl Iterator<Item = Span>,
     (from, to): (f64, f64),
 ) -> Option<Approach> {
-    let mut closest: Option<Approach> = None;
+    let mut nearest = Nearest::default();
     for span in spans {
-        each_sphere_pair(a, b, span, |pair| {
-            if closest.is_some_and(|best| pair.is_beyond(a, b, span, best.separation)) {
-                return;
-            }
-            let profile = Profile::of(&pair.cubic);
-            let instant = profile.closest(&pair.cubic, from, to);
-            let approach = pair.approach(span, instant);
-            closest = Some(closest.map_or(approach, |best| best.or_lower(approach)));
+        let reached = nearest.separation();
+        each_that_may_be_nearest((a, b), span, (from, to), reached, |pair| {
+            nearest.push(pair, span, (from, to))
         });
+        nearest.settle();
     }
-    closest
+    nearest.closest
+}
+
+/// Solves the pairs of spheres over a span one of which may be nearer in `clip` than what was
+/// `reached` so far (m); `solve` gives what is reached then.
+pub(super) fn each_that_may_be_nearest(
+    (a, b): (&Party<'_>, &Party<'_>),
+    span: Span,
+    clip: (f64, f64),
+    reached: f64,
+    mut solve: impl FnMut(&SpherePair) -> f64,
+) {
+    match lone_pair(a, b, span) {
+        Some(pair) => {
+            if !(reached < f64::INFINITY && pair.is_beyond(a, b, span, reached)) {
+                solve(&pair);
+            }
+        }
+        None => Clusters::of(a, b, span).each_that_may_be_nearest(clip, reached, solve),
+    }
+}
+
+/// The closest approach so far, span by span.
+#[derive(Debug, Default)]
+pub(super) struct Nearest {
+    pub(super) closest: Option<Approach>,
+    /// Of the pairs of spheres of the span at hand, in the order in which they were solved.
+    found: Vec<Approach>,
+}
+
+impl Nearest {
+    /// Takes in a pair of spheres over a span; gives the least separation so far, m.
+    pub(super) fn push(&mut self, pair: &SpherePair, span: Span, (from, to): (f64, f64)) -> f64 {
+        let instant = Profile::of(&pair.cubic).closest(&pair.cubic, from, to);
+        self.found.push(pair.approach(span, instant));
+        self.separation()
+    }
+
+    /// m.
+    pub(super) fn separation(&self) -> f64 {
+        let approaches = self.closest.iter().chain(&self.found);
+        let separations = approaches.map(|approach| approach.separation);
+        separations.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Ends a span. Which of several that tie is reported depends on their numbers, not on when they
+    /// were solved.
+    pub(super) fn settle(&mut self) {
+        self.found
+            .sort_by_key(|approach| (approach.sphere_a, approach.sphere_b));
+        let found = self.found.drain(..);
+        self.closest = self
+            .closest
+            .into_iter()
+            .chain(found)
+            .reduce(Approach::or_lower);
+    }
 }

@@ -7,7 +7,7 @@
 //! cannot be told is within: a contact is reported early rather than late, and two contacts in one
 //! span are reported as one.
 
-use super::contact::{Approach, Contact, each_sphere_pair_offset, join};
+use super::contact::{Approach, Contact, join};
 use super::kernels::{CubicBatch, Level, closest_approach};
 use super::relative::RelativeMotion;
 use super::{Party, contact_radius};
@@ -27,7 +27,6 @@ const HALVINGS: u32 = 16;
 struct Entry {
     pair: usize,
     span: Span,
-    spheres: (u32, u32),
     radii: f64,
     times: (f64, f64),
     points: [Vec3A; 4],
@@ -47,13 +46,9 @@ pub(crate) struct FastBatch {
 }
 
 impl FastBatch {
-    /// Forgets all pairs.
-    pub(crate) fn clear(&mut self) {
-        self.entries.clear();
-        self.cubics.clear();
-    }
-
-    /// Adds the spans of a pair of bodies, which has a number of the caller's.
+    /// Adds the spans of a pair of bodies, which has a number of the caller's, if each is one sphere;
+    /// says whether it was added. (Of clusters few pairs of spheres matter, and which ones shows only
+    /// one after the other.)
     pub(crate) fn push(
         &mut self,
         pair: usize,
@@ -61,7 +56,14 @@ impl FastBatch {
         spans: impl Iterator<Item = Span>,
         margin: f64,
         clip: (f64, f64),
-    ) {
+    ) -> bool {
+        let ([sphere_a], [sphere_b]) = (a.spheres, b.spheres) else {
+            return false;
+        };
+        let radius = contact_radius(sphere_a.radius, sphere_b.radius, margin);
+        if radius < 0.0 {
+            return true;
+        }
         for span in spans {
             let times = (span.start.max(clip.0), span.end.min(clip.1));
             if times.0 > times.1 {
@@ -70,39 +72,33 @@ impl FastBatch {
             let (segment_a, segment_b) =
                 (&a.segments[span.a as usize], &b.segments[span.b as usize]);
             let motion = RelativeMotion::between(segment_a, segment_b, times);
-            each_sphere_pair_offset(a, b, |spheres, radii, offset| {
-                let radius = contact_radius(radii.0, radii.1, margin);
-                if radius < 0.0 {
-                    return;
-                }
-                let points = motion.points(offset);
-                let largest = points.iter().fold(radius, |largest, point| {
-                    largest.max(point.abs().max_element())
-                });
-                let power = normalising_power(largest);
-                let points = points.map(|point| (point * power).as_vec3a());
-                let size = points
-                    .iter()
-                    .map(|point| point.length())
-                    .fold(0.0, f32::max);
-                let radius = nearest(radius * power);
-                self.cubics.push(points.map(|point| point.to_array()));
-                self.entries.push(Entry {
-                    pair,
-                    span,
-                    spheres,
-                    radii: radii.0 + radii.1,
-                    times,
-                    points,
-                    power,
-                    threshold: radius + CLEARANCE * (size + radius),
-                });
+            let points = motion.points(sphere_a.offset - sphere_b.offset);
+            let largest = points.iter().fold(radius, |largest, point| {
+                largest.max(point.abs().max_element())
+            });
+            let power = normalising_power(largest);
+            let points = points.map(|point| (point * power).as_vec3a());
+            let size = points
+                .iter()
+                .map(|point| point.length())
+                .fold(0.0, f32::max);
+            let radius = nearest(radius * power);
+            self.cubics.push(points.map(|point| point.to_array()));
+            self.entries.push(Entry {
+                pair,
+                span,
+                radii: sphere_a.radius + sphere_b.radius,
+                times,
+                points,
+                power,
+                threshold: radius + CLEARANCE * (size + radius),
             });
         }
+        true
     }
 
     /// Calls `report` with the number of each pair that has contacts, and these, in the order of
-    /// time. Pairs come in the order in which they were added.
+    /// time. Pairs come in the order in which they were added; all are forgotten then.
     pub(crate) fn solve(&mut self, level: Level, mut report: impl FnMut(usize, &[Contact])) {
         self.times.resize(self.entries.len(), 0.0);
         self.distances.resize(self.entries.len(), 0.0);
@@ -129,6 +125,8 @@ impl FastBatch {
                 contacts.clear();
             }
         }
+        self.entries.clear();
+        self.cubics.clear();
     }
 }
 
@@ -158,7 +156,7 @@ impl Entry {
             closest: Approach::at(
                 closest,
                 f64::from(distance) / self.power - self.radii,
-                self.spheres,
+                (0, 0),
                 self.span,
             ),
         })

@@ -6,6 +6,7 @@
 
 mod approach;
 mod certified;
+mod clusters;
 mod contact;
 mod fast;
 mod filter;

@@ -53,15 +53,10 @@ impl LineUp<'_> {
         scratch: &mut Scratch,
         conflicts: &mut Vec<Conflict>,
     ) {
-        let found = &mut scratch.contacts;
         for survivors in pairs {
-            let Some(pair) = self.pair(parties, survivors) else {
-                continue;
-            };
-            found.clear();
-            let (a, b) = pair.parties;
-            contacts(a, b, pair.spans(), self.margin, pair.clip, found);
-            conflicts.extend(found.iter().map(|contact| pair.conflict(contact)));
+            if let Some(pair) = self.pair(parties, survivors) {
+                self.contacts(&pair, &mut scratch.contacts, conflicts);
+            }
         }
     }
 
@@ -94,18 +89,38 @@ impl LineUp<'_> {
         scratch: &mut Scratch,
         conflicts: &mut Vec<Conflict>,
     ) {
-        let batch = &mut scratch.fast;
-        batch.clear();
+        let Scratch { fast, contacts, .. } = scratch;
+        let empty = |fast: &mut FastBatch, conflicts: &mut Vec<Conflict>| {
+            fast.solve(self.level, |number, contacts| {
+                if let Some(pair) = self.pair(parties, pairs[number]) {
+                    conflicts.extend(contacts.iter().map(|contact| pair.conflict(contact)));
+                }
+            });
+        };
         for (number, survivors) in pairs.iter().enumerate() {
-            if let Some(pair) = self.pair(parties, survivors) {
-                batch.push(number, pair.parties, pair.spans(), self.margin, pair.clip);
+            let Some(pair) = self.pair(parties, survivors) else {
+                continue;
+            };
+            if !fast.push(number, pair.parties, pair.spans(), self.margin, pair.clip) {
+                // Pairs stay in their order.
+                empty(fast, conflicts);
+                self.contacts(&pair, contacts, conflicts);
             }
         }
-        batch.solve(self.level, |number, contacts| {
-            if let Some(pair) = self.pair(parties, pairs[number]) {
-                conflicts.extend(contacts.iter().map(|contact| pair.conflict(contact)));
-            }
-        });
+        empty(fast, conflicts);
+    }
+
+    /// The conflicts of a pair, from the exact solver.
+    fn contacts(
+        &self,
+        pair: &PairOfBodies<'_>,
+        found: &mut Vec<Contact>,
+        conflicts: &mut Vec<Conflict>,
+    ) {
+        found.clear();
+        let (a, b) = pair.parties;
+        contacts(a, b, pair.spans(), self.margin, pair.clip, found);
+        conflicts.extend(found.iter().map(|contact| pair.conflict(contact)));
     }
 
     /// The pair of bodies that survivors are of; none if they do not exist at the same time

@@ -1,0 +1,161 @@
+//! Chords of a relative motion: how near spheres come to each other, from below.
+
+use super::{Candidate, Clusters};
+use crate::hitbox::Sphere;
+use crate::rounding::{CLEARANCE, UNDERFLOW, norm, normalising_power};
+use glam::DVec3;
+
+/// Chords of two bodies' relative motion, and how far it strays from them: from below, how near
+/// spheres come to each other.
+pub(super) struct Chords {
+    /// Lengths times this are near one; chords are in that unit, which is so long (m).
+    power: f64,
+    unit: f64,
+    lines: Vec<Line>,
+    bend: f64,
+    /// What all rounding amounts to at most, m.
+    pub(super) slack: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    start: DVec3,
+    change: DVec3,
+    /// Of the square of its length; 0 where that vanishes.
+    inverse: f64,
+}
+
+impl Line {
+    /// The point nearest to zero, moved by an offset.
+    #[inline]
+    fn nearest_point(&self, offset: DVec3) -> DVec3 {
+        let start = self.start + offset;
+        let share = -start.dot(self.change) * self.inverse;
+        start + self.change * share.clamp(0.0, 1.0)
+    }
+}
+
+impl Chords {
+    const MOST: f64 = 8.0;
+
+    /// Of the motion in a part of the span (first and last instant, s).
+    pub(super) fn of(clusters: &Clusters<'_>, part: (f64, f64), margin: f64) -> Self {
+        let Clusters { a, b, .. } = *clusters;
+        let reach = |sphere: &Sphere| norm(sphere.offset) + sphere.radius;
+        let reach = reach(&a.bounding) + reach(&b.bounding);
+        let scale = clusters.scale + reach + margin.abs();
+        let power = normalising_power(scale);
+        let points = clusters.points_between(part).map(|point| point * power);
+        // A cubic strays from its chord (gone along evenly) no farther than its inner points do: a
+        // quarter as far on each of two halves.
+        let bend = |[p0, p1, p2, p3]: [DVec3; 4]| {
+            let third = (p3 - p0) / 3.0;
+            let (inner, outer) = (p1 - (p0 + third), p2 - (p3 - third));
+            inner.length().max(outer.length())
+        };
+        let largest = |spheres: &[Sphere]| spheres.iter().map(|s| s.radius).fold(0.0, f64::max);
+        let wanted = 0.25 * power * (largest(a.spheres) + largest(b.spheres));
+        let count = (bend(points) / wanted).sqrt().ceil();
+        let count = if count > 1.0 {
+            count.min(Self::MOST)
+        } else {
+            1.0
+        };
+        let (mut lines, mut most) = (Vec::new(), 0.0_f64);
+        let mut begin = 0.0;
+        while begin < count {
+            let piece = piece_of(&points, begin / count, (begin + 1.0) / count);
+            let change = piece[3] - piece[0];
+            let square = change.length_squared();
+            lines.push(Line {
+                start: piece[0],
+                change,
+                inverse: if square > 0.0 { 1.0 / square } else { 0.0 },
+            });
+            most = most.max(bend(piece));
+            begin += 1.0;
+        }
+        Self {
+            power,
+            unit: 1.0 / power,
+            lines,
+            bend: most,
+            // A filter's, twice: the pieces have as many roundings again.
+            slack: 2.0 * CLEARANCE * scale + UNDERFLOW,
+        }
+    }
+
+    /// A bound on how near two spheres with these radii in all come, from below; none if that is
+    /// beyond a bound (all m).
+    #[inline]
+    fn low(&self, offset: DVec3, radii: f64, bound: f64) -> Option<f64> {
+        let offset = offset * self.power;
+        let square = |line: &Line| line.nearest_point(offset).length_squared();
+        let least = self.lines.iter().map(square).fold(f64::INFINITY, f64::min);
+        // Most are beyond, which is known without a root.
+        let reach = (bound + radii) * self.power + self.bend;
+        let is_beyond = reach < 0.0 || least > reach * reach;
+        (!is_beyond).then(|| (least.sqrt() - self.bend) * self.unit - radii)
+    }
+
+    /// Roughly where two centres are nearest, one seen from the other.
+    pub(super) fn nearest_point(&self, offset: DVec3) -> DVec3 {
+        let offset = offset * self.power;
+        let points = self.lines.iter().map(|line| line.nearest_point(offset));
+        let nearer = |x: DVec3, y: DVec3| {
+            if y.length_squared() < x.length_squared() {
+                y
+            } else {
+                x
+            }
+        };
+        points.reduce(nearer).unwrap_or_default()
+    }
+
+    /// The pairs of spheres that may come within `margin`, in the order of their numbers.
+    pub(super) fn candidates(&self, clusters: &Clusters<'_>, margin: f64) -> Vec<Candidate> {
+        let Clusters { a, b, .. } = *clusters;
+        let bound = margin + self.slack;
+        let is_near = |offset: DVec3, radii: f64| self.low(offset, radii, bound).is_some();
+        // Each sphere against all of the other body first.
+        let near_b: Vec<(u32, &Sphere)> = (0..)
+            .zip(b.spheres)
+            .filter(|(_, sphere)| {
+                let radii = a.bounding.radius + sphere.radius;
+                is_near(a.bounding.offset - sphere.offset, radii)
+            })
+            .collect();
+        let mut candidates = Vec::new();
+        for (number_a, sphere_a) in (0..).zip(a.spheres) {
+            let radii = sphere_a.radius + b.bounding.radius;
+            if !is_near(sphere_a.offset - b.bounding.offset, radii) {
+                continue;
+            }
+            candidates.extend(near_b.iter().filter_map(|&(number_b, sphere_b)| {
+                let radii = sphere_a.radius + sphere_b.radius;
+                let low = self.low(sphere_a.offset - sphere_b.offset, radii, bound)?;
+                Some(Candidate {
+                    a: number_a,
+                    b: number_b,
+                    low,
+                })
+            }));
+        }
+        candidates
+    }
+}
+
+/// The control points of a part of a cubic, from one share of it to another one.
+fn piece_of(&[p0, p1, p2, p3]: &[DVec3; 4], from: f64, to: f64) -> [DVec3; 4] {
+    let blossom = |x: f64, y: f64, z: f64| {
+        let (q0, q1, q2) = (p0.lerp(p1, x), p1.lerp(p2, x), p2.lerp(p3, x));
+        let (r0, r1) = (q0.lerp(q1, y), q1.lerp(q2, y));
+        r0.lerp(r1, z)
+    };
+    [
+        blossom(from, from, from),
+        blossom(from, from, to),
+        blossom(from, to, to),
+        blossom(to, to, to),
+    ]
+}
