@@ -32,15 +32,20 @@ fn case(rng: &mut ChaCha8Rng, kind: usize) -> Case {
         let radius = size * rng.random_range(0.0..0.5);
         let sphere = |number: u32, rng: &mut ChaCha8Rng| {
             let cells = [number % 3, number / 3 % 3, number / 9];
-            match kind / 4 % 4 {
+            match kind / 4 % 5 {
                 // A lattice: many pairs of spheres move alike.
                 0 => (
                     DVec3::from_array(cells.map(f64::from)) * (0.5 * size),
-                    radius,
+                    radius / f64::from(1 + number % 2),
                 ),
                 // A rod.
                 1 => (DVec3::X * (0.3 * size * f64::from(number)), radius),
-                2 => (vector(rng, size), rng.random_range(0.0..=radius)),
+                // Two groups: flown by one after the other.
+                2 => (
+                    vector(rng, size) + DVec3::X * (10.0 * size * f64::from(number % 2)),
+                    radius,
+                ),
+                3 => (vector(rng, size), rng.random_range(0.0..=radius)),
                 // One large sphere and points.
                 _ => (vector(rng, size), if number == 0 { size } else { 0.0 }),
             }
