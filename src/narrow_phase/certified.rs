@@ -9,7 +9,7 @@
 //! its rounding left them outside.
 
 use super::clusters::{Clusters, Shown};
-use super::contact::{Approach, Contact, Nearest, SpherePair, each_that_may_be_nearest, lone_pair};
+use super::contact::{Approach, Contact, Nearest, SpherePair, each_for_nearest, lone_pair};
 use super::relative::RelativeCubic;
 use super::stretches::Profile;
 use super::{Party, contact_radius, two_sum};
@@ -75,7 +75,7 @@ pub(crate) fn certified_contacts(
             workspace.solve(&pair, span, margin, clip);
             continue;
         }
-        Clusters::of(a, b, span).each_that_matters(margin, clip, |pair, shown| {
+        Clusters::of(a, b, span).each_for_contacts(margin, clip, |pair, shown| {
             let parts = workspace.solve(pair, span, margin, clip);
             // Only what is certain keeps others from being looked at.
             let inside = parts.iter().filter(|part| part.side == Side::Inside);
@@ -171,7 +171,7 @@ pub(crate) fn certified_approach(
     let mut found: Vec<Least> = Vec::new();
     let mut reached = f64::INFINITY;
     for span in spans {
-        each_that_may_be_nearest((a, b), span, (from, to), reached, |pair| {
+        each_for_nearest((a, b), span, (from, to), reached, |pair| {
             let (start, end) = (span.start.max(from), span.end.min(to));
             let is_whole = start <= span.start && end >= span.end;
             let least = least_separation((a, b), span, pair, is_whole, (start, end));

@@ -242,7 +242,7 @@ pub(crate) fn solve(
                 solve(&pair);
             }
         }
-        None => Clusters::of(a, b, span).each_near(margin, solve),
+        None => Clusters::of(a, b, span).each_on_envelope(margin, solve),
     }
 }
 
@@ -267,7 +267,7 @@ pub(crate) fn contacts(
         if let Some(pair) = lone_pair(a, b, span) {
             solve(&pair, found);
         } else {
-            Clusters::of(a, b, span).each_that_matters(margin, clip, |pair, shown| {
+            Clusters::of(a, b, span).each_for_contacts(margin, clip, |pair, shown| {
                 let count = found.len();
                 solve(pair, found);
                 shown.extend(found[count..].iter().map(|contact| Shown {
@@ -335,7 +335,7 @@ pub(crate) fn closest_approach(
     let mut nearest = Nearest::default();
     for span in spans {
         let reached = nearest.separation();
-        each_that_may_be_nearest((a, b), span, (from, to), reached, |pair| {
+        each_for_nearest((a, b), span, (from, to), reached, |pair| {
             nearest.push(pair, span, (from, to))
         });
         nearest.settle();
@@ -345,7 +345,7 @@ pub(crate) fn closest_approach(
 
 /// Solves the pairs of spheres over a span one of which may be nearer in `clip` than what was
 /// `reached` so far (m); `solve` gives what is reached then.
-pub(super) fn each_that_may_be_nearest(
+pub(super) fn each_for_nearest(
     (a, b): (&Party<'_>, &Party<'_>),
     span: Span,
     clip: (f64, f64),
@@ -358,7 +358,7 @@ pub(super) fn each_that_may_be_nearest(
                 solve(&pair);
             }
         }
-        None => Clusters::of(a, b, span).each_that_may_be_nearest(clip, reached, solve),
+        None => Clusters::of(a, b, span).each_for_nearest(clip, reached, solve),
     }
 }
 

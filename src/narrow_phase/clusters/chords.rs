@@ -9,7 +9,7 @@ use glam::DVec3;
 /// spheres come to each other.
 pub(super) struct Chords {
     /// Lengths times this are near one; chords are in that unit, which is so long (m).
-    power: f64,
+    pub(super) power: f64,
     unit: f64,
     lines: Vec<Line>,
     bend: f64,
@@ -146,7 +146,7 @@ impl Chords {
 }
 
 /// The control points of a part of a cubic, from one share of it to another one.
-fn piece_of(&[p0, p1, p2, p3]: &[DVec3; 4], from: f64, to: f64) -> [DVec3; 4] {
+pub(super) fn piece_of(&[p0, p1, p2, p3]: &[DVec3; 4], from: f64, to: f64) -> [DVec3; 4] {
     let blossom = |x: f64, y: f64, z: f64| {
         let (q0, q1, q2) = (p0.lerp(p1, x), p1.lerp(p2, x), p2.lerp(p3, x));
         let (r0, r1) = (q0.lerp(q1, y), q1.lerp(q2, y));

@@ -9,11 +9,14 @@
 //! - Before and after a contact bodies are apart in the direction in which they touch. The two
 //!   spheres that reach farthest in it (as in GJK's support mapping) are asked first: if even they
 //!   are apart, all are.
+//! - Where the window and the margin are still to come (in a monitor), all pairs are kept that are the
+//!   nearest ones at some time: the lower envelope of all separations.
 //!
 //! Each test rules out only what is certain, by more than the solver's rounding: what is reported
 //! has the same bits as if every pair was solved.
 
 mod chords;
+mod envelope;
 mod known;
 #[cfg(test)]
 mod tests;
@@ -25,6 +28,7 @@ use super::{Party, contact_radius};
 use crate::hitbox::Sphere;
 use crate::spans::Span;
 use chords::Chords;
+use envelope::Envelope;
 use glam::DVec3;
 use known::Known;
 
@@ -71,7 +75,7 @@ impl<'a> Clusters<'a> {
 
     /// Solves the pairs of spheres that matter for contacts within `margin` in `clip`; `solve` gives
     /// what is shown by each.
-    pub(super) fn each_that_matters(
+    pub(super) fn each_for_contacts(
         &self,
         margin: f64,
         clip: (f64, f64),
@@ -121,7 +125,7 @@ impl<'a> Clusters<'a> {
 
     /// Solves the pairs of spheres one of which may be nearer in `clip` than what was `reached` so far
     /// (m); `solve` gives what is reached then.
-    pub(super) fn each_that_may_be_nearest(
+    pub(super) fn each_for_nearest(
         &self,
         clip: (f64, f64),
         mut reached: f64,
@@ -146,13 +150,21 @@ impl<'a> Clusters<'a> {
         }
     }
 
-    /// Solves the pairs of spheres that may come within `margin`.
-    pub(super) fn each_near(&self, margin: f64, mut solve: impl FnMut(&SpherePair)) {
+    /// Solves the pairs of spheres that may come within `margin` and be the nearest ones of their
+    /// bodies then: all that matter at this margin and smaller ones, whatever the window.
+    pub(super) fn each_on_envelope(&self, margin: f64, mut solve: impl FnMut(&SpherePair)) {
         let chords = Chords::of(self, (self.span.start, self.span.end), margin);
-        for candidate in &chords.candidates(self, margin) {
+        let candidates = chords.candidates(self, margin);
+        let envelope = Envelope::of(self, &chords, &candidates);
+        let mut solved = Vec::new();
+        for candidate in &candidates {
+            if envelope.is_above(candidate) || self.is_repeated(candidate, &solved) {
+                continue;
+            }
             let pair = self.pair(candidate);
             if !self.is_beyond(&pair.cubic.points, candidate, margin) {
                 solve(&pair);
+                solved.push(*candidate);
             }
         }
     }

@@ -1,7 +1,9 @@
 //! What is left out changes nothing: against all pairs of spheres, solved one by one.
 
 use super::super::certified::{Workspace, certified_approach, certified_contacts};
-use super::super::contact::{Contact, Nearest, closest_approach, contacts, join};
+use super::super::contact::{
+    Contact, Nearest, closest_approach, contacts, contacts_of, join, solve,
+};
 use super::super::stretches::Profile;
 use super::{Candidate, Clusters};
 use crate::hitbox::{Hitbox, Sphere};
@@ -175,6 +177,43 @@ fn contacts_are_those_of_all_pairs() {
         several += usize::from(found.len() > 1);
     }
     assert!(one > 1_500 && several > 100, "{one} {several}");
+}
+
+/// What a monitor keeps of a span serves for all smaller margins, in any window.
+#[test]
+fn the_envelope_serves_for_all_margins_and_windows() {
+    let mut rng = ChaCha8Rng::seed_from_u64(4);
+    let (mut kept, mut found, mut expected) = (Vec::new(), Vec::new(), Vec::<Contact>::new());
+    let (mut several, mut count, mut all) = (0, 0, 0);
+    for kind in 0..3_000 {
+        let case = case(&mut rng, kind);
+        let [a, b] = &case.parties();
+        kept.clear();
+        for span in case.spans() {
+            solve(a, b, span, case.margin, |solved| kept.push(solved));
+        }
+        count += kept.len();
+        all += case.spans().len() * a.spheres.len() * b.spheres.len();
+        for round in 0..6 {
+            let less = case.margin.abs() * rng.random_range(0.0..1.0);
+            let margin = case.margin - if round == 0 { 0.0 } else { less };
+            let begin: f64 = rng.random_range(-0.5..1.0);
+            let clip = (begin.max(0.0), begin.max(0.0) + rng.random_range(0.0..1.0));
+            found.clear();
+            contacts_of(kept.iter(), margin, clip, &mut found);
+            expected.clear();
+            case.each(|pair, span| {
+                pair.contacts(&Profile::of(&pair.cubic), span, margin, clip, &mut expected);
+            });
+            join(&mut expected, 0);
+            assert_eq!(found, expected, "{kind} {round}");
+            several += found.len();
+        }
+    }
+    assert!(
+        several > 5_000 && 5 * count < all,
+        "{several} {count} {all}"
+    );
 }
 
 #[test]

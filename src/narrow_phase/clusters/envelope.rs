@@ -1,0 +1,122 @@
+//! The lower envelope of all pairs' separations: which pairs are the nearest ones sometime.
+
+use super::chords::{Chords, piece_of};
+use super::{Candidate, Clusters};
+use glam::DVec3;
+
+/// Pieces of a span, with the pairs of spheres that are the nearest ones where they begin and end.
+pub(super) struct Envelope<'a> {
+    clusters: &'a Clusters<'a>,
+    pieces: Vec<Piece>,
+    /// Lengths times this are near one; all lengths here are in that unit.
+    power: f64,
+    /// What nearer has to mean at least.
+    slack: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    /// Control points of the bodies' relative motion.
+    points: [DVec3; 4],
+    nearest: [Near; 2],
+}
+
+/// A pair of spheres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Near {
+    offset: DVec3,
+    radii: f64,
+}
+
+impl<'a> Envelope<'a> {
+    const MOST: f64 = 16.0;
+
+    /// Of the candidates over the whole span.
+    pub(super) fn of(
+        clusters: &'a Clusters<'a>,
+        chords: &Chords,
+        candidates: &[Candidate],
+    ) -> Self {
+        let power = chords.power;
+        let near = |candidate: &Candidate| near(clusters, candidate, power);
+        let all: Vec<Near> = candidates.iter().map(near).collect();
+        let points = clusters.motion.points(DVec3::ZERO);
+        let points = points.map(|point| point * power);
+        let widest = all.iter().map(|near| near.radii).fold(0.0, f64::max);
+        let way = points.windows(2).map(|two| two[0].distance(two[1]));
+        // No number where nothing moves, or the spheres are points.
+        let count = (way.sum::<f64>() / widest).ceil();
+        let count = if count >= 1.0 {
+            count.min(Self::MOST)
+        } else {
+            1.0
+        };
+        let nearest_at = |place: DVec3| {
+            let separation = |near: &Near| (place + near.offset).length() - near.radii;
+            let all = all.iter().map(|near| (separation(near), *near));
+            let nearer = |x: (f64, Near), y: (f64, Near)| if y.0 < x.0 { y } else { x };
+            all.reduce(nearer).map(|(_, near)| near)
+        };
+        let mut pieces = Vec::new();
+        let mut before = nearest_at(points[0]);
+        let mut begin = 0.0;
+        while begin < count {
+            let points = piece_of(&points, begin / count, (begin + 1.0) / count);
+            let after = nearest_at(points[3]);
+            if let (Some(first), Some(last)) = (before, after) {
+                pieces.push(Piece {
+                    points,
+                    nearest: [first, last],
+                });
+            }
+            before = after;
+            begin += 1.0;
+        }
+        Self {
+            clusters,
+            pieces,
+            power,
+            slack: chords.slack * power,
+        }
+    }
+
+    /// Whether another pair is certainly nearer than this one at all times.
+    pub(super) fn is_above(&self, candidate: &Candidate) -> bool {
+        let Near { offset, radii } = near(self.clusters, candidate, self.power);
+        self.pieces.iter().all(|piece| {
+            let is_nearer = |near: &Near| {
+                // Larger spheres are nearer by more than their centres are.
+                near.radii >= radii && piece.is_nearer(near.offset, offset, self.slack)
+            };
+            piece.nearest.iter().any(is_nearer)
+        })
+    }
+}
+
+fn near(clusters: &Clusters<'_>, candidate: &Candidate, power: f64) -> Near {
+    let (a, b) = clusters.spheres(candidate);
+    Near {
+        offset: (a.offset - b.offset) * power,
+        radii: (a.radius + b.radius) * power,
+    }
+}
+
+impl Piece {
+    /// Whether one offset keeps the centres nearer to each other than another one by `slack`, all
+    /// along the piece: the difference of the squares of the distances is linear in the motion.
+    fn is_nearer(&self, near: DVec3, far: DVec3, slack: f64) -> bool {
+        let across = far - near;
+        let middle = 0.5 * (far + near);
+        let [p0, p1, p2, p3] = self.points.map(|point| point + middle);
+        let size = p0
+            .length()
+            .max(p1.length())
+            .max(p2.length().max(p3.length()));
+        // |far|² - |near|² = 2 across·(motion + middle), and their sum is at most 2 |motion + middle| +
+        // |across|.
+        let least = slack * (size + across.length());
+        [p0, p1, p2, p3]
+            .iter()
+            .all(|point| point.dot(across) > least)
+    }
+}
