@@ -1,4 +1,5 @@
-//! Time of a whole screening, from trajectories to conflicts, on one thread: `screen/METHOD/SCENE`.
+//! Time of a whole screening, from trajectories to conflicts, on one thread: `screen/METHOD/SCENE`;
+//! and of `swarm_10k` where each body is a cube covered by so many spheres: `spheres/ACCURACY/COUNT`.
 //!
 //! `elem/s` counts bodies. With `NEARMISS_DATA`, a folder of recordings, in the environment, those are
 //! screened as well, by the default method. With `NEARMISS_SLICE_LENGTHS=1` in the environment it is printed first how
@@ -19,7 +20,8 @@ use criterion::measurement::WallTime;
 use criterion::{
     BenchmarkGroup, BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group,
 };
-use nearmiss::{Body, Hitbox, Method, Query, Scene, Trajectory};
+use nearmiss::glam::DVec3;
+use nearmiss::{Accuracy, Body, BodyId, Hitbox, Method, Query, Scene, Sphere, Trajectory};
 use rayon::ThreadPool;
 use scenes::{Generated, Shape, satellites, swarm};
 
@@ -138,6 +140,53 @@ fn screen(criterion: &mut Criterion) {
     group.finish();
 }
 
+/// A cube of 4 m, covered by as many spheres along each side.
+fn cube(along: u32) -> Hitbox {
+    let side = 4.0 / f64::from(along);
+    let numbers = 0..along.pow(3);
+    let spheres = numbers.map(|number| {
+        let cell = [number, number / along, number / along.pow(2)];
+        let place = cell.map(|cell| (f64::from(cell % along) + 0.5) * side - 2.0);
+        Sphere {
+            offset: DVec3::from_array(place),
+            radius: side * 0.75_f64.sqrt(),
+        }
+    });
+    let hitbox = Hitbox::cluster(spheres.collect());
+    hitbox.unwrap_or_else(|error| panic!("a cube is refused: {error}"))
+}
+
+fn spheres(criterion: &mut Criterion) {
+    let pool = one_thread();
+    let mut group = criterion.benchmark_group("spheres");
+    group
+        .sample_size(10)
+        .sampling_mode(SamplingMode::Flat)
+        .warm_up_time(Duration::from_millis(300))
+        .measurement_time(Duration::from_secs(2));
+    let (mut scene, query) = build(&swarm(10_000, Shape::Cube, SEED));
+    let ids: Vec<BodyId> = scene.bodies().map(|(id, _)| id).collect();
+    for along in 1..=5 {
+        for &id in &ids {
+            let replaced = scene.set_hitbox(id, cube(along));
+            replaced.unwrap_or_else(|error| panic!("{error}"));
+        }
+        let query = query.with_margin(0.0);
+        let query = query.unwrap_or_else(|error| panic!("no margin is refused: {error}"));
+        for (accuracy, title) in [
+            (Accuracy::Exact, "exact"),
+            (Accuracy::Certified, "certified"),
+        ] {
+            let (query, id) = (
+                query.with_accuracy(accuracy),
+                BenchmarkId::new(title, along.pow(3)),
+            );
+            measure(&mut group, id, &pool, &scene, &query);
+        }
+    }
+    group.finish();
+}
+
 fn print_lengths() {
     for (name, generate) in SCENES {
         let (scene, query) = build(&generate());
@@ -148,7 +197,7 @@ fn print_lengths() {
     }
 }
 
-criterion_group!(benches, screen);
+criterion_group!(benches, screen, spheres);
 
 fn main() {
     if std::env::var_os("NEARMISS_SLICE_LENGTHS").is_some() {

@@ -13,6 +13,17 @@ pub struct BodyId {
 }
 
 impl BodyId {
+    /// No id comes before this one.
+    pub(crate) const FIRST: Self = Self {
+        slot: 0,
+        generation: 0,
+    };
+    /// No id comes after this one.
+    pub(crate) const LAST: Self = Self {
+        slot: u32::MAX,
+        generation: u32::MAX,
+    };
+
     /// The slot: small, dense, reused after a removal (with another generation).
     #[must_use]
     pub const fn slot(self) -> u32 {

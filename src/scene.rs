@@ -1,9 +1,11 @@
 //! Bodies under ids: what is screened.
 
+mod ignored;
 mod occupant;
 #[cfg(feature = "serde")]
 mod serial;
 
+pub(crate) use ignored::IgnoredPairs;
 pub(crate) use occupant::{Beyond, Occupant, Outline};
 
 use crate::error::Error;
@@ -13,7 +15,6 @@ use crate::layers::Layers;
 use crate::screen::Pool;
 use crate::simd::prefetch;
 use crate::trajectory::Trajectory;
-use std::collections::BTreeSet;
 use std::slice::from_ref;
 
 /// A trajectory with a hitbox around it.
@@ -113,8 +114,7 @@ struct Slot {
 pub struct Scene {
     slots: Vec<Slot>,
     free: Vec<u32>,
-    /// Pairs that are never screened, smaller id first.
-    ignored: BTreeSet<(BodyId, BodyId)>,
+    ignored: IgnoredPairs,
     len: usize,
     /// Scratch of screenings; no part of what a scene is.
     pool: Pool,
@@ -188,7 +188,7 @@ impl Scene {
             slot.generation = generation;
             self.free.push(id.slot);
         }
-        self.ignored.retain(|&(a, b)| a != id && b != id);
+        self.ignored.forget(id);
         self.len -= 1;
         Ok(occupant.body)
     }
@@ -276,13 +276,17 @@ impl Scene {
     /// [`Error::UnknownBody`], [`Error::SameBody`].
     pub fn heed_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
         let pair = self.pair(a, b)?;
-        self.ignored.remove(&pair);
+        self.ignored.remove(pair);
         Ok(())
     }
 
     /// The pairs that are left out, smaller id first.
     pub fn ignored_pairs(&self) -> impl Iterator<Item = (BodyId, BodyId)> {
-        self.ignored.iter().copied()
+        self.ignored.iter()
+    }
+
+    pub(crate) const fn ignored(&self) -> &IgnoredPairs {
+        &self.ignored
     }
 
     /// Two different bodies of the scene, smaller id first.
@@ -336,8 +340,7 @@ impl Scene {
             return false;
         };
         a.body.layers.admits(b.body.layers)
-            && (self.ignored.is_empty()
-                || !self.ignored.contains(&(id_a.min(id_b), id_a.max(id_b))))
+            && (self.ignored.is_empty() || !self.ignored.contains(id_a, id_b))
     }
 
     fn slot_mut(&mut self, id: BodyId) -> Result<&mut Slot, Error> {

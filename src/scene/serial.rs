@@ -20,9 +20,9 @@ impl From<Scene> for Parts {
     fn from(scene: Scene) -> Self {
         let body = |slot: Slot| (slot.generation, slot.occupant.map(|occupant| occupant.body));
         Self {
+            ignored: scene.ignored.iter().collect(),
             slots: scene.slots.into_iter().map(body).collect(),
             free: scene.free,
-            ignored: scene.ignored.into_iter().collect(),
         }
     }
 }

@@ -12,11 +12,10 @@ use crate::layers::Layers;
 use crate::narrow_phase::Party;
 use crate::parallel;
 use crate::query::Query;
-use crate::scene::{Beyond, Body, Occupant, Outline, Scene};
+use crate::scene::{Beyond, Body, IgnoredPairs, Occupant, Outline, Scene};
 use crate::spans::common_domain;
 use crate::trajectory::Outside;
 use crate::window::Window;
-use std::collections::BTreeSet;
 use std::num::NonZeroU32;
 use std::sync::Arc;
 
@@ -107,7 +106,7 @@ impl<'a> LineUp<'a> {
     }
 
     pub(super) fn is_unfiltered(&self, scene: &Scene) -> bool {
-        scene.ignored_pairs().next().is_none()
+        scene.ignored().is_empty()
             && self
                 .occupants
                 .iter()
@@ -165,35 +164,28 @@ fn overlap((start, end): (f64, f64), (from, to): (f64, f64)) -> f64 {
 }
 
 /// Layers and ignored pairs, by place in the line-up.
-pub(super) struct Admission {
+pub(super) struct Admission<'a> {
     layers: Vec<Layers>,
-    ignored: BTreeSet<(u32, u32)>,
+    ids: &'a [BodyId],
+    ignored: &'a IgnoredPairs,
 }
 
-impl Admission {
-    pub(super) fn new(scene: &Scene, line_up: &LineUp<'_>) -> Self {
-        let place = |id: BodyId| {
-            let place = line_up.ids.binary_search(&id).ok()?;
-            u32::try_from(place).ok()
-        };
+impl<'a> Admission<'a> {
+    pub(super) fn new(scene: &'a Scene, line_up: &'a LineUp<'_>) -> Self {
+        let occupants = line_up.occupants.iter();
         Self {
-            layers: line_up
-                .occupants
-                .iter()
-                .map(|occupant| occupant.body.layers)
-                .collect(),
-            ignored: scene
-                .ignored_pairs()
-                .filter_map(|(a, b)| Some((place(a)?, place(b)?)))
-                .collect(),
+            layers: occupants.map(|occupant| occupant.body.layers).collect(),
+            ids: &line_up.ids,
+            ignored: scene.ignored(),
         }
     }
 }
 
-impl PairFilter for Admission {
+impl PairFilter for Admission<'_> {
     fn admits(&self, a: u32, b: u32) -> bool {
-        self.layers[a as usize].admits(self.layers[b as usize])
-            && (self.ignored.is_empty() || !self.ignored.contains(&(a.min(b), a.max(b))))
+        let (a, b) = (a as usize, b as usize);
+        self.layers[a].admits(self.layers[b])
+            && (self.ignored.is_empty() || !self.ignored.contains(self.ids[a], self.ids[b]))
     }
 }
 
