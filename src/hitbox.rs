@@ -19,6 +19,9 @@ pub struct Sphere {
 
 /// A sphere, or a cluster of spheres that stand in for another shape.
 ///
+/// Where two clusters may be near each other, each pair of their spheres takes some nanoseconds, and
+/// a few pairs are solved: those that begin and end a conflict, and those that may be the nearest ones.
+///
 /// ```
 /// use glam::DVec3;
 /// use nearmiss::{Hitbox, Sphere};

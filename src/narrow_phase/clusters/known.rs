@@ -15,8 +15,12 @@ pub(super) struct Known<'a> {
     toward: DVec3,
     /// When the bodies are within the margin, in the order of time.
     stretches: Vec<Stretch>,
+    /// What comes nearer than this may be nearer than what is known, m.
+    near: f64,
     /// When they may be apart.
     gaps: Vec<Gap>,
+    /// Whether in one of these not all pairs are known to be apart.
+    is_open: bool,
     /// Which gap and direction was asked about last.
     asked: (usize, usize),
 }
@@ -82,7 +86,9 @@ impl<'a> Known<'a> {
             slack,
             toward,
             stretches: Vec::new(),
+            near: f64::NEG_INFINITY,
             gaps: Vec::new(),
+            is_open: true,
             asked: (0, 0),
         };
         known.find_gaps();
@@ -113,6 +119,10 @@ impl<'a> Known<'a> {
             self.join();
             self.find_gaps();
         }
+        // The nearest of each stretch matters, not that of all of them.
+        let separations = self.stretches.iter().map(|one| one.shown.separation);
+        let nearest = separations.fold(f64::NEG_INFINITY, f64::max);
+        self.near = nearest + self.slack;
     }
 
     fn join(&mut self) {
@@ -133,6 +143,7 @@ impl<'a> Known<'a> {
     }
 
     fn find_gaps(&mut self) {
+        self.is_open = true;
         self.gaps.clear();
         let (mut from, mut before) = (self.part.0, None);
         for stretch in &self.stretches {
@@ -188,6 +199,7 @@ impl<'a> Known<'a> {
                 }
             }
         }
+        self.is_open = !self.gaps.iter().all(Gap::is_clear);
         None
     }
 
@@ -200,30 +212,35 @@ impl<'a> Known<'a> {
     /// Whether a pair of spheres may be within the margin when nothing was shown to be, or nearer
     /// than what was.
     pub(super) fn may_matter(&self, candidate: &Candidate) -> bool {
+        if candidate.low > self.near && !self.is_open {
+            return false;
+        }
         let clusters = self.clusters;
         let offset = clusters.offset(candidate);
-        let separations = self
-            .stretches
-            .iter()
-            .map(|stretch| stretch.shown.separation);
-        // The nearest of a stretch matters, not that of all of them.
-        let nearest = separations.reduce(f64::max);
-        let may_be_nearer = nearest.is_some_and(|nearest| {
-            candidate.low <= nearest + self.slack
-                && !clusters.is_beyond(&clusters.motion.points(offset), candidate, nearest)
-        });
-        may_be_nearer
-            || self.gaps.iter().any(|gap| {
-                let (a, b) = clusters.spheres(candidate);
-                let bound = self.margin + self.slack + (a.radius + b.radius);
-                let is_apart = |direction: &Direction| {
-                    direction.state == State::Clear
-                        || direction.least + offset.dot(direction.unit) > bound
-                };
-                let points = gap.points.map(|point| point + offset);
-                !gap.directions.iter().any(is_apart)
-                    && !clusters.is_beyond(&points, candidate, self.margin)
-            })
+        let is_beyond = |points: &[DVec3; 4], margin: f64| {
+            let points = points.map(|point| point + offset);
+            clusters.is_beyond(&points, candidate, margin)
+        };
+        let near = self.near - self.slack;
+        if candidate.low <= self.near && !is_beyond(&clusters.motion.points(DVec3::ZERO), near) {
+            return true;
+        }
+        let (a, b) = clusters.spheres(candidate);
+        let bound = self.margin + self.slack + (a.radius + b.radius);
+        self.gaps.iter().any(|gap| {
+            let is_apart = |direction: &Direction| {
+                direction.state == State::Clear
+                    || direction.least + offset.dot(direction.unit) > bound
+            };
+            !gap.directions.iter().any(is_apart) && !is_beyond(&gap.points, self.margin)
+        })
+    }
+}
+
+impl Gap {
+    fn is_clear(&self) -> bool {
+        let mut directions = self.directions.iter();
+        directions.any(|direction| direction.state == State::Clear)
     }
 }
 

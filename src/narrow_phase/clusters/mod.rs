@@ -94,7 +94,8 @@ impl<'a> Clusters<'a> {
         let mut known = Known::new(self, part, margin, (toward, chords.slack));
         let mut solved = Vec::new();
         let mut shown = Vec::new();
-        let mut solve = |candidate: &Candidate, known: &mut Known<'_>| {
+        let mut solve = |candidate: &Candidate, known: &mut Known<'_>, solved: &mut Vec<_>| {
+            solved.push(*candidate);
             let pair = self.pair(candidate);
             if !self.is_beyond(&pair.cubic.points, candidate, margin) {
                 shown.clear();
@@ -102,24 +103,22 @@ impl<'a> Clusters<'a> {
                 known.learn(&shown, self.offset(candidate));
             }
         };
-        solve(nearest, &mut known);
-        solved.push(*nearest);
-        while let Some(support) = known.support() {
-            let found = candidates.binary_search_by_key(&support, |other| (other.a, other.b));
-            match found.map(|place| &candidates[place]) {
-                Ok(candidate) if !is_among(candidate, &solved) => {
-                    solve(candidate, &mut known);
-                    solved.push(*candidate);
+        let mut next = Some(nearest);
+        let mut others = candidates.iter();
+        while let Some(candidate) = next {
+            solve(candidate, &mut known, &mut solved);
+            while let Some(support) = known.support() {
+                let found = candidates.binary_search_by_key(&support, |other| (other.a, other.b));
+                match found.map(|place| &candidates[place]) {
+                    Ok(candidate) if !is_among(candidate, &solved) => {
+                        solve(candidate, &mut known, &mut solved);
+                    }
+                    // They are apart, or were seen before: this direction does not tell.
+                    _ => known.pass_over(),
                 }
-                // They are apart, or were seen before: this direction does not tell.
-                _ => known.pass_over(),
             }
-        }
-        for candidate in &candidates {
-            if known.may_matter(candidate) && !self.is_repeated(candidate, &solved) {
-                solve(candidate, &mut known);
-                solved.push(*candidate);
-            }
+            next =
+                others.find(|other| known.may_matter(other) && !self.is_repeated(other, &solved));
         }
     }
 
