@@ -117,7 +117,7 @@ impl SpherePair {
     /// A separation (m) that is reached between two instants of a span, rounding included.
     pub(super) fn reaches(&self, span: Span, (from, to): (f64, f64)) -> f64 {
         let instant = Profile::of(&self.cubic).closest(&self.cubic, from, to);
-        self.approach(span, instant).separation + self.cubic.tolerance()
+        self.approach(span, instant).separation + self.cubic.tolerance() + self.cubic.blur()
     }
 
     /// Whether cheap tests show that the separation stays above `margin` all along the span of
@@ -308,6 +308,8 @@ pub(super) fn join(contacts: &mut Vec<Contact>, first: usize) {
             .then(x.exit.total_cmp(&y.exit))
             .then(x.closest.sphere_a.cmp(&y.closest.sphere_a))
             .then(x.closest.sphere_b.cmp(&y.closest.sphere_b))
+            // At a knot both spans may have a contact of no duration.
+            .then(x.closest.span.start.total_cmp(&y.closest.span.start))
     });
     let mut last = first;
     for next in first + 1..contacts.len() {

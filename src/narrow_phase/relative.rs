@@ -1,7 +1,7 @@
 //! The motion of one body relative to another over a span: difference first, then local.
 
 use crate::enclosure::UncertainCubic;
-use crate::rounding::{CLEARANCE, UNDERFLOW, UNIT_ROUNDOFF, largest_norm, norm};
+use crate::rounding::{CLEARANCE, UNDERFLOW, UNIT_ROUNDOFF, largest_norm, norm, seen_until};
 use crate::trajectory::Segment;
 use glam::DVec3;
 
@@ -33,6 +33,12 @@ impl RelativeCubic {
     /// What comes within this of a threshold counts as contact.
     pub(crate) fn tolerance(&self) -> f64 {
         self.error + 48.0 * UNIT_ROUNDOFF * self.size
+    }
+
+    /// How far it goes at most between an instant and what that is rounded to, m; endless where that
+    /// cannot be told.
+    pub(super) fn blur(&self) -> f64 {
+        blur(&self.points, (self.start, self.end))
     }
 
     /// Whether the relative motion is zero, as far as its rounding can tell.
@@ -139,6 +145,14 @@ impl RelativeCubic {
     }
 }
 
+/// See [`RelativeCubic::blur`].
+fn blur(&[p0, p1, p2, p3]: &[DVec3; 4], (start, end): (f64, f64)) -> f64 {
+    let speed = 3.0 * largest_norm(&[p1 - p0, p2 - p1, p3 - p2]) / (end - start);
+    let latest = start.abs().max(end.abs());
+    let blur = speed * (seen_until(latest) - latest);
+    if blur.is_nan() { f64::INFINITY } else { blur }
+}
+
 /// A cubic in powers of the distance from one of its ends.
 struct PowerForm {
     coefficients: [DVec3; 4],
@@ -202,6 +216,11 @@ impl RelativeMotion {
     pub(super) fn points(&self, offset: DVec3) -> [DVec3; 4] {
         let apart = self.apart + offset;
         self.local.map(|local| apart + local)
+    }
+
+    /// As [`RelativeCubic::blur`].
+    pub(super) fn blur(&self) -> f64 {
+        blur(&self.local, (self.start, self.end))
     }
 
     /// The same with what is known of their error.

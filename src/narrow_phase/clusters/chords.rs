@@ -1,9 +1,10 @@
 //! Chords of a relative motion: how near spheres come to each other, from below.
 
-use super::{Candidate, Clusters};
+use super::{Candidate, Clusters, short};
 use crate::hitbox::Sphere;
 use crate::rounding::{CLEARANCE, UNDERFLOW, norm, normalising_power};
 use glam::DVec3;
+use std::ops::Range;
 
 /// Chords of two bodies' relative motion, and how far it strays from them: from below, how near
 /// spheres come to each other.
@@ -70,7 +71,12 @@ impl Chords {
             lines.push(Line {
                 start: piece[0],
                 change,
-                inverse: if square > 0.0 { 1.0 / square } else { 0.0 },
+                // Of a subnormal number it would have no end.
+                inverse: if square >= f64::MIN_POSITIVE {
+                    1.0 / square
+                } else {
+                    0.0
+                },
             });
             most = most.max(bend(piece));
             begin += 1.0;
@@ -112,8 +118,13 @@ impl Chords {
         points.reduce(nearer).unwrap_or_default()
     }
 
-    /// The pairs of spheres that may come within `margin`, in the order of their numbers.
-    pub(super) fn candidates(&self, clusters: &Clusters<'_>, margin: f64) -> Vec<Candidate> {
+    /// The pairs of some of a's spheres that may come within `margin`, in the order of their numbers.
+    pub(super) fn candidates(
+        &self,
+        clusters: &Clusters<'_>,
+        spheres_a: Range<usize>,
+        margin: f64,
+    ) -> Vec<Candidate> {
         let Clusters { a, b, .. } = *clusters;
         let bound = margin + self.slack;
         let is_near = |offset: DVec3, radii: f64| self.low(offset, radii, bound).is_some();
@@ -126,7 +137,7 @@ impl Chords {
             })
             .collect();
         let mut candidates = Vec::new();
-        for (number_a, sphere_a) in (0..).zip(a.spheres) {
+        for (number_a, sphere_a) in (short(spheres_a.start)..).zip(&a.spheres[spheres_a]) {
             let radii = sphere_a.radius + b.bounding.radius;
             if !is_near(sphere_a.offset - b.bounding.offset, radii) {
                 continue;

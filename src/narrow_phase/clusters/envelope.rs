@@ -76,7 +76,8 @@ impl<'a> Envelope<'a> {
             clusters,
             pieces,
             power,
-            slack: chords.slack * power,
+            // A window may begin between an instant and what that is rounded to.
+            slack: (chords.slack + 2.0 * clusters.motion.blur()) * power,
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::{Candidate, Clusters, Shown};
 use crate::hitbox::Sphere;
-use crate::rounding::norm;
+use crate::rounding::{norm, seen_from, seen_until};
 use glam::DVec3;
 
 /// What pairs of spheres have shown of their bodies so far.
@@ -12,17 +12,15 @@ pub(super) struct Known<'a> {
     margin: f64,
     slack: f64,
     /// In which direction to look while nothing is known.
-    toward: DVec3,
+    toward: Option<DVec3>,
     /// When the bodies are within the margin, in the order of time.
     stretches: Vec<Stretch>,
     /// What comes nearer than this may be nearer than what is known, m.
     near: f64,
     /// When they may be apart.
     gaps: Vec<Gap>,
-    /// Whether in one of these not all pairs are known to be apart.
-    is_open: bool,
-    /// Which gap and direction was asked about last.
-    asked: (usize, usize),
+    /// Whether these are too many: then all pairs are solved.
+    is_scattered: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -46,57 +44,65 @@ struct Direction {
     unit: DVec3,
     /// No control point is less far in it, m.
     least: f64,
-    state: State,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum State {
-    /// Not asked yet.
-    Open,
-    /// All pairs of spheres are apart in it.
-    Clear,
-    /// Some are not.
-    Mixed,
+    /// Whether the spheres that reach farthest in it have been asked about.
+    is_asked: bool,
 }
 
 impl Direction {
     fn new(points: &[DVec3; 4], toward: DVec3) -> Self {
         // No number where spheres touch at their centres: then it tells nothing.
-        let unit = toward / norm(toward);
+        let length = norm(toward);
+        let length = if length < f64::MIN_POSITIVE {
+            0.0
+        } else {
+            length
+        };
+        let unit = toward / length;
         let along = points.map(|point| point.dot(unit));
+        let smaller = |x: f64, y: f64| if y > x { x } else { y };
         Self {
             unit,
-            least: along.into_iter().fold(f64::INFINITY, f64::min),
-            state: State::Open,
+            least: along.into_iter().fold(f64::INFINITY, smaller),
+            is_asked: false,
         }
     }
 }
 
 impl<'a> Known<'a> {
+    const MOST_GAPS: usize = 8;
+
     pub(super) fn new(
         clusters: &'a Clusters<'a>,
         part: (f64, f64),
         margin: f64,
-        (toward, slack): (DVec3, f64),
+        slack: f64,
     ) -> Self {
-        let mut known = Self {
+        Self {
             clusters,
             part,
             margin,
             slack,
-            toward,
+            toward: None,
             stretches: Vec::new(),
             near: f64::NEG_INFINITY,
             gaps: Vec::new(),
-            is_open: true,
-            asked: (0, 0),
-        };
-        known.find_gaps();
-        known
+            is_scattered: false,
+        }
+    }
+
+    /// Looks in a direction while nothing is known.
+    pub(super) fn look(&mut self, toward: DVec3) {
+        if self.stretches.is_empty() {
+            self.toward = Some(toward);
+            self.find_gaps();
+        }
     }
 
     /// Takes in what a pair of spheres with this offset shows.
     pub(super) fn learn(&mut self, shown: &[Shown], offset: DVec3) {
+        if self.is_scattered {
+            return;
+        }
         let mut is_longer = false;
         for &shown in shown {
             let mut stretches = self.stretches.iter_mut();
@@ -117,7 +123,10 @@ impl<'a> Known<'a> {
         }
         if is_longer {
             self.join();
-            self.find_gaps();
+            self.is_scattered |= self.stretches.len() >= Self::MOST_GAPS;
+            if !self.is_scattered {
+                self.find_gaps();
+            }
         }
         // The nearest of each stretch matters, not that of all of them.
         let separations = self.stretches.iter().map(|one| one.shown.separation);
@@ -143,7 +152,6 @@ impl<'a> Known<'a> {
     }
 
     fn find_gaps(&mut self) {
-        self.is_open = true;
         self.gaps.clear();
         let (mut from, mut before) = (self.part.0, None);
         for stretch in &self.stretches {
@@ -161,12 +169,17 @@ impl<'a> Known<'a> {
     }
 
     /// A gap between two touching pairs of spheres with these offsets, or the ends of the part.
-    fn gap(&self, interval: (f64, f64), (before, after): (Option<DVec3>, Option<DVec3>)) -> Gap {
+    fn gap(&self, (from, to): (f64, f64), (before, after): (Option<DVec3>, Option<DVec3>)) -> Gap {
+        // Instants are rounded: what begins at one of these may have begun in the gap.
+        let interval = (
+            seen_from(from).max(self.part.0),
+            seen_until(to).min(self.part.1),
+        );
         let points = self.clusters.points_between(interval);
         let before = before.map(|offset| points[0] + offset);
         let after = after.map(|offset| points[3] + offset);
         let neither = before.is_none() && after.is_none();
-        let towards = [before, after, neither.then_some(self.toward)];
+        let towards = [before, after, self.toward.filter(|_| neither)];
         let directions = towards.into_iter().flatten();
         Gap {
             directions: directions
@@ -176,44 +189,23 @@ impl<'a> Known<'a> {
         }
     }
 
-    /// The two spheres that reach farthest in a direction in which the bodies may be apart, if they
-    /// are not; none if all directions have been asked about.
+    /// The two spheres that reach farthest in a direction that was not asked about before.
     pub(super) fn support(&mut self) -> Option<(u32, u32)> {
         let Clusters { a, b, .. } = self.clusters;
-        let bound = self.margin + self.slack;
-        for (number, gap) in self.gaps.iter_mut().enumerate() {
-            for (place, direction) in gap.directions.iter_mut().enumerate() {
-                if direction.state != State::Open {
-                    continue;
-                }
-                let unit = direction.unit;
-                let reach_a = |sphere: &Sphere| -sphere.offset.dot(unit) + sphere.radius;
-                let reach_b = |sphere: &Sphere| sphere.offset.dot(unit) + sphere.radius;
-                let (support_a, reach_a) = farthest(a.spheres, reach_a);
-                let (support_b, reach_b) = farthest(b.spheres, reach_b);
-                if direction.least - reach_a - reach_b > bound {
-                    direction.state = State::Clear;
-                } else {
-                    self.asked = (number, place);
-                    return Some((support_a, support_b));
-                }
-            }
-        }
-        self.is_open = !self.gaps.iter().all(Gap::is_clear);
-        None
-    }
-
-    /// Has the direction that was asked about last not be asked about again.
-    pub(super) fn pass_over(&mut self) {
-        let (gap, place) = self.asked;
-        self.gaps[gap].directions[place].state = State::Mixed;
+        let mut directions = self.gaps.iter_mut().flat_map(|gap| &mut gap.directions);
+        let direction = directions.find(|direction| !direction.is_asked)?;
+        direction.is_asked = true;
+        let along = |sphere: &Sphere| sphere.offset.dot(direction.unit);
+        let support_a = farthest(a.spheres, |sphere| sphere.radius - along(sphere));
+        let support_b = farthest(b.spheres, |sphere| sphere.radius + along(sphere));
+        Some((support_a, support_b))
     }
 
     /// Whether a pair of spheres may be within the margin when nothing was shown to be, or nearer
     /// than what was.
     pub(super) fn may_matter(&self, candidate: &Candidate) -> bool {
-        if candidate.low > self.near && !self.is_open {
-            return false;
+        if self.is_scattered {
+            return true;
         }
         let clusters = self.clusters;
         let offset = clusters.offset(candidate);
@@ -228,25 +220,16 @@ impl<'a> Known<'a> {
         let (a, b) = clusters.spheres(candidate);
         let bound = self.margin + self.slack + (a.radius + b.radius);
         self.gaps.iter().any(|gap| {
-            let is_apart = |direction: &Direction| {
-                direction.state == State::Clear
-                    || direction.least + offset.dot(direction.unit) > bound
-            };
+            let is_apart =
+                |direction: &Direction| direction.least + offset.dot(direction.unit) > bound;
             !gap.directions.iter().any(is_apart) && !is_beyond(&gap.points, self.margin)
         })
     }
 }
 
-impl Gap {
-    fn is_clear(&self) -> bool {
-        let mut directions = self.directions.iter();
-        directions.any(|direction| direction.state == State::Clear)
-    }
-}
-
-/// The sphere for which this is largest, and that.
-fn farthest(spheres: &[Sphere], reach: impl Fn(&Sphere) -> f64) -> (u32, f64) {
+/// The sphere for which this is largest.
+fn farthest(spheres: &[Sphere], reach: impl Fn(&Sphere) -> f64) -> u32 {
     let reaches = (0..).zip(spheres.iter().map(reach));
     let farther = |x: (u32, f64), y: (u32, f64)| if y.1 > x.1 { y } else { x };
-    reaches.reduce(farther).unwrap_or((0, f64::NEG_INFINITY))
+    reaches.reduce(farther).map_or(0, |(number, _)| number)
 }

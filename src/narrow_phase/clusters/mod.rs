@@ -26,11 +26,14 @@ use super::filter::certainly_beyond;
 use super::relative::{RelativeMotion, filter_threshold, local_scale};
 use super::{Party, contact_radius};
 use crate::hitbox::Sphere;
+use crate::rounding::{seen_from, seen_until};
 use crate::spans::Span;
 use chords::Chords;
 use envelope::Envelope;
 use glam::DVec3;
 use known::Known;
+use std::collections::HashMap;
+use std::ops::Range;
 
 /// Two clusters over a span.
 pub(super) struct Clusters<'a> {
@@ -73,6 +76,11 @@ impl<'a> Clusters<'a> {
         }
     }
 
+    /// Up to so many pairs of spheres are solved as they come: nothing else would be faster.
+    const FEW: usize = 9;
+    /// Pairs of spheres that are listed at a time, at least a sphere of a with all of b.
+    const BATCH: usize = 1 << 16;
+
     /// Solves the pairs of spheres that matter for contacts within `margin` in `clip`; `solve` gives
     /// what is shown by each.
     pub(super) fn each_for_contacts(
@@ -81,21 +89,23 @@ impl<'a> Clusters<'a> {
         clip: (f64, f64),
         mut solve: impl FnMut(&SpherePair, &mut Vec<Shown>),
     ) {
-        let part = (self.span.start.max(clip.0), self.span.end.min(clip.1));
+        let part = self.part(clip);
         if part.0 > part.1 {
             return;
         }
-        let chords = Chords::of(self, part, margin);
-        let candidates = chords.candidates(self, margin);
-        let Some(nearest) = nearest(&candidates) else {
-            return;
-        };
-        let toward = chords.nearest_point(self.offset(nearest));
-        let mut known = Known::new(self, part, margin, (toward, chords.slack));
-        let mut solved = Vec::new();
         let mut shown = Vec::new();
-        let mut solve = |candidate: &Candidate, known: &mut Known<'_>, solved: &mut Vec<_>| {
-            solved.push(*candidate);
+        if self.are_few() {
+            self.each_within(margin, |pair| {
+                shown.clear();
+                solve(pair, &mut shown);
+            });
+            return;
+        }
+        let chords = Chords::of(self, part, margin);
+        let mut known = Known::new(self, part, margin, chords.slack);
+        let mut solved = Solved::default();
+        let mut solve = |candidate: &Candidate, known: &mut Known<'_>, solved: &mut Solved| {
+            solved.add(self, candidate);
             let pair = self.pair(candidate);
             if !self.is_beyond(&pair.cubic.points, candidate, margin) {
                 shown.clear();
@@ -103,22 +113,25 @@ impl<'a> Clusters<'a> {
                 known.learn(&shown, self.offset(candidate));
             }
         };
-        let mut next = Some(nearest);
-        let mut others = candidates.iter();
-        while let Some(candidate) = next {
-            solve(candidate, &mut known, &mut solved);
-            while let Some(support) = known.support() {
-                let found = candidates.binary_search_by_key(&support, |other| (other.a, other.b));
-                match found.map(|place| &candidates[place]) {
-                    Ok(candidate) if !is_among(candidate, &solved) => {
-                        solve(candidate, &mut known, &mut solved);
-                    }
-                    // They are apart, or were seen before: this direction does not tell.
-                    _ => known.pass_over(),
-                }
+        for spheres in self.batches() {
+            let candidates = chords.candidates(self, spheres, margin);
+            let mut next = nearest(&candidates);
+            if let Some(nearest) = next {
+                known.look(chords.nearest_point(self.offset(nearest)));
             }
-            next =
-                others.find(|other| known.may_matter(other) && !self.is_repeated(other, &solved));
+            let mut others = candidates.iter();
+            while let Some(candidate) = next {
+                solve(candidate, &mut known, &mut solved);
+                while let Some(support) = known.support() {
+                    let order = |other: &Candidate| (other.a, other.b);
+                    if let Ok(place) = candidates.binary_search_by_key(&support, order)
+                        && !solved.holds(self, &candidates[place])
+                    {
+                        solve(&candidates[place], &mut known, &mut solved);
+                    }
+                }
+                next = others.find(|other| known.may_matter(other) && !solved.holds(self, other));
+            }
         }
     }
 
@@ -130,21 +143,21 @@ impl<'a> Clusters<'a> {
         mut reached: f64,
         mut solve: impl FnMut(&SpherePair) -> f64,
     ) {
-        let part = (self.span.start.max(clip.0), self.span.end.min(clip.1));
-        let chords = Chords::of(self, part, 0.0);
-        let candidates = chords.candidates(self, reached);
-        let mut solved = Vec::new();
-        for candidate in nearest(&candidates).into_iter().chain(&candidates) {
-            let is_beyond = |pair: &SpherePair| {
-                reached < f64::INFINITY && self.is_beyond(&pair.cubic.points, candidate, reached)
-            };
-            if candidate.low > reached + chords.slack || self.is_repeated(candidate, &solved) {
-                continue;
-            }
-            let pair = self.pair(candidate);
-            if !is_beyond(&pair) {
+        let chords = Chords::of(self, self.part(clip), 0.0);
+        let mut solved = Solved::default();
+        for spheres in self.batches() {
+            let candidates = chords.candidates(self, spheres, reached);
+            for candidate in nearest(&candidates).into_iter().chain(&candidates) {
+                if candidate.low > reached + chords.slack || solved.holds(self, candidate) {
+                    continue;
+                }
+                let pair = self.pair(candidate);
+                let points = &pair.cubic.points;
+                if reached < f64::INFINITY && self.is_beyond(points, candidate, reached) {
+                    continue;
+                }
                 reached = solve(&pair);
-                solved.push(*candidate);
+                solved.add(self, candidate);
             }
         }
     }
@@ -152,20 +165,60 @@ impl<'a> Clusters<'a> {
     /// Solves the pairs of spheres that may come within `margin` and be the nearest ones of their
     /// bodies then: all that matter at this margin and smaller ones, whatever the window.
     pub(super) fn each_on_envelope(&self, margin: f64, mut solve: impl FnMut(&SpherePair)) {
+        let count = self.a.spheres.len() * self.b.spheres.len();
+        if self.are_few() || count > Self::BATCH {
+            return self.each_within(margin, solve);
+        }
         let chords = Chords::of(self, (self.span.start, self.span.end), margin);
-        let candidates = chords.candidates(self, margin);
+        let candidates = chords.candidates(self, 0..self.a.spheres.len(), margin);
         let envelope = Envelope::of(self, &chords, &candidates);
-        let mut solved = Vec::new();
+        let mut solved = Solved::default();
         for candidate in &candidates {
-            if envelope.is_above(candidate) || self.is_repeated(candidate, &solved) {
+            if envelope.is_above(candidate) || solved.holds(self, candidate) {
                 continue;
             }
             let pair = self.pair(candidate);
             if !self.is_beyond(&pair.cubic.points, candidate, margin) {
                 solve(&pair);
-                solved.push(*candidate);
+                solved.add(self, candidate);
             }
         }
+    }
+
+    fn are_few(&self) -> bool {
+        self.a.spheres.len() * self.b.spheres.len() <= Self::FEW
+    }
+
+    /// Numbers of a's spheres, a batch at a time.
+    fn batches(&self) -> impl Iterator<Item = Range<usize>> + use<> {
+        let count = self.a.spheres.len();
+        let size = (Self::BATCH / self.b.spheres.len()).max(1);
+        let firsts = (0..count).step_by(size);
+        firsts.map(move |first| first..(first + size).min(count))
+    }
+
+    /// Solves all pairs of spheres that may come within `margin`.
+    fn each_within(&self, margin: f64, mut solve: impl FnMut(&SpherePair)) {
+        for a in 0..self.a.spheres.len() {
+            for b in 0..self.b.spheres.len() {
+                let candidate = Candidate {
+                    a: short(a),
+                    b: short(b),
+                    low: f64::NEG_INFINITY,
+                };
+                let pair = self.pair(&candidate);
+                if !self.is_beyond(&pair.cubic.points, &candidate, margin) {
+                    solve(&pair);
+                }
+            }
+        }
+    }
+
+    /// When to look at the motion for all that is reported of a window (s): instants that are reported
+    /// are rounded.
+    fn part(&self, (from, to): (f64, f64)) -> (f64, f64) {
+        let (start, end) = (self.span.start, self.span.end);
+        (start.max(seen_from(from)), end.min(seen_until(to)))
     }
 
     /// Control points of the bodies' relative motion between two instants of the span (s).
@@ -207,23 +260,45 @@ impl<'a> Clusters<'a> {
         // Below zero no distance is small enough, whatever the rounding.
         radius < 0.0 || certainly_beyond(points, filter_threshold(radius, scale))
     }
+}
 
-    /// Whether it is a pair that was solved, or moves as one that comes before it does: where they
-    /// tie, that one is reported.
-    fn is_repeated(&self, candidate: &Candidate, solved: &[Candidate]) -> bool {
-        let (a, b) = self.spheres(candidate);
-        solved.iter().any(|other| {
-            let (other_a, other_b) = self.spheres(other);
-            (other.a, other.b) <= (candidate.a, candidate.b)
-                && self.offset(other) == a.offset - b.offset
-                && (other_a.radius, other_b.radius) == (a.radius, b.radius)
-        }) || is_among(candidate, solved)
+/// Pairs of spheres that were solved.
+#[derive(Default)]
+struct Solved(HashMap<Motion, (u32, u32)>);
+
+/// What two spheres do: offset and radii, as bits.
+type Motion = ([u64; 3], [u64; 2]);
+
+impl Solved {
+    fn motion(clusters: &Clusters<'_>, candidate: &Candidate) -> Motion {
+        let (a, b) = clusters.spheres(candidate);
+        // Of two zeros, one.
+        let offset = (clusters.offset(candidate) + 0.0).to_array();
+        (
+            offset.map(f64::to_bits),
+            [a.radius, b.radius].map(f64::to_bits),
+        )
+    }
+
+    fn add(&mut self, clusters: &Clusters<'_>, candidate: &Candidate) {
+        let numbers = (candidate.a, candidate.b);
+        let first = self.0.entry(Self::motion(clusters, candidate));
+        let first = first.or_insert(numbers);
+        *first = numbers.min(*first);
+    }
+
+    /// Whether it is among them, or moves as one that comes before it does: where they tie, that one is
+    /// reported.
+    fn holds(&self, clusters: &Clusters<'_>, candidate: &Candidate) -> bool {
+        let first = self.0.get(&Self::motion(clusters, candidate));
+        first.is_some_and(|&first| first <= (candidate.a, candidate.b))
     }
 }
 
-fn is_among(candidate: &Candidate, solved: &[Candidate]) -> bool {
-    let mut solved = solved.iter();
-    solved.any(|other| (other.a, other.b) == (candidate.a, candidate.b))
+/// Spheres are counted in 32 bits; more of them do not fit into memory.
+#[allow(clippy::cast_possible_truncation, reason = "see above")]
+const fn short(number: usize) -> u32 {
+    number as u32
 }
 
 fn nearest(candidates: &[Candidate]) -> Option<&Candidate> {

@@ -20,12 +20,15 @@ struct Case {
     hitboxes: [Hitbox; 2],
     margin: f64,
     clip: (f64, f64),
+    /// From here on a second, s.
+    start: f64,
 }
 
 /// Clusters of all kinds that fly by, into, and beside each other.
 fn case(rng: &mut ChaCha8Rng, kind: usize) -> Case {
     let size = 10f64.powf(rng.random_range(-6.0..6.0));
     let far = [0.0, 1e3, 1e8][kind % 3] * size;
+    let start = [0.0, 1.7e9][kind / 2 % 2];
     let vector = |rng: &mut ChaCha8Rng, half: f64| {
         DVec3::from_array([0; 3].map(|_| rng.random_range(-half..=half)))
     };
@@ -77,7 +80,7 @@ fn case(rng: &mut ChaCha8Rng, kind: usize) -> Case {
         let place = base + vector(rng, size) - velocity * 0.5;
         let states = [0.0, 0.4, 1.0].map(|time| {
             let velocity = velocity + vector(rng, wild);
-            State::new(time, place + velocity * time, velocity)
+            State::new(start + time, place + velocity * time, velocity)
         });
         match Trajectory::from_states(&states) {
             Ok(plan) => plan,
@@ -86,8 +89,11 @@ fn case(rng: &mut ChaCha8Rng, kind: usize) -> Case {
     };
     let plans = [plan(rng), plan(rng)];
     let clip = match kind % 7 {
-        0 => (rng.random_range(0.0..0.5), rng.random_range(0.5..1.0)),
-        1 => (0.45, 0.45),
+        0 => (
+            start + rng.random_range(0.0..0.5),
+            start + rng.random_range(0.5..1.0),
+        ),
+        1 => (start + 0.45, start + 0.45),
         _ => (f64::MIN, f64::MAX),
     };
     let margin = [-0.3, 0.0, 0.1, 1.0, 5.0][rng.random_range(0..5)] * size;
@@ -96,6 +102,7 @@ fn case(rng: &mut ChaCha8Rng, kind: usize) -> Case {
         hitboxes,
         margin,
         clip,
+        start,
     };
     if kind.is_multiple_of(4) {
         // A touch, as far as rounding can tell.
@@ -118,8 +125,19 @@ impl Case {
 
     fn spans(&self) -> Vec<Span> {
         let [a, b] = self.parties();
-        let (from, to) = (self.clip.0.max(0.0), self.clip.1.min(1.0));
-        spans(a.knots, b.knots, from, to).collect()
+        spans(a.knots, b.knots, self.start, self.start + 1.0).collect()
+    }
+
+    /// Windows that begin and end at instants of contacts.
+    fn windows_at(&self, contacts: &[Contact]) -> Vec<(f64, f64)> {
+        let end = self.start + 1.0;
+        let of_contact = |contact: &Contact| {
+            let Contact { enter, exit, .. } = *contact;
+            let time = contact.closest.time;
+            [(exit, end), (self.start, enter), (time, end), (time, time)]
+        };
+        let windows = contacts.iter().take(3).flat_map(of_contact);
+        windows.chain([self.clip]).collect()
     }
 
     /// Each pair of spheres over each span.
@@ -149,34 +167,38 @@ fn contacts_are_those_of_all_pairs() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let (mut found, mut expected) = (Vec::new(), Vec::<Contact>::new());
     let (mut several, mut one) = (0, 0);
-    for kind in 0..6_000 {
-        let case = case(&mut rng, kind);
+    for kind in 0..4_000 {
+        let Case { margin, .. } = case(&mut rng, kind);
+        let mut case = case(&mut rng, kind);
+        if kind % 2 == 1 {
+            case.margin = margin.abs();
+        }
         let [a, b] = &case.parties();
         found.clear();
-        contacts(
-            a,
-            b,
-            case.spans().into_iter(),
-            case.margin,
-            case.clip,
-            &mut found,
-        );
-        expected.clear();
-        case.each(|pair, span| {
-            pair.contacts(
-                &Profile::of(&pair.cubic),
-                span,
-                case.margin,
-                case.clip,
-                &mut expected,
-            );
-        });
-        join(&mut expected, 0);
-        assert_eq!(found, expected, "{kind}");
+        let spans = case.spans().into_iter();
+        contacts(a, b, spans, case.margin, case.clip, &mut found);
         one += usize::from(found.len() == 1);
         several += usize::from(found.len() > 1);
+        for clip in case.windows_at(&found) {
+            found.clear();
+            contacts(
+                a,
+                b,
+                case.spans().into_iter(),
+                case.margin,
+                clip,
+                &mut found,
+            );
+            expected.clear();
+            case.each(|pair, span| {
+                let profile = Profile::of(&pair.cubic);
+                pair.contacts(&profile, span, case.margin, clip, &mut expected);
+            });
+            join(&mut expected, 0);
+            assert_eq!(found, expected, "{kind} {clip:?}");
+        }
     }
-    assert!(one > 1_500 && several > 100, "{one} {several}");
+    assert!(one > 1_000 && several > 100, "{one} {several}");
 }
 
 /// What a monitor keeps of a span serves for all smaller margins, in any window.
@@ -185,7 +207,7 @@ fn the_envelope_serves_for_all_margins_and_windows() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let (mut kept, mut found, mut expected) = (Vec::new(), Vec::new(), Vec::<Contact>::new());
     let (mut several, mut count, mut all) = (0, 0, 0);
-    for kind in 0..3_000 {
+    for kind in 0..2_000 {
         let case = case(&mut rng, kind);
         let [a, b] = &case.parties();
         kept.clear();
@@ -194,20 +216,23 @@ fn the_envelope_serves_for_all_margins_and_windows() {
         }
         count += kept.len();
         all += case.spans().len() * a.spheres.len() * b.spheres.len();
-        for round in 0..6 {
+        found.clear();
+        contacts_of(kept.iter(), case.margin, (f64::MIN, f64::MAX), &mut found);
+        let begin = case.start + f64::max(rng.random_range(-0.5..1.0), 0.0);
+        let any = (begin, begin + rng.random_range(0.0..1.0));
+        for clip in case.windows_at(&found).into_iter().chain([any]) {
             let less = case.margin.abs() * rng.random_range(0.0..1.0);
-            let margin = case.margin - if round == 0 { 0.0 } else { less };
-            let begin: f64 = rng.random_range(-0.5..1.0);
-            let clip = (begin.max(0.0), begin.max(0.0) + rng.random_range(0.0..1.0));
-            found.clear();
-            contacts_of(kept.iter(), margin, clip, &mut found);
-            expected.clear();
-            case.each(|pair, span| {
-                pair.contacts(&Profile::of(&pair.cubic), span, margin, clip, &mut expected);
-            });
-            join(&mut expected, 0);
-            assert_eq!(found, expected, "{kind} {round}");
-            several += found.len();
+            for margin in [case.margin, case.margin - less] {
+                found.clear();
+                contacts_of(kept.iter(), margin, clip, &mut found);
+                expected.clear();
+                case.each(|pair, span| {
+                    pair.contacts(&Profile::of(&pair.cubic), span, margin, clip, &mut expected);
+                });
+                join(&mut expected, 0);
+                assert_eq!(found, expected, "{kind} {margin} {clip:?}");
+                several += found.len();
+            }
         }
     }
     assert!(
@@ -222,29 +247,26 @@ fn proofs_are_those_of_all_pairs() {
     let (mut workspace, mut all) = (Workspace::default(), Workspace::default());
     let (mut found, mut expected) = (Vec::new(), Vec::new());
     let (mut resolved, mut unresolved) = (0, 0);
-    for kind in 0..1_500 {
+    for kind in 0..800 {
         let case = case(&mut rng, kind);
         let [a, b] = &case.parties();
-        found.clear();
+        let mut plain = Vec::new();
         let spans = case.spans().into_iter();
-        certified_contacts(
-            a,
-            b,
-            spans,
-            case.margin,
-            case.clip,
-            &mut workspace,
-            &mut found,
-        );
-        expected.clear();
-        all.clear();
-        case.each(|pair, span| {
-            all.solve(pair, span, case.margin, case.clip);
-        });
-        all.join((a, b), case.margin, case.clip, &mut expected);
-        assert_eq!(found, expected, "{kind}");
-        resolved += found.iter().filter(|one| one.certificate.resolved).count();
-        unresolved += found.iter().filter(|one| !one.certificate.resolved).count();
+        contacts(a, b, spans, case.margin, case.clip, &mut plain);
+        for clip in case.windows_at(&plain) {
+            found.clear();
+            let spans = case.spans().into_iter();
+            certified_contacts(a, b, spans, case.margin, clip, &mut workspace, &mut found);
+            expected.clear();
+            all.clear();
+            case.each(|pair, span| {
+                all.solve(pair, span, case.margin, clip);
+            });
+            all.join((a, b), case.margin, clip, &mut expected);
+            assert_eq!(found, expected, "{kind} {clip:?}");
+            resolved += found.iter().filter(|one| one.certificate.resolved).count();
+            unresolved += found.iter().filter(|one| !one.certificate.resolved).count();
+        }
     }
     assert!(resolved > 500 && unresolved > 5, "{resolved} {unresolved}");
 }
@@ -252,28 +274,75 @@ fn proofs_are_those_of_all_pairs() {
 #[test]
 fn the_nearest_is_that_of_all_pairs() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
-    for kind in 0..4_000 {
+    for kind in 0..3_000 {
         let case = case(&mut rng, kind);
         let [a, b] = &case.parties();
-        let found = closest_approach(a, b, case.spans().into_iter(), case.clip);
-        let mut nearest = Nearest::default();
-        let mut before = None;
-        case.each(|pair, span| {
-            if before.replace(span).is_some_and(|before| before != span) {
-                nearest.settle();
+        let mut touching = Vec::new();
+        let spans = case.spans().into_iter();
+        contacts(a, b, spans, case.margin, case.clip, &mut touching);
+        for clip in case.windows_at(&touching) {
+            let of_window = |span: &Span| span.end >= clip.0 && span.start <= clip.1;
+            let spans = || case.spans().into_iter().filter(of_window);
+            let found = closest_approach(a, b, spans(), clip);
+            let mut nearest = Nearest::default();
+            let mut before = None;
+            case.each(|pair, span| {
+                if of_window(&span) {
+                    if before.replace(span).is_some_and(|before| before != span) {
+                        nearest.settle();
+                    }
+                    nearest.push(pair, span, clip);
+                }
+            });
+            nearest.settle();
+            assert_eq!(found, nearest.closest, "{kind} {clip:?}");
+            // Where a window cuts, the plain solver is off by what the rounding of time amounts to.
+            if kind % 5 == 3 && clip == (f64::MIN, f64::MAX) {
+                let certified = certified_approach(a, b, spans(), clip);
+                let (approach, error, _) = certified.unwrap_or_else(|| unreachable!());
+                let nearest = nearest.separation();
+                let off = (approach.separation - nearest).abs();
+                assert!(off <= 2.0 * error, "{kind}");
             }
-            nearest.push(pair, span, case.clip);
-        });
-        nearest.settle();
-        assert_eq!(found, nearest.closest, "{kind}");
-        if kind % 10 == 0 {
-            let certified = certified_approach(a, b, case.spans().into_iter(), case.clip);
-            let (approach, error, _) = certified.unwrap_or_else(|| unreachable!());
-            let nearest = nearest.separation();
-            assert!(
-                (approach.separation - nearest).abs() <= 2.0 * error,
-                "{kind}"
-            );
         }
+    }
+}
+
+/// Many contacts in one span: beads on a rod, flown along. And all but no motion at all.
+#[test]
+fn rods_and_next_to_no_motion() {
+    let hitbox = |spheres: Vec<(DVec3, f64)>| {
+        let spheres = spheres.into_iter();
+        let spheres = spheres.map(|(offset, radius)| Sphere { offset, radius });
+        Hitbox::cluster(spheres.collect()).unwrap_or_else(|_| unreachable!())
+    };
+    let line = |velocity: DVec3| {
+        let states = [0.0, 1.0].map(|time| State::new(time, velocity * time, velocity));
+        Trajectory::from_states(&states).unwrap_or_else(|_| unreachable!())
+    };
+    let beads = (1..=60).map(|bead| (DVec3::X * (4.0 * f64::from(bead)), 0.5));
+    let pair = vec![(DVec3::ZERO, 0.75), (DVec3::X * -50.0, 0.75)];
+    let other = vec![(DVec3::X, 0.75), (DVec3::X * 51.0, 0.75)];
+    let three = vec![(DVec3::ZERO, 0.2), (DVec3::Y * 9.0, 0.2)];
+    for (hitboxes, velocity, contacts_of_all) in [
+        ([three.clone(), beads.collect()], DVec3::X * 300.0, 60),
+        ([other.clone(), pair.clone()], DVec3::Y * 1e-155, 1),
+        (
+            [[other, three].concat(), [pair.clone(), pair].concat()],
+            DVec3::Y * 1e-155,
+            1,
+        ),
+    ] {
+        let case = Case {
+            plans: [line(velocity), line(DVec3::ZERO)],
+            hitboxes: hitboxes.map(hitbox),
+            margin: 0.0,
+            clip: (0.0, 1.0),
+            start: 0.0,
+        };
+        let [a, b] = &case.parties();
+        let mut found = Vec::new();
+        contacts(a, b, case.spans().into_iter(), 0.0, case.clip, &mut found);
+        assert_eq!(found.len(), contacts_of_all);
     }
 }
