@@ -167,7 +167,7 @@ pub(crate) fn certified_approach(
     spans: impl Iterator<Item = Span>,
     (from, to): (f64, f64),
 ) -> Option<(Approach, f64, TimeEnclosure)> {
-    let mut nearest = Nearest::default();
+    let mut nearest = Nearest::new();
     let mut found: Vec<Least> = Vec::new();
     let mut reached = f64::INFINITY;
     for span in spans {

@@ -334,9 +334,9 @@ pub(crate) fn closest_approach(
     spans: impl Iterator<Item = Span>,
     (from, to): (f64, f64),
 ) -> Option<Approach> {
-    let mut nearest = Nearest::default();
+    let mut nearest = Nearest::new();
     for span in spans {
-        let reached = nearest.separation();
+        let reached = nearest.reached;
         each_for_nearest((a, b), span, (from, to), reached, |pair| {
             nearest.push(pair, span, (from, to))
         });
@@ -365,26 +365,31 @@ pub(super) fn each_for_nearest(
 }
 
 /// The closest approach so far, span by span.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Nearest {
     pub(super) closest: Option<Approach>,
     /// Of the pairs of spheres of the span at hand, in the order in which they were solved.
     found: Vec<Approach>,
+    /// The least separation so far, m.
+    pub(super) reached: f64,
 }
 
 impl Nearest {
+    pub(super) const fn new() -> Self {
+        Self {
+            closest: None,
+            found: Vec::new(),
+            reached: f64::INFINITY,
+        }
+    }
+
     /// Takes in a pair of spheres over a span; gives the least separation so far, m.
     pub(super) fn push(&mut self, pair: &SpherePair, span: Span, (from, to): (f64, f64)) -> f64 {
         let instant = Profile::of(&pair.cubic).closest(&pair.cubic, from, to);
-        self.found.push(pair.approach(span, instant));
-        self.separation()
-    }
-
-    /// m.
-    pub(super) fn separation(&self) -> f64 {
-        let approaches = self.closest.iter().chain(&self.found);
-        let separations = approaches.map(|approach| approach.separation);
-        separations.fold(f64::INFINITY, f64::min)
+        let approach = pair.approach(span, instant);
+        self.found.push(approach);
+        self.reached = self.reached.min(approach.separation);
+        self.reached
     }
 
     /// Ends a span. Which of several that tie is reported depends on their numbers, not on when they

@@ -284,7 +284,7 @@ fn the_nearest_is_that_of_all_pairs() {
             let of_window = |span: &Span| span.end >= clip.0 && span.start <= clip.1;
             let spans = || case.spans().into_iter().filter(of_window);
             let found = closest_approach(a, b, spans(), clip);
-            let mut nearest = Nearest::default();
+            let mut nearest = Nearest::new();
             let mut before = None;
             case.each(|pair, span| {
                 if of_window(&span) {
@@ -300,7 +300,7 @@ fn the_nearest_is_that_of_all_pairs() {
             if kind % 5 == 3 && clip == (f64::MIN, f64::MAX) {
                 let certified = certified_approach(a, b, spans(), clip);
                 let (approach, error, _) = certified.unwrap_or_else(|| unreachable!());
-                let nearest = nearest.separation();
+                let nearest = nearest.reached;
                 let off = (approach.separation - nearest).abs();
                 assert!(off <= 2.0 * error, "{kind}");
             }
