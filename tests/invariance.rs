@@ -411,6 +411,42 @@ fn both_sides_of_a_jump_count() {
     }
 }
 
+/// A splice far beyond the knots of a plan: what was flown there keeps its bits, and a cubic that was
+/// to come from there is not looked at as a whole, which would drown all else in rounding.
+#[test]
+fn splices_far_beyond_the_knots() {
+    let hitbox = || Hitbox::sphere(0.5).unwrap();
+    let (still, away) = (DVec3::new(60.0, 0.0, 0.0), DVec3::new(1.0, 2.0, 3.0));
+    for outside in [Outside::Coast, Outside::Extrapolate] {
+        let flown = line(0.0, 1.0, DVec3::ZERO, DVec3::X).with_outside(outside);
+        let spliced = flown.spliced(100.0, &line(0.0, 200.0, away * 10.0, DVec3::Y));
+        let bits = [flown, spliced.unwrap()].map(|plan| {
+            let mut scene = Scene::new();
+            for plan in [plan, line(-1e3, 1e3, still, DVec3::ZERO)] {
+                scene.insert(Body::new(plan).with_hitbox(hitbox())).unwrap();
+            }
+            bits(&screen(&scene, Window::new(0.0, 90.0).unwrap(), 0.25))
+        });
+        assert_eq!((bits[0].len(), &bits[0]), (1, &bits[1]));
+    }
+    for far in [1e2, 1e4, 1e6] {
+        let state = |time, x, velocity| State::new(time, DVec3::X * x, velocity);
+        let states = [
+            state(far, 7.0, DVec3::new(1.0, 0.3, 0.2)),
+            state(far + 1.0, 8.5, DVec3::new(2.0, 1.0, 0.1)),
+        ];
+        let plan = Trajectory::from_states(&states).unwrap();
+        let plan = plan.with_outside(Outside::Extrapolate);
+        let spliced = Trajectory::at_rest(away).unwrap().spliced(0.0, &plan);
+        let mut scene = Scene::new();
+        for plan in [spliced.unwrap(), Trajectory::at_rest(DVec3::ZERO).unwrap()] {
+            scene.insert(Body::new(plan).with_hitbox(hitbox())).unwrap();
+        }
+        let window = Window::new(far - 0.5, far + 0.5).unwrap();
+        assert_eq!(screen(&scene, window, 2.0), []);
+    }
+}
+
 /// What bodies do beyond their knots is kept from screening to screening: that changes no answer,
 /// whatever the windows were before, and whichever plans were replaced.
 #[test]

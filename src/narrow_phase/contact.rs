@@ -370,7 +370,7 @@ pub(super) struct Nearest {
     pub(super) closest: Option<Approach>,
     /// Of the pairs of spheres of the span at hand, in the order in which they were solved.
     found: Vec<Approach>,
-    /// The least separation so far, m.
+    /// What another approach has to be nearer than, m.
     pub(super) reached: f64,
 }
 
@@ -383,7 +383,7 @@ impl Nearest {
         }
     }
 
-    /// Takes in a pair of spheres over a span; gives the least separation so far, m.
+    /// Takes in a pair of spheres over a span; gives what has been reached, m.
     pub(super) fn push(&mut self, pair: &SpherePair, span: Span, (from, to): (f64, f64)) -> f64 {
         let instant = Profile::of(&pair.cubic).closest(&pair.cubic, from, to);
         let approach = pair.approach(span, instant);
@@ -403,5 +403,8 @@ impl Nearest {
             .into_iter()
             .chain(found)
             .reduce(Approach::or_lower);
+        // Of distances that are constant the earliest counts, though another may be lower by rounding.
+        let closest = self.closest.map(|closest| closest.separation);
+        self.reached = closest.unwrap_or(f64::INFINITY);
     }
 }

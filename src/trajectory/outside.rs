@@ -218,7 +218,7 @@ pub(super) fn check_reach(
 }
 
 /// Instants `knot + step (2^k - 1)`, k = 1, 2, ..., up to the first that reaches `until`.
-fn doubling_cuts(knot: f64, step: f64, until: f64) -> Vec<f64> {
+pub(super) fn doubling_cuts(knot: f64, step: f64, until: f64) -> Vec<f64> {
     let mut cuts = Vec::new();
     let mut factor = 1.0;
     let mut last = knot;

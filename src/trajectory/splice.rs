@@ -1,11 +1,11 @@
 //! Changing a plan while it is flown: what has been flown stays, bit for bit.
 
-use super::outside::check_reach;
+use super::outside::{check_reach, doubling_cuts};
 use super::{Outside, Trajectory};
 use crate::error::Error;
 use crate::rounding::one_zero;
 use crate::simd::prefetch;
-use std::iter::once;
+use std::iter::{once, repeat_n};
 
 impl Trajectory {
     /// This plan up to `from` (s), then `plan`.
@@ -78,12 +78,22 @@ impl Trajectory {
         let cut = count_at_front(&flown.knots, |knot| knot < from);
         // Not copied only to be dropped.
         let dropped = flown.past(since.min(from)).min(cut);
+        // Cut where it was before, so that what is found there stays the same bits; and so that a cubic
+        // that is followed far from its knots is not looked at as a whole.
         let beyond = (cut > flown.segments.len()).then(|| *flown.after());
+        let mut cuts_after = Vec::new();
         if let (Some(carrier), Some(&last)) = (&beyond, flown.knots.last()) {
             check_reach(carrier, (last, from), flown.knots.len() - 1)?;
+            cuts_after = doubling_cuts(last, carrier.end() - carrier.start(), from);
+            cuts_after.pop();
         }
+        let mut cuts_before = Vec::new();
         if let (0, Some(&first)) = (ahead, self.knots.first()) {
-            check_reach(self.before(), (from, first), 0)?;
+            let carrier = self.before();
+            check_reach(carrier, (from, first), 0)?;
+            cuts_before = doubling_cuts(first, carrier.start() - carrier.end(), from);
+            cuts_before.pop();
+            cuts_before.reverse();
         }
         let flown_knots = flown.knots[dropped..cut].iter().copied();
         let flown_segments = flown.segments[dropped..cut.min(flown.segments.len())].iter();
@@ -102,15 +112,23 @@ impl Trajectory {
         let goes_on = ahead < self.knots.len();
         self.segments.put_beside(0, *flown.before());
         let replaced = ahead.min(self.segments.len());
-        let kept = flown_knots.len();
-        let flown_segments = flown_segments.copied().chain(beyond);
+        let kept = flown_knots.len() + cuts_after.len();
+        let beyond = beyond
+            .into_iter()
+            .flat_map(|beyond| repeat_n(beyond, cuts_after.len() + 1));
+        let to_come = if goes_on { 1 + cuts_before.len() } else { 0 };
         self.segments.replace_front(
             replaced,
-            kept + usize::from(goes_on),
-            flown_segments.chain(goes_on.then_some(present)),
+            kept + to_come,
+            flown_segments
+                .copied()
+                .chain(beyond)
+                .chain(repeat_n(present, to_come)),
         );
+        let count = kept + 1 + cuts_before.len();
+        let knots = flown_knots.chain(cuts_after).chain(once(from));
         self.knots
-            .replace_front(ahead, kept + 1, flown_knots.chain(once(from)));
+            .replace_front(ahead, count, knots.chain(cuts_before));
         self.forget(self.past(since));
         Ok(())
     }
