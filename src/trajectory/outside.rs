@@ -75,6 +75,17 @@ impl Scope {
 }
 
 impl Pieces {
+    /// A trajectory's own.
+    #[cfg(test)]
+    pub(crate) fn own(trajectory: &Trajectory) -> Self {
+        Self {
+            knots: trajectory.knots().to_vec(),
+            segments: trajectory.segments().to_vec(),
+            before: 0,
+            after: 0,
+        }
+    }
+
     /// The windows over which the motion has just these.
     pub(crate) fn scope(&self) -> Scope {
         let last = self.knots.len() - 1;

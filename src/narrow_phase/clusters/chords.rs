@@ -86,8 +86,9 @@ impl Chords {
             unit: 1.0 / power,
             lines,
             bend: most,
-            // A filter's, twice: the pieces have as many roundings again.
-            slack: 2.0 * CLEARANCE * scale + UNDERFLOW,
+            // A filter's, twice: the pieces have as many roundings again. Distances that are constant
+            // tie within their error: what may matter for a tie has to be seen.
+            slack: 2.0 * CLEARANCE * scale + 4.0 * clusters.motion.error() + UNDERFLOW,
         }
     }
 

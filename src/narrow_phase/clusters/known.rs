@@ -213,8 +213,8 @@ impl<'a> Known<'a> {
             let points = points.map(|point| point + offset);
             clusters.is_beyond(&points, candidate, margin)
         };
-        let near = self.near - self.slack;
-        if candidate.low <= self.near && !is_beyond(&clusters.motion.points(DVec3::ZERO), near) {
+        let points = clusters.motion.points(DVec3::ZERO);
+        if candidate.low <= self.near && !is_beyond(&points, self.near) {
             return true;
         }
         let (a, b) = clusters.spheres(candidate);

@@ -148,12 +148,13 @@ impl<'a> Clusters<'a> {
         for spheres in self.batches() {
             let candidates = chords.candidates(self, spheres, reached);
             for candidate in nearest(&candidates).into_iter().chain(&candidates) {
-                if candidate.low > reached + chords.slack || solved.holds(self, candidate) {
+                let near = reached + chords.slack;
+                if candidate.low > near || solved.holds(self, candidate) {
                     continue;
                 }
                 let pair = self.pair(candidate);
                 let points = &pair.cubic.points;
-                if reached < f64::INFINITY && self.is_beyond(points, candidate, reached) {
+                if near < f64::INFINITY && self.is_beyond(points, candidate, near) {
                     continue;
                 }
                 reached = solve(&pair);

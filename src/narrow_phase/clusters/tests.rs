@@ -9,19 +9,34 @@ use super::{Candidate, Clusters};
 use crate::hitbox::{Hitbox, Sphere};
 use crate::narrow_phase::Party;
 use crate::spans::{Span, spans};
-use crate::trajectory::{State, Trajectory};
+use crate::trajectory::{Outside, Pieces, State, Trajectory};
+use crate::window::Window;
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// Two bodies and what is asked about them.
 struct Case {
-    plans: [Trajectory; 2],
+    plans: [Pieces; 2],
     hitboxes: [Hitbox; 2],
     margin: f64,
     clip: (f64, f64),
-    /// From here on a second, s.
+    /// When both are there, s.
     start: f64,
+    end: f64,
+}
+
+/// A plan between two instants (s); its own knots if they are these.
+fn pieces(plan: Trajectory, (start, end): (f64, f64)) -> Pieces {
+    let knots = plan.knots().to_vec();
+    let window = Window::new(start, end).and_then(|window| {
+        let plan = plan.clone().with_outside(Outside::Extrapolate);
+        plan.pieces(window)
+    });
+    match window {
+        Ok(Some(pieces)) if start < knots[0] => pieces,
+        _ => Pieces::own(&plan),
+    }
 }
 
 /// Clusters of all kinds that fly by, into, and beside each other.
@@ -88,6 +103,9 @@ fn case(rng: &mut ChaCha8Rng, kind: usize) -> Case {
         }
     };
     let plans = [plan(rng), plan(rng)];
+    // Some from far before their knots on.
+    let begin = [start, start, start, start - 700.0][kind / 3 % 4];
+    let plans = plans.map(|plan| pieces(plan, (begin, start + 1.0)));
     let clip = match kind % 7 {
         0 => (
             start + rng.random_range(0.0..0.5),
@@ -102,7 +120,8 @@ fn case(rng: &mut ChaCha8Rng, kind: usize) -> Case {
         hitboxes,
         margin,
         clip,
-        start,
+        start: begin,
+        end: start + 1.0,
     };
     if kind.is_multiple_of(4) {
         // A touch, as far as rounding can tell.
@@ -116,8 +135,8 @@ fn case(rng: &mut ChaCha8Rng, kind: usize) -> Case {
 impl Case {
     fn parties(&self) -> [Party<'_>; 2] {
         [0, 1].map(|number: usize| Party {
-            knots: self.plans[number].knots(),
-            segments: self.plans[number].segments(),
+            knots: &self.plans[number].knots,
+            segments: &self.plans[number].segments,
             spheres: self.hitboxes[number].spheres(),
             bounding: self.hitboxes[number].bounding(),
         })
@@ -125,12 +144,12 @@ impl Case {
 
     fn spans(&self) -> Vec<Span> {
         let [a, b] = self.parties();
-        spans(a.knots, b.knots, self.start, self.start + 1.0).collect()
+        spans(a.knots, b.knots, self.start, self.end).collect()
     }
 
     /// Windows that begin and end at instants of contacts.
     fn windows_at(&self, contacts: &[Contact]) -> Vec<(f64, f64)> {
-        let end = self.start + 1.0;
+        let end = self.end;
         let of_contact = |contact: &Contact| {
             let Contact { enter, exit, .. } = *contact;
             let time = contact.closest.time;
@@ -334,11 +353,12 @@ fn rods_and_next_to_no_motion() {
         ),
     ] {
         let case = Case {
-            plans: [line(velocity), line(DVec3::ZERO)],
+            plans: [line(velocity), line(DVec3::ZERO)].map(|plan| Pieces::own(&plan)),
             hitboxes: hitboxes.map(hitbox),
             margin: 0.0,
             clip: (0.0, 1.0),
             start: 0.0,
+            end: 1.0,
         };
         let [a, b] = &case.parties();
         let mut found = Vec::new();
