@@ -2,7 +2,8 @@
 //!
 //! Works on a body's cubics and spheres, span by span. The flow within a span:
 //! `relative` cubic, `filter`, `stationary` points, `stretches`, joined across spans and
-//! spheres by `contact`, with proofs by `certified`, in f32 by `fast`. [`kernels`] answers many independent pairs at once.
+//! spheres by `contact`, with proofs by `certified`, in f32 by `fast`; of two clusters, `clusters` says
+//! which pairs of spheres to solve. [`kernels`] answers many independent pairs at once.
 
 mod approach;
 mod certified;

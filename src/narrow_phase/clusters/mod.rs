@@ -103,9 +103,9 @@ impl<'a> Clusters<'a> {
         }
         let chords = Chords::of(self, part, margin);
         let mut known = Known::new(self, part, margin, chords.slack);
-        let mut solved = Solved::default();
-        let mut solve = |candidate: &Candidate, known: &mut Known<'_>, solved: &mut Solved| {
-            solved.add(self, candidate);
+        let mut seen = Seen::default();
+        let mut solve = |candidate: &Candidate, known: &mut Known<'_>, seen: &mut Seen| {
+            seen.add(self, candidate);
             let pair = self.pair(candidate);
             if !self.is_beyond(&pair.cubic.points, candidate, margin) {
                 shown.clear();
@@ -121,16 +121,16 @@ impl<'a> Clusters<'a> {
             }
             let mut others = candidates.iter();
             while let Some(candidate) = next {
-                solve(candidate, &mut known, &mut solved);
+                solve(candidate, &mut known, &mut seen);
                 while let Some(support) = known.support() {
                     let order = |other: &Candidate| (other.a, other.b);
                     if let Ok(place) = candidates.binary_search_by_key(&support, order)
-                        && !solved.holds(self, &candidates[place])
+                        && !seen.holds(self, &candidates[place])
                     {
-                        solve(&candidates[place], &mut known, &mut solved);
+                        solve(&candidates[place], &mut known, &mut seen);
                     }
                 }
-                next = others.find(|other| known.may_matter(other) && !solved.holds(self, other));
+                next = others.find(|other| known.may_matter(other) && !seen.holds(self, other));
             }
         }
     }
@@ -144,12 +144,12 @@ impl<'a> Clusters<'a> {
         mut solve: impl FnMut(&SpherePair) -> f64,
     ) {
         let chords = Chords::of(self, self.part(clip), 0.0);
-        let mut solved = Solved::default();
+        let mut seen = Seen::default();
         for spheres in self.batches() {
             let candidates = chords.candidates(self, spheres, reached);
             for candidate in nearest(&candidates).into_iter().chain(&candidates) {
                 let near = reached + chords.slack;
-                if candidate.low > near || solved.holds(self, candidate) {
+                if candidate.low > near || seen.holds(self, candidate) {
                     continue;
                 }
                 let pair = self.pair(candidate);
@@ -158,7 +158,7 @@ impl<'a> Clusters<'a> {
                     continue;
                 }
                 reached = solve(&pair);
-                solved.add(self, candidate);
+                seen.add(self, candidate);
             }
         }
     }
@@ -173,15 +173,15 @@ impl<'a> Clusters<'a> {
         let chords = Chords::of(self, (self.span.start, self.span.end), margin);
         let candidates = chords.candidates(self, 0..self.a.spheres.len(), margin);
         let envelope = Envelope::of(self, &chords, &candidates);
-        let mut solved = Solved::default();
+        let mut seen = Seen::default();
         for candidate in &candidates {
-            if envelope.is_above(candidate) || solved.holds(self, candidate) {
+            if envelope.is_above(candidate) || seen.holds(self, candidate) {
                 continue;
             }
             let pair = self.pair(candidate);
             if !self.is_beyond(&pair.cubic.points, candidate, margin) {
                 solve(&pair);
-                solved.add(self, candidate);
+                seen.add(self, candidate);
             }
         }
     }
@@ -265,12 +265,12 @@ impl<'a> Clusters<'a> {
 
 /// Pairs of spheres that were solved.
 #[derive(Default)]
-struct Solved(HashMap<Motion, (u32, u32)>);
+struct Seen(HashMap<Motion, (u32, u32)>);
 
 /// What two spheres do: offset and radii, as bits.
 type Motion = ([u64; 3], [u64; 2]);
 
-impl Solved {
+impl Seen {
     fn motion(clusters: &Clusters<'_>, candidate: &Candidate) -> Motion {
         let (a, b) = clusters.spheres(candidate);
         // Of two zeros, one.
