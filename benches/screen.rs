@@ -111,14 +111,19 @@ fn one_thread() -> ThreadPool {
     pool.unwrap_or_else(|error| panic!("one thread: {error}"))
 }
 
-fn screen(criterion: &mut Criterion) {
-    let pool = one_thread();
-    let mut group = criterion.benchmark_group("screen");
+fn group<'c>(criterion: &'c mut Criterion, name: &str) -> BenchmarkGroup<'c, WallTime> {
+    let mut group = criterion.benchmark_group(name);
     group
         .sample_size(10)
         .sampling_mode(SamplingMode::Flat)
         .warm_up_time(Duration::from_millis(300))
         .measurement_time(Duration::from_secs(2));
+    group
+}
+
+fn screen(criterion: &mut Criterion) {
+    let pool = one_thread();
+    let mut group = group(criterion, "screen");
     for (name, generate) in SCENES {
         let (scene, query) = build(&generate());
         for (method, title) in [
@@ -158,12 +163,7 @@ fn cube(along: u32) -> Hitbox {
 
 fn spheres(criterion: &mut Criterion) {
     let pool = one_thread();
-    let mut group = criterion.benchmark_group("spheres");
-    group
-        .sample_size(10)
-        .sampling_mode(SamplingMode::Flat)
-        .warm_up_time(Duration::from_millis(300))
-        .measurement_time(Duration::from_secs(2));
+    let mut group = group(criterion, "spheres");
     let (mut scene, query) = build(&swarm(10_000, Shape::Cube, SEED));
     let ids: Vec<BodyId> = scene.bodies().map(|(id, _)| id).collect();
     for along in 1..=5 {

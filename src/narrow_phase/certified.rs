@@ -77,6 +77,7 @@ pub(crate) fn certified_contacts(
         }
         Clusters::of(a, b, span).each_for_contacts(margin, clip, |pair, shown| {
             let parts = workspace.solve(pair, span, margin, clip);
+            let Some(shown) = shown else { return };
             // Only what is certain keeps others from being looked at.
             let inside = parts.iter().filter(|part| part.side == Side::Inside);
             shown.extend(inside.map(|part| Shown {

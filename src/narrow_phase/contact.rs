@@ -123,16 +123,25 @@ impl SpherePair {
     /// Whether cheap tests show that the separation stays above `margin` all along the span of
     /// these two bodies.
     pub(super) fn is_beyond(&self, a: &Party<'_>, b: &Party<'_>, span: Span, margin: f64) -> bool {
-        let radius = contact_radius(self.radius_a, self.radius_b, margin);
-        // Below zero no distance is small enough, whatever the rounding.
-        if radius < 0.0 {
-            return true;
-        }
         let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
         let offset = a.spheres[self.a as usize].offset - b.spheres[self.b as usize].offset;
         let scale = local_scale(segment_a, segment_b, (span.start, span.end), offset);
-        certainly_beyond(&self.cubic.points, filter_threshold(radius, scale))
+        let radii = (self.radius_a, self.radius_b);
+        spheres_beyond(&self.cubic.points, radii, margin, scale)
     }
+}
+
+/// Whether cheap tests show that the separation of two spheres with these radii stays above `margin`
+/// all along the cubic with these control points; `scale` is what their rounding is relative to (m).
+pub(super) fn spheres_beyond(
+    points: &[DVec3; 4],
+    (radius_a, radius_b): (f64, f64),
+    margin: f64,
+    scale: f64,
+) -> bool {
+    let radius = contact_radius(radius_a, radius_b, margin);
+    // Below zero no distance is small enough, whatever the rounding.
+    radius < 0.0 || certainly_beyond(points, filter_threshold(radius, scale))
 }
 
 /// Two spheres over one span, solved: their contacts at any margin and in any window follow from
@@ -270,11 +279,13 @@ pub(crate) fn contacts(
             Clusters::of(a, b, span).each_for_contacts(margin, clip, |pair, shown| {
                 let count = found.len();
                 solve(pair, found);
-                shown.extend(found[count..].iter().map(|contact| Shown {
-                    enter: contact.enter,
-                    exit: contact.exit,
-                    separation: contact.closest.separation,
-                }));
+                if let Some(shown) = shown {
+                    shown.extend(found[count..].iter().map(|contact| Shown {
+                        enter: contact.enter,
+                        exit: contact.exit,
+                        separation: contact.closest.separation,
+                    }));
+                }
             });
         }
     }

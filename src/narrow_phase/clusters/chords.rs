@@ -4,6 +4,7 @@ use super::{Candidate, Clusters, short};
 use crate::hitbox::Sphere;
 use crate::rounding::{CLEARANCE, UNDERFLOW, norm, normalising_power};
 use glam::DVec3;
+use std::iter::successors;
 use std::ops::Range;
 
 /// Chords of two bodies' relative motion, and how far it strays from them: from below, how near
@@ -63,9 +64,7 @@ impl Chords {
             1.0
         };
         let (mut lines, mut most) = (Vec::new(), 0.0_f64);
-        let mut begin = 0.0;
-        while begin < count {
-            let piece = piece_of(&points, begin / count, (begin + 1.0) / count);
+        for piece in pieces_of(&points, count) {
             let change = piece[3] - piece[0];
             let square = change.length_squared();
             lines.push(Line {
@@ -79,7 +78,6 @@ impl Chords {
                 },
             });
             most = most.max(bend(piece));
-            begin += 1.0;
         }
         Self {
             power,
@@ -157,8 +155,15 @@ impl Chords {
     }
 }
 
+/// The control points of so many equal pieces of a cubic (a whole number), in the order of time.
+pub(super) fn pieces_of(points: &[DVec3; 4], count: f64) -> impl Iterator<Item = [DVec3; 4]> {
+    let begins = successors(Some(0.0), |begin| Some(begin + 1.0));
+    let begins = begins.take_while(move |&begin| begin < count);
+    begins.map(move |begin| piece_of(points, begin / count, (begin + 1.0) / count))
+}
+
 /// The control points of a part of a cubic, from one share of it to another one.
-pub(super) fn piece_of(&[p0, p1, p2, p3]: &[DVec3; 4], from: f64, to: f64) -> [DVec3; 4] {
+fn piece_of(&[p0, p1, p2, p3]: &[DVec3; 4], from: f64, to: f64) -> [DVec3; 4] {
     let blossom = |x: f64, y: f64, z: f64| {
         let (q0, q1, q2) = (p0.lerp(p1, x), p1.lerp(p2, x), p2.lerp(p3, x));
         let (r0, r1) = (q0.lerp(q1, y), q1.lerp(q2, y));

@@ -1,6 +1,6 @@
 //! The lower envelope of all pairs' separations: which pairs are the nearest ones sometime.
 
-use super::chords::{Chords, piece_of};
+use super::chords::{Chords, pieces_of};
 use super::{Candidate, Clusters};
 use glam::DVec3;
 
@@ -59,9 +59,7 @@ impl<'a> Envelope<'a> {
         };
         let mut pieces = Vec::new();
         let mut before = nearest_at(points[0]);
-        let mut begin = 0.0;
-        while begin < count {
-            let points = piece_of(&points, begin / count, (begin + 1.0) / count);
+        for points in pieces_of(&points, count) {
             let after = nearest_at(points[3]);
             if let (Some(first), Some(last)) = (before, after) {
                 pieces.push(Piece {
@@ -70,7 +68,6 @@ impl<'a> Envelope<'a> {
                 });
             }
             before = after;
-            begin += 1.0;
         }
         Self {
             clusters,

@@ -52,12 +52,11 @@ impl Direction {
     fn new(points: &[DVec3; 4], toward: DVec3) -> Self {
         // No number where spheres touch at their centres: then it tells nothing.
         let length = norm(toward);
-        let length = if length < f64::MIN_POSITIVE {
-            0.0
+        let unit = if length >= f64::MIN_POSITIVE {
+            toward / length
         } else {
-            length
+            DVec3::NAN
         };
-        let unit = toward / length;
         let along = points.map(|point| point.dot(unit));
         let smaller = |x: f64, y: f64| if y > x { x } else { y };
         Self {
@@ -98,11 +97,13 @@ impl<'a> Known<'a> {
         }
     }
 
+    /// Whether more can be learned: not where all pairs are solved.
+    pub(super) const fn can_learn(&self) -> bool {
+        !self.is_scattered
+    }
+
     /// Takes in what a pair of spheres with this offset shows.
     pub(super) fn learn(&mut self, shown: &[Shown], offset: DVec3) {
-        if self.is_scattered {
-            return;
-        }
         let mut is_longer = false;
         for &shown in shown {
             let mut stretches = self.stretches.iter_mut();
@@ -232,4 +233,23 @@ fn farthest(spheres: &[Sphere], reach: impl Fn(&Sphere) -> f64) -> u32 {
     let reaches = (0..).zip(spheres.iter().map(reach));
     let farther = |x: (u32, f64), y: (u32, f64)| if y.1 > x.1 { y } else { x };
     reaches.reduce(farther).map_or(0, |(number, _)| number)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What lies nowhere in it is apart in no direction.
+    #[test]
+    fn no_direction_tells_nothing() {
+        let points = [DVec3::splat(3.0); 4];
+        assert!(Direction::new(&points, DVec3::ONE).least > 5.0);
+        for toward in [
+            DVec3::ZERO,
+            DVec3::splat(5e-324),
+            DVec3::new(1e-310, -1e-310, 0.0),
+        ] {
+            assert!(Direction::new(&points, toward).least.is_nan(), "{toward}");
+        }
+    }
 }

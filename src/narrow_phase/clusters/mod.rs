@@ -6,9 +6,9 @@
 //! - Chords of the motion tell from below how near a pair comes.
 //! - A pair that is solved shows when the bodies are within the margin, and how near they are then.
 //!   Another one matters only if it may be within the margin at another time, or be nearer.
-//! - Before and after a contact bodies are apart in the direction in which they touch. The two
-//!   spheres that reach farthest in it (as in GJK's support mapping) are asked first: if even they
-//!   are apart, all are.
+//! - Before and after a contact bodies are apart in the direction in which they touch: most pairs are
+//!   ruled out by that. The two spheres that reach farthest in it (as in GJK's support mapping) are
+//!   solved first, since they are likely to touch earlier, or later.
 //! - Where the window and the margin are still to come (in a monitor), all pairs are kept that are the
 //!   nearest ones at some time: the lower envelope of all separations.
 //!
@@ -21,10 +21,9 @@ mod known;
 #[cfg(test)]
 mod tests;
 
-use super::contact::SpherePair;
-use super::filter::certainly_beyond;
-use super::relative::{RelativeMotion, filter_threshold, local_scale};
-use super::{Party, contact_radius};
+use super::Party;
+use super::contact::{SpherePair, spheres_beyond};
+use super::relative::{RelativeMotion, local_scale};
 use crate::hitbox::Sphere;
 use crate::rounding::{seen_from, seen_until};
 use crate::spans::Span;
@@ -81,26 +80,22 @@ impl<'a> Clusters<'a> {
     /// Pairs of spheres that are listed at a time, at least a sphere of a with all of b.
     const BATCH: usize = 1 << 16;
 
-    /// Solves the pairs of spheres that matter for contacts within `margin` in `clip`; `solve` gives
-    /// what is shown by each.
+    /// Solves the pairs of spheres that matter for contacts within `margin` in `clip`; where it is
+    /// asked to, `solve` gives what is shown by each.
     pub(super) fn each_for_contacts(
         &self,
         margin: f64,
         clip: (f64, f64),
-        mut solve: impl FnMut(&SpherePair, &mut Vec<Shown>),
+        mut solve: impl FnMut(&SpherePair, Option<&mut Vec<Shown>>),
     ) {
         let part = self.part(clip);
         if part.0 > part.1 {
             return;
         }
-        let mut shown = Vec::new();
         if self.are_few() {
-            self.each_within(margin, |pair| {
-                shown.clear();
-                solve(pair, &mut shown);
-            });
-            return;
+            return self.each_within(margin, |pair| solve(pair, None));
         }
+        let mut shown = Vec::new();
         let chords = Chords::of(self, part, margin);
         let mut known = Known::new(self, part, margin, chords.slack);
         let mut seen = Seen::default();
@@ -109,7 +104,7 @@ impl<'a> Clusters<'a> {
             let pair = self.pair(candidate);
             if !self.is_beyond(&pair.cubic.points, candidate, margin) {
                 shown.clear();
-                solve(&pair, &mut shown);
+                solve(&pair, known.can_learn().then_some(&mut shown));
                 known.learn(&shown, self.offset(candidate));
             }
         };
@@ -193,7 +188,7 @@ impl<'a> Clusters<'a> {
     /// Numbers of a's spheres, a batch at a time.
     fn batches(&self) -> impl Iterator<Item = Range<usize>> + use<> {
         let count = self.a.spheres.len();
-        let size = (Self::BATCH / self.b.spheres.len()).max(1);
+        let size = (Self::BATCH / self.b.spheres.len().max(1)).max(1);
         let firsts = (0..count).step_by(size);
         firsts.map(move |first| first..(first + size).min(count))
     }
@@ -256,10 +251,8 @@ impl<'a> Clusters<'a> {
     /// of the span with these control points of theirs.
     fn is_beyond(&self, points: &[DVec3; 4], candidate: &Candidate, margin: f64) -> bool {
         let (a, b) = self.spheres(candidate);
-        let radius = contact_radius(a.radius, b.radius, margin);
         let scale = self.scale + (a.offset - b.offset).abs().element_sum();
-        // Below zero no distance is small enough, whatever the rounding.
-        radius < 0.0 || certainly_beyond(points, filter_threshold(radius, scale))
+        spheres_beyond(points, (a.radius, b.radius), margin, scale)
     }
 }
 
