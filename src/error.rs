@@ -159,11 +159,12 @@ pub enum Error {
     /// More pairs may be in contact than was allowed for: a crowd in one place, or a margin as large
     /// as the world.
     #[error(
-        "more than {limit} spans of pairs may hold a conflict: narrow the window or the margin, \
-         or raise the limit"
+        "more than {limit} spans of pairs may hold a conflict: narrow the window (the lookahead) or \
+         the margin, or raise the limit"
     )]
     TooCrowded {
-        /// How many were allowed for; see [`Query::with_most_spans`](crate::Query::with_most_spans).
+        /// How many were allowed for; see [`Query::with_most_spans`](crate::Query::with_most_spans)
+        /// and [`Monitor::set_most_spans`](crate::Monitor::set_most_spans).
         limit: usize,
     },
     /// The id names no body of this scene (it may have been removed).

@@ -99,7 +99,7 @@ fn live_on(monitor: &mut Monitor, rng: &mut ChaCha8Rng, events: &mut Vec<Event>)
     }
     // Some are refused as a whole, and leave no trace.
     let _ = monitor.apply(commands);
-    match rng.random_range(0..12) {
+    match rng.random_range(0..14) {
         0 => drop(monitor.insert(body(rng, now)).unwrap()),
         1 if ids.len() > 6 => drop(monitor.remove(ids[rng.random_range(0..ids.len())]).unwrap()),
         2 if ids.len() > 6 => drop(monitor.ignore_pair(ids[3], ids[4])),
@@ -111,6 +111,13 @@ fn live_on(monitor: &mut Monitor, rng: &mut ChaCha8Rng, events: &mut Vec<Event>)
                 separation: f64::INFINITY,
             })
             .unwrap(),
+        6 => monitor.set_most_spans(rng.random_range(5_000..9_000)),
+        7 => {
+            // Refused or not, and if so, it leaves no trace.
+            monitor.set_most_spans(rng.random_range(0..20));
+            let _ = monitor.advance(now, events);
+            monitor.set_most_spans(Monitor::MOST_SPANS);
+        }
         _ => {}
     }
     let step = [0.0, 0.05, 0.05, 0.05, 2.0][rng.random_range(0..5)];

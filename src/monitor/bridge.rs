@@ -9,8 +9,9 @@
 use super::bodies::Bodies;
 use super::budget::Meter;
 use super::finds::Key;
-use super::slice::Slice;
-use crate::broad_phase::{PairFilter, Room};
+use super::outlook::put_in_order;
+use super::slice::{Crowded, Limits, Slice};
+use crate::broad_phase::PairFilter;
 use crate::rounding::seen_from;
 use crate::spans::Span;
 use crate::stats::Stats;
@@ -49,13 +50,18 @@ impl Bridge {
 
     /// Goes on from `from` to `to` (s) as far as the meter lets, in slices of at least `length` s. Returns
     /// where it had to stop, none if it is across.
+    ///
+    /// # Errors
+    ///
+    /// If there is too little room for what is found.
     pub(super) fn cross<F: PairFilter>(
         &mut self,
         (from, to, length): (f64, f64, f64),
         (bodies, filter): (&Bodies<'_>, &F),
+        limits: Limits,
         meter: &mut Meter,
         mut found: Found<'_>,
-    ) -> Option<f64> {
+    ) -> Result<Option<f64>, Crowded> {
         let spare = &mut self.spare;
         let head = self.head.get_or_insert_with(|| Head {
             at: seen_from(from),
@@ -64,12 +70,14 @@ impl Bridge {
             stride: Stride::of(length),
         });
         while head.at < to {
-            if !head.go_on(to, (bodies, filter), meter, &mut found) {
-                return Some(head.at.max(from));
+            if !head.go_on(to, (bodies, filter), limits, meter, &mut found)? {
+                return Ok(Some(head.at.max(from)));
             }
         }
-        self.spare = self.head.take()?.slice;
-        None
+        if let Some(head) = self.head.take() {
+            self.spare = head.slice;
+        }
+        Ok(None)
     }
 
     /// Notes that bodies have changed.
@@ -96,34 +104,43 @@ impl Head {
         &mut self,
         to: f64,
         (bodies, filter): (&Bodies<'_>, &F),
+        limits: Limits,
         meter: &mut Meter,
         (survivors, stats): &mut Found<'_>,
-    ) -> bool {
+    ) -> Result<bool, Crowded> {
         let until = meter.until().unwrap_or(f64::INFINITY);
         if meter.is_spent() || self.at >= until {
-            return false;
+            return Ok(false);
         }
         // Not beyond what is known after this tick: what changes then is looked for from there on.
         self.begin(to.min(until));
-        let room = Room::new(filter, self.stride.most_candidates(bodies.flights.len()));
+        let strict = self.stride.limits(limits, bodies.flights.len());
         let before = meter.done();
-        self.slice.refresh(bodies, &room, None, |work| {
+        self.slice.refresh(bodies, filter, None, strict, |work| {
             meter.count(work);
             !meter.is_spent()
         });
+        let crowded = self.slice.check_room();
         self.stride.work += meter.done() - before;
         **stats += std::mem::take(&mut self.slice.stats);
         survivors.append(&mut self.slice.survivors);
-        if self.slice.is_fresh(bodies) {
+        if survivors.len() > 2 * limits.spans {
+            // A span is found in each slice that it is in.
+            put_in_order(survivors);
+            if survivors.len() > limits.spans {
+                return Err(Crowded);
+            }
+        }
+        if crowded.is_err() {
+            self.stride.shorten()?;
+        } else if self.slice.is_fresh(bodies) {
             self.at = self.slice.end();
             self.stride.adapt();
-        } else if room.is_short() {
-            self.stride.shorten();
         } else {
-            return false;
+            return Ok(false);
         }
         self.is_begun = false;
-        true
+        Ok(true)
     }
 }
 
@@ -157,14 +174,18 @@ impl Stride {
         }
     }
 
-    /// More candidates mean that a slice is too long. The shortest ones hold what they must.
-    fn most_candidates(&self, bodies: usize) -> u64 {
+    /// More candidates mean that a slice is too long. The shortest ones hold what there is room for.
+    fn limits(&self, limits: Limits, bodies: usize) -> Limits {
         const FEW: u64 = 1 << 16;
         const PER_BODY: u64 = 64;
         if self.length > self.least {
-            FEW + PER_BODY * bodies as u64
+            let candidates = limits.candidates.min(FEW + PER_BODY * bodies as u64);
+            Limits {
+                candidates,
+                ..limits
+            }
         } else {
-            u64::MAX
+            limits
         }
     }
 
@@ -184,10 +205,14 @@ impl Stride {
     }
 
     /// After one that was given up.
-    fn shorten(&mut self) {
+    fn shorten(&mut self) -> Result<(), Crowded> {
+        if self.length <= self.least {
+            return Err(Crowded);
+        }
         self.work = 0;
         self.rate = f64::INFINITY;
         self.shrink();
+        Ok(())
     }
 
     fn shrink(&mut self) {

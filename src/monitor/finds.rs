@@ -3,6 +3,7 @@
 use super::bodies::Bodies;
 use super::kept::Kept;
 use super::reading::Slots;
+use super::slice::Crowded;
 use crate::narrow_phase::{Contact, Solved, contacts_of, solve};
 use crate::spans::Span;
 
@@ -56,8 +57,18 @@ impl Finds {
     }
 
     /// Solves the survivors (sorted by key, each once) that are not there yet; returns how many.
-    pub(super) fn add(&mut self, survivors: &[(Key, Span)], bodies: &Bodies<'_>) -> u64 {
-        let mut count = 0;
+    ///
+    /// # Errors
+    ///
+    /// If there were more than `most` in all.
+    pub(super) fn add(
+        &mut self,
+        survivors: &[(Key, Span)],
+        bodies: &Bodies<'_>,
+        most: usize,
+    ) -> Result<u64, Crowded> {
+        let room = most.saturating_sub(self.len());
+        let (mut count, mut added) = (0, 0);
         for &(key, span) in survivors {
             if self.finds.has(&key) {
                 continue;
@@ -67,17 +78,21 @@ impl Finds {
                 continue;
             };
             count += 1;
-            let mut is_found = false;
+            let before = added;
             solve(&a, &b, span, bodies.margin, |solved| {
                 self.finds.add(key, (span.start, span.end), solved);
-                is_found = true;
+                added += 1;
             });
-            if is_found {
+            if added > before {
                 self.changed.push(key.pair());
+            }
+            if added > room {
+                self.finds.settle();
+                return Err(Crowded);
             }
         }
         self.finds.settle();
-        count
+        Ok(count)
     }
 
     /// Puts the pairs that have changed into `changed`, sorted, each once; replaces what it held.

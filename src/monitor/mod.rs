@@ -174,6 +174,10 @@ impl Monitor {
     /// four.)
     const SLICES_AHEAD: f64 = 3.0;
 
+    /// Room for spans that may hold an encounter, if [nothing else is said](Self::set_most_spans): 2^20.
+    /// What is known of them takes up to 5 GiB.
+    pub const MOST_SPANS: usize = 1 << 20;
+
     /// A monitor of `scene` whose clock shows `now` (s) and that looks `lookahead` seconds ahead.
     /// Levels are numbered as given, from 0; they may come in any order.
     ///
@@ -214,7 +218,12 @@ impl Monitor {
             extremes.include(occupant.outline().extremes);
         }
         let mut monitor = Self {
-            outlook: Outlook::new(widest, Frame::around(extremes, widest.abs()), now, length),
+            outlook: Outlook::new(
+                widest,
+                Frame::around(extremes, widest.abs()),
+                (now, length),
+                Self::MOST_SPANS,
+            ),
             levels: levels.to_vec(),
             encounters: (0..levels.len()).map(Encounters::of_level).collect(),
             conflicts: vec![Vec::new(); levels.len()],
@@ -270,6 +279,21 @@ impl Monitor {
         #[cfg(feature = "serde")]
         self.write_down(|| Record::History(history));
         Ok(())
+    }
+
+    /// Makes room for this many spans that may hold an encounter; [`MOST_SPANS`](Self::MOST_SPANS) at
+    /// first. A span is a common interval of a cubic of one body with a cubic of another, in which they
+    /// may come within the largest release margin, until a little after the lookahead; of clusters one
+    /// for each two spheres that matter. There is also room for 2^26 pairs whose boxes meet at a time.
+    /// Where all bodies are in one place, all pairs need room: then a tick ends with
+    /// [`Error::TooCrowded`] instead of filling the memory.
+    ///
+    /// The tick after such an error looks at everything anew. Take bodies out, ignore pairs, use layers,
+    /// or make more room before it.
+    pub fn set_most_spans(&mut self, limit: usize) {
+        self.outlook.most_spans = limit;
+        #[cfg(feature = "serde")]
+        self.write_down(|| Record::MostSpans(limit));
     }
 
     /// The bodies and their plans.

@@ -15,7 +15,7 @@ use super::budget::Meter;
 use super::finds::{Finds, Key};
 use super::flights::{Flight, Flights};
 use super::reading::Slots;
-use super::slice::Slice;
+use super::slice::{Crowded, Limits, Slice};
 use crate::bounds::Frame;
 use crate::broad_phase::PairFilter;
 use crate::broad_phase::fill::Block;
@@ -51,11 +51,18 @@ pub(super) struct Outlook {
     ends: Vec<f64>,
     /// Where the lookahead ended when it was last caught up with, s.
     reached: f64,
+    /// With more spans it is too crowded.
+    pub(super) most_spans: usize,
 }
 
 impl Outlook {
     /// An outlook for pairs within `margin` (m) on a grid of slices of `length` s from `origin`.
-    pub(super) fn new(margin: f64, frame: Frame, origin: f64, length: f64) -> Self {
+    pub(super) fn new(
+        margin: f64,
+        frame: Frame,
+        (origin, length): (f64, f64),
+        most_spans: usize,
+    ) -> Self {
         Self {
             flights: Flights::default(),
             finds: Finds::default(),
@@ -72,13 +79,15 @@ impl Outlook {
             moved: Moved::default(),
             ends: Vec::new(),
             reached: origin,
+            most_spans,
         }
     }
 
     /// One with the same grid and frame that knows no body.
     #[cfg(feature = "live")]
     pub(super) fn renewed(&self) -> Self {
-        Self::new(self.margin, self.frame, self.origin, self.length)
+        let grid = (self.origin, self.length);
+        Self::new(self.margin, self.frame, grid, self.most_spans)
     }
 
     /// Within what pairs are looked for (m), and where their boxes are measured from.
@@ -144,26 +153,58 @@ impl Outlook {
 
     /// Brings the slices from `from` to `to` up to date, soonest first, as far as the meter lets.
     /// Returns the instant up to which everything is known.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooCrowded`]. Then nothing is known, and all is looked for anew.
     pub(super) fn catch_up<F: PairFilter>(
+        &mut self,
+        scene: &Scene,
+        interval: (f64, f64),
+        filter: &F,
+        meter: &mut Meter,
+        stats: &mut Stats,
+    ) -> Result<f64, Error> {
+        let known = self.find(scene, interval, filter, meter, stats);
+        known.map_err(|Crowded| {
+            self.forget_all();
+            Error::TooCrowded {
+                limit: self.most_spans,
+            }
+        })
+    }
+
+    fn find<F: PairFilter>(
         &mut self,
         scene: &Scene,
         (from, to): (f64, f64),
         filter: &F,
         meter: &mut Meter,
         stats: &mut Stats,
-    ) -> f64 {
+    ) -> Result<f64, Crowded> {
         self.spread_changes();
         self.survivors.clear();
-        let reached = self.look(scene, (from, to), filter, meter, stats);
+        let reached = self.look(scene, (from, to), filter, meter, stats)?;
         self.dirty.clear();
         let begin = Instant::now();
         let bodies = Bodies::of(scene, &self.flights, (&self.frame, self.margin));
         self.finds.forget_before(from);
-        self.survivors.sort_unstable_by_key(|(key, _)| *key);
-        self.survivors.dedup_by_key(|(key, _)| *key);
-        stats.survivors += self.finds.add(&self.survivors, &bodies);
+        put_in_order(&mut self.survivors);
+        let most = self.most_spans;
+        stats.survivors += self.finds.add(&self.survivors, &bodies, most)?;
         stats.narrow_time += begin.elapsed();
-        meter.until().unwrap_or(reached)
+        Ok(meter.until().unwrap_or(reached))
+    }
+
+    /// Nothing is known any more, and all bodies are to be looked at.
+    fn forget_all(&mut self) {
+        self.survivors = Vec::new();
+        self.slices.clear();
+        self.spare.clear();
+        self.bridge = Bridge::default();
+        for slot in (0..).take(self.flights.len()) {
+            self.forget(slot);
+        }
     }
 
     /// Looks at what is not up to date from `from` to `to`: lists survivors. Returns how far all is.
@@ -174,7 +215,8 @@ impl Outlook {
         filter: &F,
         meter: &mut Meter,
         stats: &mut Stats,
-    ) -> f64 {
+    ) -> Result<f64, Crowded> {
+        let limits = Limits::of(self.most_spans);
         let present = self.start(self.index(to - Monitor::SLICES_AHEAD * self.length));
         if self.bridge.is_needed((from, present), self.length) {
             // They lie behind, or not yet ahead.
@@ -182,8 +224,11 @@ impl Outlook {
             let bodies = Bodies::of(scene, &self.flights, (&self.frame, self.margin));
             let jump = (from, present, self.length);
             let found = (&mut self.survivors, &mut *stats);
-            if let Some(stop) = self.bridge.cross(jump, (&bodies, filter), meter, found) {
-                return stop;
+            let crossed = self
+                .bridge
+                .cross(jump, (&bodies, filter), limits, meter, found);
+            if let Some(stop) = crossed? {
+                return Ok(stop);
             }
             from = present;
         }
@@ -213,7 +258,7 @@ impl Outlook {
                 for slice in slices {
                     let number = usize::try_from(slice.index - first).unwrap_or(usize::MAX);
                     let moved = (number < needed).then_some((moved, number));
-                    slice.refresh(&bodies, filter, moved, |_| true);
+                    slice.refresh(&bodies, filter, moved, limits, |_| true);
                 }
             });
         } else {
@@ -228,7 +273,7 @@ impl Outlook {
                     continue;
                 }
                 if !meter.is_spent() {
-                    slice.refresh(&bodies, filter, None, |work| {
+                    slice.refresh(&bodies, filter, None, limits, |work| {
                         meter.count(work);
                         !meter.is_spent()
                     });
@@ -241,6 +286,7 @@ impl Outlook {
             }
         }
         for slice in slices {
+            slice.check_room()?;
             self.survivors.append(&mut slice.survivors);
             if is_parallel {
                 let stats = &slice.stats;
@@ -248,7 +294,7 @@ impl Outlook {
             }
             *stats += std::mem::take(&mut slice.stats);
         }
-        known
+        Ok(known)
     }
 
     /// Begins the slices that are missing from the one with `from` to the one after that with
@@ -375,6 +421,12 @@ impl Outlook {
         }
         index
     }
+}
+
+/// Sorts survivors by their keys; each stays once.
+pub(super) fn put_in_order(survivors: &mut Vec<(Key, Span)>) {
+    survivors.sort_unstable_by_key(|(key, _)| *key);
+    survivors.dedup_by_key(|(key, _)| *key);
 }
 
 #[allow(

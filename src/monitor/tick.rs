@@ -26,7 +26,8 @@ impl Monitor {
     /// # Errors
     ///
     /// [`Error::ClockWentBack`], [`Error::Clock`]; [`Error::InBody`] if an extrapolated plan leaves the
-    /// range of numbers. The clock stays where it was.
+    /// range of numbers; [`Error::TooCrowded`] if more lies ahead than there
+    /// [is room for](Self::set_most_spans). The clock stays where it was, and nothing is told.
     pub fn advance(&mut self, now: f64, events: &mut Vec<Event>) -> Result<(), Error> {
         self.advance_within(now, Budget::Unlimited, events)
     }
@@ -75,7 +76,12 @@ impl Monitor {
         events: &mut Vec<Event>,
     ) -> Result<(), Error> {
         let known = known.clamp(self.told, (now + self.lookahead).max(self.told));
-        self.advance_by(now, Meter::up_to(known), events)
+        // There was room for it, but a budget may have ended elsewhere in what lies further ahead.
+        let limit = self.outlook.most_spans;
+        self.outlook.most_spans = limit.saturating_mul(2);
+        let done = self.advance_by(now, Meter::up_to(known), events);
+        self.outlook.most_spans = limit;
+        done
     }
 
     fn advance_by(
@@ -98,7 +104,7 @@ impl Monitor {
         }
         let end = now + self.lookahead;
         self.outlook.extend_beyond(&self.scene, end)?;
-        self.stats = Stats {
+        let mut stats = Stats {
             bodies: self.scene.len() as u64,
             changed: self.changed_bodies,
             ..Stats::default()
@@ -112,12 +118,12 @@ impl Monitor {
             Batch::FEW,
             || {
                 let window = (self.told, end);
-                let (meter, stats) = (&mut meter, &mut self.stats);
+                let (meter, stats) = (&mut meter, &mut stats);
                 self.outlook
                     .catch_up(&self.scene, window, &admission, meter, stats)
             },
             || self.batch.clear(),
-        );
+        )?;
         let tick = Tick {
             now,
             told: now.min(known),
@@ -139,8 +145,9 @@ impl Monitor {
         self.tell_plan_ends(end, events);
         events[first..].sort_unstable_by(Event::order);
         self.changed_bodies = 0;
-        self.stats.conflicts = self.conflicts.iter().map(|level| level.len() as u64).sum();
-        self.stats.total_time = begin.elapsed();
+        stats.conflicts = self.conflicts.iter().map(|level| level.len() as u64).sum();
+        stats.total_time = begin.elapsed();
+        self.stats = stats;
         #[cfg(feature = "serde")]
         self.write_down(|| Record::Tick {
             now,

@@ -7,6 +7,7 @@
     reason = "exact cases are exact; a monitor that cannot be built fails the test"
 )]
 
+mod crowded;
 mod reference;
 mod scenarios;
 #[path = "../support/mod.rs"]

@@ -19,11 +19,18 @@ pub(in crate::monitor) struct Begin {
     least_change: LeastChange,
     #[serde(with = "super::number")]
     history: f64,
+    /// Recordings of old have none: there was no limit.
+    #[serde(default = "no_limit")]
+    most_spans: usize,
     next_id: u64,
     /// By level.
     encounters: Vec<Saved>,
     waiting: Vec<Event>,
     end_told: Vec<bool>,
+}
+
+const fn no_limit() -> usize {
+    usize::MAX
 }
 
 impl Begin {
@@ -36,6 +43,7 @@ impl Begin {
             levels: monitor.levels.clone(),
             least_change: monitor.least_change,
             history: monitor.history,
+            most_spans: monitor.outlook.most_spans,
             next_id: monitor.next_id,
             encounters: monitor
                 .encounters
@@ -67,6 +75,7 @@ impl Begin {
         monitor.known = self.told;
         monitor.least_change = self.least_change;
         monitor.history = self.history;
+        monitor.set_most_spans(self.most_spans);
         monitor.next_id = self.next_id;
         for (level, saved) in monitor.encounters.iter_mut().zip(self.encounters) {
             level.restore(saved);

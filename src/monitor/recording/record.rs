@@ -27,6 +27,7 @@ pub(in crate::monitor) enum Record {
     LeastChange(LeastChange),
     /// s.
     History(#[serde(with = "super::number")] f64),
+    MostSpans(usize),
     Tick {
         now: f64,
         known: f64,

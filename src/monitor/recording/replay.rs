@@ -51,7 +51,7 @@ use std::io::{BufRead, Read};
 /// | `apply` | a batch of commands that was applied |
 /// | `insert`, `remove` | a body put in or taken out by itself |
 /// | `ignore`, `heed` | a pair of ids |
-/// | `least_change`, `history` | settings |
+/// | `least_change`, `history`, `most_spans` | settings |
 /// | `tick` | the clock, up to when everything was known after it, and the work done in it (boxes formed and candidates found) |
 /// | `close` | the monitor was closed |
 /// | `end` | how many records came before; a recording without one was cut short |
@@ -154,6 +154,7 @@ impl<R: BufRead> Replay<R> {
             Record::Heed(a, b) => monitor.heed_pair(a, b).map_err(refused)?,
             Record::LeastChange(least) => monitor.set_least_change(least).map_err(refused)?,
             Record::History(history) => monitor.set_history(history).map_err(refused)?,
+            Record::MostSpans(limit) => monitor.set_most_spans(limit),
             Record::Tick { now, known, .. } => {
                 monitor.advance_to(now, known, events).map_err(refused)?;
                 return Ok(Some(now));

@@ -9,7 +9,7 @@ use super::finds::Key;
 use super::flights::Flight;
 use crate::bounds::{Course, Frame, Pose};
 use crate::broad_phase::fill::Block;
-use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter, Sweep};
+use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter, Room, Sweep};
 use crate::narrow_phase::Party;
 use crate::spans::Span;
 use crate::stats::Stats;
@@ -45,8 +45,35 @@ pub(super) struct Slice {
     sweep: Sweep,
     /// What was found and not taken yet.
     pub(super) survivors: Vec<(Key, Span)>,
+    /// There was too little room for what is in it: it was given up.
+    is_crowded: bool,
     pub(super) stats: Stats,
 }
+
+/// What there is room for in a slice.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
+    /// Candidates at a time.
+    pub(super) candidates: u64,
+    /// Spans that may hold a contact.
+    pub(super) spans: usize,
+}
+
+impl Limits {
+    /// Half a GiB of candidates.
+    const CANDIDATES: u64 = 1 << 26;
+
+    pub(super) const fn of(spans: usize) -> Self {
+        Self {
+            candidates: Self::CANDIDATES,
+            spans,
+        }
+    }
+}
+
+/// There is too little room.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Crowded;
 
 /// How far a slice is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,7 +129,19 @@ impl Slice {
         self.listed.clear();
         self.candidates.clear();
         self.sifted = 0;
+        self.is_crowded = false;
         self.forget_changes();
+    }
+
+    /// # Errors
+    ///
+    /// If what was looked at last had too little room.
+    pub(super) const fn check_room(&self) -> Result<(), Crowded> {
+        if self.is_crowded {
+            Err(Crowded)
+        } else {
+            Ok(())
+        }
     }
 
     /// Where it ends, s.
@@ -203,15 +242,18 @@ impl Slice {
     }
 
     /// Compares what has not been compared, as long as `goes_on` lets: it is told the work of each
-    /// step (boxes and candidates). What is found is added to `survivors` and `stats`. Boxes that
-    /// were formed for all slices are taken from `moved`, where this slice has a number.
+    /// step (boxes and candidates); and as long as there [is room](Self::check_room). What is found is
+    /// added to `survivors` and `stats`. Boxes that were formed for all slices are taken from `moved`,
+    /// where this slice has a number.
     pub(super) fn refresh<F: PairFilter>(
         &mut self,
         bodies: &Bodies<'_>,
         filter: &F,
         moved: Option<(&Moved, usize)>,
+        limits: Limits,
         mut goes_on: impl FnMut(usize) -> bool,
     ) {
+        self.is_crowded = false;
         while !self.is_fresh(bodies) {
             let begin = Instant::now();
             let work = if self.sifted < self.candidates.len() {
@@ -219,13 +261,16 @@ impl Slice {
                 self.stats.narrow_time += begin.elapsed();
                 work
             } else {
-                let work = self.compare(bodies, filter, moved);
+                let room = Room::new(filter, limits.candidates);
+                let work = self.compare(bodies, &room, moved);
+                self.is_crowded = room.is_short();
                 self.stats.broad_time += begin.elapsed();
                 work
             };
+            self.is_crowded |= self.survivors.len() > limits.spans;
             // A slice without a body is work as well: a budget of counted work stops at one place
             // only.
-            if !goes_on(1 + work) || filter.gives_up() {
+            if !goes_on(1 + work) || filter.gives_up() || self.is_crowded {
                 return;
             }
         }
