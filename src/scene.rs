@@ -8,6 +8,7 @@ mod serial;
 pub(crate) use ignored::IgnoredPairs;
 pub(crate) use occupant::{Beyond, Occupant, Outline};
 
+use crate::bounds::Extremes;
 use crate::error::Error;
 use crate::hitbox::Hitbox;
 use crate::id::BodyId;
@@ -310,6 +311,15 @@ impl Scene {
             };
             place.occupant.as_ref().map(|occupant| (id, occupant))
         })
+    }
+
+    /// Rough extremes of all plans, m.
+    pub(crate) fn extremes(&self) -> Extremes {
+        let mut extremes = Extremes::NOTHING;
+        for (_, occupant) in self.occupants() {
+            extremes.include(occupant.outline().extremes);
+        }
+        extremes
     }
 
     /// Fetches a body into the caches, but for its segments.

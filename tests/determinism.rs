@@ -43,3 +43,23 @@ fn one_answer_at(accuracy: Accuracy) {
         assert_eq!(answer, &answers[0].3, "{by:?}");
     }
 }
+
+/// Whatever there is to do: from any thread, and at the end that all is done.
+#[test]
+fn progress_ends_with_one() {
+    let bodies = swarm(3, 200, 100.0);
+    for count in [0, 1, 200] {
+        let scene = scene_of(&bodies[..count]);
+        let told = std::sync::Mutex::new(Vec::new());
+        let query = Query::default().with_margin(1.0).unwrap();
+        let tell = |share: f64| told.lock().unwrap().push(share);
+        scene.screen_with_progress(&query, tell).unwrap();
+        let told = told.into_inner().unwrap();
+        let (last, before) = told.split_last().unwrap();
+        assert_eq!(*last, 1.0);
+        assert!(
+            before.iter().all(|share| (0.0..1.0).contains(share)),
+            "{told:?}"
+        );
+    }
+}

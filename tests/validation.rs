@@ -344,6 +344,13 @@ fn what_a_monitor_refuses() {
         assert_eq!(replanned, refused);
     }
     assert_eq!(monitor.what_if(id, &line(0.5), 0).unwrap(), []);
+    // Also where the lookahead could be told apart.
+    let mut far = Monitor::new(Scene::new(), 0.0, 1e300, &levels).unwrap();
+    for now in [f64::NAN, 1.1e300, f64::MAX, f64::INFINITY] {
+        let refused = far.advance(now, &mut Vec::new()).unwrap_err();
+        assert!(matches!(refused, Error::Clock { .. }), "{now} {refused}");
+    }
+    far.advance(1e300, &mut Vec::new()).unwrap();
     let text = Error::Margin { margin: 1e301 }.to_string();
     assert_eq!(text, "margin 1e301 m is not a number within ±1e300");
 }

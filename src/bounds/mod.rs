@@ -93,6 +93,20 @@ impl Frame {
         };
         Self { origin, power }
     }
+
+    /// Whether it serves coordinates within `extremes`, and inflations up to `inflation` (m), about as
+    /// well as one around them.
+    pub(crate) fn suits(&self, extremes: Extremes, inflation: f64) -> bool {
+        /// Halves of the world that it may lie away from its middle: sixteen cost f32 four bits.
+        const FEW: f64 = 16.0;
+        if !(extremes.low.is_finite() && extremes.high.is_finite()) {
+            return true;
+        }
+        let best = Self::around(extremes, inflation);
+        let half = (extremes.high - best.origin).max_element() + inflation;
+        let away = (best.origin - self.origin).abs().max_element();
+        self.power.to_bits() == best.power.to_bits() && away <= FEW * half
+    }
 }
 
 /// How much larger than its hull a body's box is, in the frame's unit. (Of four lanes, the last

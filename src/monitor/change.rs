@@ -4,7 +4,7 @@ use super::Monitor;
 use super::command::{Batch, Command, Terms};
 use super::event::{Encounter, EndReason};
 use super::flights::Flight;
-#[cfg(feature = "live")]
+use super::grid::Grid;
 use super::read::Readings;
 #[cfg(feature = "serde")]
 use super::recording::Record;
@@ -253,13 +253,32 @@ impl Monitor {
         Ok(())
     }
 
-    /// The same monitor with all that can be worked out again worked out from the scene.
-    #[cfg(feature = "live")]
-    pub(super) fn repaired(mut self) -> Result<Self, Error> {
-        self.outlook = self.outlook.renewed();
+    /// Forgets all that can be worked out again from the scene: it is to be looked at as if it was new,
+    /// on this grid.
+    pub(super) fn renew(&mut self, grid: Grid) -> Result<(), Error> {
+        let renewed = self.outlook.renewed(grid);
+        let before = std::mem::replace(&mut self.outlook, renewed);
+        if let Err(error) = self.lay_out() {
+            self.outlook = before;
+            return Err(error);
+        }
         self.readings = Readings::of_levels(self.levels.len());
-        self.lay_out()?;
-        Ok(self)
+        Ok(())
+    }
+
+    /// Chooses another grid where all bodies have changed, so that all is to be looked at anyway, and
+    /// the one there is does not suit them: it was chosen for an empty scene, say. And where the clock,
+    /// about to show `now` (s), has come so far that it cannot tell slices apart.
+    pub(super) fn choose_grid(&mut self, now: f64) -> Result<(), Error> {
+        let (margin, _) = self.outlook.reach();
+        let grid = self.outlook.grid();
+        let has_changed = self.outlook.changed() > 0 && self.outlook.changed() >= self.scene.len();
+        if grid.has_room(now) && (!has_changed || grid.suits(&self.scene, margin)) {
+            return Ok(());
+        }
+        let span = (self.told, self.lookahead);
+        let grid = Grid::for_scene(&self.scene, margin, span, now)?;
+        self.renew(grid)
     }
 
     fn place(&mut self, id: BodyId, flight: Option<Flight>) {

@@ -11,6 +11,7 @@ mod event;
 mod finds;
 mod flights;
 mod foresight;
+mod grid;
 mod kept;
 #[cfg(feature = "live")]
 mod live;
@@ -34,7 +35,6 @@ pub use live::{
 #[cfg(feature = "serde")]
 pub use recording::{RecordingError, Replay};
 
-use crate::bounds::{Extremes, Frame};
 use crate::broad_phase::PairFilter;
 use crate::conflict::Conflict;
 use crate::error::{Error, LARGEST_MAGNITUDE};
@@ -44,6 +44,7 @@ use crate::scene::Scene;
 use crate::stats::Stats;
 use command::Batch;
 use encounters::Encounters;
+use grid::Grid;
 use outlook::Outlook;
 use read::Readings;
 #[cfg(feature = "serde")]
@@ -169,11 +170,6 @@ impl PairFilter for Admission<'_> {
 }
 
 impl Monitor {
-    /// Slices that the lookahead is cut into: the boxes of more slices are tighter, and each
-    /// changed plan is compared in every one of them. (Three were measured 10 to 15 % cheaper than
-    /// four.)
-    const SLICES_AHEAD: f64 = 3.0;
-
     /// Room for spans that may hold an encounter, if [nothing else is said](Self::set_most_spans): 2^20.
     /// What is known of them takes up to 5 GiB.
     pub const MOST_SPANS: usize = 1 << 20;
@@ -197,7 +193,7 @@ impl Monitor {
         if !usable(now) {
             return Err(Error::Clock { time: now });
         }
-        let length = lookahead / Self::SLICES_AHEAD;
+        let length = lookahead / Grid::FEWEST;
         if !usable(lookahead) || !can_tell_apart(now, length) || length < f64::MIN_POSITIVE {
             return Err(Error::Lookahead { value: lookahead });
         }
@@ -213,17 +209,9 @@ impl Monitor {
         }
         let widest = levels.iter().map(|level| level.release);
         let widest = widest.reduce(f64::max).ok_or(Error::NoAlertLevel)?;
-        let mut extremes = Extremes::NOTHING;
-        for (_, occupant) in scene.occupants() {
-            extremes.include(occupant.outline().extremes);
-        }
+        let grid = Grid::for_scene(&scene, widest, (now, lookahead), now)?;
         let mut monitor = Self {
-            outlook: Outlook::new(
-                widest,
-                Frame::around(extremes, widest.abs()),
-                (now, length),
-                Self::MOST_SPANS,
-            ),
+            outlook: Outlook::new(widest, grid, Self::MOST_SPANS),
             levels: levels.to_vec(),
             encounters: (0..levels.len()).map(Encounters::of_level).collect(),
             conflicts: vec![Vec::new(); levels.len()],
@@ -283,7 +271,7 @@ impl Monitor {
 
     /// Makes room for this many spans that may hold an encounter; [`MOST_SPANS`](Self::MOST_SPANS) at
     /// first. A span is a common interval of a cubic of one body with a cubic of another, in which they
-    /// may come within the largest release margin, until a little after the lookahead; of clusters one
+    /// may come within the largest release margin in the lookahead; of clusters one
     /// for each two spheres that matter. There is also room for 2^26 pairs whose boxes meet at a time.
     /// Where all bodies are in one place, all pairs need room: then a tick ends with
     /// [`Error::TooCrowded`] instead of filling the memory.
@@ -308,15 +296,21 @@ impl Monitor {
         self.now
     }
 
-    /// Before this instant nothing is missing, s. The end of the lookahead unless a budget ran out.
+    /// Before this instant nothing was missing at the last tick, s. The end of the lookahead unless a
+    /// budget ran out.
     #[must_use]
     pub const fn certified_until(&self) -> f64 {
         self.known
     }
 
-    /// Whether all of the lookahead is known.
+    /// Whether all of the lookahead is known, with all changes.
     #[must_use]
     pub fn is_caught_up(&self) -> bool {
+        self.outlook.changed() == 0 && self.is_known()
+    }
+
+    /// Whether all of the lookahead was known at the last tick.
+    fn is_known(&self) -> bool {
         self.known >= self.now + self.lookahead
     }
 

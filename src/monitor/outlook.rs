@@ -7,13 +7,13 @@
 //! and in fewer ticks, where many plans change: see [`due_ahead`].) Where the clock has jumped far, what
 //! it passed over is [bridged](Bridge).
 
-use super::Monitor;
 use super::bodies::{Bodies, Moved};
 use super::boxes::Search;
 use super::bridge::Bridge;
 use super::budget::Meter;
 use super::finds::{Finds, Key};
 use super::flights::{Flight, Flights};
+use super::grid::Grid;
 use super::reading::Slots;
 use super::slice::{Crowded, Limits, Slice};
 use crate::bounds::Frame;
@@ -35,9 +35,7 @@ pub(super) struct Outlook {
     flights: Flights,
     finds: Finds,
     margin: f64,
-    frame: Frame,
-    origin: f64,
-    length: f64,
+    grid: Grid,
     /// Those of the lookahead, and the next one.
     slices: VecDeque<Slice>,
     spare: Vec<Slice>,
@@ -56,20 +54,13 @@ pub(super) struct Outlook {
 }
 
 impl Outlook {
-    /// An outlook for pairs within `margin` (m) on a grid of slices of `length` s from `origin`.
-    pub(super) fn new(
-        margin: f64,
-        frame: Frame,
-        (origin, length): (f64, f64),
-        most_spans: usize,
-    ) -> Self {
+    /// An outlook for pairs within `margin` (m) on a grid, with room for so many spans.
+    pub(super) fn new(margin: f64, grid: Grid, most_spans: usize) -> Self {
         Self {
             flights: Flights::default(),
             finds: Finds::default(),
             margin,
-            frame,
-            origin,
-            length,
+            grid,
             slices: VecDeque::new(),
             spare: Vec::new(),
             bridge: Bridge::default(),
@@ -78,21 +69,28 @@ impl Outlook {
             is_dirty: Vec::new(),
             moved: Moved::default(),
             ends: Vec::new(),
-            reached: origin,
+            reached: grid.origin,
             most_spans,
         }
     }
 
-    /// One with the same grid and frame that knows no body.
-    #[cfg(feature = "live")]
-    pub(super) fn renewed(&self) -> Self {
-        let grid = (self.origin, self.length);
-        Self::new(self.margin, self.frame, grid, self.most_spans)
+    /// One that knows no body, on another grid maybe.
+    pub(super) fn renewed(&self, grid: Grid) -> Self {
+        Self::new(self.margin, grid, self.most_spans)
+    }
+
+    pub(super) const fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// How many bodies have changed since the last catching up.
+    pub(super) const fn changed(&self) -> usize {
+        self.dirty.len()
     }
 
     /// Within what pairs are looked for (m), and where their boxes are measured from.
     pub(super) const fn reach(&self) -> (f64, &Frame) {
-        (self.margin, &self.frame)
+        (self.margin, &self.grid.frame)
     }
 
     pub(super) fn party<'s>(&'s self, scene: &'s Scene, slot: u32) -> Option<Party<'s>> {
@@ -142,7 +140,7 @@ impl Outlook {
     /// How far plans must be laid out for a lookahead that ends at `end`: to the end of the slice
     /// after its last one, since slices are formed as a whole.
     pub(super) fn laid_out(&self, end: f64) -> f64 {
-        end + 2.0 * self.length
+        end + 2.0 * self.grid.length
     }
 
     /// Extends plans that go on beyond their knots so that they cover a lookahead until `end`.
@@ -156,25 +154,8 @@ impl Outlook {
     ///
     /// # Errors
     ///
-    /// [`Error::TooCrowded`]. Then nothing is known, and all is looked for anew.
+    /// If there is too little room. Then what is known is not complete: all is to be looked for anew.
     pub(super) fn catch_up<F: PairFilter>(
-        &mut self,
-        scene: &Scene,
-        interval: (f64, f64),
-        filter: &F,
-        meter: &mut Meter,
-        stats: &mut Stats,
-    ) -> Result<f64, Error> {
-        let known = self.find(scene, interval, filter, meter, stats);
-        known.map_err(|Crowded| {
-            self.forget_all();
-            Error::TooCrowded {
-                limit: self.most_spans,
-            }
-        })
-    }
-
-    fn find<F: PairFilter>(
         &mut self,
         scene: &Scene,
         (from, to): (f64, f64),
@@ -187,24 +168,13 @@ impl Outlook {
         let reached = self.look(scene, (from, to), filter, meter, stats)?;
         self.dirty.clear();
         let begin = Instant::now();
-        let bodies = Bodies::of(scene, &self.flights, (&self.frame, self.margin));
+        let bodies = Bodies::of(scene, &self.flights, (&self.grid.frame, self.margin));
         self.finds.forget_before(from);
         put_in_order(&mut self.survivors);
         let most = self.most_spans;
         stats.survivors += self.finds.add(&self.survivors, &bodies, most)?;
         stats.narrow_time += begin.elapsed();
         Ok(meter.until().unwrap_or(reached))
-    }
-
-    /// Nothing is known any more, and all bodies are to be looked at.
-    fn forget_all(&mut self) {
-        self.survivors = Vec::new();
-        self.slices.clear();
-        self.spare.clear();
-        self.bridge = Bridge::default();
-        for slot in (0..).take(self.flights.len()) {
-            self.forget(slot);
-        }
     }
 
     /// Looks at what is not up to date from `from` to `to`: lists survivors. Returns how far all is.
@@ -217,12 +187,12 @@ impl Outlook {
         stats: &mut Stats,
     ) -> Result<f64, Crowded> {
         let limits = Limits::of(self.most_spans);
-        let present = self.start(self.index(to - Monitor::SLICES_AHEAD * self.length));
-        if self.bridge.is_needed((from, present), self.length) {
+        let present = self.start(self.index(to - self.grid.ahead * self.grid.length));
+        if self.bridge.is_needed((from, present), self.grid.length) {
             // They lie behind, or not yet ahead.
             self.spare.extend(self.slices.drain(..));
-            let bodies = Bodies::of(scene, &self.flights, (&self.frame, self.margin));
-            let jump = (from, present, self.length);
+            let bodies = Bodies::of(scene, &self.flights, (&self.grid.frame, self.margin));
+            let jump = (from, present, self.grid.length);
             let found = (&mut self.survivors, &mut *stats);
             let crossed = self
                 .bridge
@@ -234,15 +204,15 @@ impl Outlook {
         }
         self.drop_before(from);
         let needed = self.lay_slices(from, to);
-        let bodies = Bodies::of(scene, &self.flights, (&self.frame, self.margin));
+        let bodies = Bodies::of(scene, &self.flights, (&self.grid.frame, self.margin));
         let slices = self.slices.make_contiguous();
         let mut known = to;
         slices[..needed].iter_mut().for_each(Slice::need);
         if let [.., last, next] = slices {
             // It is due when the lookahead's end has passed through the last one.
-            let start = self.origin + self.length * as_number(last.index);
-            let share = ((to - start) / self.length).clamp(0.0, 1.0);
-            let step = (to - self.reached) / self.length;
+            let start = self.grid.origin + self.grid.length * as_number(last.index);
+            let share = ((to - start) / self.grid.length).clamp(0.0, 1.0);
+            let step = (to - self.reached) / self.grid.length;
             let changed = (self.dirty.len(), self.flights.len());
             next.foresee(due_ahead(share, step, changed), last);
         }
@@ -263,7 +233,7 @@ impl Outlook {
             });
         } else {
             for (number, slice) in slices.iter_mut().enumerate() {
-                let start = self.origin + self.length * as_number(slice.index);
+                let start = self.grid.origin + self.grid.length * as_number(slice.index);
                 let start = start.max(from);
                 let is_needed = number < needed;
                 if is_needed && meter.until().is_some_and(|until| start >= until) {
@@ -285,8 +255,15 @@ impl Outlook {
                 }
             }
         }
-        for slice in slices {
-            slice.check_room()?;
+        // What is found ahead of time must leave room for what is needed.
+        let room = (self.most_spans / 2).saturating_sub(self.finds.len());
+        for (number, slice) in slices.iter_mut().enumerate() {
+            let has_room = slice.check_room();
+            if number >= needed && (has_room.is_err() || slice.survivors.len() > room) {
+                slice.put_off();
+                continue;
+            }
+            has_room?;
             self.survivors.append(&mut slice.survivors);
             if is_parallel {
                 let stats = &slice.stats;
@@ -363,7 +340,7 @@ impl Outlook {
         for slice in &self.slices {
             if slice.covers_some_of((from, to)) {
                 let memory = (&mut block, &mut search);
-                slice.near((flight, own), &self.frame, memory, &mut near);
+                slice.near((flight, own), &self.grid.frame, memory, &mut near);
             }
         }
         near.sort_unstable();
@@ -404,7 +381,7 @@ impl Outlook {
     }
 
     fn start(&self, index: i64) -> f64 {
-        self.origin + self.length * as_number(index)
+        self.grid.origin + self.grid.length * as_number(index)
     }
 
     /// The first slice in which to look for what is reported from `time` on: where that is on a cut,
@@ -415,7 +392,7 @@ impl Outlook {
     )]
     fn index(&self, time: f64) -> i64 {
         let time = seen_from(time);
-        let mut index = ((time - self.origin) / self.length).floor() as i64;
+        let mut index = ((time - self.grid.origin) / self.grid.length).floor() as i64;
         while self.start(index) >= time {
             index -= 1;
         }

@@ -238,22 +238,26 @@ impl Source<'_> {
             released.clone_from(contacts);
         }
         for hold in &*released {
+            // Two margins that are nearly the same are crossed in any order: by rounding.
             let mut within = contacts
                 .iter()
-                .filter(|contact| contact.enter >= hold.enter && contact.exit <= hold.exit);
+                .filter(|contact| contact.enter <= hold.exit && contact.exit >= hold.enter);
             let first = within.next();
+            let last = within.last().or(first);
+            let start = first.map_or(hold.enter, |contact| contact.enter.min(hold.enter));
+            let exit = last.map_or(hold.exit, |contact| contact.exit.max(hold.exit));
             let Some(closest) = self.report(slots, clip, hold) else {
                 continue;
             };
-            let flown = (hold.enter, hold.exit.min(tick.told));
+            let flown = (start, exit.min(tick.told));
             visit(Plain {
                 a: closest.a,
                 b: closest.b,
                 enter: first.map(|contact| contact.enter),
-                start: hold.enter,
-                exit: hold.exit,
-                open: hold.exit >= tick.known && ends > tick.known,
-                with_trajectory: hold.exit >= ends,
+                start,
+                exit,
+                open: exit >= tick.known && ends > tick.known,
+                with_trajectory: exit >= ends,
                 closest: closest.closest,
                 passed: self.passed_closest(slots, alert.release, flown, passed),
             });

@@ -7,10 +7,11 @@ use super::budget::{Budget, Meter};
 use super::command::Batch;
 use super::encounters::{Encounters, Tick};
 use super::event::{EndReason, Event, EventKind};
+use super::grid::Grid;
 #[cfg(feature = "serde")]
 use super::recording::Record;
 use super::{Admission, Monitor, can_tell_apart};
-use crate::error::Error;
+use crate::error::{Error, LARGEST_MAGNITUDE};
 use crate::parallel;
 use crate::rounding::one_zero;
 use crate::scene::Scene;
@@ -98,11 +99,12 @@ impl Monitor {
                 time: now,
             });
         }
-        let length = self.lookahead / Self::SLICES_AHEAD;
-        if !now.is_finite() || !can_tell_apart(now, length) {
+        let length = self.lookahead / Grid::FEWEST;
+        if now > LARGEST_MAGNITUDE || !can_tell_apart(now, length) {
             return Err(Error::Clock { time: now });
         }
         let end = now + self.lookahead;
+        self.choose_grid(now)?;
         self.outlook.extend_beyond(&self.scene, end)?;
         let mut stats = Stats {
             bodies: self.scene.len() as u64,
@@ -123,7 +125,12 @@ impl Monitor {
                     .catch_up(&self.scene, window, &admission, meter, stats)
             },
             || self.batch.clear(),
-        )?;
+        );
+        let Ok(known) = known else {
+            let limit = self.outlook.most_spans;
+            self.renew(*self.outlook.grid())?;
+            return Err(Error::TooCrowded { limit });
+        };
         let tick = Tick {
             now,
             told: now.min(known),

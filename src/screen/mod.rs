@@ -68,7 +68,8 @@ impl Scene {
     }
 
     /// The same as [`screen`](Self::screen); `progress` is told now and then, from any of the
-    /// threads, which share of the time slices is done (0 to 1; the last call says 1).
+    /// threads, which share of the time slices is done: from 0 to below 1, by several threads maybe not
+    /// in order; and 1 at the end, from this thread.
     ///
     /// # Errors
     ///
@@ -86,6 +87,7 @@ impl Scene {
             line_up.screen(query.method(), &Admission::new(self, &line_up), &progress)?
         };
         screening.stats.total_time = begin.elapsed();
+        progress(1.0);
         Ok(screening)
     }
 
@@ -145,6 +147,17 @@ impl Scene {
                 time,
             })
         })
+    }
+
+    /// How many slices the query's window would be cut into, at the least expected cost.
+    pub(crate) fn cheapest_slices(&self, query: &Query) -> Result<u32, Error> {
+        let line_up = LineUp::new(self, query)?;
+        let parties = line_up.parties();
+        if parties.len() < 2 {
+            return Ok(1);
+        }
+        let slices = line_up.slices(&line_up.traffic(), &line_up.poses(&parties));
+        Ok(slices.count())
     }
 
     /// Answers from the spans of a pair within a window, if both exist there. The answer is about

@@ -48,7 +48,9 @@ impl LineUp<'_> {
                 let range = blocks.range(first + block);
                 let found = self.block(&method, parties, &poses, &slices, range, filter, scratch);
                 let done = done_blocks.fetch_add(1, Ordering::Relaxed) + 1;
-                progress(f64::from(done) / f64::from(blocks.count));
+                if done < blocks.count {
+                    progress(f64::from(done) / f64::from(blocks.count));
+                }
                 found
             });
             for result in results {
@@ -79,7 +81,7 @@ impl LineUp<'_> {
     }
 
     /// How bodies lie in a frame that serves all of them.
-    fn poses(&self, parties: &[Party<'_>]) -> Vec<Pose<'_, Stroke>> {
+    pub(super) fn poses(&self, parties: &[Party<'_>]) -> Vec<Pose<'_, Stroke>> {
         // Most scenes have many bodies with the same sphere, one after the other.
         let is_as_before = |place: usize| {
             let spheres = parties[place].spheres;

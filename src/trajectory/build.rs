@@ -198,7 +198,10 @@ impl Trajectory {
     }
 }
 
-fn check_number(knot: usize, quantity: Quantity, value: f64) -> Result<(), Error> {
+/// # Errors
+///
+/// Not finite, or too large.
+pub(super) fn check_number(knot: usize, quantity: Quantity, value: f64) -> Result<(), Error> {
     if !value.is_finite() {
         return Err(Error::NotFinite {
             knot,
@@ -216,7 +219,10 @@ fn check_number(knot: usize, quantity: Quantity, value: f64) -> Result<(), Error
     Ok(())
 }
 
-fn check_times(times: impl Iterator<Item = f64>) -> Result<(), Error> {
+/// # Errors
+///
+/// The first time that is no number, or not later than the one before it.
+pub(super) fn check_times(times: impl Iterator<Item = f64>) -> Result<(), Error> {
     let mut previous = f64::NEG_INFINITY;
     for (knot, time) in times.enumerate() {
         check_number(knot, Quantity::Time, time)?;

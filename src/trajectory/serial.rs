@@ -1,8 +1,10 @@
 //! Trajectories in files: the exact numbers that are computed with, checked when they come back.
 
+use super::build::{check_number, check_times};
+use super::outside::check_reach;
 use super::roomy::Roomy;
 use super::{Outside, Segment, Trajectory};
-use crate::error::{Error, LARGEST_MAGNITUDE, Quantity};
+use crate::error::{Error, Quantity};
 use crate::rounding::{largest_norm, one_zero};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -48,25 +50,19 @@ impl TryFrom<Numbers> for Trajectory {
                 segments: segments.len(),
             });
         }
-        let mut previous = f64::NEG_INFINITY;
-        for (knot, time) in knots.iter_mut().enumerate() {
+        for time in &mut knots {
             *time = one_zero(*time);
-            let time = *time;
-            check(knot, Quantity::Time, time)?;
-            if time <= previous {
-                return Err(Error::TimeNotIncreasing {
-                    knot,
-                    previous,
-                    time,
-                });
-            }
-            previous = time;
         }
+        check_times(knots.iter().copied())?;
         let segment = |(knot, numbers)| Segment::from_numbers(numbers, knot);
         let [before, after] = coast;
         let segments = (1..).zip(segments).map(segment);
         let segments = segments.collect::<Result<Vec<_>, _>>()?;
         let coast = [segment((0, before))?, segment((last, after))?];
+        for (knot, (segment, ends)) in (1..).zip(segments.iter().zip(knots.windows(2))) {
+            // A piece may be any part of its cubic, also one beyond it.
+            check_reach(segment, (ends[0], ends[1]), knot)?;
+        }
         Ok(Self {
             segments: Roomy::new(&segments, &coast),
             knots: Roomy::new(&knots, &[]),
@@ -119,10 +115,10 @@ impl Segment {
             extent,
             error,
         ] = numbers;
-        check(knot, Quantity::Time, start)?;
-        check(knot, Quantity::Time, end)?;
+        check_number(knot, Quantity::Time, start)?;
+        check_number(knot, Quantity::Time, end)?;
         for (place, value) in numbers[2..].iter().enumerate() {
-            check(knot, Quantity::Position(place % 3), *value)?;
+            check_number(knot, Quantity::Position(place % 3), *value)?;
         }
         if end <= start {
             return Err(Error::TimeNotIncreasing {
@@ -150,22 +146,4 @@ impl Segment {
             knot,
         )
     }
-}
-
-fn check(knot: usize, quantity: Quantity, value: f64) -> Result<(), Error> {
-    if !value.is_finite() {
-        return Err(Error::NotFinite {
-            knot,
-            quantity,
-            value,
-        });
-    }
-    if value.abs() > LARGEST_MAGNITUDE {
-        return Err(Error::OutOfRange {
-            knot,
-            quantity,
-            value,
-        });
-    }
-    Ok(())
 }

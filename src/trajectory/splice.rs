@@ -43,6 +43,13 @@ impl Trajectory {
         Ok(spliced)
     }
 
+    /// Whether it exists at a time (s), and goes on from there.
+    pub(crate) fn goes_on_from(&self, time: f64) -> bool {
+        let is_over =
+            self.outside == Outside::Absent && self.knots.last().is_none_or(|last| *last <= time);
+        time.is_finite() && self.domain().contains(time) && !is_over
+    }
+
     /// The same motion without the cubics that end before `time` (s): they are forgotten.
     /// At least one is kept.
     #[must_use]
@@ -67,12 +74,10 @@ impl Trajectory {
     /// As [`spliced`](Self::spliced); nothing was changed then.
     pub(crate) fn precede_by(&mut self, flown: &Self, from: f64, since: f64) -> Result<(), Error> {
         let from = one_zero(from);
-        let exists = |trajectory: &Self| from.is_finite() && trajectory.domain().contains(from);
-        let ahead = count_at_front(&self.knots, |knot| knot <= from);
-        let ends = ahead == self.knots.len() && self.outside == Outside::Absent;
-        if !exists(flown) || !exists(self) || ends {
+        if !flown.domain().contains(from) || !self.goes_on_from(from) {
             return Err(Error::NoPlanAt { time: from });
         }
+        let ahead = count_at_front(&self.knots, |knot| knot <= from);
         // Flown: whole pieces, then the one that is cut. Beyond its knots a plan goes on along its
         // carrier, which becomes a piece like any other.
         let cut = count_at_front(&flown.knots, |knot| knot < from);

@@ -8,6 +8,7 @@
 )]
 
 mod crowded;
+mod grid;
 mod reference;
 mod scenarios;
 #[path = "../support/mod.rs"]
@@ -348,8 +349,8 @@ fn equals_one_shot_screening_with_many_bodies() {
 }
 
 /// Bodies changed and boxes formed in each tick of a monitor of 200 bodies, a share of which is
-/// replanned before each tick.
-fn boxes_formed(share: f64) -> Vec<(u64, u64)> {
+/// replanned before each tick; and how many slices it has a part of in sight.
+fn boxes_formed(share: f64) -> (Vec<(u64, u64)>, u64) {
     let mut rng = rng(31);
     let mut scene = Scene::new();
     let mut ids = Vec::new();
@@ -360,6 +361,7 @@ fn boxes_formed(share: f64) -> Vec<(u64, u64)> {
     }
     let mut monitor = Monitor::new(scene, 0.0, 6.0, &LEVELS).unwrap();
     tick(&mut monitor, 0.0);
+    let slices = monitor.stats().slices;
     let ticks = (1..=120).map(|number| {
         for &id in &ids {
             if rng.random_bool(share) {
@@ -370,28 +372,34 @@ fn boxes_formed(share: f64) -> Vec<(u64, u64)> {
         tick(&mut monitor, f64::from(number) / 30.0);
         (monitor.stats().changed, monitor.stats().boxes)
     });
-    ticks.collect()
+    (ticks.collect(), slices)
 }
 
-/// Slices of 2 s, which are 60 ticks.
 #[test]
 fn what_comes_next_is_boxed_little_by_little_but_late_where_plans_change_all_the_time() {
-    let quiet = boxes_formed(0.0);
-    // Boxes are formed in 36 of the 60 ticks.
-    assert!(quiet.iter().all(|tick| tick.1 <= 6), "{quiet:?}");
-    assert!(quiet.iter().map(|tick| tick.1).sum::<u64>() >= 2 * 200);
-    let busy = boxes_formed(0.5);
+    let (quiet, slices) = boxes_formed(0.0);
+    // In 180 ticks as many slices as the lookahead has; boxes are formed in 3 of 5 of the ticks.
+    let most = (slices * 200).div_ceil(180 * 3 / 5);
+    assert!(quiet.iter().all(|tick| tick.1 <= most), "{quiet:?}");
+    let formed = quiet.iter().map(|tick| tick.1).sum::<u64>();
+    // (Of the two at its ends it has only parts.)
+    assert!(
+        formed >= (slices - 2) * 200 * 120 / 180,
+        "{formed} {slices}"
+    );
+    let (busy, slices) = boxes_formed(0.5);
     let (changed, boxes) = busy
         .iter()
         .fold((0, 0), |sum, tick| (sum.0 + tick.0, sum.1 + tick.1));
-    // In the four slices of the lookahead; those of the next one, if they were formed all the time,
-    // would be a sixth more.
+    // In the slices of the lookahead; those of the next one, if they were formed all the time, would
+    // be an eighth of it more.
     assert!(
-        boxes >= 4 * changed && boxes * 100 <= 4 * 107 * changed,
-        "{boxes} {changed}"
+        boxes >= (slices - 2) * changed && boxes * 100 <= slices * 107 * changed,
+        "{boxes} {changed} {slices}"
     );
     assert!(
-        busy.iter().all(|tick| tick.1 <= 5 * tick.0 + 100),
+        busy.iter()
+            .all(|tick| tick.1 <= (slices + 1) * tick.0 + 100),
         "{busy:?}"
     );
 }

@@ -412,3 +412,42 @@ fn a_jump_over_nothing_and_then_a_crowd() {
     assert!(stats.boxes < 200_000, "{stats:?}");
     assert!(stats.candidates < 300_000, "{stats:?}");
 }
+
+/// Two margins that differ in their last bits are crossed in any order, by rounding.
+#[test]
+fn a_release_margin_next_to_the_margin_loses_no_encounter() {
+    let mut rng = rng(23);
+    let mut scene = Scene::new();
+    for number in 0..400 {
+        let at = DVec3::new(0.0, 100.0 * f64::from(number), 0.0);
+        for _ in 0..2 {
+            let states = wander(&mut rng, 0.0, 12, 1.0, 0.5, 1.0);
+            let states = states
+                .iter()
+                .map(|state| State::new(state.time, state.position + at, state.velocity));
+            let plan = Trajectory::from_states(&states.collect::<Vec<_>>()).unwrap();
+            scene.insert(Body::new(plan)).unwrap();
+        }
+    }
+    let margin = 0.3;
+    for release in [margin, 0.1 + 0.2, margin * (1.0 + 1e-15)] {
+        let level = AlertLevel { margin, release };
+        let mut monitor = Monitor::new(scene.clone(), 0.0, 10.0, &[level]).unwrap();
+        let told = tick(&mut monitor, 0.0);
+        let conflicts = monitor.conflicts(0);
+        assert!(conflicts.len() > 200, "{}", conflicts.len());
+        let is_told = |conflict: &&nearmiss::Conflict| {
+            told.iter().any(|event| {
+                event.kind.encounter().is_some_and(|encounter| {
+                    let ids = (encounter.a, encounter.b) == (conflict.a, conflict.b);
+                    ids && encounter.enter <= conflict.enter && encounter.exit >= conflict.exit
+                })
+            })
+        };
+        let lost = conflicts
+            .iter()
+            .filter(|conflict| !is_told(conflict))
+            .count();
+        assert_eq!(lost, 0, "{release:?}");
+    }
+}

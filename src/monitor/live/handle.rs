@@ -82,15 +82,15 @@ impl Shared {
     }
 
     pub(super) fn applied(&self) {
-        self.applied.fetch_add(1, Ordering::Relaxed);
+        self.applied.fetch_add(1, Ordering::Release);
     }
 
     pub(super) fn superseded(&self, count: u64) {
-        self.superseded.fetch_add(count, Ordering::Relaxed);
+        self.superseded.fetch_add(count, Ordering::Release);
     }
 
     pub(super) fn refused(&self, count: u64) {
-        self.refused.fetch_add(count, Ordering::Relaxed);
+        self.refused.fetch_add(count, Ordering::Release);
     }
 
     pub(super) fn close(&self) {
@@ -185,7 +185,8 @@ impl Handle {
     /// What has become of the orders so far.
     #[must_use]
     pub fn counts(&self) -> Counts {
-        // The ends before the beginning: what is added in between makes `sent` larger, not smaller.
+        // The ends before the beginning: what is added in between makes `sent` larger, not smaller, and
+        // an end that is seen was preceded by its beginning.
         let applied = self.shared.applied.load(Ordering::Acquire);
         let superseded = self.shared.superseded.load(Ordering::Acquire);
         let refused = self.shared.refused.load(Ordering::Acquire);

@@ -70,6 +70,12 @@ pub enum Report {
         /// Why.
         error: Error,
     },
+    /// What was left of a tick cannot be caught up with: there is [too little
+    /// room](Error::TooCrowded), say. It is tried again after the next order.
+    Stuck {
+        /// Why.
+        error: Error,
+    },
 }
 
 /// A monitor at work on its own thread: orders go in, reports come out, nobody blocks the game.
@@ -79,14 +85,14 @@ pub enum Report {
 ///
 /// - Both queues are bounded. When the one for orders is full, [`Handle::send`] returns
 ///   [`Unsent::Busy`] with the order handed back: it never blocks and never drops.
-/// - Between two clock orders the latest plan for a body wins: a plan that a later one replaces
-///   altogether (see [`Order`]) is superseded without being tried. Clock orders merge only where
+/// - Between two clock orders the latest plan for a body wins: a plan that the next one for that body
+///   replaces altogether (see [`Order`]) is superseded without being tried. Clock orders merge only where
 ///   nothing lies between them. Batches are never taken apart, and nothing is merged across them.
 /// - Every order sent is in the end applied, superseded or refused: [`Counts`] adds up.
 /// - Reports come in order, and none is dropped. A reader that stalls stalls the monitor, not the
 ///   senders: [`Handle::certified_until`] then stands still.
 /// - A tick works within [`LiveOptions::budget`] at a time; what is left is caught up while no
-///   orders wait.
+///   orders wait. If that fails, [`Report::Stuck`] says why.
 /// - [`Live::shutdown`] returns in under 100 ms, after the step at hand (one budget and one order's
 ///   work; at most 25 ms were measured with 40,000 bodies, release build), with the monitor, every
 ///   report that was not read and every order that was not applied. A panic inside the

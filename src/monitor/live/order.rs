@@ -9,7 +9,8 @@ use std::collections::{BTreeMap, VecDeque};
 ///
 /// A plan replaces an earlier one of the same body altogether if it is
 /// [`Command::SetTrajectory`], or if both are [`Command::Replan`] and the later one begins no
-/// later than the earlier.
+/// later than the earlier, at a time at which its plan exists and from which it goes on (else it
+/// will be refused, and the earlier one is needed).
 #[derive(Clone, Debug, PartialEq)]
 #[allow(
     clippy::large_enum_variant,
@@ -55,9 +56,9 @@ fn replaces(later: &Order, earlier: &Order) -> bool {
     match (later, earlier) {
         (Order::Change(Command::SetTrajectory(..)), _) => true,
         (
-            Order::Change(Command::Replan(_, from, _)),
+            Order::Change(Command::Replan(_, from, plan)),
             Order::Change(Command::Replan(_, earlier_from, _)),
-        ) => from <= earlier_from,
+        ) => from <= earlier_from && plan.goes_on_from(*from),
         _ => false,
     }
 }
@@ -68,7 +69,7 @@ pub(super) struct Waiting {
     orders: VecDeque<Option<(Ticket, Order)>>,
     /// How many have been taken from the front: the number of the first in `orders`.
     taken: usize,
-    /// Numbers of the plans of each body since the last clock order or batch.
+    /// Numbers of the plans of each body since the last clock order or batch, in order.
     plans: BTreeMap<BodyId, Vec<usize>>,
 }
 
@@ -85,20 +86,24 @@ impl Waiting {
             (_, Some(body)) => {
                 let plans = self.plans.entry(body).or_default();
                 let (orders, taken) = (&mut self.orders, self.taken);
-                plans.retain(|&number| {
+                // The last first: one that stays may rest on those before it.
+                while let Some(&number) = plans.last() {
                     let waiting = number
                         .checked_sub(taken)
                         .and_then(|index| orders.get_mut(index));
-                    let Some(waiting) = waiting else { return false };
-                    let gone = waiting
-                        .as_ref()
-                        .is_some_and(|(_, earlier)| replaces(&order, earlier));
-                    if gone {
-                        *waiting = None;
+                    let is_taken = waiting.is_none();
+                    let gone = waiting.filter(|waiting| {
+                        let earlier = waiting.as_ref();
+                        earlier.is_some_and(|(_, earlier)| replaces(&order, earlier))
+                    });
+                    if let Some(gone) = gone {
+                        *gone = None;
                         superseded += 1;
+                    } else if !is_taken {
+                        break;
                     }
-                    !gone
-                });
+                    plans.pop();
+                }
                 plans.push(self.taken + self.orders.len());
             }
             (Order::Clock(time), _) => {

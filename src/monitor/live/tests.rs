@@ -72,7 +72,7 @@ fn after_a_panic_only_what_is_planned_is_reported() {
     assert_eq!((monitor.conflicts(0).len(), events.len()), (2, 2));
     monitor.set_trajectory(a, fly(-50.0, 0.0)).unwrap();
     monitor.remove(c).unwrap();
-    let mut monitor = monitor.repaired().unwrap();
+    monitor.renew(*monitor.outlook.grid()).unwrap();
     events.clear();
     monitor.advance(0.0, &mut events).unwrap();
     assert_eq!(
@@ -134,4 +134,46 @@ fn waiting_orders_coalesce_as_the_contract_says() {
     // Numbers go on after orders were taken.
     assert_eq!(push(&mut waiting, set(a)), 0);
     assert_eq!(push(&mut waiting, set(a)), 1);
+    assert_eq!(waiting.pop().map(|(_, order)| order), Some(set(a)));
+    // A plan that will be refused replaces nothing: it ends before it is to begin.
+    let over = |id, from| {
+        let states = [0.0, 1.0].map(|time| State::new(time, DVec3::ZERO, DVec3::ZERO));
+        Order::Change(Command::Replan(
+            id,
+            from,
+            Trajectory::from_states(&states).unwrap(),
+        ))
+    };
+    assert_eq!(push(&mut waiting, plan(a, 5.0)), 0);
+    assert_eq!(push(&mut waiting, over(a, 4.0)), 0);
+    // Nor does one replace what another one may rest on.
+    let extend = |id| Order::Change(Command::Extend(id, rest(1.0)));
+    assert_eq!(push(&mut waiting, plan(b, 5.0)), 0);
+    assert_eq!(push(&mut waiting, extend(b)), 0);
+    assert_eq!(push(&mut waiting, plan(b, 5.0)), 0);
+    assert_eq!(push(&mut waiting, set(b)), 3);
+}
+
+/// What cannot be caught up with is told, and again after each order.
+#[test]
+fn a_monitor_that_is_stuck_says_so() {
+    let (mut monitor, _) = monitor();
+    monitor.set_most_spans(0);
+    let options = LiveOptions {
+        budget: Duration::ZERO,
+        ..LiveOptions::default()
+    };
+    let live = monitor.spawn(options).unwrap();
+    let game = live.handle();
+    let error = Error::TooCrowded { limit: 0 };
+    for id in 0..2 {
+        game.advance(0.0).unwrap();
+        // Within the budget or after it.
+        let is_told = |report: &Report| match report {
+            Report::Stuck { error: why } | Report::Refused { error: why, .. } => *why == error,
+            _ => false,
+        };
+        assert!(live.reports().iter().any(|report| is_told(&report)), "{id}");
+    }
+    assert!(!live.shutdown().unwrap().monitor.is_caught_up());
 }

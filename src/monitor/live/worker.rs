@@ -117,7 +117,7 @@ impl Worker {
                 self.shared.refused(in_hand);
                 Outcome::Panicked {
                     message,
-                    monitor: self.monitor.repaired().ok().map(Box::new),
+                    monitor: repaired(self.monitor).ok().map(Box::new),
                     undelivered: self.outbox,
                     unapplied,
                 }
@@ -130,7 +130,7 @@ impl Worker {
         if self.stop.try_recv() == Err(TryRecvError::Disconnected) {
             return Err(Stop);
         }
-        let idle = self.waiting.len() == 0 && (self.monitor.is_caught_up() || self.stuck);
+        let idle = self.waiting.len() == 0 && (self.monitor.is_known() || self.stuck);
         if idle {
             select! {
                 recv(self.orders) -> order => match order {
@@ -159,7 +159,10 @@ impl Worker {
     fn step(&mut self, next: Option<(Ticket, Order)>) {
         let Some((ticket, order)) = next else {
             // Time stands still.
-            self.stuck = self.tick(self.monitor.now()).is_err();
+            if let Err(error) = self.tick(self.monitor.now()) {
+                self.stuck = true;
+                self.outbox.push_back(Report::Stuck { error });
+            }
             return;
         };
         let outcome = match order {
@@ -231,6 +234,12 @@ impl Worker {
             recv(self.stop) -> _ => Err(Stop),
         }
     }
+}
+
+/// The same monitor with all that can be worked out again worked out from the scene.
+fn repaired(mut monitor: Monitor) -> Result<Monitor, Error> {
+    monitor.renew(*monitor.outlook.grid())?;
+    Ok(monitor)
 }
 
 /// What a panic said.

@@ -79,10 +79,12 @@ pub enum RecordingError {
 
 impl Record {
     /// The line, with its prefix and its end.
-    pub(super) fn line(&self) -> serde_json::Result<String> {
+    pub(super) fn line(&self) -> io::Result<String> {
         let json = serde_json::to_string(self)?;
+        let length = u32::try_from(json.len());
+        let length = length.map_err(|_| io::Error::other("a record of 4 GiB or more"))?;
         let checksum = crc32fast::hash(json.as_bytes());
-        Ok(format!("{:08x} {checksum:08x} {json}\n", json.len()))
+        Ok(format!("{length:08x} {checksum:08x} {json}\n"))
     }
 
     /// The record in the body of a line, if its checksum is this.

@@ -64,6 +64,8 @@ pub struct Replay<R> {
     /// Where the next line begins.
     offset: u64,
     records: u64,
+    /// The end was read.
+    has_ended: bool,
     monitor: Monitor,
 }
 
@@ -95,6 +97,7 @@ impl<R: BufRead> Replay<R> {
             source,
             offset: offset + length,
             records: 1,
+            has_ended: false,
             monitor,
         })
     }
@@ -116,14 +119,15 @@ impl<R: BufRead> Replay<R> {
     ///
     /// [`RecordingError`], with the place. Everything before it has been replayed.
     pub fn tick(&mut self, events: &mut Vec<Event>) -> Result<Option<f64>, RecordingError> {
-        loop {
+        while !self.has_ended {
             let offset = self.offset;
             let (record, length) = read(&mut self.source, offset)?;
             if let Record::End { records } = record {
                 if records != self.records {
                     return Err(damaged(offset, "records are missing"));
                 }
-                return Ok(None);
+                self.has_ended = true;
+                break;
             }
             self.offset += length;
             self.records += 1;
@@ -132,6 +136,7 @@ impl<R: BufRead> Replay<R> {
                 return Ok(Some(now));
             }
         }
+        Ok(None)
     }
 
     /// Does again what a record says; returns the time of a tick.

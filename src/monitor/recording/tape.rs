@@ -28,8 +28,10 @@ impl Tape {
         if self.failure.is_some() {
             return;
         }
-        let line = record.line().map_err(io::Error::from);
-        match line.and_then(|line| self.target.write_all(line.as_bytes())) {
+        match record
+            .line()
+            .and_then(|line| self.target.write_all(line.as_bytes()))
+        {
             Ok(()) => self.records += 1,
             Err(error) => self.failure = Some(error),
         }

@@ -47,6 +47,8 @@ pub(super) struct Slice {
     pub(super) survivors: Vec<(Key, Span)>,
     /// There was too little room for what is in it: it was given up.
     is_crowded: bool,
+    /// Nothing is done for it before it is needed.
+    is_put_off: bool,
     pub(super) stats: Stats,
 }
 
@@ -130,7 +132,16 @@ impl Slice {
         self.candidates.clear();
         self.sifted = 0;
         self.is_crowded = false;
+        self.is_put_off = false;
+        self.survivors.clear();
         self.forget_changes();
+    }
+
+    /// Forgets what was done for it until it is needed: there is no room.
+    pub(super) fn put_off(&mut self) {
+        self.begin(self.index, self.interval);
+        self.is_put_off = true;
+        self.due = 0.0;
     }
 
     /// # Errors
@@ -157,6 +168,9 @@ impl Slice {
     /// The slice is not needed yet, but soon: a share of it (0 to 1) is due. In most scenes bodies
     /// have the same neighbours in it as in the one before.
     pub(super) fn foresee(&mut self, share: f64, before: &Self) {
+        if self.is_put_off {
+            return;
+        }
         if share > 0.0 && self.stage == Stage::default() && before.is_placed() {
             self.boxes.begin_like(&before.boxes);
             self.stage = Stage::Placing(0);
@@ -199,7 +213,11 @@ impl Slice {
             Stage::Listing(slots) => {
                 return self.due < 1.0 && slots >= self.due_slots(bodies);
             }
-            Stage::Placing(slots) => self.due < 1.0 && slots >= self.due_slots(bodies),
+            // With the last of them they are to be joined.
+            Stage::Placing(slots) => {
+                let due = self.due_slots(bodies);
+                self.due < 1.0 && slots >= due && slots < bodies.flights.len()
+            }
             Stage::Joining(leaves, order) => {
                 self.due < 1.0 && leaves >= self.due_leaves() && order == self.boxes.orders()
             }

@@ -1,0 +1,104 @@
+//! What a monitor costs, counted: it is to suit the scene, whenever that is put in and however far the
+//! lookahead goes, and no tick is to stand out.
+
+use super::scenarios::tick;
+use super::support::{bits, rng, vector, wander};
+use glam::DVec3;
+use nearmiss::{AlertLevel, Body, Monitor, Query, Scene, State, Trajectory, Window};
+
+const LEVEL: AlertLevel = AlertLevel::at(1.0);
+
+fn is_as_screened(monitor: &Monitor) {
+    let window = Window::new(monitor.now(), monitor.certified_until()).unwrap();
+    let query = Query::new(window).with_margin(LEVEL.margin).unwrap();
+    let screened = monitor.scene().screen(&query).unwrap();
+    assert_eq!(bits(monitor.conflicts(0)), bits(&screened.conflicts));
+}
+
+/// Bodies a few metres from each other, all around a place.
+fn flock(around: DVec3) -> Vec<Body> {
+    let mut rng = rng(3);
+    let flights = (0..300).map(|_| {
+        let (position, velocity) = (around + vector(&mut rng, 40.0), vector(&mut rng, 1.0));
+        let states = [0.0, 60.0].map(|t| State::new(t, position + t * velocity, velocity));
+        Body::new(Trajectory::from_states(&states).unwrap())
+    });
+    flights.collect()
+}
+
+/// Boxes in f32 are blind far from where they are measured from.
+#[test]
+fn bodies_that_are_put_in_later_and_far_away_cost_no_more() {
+    let candidates = |around: DVec3, is_late: bool| {
+        let (mut scene, mut later) = (Scene::new(), Vec::new());
+        for body in flock(around) {
+            if is_late {
+                later.push(body);
+            } else {
+                scene.insert(body).unwrap();
+            }
+        }
+        let mut monitor = Monitor::new(scene, 0.0, 10.0, &[LEVEL]).unwrap();
+        // Nor does an empty tick before.
+        tick(&mut monitor, 0.0);
+        for body in later {
+            monitor.insert(body).unwrap();
+        }
+        let mut candidates = 0;
+        for step in 0..60 {
+            tick(&mut monitor, 0.5 * f64::from(step));
+            candidates += monitor.stats().candidates;
+        }
+        is_as_screened(&monitor);
+        candidates
+    };
+    let far = DVec3::new(1e12, -3e12, 2e11);
+    let least = candidates(DVec3::ZERO, false);
+    assert!(least > 0);
+    for is_late in [false, true] {
+        let found = candidates(far, is_late);
+        assert!(found <= 2 * least, "{found} {least}");
+    }
+}
+
+/// Slices are as short as suits the bodies: a screening of the same window looks at about as much.
+#[test]
+fn a_long_lookahead_is_cut_into_as_many_slices_as_suit_it() {
+    let mut rng = rng(17);
+    let mut scene = Scene::new();
+    for _ in 0..300 {
+        let states = wander(&mut rng, 0.0, 400, 10.0, 400.0, 4.0);
+        let plan = Trajectory::from_states(&states).unwrap();
+        scene.insert(Body::new(plan)).unwrap();
+    }
+    let query = Query::new(Window::new(0.0, 3_000.0).unwrap());
+    let query = query.with_margin(LEVEL.margin).unwrap();
+    let screened = scene.screen(&query).unwrap().stats;
+    let mut monitor = Monitor::new(scene, 0.0, 3_000.0, &[LEVEL]).unwrap();
+    tick(&mut monitor, 0.0);
+    is_as_screened(&monitor);
+    let found = monitor.stats().spans;
+    assert!(found < 20 * screened.spans, "{found} {}", screened.spans);
+}
+
+/// Also where nobody changes.
+#[test]
+fn no_tick_stands_out() {
+    let mut scene = Scene::new();
+    let mut rng = rng(5);
+    for _ in 0..1_000 {
+        let states = wander(&mut rng, 0.0, 60, 1.0, 150.0, 10.0);
+        let plan = Trajectory::from_states(&states).unwrap();
+        scene.insert(Body::new(plan)).unwrap();
+    }
+    let mut monitor = Monitor::new(scene, 0.0, 5.0, &[LEVEL]).unwrap();
+    tick(&mut monitor, 0.0);
+    let work = (1..=600).map(|number| {
+        tick(&mut monitor, f64::from(number) / 60.0);
+        monitor.stats().boxes + monitor.stats().candidates
+    });
+    let work: Vec<u64> = work.collect();
+    let mean = work.iter().sum::<u64>() / 600;
+    let most = work.iter().max().unwrap();
+    assert!(mean > 0 && *most < 20 * mean, "{most} {mean}");
+}
