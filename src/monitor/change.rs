@@ -2,7 +2,7 @@
 
 use super::Monitor;
 use super::command::{Batch, Command, Terms};
-use super::event::{Encounter, EndReason};
+use super::event::EndReason;
 use super::flights::Flight;
 use super::grid::Grid;
 use super::read::Readings;
@@ -61,11 +61,26 @@ impl Monitor {
     fn take_out(&mut self, id: BodyId) -> Result<Body, Error> {
         let body = self.scene.remove(id)?;
         self.place(id, None);
-        for encounters in &mut self.encounters {
-            let gone = |encounter: &Encounter| encounter.a == id || encounter.b == id;
-            encounters.end(self.told, EndReason::BodyRemoved, gone, &mut self.waiting);
-        }
+        self.removed.push(id.slot);
         Ok(body)
+    }
+
+    /// Ends the encounters of bodies that were taken out, of all of them at once.
+    pub(super) fn end_of_removed(&mut self) {
+        if self.removed.is_empty() {
+            return;
+        }
+        self.removed.sort_unstable();
+        let is_gone = |slot| self.removed.binary_search(&slot).is_ok();
+        for encounters in &mut self.encounters {
+            encounters.end(
+                self.told,
+                EndReason::BodyRemoved,
+                is_gone,
+                &mut self.waiting,
+            );
+        }
+        self.removed.clear();
     }
 
     /// Replaces a body's trajectory as a whole, the past included.
@@ -213,7 +228,8 @@ impl Monitor {
     /// [`Error::UnknownBody`], [`Error::SameBody`].
     pub fn ignore_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
         self.scene.ignore_pair(a, b)?;
-        self.outlook.forget(a.slot);
+        self.outlook
+            .leave_out((a.slot.min(b.slot), a.slot.max(b.slot)));
         #[cfg(feature = "serde")]
         self.write_down(|| Record::Ignore(a, b));
         Ok(())
@@ -226,7 +242,10 @@ impl Monitor {
     /// [`Error::UnknownBody`], [`Error::SameBody`].
     pub fn heed_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
         self.scene.heed_pair(a, b)?;
-        self.outlook.forget(a.slot);
+        // Either will do: the one that costs less to look for.
+        let spheres = |id| self.scene.body(id).map(|body| body.hitbox.spheres().len());
+        let simpler = if spheres(a) <= spheres(b) { a } else { b };
+        self.outlook.forget(simpler.slot);
         #[cfg(feature = "serde")]
         self.write_down(|| Record::Heed(a, b));
         Ok(())

@@ -227,16 +227,16 @@ impl Encounters {
         self.take_over();
     }
 
-    /// Ends or withdraws what `gone` says, at the clock.
+    /// Ends or withdraws those of bodies in slots of which `is_gone` says so, at the clock.
     pub(super) fn end(
         &mut self,
         now: f64,
         reason: EndReason,
-        gone: impl Fn(&Encounter) -> bool,
+        is_gone: impl Fn(u32) -> bool,
         events: &mut Vec<Event>,
     ) {
-        self.tracked.retain(|_, tracked| {
-            let over = gone(&tracked.now);
+        self.tracked.retain(|entry, tracked| {
+            let over = is_gone(entry.key.0) || is_gone(entry.key.1);
             if over {
                 events.push(over_at(tracked, now, reason));
             }

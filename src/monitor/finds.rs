@@ -39,11 +39,11 @@ impl Finds {
         self.finds.entries().len()
     }
 
-    /// Forgets all that concerns some bodies.
-    pub(super) fn forget(&mut self, is_gone: impl Fn(u32) -> bool) {
+    /// Forgets all that concerns some pairs.
+    pub(super) fn forget(&mut self, is_gone: impl Fn(Slots) -> bool) {
         let changed = &mut self.changed;
         self.finds.retain(|find, _| {
-            let is_gone = is_gone(find.key.a) || is_gone(find.key.b);
+            let is_gone = is_gone(find.key.pair());
             if is_gone {
                 changed.push(find.key.pair());
             }

@@ -135,8 +135,10 @@ pub struct Monitor {
     history: f64,
     least_change: LeastChange,
     next_id: u64,
-    /// Events of changes since the last tick.
+    /// Events of changes before the last tick that could be told.
     waiting: Vec<Event>,
+    /// Slots of bodies that were taken out since.
+    removed: Vec<u32>,
     /// By slot: whether the end of the present plan has been told.
     end_told: Vec<bool>,
     /// No plan whose end has not been told ends before this, s.
@@ -223,6 +225,7 @@ impl Monitor {
             least_change: LeastChange::default(),
             next_id: 0,
             waiting: Vec::new(),
+            removed: Vec::new(),
             end_told: vec![false; scene.slots()],
             next_plan_end: f64::NEG_INFINITY,
             stats: Stats::default(),
@@ -306,7 +309,7 @@ impl Monitor {
     /// Whether all of the lookahead is known, with all changes.
     #[must_use]
     pub fn is_caught_up(&self) -> bool {
-        self.outlook.changed() == 0 && self.is_known()
+        !self.outlook.has_changed() && self.is_known()
     }
 
     /// Whether all of the lookahead was known at the last tick.
@@ -336,7 +339,9 @@ impl Monitor {
 
     /// Encounters under way and ahead, level by level.
     pub fn encounters(&self) -> impl Iterator<Item = &Encounter> {
-        self.encounters.iter().flat_map(Encounters::iter)
+        let all = self.encounters.iter().flat_map(Encounters::iter);
+        let is_there = |id| self.removed.is_empty() || self.scene.body(id).is_some();
+        all.filter(move |encounter| is_there(encounter.a) && is_there(encounter.b))
     }
 
     /// What the last tick did.

@@ -44,6 +44,8 @@ pub(super) struct Outlook {
     /// Bodies that changed since the last catching up, each once.
     dirty: Vec<u32>,
     is_dirty: Vec<bool>,
+    /// Pairs that are ignored since then.
+    left_out: Vec<Slots>,
     moved: Moved,
     /// Where the slices of the lookahead begin and end, s.
     ends: Vec<f64>,
@@ -67,6 +69,7 @@ impl Outlook {
             survivors: Vec::new(),
             dirty: Vec::new(),
             is_dirty: Vec::new(),
+            left_out: Vec::new(),
             moved: Moved::default(),
             ends: Vec::new(),
             reached: grid.origin,
@@ -86,6 +89,11 @@ impl Outlook {
     /// How many bodies have changed since the last catching up.
     pub(super) const fn changed(&self) -> usize {
         self.dirty.len()
+    }
+
+    /// Whether anything has changed since.
+    pub(super) const fn has_changed(&self) -> bool {
+        !(self.dirty.is_empty() && self.left_out.is_empty())
     }
 
     /// Within what pairs are looked for (m), and where their boxes are measured from.
@@ -109,6 +117,11 @@ impl Outlook {
         self.flights.prefetch(slot);
     }
 
+    /// Forgets what was found of a pair: its bodies ignore each other now.
+    pub(super) fn leave_out(&mut self, pair: Slots) {
+        self.left_out.push(pair);
+    }
+
     /// Looks for a body's pairs anew: its filter changed.
     pub(super) fn forget(&mut self, slot: u32) {
         let place = slot as usize;
@@ -122,12 +135,17 @@ impl Outlook {
 
     /// Drops what was found of changed bodies, and marks them in each slice: once for all of them.
     fn spread_changes(&mut self) {
-        if self.dirty.is_empty() {
+        if !self.has_changed() {
             return;
         }
-        let is_dirty = &self.is_dirty;
-        self.finds
-            .forget(|slot| is_dirty.get(slot as usize) == Some(&true));
+        let (is_dirty, left_out) = (&self.is_dirty, &mut self.left_out);
+        let is_dirty = |slot: u32| is_dirty.get(slot as usize) == Some(&true);
+        left_out.sort_unstable();
+        self.finds.forget(|pair| {
+            let is_left_out = !left_out.is_empty() && left_out.binary_search(&pair).is_ok();
+            is_dirty(pair.0) || is_dirty(pair.1) || is_left_out
+        });
+        left_out.clear();
         for slice in &mut self.slices {
             slice.note(&self.dirty);
         }

@@ -122,6 +122,11 @@ impl Readings {
         }
     }
 
+    /// Whether all is to be read next.
+    pub(super) fn reads_all(&self) -> bool {
+        self.plains.iter().any(Plains::lists_all)
+    }
+
     /// Takes over what is known of pairs that have not changed, unless it has ended before an
     /// instant, and reads the others.
     fn update(&mut self, source: Source<'_>, levels: &[AlertLevel], before: f64) {
@@ -243,7 +248,7 @@ impl Source<'_> {
                 .iter()
                 .filter(|contact| contact.enter <= hold.exit && contact.exit >= hold.enter);
             let first = within.next();
-            let last = within.last().or(first);
+            let last = within.next_back().or(first);
             let start = first.map_or(hold.enter, |contact| contact.enter.min(hold.enter));
             let exit = last.map_or(hold.exit, |contact| contact.exit.max(hold.exit));
             let Some(closest) = self.report(slots, clip, hold) else {

@@ -29,6 +29,7 @@ impl Monitor {
     /// [`stop_recording`](Self::stop_recording), and does not disturb the monitor.
     pub fn start_recording(&mut self, target: impl Write + Send + 'static) -> io::Result<()> {
         self.tape = None;
+        self.end_of_removed();
         let mut tape = Tape::start(Box::new(target))?;
         tape.write(&Record::Begin(Begin::of(self)));
         tape.flush()?;
