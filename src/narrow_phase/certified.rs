@@ -30,7 +30,13 @@ pub(crate) struct CertifiedContact {
 pub(crate) struct Workspace {
     members: Vec<Member>,
     parts: Vec<Part>,
-    /// The members in the order of time and of their spheres' numbers, whenever they were solved.
+    /// By member: its place in the order of time and of their spheres' numbers, whenever they were
+    /// solved; and how many parts it has.
+    ranks: Vec<usize>,
+    counts: Vec<usize>,
+    /// What members have of the group at hand.
+    shares: Vec<Share>,
+    /// For what is sorted.
     order: Vec<usize>,
 }
 
@@ -48,6 +54,18 @@ pub(super) struct Part {
     end: f64,
     side: Side,
     member: usize,
+}
+
+/// What a member has of a group of parts.
+#[derive(Clone, Copy, Debug)]
+struct Share {
+    member: usize,
+    /// From the first to the last instant of its parts.
+    start: f64,
+    end: f64,
+    count: usize,
+    /// It is certainly inside in one of them.
+    is_inside: bool,
 }
 
 /// The least separation lies in `low..=high` (m), and is reached within `time` only.
@@ -123,6 +141,9 @@ impl Workspace {
         let Self {
             members,
             parts,
+            ranks,
+            counts,
+            shares,
             order,
         } = self;
         order.clear();
@@ -132,6 +153,16 @@ impl Workspace {
             let time = x.span.start.total_cmp(&y.span.start);
             time.then((x.pair.a, x.pair.b).cmp(&(y.pair.a, y.pair.b)))
         });
+        ranks.clear();
+        ranks.resize(members.len(), 0);
+        for (rank, &member) in order.iter().enumerate() {
+            ranks[member] = rank;
+        }
+        counts.clear();
+        counts.resize(members.len(), 0);
+        for part in &*parts {
+            counts[part.member] += 1;
+        }
         parts.sort_unstable_by(|x, y| {
             let order = x.start.total_cmp(&y.start);
             order
@@ -146,15 +177,19 @@ impl Workspace {
                 end = end.max(parts[next].end);
                 next += 1;
             }
+            share_out(&parts[first..next], shares);
             let group = Group {
                 members,
-                order,
-                all: parts,
+                counts,
                 parts: &parts[first..next],
+                shares,
                 start: parts[first].start,
                 end,
             };
-            found.push(group.contact(parties, margin, clip));
+            order.clear();
+            order.extend(0..shares.len());
+            order.sort_unstable_by_key(|&share| ranks[shares[share].member]);
+            found.push(group.contact(parties, order, margin, clip));
             first = next;
         }
     }
@@ -309,35 +344,58 @@ impl Least {
     }
 }
 
+/// What each member has of some parts, by member; replaces what `shares` held.
+fn share_out(parts: &[Part], shares: &mut Vec<Share>) {
+    shares.clear();
+    shares.extend(parts.iter().map(|part| Share {
+        member: part.member,
+        start: part.start,
+        end: part.end,
+        count: 1,
+        is_inside: part.side == Side::Inside,
+    }));
+    shares.sort_unstable_by_key(|share| share.member);
+    shares.dedup_by(|later, share| {
+        let is_same = later.member == share.member;
+        if is_same {
+            share.start = share.start.min(later.start);
+            share.end = share.end.max(later.end);
+            share.count += later.count;
+            share.is_inside |= later.is_inside;
+        }
+        is_same
+    });
+}
+
 /// Parts that meet: one conflict.
 struct Group<'w> {
     members: &'w [Member],
-    order: &'w [usize],
-    /// All parts of the pair of bodies, and those of this group, by start.
-    all: &'w [Part],
+    /// How many parts each member has, those of other groups included.
+    counts: &'w [usize],
+    /// Those of this group, by start, and what each member has of them, by member.
     parts: &'w [Part],
+    shares: &'w [Share],
     start: f64,
     end: f64,
 }
 
 impl Group<'_> {
+    /// The conflict; `order` is that in which members are gone through.
     fn contact(
         &self,
         parties: (&Party<'_>, &Party<'_>),
+        order: &[usize],
         margin: f64,
         clip: (f64, f64),
     ) -> CertifiedContact {
         let (enter, exit, resolved) = self.ends();
         let mut closest: Option<(Approach, usize)> = None;
         let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
-        for &index in self.order {
-            let (Member { span, pair }, Some((start, end))) =
-                (&self.members[index], self.times_of(index))
-            else {
-                continue;
-            };
+        for &index in order {
+            let share = &self.shares[index];
+            let Member { span, pair } = &self.members[share.member];
             let profile = Profile::of(&pair.cubic);
-            let instant = profile.closest(&pair.cubic, start, end);
+            let instant = profile.closest(&pair.cubic, share.start, share.end);
             let approach = pair.approach(*span, instant);
             let (best, nearest) = closest.unwrap_or((approach, index));
             let is_nearer = approach.separation < best.separation;
@@ -372,8 +430,8 @@ impl Group<'_> {
         }
     }
 
-    /// The least separation of all members. It is likely that of `nearest`, whose enclosure rules out
-    /// most others without one of their own.
+    /// The least separation of all members. It is likely that of the one with the share `nearest`,
+    /// whose enclosure rules out most others without one of their own.
     fn least(
         &self,
         (a, b): (&Party<'_>, &Party<'_>),
@@ -382,16 +440,15 @@ impl Group<'_> {
     ) -> Option<Least> {
         let mut found: Vec<Least> = Vec::new();
         let mut reached = f64::INFINITY;
-        let others = (0..self.members.len()).filter(|&index| index != nearest);
+        let others = (0..self.shares.len()).filter(|&index| index != nearest);
         for index in once(nearest).chain(others) {
-            let (Member { span, pair }, Some(times)) = (&self.members[index], self.times_of(index))
-            else {
-                continue;
-            };
+            let share = &self.shares[index];
+            let Member { span, pair } = &self.members[share.member];
             if reached < f64::INFINITY && pair.is_beyond(a, b, *span, reached) {
                 continue;
             }
-            let is_whole = self.is_all_of(index, span, clip);
+            let is_whole = self.is_all_of(share, span, clip);
+            let times = (share.start, share.end);
             let least = least_separation((a, b), *span, pair, is_whole, times);
             reached = reached.min(least.high);
             found.push(least);
@@ -421,21 +478,12 @@ impl Group<'_> {
         (enter, exit, inside.is_some() && !has_gap)
     }
 
-    /// From the first to the last instant of a member's parts in this group.
-    fn times_of(&self, member: usize) -> Option<(f64, f64)> {
-        let own = self.parts.iter().filter(|part| part.member == member);
-        own.map(|part| (part.start, part.end))
-            .reduce(|x, y| (x.0.min(y.0), x.1.max(y.1)))
-    }
-
     /// Whether a member's least distance over its whole span is that over its parts in this
     /// group: it is certainly inside there, and elsewhere in the span certainly apart.
-    fn is_all_of(&self, member: usize, span: &Span, clip: (f64, f64)) -> bool {
-        let count = |parts: &[Part]| parts.iter().filter(|part| part.member == member).count();
-        let is_inside = |part: &Part| part.member == member && part.side == Side::Inside;
+    fn is_all_of(&self, share: &Share, span: &Span, clip: (f64, f64)) -> bool {
         clip.0 <= span.start
             && span.end <= clip.1
-            && self.parts.iter().any(is_inside)
-            && count(self.parts) == count(self.all)
+            && share.is_inside
+            && share.count == self.counts[share.member]
     }
 }
