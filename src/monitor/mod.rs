@@ -18,6 +18,7 @@ mod live;
 mod outlook;
 mod read;
 mod reading;
+mod recent;
 #[cfg(feature = "serde")]
 mod recording;
 mod slice;

@@ -7,7 +7,7 @@
 //! and in fewer ticks, where many plans change: see [`due_ahead`].) Where the clock has jumped far, what
 //! it passed over is [bridged](Bridge).
 
-use super::bodies::{Bodies, Moved};
+use super::bodies::{Bodies, Moved, form};
 use super::boxes::Search;
 use super::bridge::Bridge;
 use super::budget::Meter;
@@ -15,8 +15,9 @@ use super::finds::{Finds, Key};
 use super::flights::{Flight, Flights};
 use super::grid::Grid;
 use super::reading::Slots;
+use super::recent::Recent;
 use super::slice::{Crowded, Limits, Slice};
-use crate::bounds::Frame;
+use crate::bounds::{Frame, Pose};
 use crate::broad_phase::PairFilter;
 use crate::broad_phase::fill::Block;
 use crate::error::Error;
@@ -44,6 +45,7 @@ pub(super) struct Outlook {
     /// Bodies that changed since the last catching up, each once.
     dirty: Vec<u32>,
     is_dirty: Vec<bool>,
+    recent: Recent,
     /// Pairs that are ignored since then.
     left_out: Vec<Slots>,
     moved: Moved,
@@ -56,6 +58,9 @@ pub(super) struct Outlook {
 }
 
 impl Outlook {
+    /// More changes than bodies that are not too many.
+    const MANY_CHANGES: usize = 1024;
+
     /// An outlook for pairs within `margin` (m) on a grid, with room for so many spans.
     pub(super) fn new(margin: f64, grid: Grid, most_spans: usize) -> Self {
         Self {
@@ -69,6 +74,7 @@ impl Outlook {
             survivors: Vec::new(),
             dirty: Vec::new(),
             is_dirty: Vec::new(),
+            recent: Recent::default(),
             left_out: Vec::new(),
             moved: Moved::default(),
             ends: Vec::new(),
@@ -131,6 +137,10 @@ impl Outlook {
         if !std::mem::replace(&mut self.is_dirty[place], true) {
             self.dirty.push(slot);
         }
+        self.recent.push(slot);
+        if self.recent.len() > Self::MANY_CHANGES + 2 * self.dirty.len() {
+            self.recent.reset(&self.dirty);
+        }
     }
 
     /// Drops what was found of changed bodies, and marks them in each slice: once for all of them.
@@ -150,6 +160,7 @@ impl Outlook {
             slice.note(&self.dirty);
         }
         self.bridge.note(&self.dirty);
+        self.recent.reset(&[]);
         for &slot in &self.dirty {
             self.is_dirty[slot as usize] = false;
         }
@@ -353,8 +364,19 @@ impl Outlook {
         filter: &F,
         mut visit: impl FnMut(u32, (f64, f64), &Party<'_>, &Contact),
     ) {
-        let mut near = self.dirty.clone();
+        let mut near = Vec::new();
         let (mut block, mut search) = (Block::default(), Search::default());
+        if self.recent.len() > 0 {
+            let window = (seen_from(from), seen_until(to));
+            let bodies = Bodies::of(scene, &self.flights, (&self.grid.frame, self.margin));
+            let knots = (own.knots, own.segments);
+            let pose = Pose::plain(knots, &flight.inflation, &self.grid.frame);
+            form(&[pose], &[window.0, window.1], &mut block);
+            for own in &block.slices[0].boxes {
+                let changed = &self.recent;
+                changed.meeting(&bodies, window, &own.aabb, &mut near);
+            }
+        }
         for slice in &self.slices {
             if slice.covers_some_of((from, to)) {
                 let memory = (&mut block, &mut search);

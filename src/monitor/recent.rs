@@ -1,0 +1,82 @@
+//! Where bodies are that have changed since the last tick: what slices know of them is out of date, and
+//! a question between ticks is not to go through all that they might meet.
+
+use super::bodies::Bodies;
+use crate::broad_phase::BodyBox;
+use crate::broad_phase::fill::Block;
+use parry3d::bounding_volume::{Aabb, BoundingVolume};
+use std::sync::{Mutex, PoisonError};
+
+/// See the module.
+#[derive(Debug, Default)]
+pub(super) struct Recent {
+    /// Slots, one for each change.
+    slots: Vec<u32>,
+    /// Formed when they are asked for.
+    boxes: Mutex<Boxes>,
+}
+
+#[derive(Debug, Default)]
+struct Boxes {
+    /// How many of the slots have been boxed, for which window (s). A body that has changed again has
+    /// several boxes.
+    boxed: usize,
+    window: (f64, f64),
+    listed: Vec<BodyBox>,
+    block: Block,
+}
+
+impl Recent {
+    /// Notes a change of a body.
+    pub(super) fn push(&mut self, slot: u32) {
+        self.slots.push(slot);
+    }
+
+    /// How many changes there are.
+    pub(super) const fn len(&self) -> usize {
+        self.slots.len()
+    }
+
+    /// Forgets all changes but one of each of some bodies.
+    pub(super) fn reset(&mut self, slots: &[u32]) {
+        self.slots.clear();
+        self.slots.extend_from_slice(slots);
+        let boxes = self.boxes.get_mut();
+        boxes.unwrap_or_else(PoisonError::into_inner).forget();
+    }
+
+    /// Appends the bodies whose boxes over a window (s) meet one of the same window.
+    pub(super) fn meeting(
+        &self,
+        bodies: &Bodies<'_>,
+        window: (f64, f64),
+        own: &Aabb,
+        near: &mut Vec<u32>,
+    ) {
+        let mut boxes = self.boxes.lock().unwrap_or_else(PoisonError::into_inner);
+        if boxes.window != window {
+            boxes.forget();
+            boxes.window = window;
+        }
+        let Boxes {
+            boxed,
+            listed,
+            block,
+            ..
+        } = &mut *boxes;
+        let slots = self.slots[*boxed..].iter().copied();
+        bodies.boxes(slots, &[window.0, window.1], block, |_, boxed, _| {
+            listed.push(boxed);
+        });
+        *boxed = self.slots.len();
+        let met = listed.iter().filter(|other| own.intersects(&other.aabb));
+        near.extend(met.map(|other| other.body));
+    }
+}
+
+impl Boxes {
+    fn forget(&mut self) {
+        self.boxed = 0;
+        self.listed.clear();
+    }
+}
