@@ -50,7 +50,7 @@ impl Default for Query {
 
 impl Query {
     /// Spans that may hold a conflict, if nothing else is said: 2^24. Their conflicts take up to
-    /// 4 GiB.
+    /// 4 GiB, and as much again while they are put in order.
     pub const MOST_SPANS: usize = 1 << 24;
 
     /// Conflicts within `window`, margin 0.

@@ -14,7 +14,7 @@ pub struct Stats {
     pub bodies: u64,
     /// Bodies whose plan, hitbox or layers changed since the last tick (a monitor's).
     pub changed: u64,
-    /// Their cubic segments, pieces beyond the knots included.
+    /// Their cubic segments, pieces beyond the knots included. (Not counted in a monitor's tick.)
     pub segments: u64,
     /// Slices of time that the window was cut into.
     pub slices: u64,

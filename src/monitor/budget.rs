@@ -10,7 +10,7 @@ pub enum Budget {
     Unlimited,
     /// Wall time, looked at after every thousand boxes or candidates: so many are looked at however
     /// short it is. Exceeded by what sorting the boxes of one slice takes, and solving and reading
-    /// what was found.
+    /// what was found: that is most of the work where many bodies stay near each other.
     Time(Duration),
     /// Counted work (boxes formed and candidates found): the same on every machine and every run.
     /// With 0 nothing is caught up with, however many ticks.

@@ -5,8 +5,8 @@
 //! changed. How old and new are matched is said at [`Encounter`].
 
 use super::event::{Encounter, EncounterId, EndReason, Event, EventKind};
+use super::finds::Slots;
 use super::kept::Kept;
-use super::reading::Slots;
 use crate::conflict::ClosestApproach;
 use crate::id::BodyId;
 

@@ -2,10 +2,12 @@
 
 use super::bodies::Bodies;
 use super::kept::Kept;
-use super::reading::Slots;
 use super::slice::Crowded;
 use crate::narrow_phase::{Contact, Solved, contacts_of, solve};
 use crate::spans::Span;
+
+/// Two bodies, the smaller slot first.
+pub(super) type Slots = (u32, u32);
 
 /// A pair (by slot, the smaller first) and a cubic of each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -94,9 +94,12 @@ impl AlertLevel {
 /// is lost.
 ///
 /// A monitor owns its [`Scene`]. Between ticks plans change; a tick ([`advance`](Self::advance))
-/// moves the clock and tells what happened.
+/// moves the clock and tells what happened. It works with what changes: plans, what comes into the
+/// lookahead, and what an edge of the lookahead or the clock cuts (an encounter under way costs about a
+/// microsecond a tick, at each level). The lookahead is cut into slices that suit the scene, however
+/// long it is.
 ///
-/// - Whenever all is caught up, [`conflicts`](Self::conflicts) is, bit for bit, what
+/// - After a tick that [has caught up](Self::is_caught_up), [`conflicts`](Self::conflicts) is, bit for bit, what
 ///   [`Scene::screen`] says with the level's margin of the window from now to the end of the
 ///   lookahead; else, of the window from now to [`certified_until`](Self::certified_until).
 /// - Every encounter that began has exactly one end, at the latest at [`close`](Self::close).
@@ -174,7 +177,8 @@ impl PairFilter for Admission<'_> {
 
 impl Monitor {
     /// Room for spans that may hold an encounter, if [nothing else is said](Self::set_most_spans): 2^20.
-    /// What is known of them takes up to 5 GiB.
+    /// What is known of them takes up to 4 GiB with one alert level, and 2.5 GiB more with each further
+    /// one.
     pub const MOST_SPANS: usize = 1 << 20;
 
     /// A monitor of `scene` whose clock shows `now` (s) and that looks `lookahead` seconds ahead.
@@ -260,7 +264,8 @@ impl Monitor {
 
     /// Keeps plans this many seconds back, from the clock of the last tick, when bodies are
     /// [replanned](Self::replan) or [extended](Self::extend); 0 at first, and infinity keeps all.
-    /// What is older is forgotten then, but for the cubic that holds at that instant.
+    /// What is older is forgotten then, but for the cubic that holds at that instant. What is kept is
+    /// copied with each such call: a tenth of a microsecond a knot.
     ///
     /// # Errors
     ///
@@ -326,7 +331,7 @@ impl Monitor {
         self.conflicts.get(level).map_or(&[], Vec::as_slice)
     }
 
-    /// The conflicts of one body at a level, soonest first.
+    /// The conflicts of one body at a level, soonest first: goes through all of the level.
     pub fn conflicts_of(&self, id: BodyId, level: usize) -> impl Iterator<Item = &Conflict> {
         let concerns = move |conflict: &&Conflict| conflict.a == id || conflict.b == id;
         self.conflicts(level).iter().filter(concerns)

@@ -7,8 +7,9 @@
 
 use super::encounters::{Plain, Tick};
 use super::event::Event;
+use super::finds::Slots;
 use super::outlook::Outlook;
-use super::reading::{Conflicts, Edges, Plains, Slots};
+use super::reading::{Conflicts, Edges, Plains};
 use super::{AlertLevel, Monitor};
 use crate::conflict::{ClosestApproach, Conflict};
 use crate::narrow_phase::Contact;

@@ -28,7 +28,8 @@ impl Monitor {
     ///
     /// [`Error::ClockWentBack`], [`Error::Clock`]; [`Error::InBody`] if an extrapolated plan leaves the
     /// range of numbers; [`Error::TooCrowded`] if more lies ahead than there
-    /// [is room for](Self::set_most_spans). The clock stays where it was, and nothing is told.
+    /// [is room for](Self::set_most_spans). The clock stays where it was, and nothing is told; after the
+    /// last of these errors all is looked at anew, also what was known before.
     pub fn advance(&mut self, now: f64, events: &mut Vec<Event>) -> Result<(), Error> {
         self.advance_within(now, Budget::Unlimited, events)
     }

@@ -94,7 +94,8 @@ pub enum Report {
 /// - A tick works within [`LiveOptions::budget`] at a time; what is left is caught up while no
 ///   orders wait. If that fails, [`Report::Stuck`] says why.
 /// - [`Live::shutdown`] returns in under 100 ms, after the step at hand (one budget and one order's
-///   work; at most 25 ms were measured with 40,000 bodies, release build), with the monitor, every
+///   work; at most 25 ms were measured with 40,000 bodies, release build; longer where hundreds of
+///   thousands of pairs stay near each other, which the budget [does not count](super::Budget::Time)), with the monitor, every
 ///   report that was not read and every order that was not applied. A panic inside the
 ///   thread comes back as an error, with the monitor as the last whole order left it.
 ///

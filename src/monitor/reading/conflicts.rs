@@ -1,7 +1,8 @@
 //! The conflicts of one alert level.
 
-use super::{Edges, Origin, Place, Slots};
+use super::{Edges, Origin, Place};
 use crate::conflict::Conflict;
+use crate::monitor::finds::Slots;
 use crate::monitor::kept::Kept;
 use std::cmp::Ordering;
 

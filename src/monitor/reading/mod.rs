@@ -6,9 +6,6 @@ mod plains;
 pub(super) use conflicts::Conflicts;
 pub(super) use plains::Plains;
 
-/// Two bodies, the smaller slot first.
-pub(super) type Slots = (u32, u32);
-
 /// Where a value is: its place among those that are kept whatever the window, or its number among
 /// those that were read again, since they are at an edge of it.
 #[derive(Clone, Copy, Debug)]

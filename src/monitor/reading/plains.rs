@@ -2,8 +2,9 @@
 //!
 //! Most are the same from tick to tick, and nothing can be told of them.
 
-use super::{Edges, Origin, Place, Slots};
+use super::{Edges, Origin, Place};
 use crate::monitor::encounters::Plain;
+use crate::monitor::finds::Slots;
 use crate::monitor::kept::{Entry, Kept};
 
 /// See the module.
