@@ -1,10 +1,12 @@
 //! Every span in which a pair may come within the largest margin, solved once and kept.
 
 use super::bodies::Bodies;
-use super::kept::Kept;
+use super::kept::{Entry, Kept};
 use super::slice::Crowded;
 use crate::narrow_phase::{Contact, Solved, contacts_of, solve};
+use crate::simd::prefetch;
 use crate::spans::Span;
+use std::slice::from_ref;
 
 /// Two bodies, the smaller slot first.
 pub(super) type Slots = (u32, u32);
@@ -105,6 +107,25 @@ impl Finds {
         changed.dedup();
     }
 
+    /// Fetches what is known of a pair into the caches.
+    pub(super) fn fetch(&self, pair: Slots) {
+        for find in self.of(pair) {
+            prefetch(from_ref(self.finds.at(find.place)));
+        }
+    }
+
+    /// Which cubics of the two bodies what is known of a pair is about.
+    pub(super) fn spans_of(&self, pair: Slots) -> impl Iterator<Item = (u32, u32)> {
+        self.of(pair).map(|find| (find.key.span_a, find.key.span_b))
+    }
+
+    fn of(&self, pair: Slots) -> impl Iterator<Item = &Entry<Key>> {
+        let entries = self.finds.entries();
+        let first = entries.partition_point(|find| find.key.pair() < pair);
+        let of_pair = move |find: &&Entry<Key>| find.key.pair() == pair;
+        entries[first..].iter().take_while(of_pair)
+    }
+
     /// All contacts of a pair within `margin` in `clip`, in the order of time; replaces what
     /// `found` held.
     pub(super) fn contacts(
@@ -115,12 +136,7 @@ impl Finds {
         found: &mut Vec<Contact>,
     ) {
         found.clear();
-        let entries = self.finds.entries();
-        let first = entries.partition_point(|find| find.key.pair() < pair);
-        let finds = entries[first..]
-            .iter()
-            .take_while(|find| find.key.pair() == pair);
-        let solved = finds.map(|find| self.finds.at(find.place));
+        let solved = self.of(pair).map(|find| self.finds.at(find.place));
         contacts_of(solved, margin, clip, found);
     }
 }

@@ -49,7 +49,9 @@ impl Grid {
         let query = Query::new(Window::new(origin, origin + lookahead)?).with_margin(margin)?;
         let cheapest = f64::from(scene.cheapest_slices(&query)?);
         let most = (Self::MOST_BOXES / scene.len().max(1) as f64).min(Self::MOST);
-        let ahead = (Self::SHARE * cheapest).min(most).max(Self::FEWEST);
+        // Whole: else part of the next one would be due with the first tick.
+        let ahead = (Self::SHARE * cheapest).min(most).round();
+        let ahead = ahead.max(Self::FEWEST);
         let grid = Self {
             frame: Frame::around(scene.extremes(), margin.abs()),
             origin,

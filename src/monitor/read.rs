@@ -16,6 +16,8 @@ use crate::narrow_phase::Contact;
 use crate::parallel;
 use crate::scene::Scene;
 use crate::screen::conflict;
+use crate::simd::prefetch;
+use std::slice::from_ref;
 
 /// What each alert level has of every pair.
 #[derive(Debug)]
@@ -75,7 +77,8 @@ impl Monitor {
                 reported.clear();
                 if tick.now < tick.known {
                     let window = (tick.now, tick.known);
-                    reported.extend(conflicts.list(window, |pair, lasts, found| {
+                    let fetch = |pairs: &[Slots]| source.fetch(pairs);
+                    reported.extend(conflicts.list(window, fetch, |pair, lasts, found| {
                         let period = (lasts, window);
                         source.clipped(pair, alert.margin, period, &mut scratch.contacts, found);
                     }));
@@ -95,7 +98,8 @@ impl Monitor {
                     if plains.lists_all() {
                         encounters.wait_for_all();
                     }
-                    plains.list(edges, encounters.waiting(), |pair, found| {
+                    let fetch = |pairs: &[Slots]| source.fetch(pairs);
+                    plains.list(edges, encounters.waiting(), fetch, |pair, found| {
                         source.plains(pair, alert, tick, other_scratch, found);
                     });
                     encounters.work_out(plains.listed(), tick, next_id, events);
@@ -146,6 +150,37 @@ impl Readings {
 }
 
 impl Source<'_> {
+    /// Fetches what reading these pairs reads. What each loop reads was fetched by the one before.
+    fn fetch(&self, pairs: &[Slots]) {
+        let bodies = || pairs.iter().flat_map(|&(a, b)| [a, b]);
+        for slot in bodies() {
+            self.scene.prefetch(slot);
+            self.outlook.prefetch(slot);
+        }
+        for &pair in pairs {
+            self.outlook.finds().fetch(pair);
+        }
+        for slot in bodies() {
+            if let Some(party) = self.outlook.party(self.scene, slot) {
+                party
+                    .knots
+                    .first()
+                    .into_iter()
+                    .chain(party.knots.last())
+                    .for_each(|knot| prefetch(from_ref(knot)));
+            }
+        }
+        for &pair in pairs {
+            let parties = [pair.0, pair.1].map(|slot| self.outlook.party(self.scene, slot));
+            if let [Some(a), Some(b)] = parties {
+                for (span_a, span_b) in self.outlook.finds().spans_of(pair) {
+                    prefetch(from_ref(&a.segments[span_a as usize]));
+                    prefetch(from_ref(&b.segments[span_b as usize]));
+                }
+            }
+        }
+    }
+
     /// Reads a pair as if the window were endless, and the clock had not come to it.
     fn always(
         &self,

@@ -81,7 +81,7 @@ fn a_long_lookahead_is_cut_into_as_many_slices_as_suit_it() {
     assert!(found < 20 * screened.spans, "{found} {}", screened.spans);
 }
 
-/// Also where nobody changes.
+/// Also where nobody changes, and after a jump into the middle of a slice.
 #[test]
 fn no_tick_stands_out() {
     let mut scene = Scene::new();
@@ -93,12 +93,17 @@ fn no_tick_stands_out() {
     }
     let mut monitor = Monitor::new(scene, 0.0, 5.0, &[LEVEL]).unwrap();
     tick(&mut monitor, 0.0);
-    let work = (1..=600).map(|number| {
-        tick(&mut monitor, f64::from(number) / 60.0);
-        monitor.stats().boxes + monitor.stats().candidates
-    });
-    let work: Vec<u64> = work.collect();
-    let mean = work.iter().sum::<u64>() / 600;
-    let most = work.iter().max().unwrap();
-    assert!(mean > 0 && *most < 20 * mean, "{most} {mean}");
+    for from in [0.0, 33.3] {
+        // With the next one the slice ahead is as far as it is to be by then.
+        tick(&mut monitor, from);
+        tick(&mut monitor, from + 1e-3);
+        let work = (1..=600).map(|number| {
+            tick(&mut monitor, from + f64::from(number) / 60.0);
+            monitor.stats().boxes + monitor.stats().candidates
+        });
+        let work: Vec<u64> = work.collect();
+        let mean = work.iter().sum::<u64>() / 600;
+        let most = work.iter().max().unwrap();
+        assert!(mean > 0 && *most < 20 * mean, "{most} {mean}");
+    }
 }

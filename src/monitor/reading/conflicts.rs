@@ -1,9 +1,9 @@
 //! The conflicts of one alert level.
 
-use super::{Edges, Origin, Place};
+use super::{Edges, FETCHED, Origin, Place};
 use crate::conflict::Conflict;
 use crate::monitor::finds::Slots;
-use crate::monitor::kept::Kept;
+use crate::monitor::kept::{Entry, Kept};
 use std::cmp::Ordering;
 
 /// See the module.
@@ -11,7 +11,8 @@ use std::cmp::Ordering;
 pub(in crate::monitor) struct Conflicts {
     /// Whatever the window.
     always: Kept<Beginning, Conflict>,
-    /// Of those at an edge of the window, what this tick sees of them.
+    /// Pairs of those at an edge of the window, in order, and what this tick sees of them.
+    edge: Vec<Slots>,
     at_edge: Vec<Conflict>,
     /// All of the window, in the order of reports.
     listed: Vec<Origin>,
@@ -67,29 +68,41 @@ impl Conflicts {
     }
 
     /// All of a window, in the order of reports. `again` reads what the window has of one that is
-    /// at its edge, given the pair and when it lasts (s) whatever the window.
+    /// at its edge, given the pair and when it lasts (s) whatever the window; `fetch` is told of some such
+    /// pairs before.
     pub(in crate::monitor) fn list(
         &mut self,
         window: (f64, f64),
+        fetch: impl Fn(&[Slots]),
         mut again: impl FnMut(Slots, (f64, f64), &mut Vec<Conflict>),
     ) -> impl Iterator<Item = &Conflict> {
         let Self {
             always,
+            edge,
             at_edge,
             listed,
         } = self;
+        edge.clear();
         at_edge.clear();
         listed.clear();
         let edges = Edges {
             within: window,
             around: window,
         };
+        let entries = always.entries().iter();
+        let is_at_edge = |entry: &&Entry<Beginning>| edges.place(entry.interval) == Place::AtEdge;
+        edge.extend(entries.filter(is_at_edge).map(|entry| entry.key.slots));
+        let mut some = edge.chunks(FETCHED).flat_map(|some| {
+            fetch(some);
+            some
+        });
         let mut begun = 0;
         for entry in always.entries() {
             match edges.place(entry.interval) {
                 Place::Within => listed.push(Origin::Always(entry.place)),
                 Place::Beyond => {}
                 Place::AtEdge => {
+                    some.next();
                     let first = at_edge.len();
                     again(entry.key.slots, entry.interval, at_edge);
                     listed.extend((first..at_edge.len()).map(Origin::AtEdge));

@@ -6,6 +6,9 @@ mod plains;
 pub(super) use conflicts::Conflicts;
 pub(super) use plains::Plains;
 
+/// Pairs whose data are fetched together: they lie anywhere in memory.
+const FETCHED: usize = 16;
+
 /// Where a value is: its place among those that are kept whatever the window, or its number among
 /// those that were read again, since they are at an edge of it.
 #[derive(Clone, Copy, Debug)]
@@ -118,9 +121,11 @@ mod tests {
         conflicts.drop_changed(&[(0, 9)], 5.2);
         plains.drop_changed(&[(0, 9)], 5.2);
         let left = [6, 7, 8, 10].map(|other| (0, other));
-        let found = conflicts.list(all, |_, _, _| {}).map(|one| one.b.slot);
+        let found = conflicts
+            .list(all, |_| {}, |_, _, _| {})
+            .map(|one| one.b.slot);
         assert_eq!(found.collect::<Vec<_>>(), left.map(|(_, other)| other));
-        plains.list(edges, &[], |_, _| {});
+        plains.list(edges, &[], |_| {}, |_, _| {});
         let found = plains.listed().filter_map(|(slots, mut plains)| {
             plains.next().map(|plain| {
                 assert_eq!(plain.b.slot, slots.1);
@@ -141,7 +146,7 @@ mod tests {
             within: (0.0, 1.0),
             around: (0.0, 1.0),
         };
-        plains.list(edges, &[], |_, _| {});
+        plains.list(edges, &[], |_| {}, |_, _| {});
         assert!(!plains.lists_all());
         for round in 0..2_000 {
             let slots = (round, round + 1);
@@ -150,7 +155,7 @@ mod tests {
             plains.settle();
         }
         assert!(plains.lists_all());
-        plains.list(edges, &[(7, 8)], |_, _| {});
+        plains.list(edges, &[(7, 8)], |_| {}, |_, _| {});
         let listed = plains
             .listed()
             .map(|(slots, plains)| (slots, plains.count()));
@@ -173,7 +178,7 @@ mod tests {
                 around: (now - 0.1, known),
             };
             let mut read = Vec::new();
-            plains.list(edges, wait, |slots, _| read.push(slots.1));
+            plains.list(edges, wait, |_| {}, |slots, _| read.push(slots.1));
             let all: Vec<_> = plains.listed().map(|(slots, _)| slots.1).collect();
             (all, read)
         };

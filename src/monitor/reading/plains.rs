@@ -2,7 +2,7 @@
 //!
 //! Most are the same from tick to tick, and nothing can be told of them.
 
-use super::{Edges, Origin, Place};
+use super::{Edges, FETCHED, Origin, Place};
 use crate::monitor::encounters::Plain;
 use crate::monitor::finds::Slots;
 use crate::monitor::kept::{Entry, Kept};
@@ -12,7 +12,8 @@ use crate::monitor::kept::{Entry, Kept};
 pub(in crate::monitor) struct Plains {
     /// Whatever the window.
     always: Kept<Slots, Plain>,
-    /// Of pairs at an edge of the window, what this tick sees of them.
+    /// Pairs at an edge of the window, and what this tick sees of them.
+    edge: Vec<Slots>,
     at_edge: Vec<Plain>,
     /// Pairs that were dropped, or added, since the last listing.
     touched: Vec<Slots>,
@@ -71,24 +72,36 @@ impl Plains {
     /// Lists the pairs of which something may not be as it was when they were listed last: those
     /// that were read anew, or are gone (not if [all are listed](Self::lists_all)); of which
     /// something is at an edge of the window, or has passed one; and those that `wait` for
-    /// something. `again` reads all that a pair has in the window.
+    /// something. `again` reads all that a pair has in the window; `fetch` is told of some such pairs
+    /// before.
     pub(in crate::monitor) fn list(
         &mut self,
         edges: Edges,
         wait: &[Slots],
+        fetch: impl Fn(&[Slots]),
         mut again: impl FnMut(Slots, &mut Vec<Plain>),
     ) {
         let Self {
             always,
+            edge,
             at_edge,
             touched,
             listed,
             pairs,
             before,
         } = self;
+        edge.clear();
         at_edge.clear();
         listed.clear();
         pairs.clear();
+        let entries = always.entries().iter();
+        let at_edge_of = |entry: &&Entry<Slots>| edges.place(entry.interval) == Place::AtEdge;
+        edge.extend(entries.filter(at_edge_of).map(|entry| entry.key));
+        edge.dedup();
+        let mut some = edge.chunks(FETCHED).flat_map(|some| {
+            fetch(some);
+            some
+        });
         touched.extend_from_slice(wait);
         touched.sort_unstable();
         touched.dedup();
@@ -107,6 +120,7 @@ impl Plains {
                 entries.iter().all(is_same)
             };
             if is_at_edge {
+                some.next();
                 let first = at_edge.len();
                 again(slots, at_edge);
                 listed.extend((first..at_edge.len()).map(Origin::AtEdge));

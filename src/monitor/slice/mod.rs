@@ -128,6 +128,7 @@ impl Slice {
         self.index = index;
         self.interval = interval;
         self.stage = Stage::default();
+        self.due = 0.0;
         self.listed.clear();
         self.candidates.clear();
         self.sifted = 0;
@@ -141,7 +142,6 @@ impl Slice {
     pub(super) fn put_off(&mut self) {
         self.begin(self.index, self.interval);
         self.is_put_off = true;
-        self.due = 0.0;
     }
 
     /// # Errors
@@ -171,7 +171,11 @@ impl Slice {
         if self.is_put_off {
             return;
         }
-        if share > 0.0 && self.stage == Stage::default() && before.is_placed() {
+        if share > 0.0 && self.stage == Stage::default() {
+            if !before.is_placed() {
+                // It is likely to be there with the next tick.
+                return;
+            }
             self.boxes.begin_like(&before.boxes);
             self.stage = Stage::Placing(0);
         }
