@@ -99,13 +99,15 @@ impl Frame {
     pub(crate) fn suits(&self, extremes: Extremes, inflation: f64) -> bool {
         /// Halves of the world that it may lie away from its middle: sixteen cost f32 four bits.
         const FEW: f64 = 16.0;
+        /// How much larger or smaller the unit may be: f32 has room to spare.
+        const MANY: f64 = 65536.0;
         if !(extremes.low.is_finite() && extremes.high.is_finite()) {
             return true;
         }
         let best = Self::around(extremes, inflation);
         let half = (extremes.high - best.origin).max_element() + inflation;
         let away = (best.origin - self.origin).abs().max_element();
-        self.power.to_bits() == best.power.to_bits() && away <= FEW * half
+        (1.0 / MANY..=MANY).contains(&(self.power / best.power)) && away <= FEW * half
     }
 }
 

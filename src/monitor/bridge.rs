@@ -124,10 +124,10 @@ impl Head {
         self.stride.work += meter.done() - before;
         **stats += std::mem::take(&mut self.slice.stats);
         survivors.append(&mut self.slice.survivors);
-        if survivors.len() > 2 * limits.spans {
+        if survivors.len() > limits.survivors.saturating_mul(2) {
             // A span is found in each slice that it is in.
             put_in_order(survivors);
-            if survivors.len() > limits.spans {
+            if survivors.len() > limits.survivors {
                 return Err(Crowded);
             }
         }

@@ -17,6 +17,16 @@ use crate::scene::Body;
 use crate::trajectory::Trajectory;
 use crate::window::Window;
 
+/// Appends to what is a set; now and then each is kept once, so that it does not grow without end.
+pub(super) fn push_once<T: Ord>(list: &mut Vec<T>, value: T) {
+    const MANY: usize = 1024;
+    list.push(value);
+    if list.len() >= MANY && list.len().is_power_of_two() {
+        list.sort_unstable();
+        list.dedup();
+    }
+}
+
 impl Monitor {
     /// Adds a body.
     ///
@@ -61,7 +71,7 @@ impl Monitor {
     fn take_out(&mut self, id: BodyId) -> Result<Body, Error> {
         let body = self.scene.remove(id)?;
         self.place(id, None);
-        self.removed.push(id.slot);
+        push_once(&mut self.removed, id.slot);
         Ok(body)
     }
 
@@ -286,13 +296,15 @@ impl Monitor {
     }
 
     /// Chooses another grid where all bodies have changed, so that all is to be looked at anyway, and
-    /// the one there is does not suit them: it was chosen for an empty scene, say. And where the clock,
-    /// about to show `now` (s), has come so far that it cannot tell slices apart.
+    /// the one there is does not suit them: it was chosen for an empty scene, say. And where it cannot
+    /// stay, since the scene has grown too large for it, or the clock, about to show `now` (s), has come
+    /// so far that it cannot tell slices apart.
     pub(super) fn choose_grid(&mut self, now: f64) -> Result<(), Error> {
         let (margin, _) = self.outlook.reach();
         let grid = self.outlook.grid();
         let has_changed = self.outlook.changed() > 0 && self.outlook.changed() >= self.scene.len();
-        if grid.has_room(now) && (!has_changed || grid.suits(&self.scene, margin)) {
+        let can_stay = grid.has_room(now) && !grid.is_too_fine(&self.scene);
+        if can_stay && (!has_changed || grid.suits(&self.scene, margin)) {
             return Ok(());
         }
         let span = (self.told, self.lookahead);

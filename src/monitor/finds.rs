@@ -60,7 +60,8 @@ impl Finds {
         self.finds.retain(|find, _| find.interval.1 >= from);
     }
 
-    /// Solves the survivors (sorted by key, each once) that are not there yet; returns how many.
+    /// Solves the survivors (sorted by key, each once) that are not there yet, and keeps those that come
+    /// within the margin; returns how many were solved.
     ///
     /// # Errors
     ///

@@ -77,6 +77,12 @@ impl Grid {
         is_about_as_large && self.frame.suits(scene.extremes(), margin.abs())
     }
 
+    /// Whether it would have far too many boxes for a scene: one that has grown.
+    #[allow(clippy::cast_precision_loss, reason = "a number of bodies")]
+    pub(super) fn is_too_fine(&self, scene: &Scene) -> bool {
+        self.ahead > Self::FEWEST && self.ahead * scene.len() as f64 > 2.0 * Self::MOST_BOXES
+    }
+
     /// Whether its slices can be told apart on a clock that shows `now` (s), with bits to spare; the
     /// fewest there can be need none.
     pub(super) fn has_room(&self, now: f64) -> bool {

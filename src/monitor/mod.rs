@@ -280,9 +280,9 @@ impl Monitor {
 
     /// Makes room for this many spans that may hold an encounter; [`MOST_SPANS`](Self::MOST_SPANS) at
     /// first. A span is a common interval of a cubic of one body with a cubic of another, in which they
-    /// may come within the largest release margin in the lookahead; of clusters one
-    /// for each two spheres that matter. There is also room for 2^26 pairs whose boxes meet at a time.
-    /// Where all bodies are in one place, all pairs need room: then a tick ends with
+    /// come within the largest release margin in the lookahead; of clusters one for each two spheres that
+    /// matter. There is also room for 2^26 pairs whose boxes meet at a time, and for eight times as many
+    /// spans in which cheap tests cannot tell. Where all bodies are in one place, all pairs need room: then a tick ends with
     /// [`Error::TooCrowded`] instead of filling the memory.
     ///
     /// The tick after such an error looks at everything anew. Take bodies out, ignore pairs, use layers,

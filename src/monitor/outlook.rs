@@ -11,6 +11,7 @@ use super::bodies::{Bodies, Moved, form};
 use super::boxes::Search;
 use super::bridge::Bridge;
 use super::budget::Meter;
+use super::change::push_once;
 use super::finds::{Finds, Key, Slots};
 use super::flights::{Flight, Flights};
 use super::grid::Grid;
@@ -124,7 +125,7 @@ impl Outlook {
 
     /// Forgets what was found of a pair: its bodies ignore each other now.
     pub(super) fn leave_out(&mut self, pair: Slots) {
-        self.left_out.push(pair);
+        push_once(&mut self.left_out, pair);
     }
 
     /// Looks for a body's pairs anew: its filter changed.

@@ -78,9 +78,8 @@ impl Monitor {
         events: &mut Vec<Event>,
     ) -> Result<(), Error> {
         let known = known.clamp(self.told, (now + self.lookahead).max(self.told));
-        // There was room for it, but a budget may have ended elsewhere in what lies further ahead.
-        let limit = self.outlook.most_spans;
-        self.outlook.most_spans = limit.saturating_mul(2);
+        // There was room for it; but not all was found in the same ticks.
+        let limit = std::mem::replace(&mut self.outlook.most_spans, usize::MAX);
         let done = self.advance_by(now, Meter::up_to(known), events);
         self.outlook.most_spans = limit;
         done

@@ -230,7 +230,7 @@ fn near_points(a: &Party<'_>, b: &Party<'_>, span: Span, (from, to): (f64, f64))
     RelativeMotion::between(segment_a, segment_b, part).points(offset)
 }
 
-/// Solves each pair of spheres over a span that may come within `margin`.
+/// Solves each pair of spheres over a span; gives those that come within `margin`.
 pub(crate) fn solve(
     a: &Party<'_>,
     b: &Party<'_>,
@@ -239,11 +239,15 @@ pub(crate) fn solve(
     mut solved: impl FnMut(Solved),
 ) {
     let mut solve = |pair: &SpherePair| {
-        solved(Solved {
-            span,
-            pair: *pair,
-            profile: Profile::of(&pair.cubic),
-        });
+        let profile = Profile::of(&pair.cubic);
+        let radius = contact_radius(pair.radius_a, pair.radius_b, margin);
+        if radius >= 0.0 && profile.comes_within(&pair.cubic, radius) {
+            solved(Solved {
+                span,
+                pair: *pair,
+                profile,
+            });
+        }
     };
     match lone_pair(a, b, span) {
         Some(pair) => {

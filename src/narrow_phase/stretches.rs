@@ -79,6 +79,12 @@ impl Profile {
         profile
     }
 
+    /// Whether the distance falls to `radius` somewhere: else there are no [`stretches`](Self::stretches).
+    pub(crate) fn comes_within(&self, cubic: &RelativeCubic, radius: f64) -> bool {
+        let threshold = radius + cubic.tolerance();
+        self.nodes().iter().any(|node| node.distance <= threshold)
+    }
+
     fn nodes(&self) -> &[Node] {
         &self.nodes[..self.count]
     }

@@ -57,18 +57,22 @@ pub(super) struct Slice {
 pub(super) struct Limits {
     /// Candidates at a time.
     pub(super) candidates: u64,
-    /// Spans that may hold a contact.
-    pub(super) spans: usize,
+    /// Spans that cheap tests cannot rule out, before they are solved.
+    pub(super) survivors: usize,
 }
 
 impl Limits {
     /// Half a GiB of candidates.
     const CANDIDATES: u64 = 1 << 26;
 
+    /// Survivors for each span that there is room for: they take a twentieth of what is kept of it.
+    const SURVIVORS: usize = 8;
+
+    /// Where there is room for so many spans in all.
     pub(super) const fn of(spans: usize) -> Self {
         Self {
             candidates: Self::CANDIDATES,
-            spans,
+            survivors: spans.saturating_mul(Self::SURVIVORS),
         }
     }
 }
@@ -289,7 +293,7 @@ impl Slice {
                 self.stats.broad_time += begin.elapsed();
                 work
             };
-            self.is_crowded |= self.survivors.len() > limits.spans;
+            self.is_crowded |= self.survivors.len() > limits.survivors;
             // A slice without a body is work as well: a budget of counted work stops at one place
             // only.
             if !goes_on(1 + work) || filter.gives_up() || self.is_crowded {
