@@ -8,9 +8,8 @@
 
 use super::bodies::Bodies;
 use super::budget::Meter;
-use super::finds::Key;
-use super::outlook::put_in_order;
-use super::slice::{Crowded, Limits, Slice};
+use super::finds::{Crowded, Key, put_in_order};
+use super::slice::{Limits, Slice};
 use crate::broad_phase::PairFilter;
 use crate::rounding::seen_from;
 use crate::spans::Span;

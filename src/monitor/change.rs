@@ -5,6 +5,7 @@ use super::command::{Batch, Command, Terms};
 use super::event::EndReason;
 use super::flights::Flight;
 use super::grid::Grid;
+use super::outlook::push_once;
 use super::read::Readings;
 #[cfg(feature = "serde")]
 use super::recording::Record;
@@ -16,16 +17,6 @@ use crate::layers::Layers;
 use crate::scene::Body;
 use crate::trajectory::Trajectory;
 use crate::window::Window;
-
-/// Appends to what is a set; now and then each is kept once, so that it does not grow without end.
-pub(super) fn push_once<T: Ord>(list: &mut Vec<T>, value: T) {
-    const MANY: usize = 1024;
-    list.push(value);
-    if list.len() >= MANY && list.len().is_power_of_two() {
-        list.sort_unstable();
-        list.dedup();
-    }
-}
 
 impl Monitor {
     /// Adds a body.

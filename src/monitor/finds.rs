@@ -1,8 +1,7 @@
-//! Every span in which a pair may come within the largest margin, solved once and kept.
+//! Every span in which a pair comes within the largest margin, solved once and kept.
 
 use super::bodies::Bodies;
 use super::kept::{Entry, Kept};
-use super::slice::Crowded;
 use crate::narrow_phase::{Contact, Solved, contacts_of, solve};
 use crate::simd::prefetch;
 use crate::spans::Span;
@@ -24,6 +23,16 @@ impl Key {
     pub(super) fn pair(&self) -> Slots {
         (self.a, self.b)
     }
+}
+
+/// There is too little room.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Crowded;
+
+/// Sorts survivors by their keys; each stays once.
+pub(super) fn put_in_order(survivors: &mut Vec<(Key, Span)>) {
+    survivors.sort_unstable_by_key(|(key, _)| *key);
+    survivors.dedup_by_key(|(key, _)| *key);
 }
 
 /// See the module.
@@ -108,16 +117,20 @@ impl Finds {
         changed.dedup();
     }
 
+    /// Spans of a pair that are fetched: of more, the rest is read in order.
+    const FETCHED: usize = 4;
+
     /// Fetches what is known of a pair into the caches.
     pub(super) fn fetch(&self, pair: Slots) {
-        for find in self.of(pair) {
+        for find in self.of(pair).take(Self::FETCHED) {
             prefetch(from_ref(self.finds.at(find.place)));
         }
     }
 
-    /// Which cubics of the two bodies what is known of a pair is about.
-    pub(super) fn spans_of(&self, pair: Slots) -> impl Iterator<Item = (u32, u32)> {
-        self.of(pair).map(|find| (find.key.span_a, find.key.span_b))
+    /// Which cubics of the two bodies that is about.
+    pub(super) fn spans_fetched(&self, pair: Slots) -> impl Iterator<Item = (u32, u32)> {
+        let fetched = self.of(pair).take(Self::FETCHED);
+        fetched.map(|find| (find.key.span_a, find.key.span_b))
     }
 
     fn of(&self, pair: Slots) -> impl Iterator<Item = &Entry<Key>> {

@@ -11,12 +11,11 @@ use super::bodies::{Bodies, Moved, form};
 use super::boxes::Search;
 use super::bridge::Bridge;
 use super::budget::Meter;
-use super::change::push_once;
-use super::finds::{Finds, Key, Slots};
+use super::finds::{Crowded, Finds, Key, Slots, put_in_order};
 use super::flights::{Flight, Flights};
 use super::grid::Grid;
 use super::recent::Recent;
-use super::slice::{Crowded, Limits, Slice};
+use super::slice::{Limits, Slice};
 use crate::bounds::{Frame, Pose};
 use crate::broad_phase::PairFilter;
 use crate::broad_phase::fill::Block;
@@ -440,10 +439,14 @@ impl Outlook {
     }
 }
 
-/// Sorts survivors by their keys; each stays once.
-pub(super) fn put_in_order(survivors: &mut Vec<(Key, Span)>) {
-    survivors.sort_unstable_by_key(|(key, _)| *key);
-    survivors.dedup_by_key(|(key, _)| *key);
+/// Appends to what is a set; now and then each is kept once, so that it does not grow without end.
+pub(super) fn push_once<T: Ord>(list: &mut Vec<T>, value: T) {
+    const MANY: usize = 1024;
+    list.push(value);
+    if list.len() >= MANY && list.len().is_power_of_two() {
+        list.sort_unstable();
+        list.dedup();
+    }
 }
 
 #[allow(

@@ -162,18 +162,14 @@ impl Source<'_> {
         }
         for slot in bodies() {
             if let Some(party) = self.outlook.party(self.scene, slot) {
-                party
-                    .knots
-                    .first()
-                    .into_iter()
-                    .chain(party.knots.last())
-                    .for_each(|knot| prefetch(from_ref(knot)));
+                let ends = party.knots.first().into_iter().chain(party.knots.last());
+                ends.for_each(|knot| prefetch(from_ref(knot)));
             }
         }
         for &pair in pairs {
             let parties = [pair.0, pair.1].map(|slot| self.outlook.party(self.scene, slot));
             if let [Some(a), Some(b)] = parties {
-                for (span_a, span_b) in self.outlook.finds().spans_of(pair) {
+                for (span_a, span_b) in self.outlook.finds().spans_fetched(pair) {
                     prefetch(from_ref(&a.segments[span_a as usize]));
                     prefetch(from_ref(&b.segments[span_b as usize]));
                 }

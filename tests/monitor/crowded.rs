@@ -1,9 +1,10 @@
 //! Scenes for which a monitor has too little room.
 
+use super::is_as_screened;
 use super::scenarios::tick;
 use super::support::{bits, line, rng, vector};
 use glam::DVec3;
-use nearmiss::{AlertLevel, Body, BodyId, Budget, Error, Monitor, Query, Scene, Window};
+use nearmiss::{AlertLevel, Body, BodyId, Budget, Error, Monitor, Scene};
 
 const LEVEL: AlertLevel = AlertLevel::at(2.0);
 
@@ -32,13 +33,6 @@ fn monitor_of(bodies: &[Body]) -> (Monitor, Vec<BodyId>) {
     let mut monitor = Monitor::new(scene, 0.0, 6.0, &[LEVEL]).unwrap();
     monitor.set_most_spans(1_000);
     (monitor, ids)
-}
-
-fn is_as_screened(monitor: &Monitor) {
-    let window = Window::new(monitor.now(), monitor.certified_until()).unwrap();
-    let query = Query::new(window).with_margin(LEVEL.margin).unwrap();
-    let screened = monitor.scene().screen(&query).unwrap();
-    assert_eq!(bits(monitor.conflicts(0)), bits(&screened.conflicts));
 }
 
 const REFUSED: Error = Error::TooCrowded { limit: 1_000 };
@@ -85,7 +79,7 @@ fn refuse_and_go_on((to, steps): (f64, u32), budget: Budget) {
     monitor.set_most_spans(1_000);
     let plan = bodies[1].trajectory.clone();
     if plan.domain().contains(now) {
-        is_as_screened(&monitor);
+        is_as_screened(&monitor, LEVEL);
         let found = monitor.what_if(ids[0], &plan, 0).unwrap();
         assert!(!found.is_empty(), "both fly the same");
         let as_found = roomy.what_if(ids[0], &plan, 0).unwrap();
@@ -99,7 +93,7 @@ fn refuse_and_go_on((to, steps): (f64, u32), budget: Budget) {
         while monitor.now() < now || !monitor.is_caught_up() {
             monitor.advance_within(now, budget, events).unwrap();
         }
-        is_as_screened(monitor);
+        is_as_screened(monitor, LEVEL);
     }
     if budget == Budget::Unlimited {
         assert!(events == as_roomy, "{to} {steps}");
@@ -123,7 +117,7 @@ fn more_room_is_enough() {
             events = tick(&mut monitor, now);
         }
         assert_eq!(events, tick(&mut roomy, now));
-        is_as_screened(&monitor);
+        is_as_screened(&monitor, LEVEL);
     }
     assert_eq!(refused, 1);
 }

@@ -1,19 +1,13 @@
 //! What a monitor costs, counted: it is to suit the scene, whenever that is put in and however far the
 //! lookahead goes, and no tick is to stand out.
 
+use super::is_as_screened;
 use super::scenarios::tick;
-use super::support::{bits, rng, vector, wander};
+use super::support::{rng, vector, wander};
 use glam::DVec3;
 use nearmiss::{AlertLevel, Body, Monitor, Query, Scene, State, Trajectory, Window};
 
 const LEVEL: AlertLevel = AlertLevel::at(1.0);
-
-fn is_as_screened(monitor: &Monitor) {
-    let window = Window::new(monitor.now(), monitor.certified_until()).unwrap();
-    let query = Query::new(window).with_margin(LEVEL.margin).unwrap();
-    let screened = monitor.scene().screen(&query).unwrap();
-    assert_eq!(bits(monitor.conflicts(0)), bits(&screened.conflicts));
-}
 
 /// Bodies a few metres from each other, all around a place.
 fn flock(around: DVec3) -> Vec<Body> {
@@ -49,7 +43,7 @@ fn bodies_that_are_put_in_later_and_far_away_cost_no_more() {
             tick(&mut monitor, 0.5 * f64::from(step));
             candidates += monitor.stats().candidates;
         }
-        is_as_screened(&monitor);
+        is_as_screened(&monitor, LEVEL);
         candidates
     };
     let far = DVec3::new(1e12, -3e12, 2e11);
@@ -76,7 +70,7 @@ fn a_long_lookahead_is_cut_into_as_many_slices_as_suit_it() {
     let screened = scene.screen(&query).unwrap().stats;
     let mut monitor = Monitor::new(scene, 0.0, 3_000.0, &[LEVEL]).unwrap();
     tick(&mut monitor, 0.0);
-    is_as_screened(&monitor);
+    is_as_screened(&monitor, LEVEL);
     let found = monitor.stats().spans;
     assert!(found < 20 * screened.spans, "{found} {}", screened.spans);
 }

@@ -197,6 +197,12 @@ fn one_shot(monitor: &Monitor, level: AlertLevel, until: f64) -> Vec<Vec<u64>> {
     bits(&monitor.scene().screen(&query).unwrap().conflicts)
 }
 
+/// The first level's conflicts, as of a tick, against a screening.
+fn is_as_screened(monitor: &Monitor, level: AlertLevel) {
+    let screened = one_shot(monitor, level, monitor.certified_until());
+    assert_eq!(bits(monitor.conflicts(0)), screened);
+}
+
 /// Ticks of a long random run; `NEARMISS_TICKS` asks for more.
 fn ticks(default: u32) -> u32 {
     let asked = std::env::var("NEARMISS_TICKS").ok();

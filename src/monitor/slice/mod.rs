@@ -5,7 +5,7 @@ mod sift;
 
 use super::bodies::{Bodies, Moved, form};
 use super::boxes::{Boxes, Search};
-use super::finds::Key;
+use super::finds::{Crowded, Key};
 use super::flights::Flight;
 use crate::bounds::{Course, Frame, Pose};
 use crate::broad_phase::fill::Block;
@@ -76,10 +76,6 @@ impl Limits {
         }
     }
 }
-
-/// There is too little room.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Crowded;
 
 /// How far a slice is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
