@@ -74,7 +74,7 @@ impl Grid {
     pub(super) fn suits(&self, scene: &Scene, margin: f64) -> bool {
         let (bodies, before) = (scene.len(), self.bodies);
         let is_about_as_large = bodies <= 2 * before && before <= 2 * bodies;
-        is_about_as_large && self.frame.suits(scene.extremes(), margin.abs())
+        is_about_as_large && self.frame.suits(scene.sampled_extremes(), margin.abs())
     }
 
     /// Whether it would have far too many boxes for a scene: one that has grown.
