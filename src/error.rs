@@ -48,7 +48,8 @@ impl fmt::Display for Quantity {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A trajectory needs at least two states (or one segment).
+    /// A trajectory needs at least two states (or one segment); one that
+    /// [coasts](crate::Trajectory::coasting) needs one.
     #[error("a trajectory needs at least two states, not {count}")]
     TooFewStates {
         /// How many there were.

@@ -175,6 +175,44 @@ fn bodies_at_rest() {
     }
 }
 
+/// From one state each, at different times, and before, between and after them.
+#[test]
+fn bodies_that_only_coast() {
+    let coasting = |time: f64, position: DVec3, velocity: DVec3| {
+        Trajectory::coasting(State::new(time, position, velocity)).unwrap()
+    };
+    for meeting in [-1e3, -3.0, 0.0, 2.0, 5.0, 60.0, 1e6] {
+        let along = DVec3::new(1.0, 2.0, -2.0);
+        let a = coasting(1.0, (1.0 - meeting) * along, along);
+        let across = DVec3::new(0.0, 4.0, 4.0);
+        // Abeam of both ways: that is how near they come.
+        let abeam = 2.0 * along.cross(across).normalize();
+        let b = coasting(4.0, abeam + (4.0 - meeting) * across, across);
+        let (scene, ..) = two(a, b);
+        let speed = (along - across).length();
+        for window in [(meeting - 10.0, meeting + 10.0), (-2e6, 2e6)] {
+            let found = screen(&scene, Window::new(window.0, window.1).unwrap(), 2.5);
+            assert_eq!(found.len(), 1);
+            // The square of the distance is 4 + speed² t².
+            let half = (2.5_f64 * 2.5 - 4.0).sqrt() / speed;
+            // Good to some roundings of the ways that are covered in 48 s, or in the time to the meeting.
+            let close = 1e-14 * 10.0 * meeting.abs().max(48.0);
+            assert!((found[0].closest.separation - 2.0).abs() < close);
+            assert!((found[0].closest.time - meeting).abs() < close);
+            assert!((found[0].enter - (meeting - half)).abs() < close);
+            assert!((found[0].exit - (meeting + half)).abs() < close);
+            let past = screen(
+                &scene,
+                Window::new(window.0, window.1).unwrap(),
+                2.0 - close,
+            );
+            assert_eq!(past, []);
+        }
+        let before = Window::new(meeting - 30.0, meeting - 20.0).unwrap();
+        assert_eq!(screen(&scene, before, 2.5), []);
+    }
+}
+
 #[test]
 fn a_minimum_on_a_shared_knot_is_found_once() {
     let knots = [0.0, 2.0, 5.0, 6.0, 9.0];

@@ -70,6 +70,9 @@ fn trajectory() -> impl Strategy<Value = Option<Trajectory>> {
             Trajectory::from_coefficients(&knots, &coefficients, base).ok()
         }),
         1 => vector().prop_map(|position| Trajectory::at_rest(position).ok()),
+        1 => (number(), vector(), vector()).prop_map(|(time, position, velocity)| {
+            Trajectory::coasting(State::new(time, position, velocity)).ok()
+        }),
     ];
     (made, outside()).prop_map(|(made, outside)| Some(made?.with_outside(outside)))
 }

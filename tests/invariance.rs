@@ -458,8 +458,9 @@ fn earlier_screenings_do_not_matter() {
         let shift = rng.random_range(-20.0..20.0);
         let moved = |state: &State| State::new(state.time + shift, state.position, state.velocity);
         let states: Vec<State> = states[number].iter().map(moved).collect();
-        match rng.random_range(0..4) {
+        match rng.random_range(0..5) {
             0 => Trajectory::at_rest(states[0].position),
+            4 => Trajectory::coasting(states[4]),
             1 => Trajectory::from_states(&states),
             2 => Trajectory::from_states(&states).map(|plan| plan.with_outside(Outside::Coast)),
             _ => Trajectory::from_states(&states[..3])

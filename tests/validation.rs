@@ -95,6 +95,15 @@ fn positions_and_coefficients() {
         Trajectory::at_rest(DVec3::new(0.0, f64::NAN, 0.0)),
         Err(Error::NotFinite { knot: 0, .. })
     ));
+    let nowhere = State::new(1.0, DVec3::ONE, DVec3::new(0.0, 0.0, f64::NEG_INFINITY));
+    assert_eq!(
+        Trajectory::coasting(nowhere),
+        Err(Error::NotFinite {
+            knot: 0,
+            quantity: Quantity::Velocity(2),
+            value: f64::NEG_INFINITY
+        })
+    );
 }
 
 #[test]

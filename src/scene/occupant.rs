@@ -37,7 +37,7 @@ impl Outline {
     fn follow(&mut self, trajectory: &Trajectory) {
         self.draw(trajectory.knots(), trajectory.segments());
         if trajectory.segments().is_empty() {
-            self.extremes.include(extremes_at_rest(trajectory));
+            self.extremes.include(extremes_at_knot(trajectory));
         }
     }
 
@@ -50,8 +50,8 @@ impl Outline {
     }
 }
 
-/// Of a body that is at rest all the time, m.
-fn extremes_at_rest(trajectory: &Trajectory) -> Extremes {
+/// Where a body without a cubic of its own is at its knot, m.
+fn extremes_at_knot(trajectory: &Trajectory) -> Extremes {
     let first = trajectory.knots().first().copied().unwrap_or_default();
     let position = trajectory.position(first).unwrap_or_default();
     Extremes {
@@ -127,7 +127,7 @@ impl Occupant {
             extremes.include(Extremes::of_segment(segment, segment.extent()));
         }
         if trajectory.segments().is_empty() {
-            extremes.include(extremes_at_rest(trajectory));
+            extremes.include(extremes_at_knot(trajectory));
         }
         extremes
     }

@@ -21,7 +21,8 @@ impl Trajectory {
     ///
     /// # Errors
     ///
-    /// [`Error::TooFewStates`] below two, [`Error::TimeNotIncreasing`], [`Error::NotFinite`] and
+    /// [`Error::TooFewStates`] below two (of one there is [`coasting`](Self::coasting)),
+    /// [`Error::TimeNotIncreasing`], [`Error::NotFinite`] and
     /// [`Error::OutOfRange`], each with the knot and the value.
     pub fn from_states(states: &[State]) -> Result<Self, Error> {
         let [first, .., last] = states else {
@@ -186,12 +187,44 @@ impl Trajectory {
     ///
     /// [`Error::NotFinite`] and [`Error::OutOfRange`] if the position is no position.
     pub fn at_rest(position: DVec3) -> Result<Self, Error> {
-        let state = State::new(0.0, position, DVec3::ZERO);
-        check_states(&[state])?;
         // It lasts as long as times go, so that a window however long needs one piece, or two.
-        let line = Segment::line(&state, LARGEST_MAGNITUDE, 0.0, 0)?;
+        Self::line(State::new(0.0, position, DVec3::ZERO), LARGEST_MAGNITUDE)
+    }
+
+    /// A body that keeps its velocity for all time: dead reckoning from one state, of a body that a
+    /// physics engine moves, say.
+    ///
+    /// It exists at all times: it can only be screened within a closed window
+    /// ([`Error::WindowNotClosed`]). Its single knot is that of the state. Positions are good to a few
+    /// roundings of the way that it covers in 48 s, or in the time from the state on if that is longer.
+    /// (Where metres and seconds are far from what a scene is about, make it of two states instead,
+    /// [`Outside::Coast`].)
+    ///
+    /// ```
+    /// use nearmiss::glam::DVec3;
+    /// use nearmiss::{State, Trajectory};
+    ///
+    /// let plan = Trajectory::coasting(State::new(2.0, DVec3::Y, 3.0 * DVec3::X))?;
+    /// assert_eq!(plan.position(4.0), Some(DVec3::new(6.0, 1.0, 0.0)));
+    /// assert_eq!(plan.position(1.0), Some(DVec3::new(-3.0, 1.0, 0.0)));
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotFinite`] and [`Error::OutOfRange`] if the state is none.
+    pub fn coasting(state: State) -> Result<Self, Error> {
+        /// Seconds: longer than most windows, which then need one piece, or two; and not much longer.
+        const DURATION: f64 = 48.0;
+        Self::line(state, DURATION)
+    }
+
+    /// Straight motion through one state, in pieces of this duration (s) and longer ones.
+    fn line(state: State, duration: f64) -> Result<Self, Error> {
+        check_states(&[state])?;
+        let line = Segment::line(&state, duration, 0.0, 0)?;
         Ok(Self {
-            knots: Roomy::new(&[0.0], &[]),
+            knots: Roomy::new(&[one_zero(state.time)], &[]),
             segments: Roomy::new(&[], &[line, line]),
             outside: Outside::Coast,
         })

@@ -43,7 +43,7 @@ use roomy::Roomy;
     serde(try_from = "serial::Numbers", into = "serial::Numbers")
 )]
 pub struct Trajectory {
-    /// One more than segments. A body at rest has one knot and no segment.
+    /// One more than segments. A body that is at rest, or only coasts, has one knot and no segment.
     knots: Roomy<f64>,
     /// Beside them: straight motion before the first and after the last knot. There they cost a
     /// body that is moved about, or never asked, nothing.
@@ -54,7 +54,8 @@ pub struct Trajectory {
 impl Trajectory {
     /// The same motion, with another rule for the time before and after its knots.
     ///
-    /// A body [`at_rest`](Self::at_rest) stays there for all time, whatever the rule.
+    /// A body that is [`at_rest`](Self::at_rest), or only [coasts](Self::coasting), does so for all time,
+    /// whatever the rule.
     #[must_use]
     pub fn with_outside(mut self, outside: Outside) -> Self {
         if !self.segments.is_empty() {

@@ -2,7 +2,7 @@
 //!
 //! Beyond the knots a motion is cut into pieces of doubling length, from the knot outwards:
 //! T, 2 T, 4 T, ... with T the duration of the neighbouring segment (of a body at rest, longer than
-//! any time). The cuts depend on the trajectory alone, never on a window, so an encounter out there
+//! any time; of one that only coasts, fixed). The cuts depend on the trajectory alone, never on a window, so an encounter out there
 //! has the same bits whatever window it was found with; and a window however long needs only a few
 //! dozen pieces.
 
@@ -40,7 +40,8 @@ pub enum Outside {
     Absent,
     /// The first and the last cubic go on, in their own parameter, as in the literature.
     Extrapolate,
-    /// It keeps the velocity it has at its first or last knot: dead reckoning.
+    /// It keeps the velocity it has at its first or last knot: dead reckoning. (From a single state:
+    /// [`Trajectory::coasting`].)
     Coast,
 }
 
@@ -90,7 +91,7 @@ impl Pieces {
     /// The windows over which the motion has just these.
     pub(crate) fn scope(&self) -> Scope {
         let last = self.knots.len() - 1;
-        let is_at_rest = self.segments.len() == self.before + self.after;
+        let has_no_cubic = self.segments.len() == self.before + self.after;
         Scope {
             starts: match self.before {
                 0 => (self.knots[0], f64::INFINITY),
@@ -98,7 +99,7 @@ impl Pieces {
             },
             ends: match self.after {
                 0 => (f64::NEG_INFINITY, self.knots[last]),
-                1 if is_at_rest => (f64::NEG_INFINITY, self.knots[last]),
+                1 if has_no_cubic => (f64::NEG_INFINITY, self.knots[last]),
                 _ => (self.knots[last - 1], self.knots[last]),
             },
         }
@@ -156,7 +157,7 @@ impl Trajectory {
         // it counts as well. (It may be in another place, after a splice; and an instant may round to
         // the knot.)
         let goes_before = window.start() <= first;
-        // A body at rest has no cubic of its own: it goes on beyond its knot, whatever the window.
+        // Without a cubic of its own a body goes on beyond its knot, whatever the window.
         let goes_after = self.segments.is_empty() || window.end() >= last;
         if !(goes_before || goes_after) {
             return Ok(None);
@@ -276,11 +277,15 @@ mod tests {
         let plan = Trajectory::from_states(&[-0.5, 1.0, 3.0].map(state))
             .unwrap_or_else(|_| unreachable!());
         let rest = Trajectory::at_rest(DVec3::ONE).unwrap_or_else(|_| unreachable!());
-        let instants = [-11.0, -5.0, -2.0, -0.5, 0.0, 1.0, 3.0, 5.0, 7.0, 9.0, 20.0];
+        let coasts = Trajectory::coasting(state(3.0)).unwrap_or_else(|_| unreachable!());
+        let instants = [
+            -45.0, -11.0, -5.0, -2.0, -0.5, 0.0, 1.0, 3.0, 5.0, 7.0, 9.0, 20.0, 51.0, 147.0,
+        ];
         let instants = instants.map(|time: f64| [time.next_down(), time, time.next_up()]);
         let instants: Vec<f64> = instants.into_iter().flatten().collect();
         for plan in [
             rest,
+            coasts,
             plan.clone().with_outside(Outside::Coast),
             plan.with_outside(Outside::Extrapolate),
         ] {

@@ -60,9 +60,10 @@ fn plan(rng: &mut ChaCha8Rng, start: f64, from: Option<State>, cube: f64) -> Tra
         }
         states[0].velocity = from.velocity;
     }
-    let outside = match rng.random_range(0..4) {
-        0 => Outside::Extrapolate,
-        1 => Outside::Coast,
+    let outside = match rng.random_range(0..9) {
+        0..2 => Outside::Extrapolate,
+        2..4 => Outside::Coast,
+        4 => return Trajectory::coasting(states[0]).unwrap(),
         _ => Outside::Absent,
     };
     Trajectory::from_states(&states)
