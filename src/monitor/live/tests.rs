@@ -157,6 +157,8 @@ fn waiting_orders_coalesce_as_the_contract_says() {
 /// What cannot be caught up with is told, and again after each order.
 #[test]
 fn a_monitor_that_is_stuck_says_so() {
+    /// Longer than any report takes.
+    const PATIENCE: Duration = Duration::from_secs(10);
     let (mut monitor, _) = monitor();
     monitor.set_most_spans(0);
     let options = LiveOptions {
@@ -173,7 +175,8 @@ fn a_monitor_that_is_stuck_says_so() {
             Report::Stuck { error: why } | Report::Refused { error: why, .. } => *why == error,
             _ => false,
         };
-        assert!(live.reports().iter().any(|report| is_told(&report)), "{id}");
+        let mut reports = std::iter::from_fn(|| live.reports().recv_timeout(PATIENCE).ok());
+        assert!(reports.any(|report| is_told(&report)), "{id}");
     }
     assert!(!live.shutdown().unwrap().monitor.is_caught_up());
 }
