@@ -210,6 +210,28 @@ fn a_replay_says_the_same_after_far_jumps_on_a_budget() {
     }
 }
 
+/// A replay finds at once what the recorded run had found by and by, before the limit was lowered.
+#[test]
+fn a_limit_that_was_lowered_refuses_no_replay() {
+    let mut scene = Scene::new();
+    for place in 0..5 {
+        let plan = Trajectory::at_rest(0.1 * f64::from(place) * DVec3::X).unwrap();
+        scene.insert(Body::new(plan)).unwrap();
+    }
+    let mut monitor = Monitor::new(scene, 0.0, 10.0, &[AlertLevel::at(1.0)]).unwrap();
+    monitor.advance(0.0, &mut Vec::new()).unwrap();
+    monitor.set_most_spans(1);
+    let file = Memory::default();
+    monitor.start_recording(file.clone()).unwrap();
+    let mut events = Vec::new();
+    monitor.advance(1.0, &mut events).unwrap();
+    monitor.close(&mut events);
+    assert_eq!(events.len(), 10, "all pairs are together to the end");
+    let (again, end) = replay(&file.bytes());
+    end.unwrap();
+    assert_eq!(text(&events), text(&again));
+}
+
 #[test]
 fn a_stopped_recording_ends_where_it_was_stopped() {
     let mut rng = rng(5);
