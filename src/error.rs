@@ -25,7 +25,11 @@ pub enum Quantity {
         /// 0, 1, 2 for x, y, z.
         axis: usize,
     },
-    /// The acceleration that follows from the input, m/s².
+    /// How far the motion goes that follows from the input, or a bound of it: m.
+    Distance,
+    /// The speed that follows from the input, or a bound of it: m/s.
+    Speed,
+    /// The acceleration that follows from the input, or a bound of it: m/s².
     Acceleration,
 }
 
@@ -39,12 +43,15 @@ impl fmt::Display for Quantity {
             Self::Coefficient { power, axis } => {
                 write!(f, "coefficient of t^{power} in {}", AXES[axis])
             }
-            Self::Acceleration => write!(f, "acceleration"),
+            Self::Distance => write!(f, "the distance covered"),
+            Self::Speed => write!(f, "the speed"),
+            Self::Acceleration => write!(f, "the acceleration"),
         }
     }
 }
 
-/// Why an input was refused. Nothing was changed by the call that returned it.
+/// Why an input was refused. Nothing was changed by the call that returned it (but a monitor that is
+/// [too crowded](Self::TooCrowded) looks at everything anew).
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -92,6 +99,12 @@ pub enum Error {
         quantity: Quantity,
         /// Its value, or a bound of what follows from it.
         value: f64,
+    },
+    /// Numbers of a cubic that were read from a file contradict each other.
+    #[error("knot {knot}: the numbers of the cubic before it contradict each other")]
+    Contradiction {
+        /// The knot, counted from 0.
+        knot: usize,
     },
     /// A body cannot be followed so far beyond its knots: more than 1e100 times the duration of what
     /// carries it there, or to times far beyond [`LARGEST_MAGNITUDE`].
@@ -160,8 +173,8 @@ pub enum Error {
     /// More pairs may be in contact than was allowed for: a crowd in one place, or a margin as large
     /// as the world.
     #[error(
-        "more than {limit} spans of pairs may hold a conflict: narrow the window (the lookahead) or \
-         the margin, or raise the limit"
+        "too many pairs may be in conflict (with room for {limit} of their spans): narrow the window \
+         (the lookahead) or the margin, or raise the limit"
     )]
     TooCrowded {
         /// How many were allowed for; see [`Query::with_most_spans`](crate::Query::with_most_spans)
@@ -194,14 +207,16 @@ pub enum Error {
         /// What was asked for, s.
         time: f64,
     },
-    /// A time that a monitor's clock cannot show: not finite, or so far from 0 that the lookahead would
-    /// be lost in its rounding.
-    #[error("the clock cannot show {time:?} s: not finite, or too far from 0 for the lookahead")]
+    /// A time that a monitor's clock cannot show: not a number within ±1e300, or so far from 0 that the
+    /// lookahead would be lost in its rounding.
+    #[error(
+        "the clock cannot show {time:?} s: not within ±1e300, or too far from 0 for the lookahead"
+    )]
     Clock {
         /// The time, s.
         time: f64,
     },
-    /// A monitor's lookahead is not a positive finite duration, or lost in the rounding of its time.
+    /// A monitor's lookahead is not a positive duration up to 1e300, or lost in the rounding of its time.
     #[error("{value:?} s is not a usable lookahead")]
     Lookahead {
         /// The value, s.
@@ -222,9 +237,12 @@ pub enum Error {
         /// The value, s or m.
         value: f64,
     },
-    /// Both margins of an alert level are within ±1e300, and the release margin is not smaller
-    /// than the other.
-    #[error("alert level {level}: margin {margin:?} m and release margin {release:?} m")]
+    /// A margin of an alert level is not a number within ±1e300, or the release margin is smaller than
+    /// the other.
+    #[error(
+        "alert level {level}: margin {margin:?} m, release margin {release:?} m: both must be within \
+         ±1e300, and the release margin not the smaller one"
+    )]
     AlertLevel {
         /// The level, counted from 0.
         level: usize,

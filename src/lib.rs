@@ -37,7 +37,8 @@
 //! ```
 //!
 //! Cheap stages may only reject what is certainly clear, their own rounding accounted for; one
-//! plain f64 solver has the last word, on whole spans. So speed never costs an answer.
+//! plain f64 solver has the last word, on whole spans ([`Accuracy::Fast`] trades that for speed). So
+//! speed never costs an answer.
 //!
 //! # Words
 //!
@@ -46,6 +47,8 @@
 //! | [`State`] | time, position, velocity (s, m, m/s) |
 //! | [`Segment`] | one cubic between consecutive states' times (knots) |
 //! | [`Trajectory`] | the segments of one body; [`Outside`] says what it does before and after |
+//! | plan | the trajectory that a body follows until it is given another one |
+//! | span | a common interval of one cubic of each of two bodies |
 //! | [`Hitbox`] | a sphere, or a cluster of spheres fixed in the body's frame |
 //! | [`Body`] | trajectory, hitbox, [`Layers`], and your tag |
 //! | separation | distance between hitbox surfaces, m; negative where they overlap |
@@ -53,7 +56,8 @@
 //! | [`Window`] | the closed time interval asked about |
 //! | [`Conflict`] | pair, enter, exit, and the [`ClosestApproach`] in between |
 //! | [`Monitor`] | a scene with a clock and a lookahead, whose plans change |
-//! | [`Encounter`] | a conflict as the monitor follows it, per pair and [`AlertLevel`] |
+//! | tick | one call of [`Monitor::advance`]: the clock moves, and events are told |
+//! | [`Encounter`] | a conflict of a pair as the monitor follows it, at one [`AlertLevel`] |
 //! | [`Event`] | `Predicted`, `Revised`, `Withdrawn`, `Began`, `Ended`, `PlanEnds` |
 //!
 //! # Accuracy

@@ -92,7 +92,7 @@ impl Query {
 
     /// The same query with the window cut into this many slices, instead of as many as are
     /// expected to cost least: for measuring how good that choice is. The answer is the same, if
-    /// there is room for the candidates of a slice (2^26, or [`most_spans`](Self::most_spans)).
+    /// there is room for the candidates of a slice (2^26, or [`most_spans`](Self::most_spans) if that is more).
     #[must_use]
     pub const fn with_slices(mut self, slices: NonZeroU32) -> Self {
         self.slices = Some(slices);
@@ -100,7 +100,7 @@ impl Query {
     }
 
     /// The same query with room for this many spans that may hold a conflict: common intervals of
-    /// a cubic of one body with a cubic of another that cheap tests cannot tell apart; and for as
+    /// a cubic of one body with a cubic of another that cheap tests cannot rule out; and for as
     /// many pairs whose boxes meet in one slice of time, but at least 2^26. Where all
     /// bodies are in one place they are as many as the pairs; then a screening ends with
     /// [`Error::TooCrowded`] instead of filling the memory.
@@ -110,7 +110,7 @@ impl Query {
         self
     }
 
-    /// The same query with the instructions of another level, instead of the best of this
+    /// The same query with another level of instructions, instead of the best of this
     /// processor: for measuring what they are worth. The answer is the same.
     #[must_use]
     pub const fn with_level(mut self, level: Level) -> Self {

@@ -148,7 +148,7 @@ mod tests {
 
     #[test]
     fn knots_of_both_are_merged_within_the_common_domain() {
-        // The example of the article: a has knots 0, 2, 4, 6 and b has knots 1, 3, 5.
+        // One has knots 0, 2, 4, 6 and the other has knots 1, 3, 5.
         assert_eq!(
             all(&[0.0, 2.0, 4.0, 6.0], &[1.0, 3.0, 5.0]),
             [

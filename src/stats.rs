@@ -5,18 +5,20 @@ use std::time::Duration;
 
 /// The funnel of one screening, or of one tick of a monitor.
 ///
-/// Counts depend on the scene and the query; a few candidates and spans of many thousands also on
-/// the number of threads, which cut motions in other places and round their boxes differently.
+/// Counts depend on the scene and the query. Of many thousand candidates and spans there may be a few
+/// more or less with another number of threads, which cut motions in other places and round their
+/// boxes differently.
 /// Stage times add up over threads; `total_time` is wall time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stats {
     /// Bodies in the scene.
     pub bodies: u64,
-    /// Bodies whose plan, hitbox or layers changed since the last tick (a monitor's).
+    /// Changes since the last tick (a monitor's): bodies put in or taken out, plans, hitboxes, layers. Of a
+    /// batch, one for each body.
     pub changed: u64,
     /// Their cubic segments, pieces beyond the knots included. (Not counted in a monitor's tick.)
     pub segments: u64,
-    /// Slices of time that the window was cut into.
+    /// Slices of time that the window was cut into; in a monitor's tick, those that were completed.
     pub slices: u64,
     /// Boxes formed: one for each body in each slice in which it exists.
     pub boxes: u64,
@@ -28,7 +30,7 @@ pub struct Stats {
     pub survivors: u64,
     /// Conflicts reported.
     pub conflicts: u64,
-    /// Forming the boxes.
+    /// Forming the boxes. (In a monitor's tick mostly part of `broad_time`.)
     pub bounds_time: Duration,
     /// Finding candidates.
     pub broad_time: Duration,

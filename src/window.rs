@@ -5,7 +5,8 @@ use crate::rounding::one_zero;
 
 /// A closed interval of time, s. May be a single instant; may be open-ended (infinite).
 ///
-/// It only clips: what is reported of a window is what is reported of all of time, cut off at its ends. A
+/// It only clips: what is reported of a window is what is reported of all of time, cut off at its ends
+/// (with [`Accuracy::Fast`](crate::Accuracy::Fast) to within its error). A
 /// plan that jumps at a knot is in both places at that instant, also where a window begins or ends
 /// there.
 ///

@@ -111,7 +111,7 @@ fn a_crowd_is_explained() {
         .unwrap();
     let said = String::from_utf8(stderr).unwrap();
     assert_eq!(status.code(), Some(1), "{said}");
-    assert!(said.starts_with("error: more than"), "{said}");
+    assert!(said.starts_with("error: too many pairs"), "{said}");
     assert!(!picture.exists());
 }
 

@@ -417,6 +417,16 @@ fn numbers_beyond_the_range() {
         refused,
         Error::OutOfRange { knot: 1, quantity: Quantity::Position(0), value } if value > 1e300
     ));
+    // None of the numbers is too large, but the way from one to the other.
+    let far = [0.0, 1.0].map(|t| {
+        let y = 9e299 * t;
+        State::new(t, DVec3::new(0.0, y, y), DVec3::ZERO)
+    });
+    let refused = Trajectory::from_states(&far).unwrap_err();
+    assert!(matches!(
+        refused,
+        Error::OutOfRange { knot: 1, quantity: Quantity::Distance, value } if value > 1e300
+    ));
     // 1e10 m within 1e-200 s: no acceleration of that size is served.
     let sudden = [
         State::new(0.0, DVec3::ZERO, DVec3::ZERO),

@@ -45,7 +45,7 @@ pub(crate) struct Arguments {
     /// Run without a window, as fast as it goes, and print one line of JSON.
     #[arg(long)]
     headless: bool,
-    /// Simulated time, s.
+    /// Simulated time, s; of a window, before its picture is taken.
     #[arg(
         long,
         value_parser = terminal::within(0.01..=1e6),
@@ -99,14 +99,15 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: Arguments) -> Result<(), Failure> {
+    let pool = arguments.threads.pool()?;
     if !arguments.headless {
         if let Some(path) = &arguments.screenshot {
             // The window cannot say so kindly, and only at the end.
             Product::at(path)?;
         }
-        return window::open(arguments);
+        // On this thread, which is one of the pool: some systems have windows on the first one only.
+        return pool.install(|| window::open(arguments));
     }
-    let pool = arguments.threads.pool()?;
     let line = pool.install(|| headless::run(&arguments))?;
     writeln!(StandardOutput::new(), "{line}")?;
     Ok(())

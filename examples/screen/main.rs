@@ -8,7 +8,11 @@
 //!
 //! `STATES` has the header `body,t,px,py,pz,vx,vy,vz` (SI units; a body's rows together and in the
 //! order of time); `-` is standard input. Writes one row for each maximal interval in which two
-//! bodies' separation is at most the margin. Bad input: exit code 1, one line that says what and
+//! bodies' separation is at most the margin: their labels `a` and `b`; `enter`, `exit`, and `tca`, the
+//! time of closest approach (s); `separation` then (m); `clip`: 1 if it is cut off at `enter`, by the
+//! window or since a body begins, 2 at `exit`, 3 at both. With `certified` also `error` (m) and
+//! `resolved` (1, or 0 where f64 cannot tell whether they come within the margin at all), and between
+//! what instants enter, exit and closest approach are certain to be. Bad input: exit code 1, one line that says what and
 //! where, no output. A wrong command line: exit code 2.
 
 mod read;

@@ -113,10 +113,17 @@ impl Table {
                 knot,
                 quantity,
                 value,
-            } => format!(
-                "{}: {value:e} is out of range (1e300)",
-                place(knot, column(quantity))
-            ),
+            } => {
+                let column = place(knot, column(quantity));
+                if matches!(
+                    quantity,
+                    Quantity::Distance | Quantity::Speed | Quantity::Acceleration
+                ) {
+                    format!("{column}: {quantity} would be {value:e}, out of range (1e300)")
+                } else {
+                    format!("{column}: {value:e} is out of range (1e300)")
+                }
+            }
             _ => format!("{}: {error}", place(0, "body")),
         }
     }

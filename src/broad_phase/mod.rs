@@ -38,10 +38,11 @@ impl Method {
     pub const EVERY: [Self; 3] = [Self::BruteForce, Self::Tree, Self::Sweep];
 }
 
-/// One body's box in one slice: everywhere the body may be, its margin included.
+/// One body's box in one slice: everywhere the body may be, with half the margin around it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyBox {
-    /// Corners in metres in the scene's frame, rounded outward: finite, the low one nowhere above
+    /// Corners, measured from the middle of the scene, in metres or a power of two of them, rounded
+    /// outward: finite, the low one nowhere above
     /// the high one. May be flat, or as large as `f32` goes.
     pub aabb: Aabb,
     /// The body's dense index; a body has at most one box in a slice.

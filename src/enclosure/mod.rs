@@ -215,7 +215,7 @@ pub struct UncertainCubic {
     error: f64,
 }
 
-/// A number of the input is not finite or beyond 1e300.
+/// A number of the input is not finite or beyond 1e300, or the error is negative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("a control point or its error is not finite, negative or beyond 1e300")]
 pub struct OutOfRange;

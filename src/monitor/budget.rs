@@ -12,7 +12,8 @@ pub enum Budget {
     /// short it is. Exceeded by what sorting the boxes of one slice takes, and solving and reading
     /// what was found: that is most of the work where many bodies stay near each other.
     Time(Duration),
-    /// Counted work (boxes formed and candidates found): the same on every machine and every run.
+    /// Counted work (boxes formed, candidates looked at, and one for each step): the same on every machine
+    /// and every run.
     /// With 0 nothing is caught up with, however many ticks.
     Work(u64),
 }

@@ -23,7 +23,8 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// [`Error::InBody`] if its plan leaves the range of numbers; [`Error::SceneFull`].
+    /// [`Error::InBody`] with [`Error::OutOfRange`] or [`Error::TooFar`] if its plan cannot be followed
+    /// through the lookahead; [`Error::SceneFull`].
     pub fn insert(&mut self, body: Body) -> Result<BodyId, Error> {
         #[cfg(feature = "serde")]
         let record = self.tape.is_some().then(|| Record::Insert(body.clone()));
@@ -190,7 +191,7 @@ impl Monitor {
         ids
     }
 
-    /// Lets a batch take effect. Nothing is refused: the scene has room for 2^32 bodies, and all
+    /// Lets a batch take effect. Nothing is refused: the scene has room for them, and all
     /// ids were found.
     fn take_over(&mut self, batch: &mut Batch) -> Result<Vec<BodyId>, Error> {
         for place in 0..batch.changed.len() {
@@ -222,7 +223,8 @@ impl Monitor {
             .collect()
     }
 
-    /// Leaves a pair out; its encounters end with [`EndReason::PlanChanged`] at the next tick.
+    /// Leaves a pair out; its encounters end with [`EndReason::PlanChanged`] at the next tick, or are
+    /// withdrawn if they had not begun.
     ///
     /// # Errors
     ///

@@ -16,7 +16,7 @@ impl fmt::Display for EncounterId {
     }
 }
 
-/// A conflict as the monitor follows it over time: one per pair and alert level.
+/// A conflict as the monitor follows it over time, at one alert level. A pair may have several.
 ///
 /// It remembers what has passed: when it began, and how close it came. At each tick the encounters
 /// of a pair are matched with what the plans lead into now, by overlap in time and in order. What
@@ -54,7 +54,7 @@ pub enum EndReason {
     Separated,
     /// One of the trajectories ended.
     TrajectoryEnded,
-    /// A changed plan, hitbox or filter ended it.
+    /// A changed plan, hitbox or layer ended it, or that the pair is ignored.
     PlanChanged,
     /// One of the bodies was removed.
     BodyRemoved,
@@ -97,7 +97,7 @@ pub enum EventKind {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Event {
     /// s: the enter of what began, the exit of what ended, the end of the plan that ends; else the
-    /// monitor's clock.
+    /// monitor's clock (of what a removal withdraws, that of the tick before it).
     pub time: f64,
     /// What.
     pub kind: EventKind,
@@ -130,7 +130,7 @@ impl EventKind {
 }
 
 impl Event {
-    /// The order in which events are told: by time, kind, a, b, level.
+    /// The order in which events are told: by time, kind, a, b, level, encounter.
     #[must_use]
     pub fn order(&self, other: &Self) -> Ordering {
         let place = |event: &Self| match event.kind {

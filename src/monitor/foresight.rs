@@ -26,7 +26,7 @@ impl Monitor {
         let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
         let alert = self.levels.get(level);
         let alert = alert.ok_or(Error::UnknownAlertLevel { level })?;
-        if !plan.domain().contains(self.now) {
+        if !body.trajectory.domain().contains(self.now) || !plan.goes_on_from(self.now) {
             return Err(Error::NoPlanAt { time: self.now }.in_body(body.tag));
         }
         let flight = self.terms()?.flight(plan, &body.hitbox, body.tag)?;

@@ -70,7 +70,7 @@ impl Grid {
         })
     }
 
-    /// Whether it is worth choosing another one, for a scene in which all bodies have changed.
+    /// Whether it still suits a scene in which all bodies have changed: another one is not worth choosing.
     pub(super) fn suits(&self, scene: &Scene, margin: f64) -> bool {
         let (bodies, before) = (scene.len(), self.bodies);
         let is_about_as_large = bodies <= 2 * before && before <= 2 * bodies;

@@ -187,8 +187,8 @@ impl Monitor {
     /// # Errors
     ///
     /// [`Error::Clock`], [`Error::Lookahead`], [`Error::NoAlertLevel`], [`Error::AlertLevel`];
-    /// [`Error::InBody`] if a plan leaves the range of
-    /// numbers within the lookahead.
+    /// [`Error::InBody`] with [`Error::OutOfRange`] or [`Error::TooFar`] if a plan cannot be followed
+    /// through the lookahead.
     pub fn new(
         scene: Scene,
         now: f64,
@@ -281,9 +281,10 @@ impl Monitor {
     /// Makes room for this many spans that may hold an encounter; [`MOST_SPANS`](Self::MOST_SPANS) at
     /// first. A span is a common interval of a cubic of one body with a cubic of another, in which they
     /// come within the largest release margin in the lookahead; of clusters one for each two spheres that
-    /// matter. There is also room for 2^26 pairs whose boxes meet at a time, and for eight times as many
-    /// spans in which cheap tests cannot tell. Where all bodies are in one place, all pairs need room: then a tick ends with
-    /// [`Error::TooCrowded`] instead of filling the memory.
+    /// matter. There is also room, in each slice of time, for eight times as many spans that cheap tests
+    /// cannot rule out; and for 2^26 pairs whose boxes meet at a time, whatever the limit. Where all bodies
+    /// are in one place, all pairs need room: then a tick ends with [`Error::TooCrowded`] instead of
+    /// filling the memory.
     ///
     /// The tick after such an error looks at everything anew. Take bodies out, ignore pairs, use layers,
     /// or make more room before it.

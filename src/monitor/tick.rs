@@ -26,8 +26,8 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// [`Error::ClockWentBack`], [`Error::Clock`]; [`Error::InBody`] if an extrapolated plan leaves the
-    /// range of numbers; [`Error::TooCrowded`] if more lies ahead than there
+    /// [`Error::ClockWentBack`], [`Error::Clock`]; [`Error::InBody`] with [`Error::OutOfRange`] or
+    /// [`Error::TooFar`] if a plan cannot be followed through the lookahead; [`Error::TooCrowded`] if more lies ahead than there
     /// [is room for](Self::set_most_spans). The clock stays where it was, and nothing is told; after the
     /// last of these errors all is looked at anew, also what was known before.
     pub fn advance(&mut self, now: f64, events: &mut Vec<Event>) -> Result<(), Error> {

@@ -18,9 +18,8 @@
 //!
 //! Most polynomials do not need the recursion: where the signs of the Bernstein coefficients,
 //! after a few halvings of the interval, prove that every part holds one root or none (Descartes'
-//! rule), the Newton iteration starts there at once. That makes the closest approach of two random
-//! cubics 2.1 times faster (`benches/kernels.rs`, method `yuksel`). Whatever is not certain within
-//! rounding goes through the recursion.
+//! rule), the Newton iteration starts there at once. Whatever is not certain within rounding goes
+//! through the recursion.
 //!
 //! What is promised, for finite coefficients and a finite interval:
 //!

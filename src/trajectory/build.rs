@@ -125,9 +125,9 @@ impl Trajectory {
     ///
     /// # Errors
     ///
-    /// [`Error::SegmentCount`], [`Error::TooFewStates`], [`Error::TimeNotIncreasing`],
-    /// [`Error::NotFinite`] and [`Error::OutOfRange`], each with the knot at which the segment
-    /// begins and the value.
+    /// [`Error::SegmentCount`], [`Error::TooFewStates`]; [`Error::TimeNotIncreasing`],
+    /// [`Error::NotFinite`] and [`Error::OutOfRange`] with the value and the knot (of a segment, the one at
+    /// which it begins).
     pub fn from_coefficients(
         knots: &[f64],
         coefficients: &[[DVec3; 4]],
@@ -196,8 +196,8 @@ impl Trajectory {
     ///
     /// It exists at all times: it can only be screened within a closed window
     /// ([`Error::WindowNotClosed`]). Its single knot is that of the state. Positions are good to a few
-    /// roundings of the way that it covers in 48 s, or in the time from the state on if that is longer.
-    /// (Where metres and seconds are far from what a scene is about, make it of two states instead,
+    /// roundings of the way that it covers in 48 s, or in the time to or from the state if that is longer.
+    /// (In a scene of microseconds, say, that is coarse: make the plan of two states, with
     /// [`Outside::Coast`].)
     ///
     /// ```
@@ -212,7 +212,8 @@ impl Trajectory {
     ///
     /// # Errors
     ///
-    /// [`Error::NotFinite`] and [`Error::OutOfRange`] if the state is none.
+    /// [`Error::NotFinite`] and [`Error::OutOfRange`] if the state is none, or leads farther than 1e300 m
+    /// in 48 s.
     pub fn coasting(state: State) -> Result<Self, Error> {
         /// Seconds: longer than most windows, which then need one piece, or two; and not much longer.
         const DURATION: f64 = 48.0;
@@ -341,7 +342,7 @@ fn polynomial_segment(
     if let Some(point) = unusable {
         return Err(Error::OutOfRange {
             knot,
-            quantity: Quantity::Position(0),
+            quantity: Quantity::Distance,
             value: point.abs().max_element(),
         });
     }

@@ -92,7 +92,8 @@ impl Trajectory {
         }
     }
 
-    /// Position at `time`, m; none where the body does not exist.
+    /// Position at `time`, m; none where the body does not exist, or its motion, extrapolated, has left
+    /// the range of f64.
     ///
     /// Relative to the segment's first knot good to a few roundings of the segment's extent;
     /// the sum with the absolute position is rounded once more.
@@ -101,15 +102,15 @@ impl Trajectory {
         self.motion_at(time).map(|(position, _, _)| position)
     }
 
-    /// Velocity at `time`, m/s; none where the body does not exist. At a knot: of the segment
-    /// that begins there.
+    /// Velocity at `time`, m/s; none where there is no [position](Self::position). At a knot: of the
+    /// segment that begins there.
     #[must_use]
     pub fn velocity(&self, time: f64) -> Option<DVec3> {
         self.motion_at(time).map(|(_, velocity, _)| velocity)
     }
 
-    /// Acceleration at `time`, m/s²; none where the body does not exist. At a knot: of the
-    /// segment that begins there.
+    /// Acceleration at `time`, m/s²; none where there is no [position](Self::position). At a knot: of
+    /// the segment that begins there.
     #[must_use]
     pub fn acceleration(&self, time: f64) -> Option<DVec3> {
         self.motion_at(time)

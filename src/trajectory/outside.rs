@@ -223,7 +223,7 @@ pub(super) fn check_reach(
     if reach > LARGEST_MAGNITUDE {
         return Err(Error::OutOfRange {
             knot,
-            quantity: Quantity::Position(0),
+            quantity: Quantity::Distance,
             value: reach,
         });
     }

@@ -146,13 +146,13 @@ impl Segment {
         if self.extent.is_nan() || self.extent > LARGEST_MAGNITUDE {
             // Not a number: what it follows from has left the range of f64.
             let reached = Some(self.extent).filter(|extent| !extent.is_nan());
-            return out_of_range(Quantity::Position(0), reached.unwrap_or(f64::INFINITY));
+            return out_of_range(Quantity::Distance, reached.unwrap_or(f64::INFINITY));
         }
         if self.extent > 0.0 && (acceleration.is_nan() || acceleration > LARGEST_MAGNITUDE) {
             return out_of_range(Quantity::Acceleration, acceleration);
         }
         if 6.0 * (self.extent / duration) > LARGEST_MAGNITUDE {
-            return out_of_range(Quantity::Velocity(0), 6.0 * (self.extent / duration));
+            return out_of_range(Quantity::Speed, 6.0 * (self.extent / duration));
         }
         Ok(self)
     }
@@ -279,7 +279,7 @@ impl Segment {
                 low.mix(hh0, hh1),
                 high.mix(hh0, hh1),
             ],
-            // Three levels of lerps with relative weight errors: γ5 each (numerics, section 3).
+            // Three levels of lerps with relative weight errors: γ5 each (γn: n roundings).
             error: self.error() + 16.0 * UNIT_ROUNDOFF * self.extent + UNDERFLOW,
         }
     }

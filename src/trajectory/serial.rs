@@ -132,11 +132,7 @@ impl Segment {
         // What bounds the others must do so.
         let is_line = control[1] == 2.0 * control[0] && control[2] == 3.0 * control[0];
         if extent < farthest * (1.0 - 8.0 * f64::EPSILON) || (error <= 0.0 && !is_line) {
-            return Err(Error::OutOfRange {
-                knot,
-                quantity: Quantity::Position(0),
-                value: extent.min(error),
-            });
+            return Err(Error::Contradiction { knot });
         }
         Self::from_parts(
             (start, end),

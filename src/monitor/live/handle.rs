@@ -175,8 +175,8 @@ impl Handle {
         f64::from_bits(self.shared.now.load(Ordering::Acquire))
     }
 
-    /// Before this nothing is missing, s, and all events up to the clock have been reported or wait
-    /// to be read.
+    /// Before this nothing was missing at the last tick, s (orders applied since are looked at with the
+    /// next one), and all events up to the clock have been reported or wait to be read.
     #[must_use]
     pub fn certified_until(&self) -> f64 {
         f64::from_bits(self.shared.certified_until.load(Ordering::Acquire))

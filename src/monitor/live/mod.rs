@@ -93,11 +93,11 @@ pub enum Report {
 ///   senders: [`Handle::certified_until`] then stands still.
 /// - A tick works within [`LiveOptions::budget`] at a time; what is left is caught up while no
 ///   orders wait. If that fails, [`Report::Stuck`] says why.
-/// - [`Live::shutdown`] returns in under 100 ms, after the step at hand (one budget and one order's
-///   work; at most 25 ms were measured with 40,000 bodies, release build; longer where hundreds of
-///   thousands of pairs stay near each other, which the budget [does not count](super::Budget::Time)), with the monitor, every
-///   report that was not read and every order that was not applied. A panic inside the
-///   thread comes back as an error, with the monitor as the last whole order left it.
+/// - [`Live::shutdown`] returns the monitor, every report that was not read and every order that was not
+///   applied. It takes under 100 ms, the step at hand (one budget and one order's work); longer where
+///   hundreds of thousands of pairs stay near each other, which the budget
+///   [does not count](super::Budget::Time). A panic inside the thread comes back as an error, with the
+///   monitor as the last whole order left it.
 ///
 /// ```
 /// use nearmiss::glam::DVec3;

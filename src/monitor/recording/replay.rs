@@ -52,7 +52,7 @@ use std::io::{BufRead, Read};
 /// | `insert`, `remove` | a body put in or taken out by itself |
 /// | `ignore`, `heed` | a pair of ids |
 /// | `least_change`, `history`, `most_spans` | settings |
-/// | `tick` | the clock, up to when everything was known after it, and the work done in it (boxes formed and candidates found) |
+/// | `tick` | the clock, up to when everything was known after it, and the work done in it (as a [budget](crate::Budget::Work) counts it) |
 /// | `close` | the monitor was closed |
 /// | `end` | how many records came before; a recording without one was cut short |
 ///
