@@ -322,24 +322,21 @@ impl Scene {
         extremes
     }
 
-    /// The same of some of them: of all where there are few, else of those in slots scattered over all.
-    pub(crate) fn sampled_extremes(&self) -> Extremes {
-        /// More would tell no more about the size of a world.
-        const ENOUGH: usize = 128;
+    /// As many bodies as tell what most are like.
+    pub(crate) const SAMPLE: usize = 64;
+
+    /// Some bodies: all where there are few, else those in slots scattered over all.
+    pub(crate) fn sample(&self) -> impl Iterator<Item = &Occupant> {
         let count = self.slots.len();
-        let mut extremes = Extremes::NOTHING;
-        for number in 0..count.min(ENOUGH) {
+        (0..count.min(Self::SAMPLE)).filter_map(move |number| {
             // Not in equal strides: no order in which bodies are put in hides some kinds of them.
-            let slot = if count <= ENOUGH {
+            let slot = if count <= Self::SAMPLE {
                 number
             } else {
-                number * count / ENOUGH + number % (count / ENOUGH)
+                number * count / Self::SAMPLE + number % (count / Self::SAMPLE)
             };
-            if let Some(occupant) = &self.slots[slot].occupant {
-                extremes.include(occupant.extremes());
-            }
-        }
-        extremes
+            self.slots[slot].occupant.as_ref()
+        })
     }
 
     /// Fetches a body into the caches, but for its segments.

@@ -4,7 +4,7 @@ use super::Monitor;
 use super::command::{Batch, Command, Terms};
 use super::event::EndReason;
 use super::flights::Flight;
-use super::grid::Grid;
+use super::grid::{Grid, Review, Signs};
 use super::outlook::push_once;
 use super::read::Readings;
 #[cfg(feature = "serde")]
@@ -288,25 +288,37 @@ impl Monitor {
         Ok(())
     }
 
-    /// Chooses another grid where all bodies have changed, so that all is to be looked at anyway, and
-    /// the one there is does not suit them: it was chosen for an empty scene, say. And where it cannot
-    /// stay, since the scene has grown too large for it, or the clock, about to show `now` (s), has come
-    /// so far that it cannot tell slices apart.
+    /// Chooses another grid, on which all is looked at anew, where the one there is cannot stay: since
+    /// the scene has grown too large for it, or the clock, about to show `now` (s), has come so far that
+    /// it cannot tell slices apart. And where it no longer suits the scene: it was chosen for an empty
+    /// one, say, or for bodies at rest that fly now.
     pub(super) fn choose_grid(&mut self, now: f64) -> Result<(), Error> {
         let (margin, _) = self.outlook.reach();
+        let span = (self.told, self.lookahead);
         let grid = self.outlook.grid();
-        let has_changed = self.outlook.changed() > 0 && self.outlook.changed() >= self.scene.len();
         let can_stay = grid.has_room(now) && !grid.is_too_fine(&self.scene);
-        if can_stay && (!has_changed || grid.suits(&self.scene, margin)) {
+        if can_stay {
+            let bodies = self.scene.len();
+            if !self.review.is_due(bodies, now, self.lookahead) {
+                return Ok(());
+            }
+            self.review = Review::made(bodies, now);
+            let signs = Signs::of(&self.scene, margin, span);
+            if grid.suits(&self.scene, margin, &signs) {
+                return Ok(());
+            }
+        }
+        let other = Grid::for_scene(&self.scene, margin, span, now)?;
+        if can_stay && other.is_like(grid, margin) {
+            self.outlook.confirm_grid(&other);
             return Ok(());
         }
-        let span = (self.told, self.lookahead);
-        let grid = Grid::for_scene(&self.scene, margin, span, now)?;
-        self.renew(grid)
+        self.renew(other)
     }
 
     fn place(&mut self, id: BodyId, flight: Option<Flight>) {
         self.changed_bodies += 1;
+        self.review.changes += 1;
         self.outlook.set(id.slot, flight);
     }
 

@@ -1,7 +1,7 @@
 //! Where a monitor measures from, and how it cuts time into slices: as suits its scene.
 
 use super::can_tell_apart;
-use crate::bounds::Frame;
+use crate::bounds::{Extremes, Frame};
 use crate::error::Error;
 use crate::query::Query;
 use crate::scene::Scene;
@@ -17,8 +17,90 @@ pub(super) struct Grid {
     pub(super) length: f64,
     /// How many of them make up the lookahead.
     pub(super) ahead: f64,
-    /// For how many bodies that was chosen.
+    /// What the scene looked like when that was chosen.
+    signs: Signs,
+}
+
+/// What shows at little cost whether another grid may suit a scene better: how many slices a lookahead
+/// would take by a rule of thumb, from some of the bodies. It is compared with itself only.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Signs {
+    slices: f64,
+    extremes: Extremes,
+}
+
+/// When a grid was last compared with its scene.
+#[derive(Debug)]
+pub(super) struct Review {
+    /// How many bodies there were.
     bodies: usize,
+    /// What the clock showed, s.
+    now: f64,
+    /// How often a body has changed since.
+    pub(super) changes: usize,
+}
+
+impl Review {
+    pub(super) const fn made(bodies: usize, now: f64) -> Self {
+        Self {
+            bodies,
+            now,
+            changes: 0,
+        }
+    }
+
+    /// Whether much may be different now: the number of bodies, their plans, or what they have come to.
+    pub(super) fn is_due(&self, bodies: usize, now: f64, lookahead: f64) -> bool {
+        /// Changes of few bodies are no reason.
+        const FEW: usize = 64;
+        let is_about_as_large = bodies <= 2 * self.bodies && self.bodies <= 2 * bodies;
+        !is_about_as_large || self.changes >= bodies.max(FEW) || now >= self.now + lookahead
+    }
+}
+
+impl Signs {
+    /// Of a scene's bodies within a lookahead from an instant on (s), for pairs within `margin` (m).
+    pub(super) fn of(scene: &Scene, margin: f64, (from, lookahead): (f64, f64)) -> Self {
+        let mut speeds = [0.0; Scene::SAMPLE];
+        let mut places = [[0.0; Scene::SAMPLE]; 3];
+        let (mut count, mut extremes) = (0, Extremes::NOTHING);
+        for occupant in scene.sample() {
+            extremes.include(occupant.extremes());
+            let plan = &occupant.body.trajectory;
+            let (first, last) = (plan.domain().start(), plan.domain().end());
+            let [early, late] =
+                [from, from + 0.5 * lookahead].map(|time| time.max(first).min(last));
+            let (Some(place), Some(v), Some(w)) = (
+                plan.position(early),
+                plan.velocity(early),
+                plan.velocity(late),
+            ) else {
+                continue;
+            };
+            speeds[count] = v.length().max(w.length());
+            for (axis, places) in places.iter_mut().enumerate() {
+                places[count] = place[axis];
+            }
+            count += 1;
+        }
+        let mut slices = 0.0;
+        if count > 1 {
+            let reach = margin.max(f64::MIN_POSITIVE);
+            let mut spacing = 1.0;
+            for places in &mut places {
+                let places = &mut places[..count];
+                places.sort_unstable_by(f64::total_cmp);
+                // Of the middle half, so that a few that stray make no difference.
+                let width = 2.0 * (places[count - 1 - count / 4] - places[count / 4]);
+                spacing *= width.max(reach).cbrt();
+            }
+            speeds[..count].sort_unstable_by(f64::total_cmp);
+            #[allow(clippy::cast_precision_loss, reason = "a number of bodies")]
+            let spacing = (spacing / (scene.len() as f64).cbrt()).max(reach);
+            slices = 2.0 * lookahead * speeds[count / 2] / spacing;
+        }
+        Self { slices, extremes }
+    }
 }
 
 impl Grid {
@@ -26,7 +108,7 @@ impl Grid {
     /// and each changed plan is compared in every one of them. (Where a screening would take two or
     /// three, three were measured 10 to 15 % cheaper than four.)
     pub(super) const FEWEST: f64 = 3.0;
-    const MOST: f64 = 256.0;
+    const MOST: f64 = 2048.0;
     /// Boxes in all of them together: some 130 bytes each.
     const MOST_BOXES: f64 = 2e6;
     /// A screening forms a box and compares it for a tenth of what it costs to do that when a plan
@@ -39,7 +121,6 @@ impl Grid {
     /// # Errors
     ///
     /// [`Error::InBody`] if an extrapolated plan leaves the range of numbers.
-    #[allow(clippy::cast_precision_loss, reason = "a number of bodies")]
     pub(super) fn for_scene(
         scene: &Scene,
         margin: f64,
@@ -48,16 +129,14 @@ impl Grid {
     ) -> Result<Self, Error> {
         let query = Query::new(Window::new(origin, origin + lookahead)?).with_margin(margin)?;
         let cheapest = f64::from(scene.cheapest_slices(&query)?);
-        let most = (Self::MOST_BOXES / scene.len().max(1) as f64).min(Self::MOST);
         // Whole: else part of the next one would be due with the first tick.
-        let ahead = (Self::SHARE * cheapest).min(most).round();
-        let ahead = ahead.max(Self::FEWEST);
+        let ahead = Self::number(cheapest, scene.len()).round();
         let grid = Self {
             frame: Frame::around(scene.extremes(), margin.abs()),
             origin,
             length: lookahead / ahead,
             ahead,
-            bodies: scene.len(),
+            signs: Signs::of(scene, margin, (origin, lookahead)),
         };
         Ok(if grid.has_room(now) {
             grid
@@ -70,11 +149,32 @@ impl Grid {
         })
     }
 
-    /// Whether it still suits a scene in which all bodies have changed: another one is not worth choosing.
-    pub(super) fn suits(&self, scene: &Scene, margin: f64) -> bool {
-        let (bodies, before) = (scene.len(), self.bodies);
-        let is_about_as_large = bodies <= 2 * before && before <= 2 * bodies;
-        is_about_as_large && self.frame.suits(scene.sampled_extremes(), margin.abs())
+    /// How many slices there should be where a screening would take so many.
+    #[allow(clippy::cast_precision_loss, reason = "a number of bodies")]
+    fn number(slices: f64, bodies: usize) -> f64 {
+        let most = (Self::MOST_BOXES / bodies.max(1) as f64).min(Self::MOST);
+        (Self::SHARE * slices).min(most).max(Self::FEWEST)
+    }
+
+    /// Whether it still suits a scene, by what that looks like now.
+    pub(super) fn suits(&self, scene: &Scene, margin: f64, signs: &Signs) -> bool {
+        /// Times more slices, or fewer, that a tick hardly notices.
+        const FEW: f64 = 3.0;
+        let [before, now] =
+            [&self.signs, signs].map(|signs| Self::number(signs.slices, scene.len()));
+        let is_alike = now <= FEW * before && before <= FEW * now;
+        is_alike && self.frame.suits(signs.extremes, margin.abs())
+    }
+
+    /// Whether it cuts time about as another one does, and measures from where that serves as well.
+    pub(super) fn is_like(&self, other: &Self, margin: f64) -> bool {
+        let is_alike = self.ahead <= 1.5 * other.ahead && other.ahead <= 1.5 * self.ahead;
+        is_alike && other.frame.suits(self.signs.extremes, margin.abs())
+    }
+
+    /// Takes over what the scene looks like now: it suits that as well.
+    pub(super) const fn confirm(&mut self, other: &Self) {
+        self.signs = other.signs;
     }
 
     /// Whether it would have far too many boxes for a scene: one that has grown.

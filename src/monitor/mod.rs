@@ -45,7 +45,7 @@ use crate::scene::Scene;
 use crate::stats::Stats;
 use command::Batch;
 use encounters::Encounters;
-use grid::Grid;
+use grid::{Grid, Review};
 use outlook::Outlook;
 use read::Readings;
 #[cfg(feature = "serde")]
@@ -149,6 +149,7 @@ pub struct Monitor {
     next_plan_end: f64,
     stats: Stats,
     changed_bodies: u64,
+    review: Review,
     batch: Batch,
     readings: Readings,
     /// Set from another thread to have a tick end early, as if its budget were spent.
@@ -235,6 +236,7 @@ impl Monitor {
             next_plan_end: f64::NEG_INFINITY,
             stats: Stats::default(),
             changed_bodies: 0,
+            review: Review::made(scene.len(), now),
             batch: Batch::default(),
             readings: Readings::of_levels(levels.len()),
             interrupt: None,

@@ -91,9 +91,9 @@ impl Outlook {
         &self.grid
     }
 
-    /// How many bodies have changed since the last catching up.
-    pub(super) const fn changed(&self) -> usize {
-        self.dirty.len()
+    /// See [`Grid::confirm`].
+    pub(super) const fn confirm_grid(&mut self, other: &Grid) {
+        self.grid.confirm(other);
     }
 
     /// Whether anything has changed since.

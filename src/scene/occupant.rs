@@ -120,7 +120,7 @@ impl Occupant {
     }
 
     /// Rough extremes of its trajectory (m): not worth an outline.
-    pub(super) fn extremes(&self) -> Extremes {
+    pub(crate) fn extremes(&self) -> Extremes {
         let trajectory = &self.body.trajectory;
         let mut extremes = Extremes::NOTHING;
         for segment in trajectory.segments() {

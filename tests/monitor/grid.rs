@@ -75,6 +75,59 @@ fn a_long_lookahead_is_cut_into_as_many_slices_as_suit_it() {
     assert!(found < 20 * screened.spans, "{found} {}", screened.spans);
 }
 
+/// Slices that suit bodies at rest, or an empty scene, do not suit what becomes of them; nor do those
+/// of fast bodies when they have come to rest.
+#[test]
+fn a_scene_that_becomes_another_one_gets_other_slices() {
+    const BODIES: usize = 500;
+    let plan = |rng: &mut rand_chacha::ChaCha8Rng, now: f64, speed: f64| {
+        let states = wander(rng, now, 80, 1.0, 200.0, speed);
+        Trajectory::from_states(&states).unwrap()
+    };
+    let work = |monitor: &mut Monitor, now: f64| {
+        tick(monitor, now);
+        monitor.stats().boxes + monitor.stats().candidates
+    };
+    for (slow, fast) in [(0.01, 20.0), (20.0, 0.01)] {
+        for inserted in [false, true] {
+            let mut rng = rng(23);
+            let (mut scene, mut ids) = (Scene::new(), Vec::new());
+            for _ in 0..if inserted { 0 } else { BODIES } {
+                let body = Body::new(plan(&mut rng, 0.0, slow));
+                ids.push(scene.insert(body).unwrap());
+            }
+            let mut monitor = Monitor::new(scene, 0.0, 60.0, &[LEVEL]).unwrap();
+            let mut now = 0.0;
+            for number in 0..BODIES {
+                now += 1e-3;
+                let new = plan(&mut rng, now, fast);
+                if inserted {
+                    ids.push(monitor.insert(Body::new(new)).unwrap());
+                } else {
+                    monitor.set_trajectory(ids[number], new).unwrap();
+                }
+                tick(&mut monitor, now);
+            }
+            let scene = monitor.scene().clone();
+            let mut fresh = Monitor::new(scene, now, 60.0, &[LEVEL]).unwrap();
+            tick(&mut fresh, now);
+            let mut done = [0; 2];
+            for number in 0..100 {
+                now += 1e-2;
+                let new = plan(&mut rng, now, fast);
+                for (monitor, done) in [&mut monitor, &mut fresh].into_iter().zip(&mut done) {
+                    monitor
+                        .set_trajectory(ids[5 * number], new.clone())
+                        .unwrap();
+                    *done += work(monitor, now);
+                }
+            }
+            assert!(done[0] < 4 * done[1], "{slow} {fast} {inserted} {done:?}");
+            is_as_screened(&monitor, LEVEL);
+        }
+    }
+}
+
 /// Also where nobody changes, and after a jump into the middle of a slice.
 #[test]
 fn no_tick_stands_out() {

@@ -112,6 +112,10 @@ impl Slice {
     /// Pairs of so many boxes as are asked for at a time that are many.
     const MANY: usize = 1 << 14;
 
+    /// Memory for so many candidates, and four a body, is kept when all were looked at: there are many
+    /// slices.
+    const FEW_CANDIDATES: usize = 1024;
+
     /// Boxes that are asked for what meets them before a filter is asked whether it gives up.
     const ASKED: usize = 64;
 
@@ -295,6 +299,10 @@ impl Slice {
             if !goes_on(1 + work) || filter.gives_up() || self.is_crowded {
                 return;
             }
+        }
+        if self.candidates.capacity() > Self::FEW_CANDIDATES + 4 * self.courses.len() {
+            self.candidates = Vec::new();
+            self.sifted = 0;
         }
     }
 
