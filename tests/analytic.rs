@@ -195,8 +195,8 @@ fn bodies_that_only_coast() {
             assert_eq!(found.len(), 1);
             // The square of the distance is 4 + speed² t².
             let half = (2.5_f64 * 2.5 - 4.0).sqrt() / speed;
-            // Good to some roundings of the ways that are covered in 48 s, or in the time to the meeting.
-            let close = 1e-14 * 10.0 * meeting.abs().max(48.0);
+            // Good to some roundings of the ways that are covered in 6 s, or in the time to the meeting.
+            let close = 1e-14 * 10.0 * meeting.abs().max(12.0);
             assert!((found[0].closest.separation - 2.0).abs() < close);
             assert!((found[0].closest.time - meeting).abs() < close);
             assert!((found[0].enter - (meeting - half)).abs() < close);

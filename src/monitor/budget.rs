@@ -10,7 +10,11 @@ pub enum Budget {
     Unlimited,
     /// Wall time, looked at after every thousand boxes or candidates: so many are looked at however
     /// short it is. Exceeded by what sorting the boxes of one slice takes, and solving and reading
-    /// what was found: that is most of the work where many bodies stay near each other.
+    /// what was found: that is most of the work where many bodies stay near each other. A tick with a
+    /// budget works on one thread.
+    ///
+    /// What changes with each tick must fit in. With half of what unlimited ticks take, less is known
+    /// ahead; with a fifth, nothing may be, until fewer plans change.
     Time(Duration),
     /// Counted work (boxes formed, candidates looked at, and one for each step): the same on every machine
     /// and every run.

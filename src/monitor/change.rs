@@ -119,6 +119,10 @@ impl Monitor {
     /// Cubics that end before the clock of the last tick are forgotten with this call, unless
     /// [`set_history`](Self::set_history) keeps them.
     ///
+    /// The plan may begin elsewhere, but a far jump is dear: until it is past, all bodies between the two
+    /// places are neighbours. For one that vanishes here and begins anew there,
+    /// [`set_trajectory`](Self::set_trajectory) is the cheap way.
+    ///
     /// # Errors
     ///
     /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::NoPlanAt`] or

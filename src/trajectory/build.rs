@@ -196,9 +196,10 @@ impl Trajectory {
     ///
     /// It exists at all times: it can only be screened within a closed window
     /// ([`Error::WindowNotClosed`]). Its single knot is that of the state. Positions are good to a few
-    /// roundings of the way that it covers in 48 s, or in the time to or from the state if that is longer.
-    /// (In a scene of microseconds, say, that is coarse: make the plan of two states, with
-    /// [`Outside::Coast`].)
+    /// roundings of the way that it covers in 6 s, or in the time to or from the state if that is longer.
+    /// Where that is a million times as far as bodies are from each other (in a scene of microseconds,
+    /// say), filters cannot tell them apart, and all takes long: make plans of two states, as far apart as
+    /// the window is long, with [`Outside::Coast`].
     ///
     /// ```
     /// use nearmiss::glam::DVec3;
@@ -213,10 +214,11 @@ impl Trajectory {
     /// # Errors
     ///
     /// [`Error::NotFinite`] and [`Error::OutOfRange`] if the state is none, or leads farther than 1e300 m
-    /// in 48 s.
+    /// in 6 s.
     pub fn coasting(state: State) -> Result<Self, Error> {
-        /// Seconds: longer than most windows, which then need one piece, or two; and not much longer.
-        const DURATION: f64 = 48.0;
+        /// Seconds: as long as many lookaheads, which then need one piece, or two. Not longer: boxes are as
+        /// good as f32 can tell the way that is covered in that time.
+        const DURATION: f64 = 6.0;
         Self::line(state, DURATION)
     }
 

@@ -279,7 +279,7 @@ mod tests {
         let rest = Trajectory::at_rest(DVec3::ONE).unwrap_or_else(|_| unreachable!());
         let coasts = Trajectory::coasting(state(3.0)).unwrap_or_else(|_| unreachable!());
         let instants = [
-            -45.0, -11.0, -5.0, -2.0, -0.5, 0.0, 1.0, 3.0, 5.0, 7.0, 9.0, 20.0, 51.0, 147.0,
+            -15.0, -11.0, -5.0, -3.0, -2.0, -0.5, 0.0, 1.0, 3.0, 5.0, 7.0, 9.0, 20.0, 21.0,
         ];
         let instants = instants.map(|time: f64| [time.next_down(), time, time.next_up()]);
         let instants: Vec<f64> = instants.into_iter().flatten().collect();

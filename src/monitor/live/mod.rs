@@ -87,7 +87,8 @@ pub enum Report {
 ///   [`Unsent::Busy`] with the order handed back: it never blocks and never drops.
 /// - Between two clock orders the latest plan for a body wins: a plan that the next one for that body
 ///   replaces altogether (see [`Order`]) is superseded without being tried. Clock orders merge only where
-///   nothing lies between them. Batches are never taken apart, and nothing is merged across them.
+///   nothing lies between them. Batches are never taken apart, and nothing is merged across them: send what need not go together
+///   plan by plan, or what is superseded has to be worked out as well.
 /// - Every order sent is in the end applied, superseded or refused: [`Counts`] adds up.
 /// - Reports come in order, and none is dropped. A reader that stalls stalls the monitor, not the
 ///   senders: [`Handle::certified_until`] then stands still.
