@@ -313,7 +313,8 @@ impl Monitor {
             }
         }
         let other = Grid::for_scene(&self.scene, margin, span, now)?;
-        if can_stay && other.is_like(grid, margin) {
+        if can_stay && self.outlook.grid().serves(&self.scene, margin, &other) {
+            self.review.was_in_vain();
             self.outlook.confirm_grid(&other);
             return Ok(());
         }

@@ -26,7 +26,8 @@ pub(super) struct Grid {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Signs {
     slices: f64,
-    extremes: Extremes,
+    /// Where the middle half of the bodies is on each axis (m): a few that stray make no difference.
+    middle: Extremes,
 }
 
 /// When a grid was last compared with its scene.
@@ -36,25 +37,33 @@ pub(super) struct Review {
     bodies: usize,
     /// What the clock showed, s.
     now: f64,
-    /// How often a body has changed since.
+    /// How often a body has changed since, and how often is a reason.
     pub(super) changes: usize,
+    enough: usize,
 }
 
 impl Review {
-    pub(super) const fn made(bodies: usize, now: f64) -> Self {
+    /// Changes of fewer bodies are no reason.
+    const FEW: usize = 64;
+
+    pub(super) fn made(bodies: usize, now: f64) -> Self {
         Self {
             bodies,
             now,
             changes: 0,
+            enough: bodies.max(Self::FEW),
         }
+    }
+
+    /// It was found that the grid may stay, but at some cost: not again soon.
+    pub(super) const fn was_in_vain(&mut self) {
+        self.enough = self.enough.saturating_mul(64);
     }
 
     /// Whether much may be different now: the number of bodies, their plans, or what they have come to.
     pub(super) fn is_due(&self, bodies: usize, now: f64, lookahead: f64) -> bool {
-        /// Changes of few bodies are no reason.
-        const FEW: usize = 64;
         let is_about_as_large = bodies <= 2 * self.bodies && self.bodies <= 2 * bodies;
-        !is_about_as_large || self.changes >= bodies.max(FEW) || now >= self.now + lookahead
+        !is_about_as_large || self.changes >= self.enough || now >= self.now + lookahead
     }
 }
 
@@ -63,9 +72,8 @@ impl Signs {
     pub(super) fn of(scene: &Scene, margin: f64, (from, lookahead): (f64, f64)) -> Self {
         let mut speeds = [0.0; Scene::SAMPLE];
         let mut places = [[0.0; Scene::SAMPLE]; 3];
-        let (mut count, mut extremes) = (0, Extremes::NOTHING);
+        let mut count = 0;
         for occupant in scene.sample() {
-            extremes.include(occupant.extremes());
             let plan = &occupant.body.trajectory;
             let (first, last) = (plan.domain().start(), plan.domain().end());
             let [early, late] =
@@ -83,23 +91,23 @@ impl Signs {
             }
             count += 1;
         }
-        let mut slices = 0.0;
+        let (mut slices, mut middle) = (0.0, Extremes::NOTHING);
         if count > 1 {
             let reach = margin.max(f64::MIN_POSITIVE);
             let mut spacing = 1.0;
-            for places in &mut places {
+            for (axis, places) in places.iter_mut().enumerate() {
                 let places = &mut places[..count];
                 places.sort_unstable_by(f64::total_cmp);
-                // Of the middle half, so that a few that stray make no difference.
-                let width = 2.0 * (places[count - 1 - count / 4] - places[count / 4]);
-                spacing *= width.max(reach).cbrt();
+                let (low, high) = (places[count / 4], places[count - 1 - count / 4]);
+                (middle.low[axis], middle.high[axis]) = (low, high);
+                spacing *= (2.0 * (high - low)).max(reach).cbrt();
             }
             speeds[..count].sort_unstable_by(f64::total_cmp);
             #[allow(clippy::cast_precision_loss, reason = "a number of bodies")]
             let spacing = (spacing / (scene.len() as f64).cbrt()).max(reach);
             slices = 2.0 * lookahead * speeds[count / 2] / spacing;
         }
-        Self { slices, extremes }
+        Self { slices, middle }
     }
 }
 
@@ -163,13 +171,14 @@ impl Grid {
         let [before, now] =
             [&self.signs, signs].map(|signs| Self::number(signs.slices, scene.len()));
         let is_alike = now <= FEW * before && before <= FEW * now;
-        is_alike && self.frame.suits(signs.extremes, margin.abs())
+        let frame = Frame::around(self.signs.middle, margin.abs());
+        is_alike && frame.suits(signs.middle, margin.abs())
     }
 
-    /// Whether it cuts time about as another one does, and measures from where that serves as well.
-    pub(super) fn is_like(&self, other: &Self, margin: f64) -> bool {
+    /// Whether it serves a scene about as well as another one that was chosen for it.
+    pub(super) fn serves(&self, scene: &Scene, margin: f64, other: &Self) -> bool {
         let is_alike = self.ahead <= 1.5 * other.ahead && other.ahead <= 1.5 * self.ahead;
-        is_alike && other.frame.suits(self.signs.extremes, margin.abs())
+        is_alike && self.frame.suits(scene.extremes(), margin.abs())
     }
 
     /// Takes over what the scene looks like now: it suits that as well.
