@@ -295,15 +295,16 @@ impl Monitor {
     /// Chooses another grid, on which all is looked at anew, where the one there is cannot stay: since
     /// the scene has grown too large for it, or the clock, about to show `now` (s), has come so far that
     /// it cannot tell slices apart. And where it no longer suits the scene: it was chosen for an empty
-    /// one, say, or for bodies at rest that fly now.
-    pub(super) fn choose_grid(&mut self, now: f64) -> Result<(), Error> {
+    /// one, say, or for bodies at rest that fly now; but that is not done if the tick may not wait for all
+    /// that is to be looked at then: it has a budget, or lags behind.
+    pub(super) fn choose_grid(&mut self, now: f64, may_wait: bool) -> Result<(), Error> {
         let (margin, _) = self.outlook.reach();
         let span = (self.told, self.lookahead);
         let grid = self.outlook.grid();
         let can_stay = grid.has_room(now) && !grid.is_too_fine(&self.scene);
         if can_stay {
             let bodies = self.scene.len();
-            if !self.review.is_due(bodies, now, self.lookahead) {
+            if !(may_wait && self.review.is_due(bodies, now, self.lookahead)) {
                 return Ok(());
             }
             self.review = Review::made(bodies, now);

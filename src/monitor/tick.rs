@@ -121,7 +121,7 @@ impl Monitor {
             return Ok(());
         }
         let end = now + self.lookahead;
-        self.choose_grid(now)?;
+        self.choose_grid(now, meter.is_unlimited() && self.told >= self.now)?;
         self.outlook.extend_beyond(&self.scene, end)?;
         let mut stats = Stats {
             bodies: self.scene.len() as u64,
