@@ -101,7 +101,8 @@ impl AlertLevel {
 /// the time, screening each time anew may be cheaper.
 ///
 /// The lookahead is cut into slices, up to 2,048 of them, that suit the scene; what that has become is
-/// looked at now and then. If other slices suit it far better, one tick takes as long as the first one.
+/// looked at now and then, by ticks without a budget. If other slices suit it far better, one of them
+/// takes as long as the first one.
 ///
 ///
 /// - After a tick that [has caught up](Self::is_caught_up), [`conflicts`](Self::conflicts) is, bit for bit, what
