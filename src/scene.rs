@@ -317,7 +317,7 @@ impl Scene {
     pub(crate) fn extremes(&self) -> Extremes {
         let mut extremes = Extremes::NOTHING;
         for (_, occupant) in self.occupants() {
-            extremes.include(occupant.extremes());
+            extremes.include(occupant.outline().extremes);
         }
         extremes
     }

@@ -62,7 +62,7 @@ fn beyond_by_coefficients(points: &[DVec3; 4], largest: DVec3, threshold: f64) -
     let power = normalising_power(largest.max_element());
     let coefficients = squared_distance(points.map(|point| point * power));
     let least = coefficients.iter().copied().fold(f64::INFINITY, f64::min);
-    // No scaled component reaches 2, no scaled square 12. 7 roundings of it for the coefficients
+    // No scaled component reaches 2, no scaled square 12. 7 roundings of it for the coefficients,
     // 16 of the threshold's square.
     let radius = threshold * power;
     least > radius * radius * (1.0 + 16.0 * UNIT_ROUNDOFF) + 128.0 * UNIT_ROUNDOFF

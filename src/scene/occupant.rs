@@ -37,7 +37,11 @@ impl Outline {
     fn follow(&mut self, trajectory: &Trajectory) {
         self.draw(trajectory.knots(), trajectory.segments());
         if trajectory.segments().is_empty() {
-            self.extremes.include(extremes_at_knot(trajectory));
+            let position = trajectory.position(self.knots.0).unwrap_or_default();
+            self.extremes.include(Extremes {
+                low: position,
+                high: position,
+            });
         }
     }
 
@@ -47,16 +51,6 @@ impl Outline {
         }
         self.extremes = self.sketch.redraw(knots, segments);
         self.path = segments.iter().map(Segment::extent).sum();
-    }
-}
-
-/// Where a body without a cubic of its own is at its knot, m.
-fn extremes_at_knot(trajectory: &Trajectory) -> Extremes {
-    let first = trajectory.knots().first().copied().unwrap_or_default();
-    let position = trajectory.position(first).unwrap_or_default();
-    Extremes {
-        low: position,
-        high: position,
     }
 }
 
@@ -117,19 +111,6 @@ impl Occupant {
             outline,
             beyond: Mutex::default(),
         }
-    }
-
-    /// Rough extremes of its trajectory (m): not worth an outline.
-    pub(crate) fn extremes(&self) -> Extremes {
-        let trajectory = &self.body.trajectory;
-        let mut extremes = Extremes::NOTHING;
-        for segment in trajectory.segments() {
-            extremes.include(Extremes::of_segment(segment, segment.extent()));
-        }
-        if trajectory.segments().is_empty() {
-            extremes.include(extremes_at_knot(trajectory));
-        }
-        extremes
     }
 
     /// Of the trajectory: worked out now, if it was not yet.

@@ -2,9 +2,9 @@
 //!
 //! Beyond the knots a motion is cut into pieces of doubling length, from the knot outwards:
 //! T, 2 T, 4 T, ... with T the duration of the neighbouring segment (of a body at rest, longer than
-//! any time; of one that only coasts, fixed). The cuts depend on the trajectory alone, never on a window, so an encounter out there
-//! has the same bits whatever window it was found with; and a window however long needs only a few
-//! dozen pieces.
+//! any time; of one that only coasts, fixed). The cuts depend on the trajectory alone, never on a
+//! window, so an encounter out there has the same bits whatever window it was found with; and a window
+//! however long needs only a few dozen pieces.
 
 use super::{Segment, Trajectory};
 use crate::error::{Error, LARGEST_MAGNITUDE, Quantity};
