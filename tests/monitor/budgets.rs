@@ -1,0 +1,165 @@
+//! A monitor that always has too little time tells, in the end, what one with all the time tells.
+
+use super::support::{rng, vector};
+use nearmiss::{
+    AlertLevel, Body, BodyId, Budget, Event, EventKind, Hitbox, Monitor, Outside, Scene, State,
+    Trajectory,
+};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+/// A scene's size, and how its bodies fly.
+struct World {
+    cube: f64,
+    /// When it begins and for how long, s.
+    start: f64,
+    duration: f64,
+    outside: Outside,
+    /// Knots at whole seconds and places at whole halves of a metre: many things at one instant.
+    is_lattice: bool,
+}
+
+impl World {
+    fn any(rng: &mut ChaCha8Rng) -> Self {
+        Self {
+            cube: rng.random_range(4.0..30.0),
+            start: [0.0, 1e6, 1e9][rng.random_range(0..3)],
+            duration: [20.0, 100.0, 1000.0][rng.random_range(0..3)],
+            outside: [Outside::Absent, Outside::Coast][rng.random_range(0..2)],
+            is_lattice: rng.random_bool(0.5),
+        }
+    }
+
+    fn end(&self) -> f64 {
+        self.start + self.duration
+    }
+
+    fn plan(&self, rng: &mut ChaCha8Rng, (start, end): (f64, f64)) -> Trajectory {
+        let mut times: Vec<f64> = (0..rng.random_range(2..6))
+            .map(|_| rng.random_range(start..end))
+            .map(|time| {
+                if self.is_lattice {
+                    f64::round(time)
+                } else {
+                    time
+                }
+            })
+            .collect();
+        times.extend([start, end]);
+        times.sort_unstable_by(f64::total_cmp);
+        times.dedup();
+        let speed = 1e-3 + rng.random_range(0.0..8.0) * self.cube / self.duration;
+        let states: Vec<State> = times
+            .into_iter()
+            .map(|time| {
+                let position = vector(rng, 0.5 * self.cube);
+                let position = if self.is_lattice {
+                    0.5 * (2.0 * position).round()
+                } else {
+                    position
+                };
+                State::new(time, position, vector(rng, speed))
+            })
+            .collect();
+        Trajectory::from_states(&states)
+            .unwrap()
+            .with_outside(self.outside)
+    }
+
+    fn scene(&self, rng: &mut ChaCha8Rng) -> (Scene, Vec<BodyId>) {
+        let mut scene = Scene::new();
+        let ids = (0..rng.random_range(2..30))
+            .map(|_| {
+                let plan = self.plan(rng, (self.start, self.end()));
+                let hitbox = Hitbox::sphere(rng.random_range(0.0..1.0)).unwrap();
+                scene.insert(Body::new(plan).with_hitbox(hitbox)).unwrap()
+            })
+            .collect();
+        (scene, ids)
+    }
+}
+
+/// When encounters began, and ended and how: level, bodies, rounded instants and separation. (The
+/// nearest so far is seen at other instants: its last bits differ.)
+fn lived(events: &[Event]) -> Vec<(usize, u32, u32, i64, i64, String)> {
+    #[allow(clippy::cast_possible_truncation, reason = "up to 1e15")]
+    let rounded = |value: f64| (value * 1e6).round() as i64;
+    let mut lived: Vec<_> = events
+        .iter()
+        .filter_map(|event| {
+            let (encounter, how) = match event.kind {
+                EventKind::Began(encounter) => (encounter, String::new()),
+                EventKind::Ended(encounter, reason) => {
+                    let nearest = rounded(encounter.closest.separation);
+                    (encounter, format!("{reason:?} {nearest}"))
+                }
+                _ => return None,
+            };
+            let (a, b) = (encounter.a.slot(), encounter.b.slot());
+            let times = [encounter.enter, event.time].map(rounded);
+            Some((encounter.level, a, b, times[0], times[1], how))
+        })
+        .collect();
+    lived.sort_unstable();
+    lived
+}
+
+/// Plans change while the clock is far ahead of what the poorer monitor knows. (After the clock's own
+/// instant: what is at that instant the richer one has told, and the poorer one has not.)
+fn replan(rng: &mut ChaCha8Rng, world: &World, monitors: [&mut Monitor; 2], id: BodyId, now: f64) {
+    let from = now
+        + if rng.random_bool(0.3) {
+            1e-6
+        } else {
+            rng.random_range(1e-6..world.duration / 6.0)
+        };
+    let start = from - rng.random_range(0.0..3.0);
+    let plan = world.plan(rng, (start, start + world.duration));
+    let done = monitors.map(|monitor| monitor.replan(id, from, plan.clone()).is_ok());
+    assert_eq!(done[0], done[1]);
+}
+
+#[test]
+fn a_budget_delays_what_is_told_and_changes_none_of_it() {
+    let mut begun = 0;
+    for seed in 0..super::ticks(1500) / 5 {
+        let mut rng = rng(u64::from(seed));
+        let world = World::any(&mut rng);
+        let (scene, ids) = world.scene(&mut rng);
+        let margin: f64 = rng.random_range(0.0..2.0);
+        let release = margin + rng.random_range(0.0..2.0);
+        let levels = [AlertLevel { margin, release }, AlertLevel::at(0.0)];
+        let lookahead = [0.05, 0.5, 1.0, 3.0][rng.random_range(0..4)];
+        let monitor_of = |scene| Monitor::new(scene, world.start, lookahead, &levels).unwrap();
+        let (mut rich, mut poor) = (monitor_of(scene.clone()), monitor_of(scene));
+        let (mut events, mut late) = (Vec::new(), Vec::new());
+        let mut now = world.start;
+        while now < world.end() + 5.0 {
+            for _ in 0..rng.random_range(0..4) {
+                let id = ids[rng.random_range(0..ids.len())];
+                replan(&mut rng, &world, [&mut rich, &mut poor], id, now);
+            }
+            now += match rng.random_range(0..10) {
+                0 => 0.0,
+                1..5 => rng.random_range(0.0..world.duration / 3.0),
+                _ => rng.random_range(0.0..2.0 * lookahead),
+            };
+            rich.advance(now, &mut events).unwrap();
+            let work = [1, 3, 10, 100, 1000][rng.random_range(0..5)];
+            poor.advance_within(now, Budget::Work(work), &mut late)
+                .unwrap();
+            // Now and then it comes to know all, bit by bit.
+            if rng.random_bool(0.3) {
+                while !poor.is_caught_up() {
+                    poor.advance_within(now, Budget::Work(work), &mut late)
+                        .unwrap();
+                }
+            }
+        }
+        poor.advance(now, &mut late).unwrap();
+        let expected = lived(&events);
+        begun += expected.len();
+        assert_eq!(lived(&late), expected, "{seed}");
+    }
+    assert!(begun > 1000, "{begun}");
+}
