@@ -2,7 +2,7 @@
 
 use super::bundle::{Bundle, holding, largest};
 use super::piece::Piece;
-use super::sketch::{Sketch, Stroke};
+use super::sketch::{Sketch, Stroke, ends_of};
 use super::trace::Trace;
 use super::{FAR, Frame, Inflation, ROUNDING, nearest};
 use crate::simd::prefetch;
@@ -20,6 +20,8 @@ pub(crate) trait Cubic {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pose<'a, C> {
     pub(crate) knots: &'a [f64],
+    /// The first and the last of them, s: they are asked for in every block, and most lie in no cache.
+    pub(crate) ends: (f64, f64),
     pub(crate) cubics: &'a [C],
     /// Those of the cubics that were summed up.
     bundles: &'a [Bundle],
@@ -48,6 +50,7 @@ impl<C> Pose<'_, C> {
     /// Of a body that never exists.
     pub(crate) const NONE: Self = Self {
         knots: &[],
+        ends: ends_of(&[]),
         cubics: &[],
         bundles: &[],
         stance: Stance::NONE,
@@ -96,6 +99,7 @@ impl<'a> Pose<'a, Stroke> {
     pub(crate) fn sketched(sketch: &'a Sketch, inflation: &Inflation, frame: &Frame) -> Self {
         Self {
             knots: sketch.knots(),
+            ends: sketch.ends(),
             cubics: sketch.strokes(),
             bundles: sketch.bundles(),
             stance: Stance::new(sketch.frame, sketch.size, inflation, frame),
@@ -116,6 +120,7 @@ impl<'a> Pose<'a, Segment> {
         };
         Self {
             knots,
+            ends: ends_of(knots),
             cubics: segments,
             bundles: &[],
             stance: Stance::new(anchor, 0.0, inflation, frame),

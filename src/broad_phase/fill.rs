@@ -73,10 +73,7 @@ impl<C: Cubic> Task for Fill<'_, C> {
             self.look_up(number + Self::AHEAD, ends[0]);
             let body = place as usize;
             let pose = &self.poses[body];
-            let knots = pose.knots;
-            let (Some(&first), Some(&last)) = (knots.first(), knots.last()) else {
-                continue;
-            };
+            let (first, last) = pose.ends;
             if first > ends[count] || last < ends[0] {
                 continue;
             }
@@ -208,7 +205,7 @@ impl<C: Cubic> Walk<'_, C> {
     fn through(&self, mut number: usize, body: u32, slices: &mut [Slice]) -> usize {
         let Self { pose, periods, .. } = *self;
         let knots = pose.knots;
-        let (first, last) = (knots[0], knots[knots.len() - 1]);
+        let (first, last) = pose.ends;
         let mut rest = self.piece(number);
         if knots[number] < periods[0].from {
             rest = rest.split(periods[0].from).1;

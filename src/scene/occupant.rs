@@ -10,8 +10,6 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 /// What screening needs to know of a motion.
 #[derive(Clone, Debug)]
 pub(crate) struct Outline {
-    /// First and last knot, s.
-    pub(crate) knots: (f64, f64),
     /// Rough extremes of all segments, m.
     pub(crate) extremes: Extremes,
     /// Sum of the segments' extents: a bound on the way flown, m.
@@ -21,7 +19,6 @@ pub(crate) struct Outline {
 
 impl Outline {
     const NONE: Self = Self {
-        knots: (0.0, 0.0),
         extremes: Extremes::NOTHING,
         path: 0.0,
         sketch: Sketch::EMPTY,
@@ -37,7 +34,9 @@ impl Outline {
     fn follow(&mut self, trajectory: &Trajectory) {
         self.draw(trajectory.knots(), trajectory.segments());
         if trajectory.segments().is_empty() {
-            let position = trajectory.position(self.knots.0).unwrap_or_default();
+            let position = trajectory
+                .position(self.sketch.ends().0)
+                .unwrap_or_default();
             self.extremes.include(Extremes {
                 low: position,
                 high: position,
@@ -46,9 +45,6 @@ impl Outline {
     }
 
     fn draw(&mut self, knots: &[f64], segments: &[Segment]) {
-        if let (Some(&first), Some(&last)) = (knots.first(), knots.last()) {
-            self.knots = (first, last);
-        }
         self.extremes = self.sketch.redraw(knots, segments);
         self.path = segments.iter().map(Segment::extent).sum();
     }

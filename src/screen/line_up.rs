@@ -1,8 +1,9 @@
 //! The bodies of a scene as the pipeline sees them: by place, in the order of their ids.
 
 use super::scratch::Pool;
+use super::survey::{Survey, single};
 use crate::accuracy::Accuracy;
-use crate::bounds::{Extremes, Sketch};
+use crate::bounds::{Frame, Inflation, Pose, Stroke};
 use crate::broad_phase::presence::Presence;
 use crate::broad_phase::slices::Traffic;
 use crate::broad_phase::{Level, PairFilter};
@@ -35,12 +36,30 @@ pub(super) struct LineUp<'a> {
     /// Room for survivors.
     pub(super) most_spans: usize,
     pub(super) pool: &'a Pool,
+    survey: Survey,
 }
 
 impl<'a> LineUp<'a> {
     pub(super) fn new(scene: &'a Scene, query: &Query) -> Result<Self, Error> {
-        let (ids, occupants): (Vec<_>, Vec<_>) = scene.occupants().unzip();
-        let beyond = lay_out(&occupants, query.window())?;
+        let mut survey = Survey::of(scene.len(), query.window(), query.margin());
+        let mut ids = Vec::with_capacity(scene.len());
+        let mut occupants = Vec::with_capacity(scene.len());
+        let mut going_on = Vec::new();
+        for (place, (id, occupant)) in scene.occupants().enumerate() {
+            ids.push(id);
+            occupants.push(occupant);
+            if occupant.body.trajectory.outside() == Outside::Absent {
+                survey.include(place, occupant, None);
+            } else {
+                going_on.push(place);
+            }
+        }
+        let beyond = lay_out(&occupants, &going_on, query.window())?;
+        let mut laid_out = beyond.iter().peekable();
+        for place in going_on {
+            let beyond = laid_out.next_if(|(beyond, _)| *beyond == place);
+            survey.include(place, occupants[place], beyond.map(|(_, beyond)| &**beyond));
+        }
         let mut line_up = Self {
             ids,
             occupants,
@@ -53,21 +72,15 @@ impl<'a> LineUp<'a> {
             prescribed: query.slices(),
             most_spans: query.most_spans(),
             pool: scene.pool(),
+            survey,
         };
         // Open ends are closed where no body exists beyond them.
-        let (mut start, mut end) = (f64::INFINITY, f64::NEG_INFINITY);
-        let mut lives = Vec::with_capacity(scene.len());
-        for (occupant, beyond) in line_up.bodies() {
-            let (first, last) = outline_over(occupant, beyond).knots;
-            start = start.min(first);
-            end = end.max(last);
-            lives.push((first, last));
-        }
+        let (start, end) = line_up.survey.existence;
         let existence = Window::new(start, end).ok();
         match existence.and_then(|existence| existence.intersection(query.window())) {
             Some(window) => {
                 line_up.window = window;
-                line_up.presence = Presence::of(lives);
+                line_up.presence = Presence::of(std::mem::take(&mut line_up.survey.lives));
             }
             None => {
                 line_up.ids.clear();
@@ -88,79 +101,36 @@ impl<'a> LineUp<'a> {
         })
     }
 
-    pub(super) fn parties(&self) -> Vec<Party<'_>> {
-        let bodies = self.bodies();
-        bodies
-            .map(|(occupant, beyond)| Party {
+    /// Each body as the narrow phase takes it, and how it lies in a frame that serves all of them; by
+    /// place.
+    pub(super) fn parties(&self) -> (Vec<Party<'_>>, Vec<Pose<'_, Stroke>>) {
+        let frame = Frame::around(self.survey.extremes, self.survey.size);
+        let (mut sphere, mut inflation) = (None, Inflation::NONE);
+        let both = |(occupant, beyond)| {
+            let sketch = &outline_over(occupant, beyond).sketch;
+            let party = Party {
                 // A screening reads them next to the sketches.
-                knots: outline_over(occupant, beyond).sketch.knots(),
+                knots: sketch.knots(),
                 ..party_over(occupant, beyond)
-            })
-            .collect()
-    }
-
-    /// The bodies' sketches over the window, by place.
-    pub(super) fn sketches(&self) -> impl Iterator<Item = &Sketch> {
-        self.bodies()
-            .map(|(occupant, beyond)| &outline_over(occupant, beyond).sketch)
+            };
+            let own = single(party.spheres);
+            if own.is_none() || own != sphere {
+                inflation = Inflation::of(party.spheres, party.bounding, self.margin, &frame);
+                sphere = own;
+            }
+            (party, Pose::sketched(sketch, &inflation, &frame))
+        };
+        self.bodies().map(both).unzip()
     }
 
     pub(super) fn is_unfiltered(&self, scene: &Scene) -> bool {
-        scene.ignored().is_empty()
-            && self
-                .occupants
-                .iter()
-                .all(|occupant| occupant.body.layers == Layers::ALL)
-    }
-
-    pub(super) fn extremes(&self) -> Extremes {
-        let mut extremes = Extremes::NOTHING;
-        for (occupant, beyond) in self.bodies() {
-            extremes.include(outline_over(occupant, beyond).extremes);
-        }
-        extremes
+        scene.ignored().is_empty() && self.survey.is_in_all_layers
     }
 
     /// How much moves in the window, from what is known of each body as a whole.
     pub(super) fn traffic(&self) -> Traffic {
-        let mut traffic = Traffic {
-            body_time: 0.0,
-            path: 0.0,
-            segments: 0.0,
-            world: [0.0; 3],
-            reach: self.margin.max(0.0),
-        };
-        let mut extremes = Extremes::NOTHING;
-        let window = (self.window.start(), self.window.end());
-        for (occupant, beyond) in self.bodies() {
-            let outline = occupant.outline();
-            extremes.include(outline.extremes);
-            for way in beyond.iter().flat_map(|beyond| &beyond.ways) {
-                let time = overlap(window, way.ends);
-                let share = time / (way.ends.1 - way.ends.0);
-                traffic.path += way.length * share;
-                traffic.segments += share;
-                traffic.body_time += time;
-            }
-            let (first, last) = outline.knots;
-            let time = overlap(window, (first, last));
-            traffic.body_time += time;
-            let planned = last - first;
-            if planned > 0.0 {
-                traffic.path += outline.path * (time / planned);
-                #[allow(clippy::cast_precision_loss, reason = "an estimate")]
-                let segments = occupant.body.trajectory.segments().len() as f64;
-                traffic.segments += segments * (time / planned);
-            }
-        }
-        traffic.world = (extremes.high - extremes.low).to_array();
-        traffic
+        self.survey.traffic()
     }
-}
-
-/// How much of an interval lies within another one, s.
-fn overlap((start, end): (f64, f64), (from, to): (f64, f64)) -> f64 {
-    (to.min(end) - from.max(start)).max(0.0)
 }
 
 /// Layers and ignored pairs, by place in the line-up.
@@ -189,13 +159,15 @@ impl PairFilter for Admission<'_> {
     }
 }
 
-/// What bodies do beyond their knots, of those that go on there in a window: by ascending place.
-fn lay_out(occupants: &[&Occupant], window: Window) -> Result<Vec<(usize, Arc<Beyond>)>, Error> {
+/// What bodies at some places do beyond their knots, of those that go on there in a window: by
+/// ascending place.
+fn lay_out(
+    occupants: &[&Occupant],
+    places: &[usize],
+    window: Window,
+) -> Result<Vec<(usize, Arc<Beyond>)>, Error> {
     /// Fewer are laid out on this thread.
     const FEW: usize = 64;
-    let goes_on = |occupant: &Occupant| occupant.body.trajectory.outside() != Outside::Absent;
-    let places = 0..occupants.len();
-    let places: Vec<usize> = places.filter(|&place| goes_on(occupants[place])).collect();
     let lay_out = |(): &mut (), number: usize| {
         let place = places[number];
         let beyond = occupants[place].beyond(window)?;

@@ -11,6 +11,7 @@ mod pilot;
 mod scratch;
 mod sift;
 mod solve;
+mod survey;
 mod survivors;
 
 pub(crate) use scratch::Pool;
@@ -152,11 +153,11 @@ impl Scene {
     /// How many slices the query's window would be cut into, at the least expected cost.
     pub(crate) fn cheapest_slices(&self, query: &Query) -> Result<u32, Error> {
         let line_up = LineUp::new(self, query)?;
-        let parties = line_up.parties();
+        let (parties, poses) = line_up.parties();
         if parties.len() < 2 {
             return Ok(1);
         }
-        let slices = line_up.slices(&line_up.traffic(), &line_up.poses(&parties));
+        let slices = line_up.slices(&line_up.traffic(), &poses);
         Ok(slices.count())
     }
 
@@ -192,7 +193,7 @@ impl LineUp<'_> {
         filter: &F,
         progress: &(impl Fn(f64) + Sync),
     ) -> Result<Screening, Error> {
-        let parties = self.parties();
+        let (parties, poses) = self.parties();
         let mut stats = Stats {
             bodies: parties.len() as u64,
             segments: parties
@@ -207,21 +208,21 @@ impl LineUp<'_> {
             match method {
                 Method::BruteForce => self.survivors(
                     |scratch| &mut scratch.brute_force,
-                    &parties,
+                    (&parties, &poses),
                     filter,
                     progress,
                     &mut stats,
                 ),
                 Method::Tree => self.survivors(
                     |scratch| &mut scratch.tree,
-                    &parties,
+                    (&parties, &poses),
                     filter,
                     progress,
                     &mut stats,
                 ),
                 Method::Sweep => self.survivors(
                     |scratch| scratch.sweep.at(self.level),
-                    &parties,
+                    (&parties, &poses),
                     filter,
                     progress,
                     &mut stats,

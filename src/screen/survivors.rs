@@ -4,7 +4,7 @@ use super::arrange::Arranger;
 use super::line_up::LineUp;
 use super::scratch::Scratch;
 use super::sift::{Question, Survivor};
-use crate::bounds::{Frame, Inflation, Pose, Stroke};
+use crate::bounds::{Pose, Stroke};
 use crate::broad_phase::fill::{Block, Fill};
 use crate::broad_phase::slices::Slices;
 use crate::broad_phase::{BroadPhase, PairFilter, Room};
@@ -25,14 +25,13 @@ impl LineUp<'_> {
     pub(super) fn survivors<B: BroadPhase, F: PairFilter>(
         &self,
         method: impl Fn(&mut Scratch) -> &mut B + Sync + Send,
-        parties: &[Party<'_>],
+        (parties, poses): (&[Party<'_>], &[Pose<'_, Stroke>]),
         filter: &F,
         progress: &(impl Fn(f64) + Sync),
         stats: &mut Stats,
     ) -> Result<Vec<Survivor>, Error> {
-        let poses = self.poses(parties);
         let traffic = self.traffic();
-        let slices = self.slices(&traffic, &poses);
+        let slices = self.slices(&traffic, poses);
         stats.slices = u64::from(slices.count());
         let present = traffic.present((self.window.start(), self.window.end()));
         let blocks = Blocks::new(slices.count(), parties.len(), present);
@@ -46,7 +45,7 @@ impl LineUp<'_> {
             let results = parallel::map(round, 1, take, |borrowed, block| {
                 let scratch = &mut borrowed.scratch;
                 let range = blocks.range(first + block);
-                let found = self.block(&method, parties, &poses, &slices, range, filter, scratch);
+                let found = self.block(&method, parties, poses, &slices, range, filter, scratch);
                 let done = done_blocks.fetch_add(1, Ordering::Relaxed) + 1;
                 if done < blocks.count {
                     progress(f64::from(done) / f64::from(blocks.count));
@@ -78,32 +77,6 @@ impl LineUp<'_> {
         Error::TooCrowded {
             limit: self.most_spans,
         }
-    }
-
-    /// How bodies lie in a frame that serves all of them.
-    pub(super) fn poses(&self, parties: &[Party<'_>]) -> Vec<Pose<'_, Stroke>> {
-        // Most scenes have many bodies with the same sphere, one after the other.
-        let is_as_before = |place: usize| {
-            let spheres = parties[place].spheres;
-            place > 0 && spheres.len() == 1 && spheres == parties[place - 1].spheres
-        };
-        let mut largest = 0.0_f64;
-        for (place, party) in parties.iter().enumerate() {
-            if !is_as_before(place) {
-                let size = Inflation::size(party.spheres, party.bounding, self.margin);
-                largest = largest.max(size);
-            }
-        }
-        let frame = Frame::around(self.extremes(), largest);
-        let mut inflation = Inflation::NONE;
-        let place = |(place, sketch)| {
-            let party: &Party<'_> = &parties[place];
-            if !is_as_before(place) {
-                inflation = Inflation::of(party.spheres, party.bounding, self.margin, &frame);
-            }
-            Pose::sketched(sketch, &inflation, &frame)
-        };
-        self.sketches().enumerate().map(place).collect()
     }
 
     #[allow(

@@ -1,0 +1,112 @@
+//! What there is to know of all bodies before any of them is looked at closely, from one pass: they
+//! lie next to each other in memory, but are larger together than the caches.
+
+use crate::bounds::{Extremes, Inflation};
+use crate::broad_phase::slices::Traffic;
+use crate::hitbox::Sphere;
+use crate::layers::Layers;
+use crate::scene::{Beyond, Occupant};
+use crate::window::Window;
+
+/// See the module.
+#[derive(Debug)]
+pub(super) struct Survey {
+    window: Window,
+    margin: f64,
+    /// When each body exists, by place, and all of them (first and last instant, s).
+    pub(super) lives: Vec<(f64, f64)>,
+    pub(super) existence: (f64, f64),
+    /// Of all that is followed, roughly, m.
+    pub(super) extremes: Extremes,
+    /// Of the plans alone, roughly, m.
+    plans: Extremes,
+    traffic: Traffic,
+    /// Largest distance from a body's position that matters, m.
+    pub(super) size: f64,
+    /// The body before the one at hand, if that is a single sphere.
+    sphere: Option<Sphere>,
+    /// Every body is in all layers.
+    pub(super) is_in_all_layers: bool,
+}
+
+impl Survey {
+    /// Of so many bodies that are not known yet.
+    pub(super) fn of(count: usize, window: Window, margin: f64) -> Self {
+        Self {
+            window,
+            margin,
+            lives: vec![(0.0, 0.0); count],
+            existence: (f64::INFINITY, f64::NEG_INFINITY),
+            extremes: Extremes::NOTHING,
+            plans: Extremes::NOTHING,
+            traffic: Traffic {
+                body_time: 0.0,
+                path: 0.0,
+                segments: 0.0,
+                world: [0.0; 3],
+                reach: margin.max(0.0),
+            },
+            size: 0.0,
+            sphere: None,
+            is_in_all_layers: true,
+        }
+    }
+
+    /// Takes in a body, and what it follows if it goes on beyond its knots in the window.
+    pub(super) fn include(&mut self, place: usize, occupant: &Occupant, beyond: Option<&Beyond>) {
+        let (body, plan) = (&occupant.body, occupant.outline());
+        let outline = beyond.map_or(plan, |beyond| &beyond.outline);
+        self.is_in_all_layers &= body.layers == Layers::ALL;
+        let (first, last) = outline.sketch.ends();
+        self.lives[place] = (first, last);
+        self.existence = (self.existence.0.min(first), self.existence.1.max(last));
+        self.extremes.include(outline.extremes);
+        self.plans.include(plan.extremes);
+        let spheres = body.hitbox.spheres();
+        let sphere = single(spheres);
+        // Most scenes have many bodies with the same sphere, one after the other.
+        if sphere.is_none() || sphere != self.sphere {
+            let size = Inflation::size(spheres, body.hitbox.bounding(), self.margin);
+            self.size = self.size.max(size);
+            self.sphere = sphere;
+        }
+        self.count(
+            plan.sketch.ends(),
+            (plan.path, body.trajectory.segments().len()),
+        );
+        for way in beyond.iter().flat_map(|beyond| &beyond.ways) {
+            self.count(way.ends, (way.length, 1));
+        }
+    }
+
+    /// Counts as much of some motion (from one instant to another, so far, in so many segments) as lies
+    /// within the window.
+    fn count(&mut self, (from, to): (f64, f64), (path, segments): (f64, usize)) {
+        let (start, end) = (self.window.start(), self.window.end());
+        let time = (to.min(end) - from.max(start)).max(0.0);
+        self.traffic.body_time += time;
+        let duration = to - from;
+        if duration > 0.0 {
+            self.traffic.path += path * (time / duration);
+            #[allow(clippy::cast_precision_loss, reason = "an estimate")]
+            let segments = segments as f64;
+            self.traffic.segments += segments * (time / duration);
+        }
+    }
+
+    /// How much moves in the window.
+    pub(super) fn traffic(&self) -> Traffic {
+        Traffic {
+            world: (self.plans.high - self.plans.low).to_array(),
+            ..self.traffic
+        }
+    }
+}
+
+/// The only sphere of a hitbox; none of a cluster.
+pub(super) const fn single(spheres: &[Sphere]) -> Option<Sphere> {
+    match spheres {
+        [sphere] => Some(*sphere),
+        _ => None,
+    }
+}
