@@ -117,6 +117,8 @@ impl Sieve {
     const BATCH: usize = 1024;
     /// Entries that are fetched ahead of the one at hand.
     const AHEAD: usize = 8;
+    /// Candidates: there are many of them, and little is done with each.
+    const AHEAD_OF_CANDIDATES: usize = 4 * Self::AHEAD;
 
     /// Looks at each span of the candidates of a slice; gives how many there are. Those that cheap
     /// tests cannot rule out are appended, by now or when the sieve is [emptied](Self::empty).
@@ -152,7 +154,7 @@ impl Sieve {
         } = *question;
         self.near.clear();
         for (i, candidate) in batch.iter().enumerate() {
-            if let Some(later) = batch.get(i + Self::AHEAD) {
+            if let Some(later) = batch.get(i + Self::AHEAD_OF_CANDIDATES) {
                 prefetch(from_ref(&slice.courses[later.a as usize]));
                 prefetch(from_ref(&slice.courses[later.b as usize]));
             }
