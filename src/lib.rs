@@ -85,6 +85,7 @@ pub mod enclosure;
 mod error;
 mod hitbox;
 mod id;
+mod knots;
 mod layers;
 mod monitor;
 pub mod narrow_phase;

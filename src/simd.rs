@@ -114,7 +114,11 @@ pub(crate) fn prefetch<T>(values: &[T]) {
         const LINE: usize = 64;
         let first = values.as_ptr().cast::<i8>();
         // Values that begin within a line may end in one more than they would fill.
-        let before = if align_of::<T>() < LINE { first.addr() % LINE } else { 0 };
+        let before = if align_of::<T>() < LINE {
+            first.addr() % LINE
+        } else {
+            0
+        };
         let mut line = 0;
         while line < before + size_of_val(values) {
             // SAFETY: a prefetch reads nothing that a program can see, whatever the address.

@@ -3,6 +3,8 @@
 //! Spans depend on the two trajectories alone. A window selects which spans are looked at; it
 //! never cuts one.
 
+use crate::knots::Knots;
+
 /// A merged interval: body a follows its cubic number `a`, body b its number `b`, from `start`
 /// to `end` (s), with `start < end` unless the two domains share a single instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,16 +16,16 @@ pub(crate) struct Span {
 }
 
 /// The interval in which both motions exist: latest first knot, earliest last knot.
-pub(crate) fn common_domain(a: &[f64], b: &[f64]) -> Option<(f64, f64)> {
-    let start = a.first()?.max(*b.first()?);
-    let end = a.last()?.min(*b.last()?);
+pub(crate) fn common_domain(a: &Knots<'_>, b: &Knots<'_>) -> Option<(f64, f64)> {
+    let ((start_a, end_a), (start_b, end_b)) = (a.ends(), b.ends());
+    let (start, end) = (start_a.max(start_b), end_a.min(end_b));
     (start <= end).then_some((start, end))
 }
 
 /// The spans of two knot sequences that meet `from..=to`, in the order of time.
 ///
 /// A motion with `n + 1` knots has cubics `0..n`. Touching counts as meeting.
-pub(crate) fn spans<'k>(a: &'k [f64], b: &'k [f64], from: f64, to: f64) -> Spans<'k> {
+pub(crate) fn spans<'k>(a: &'k Knots<'_>, b: &'k Knots<'_>, from: f64, to: f64) -> Spans<'k> {
     let first = |knots: &[f64]| index(knots.partition_point(|&knot| knot < from).max(1) - 1);
     spans_from(a, b, (first(a), first(b)), from, to)
 }
@@ -31,8 +33,8 @@ pub(crate) fn spans<'k>(a: &'k [f64], b: &'k [f64], from: f64, to: f64) -> Spans
 /// The same, with a cubic of each body that is not later than the first one that meets the
 /// interval: the search goes on from there.
 pub(crate) fn spans_from<'k>(
-    a: &'k [f64],
-    b: &'k [f64],
+    a: &'k Knots<'_>,
+    b: &'k Knots<'_>,
     hints: (u32, u32),
     from: f64,
     to: f64,
@@ -141,7 +143,7 @@ mod tests {
     }
 
     fn windowed(a: &[f64], b: &[f64], from: f64, to: f64) -> Vec<(f64, f64, u32, u32)> {
-        spans(a, b, from, to)
+        spans(&Knots::of(a), &Knots::of(b), from, to)
             .map(|span| (span.start, span.end, span.a, span.b))
             .collect()
     }

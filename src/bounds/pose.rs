@@ -2,9 +2,10 @@
 
 use super::bundle::{Bundle, holding, largest};
 use super::piece::Piece;
-use super::sketch::{Sketch, Stroke, ends_of};
+use super::sketch::{Sketch, Stroke};
 use super::trace::Trace;
 use super::{FAR, Frame, Inflation, ROUNDING, nearest};
+use crate::knots::Knots;
 use crate::simd::prefetch;
 use crate::trajectory::Segment;
 use glam::{DVec3, Vec4};
@@ -19,9 +20,7 @@ pub(crate) trait Cubic {
 /// A body's cubics, and how it lies in the frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pose<'a, C> {
-    pub(crate) knots: &'a [f64],
-    /// The first and the last of them, s: they are asked for in every block, and most lie in no cache.
-    pub(crate) ends: (f64, f64),
+    pub(crate) knots: Knots<'a>,
     pub(crate) cubics: &'a [C],
     /// Those of the cubics that were summed up.
     bundles: &'a [Bundle],
@@ -49,8 +48,7 @@ pub(crate) struct Stance {
 impl<C> Pose<'_, C> {
     /// Of a body that never exists.
     pub(crate) const NONE: Self = Self {
-        knots: &[],
-        ends: ends_of(&[]),
+        knots: Knots::NONE,
         cubics: &[],
         bundles: &[],
         stance: Stance::NONE,
@@ -99,7 +97,6 @@ impl<'a> Pose<'a, Stroke> {
     pub(crate) fn sketched(sketch: &'a Sketch, inflation: &Inflation, frame: &Frame) -> Self {
         Self {
             knots: sketch.knots(),
-            ends: sketch.ends(),
             cubics: sketch.strokes(),
             bundles: sketch.bundles(),
             stance: Stance::new(sketch.frame, sketch.size, inflation, frame),
@@ -110,7 +107,7 @@ impl<'a> Pose<'a, Stroke> {
 impl<'a> Pose<'a, Segment> {
     /// Of a body of which a few boxes are wanted only: not worth a sketch.
     pub(crate) fn plain(
-        (knots, segments): (&'a [f64], &'a [Segment]),
+        (knots, segments): (Knots<'a>, &'a [Segment]),
         inflation: &Inflation,
         frame: &Frame,
     ) -> Self {
@@ -120,7 +117,6 @@ impl<'a> Pose<'a, Segment> {
         };
         Self {
             knots,
-            ends: ends_of(knots),
             cubics: segments,
             bundles: &[],
             stance: Stance::new(anchor, 0.0, inflation, frame),

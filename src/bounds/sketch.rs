@@ -2,6 +2,7 @@
 
 use super::bundle::{Bundle, bundle_up};
 use super::{Extremes, FAR, Frame, ROUNDING, nearest};
+use crate::knots::Knots;
 use crate::rounding::normalising_power;
 use crate::trajectory::Segment;
 use glam::{DVec3, Vec4};
@@ -66,7 +67,7 @@ pub(crate) struct Sketch {
     pub(super) frame: Frame,
     /// No coordinate is larger, in the frame's unit; infinite where `f32` does not serve them.
     pub(super) size: f64,
-    /// See [`Sketch::ends`].
+    /// Of the knots.
     ends: (f64, f64),
     /// A copy, allocated next to the cubics: whoever reads these reads those, and the trajectory's
     /// own lie elsewhere.
@@ -79,7 +80,7 @@ impl Sketch {
     pub(crate) const EMPTY: Self = Self {
         frame: Frame::OF_NOTHING,
         size: 0.0,
-        ends: ends_of(&[]),
+        ends: Knots::NONE.ends(),
         knots: Vec::new(),
         strokes: Vec::new(),
         bundles: Vec::new(),
@@ -111,7 +112,7 @@ impl Sketch {
             self.frame.power = normalising_power(size);
             self.size = size * self.frame.power;
         }
-        self.ends = ends_of(knots);
+        self.ends = Knots::of(knots).ends();
         self.knots.clear();
         self.knots.extend_from_slice(knots);
         self.strokes.clear();
@@ -128,13 +129,8 @@ impl Sketch {
         extremes
     }
 
-    /// First and last knot, s: known without a look at the knots, which lie elsewhere.
-    pub(crate) const fn ends(&self) -> (f64, f64) {
-        self.ends
-    }
-
-    pub(crate) fn knots(&self) -> &[f64] {
-        &self.knots
+    pub(crate) fn knots(&self) -> Knots<'_> {
+        Knots::with_ends(&self.knots, self.ends)
     }
 
     pub(crate) fn strokes(&self) -> &[Stroke] {
@@ -143,14 +139,5 @@ impl Sketch {
 
     pub(crate) fn bundles(&self) -> &[Bundle] {
         &self.bundles
-    }
-}
-
-/// The first and the last of some knots; never, if there are none.
-pub(super) const fn ends_of(knots: &[f64]) -> (f64, f64) {
-    match knots {
-        [first, .., last] => (*first, *last),
-        [only] => (*only, *only),
-        [] => (f64::INFINITY, f64::NEG_INFINITY),
     }
 }

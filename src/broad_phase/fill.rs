@@ -73,7 +73,7 @@ impl<C: Cubic> Task for Fill<'_, C> {
             self.look_up(number + Self::AHEAD, ends[0]);
             let body = place as usize;
             let pose = &self.poses[body];
-            let (first, last) = pose.ends;
+            let (first, last) = pose.knots.ends();
             if first > ends[count] || last < ends[0] {
                 continue;
             }
@@ -99,7 +99,7 @@ impl<'a, C> Fill<'a, C> {
     #[inline(always)]
     fn prefetch_knots(&self, number: usize) {
         if let Some(&place) = self.present.get(number) {
-            let knots = self.poses[place as usize].knots;
+            let knots = &self.poses[place as usize].knots;
             let first = (self.block.pieces[place as usize] as usize).min(knots.len());
             prefetch(&knots[first..(first + 8).min(knots.len())]);
         }
@@ -110,7 +110,11 @@ impl<'a, C> Fill<'a, C> {
     fn look_up(&mut self, number: usize, time: f64) {
         if let Some(&place) = self.present.get(number) {
             let piece = &mut self.block.pieces[place as usize];
-            *piece = short(cubic_before(self.poses[place as usize].knots, time, *piece));
+            *piece = short(cubic_before(
+                &self.poses[place as usize].knots,
+                time,
+                *piece,
+            ));
         }
     }
 
@@ -204,8 +208,8 @@ impl<C: Cubic> Walk<'_, C> {
     #[inline(always)]
     fn through(&self, mut number: usize, body: u32, slices: &mut [Slice]) -> usize {
         let Self { pose, periods, .. } = *self;
-        let knots = pose.knots;
-        let (first, last) = pose.ends;
+        let knots = &pose.knots;
+        let (first, last) = knots.ends();
         let mut rest = self.piece(number);
         if knots[number] < periods[0].from {
             rest = rest.split(periods[0].from).1;

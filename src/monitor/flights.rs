@@ -3,6 +3,7 @@
 use crate::bounds::{Frame, Inflation};
 use crate::error::Error;
 use crate::hitbox::Hitbox;
+use crate::knots::Knots;
 use crate::narrow_phase::Party;
 use crate::scene::Scene;
 use crate::simd::prefetch;
@@ -19,6 +20,8 @@ pub(super) struct Flight {
     /// its end moves on.
     beyond: Option<Pieces>,
     begin: f64,
+    /// Of the knots that are laid out.
+    ends: (f64, f64),
     /// Up to where a plan without end is laid out, s; infinite for one that has an end.
     until: f64,
 }
@@ -35,6 +38,7 @@ impl Flight {
             inflation: Inflation::of(hitbox.spheres(), hitbox.bounding(), margin, frame),
             beyond: None,
             begin: window.start(),
+            ends: Knots::of(trajectory.knots()).ends(),
             until: f64::INFINITY,
         };
         if trajectory.domain() == Window::ALL {
@@ -50,7 +54,8 @@ impl Flight {
             Some(pieces) => &pieces.knots,
             None => trajectory.knots(),
         };
-        self.until = knots.last().copied().unwrap_or(f64::NEG_INFINITY);
+        self.ends = Knots::of(knots).ends();
+        self.until = self.ends.1;
         Ok(())
     }
 
@@ -61,7 +66,7 @@ impl Flight {
             None => (trajectory.knots(), trajectory.segments()),
         };
         Party {
-            knots,
+            knots: Knots::with_ends(knots, self.ends),
             segments,
             spheres: hitbox.spheres(),
             bounding: hitbox.bounding(),
@@ -129,12 +134,9 @@ impl Flights {
     /// to, where it goes on.
     pub(super) fn domain(&self, scene: &Scene, slot: u32) -> Option<(f64, f64)> {
         let (flight, party) = self.get(scene, slot)?;
-        let end = if flight.until < f64::INFINITY {
-            f64::INFINITY
-        } else {
-            *party.knots.last()?
-        };
-        Some((*party.knots.first()?, end))
+        let (start, end) = party.knots.ends();
+        let is_endless = flight.until < f64::INFINITY;
+        (start <= end).then_some((start, if is_endless { f64::INFINITY } else { end }))
     }
 
     /// Extends plans that go on beyond their knots so that they reach `end` (s).

@@ -396,13 +396,13 @@ impl Outlook {
             } else {
                 (&party, own)
             };
-            let domain = common_domain(a.knots, b.knots);
+            let domain = common_domain(&a.knots, &b.knots);
             let clip = domain.map(|(start, end)| (start.max(from), end.min(to)));
             let Some(clip) = clip.filter(|clip| clip.0 <= clip.1) else {
                 continue;
             };
             let seen = (seen_from(clip.0), seen_until(clip.1));
-            let near = spans(a.knots, b.knots, clip.0, clip.1)
+            let near = spans(&a.knots, &b.knots, clip.0, clip.1)
                 .filter(|&span| may_touch(a, b, span, margin, seen));
             found.clear();
             contacts(a, b, near, margin, clip, &mut found);

@@ -152,19 +152,12 @@ impl Readings {
 impl Source<'_> {
     /// Fetches what reading these pairs reads. What each loop reads was fetched by the one before.
     fn fetch(&self, pairs: &[Slots]) {
-        let bodies = || pairs.iter().flat_map(|&(a, b)| [a, b]);
-        for slot in bodies() {
+        for slot in pairs.iter().flat_map(|&(a, b)| [a, b]) {
             self.scene.prefetch(slot);
             self.outlook.prefetch(slot);
         }
         for &pair in pairs {
             self.outlook.finds().fetch(pair);
-        }
-        for slot in bodies() {
-            if let Some(party) = self.outlook.party(self.scene, slot) {
-                let ends = party.knots.first().into_iter().chain(party.knots.last());
-                ends.for_each(|knot| prefetch(from_ref(knot)));
-            }
         }
         for &pair in pairs {
             let parties = [pair.0, pair.1].map(|slot| self.outlook.party(self.scene, slot));

@@ -26,6 +26,7 @@ pub(crate) use contact::{
 pub(crate) use fast::FastBatch;
 
 use crate::hitbox::Sphere;
+use crate::knots::Knots;
 use crate::trajectory::Segment;
 use glam::DVec3;
 
@@ -33,7 +34,7 @@ use glam::DVec3;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Party<'a> {
     /// One more than segments; `knots[k]..knots[k + 1]` is the interval of `segments[k]`.
-    pub(crate) knots: &'a [f64],
+    pub(crate) knots: Knots<'a>,
     pub(crate) segments: &'a [Segment],
     pub(crate) spheres: &'a [Sphere],
     pub(crate) bounding: Sphere,
@@ -42,7 +43,7 @@ pub(crate) struct Party<'a> {
 impl Party<'_> {
     /// A body that never exists.
     pub(crate) const NONE: Self = Self {
-        knots: &[],
+        knots: Knots::NONE,
         segments: &[],
         spheres: &[],
         bounding: Sphere {

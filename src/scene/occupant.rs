@@ -35,7 +35,7 @@ impl Outline {
         self.draw(trajectory.knots(), trajectory.segments());
         if trajectory.segments().is_empty() {
             let position = trajectory
-                .position(self.sketch.ends().0)
+                .position(self.sketch.knots().ends().0)
                 .unwrap_or_default();
             self.extremes.include(Extremes {
                 low: position,

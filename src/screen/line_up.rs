@@ -9,6 +9,7 @@ use crate::broad_phase::slices::Traffic;
 use crate::broad_phase::{Level, PairFilter};
 use crate::error::Error;
 use crate::id::BodyId;
+use crate::knots::Knots;
 use crate::layers::Layers;
 use crate::narrow_phase::Party;
 use crate::parallel;
@@ -108,11 +109,8 @@ impl<'a> LineUp<'a> {
         let (mut sphere, mut inflation) = (None, Inflation::NONE);
         let both = |(occupant, beyond)| {
             let sketch = &outline_over(occupant, beyond).sketch;
-            let party = Party {
-                // A screening reads them next to the sketches.
-                knots: sketch.knots(),
-                ..party_over(occupant, beyond)
-            };
+            // A screening reads knots next to the sketches.
+            let party = party_over(occupant, beyond, sketch.knots());
             let own = single(party.spheres);
             if own.is_none() || own != sphere {
                 inflation = Inflation::of(party.spheres, party.bounding, self.margin, &frame);
@@ -179,14 +177,27 @@ fn lay_out(
         .collect()
 }
 
+/// A body as the narrow phase takes it, of which nothing is sketched if it was not before.
+pub(super) fn lone_party<'a>(occupant: &'a Occupant, beyond: Option<&'a Beyond>) -> Party<'a> {
+    let knots = match beyond {
+        Some(Beyond { pieces, .. }) => &pieces.knots,
+        None => occupant.body.trajectory.knots(),
+    };
+    party_over(occupant, beyond, Knots::of(knots))
+}
+
 /// A body as the narrow phase takes it, with what it does beyond its knots.
-pub(super) fn party_over<'a>(occupant: &'a Occupant, beyond: Option<&'a Beyond>) -> Party<'a> {
+fn party_over<'a>(
+    occupant: &'a Occupant,
+    beyond: Option<&'a Beyond>,
+    knots: Knots<'a>,
+) -> Party<'a> {
     let Body {
         trajectory, hitbox, ..
     } = &occupant.body;
-    let (knots, segments) = match beyond {
-        Some(Beyond { pieces, .. }) => (&pieces.knots[..], &pieces.segments[..]),
-        None => (trajectory.knots(), trajectory.segments()),
+    let segments = match beyond {
+        Some(Beyond { pieces, .. }) => &pieces.segments,
+        None => trajectory.segments(),
     };
     Party {
         knots,
@@ -202,7 +213,7 @@ fn outline_over<'a>(occupant: &'a Occupant, beyond: Option<&'a Beyond>) -> &'a O
 
 /// The part of the window in which both bodies exist.
 pub(super) fn clip_of(a: &Party<'_>, b: &Party<'_>, window: Window) -> Option<(f64, f64)> {
-    let (start, end) = common_domain(a.knots, b.knots)?;
+    let (start, end) = common_domain(&a.knots, &b.knots)?;
     let (start, end) = (start.max(window.start()), end.min(window.end()));
     (start <= end).then_some((start, end))
 }

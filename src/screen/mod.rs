@@ -28,7 +28,7 @@ use crate::scene::Scene;
 use crate::spans::{Spans, spans};
 use crate::stats::Stats;
 use crate::window::Window;
-use line_up::{Admission, LineUp, clip_of, party_over};
+use line_up::{Admission, LineUp, clip_of, lone_party};
 use solve::describe;
 use std::time::Instant;
 
@@ -175,13 +175,13 @@ impl Scene {
         let (a, b) = (occupant(a)?, occupant(b)?);
         let (beyond_a, beyond_b) = (a.beyond(window)?, b.beyond(window)?);
         let (party_a, party_b) = (
-            party_over(a, beyond_a.as_deref()),
-            party_over(b, beyond_b.as_deref()),
+            lone_party(a, beyond_a.as_deref()),
+            lone_party(b, beyond_b.as_deref()),
         );
         let Some(clip) = clip_of(&party_a, &party_b, window) else {
             return Ok(None);
         };
-        let met = spans(party_a.knots, party_b.knots, clip.0, clip.1);
+        let met = spans(&party_a.knots, &party_b.knots, clip.0, clip.1);
         Ok(answer(&party_a, &party_b, met, clip))
     }
 }

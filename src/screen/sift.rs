@@ -34,6 +34,12 @@ impl Survivor {
         }
     }
 
+    /// The two bodies, and which cubic each follows.
+    pub(super) fn cubics<'p>(&self, parties: &'p [Party<'p>]) -> [(&'p Party<'p>, usize); 2] {
+        [(self.a, self.span_a), (self.b, self.span_b)]
+            .map(|(place, cubic)| (&parties[place as usize], cubic as usize))
+    }
+
     pub(super) fn span(&self, a: &Party<'_>, b: &Party<'_>) -> Span {
         let (i, j) = (self.span_a as usize, self.span_b as usize);
         Span {
@@ -185,7 +191,7 @@ impl Sieve {
             }
             let (a, b) = (&poses[near.a as usize], &poses[near.b as usize]);
             let (from, to) = near.interval;
-            for span in spans_from(a.knots, b.knots, near.hints, from, to) {
+            for span in spans_from(&a.knots, &b.knots, near.hints, from, to) {
                 self.pieces.push(Piece {
                     a: near.a,
                     b: near.b,

@@ -9,7 +9,9 @@ use crate::narrow_phase::{
     Approach, CertifiedContact, Contact, FastBatch, Party, Workspace, certified_contacts, contacts,
 };
 use crate::parallel;
+use crate::simd::prefetch;
 use crate::spans::Span;
+use std::slice::from_ref;
 
 /// What one thread reuses from pair to pair.
 #[derive(Default)]
@@ -53,8 +55,8 @@ impl LineUp<'_> {
         scratch: &mut Scratch,
         conflicts: &mut Vec<Conflict>,
     ) {
-        for survivors in pairs {
-            if let Some(pair) = self.pair(parties, survivors) {
+        for number in 0..pairs.len() {
+            if let Some(pair) = self.pair(parties, pairs, number) {
                 self.contacts(&pair, &mut scratch.contacts, conflicts);
             }
         }
@@ -68,8 +70,8 @@ impl LineUp<'_> {
         conflicts: &mut Vec<Conflict>,
     ) {
         let (found, workspace) = (&mut scratch.certified, &mut scratch.workspace);
-        for survivors in pairs {
-            let Some(pair) = self.pair(parties, survivors) else {
+        for number in 0..pairs.len() {
+            let Some(pair) = self.pair(parties, pairs, number) else {
                 continue;
             };
             found.clear();
@@ -92,13 +94,13 @@ impl LineUp<'_> {
         let Scratch { fast, contacts, .. } = scratch;
         let empty = |fast: &mut FastBatch, conflicts: &mut Vec<Conflict>| {
             fast.solve(self.level, |number, contacts| {
-                if let Some(pair) = self.pair(parties, pairs[number]) {
+                if let Some(pair) = self.pair(parties, pairs, number) {
                     conflicts.extend(contacts.iter().map(|contact| pair.conflict(contact)));
                 }
             });
         };
-        for (number, survivors) in pairs.iter().enumerate() {
-            let Some(pair) = self.pair(parties, survivors) else {
+        for number in 0..pairs.len() {
+            let Some(pair) = self.pair(parties, pairs, number) else {
                 continue;
             };
             if !fast.push(number, pair.parties, pair.spans(), self.margin, pair.clip) {
@@ -123,13 +125,16 @@ impl LineUp<'_> {
         conflicts.extend(found.iter().map(|contact| pair.conflict(contact)));
     }
 
-    /// The pair of bodies that survivors are of; none if they do not exist at the same time
-    /// within the window.
+    /// A pair of bodies, out of those that are solved one after the other; none if the two do not exist
+    /// at the same time within the window.
     fn pair<'p>(
         &self,
         parties: &'p [Party<'p>],
-        survivors: OfPair<'p>,
+        pairs: &[OfPair<'p>],
+        number: usize,
     ) -> Option<PairOfBodies<'p>> {
+        fetch(parties, pairs, number);
+        let survivors = pairs[number];
         let (place_a, place_b) = (survivors[0].a as usize, survivors[0].b as usize);
         let pair = (&parties[place_a], &parties[place_b]);
         Some(PairOfBodies {
@@ -138,6 +143,27 @@ impl LineUp<'_> {
             clip: clip_of(pair.0, pair.1, self.window)?,
             survivors,
         })
+    }
+}
+
+/// Fetches what solving reads of pairs that come after one: it lies anywhere in memory.
+fn fetch(parties: &[Party<'_>], pairs: &[OfPair<'_>], number: usize) {
+    /// Pairs ahead; of bodies, twice as many.
+    const AHEAD: usize = 4;
+    /// Spans of one of them: most have no more.
+    const SPANS: usize = 4;
+    if let Some(later) = pairs.get(number + 2 * AHEAD) {
+        for place in [later[0].a, later[0].b] {
+            prefetch(from_ref(&parties[place as usize]));
+        }
+    }
+    if let Some(later) = pairs.get(number + AHEAD) {
+        for survivor in later.iter().take(SPANS) {
+            for (party, cubic) in survivor.cubics(parties) {
+                prefetch(&party.knots[cubic..cubic + 2]);
+                prefetch(from_ref(&party.segments[cubic]));
+            }
+        }
     }
 }
 

@@ -50,7 +50,7 @@ impl Slice {
             self.pieces.clear();
             for (number, ([a, b], near)) in pairs.iter().zip(batch).enumerate() {
                 let (from, to) = near.interval;
-                for span in spans_from(a.knots, b.knots, near.hints, from, to) {
+                for span in spans_from(&a.knots, &b.knots, near.hints, from, to) {
                     prefetch(from_ref(&a.segments[span.a as usize]));
                     prefetch(from_ref(&b.segments[span.b as usize]));
                     self.pieces.push((number, span));

@@ -7,6 +7,7 @@ use super::super::contact::{
 use super::super::stretches::Profile;
 use super::{Candidate, Clusters};
 use crate::hitbox::{Hitbox, Sphere};
+use crate::knots::Knots;
 use crate::narrow_phase::Party;
 use crate::spans::{Span, spans};
 use crate::trajectory::{Outside, Pieces, State, Trajectory};
@@ -135,7 +136,7 @@ fn case(rng: &mut ChaCha8Rng, kind: usize) -> Case {
 impl Case {
     fn parties(&self) -> [Party<'_>; 2] {
         [0, 1].map(|number: usize| Party {
-            knots: &self.plans[number].knots,
+            knots: Knots::of(&self.plans[number].knots),
             segments: &self.plans[number].segments,
             spheres: self.hitboxes[number].spheres(),
             bounding: self.hitboxes[number].bounding(),
@@ -144,7 +145,7 @@ impl Case {
 
     fn spans(&self) -> Vec<Span> {
         let [a, b] = self.parties();
-        spans(a.knots, b.knots, self.start, self.end).collect()
+        spans(&a.knots, &b.knots, self.start, self.end).collect()
     }
 
     /// Windows that begin and end at instants of contacts.
