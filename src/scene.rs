@@ -79,7 +79,7 @@ struct Slot {
 /// A body takes about 600 bytes, a segment 230 (64 of them a copy in f32, which boxes are formed
 /// from, 22 sums over runs of these; twice 8 its knot). One that goes on beyond its knots takes as much
 /// for its segments again, and for some ten more, from the first screening on that reaches beyond them
-/// to its next plan. A screening adds some 250 a body and, for each
+/// to its next plan. A screening adds some 280 a body and, for each
 /// thread, at most 64 MiB of boxes (64 bytes each, for up to 2^20 of them or one slice, if that has
 /// more), 40 to 130 bytes a box of one slice for the sweep, and 8 for each of a slice's candidates;
 /// then 16 bytes for each span that is solved, and the conflicts themselves. Boxes, candidates and

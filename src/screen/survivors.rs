@@ -34,7 +34,8 @@ impl LineUp<'_> {
         let slices = self.slices(&traffic, poses);
         stats.slices = u64::from(slices.count());
         let present = traffic.present((self.window.start(), self.window.end()));
-        let blocks = Blocks::new(slices.count(), parties.len(), present);
+        let cubics = traffic.cubics_in(slices.length());
+        let blocks = Blocks::new((slices.count(), cubics), parties.len(), present);
         let done_blocks = AtomicU32::new(0);
         let mut survivors = Vec::new();
         let mut arranger = Arranger::default();
@@ -167,24 +168,26 @@ impl Blocks {
     /// this to share.
     const FEWEST: u32 = 2;
     const FEW_BOXES: u64 = 2048;
-    /// With more slices in a block, a body's segments are read less often, but the lists of boxes
-    /// leave the caches.
-    const FEW_SLICES: usize = 8;
+    /// With more slices in a block, a body's cubics are read less often, but the lists of boxes leave
+    /// the caches: so many where slices hold less than one cubic of a body, and where they hold more.
+    const FEW_SLICES: [usize; 2] = [4, 8];
     const CACHED_BOXES: f64 = 2048.0;
     /// Not more boxes in a block, which bounds its memory: 64 bytes each.
     const MOST_BOXES: usize = 1 << 20;
     /// Nor many more boxes in a round.
     const ROUND_BOXES: usize = 1 << 24;
 
-    /// Of `slices`, where that many bodies exist in all, and at a time on average.
+    /// Of some slices with so many cubics of a body each, where that many bodies exist in all, and at a
+    /// time on average.
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "rounds towards zero, saturates"
     )]
-    fn new(slices: u32, bodies: usize, present: f64) -> Self {
+    fn new((slices, cubics): (u32, f64), bodies: usize, present: f64) -> Self {
         let cached = (Self::CACHED_BOXES / present) as usize;
-        let fit = cached.clamp(Self::FEW_SLICES, Block::SLICES);
+        let few = Self::FEW_SLICES[usize::from(cubics >= 1.0)];
+        let fit = cached.clamp(few, Block::SLICES);
         let most = (Self::MOST_BOXES / bodies.max(1)).clamp(1, fit);
         let count = slices.div_ceil(u32::try_from(most).unwrap_or(u32::MAX));
         let threads = u32::try_from(parallel::threads()).unwrap_or(u32::MAX);
