@@ -63,6 +63,7 @@ impl Monitor {
     fn take_out(&mut self, id: BodyId) -> Result<Body, Error> {
         let body = self.scene.remove(id)?;
         self.place(id, None);
+        self.plan_ends.set(id.slot, f64::INFINITY);
         push_once(&mut self.removed, id.slot);
         Ok(body)
     }
@@ -330,14 +331,17 @@ impl Monitor {
 
     /// The end of a new plan is to be told, once it comes into sight.
     fn watch_plan_end(&mut self, id: BodyId) {
-        let place = id.slot as usize;
-        if self.end_told.len() <= place {
-            self.end_told.resize(place + 1, false);
-        }
-        self.end_told[place] = false;
         let body = self.scene.body(id);
-        if let Some(end) = body.and_then(|body| plan_end(&body.trajectory)) {
-            self.next_plan_end = self.next_plan_end.min(end);
+        let end = body.and_then(|body| plan_end(&body.trajectory));
+        self.plan_ends.set(id.slot, end.unwrap_or(f64::INFINITY));
+    }
+
+    /// The same of all plans there are.
+    pub(super) fn watch_plan_ends(&mut self) {
+        for (id, body) in self.scene.bodies() {
+            if let Some(end) = plan_end(&body.trajectory) {
+                self.plan_ends.set(id.slot, end);
+            }
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Bodies as the outlook sees them, by slot: their plans as far as the lookahead reaches.
 
+use super::calendar::Calendar;
 use crate::bounds::{Frame, Inflation};
 use crate::error::Error;
 use crate::hitbox::Hitbox;
@@ -75,20 +76,11 @@ impl Flight {
 }
 
 /// By slot; a slot without a body has none.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Flights {
     by_slot: Vec<Option<Flight>>,
-    /// No body that exists for ever is laid out less far than this, s.
-    endless_until: f64,
-}
-
-impl Default for Flights {
-    fn default() -> Self {
-        Self {
-            by_slot: Vec::new(),
-            endless_until: f64::INFINITY,
-        }
-    }
+    /// Up to where those that exist for ever are laid out.
+    ends: Calendar,
 }
 
 impl Flights {
@@ -102,9 +94,8 @@ impl Flights {
         if self.by_slot.len() <= place {
             self.by_slot.resize(place + 1, None);
         }
-        if let Some(flight) = &flight {
-            self.endless_until = self.endless_until.min(flight.until);
-        }
+        let until = flight.as_ref().map_or(f64::INFINITY, |flight| flight.until);
+        self.ends.set(slot, until);
         self.by_slot[place] = flight;
     }
 
@@ -141,22 +132,18 @@ impl Flights {
 
     /// Extends plans that go on beyond their knots so that they reach `end` (s).
     pub(super) fn extend_beyond(&mut self, scene: &Scene, end: f64) -> Result<(), Error> {
-        if self.endless_until > end {
-            return Ok(());
-        }
-        let mut until = f64::INFINITY;
-        for (slot, flight) in (0..).zip(&mut self.by_slot) {
+        while let Some(slot) = self.ends.next(end) {
+            let flight = self.by_slot[slot as usize].as_mut();
             let (Some(flight), Some((_, occupant))) = (flight, scene.in_slot(slot)) else {
                 continue;
             };
-            if flight.until <= end {
-                let body = &occupant.body;
-                let laid_out = flight.lay_out(&body.trajectory, end);
-                laid_out.map_err(|error| error.in_body(body.tag))?;
-            }
-            until = until.min(flight.until);
+            let body = &occupant.body;
+            let laid_out = flight.lay_out(&body.trajectory, end);
+            // One that is laid out is not looked at again in this tick, however far it got.
+            let least = laid_out.as_ref().map_or(flight.until, |()| end.next_up());
+            self.ends.set(slot, flight.until.max(least));
+            laid_out.map_err(|error| error.in_body(body.tag))?;
         }
-        self.endless_until = until;
         Ok(())
     }
 }

@@ -4,6 +4,7 @@ mod bodies;
 mod boxes;
 mod bridge;
 mod budget;
+mod calendar;
 mod change;
 mod command;
 mod encounters;
@@ -43,6 +44,7 @@ use crate::id::BodyId;
 use crate::rounding::one_zero;
 use crate::scene::Scene;
 use crate::stats::Stats;
+use calendar::Calendar;
 use command::Batch;
 use encounters::Encounters;
 use grid::{Grid, Review};
@@ -149,10 +151,8 @@ pub struct Monitor {
     waiting: Vec<Event>,
     /// Slots of bodies that were taken out since.
     removed: Vec<u32>,
-    /// By slot: whether the end of the present plan has been told.
-    end_told: Vec<bool>,
-    /// No plan whose end has not been told ends before this, s.
-    next_plan_end: f64,
+    /// When plans end of which that has not been told.
+    plan_ends: Calendar,
     stats: Stats,
     changed_bodies: u64,
     review: Review,
@@ -238,8 +238,7 @@ impl Monitor {
             next_id: 0,
             waiting: Vec::new(),
             removed: Vec::new(),
-            end_told: vec![false; scene.slots()],
-            next_plan_end: f64::NEG_INFINITY,
+            plan_ends: Calendar::default(),
             stats: Stats::default(),
             changed_bodies: 0,
             review: Review::made(scene.len(), now),
@@ -251,6 +250,7 @@ impl Monitor {
             scene,
         };
         monitor.lay_out()?;
+        monitor.watch_plan_ends();
         Ok(monitor)
     }
 

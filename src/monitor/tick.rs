@@ -216,24 +216,14 @@ impl Monitor {
 
     /// Tells each plan that ends within the lookahead, once.
     fn tell_plan_ends(&mut self, end: f64, events: &mut Vec<Event>) {
-        if self.next_plan_end > end {
-            return;
-        }
-        self.next_plan_end = f64::INFINITY;
-        for (id, occupant) in self.scene.occupants() {
-            let told = &mut self.end_told[id.slot as usize];
-            let Some(last) = plan_end(&occupant.body.trajectory).filter(|_| !*told) else {
+        while let Some(slot) = self.plan_ends.next(end) {
+            let Some((id, occupant)) = self.scene.in_slot(slot) else {
                 continue;
             };
-            if last <= end {
-                *told = true;
-                events.push(Event {
-                    time: last,
-                    kind: EventKind::PlanEnds(id),
-                });
-            } else {
-                self.next_plan_end = self.next_plan_end.min(last);
-            }
+            events.extend(plan_end(&occupant.body.trajectory).map(|time| Event {
+                time,
+                kind: EventKind::PlanEnds(id),
+            }));
         }
     }
 }

@@ -26,6 +26,7 @@ pub(in crate::monitor) struct Begin {
     /// By level.
     encounters: Vec<Saved>,
     waiting: Vec<Event>,
+    /// By slot: whether the end of its plan, if it has one, has been told.
     end_told: Vec<bool>,
 }
 
@@ -51,7 +52,10 @@ impl Begin {
                 .map(|level| level.save())
                 .collect(),
             waiting: monitor.waiting.clone(),
-            end_told: monitor.end_told.clone(),
+            end_told: (0..)
+                .take(monitor.scene.slots())
+                .map(|slot| !monitor.plan_ends.has(slot))
+                .collect(),
         }
     }
 
@@ -81,8 +85,8 @@ impl Begin {
             level.restore(saved);
         }
         monitor.waiting = self.waiting;
-        for (told, was_told) in monitor.end_told.iter_mut().zip(self.end_told) {
-            *told = was_told;
+        for (slot, _) in (0..).zip(self.end_told).filter(|(_, was_told)| *was_told) {
+            monitor.plan_ends.set(slot, f64::INFINITY);
         }
         Ok(monitor)
     }
