@@ -50,7 +50,10 @@ impl Flight {
 
     /// Lays out a plan without end up to an instant (s), at least.
     fn lay_out(&mut self, trajectory: &Trajectory, end: f64) -> Result<(), Error> {
-        self.beyond = trajectory.pieces(Window::new(self.begin, end)?)?;
+        match &mut self.beyond {
+            Some(pieces) => trajectory.lengthen(pieces, end)?,
+            None => self.beyond = trajectory.pieces(Window::new(self.begin, end)?)?,
+        }
         let knots = match &self.beyond {
             Some(pieces) => &pieces.knots,
             None => trajectory.knots(),

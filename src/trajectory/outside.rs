@@ -77,6 +77,9 @@ impl Scope {
 }
 
 impl Pieces {
+    /// For so many more there is room at first: each reaches twice as far as the one before.
+    const ROOM: usize = 4;
+
     /// A trajectory's own.
     #[cfg(test)]
     pub(crate) fn own(trajectory: &Trajectory) -> Self {
@@ -152,33 +155,27 @@ impl Trajectory {
         if self.outside == Outside::Absent {
             return Ok(None);
         }
-        let (first, last) = (self.planned().start(), self.planned().end());
+        let first = self.planned().start();
         // Windows are closed: where one begins or ends at a knot, or a cut, what comes before or after
         // it counts as well. (It may be in another place, after a splice; and an instant may round to
         // the knot.)
         let goes_before = window.start() <= first;
-        // Without a cubic of its own a body goes on beyond its knot, whatever the window.
-        let goes_after = self.segments.is_empty() || window.end() >= last;
-        if !(goes_before || goes_after) {
+        let (mut before, after) = (Vec::new(), self.cuts_after(window.end()));
+        if !goes_before && after.is_empty() {
             return Ok(None);
         }
-        let (mut before, mut after) = (Vec::new(), Vec::new());
         if goes_before {
             let carrier = self.before();
             let until = window.start().next_down().max(f64::MIN);
             before = doubling_cuts(first, carrier.start() - carrier.end(), until);
         }
-        if goes_after {
-            let carrier = self.after();
-            let until = window.end().max(last).next_up().min(f64::MAX);
-            after = doubling_cuts(last, carrier.end() - carrier.start(), until);
-        }
         let count = before.len() + self.segments.len() + after.len();
-        let mut knots = Vec::with_capacity(count + 1);
+        let room = count + Pieces::ROOM;
+        let mut knots = Vec::with_capacity(room + 1);
         knots.extend(before.iter().rev());
         knots.extend_from_slice(&self.knots);
         knots.extend_from_slice(&after);
-        let mut segments = Vec::with_capacity(count);
+        let mut segments = Vec::with_capacity(room);
         segments.extend(repeat_n(*self.before(), before.len()));
         segments.extend_from_slice(&self.segments);
         segments.extend(repeat_n(*self.after(), after.len()));
@@ -194,6 +191,39 @@ impl Trajectory {
             check_reach(segment, ends, knot)?;
         }
         Ok(Some(pieces))
+    }
+
+    /// Where it is cut after the last knot, as far as to a window's end (s), and beyond it; nowhere, if
+    /// that is not reached.
+    fn cuts_after(&self, end: f64) -> Vec<f64> {
+        let (carrier, last) = (self.after(), self.planned().end());
+        // Without a cubic of its own a body goes on beyond its knot, whatever the window.
+        if !(self.segments.is_empty() || end >= last) {
+            return Vec::new();
+        }
+        let until = end.max(last).next_up().min(f64::MAX);
+        doubling_cuts(last, carrier.end() - carrier.start(), until)
+    }
+
+    /// Makes its [pieces](Self::pieces) over a window those over one that ends later, at `end` (s).
+    ///
+    /// # Errors
+    ///
+    /// As [`pieces`](Self::pieces); nothing was changed then.
+    pub(crate) fn lengthen(&self, pieces: &mut Pieces, end: f64) -> Result<(), Error> {
+        let (carrier, cuts) = (self.after(), self.cuts_after(end));
+        let Some(new) = cuts.get(pieces.after..) else {
+            return Ok(());
+        };
+        let mut from = pieces.knots[pieces.knots.len() - 1];
+        for &cut in new {
+            check_reach(carrier, (from, cut), self.knots.len() - 1)?;
+            from = cut;
+        }
+        pieces.knots.extend_from_slice(new);
+        pieces.segments.extend(repeat_n(*carrier, new.len()));
+        pieces.after = cuts.len();
+        Ok(())
     }
 }
 
@@ -249,7 +279,7 @@ pub(super) fn doubling_cuts(knot: f64, step: f64, until: f64) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Outside, doubling_cuts};
+    use super::{Outside, Pieces, doubling_cuts};
     use crate::trajectory::{State, Trajectory};
     use crate::window::Window;
     use glam::DVec3;
@@ -318,5 +348,56 @@ mod tests {
             }
             assert!(same > 5_000, "{same}");
         }
+    }
+
+    /// However often they are lengthened, and however little.
+    #[test]
+    fn lengthened_pieces_are_those_of_the_longer_window() {
+        let state = |time: f64| State::new(time, DVec3::X * time, DVec3::X);
+        let plan = Trajectory::from_states(&[-0.5, 1.0, 3.0].map(state))
+            .unwrap_or_else(|_| unreachable!());
+        let rest = Trajectory::at_rest(DVec3::ONE).unwrap_or_else(|_| unreachable!());
+        let over = |plan: &Trajectory, start: f64, end: f64| {
+            let window = Window::new(start, end).unwrap_or_else(|_| unreachable!());
+            plan.pieces(window).unwrap_or_else(|_| unreachable!())
+        };
+        let mut lengthened = 0;
+        for plan in [
+            rest,
+            plan.clone().with_outside(Outside::Coast),
+            plan.with_outside(Outside::Extrapolate),
+        ] {
+            for start in [-9.0, 0.0, 5.0] {
+                let mut kept: Option<Pieces> = None;
+                for step in 0_u32..300 {
+                    let end = start + 0.01 * 1.05_f64.powi(step.cast_signed());
+                    let fresh = over(&plan, start, end);
+                    if let Some(pieces) = &mut kept {
+                        let before = pieces.knots.len();
+                        assert!(plan.lengthen(pieces, end).is_ok());
+                        lengthened += pieces.knots.len() - before;
+                    } else {
+                        kept = fresh.clone();
+                    }
+                    let shown = |pieces: Option<&Pieces>| format!("{pieces:?}");
+                    assert_eq!(shown(kept.as_ref()), shown(fresh.as_ref()), "{start} {end}");
+                }
+            }
+        }
+        assert!(lengthened > 60, "{lengthened}");
+    }
+
+    #[test]
+    fn what_cannot_be_lengthened_stays() {
+        let fast = State::new(0.0, DVec3::ZERO, DVec3::X * 1e299);
+        let plan = Trajectory::coasting(fast).unwrap_or_else(|_| unreachable!());
+        let window = Window::new(0.0, 1.0).unwrap_or_else(|_| unreachable!());
+        let Ok(Some(mut pieces)) = plan.pieces(window) else {
+            unreachable!("it goes on")
+        };
+        let before = format!("{pieces:?}");
+        assert!(plan.lengthen(&mut pieces, 1e9).is_err());
+        assert_eq!(format!("{pieces:?}"), before);
+        assert!(plan.lengthen(&mut pieces, 2.0).is_ok());
     }
 }

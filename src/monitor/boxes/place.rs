@@ -16,6 +16,15 @@ impl Boxes {
         }
     }
 
+    /// Fetches a leaf.
+    #[inline(always)]
+    fn fetch(&self, leaf: usize) {
+        if let Some(node) = self.levels.first().and_then(|level| level.get(leaf)) {
+            prefetch(from_ref(node));
+            prefetch(&self.slot_at[leaf * WIDTH..(leaf + 1) * WIDTH]);
+        }
+    }
+
     /// Sets one body's box, which belongs in a leaf.
     #[inline(always)]
     fn set(&mut self, leaf: usize, body: &BodyBox) {
@@ -134,14 +143,17 @@ impl Task for Move<'_> {
     fn run(self) {
         let tree = self.tree;
         for boxes in self.boxes.chunks(Self::BATCH) {
+            for body in boxes {
+                if let Some(place) = tree.place_of.get(body.body as usize) {
+                    prefetch(from_ref(place));
+                }
+            }
             let mut leaves = [0; Self::BATCH];
             for (leaf, body) in leaves.iter_mut().zip(boxes) {
                 *leaf = tree.leaf_of(&body.aabb);
                 let before = tree.place(body.body).map(|place| place / WIDTH);
                 for leaf in before.into_iter().chain([*leaf]) {
-                    if let Some(node) = tree.levels.first().and_then(|level| level.get(leaf)) {
-                        prefetch(from_ref(node));
-                    }
+                    tree.fetch(leaf);
                 }
             }
             for (&leaf, body) in leaves.iter().zip(boxes) {
