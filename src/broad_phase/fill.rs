@@ -176,7 +176,13 @@ impl<C: Cubic> Walk<'_, C> {
     #[inline(always)]
     fn piece(&self, number: usize) -> Piece {
         match self.ahead {
-            Some((later, first)) => later.fetch(first + (number - self.begin)),
+            Some((later, first)) => {
+                if number == self.begin {
+                    later.fetch(first);
+                }
+                // One more: it may go through more cubics than this one.
+                later.fetch(first + (number - self.begin) + 1);
+            }
             None => self.pose.fetch(number + Self::AHEAD),
         }
         self.pose.piece(number)
