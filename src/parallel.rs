@@ -49,6 +49,27 @@ where
         .collect()
 }
 
+/// The same where the work has two results, for each of which there is a list.
+pub(crate) fn map_both<S, T: Send, U: Send>(
+    count: usize,
+    few: usize,
+    scratch: impl Fn() -> S + Sync + Send,
+    work: impl Fn(&mut S, usize) -> (T, U) + Sync + Send,
+) -> (Vec<T>, Vec<U>) {
+    #[cfg(feature = "parallel")]
+    if count > few {
+        use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
+        let (mut one, mut other) = (Vec::new(), Vec::new());
+        let both = (0..count).into_par_iter().map_init(scratch, work);
+        both.unzip_into_vecs(&mut one, &mut other);
+        return (one, other);
+    }
+    #[cfg(not(feature = "parallel"))]
+    let _ = few;
+    let mut scratch = scratch();
+    (0..count).map(|index| work(&mut scratch, index)).unzip()
+}
+
 /// How many threads share work.
 pub(crate) fn threads() -> usize {
     #[cfg(feature = "parallel")]

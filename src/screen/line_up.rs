@@ -8,6 +8,7 @@ use crate::broad_phase::presence::Presence;
 use crate::broad_phase::slices::Traffic;
 use crate::broad_phase::{Level, PairFilter};
 use crate::error::Error;
+use crate::hitbox::Sphere;
 use crate::id::BodyId;
 use crate::knots::Knots;
 use crate::layers::Layers;
@@ -92,33 +93,39 @@ impl<'a> LineUp<'a> {
         Ok(line_up)
     }
 
-    /// Each body, and what it follows over the window if it goes on beyond its knots.
-    fn bodies(&self) -> impl Iterator<Item = (&'a Occupant, Option<&Beyond>)> {
-        let mut beyond = self.beyond.iter().peekable();
-        let occupants = self.occupants.iter().enumerate();
-        occupants.map(move |(place, &occupant)| {
-            let beyond = beyond.next_if(|(beyond, _)| *beyond == place);
-            (occupant, beyond.map(|(_, beyond)| &**beyond))
-        })
-    }
-
     /// Each body as the narrow phase takes it, and how it lies in a frame that serves all of them; by
     /// place.
     pub(super) fn parties(&self) -> (Vec<Party<'_>>, Vec<Pose<'_, Stroke>>) {
+        /// Fewer are gone through on this thread.
+        const FEW: usize = 4096;
         let frame = Frame::around(self.survey.extremes, self.survey.size);
-        let (mut sphere, mut inflation) = (None, Inflation::NONE);
-        let both = |(occupant, beyond)| {
+        // Most scenes have many bodies with the same sphere, one after the other.
+        let last = || (None, Inflation::NONE);
+        let both = |last: &mut (Option<Sphere>, Inflation), place: usize| {
+            let (occupant, beyond) = self.body(place);
             let sketch = &outline_over(occupant, beyond).sketch;
             // A screening reads knots next to the sketches.
             let party = party_over(occupant, beyond, sketch.knots());
-            let own = single(party.spheres);
-            if own.is_none() || own != sphere {
-                inflation = Inflation::of(party.spheres, party.bounding, self.margin, &frame);
-                sphere = own;
+            let sphere = single(party.spheres);
+            if sphere.is_none() || sphere != last.0 {
+                let (spheres, bounding) = (party.spheres, party.bounding);
+                *last = (
+                    sphere,
+                    Inflation::of(spheres, bounding, self.margin, &frame),
+                );
             }
-            (party, Pose::sketched(sketch, &inflation, &frame))
+            (party, Pose::sketched(sketch, &last.1, &frame))
         };
-        self.bodies().map(both).unzip()
+        parallel::map_both(self.occupants.len(), FEW, last, both)
+    }
+
+    /// The body in a place, and what it follows over the window if it goes on beyond its knots.
+    fn body(&self, place: usize) -> (&'a Occupant, Option<&Beyond>) {
+        let beyond = self
+            .beyond
+            .binary_search_by_key(&place, |(place, _)| *place);
+        let beyond = beyond.ok().map(|number| &*self.beyond[number].1);
+        (self.occupants[place], beyond)
     }
 
     pub(super) fn is_unfiltered(&self, scene: &Scene) -> bool {
