@@ -106,7 +106,6 @@ impl AlertLevel {
 /// looked at now and then, by ticks without a budget. If other slices suit it far better, one of them
 /// takes as long as the first one.
 ///
-///
 /// - After a tick that [has caught up](Self::is_caught_up), [`conflicts`](Self::conflicts) is, bit for bit, what
 ///   [`Scene::screen`] says with the level's margin of the window from now to the end of the
 ///   lookahead; else, of the window from now to [`certified_until`](Self::certified_until).
