@@ -175,6 +175,35 @@ fn bodies_at_rest() {
     }
 }
 
+/// Where a body is that has coasted for centuries, and had to before: nothing of its motion may grow
+/// faster than the way it covers, neither in its own answers nor in what is reported.
+#[test]
+fn straight_flight_stays_straight_for_centuries() {
+    let (place, velocity) = (DVec3::new(0.3, 1.7, 2.9), DVec3::new(10.0 / 3.0, 7.1, -1.1));
+    let state = State::new(0.7, place, velocity);
+    let earlier = State::new(-0.6, place - 1.3 * velocity, velocity);
+    let plan = Trajectory::from_states(&[earlier, state]).unwrap();
+    for plan in [
+        Trajectory::coasting(state).unwrap(),
+        plan.with_outside(Outside::Coast),
+    ] {
+        for time in [-1e10, -1e6, -50.0, 0.7, 40.0, 1e4, 1e6, 1e8, 1e10] {
+            let way = velocity * (time - 0.7);
+            let close = 1e-15 * (way.length() + place.length());
+            let found = plan.position(time).unwrap();
+            assert!((found - (place + way)).length() <= close, "{time} {found}");
+            assert!((plan.velocity(time).unwrap() - velocity).length() < 1e-14);
+            let beside = Trajectory::at_rest(place + way + DVec3::X).unwrap();
+            let (scene, ..) = two(plan.clone(), beside);
+            let found = screen(&scene, Window::new(time - 1.0, time + 1.0).unwrap(), 2.0);
+            let closest = found[0].closest;
+            let way = velocity * (closest.time - 0.7);
+            assert!((closest.position_a - (place + way)).length() <= 4.0 * close);
+            assert!((closest.relative_velocity - velocity).length() < 1e-14);
+        }
+    }
+}
+
 /// From one state each, at different times, and before, between and after them.
 #[test]
 fn bodies_that_only_coast() {

@@ -209,8 +209,10 @@ impl Segment {
     pub fn motion_at(&self, time: f64) -> (DVec3, DVec3, DVec3) {
         let duration = self.end - self.start;
         let [_, first, second, third] = self.control();
-        // Power form around the nearer knot, so that the states themselves are met exactly.
-        if time - self.start <= self.end - time {
+        // Power form around the nearer knot, so that the states themselves are met exactly. Straight
+        // motion has its state at the first one, where the coefficients that vanish are exact: far
+        // from its knots anything else would be all there is.
+        if self.is_straight() || time - self.start <= self.end - time {
             let s = (time - self.start) / duration;
             let [linear, quadratic, cubic] = power_form(first, second, third);
             let offset = s * (linear + s * (quadratic + s * cubic));
