@@ -95,8 +95,9 @@ impl Trajectory {
     /// Position at `time`, m; none where the body does not exist, or its motion, extrapolated, has left
     /// the range of f64.
     ///
-    /// Relative to the segment's first knot good to a few roundings of the segment's extent;
-    /// the sum with the absolute position is rounded once more.
+    /// Relative to the segment's first knot good to a few roundings of the segment's extent; of a body
+    /// that coasts, of the way from its knot; of a cubic that is extrapolated, of its terms there, which
+    /// may be far larger than their sum. The sum with the absolute position is rounded once more.
     #[must_use]
     pub fn position(&self, time: f64) -> Option<DVec3> {
         self.motion_at(time).map(|(position, _, _)| position)
