@@ -1,6 +1,7 @@
 //! When something is due of a body: the soonest first, without going through all of them.
 
-use std::cmp::{Ordering, Reverse};
+use super::timed::Timed;
+use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// An instant for each slot, or none.
@@ -14,35 +15,8 @@ pub(super) struct Calendar {
     /// By slot: the soonest of its entries in the queue, s; infinite if there is none.
     queued: Vec<f64>,
     /// A slot that is due has an entry that is no later.
-    queue: BinaryHeap<Reverse<Entry>>,
+    queue: BinaryHeap<Reverse<Timed<u32>>>,
 }
-
-#[derive(Clone, Copy, Debug)]
-struct Entry {
-    time: f64,
-    slot: u32,
-}
-
-impl Ord for Entry {
-    fn cmp(&self, other: &Self) -> Ordering {
-        let by_time = self.time.total_cmp(&other.time);
-        by_time.then(self.slot.cmp(&other.slot))
-    }
-}
-
-impl PartialOrd for Entry {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Entry {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl Eq for Entry {}
 
 impl Calendar {
     /// Entries that are not too many, whatever there is.
@@ -74,15 +48,15 @@ impl Calendar {
             && entry.time <= time
         {
             self.queue.pop();
-            let place = entry.slot as usize;
+            let place = entry.what as usize;
             // Else there was a sooner one, at which it was looked at.
             if entry.time.total_cmp(&self.queued[place]).is_eq() {
                 self.queued[place] = f64::INFINITY;
                 if self.due[place] <= time {
                     self.due[place] = f64::INFINITY;
-                    return Some(entry.slot);
+                    return Some(entry.what);
                 }
-                self.enqueue(entry.slot);
+                self.enqueue(entry.what);
             }
         }
         None
@@ -94,14 +68,14 @@ impl Calendar {
         let time = self.due[place];
         if time < self.queued[place] {
             self.queued[place] = time;
-            self.queue.push(Reverse(Entry { time, slot }));
+            self.queue.push(Reverse(Timed { time, what: slot }));
             // Instants that come ever sooner leave entries behind.
             if self.queue.len() > Self::FEW + 2 * self.due.len() {
                 self.queue.clear();
                 let queued = (0..).zip(&self.queued);
                 let queued = queued.filter(|(_, time)| **time < f64::INFINITY);
                 self.queue
-                    .extend(queued.map(|(slot, &time)| Reverse(Entry { time, slot })));
+                    .extend(queued.map(|(slot, &time)| Reverse(Timed { time, what: slot })));
             }
         }
     }

@@ -83,7 +83,7 @@ impl Flight {
 pub(super) struct Flights {
     by_slot: Vec<Option<Flight>>,
     /// Up to where those that exist for ever are laid out.
-    ends: Calendar,
+    laid_out: Calendar,
 }
 
 impl Flights {
@@ -98,7 +98,7 @@ impl Flights {
             self.by_slot.resize(place + 1, None);
         }
         let until = flight.as_ref().map_or(f64::INFINITY, |flight| flight.until);
-        self.ends.set(slot, until);
+        self.laid_out.set(slot, until);
         self.by_slot[place] = flight;
     }
 
@@ -135,17 +135,17 @@ impl Flights {
 
     /// Extends plans that go on beyond their knots so that they reach `end` (s).
     pub(super) fn extend_beyond(&mut self, scene: &Scene, end: f64) -> Result<(), Error> {
-        while let Some(slot) = self.ends.next(end) {
+        while let Some(slot) = self.laid_out.next(end) {
             let flight = self.by_slot[slot as usize].as_mut();
             let (Some(flight), Some((_, occupant))) = (flight, scene.in_slot(slot)) else {
                 continue;
             };
             let body = &occupant.body;
-            let laid_out = flight.lay_out(&body.trajectory, end);
+            let done = flight.lay_out(&body.trajectory, end);
             // One that is laid out is not looked at again in this tick, however far it got.
-            let least = laid_out.as_ref().map_or(flight.until, |()| end.next_up());
-            self.ends.set(slot, flight.until.max(least));
-            laid_out.map_err(|error| error.in_body(body.tag))?;
+            let least = done.as_ref().map_or(flight.until, |()| end.next_up());
+            self.laid_out.set(slot, flight.until.max(least));
+            done.map_err(|error| error.in_body(body.tag))?;
         }
         Ok(())
     }

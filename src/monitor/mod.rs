@@ -24,6 +24,7 @@ mod recent;
 mod recording;
 mod slice;
 mod tick;
+mod timed;
 
 pub use budget::Budget;
 pub use command::Command;

@@ -300,14 +300,21 @@ mod tests {
         assert!(cuts.last().is_some_and(|&last| last >= 1.7e9 + 1.0));
     }
 
+    /// Of three states, at rest, and from one state.
+    fn plans() -> [Trajectory; 3] {
+        let state = |time: f64| State::new(time, DVec3::X * time, DVec3::X);
+        let plans = [
+            Trajectory::from_states(&[-0.5, 1.0, 3.0].map(state)),
+            Trajectory::at_rest(DVec3::ONE),
+            Trajectory::coasting(state(3.0)),
+        ];
+        plans.map(|plan| plan.unwrap_or_else(|_| unreachable!()))
+    }
+
     /// Each window against each other one, that begin and end at knots, at cuts, and beside them.
     #[test]
     fn the_scope_holds_what_has_the_same_pieces() {
-        let state = |time: f64| State::new(time, DVec3::X * time, DVec3::X);
-        let plan = Trajectory::from_states(&[-0.5, 1.0, 3.0].map(state))
-            .unwrap_or_else(|_| unreachable!());
-        let rest = Trajectory::at_rest(DVec3::ONE).unwrap_or_else(|_| unreachable!());
-        let coasts = Trajectory::coasting(state(3.0)).unwrap_or_else(|_| unreachable!());
+        let [plan, rest, coasts] = plans();
         let instants = [
             -15.0, -11.0, -5.0, -3.0, -2.0, -0.5, 0.0, 1.0, 3.0, 5.0, 7.0, 9.0, 20.0, 21.0,
         ];
@@ -353,10 +360,7 @@ mod tests {
     /// However often they are lengthened, and however little.
     #[test]
     fn lengthened_pieces_are_those_of_the_longer_window() {
-        let state = |time: f64| State::new(time, DVec3::X * time, DVec3::X);
-        let plan = Trajectory::from_states(&[-0.5, 1.0, 3.0].map(state))
-            .unwrap_or_else(|_| unreachable!());
-        let rest = Trajectory::at_rest(DVec3::ONE).unwrap_or_else(|_| unreachable!());
+        let [plan, rest, _] = plans();
         let over = |plan: &Trajectory, start: f64, end: f64| {
             let window = Window::new(start, end).unwrap_or_else(|_| unreachable!());
             plan.pieces(window).unwrap_or_else(|_| unreachable!())

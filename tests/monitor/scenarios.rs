@@ -388,6 +388,28 @@ fn the_clock_may_jump_as_far_as_it_can_show() {
     }
 }
 
+/// A plan that cannot be followed so far is refused as often as the tick is tried, until it is replaced.
+#[test]
+fn a_tick_that_is_refused_is_refused_again() {
+    let fast = State::new(0.0, DVec3::ZERO, 1e298 * DVec3::X);
+    let rest = Trajectory::at_rest(DVec3::Y).unwrap();
+    let (mut monitor, runaway, _) = two(
+        Trajectory::coasting(fast).unwrap(),
+        rest.clone(),
+        &[AlertLevel::at(2.0)],
+    );
+    tick(&mut monitor, 0.0);
+    for _ in 0..3 {
+        let mut events = Vec::new();
+        let refused = monitor.advance(100.0, &mut events).unwrap_err();
+        assert!(matches!(refused, Error::InBody { .. }), "{refused}");
+        assert_eq!((monitor.now(), events.len()), (0.0, 0));
+    }
+    monitor.set_trajectory(runaway, rest).unwrap();
+    tick(&mut monitor, 100.0);
+    assert_eq!(monitor.now(), 100.0);
+}
+
 /// Nothing for a million seconds, so that slices become long; then a minute in which everybody meets
 /// everybody in such a slice.
 #[test]

@@ -4,13 +4,13 @@ use super::{Edges, FETCHED, Origin, Place};
 use crate::conflict::Conflict;
 use crate::monitor::finds::Slots;
 use crate::monitor::kept::{Entry, Kept};
-use std::cmp::Ordering;
+use crate::monitor::timed::Timed;
 
 /// See the module.
 #[derive(Debug, Default)]
 pub(in crate::monitor) struct Conflicts {
-    /// Whatever the window.
-    always: Kept<Beginning, Conflict>,
+    /// Whatever the window, by when a conflict begins, and whose it is: the order of reports.
+    always: Kept<Timed<Slots>, Conflict>,
     /// Pairs of those at an edge of the window, in order, and what this tick sees of them.
     edge: Vec<Slots>,
     at_edge: Vec<Conflict>,
@@ -18,39 +18,11 @@ pub(in crate::monitor) struct Conflicts {
     listed: Vec<Origin>,
 }
 
-/// When a conflict begins, and whose: the order of reports.
-#[derive(Clone, Copy, Debug)]
-struct Beginning {
-    enter: f64,
-    slots: Slots,
-}
-
-impl Ord for Beginning {
-    fn cmp(&self, other: &Self) -> Ordering {
-        let order = self.enter.total_cmp(&other.enter);
-        order.then_with(|| self.slots.cmp(&other.slots))
-    }
-}
-
-impl PartialOrd for Beginning {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Beginning {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl Eq for Beginning {}
-
 impl Conflicts {
     /// Drops those of some pairs (sorted), and those that have ended before an instant.
     pub(in crate::monitor) fn drop_changed(&mut self, changed: &[Slots], before: f64) {
         self.always.retain(|entry, _| {
-            entry.interval.1 >= before && changed.binary_search(&entry.key.slots).is_err()
+            entry.interval.1 >= before && changed.binary_search(&entry.key.what).is_err()
         });
     }
 
@@ -58,8 +30,14 @@ impl Conflicts {
     pub(in crate::monitor) fn add(&mut self, slots: Slots, conflict: Conflict) {
         let enter = conflict.enter;
         let interval = (enter, conflict.exit);
-        self.always
-            .add(Beginning { enter, slots }, interval, conflict);
+        self.always.add(
+            Timed {
+                time: enter,
+                what: slots,
+            },
+            interval,
+            conflict,
+        );
     }
 
     /// All were added.
@@ -90,8 +68,9 @@ impl Conflicts {
             around: window,
         };
         let entries = always.entries().iter();
-        let is_at_edge = |entry: &&Entry<Beginning>| edges.place(entry.interval) == Place::AtEdge;
-        edge.extend(entries.filter(is_at_edge).map(|entry| entry.key.slots));
+        let is_at_edge =
+            |entry: &&Entry<Timed<Slots>>| edges.place(entry.interval) == Place::AtEdge;
+        edge.extend(entries.filter(is_at_edge).map(|entry| entry.key.what));
         let mut some = edge.chunks(FETCHED).flat_map(|some| {
             fetch(some);
             some
@@ -104,9 +83,9 @@ impl Conflicts {
                 Place::AtEdge => {
                     some.next();
                     let first = at_edge.len();
-                    again(entry.key.slots, entry.interval, at_edge);
+                    again(entry.key.what, entry.interval, at_edge);
                     listed.extend((first..at_edge.len()).map(Origin::AtEdge));
-                    if entry.key.enter <= window.0 {
+                    if entry.key.time <= window.0 {
                         begun = at_edge.len();
                     }
                 }
