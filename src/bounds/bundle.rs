@@ -129,19 +129,3 @@ pub(super) fn largest(
     let (number, count) = found?;
     Some((bundles.get(number)?, count))
 }
-
-/// The bundle of `count` cubics that holds one, out of all of `cubics`.
-#[inline(always)]
-pub(super) fn holding(
-    bundles: &[Bundle],
-    cubics: usize,
-    cubic: usize,
-    count: usize,
-) -> Option<&Bundle> {
-    let (mut level, mut shift) = (0, Bundle::SHIFT);
-    while 1 << shift < count {
-        level += cubics >> shift;
-        shift += Bundle::SHIFT;
-    }
-    bundles.get(level + (cubic >> shift))
-}

@@ -1,6 +1,6 @@
 //! How a body lies in the frame: its cubics, and what is the same for all its boxes.
 
-use super::bundle::{Bundle, holding, largest};
+use super::bundle::{Bundle, largest};
 use super::piece::Piece;
 use super::sketch::{Sketch, Stroke};
 use super::trace::Trace;
@@ -71,11 +71,16 @@ impl<C: Cubic> Pose<'_, C> {
         }
     }
 
-    /// Fetches the bundle of so many cubics that holds one.
+    /// Fetches what [`pass`](Self::pass) would read, or the first cubic if there is no such bundle;
+    /// gives the one after it.
     #[inline(always)]
-    pub(crate) fn fetch_bundle(&self, cubic: usize, count: usize) {
-        if let Some(bundle) = holding(self.bundles, self.cubics.len(), cubic, count) {
+    pub(crate) fn fetch_first(&self, first: usize, end: usize) -> usize {
+        if let Some((bundle, count)) = largest(self.bundles, self.cubics.len(), first, end) {
             prefetch(from_ref(bundle));
+            first + count
+        } else {
+            self.fetch(first);
+            first + 1
         }
     }
 

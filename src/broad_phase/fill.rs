@@ -64,24 +64,24 @@ impl<C: Cubic> Task for Fill<'_, C> {
         for (period, ends) in periods.iter_mut().zip(ends.windows(2)) {
             *period = Period::new(ends[0], ends[1]);
         }
+        let periods = &periods[..count];
         self.block.pieces.resize(self.poses.len(), 0);
         for number in 0..Self::AHEAD {
-            self.look_up(number, ends[0]);
+            self.look_up(number, periods);
         }
         for (number, &place) in present.iter().enumerate() {
             self.prefetch_knots(number + 2 * Self::AHEAD);
-            self.look_up(number + Self::AHEAD, ends[0]);
+            self.look_up(number + Self::AHEAD, periods);
             let body = place as usize;
             let pose = &self.poses[body];
-            let (first, last) = pose.knots.ends();
-            if first > ends[count] || last < ends[0] {
+            if !exists(pose, periods) {
                 continue;
             }
             let piece = self.block.pieces[body] as usize;
             let end = Walk {
                 pose,
-                periods: &periods[..count],
-                ahead: self.later(number + Self::AHEAD),
+                periods,
+                ahead: self.ahead(number + Self::AHEAD, periods),
                 begin: piece,
             }
             .through(piece, place, &mut self.block.slices[..count]);
@@ -90,7 +90,7 @@ impl<C: Cubic> Task for Fill<'_, C> {
     }
 }
 
-impl<'a, C> Fill<'a, C> {
+impl<'a, C: Cubic> Fill<'a, C> {
     /// How many bodies ahead segments are brought into the caches. They are what there is most of,
     /// and each body's lie somewhere else: without it, half of the time is waiting.
     const AHEAD: usize = 4;
@@ -105,24 +105,72 @@ impl<'a, C> Fill<'a, C> {
         }
     }
 
-    /// Finds the cubic that a body begins with.
+    /// Finds the cubic that a body begins with. If few of its cubics will be read one by one, fetches
+    /// what will be.
     #[inline(always)]
-    fn look_up(&mut self, number: usize, time: f64) {
+    fn look_up(&mut self, number: usize, periods: &[Period]) {
         if let Some(&place) = self.present.get(number) {
+            let pose = &self.poses[place as usize];
             let piece = &mut self.block.pieces[place as usize];
-            *piece = short(cubic_before(
-                &self.poses[place as usize].knots,
-                time,
-                *piece,
-            ));
+            let first = cubic_before(&pose.knots, periods[0].from, *piece);
+            *piece = short(first);
+            if exists(pose, periods) && goes_in_bundles(pose, periods) {
+                fetch_route(pose, periods, first);
+            }
         }
     }
 
-    /// How a body lies, given its number among those present, and the cubic that it begins with.
+    /// What to fetch on the way of another body, given the number of one among those present.
     #[inline(always)]
-    fn later(&self, number: usize) -> Option<(&'a Pose<'a, C>, usize)> {
-        let body = *self.present.get(number)? as usize;
-        Some((&self.poses[body], self.block.pieces[body] as usize))
+    fn ahead(&self, number: usize, periods: &[Period]) -> Ahead<'a, C> {
+        let Some(&place) = self.present.get(number) else {
+            return Ahead::Own;
+        };
+        let pose = &self.poses[place as usize];
+        if goes_in_bundles(pose, periods) {
+            return Ahead::Nothing;
+        }
+        Ahead::Later(pose, self.block.pieces[place as usize] as usize)
+    }
+}
+
+/// When a block begins and ends, s.
+#[inline(always)]
+fn ends_of(periods: &[Period]) -> (f64, f64) {
+    (periods[0].from, periods[periods.len() - 1].to)
+}
+
+/// Whether a body exists in a block.
+#[inline(always)]
+fn exists<C>(pose: &Pose<'_, C>, periods: &[Period]) -> bool {
+    let (first, last) = pose.knots.ends();
+    let (from, to) = ends_of(periods);
+    first <= to && last >= from
+}
+
+/// Whether a body mostly goes through so many cubics in a slice that there are bundles of them.
+#[inline(always)]
+fn goes_in_bundles<C>(pose: &Pose<'_, C>, periods: &[Period]) -> bool {
+    let (first, last) = pose.knots.ends();
+    let (from, to) = ends_of(periods);
+    #[allow(clippy::cast_precision_loss, reason = "an estimate")]
+    let [cubics, bundles] =
+        [pose.cubics.len(), 2 * Bundle::SIZE * periods.len()].map(|count| count as f64);
+    cubics * (to - from) > bundles * (last - first)
+}
+
+/// Fetches what a walk through the slices will read, from a cubic on.
+#[inline(always)]
+fn fetch_route<C: Cubic>(pose: &Pose<'_, C>, periods: &[Period], mut number: usize) {
+    pose.fetch(number);
+    for period in periods {
+        let end = cubic_at(&pose.knots, period.to, number);
+        let mut next = number + 1;
+        while next < end {
+            next = pose.fetch_first(next, end);
+        }
+        pose.fetch(end);
+        number = end;
     }
 }
 
@@ -163,10 +211,18 @@ fn cubic_at(knots: &[f64], time: f64, number: usize) -> usize {
 struct Walk<'a, C> {
     pose: &'a Pose<'a, C>,
     periods: &'a [Period],
-    /// A body that is still to come, and the cubic it begins with: its cubics are fetched one for one
-    /// with this one's, and bundle for bundle. After the last one, this one's own are.
-    ahead: Option<(&'a Pose<'a, C>, usize)>,
+    ahead: Ahead<'a, C>,
     begin: usize,
+}
+
+/// What is fetched on the way.
+enum Ahead<'a, C> {
+    /// The cubics of a body that is still to come, from one on, one for one with this one's.
+    Later(&'a Pose<'a, C>, usize),
+    /// This one's own: none is to come.
+    Own,
+    /// What is to come has been fetched.
+    Nothing,
 }
 
 impl<C: Cubic> Walk<'_, C> {
@@ -176,14 +232,15 @@ impl<C: Cubic> Walk<'_, C> {
     #[inline(always)]
     fn piece(&self, number: usize) -> Piece {
         match self.ahead {
-            Some((later, first)) => {
+            Ahead::Later(later, first) => {
                 if number == self.begin {
                     later.fetch(first);
                 }
                 // One more: it may go through more cubics than this one.
                 later.fetch(first + (number - self.begin) + 1);
             }
-            None => self.pose.fetch(number + Self::AHEAD),
+            Ahead::Own => self.pose.fetch(number + Self::AHEAD),
+            Ahead::Nothing => {}
         }
         self.pose.piece(number)
     }
@@ -192,15 +249,7 @@ impl<C: Cubic> Walk<'_, C> {
     #[inline(always)]
     fn follow_whole(&self, trace: &mut Trace, mut next: usize, end: usize) {
         while next < end {
-            if end - next >= Bundle::SIZE
-                && let Some(after) = self.pose.pass(trace, (next, end))
-            {
-                match self.ahead {
-                    Some((later, first)) => {
-                        later.fetch_bundle(first + (next - self.begin), after - next);
-                    }
-                    None => self.pose.fetch(after + Self::AHEAD),
-                }
+            if let Some(after) = self.pose.pass(trace, (next, end)) {
                 next = after;
             } else {
                 trace.follow_from_start(&self.piece(next));
