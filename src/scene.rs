@@ -1,12 +1,14 @@
 //! Bodies under ids: what is screened.
 
+mod atlas;
 mod ignored;
 mod occupant;
 #[cfg(feature = "serde")]
 mod serial;
 
+pub(crate) use atlas::Atlas;
 pub(crate) use ignored::IgnoredPairs;
-pub(crate) use occupant::{Beyond, Occupant, Outline};
+pub(crate) use occupant::{Beyond, Occupant};
 
 use crate::bounds::Extremes;
 use crate::error::Error;
@@ -66,7 +68,7 @@ impl Body {
     }
 }
 
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 struct Slot {
     generation: u32,
     occupant: Option<Occupant>,
@@ -77,7 +79,11 @@ struct Slot {
 /// # Memory
 ///
 /// A body takes about 600 bytes, a segment 230 (64 of them a copy in f32, which boxes are formed
-/// from, 22 sums over runs of these; twice 8 its knot). One that goes on beyond its knots takes as much
+/// from, 22 sums over runs of these; twice 8 its knot). The copies, sums and knots that are read with
+/// them lie next to each other, in large pages where the system has them; up to an eighth more is set
+/// aside for each body, and a scene that grows asks the system for as much again as it has, but for no
+/// more than 32 MiB at a time. What a body leaves serves the next one of about its size, and the system
+/// gets it back when the scene is empty. One that goes on beyond its knots takes as much
 /// for its segments again, and for some ten more, from the first screening on that reaches beyond them
 /// to its next plan. A screening adds some 280 a body and, for each
 /// thread, at most 64 MiB of boxes (64 bytes each, for up to 2^20 of them or one slice, if that has
@@ -106,7 +112,7 @@ struct Slot {
 /// assert_eq!(conflicts[0].closest.time, 5.0);
 /// # Ok::<(), nearmiss::Error>(())
 /// ```
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
     feature = "serde",
@@ -117,6 +123,8 @@ pub struct Scene {
     free: Vec<u32>,
     ignored: IgnoredPairs,
     len: usize,
+    /// Of the bodies' sketches.
+    atlas: Atlas,
     /// Scratch of screenings; no part of what a scene is.
     pool: Pool,
 }
@@ -130,6 +138,10 @@ impl Scene {
 
     pub(crate) const fn pool(&self) -> &Pool {
         &self.pool
+    }
+
+    pub(crate) const fn atlas(&self) -> &Atlas {
+        &self.atlas
     }
 
     /// How many bodies there are.
@@ -150,10 +162,9 @@ impl Scene {
     ///
     /// [`Error::SceneFull`] after 2^32 - 1 bodies.
     pub fn insert(&mut self, body: Body) -> Result<BodyId, Error> {
-        let occupant = Some(Occupant::new(body));
         let id = if let Some(slot) = self.free.pop() {
             let place = &mut self.slots[slot as usize];
-            place.occupant = occupant;
+            place.occupant = Some(Occupant::new(body, &mut self.atlas));
             BodyId {
                 slot,
                 generation: place.generation,
@@ -165,7 +176,7 @@ impl Scene {
                 .ok_or(Error::SceneFull)?;
             self.slots.push(Slot {
                 generation: 0,
-                occupant,
+                occupant: Some(Occupant::new(body, &mut self.atlas)),
             });
             BodyId {
                 slot,
@@ -182,7 +193,11 @@ impl Scene {
     ///
     /// [`Error::UnknownBody`].
     pub fn remove(&mut self, id: BodyId) -> Result<Body, Error> {
-        let slot = self.slot_mut(id)?;
+        let slot = self
+            .slots
+            .get_mut(id.slot as usize)
+            .filter(|slot| slot.generation == id.generation)
+            .ok_or(Error::UnknownBody { id })?;
         let occupant = slot.occupant.take().ok_or(Error::UnknownBody { id })?;
         // A slot whose generations are used up is never handed out again.
         if let Some(generation) = slot.generation.checked_add(1) {
@@ -191,7 +206,7 @@ impl Scene {
         }
         self.ignored.forget(id);
         self.len -= 1;
-        Ok(occupant.body)
+        Ok(occupant.leave(&mut self.atlas))
     }
 
     /// The body with this id, if it is still there.
@@ -221,7 +236,8 @@ impl Scene {
         id: BodyId,
         trajectory: Trajectory,
     ) -> Result<Trajectory, Error> {
-        Ok(self.occupant_mut(id)?.follow(trajectory))
+        let (occupant, atlas) = self.occupant_mut(id)?;
+        Ok(occupant.follow(trajectory, atlas))
     }
 
     /// The same in place; nothing is worked out until it is asked for.
@@ -230,8 +246,8 @@ impl Scene {
         id: BodyId,
         trajectory: &mut Trajectory,
     ) -> Result<&Occupant, Error> {
-        let occupant = self.occupant_mut(id)?;
-        occupant.swap(trajectory);
+        let (occupant, atlas) = self.occupant_mut(id)?;
+        occupant.swap(trajectory, atlas);
         Ok(occupant)
     }
 
@@ -242,7 +258,7 @@ impl Scene {
     /// [`Error::UnknownBody`].
     pub fn set_hitbox(&mut self, id: BodyId, hitbox: Hitbox) -> Result<Hitbox, Error> {
         Ok(std::mem::replace(
-            &mut self.occupant_mut(id)?.body.hitbox,
+            &mut self.occupant_mut(id)?.0.body.hitbox,
             hitbox,
         ))
     }
@@ -254,7 +270,7 @@ impl Scene {
     /// [`Error::UnknownBody`].
     pub fn set_layers(&mut self, id: BodyId, layers: Layers) -> Result<Layers, Error> {
         Ok(std::mem::replace(
-            &mut self.occupant_mut(id)?.body.layers,
+            &mut self.occupant_mut(id)?.0.body.layers,
             layers,
         ))
     }
@@ -370,17 +386,34 @@ impl Scene {
             && (self.ignored.is_empty() || !self.ignored.contains(id_a, id_b))
     }
 
-    fn slot_mut(&mut self, id: BodyId) -> Result<&mut Slot, Error> {
+    /// A body, and where its sketch is.
+    fn occupant_mut(&mut self, id: BodyId) -> Result<(&mut Occupant, &mut Atlas), Error> {
         self.slots
             .get_mut(id.slot as usize)
             .filter(|slot| slot.generation == id.generation)
+            .and_then(|slot| slot.occupant.as_mut())
+            .map(|occupant| (occupant, &mut self.atlas))
             .ok_or(Error::UnknownBody { id })
     }
+}
 
-    fn occupant_mut(&mut self, id: BodyId) -> Result<&mut Occupant, Error> {
-        self.slot_mut(id)?
-            .occupant
-            .as_mut()
-            .ok_or(Error::UnknownBody { id })
+impl Clone for Scene {
+    fn clone(&self) -> Self {
+        let mut atlas = Atlas::default();
+        let slots = self.slots.iter().map(|slot| Slot {
+            generation: slot.generation,
+            occupant: slot
+                .occupant
+                .as_ref()
+                .map(|occupant| occupant.copy(&self.atlas, &mut atlas)),
+        });
+        Self {
+            slots: slots.collect(),
+            free: self.free.clone(),
+            ignored: self.ignored.clone(),
+            len: self.len,
+            atlas,
+            pool: self.pool.clone(),
+        }
     }
 }

@@ -99,7 +99,9 @@ mod tests {
             let is_apart = |margin: f64| {
                 let point = Hitbox::POINT;
                 let inflation = Inflation::of(point.spheres(), point.bounding(), margin, &frame);
-                let poses = [0, 1].map(|k: usize| Pose::sketched(&sketches[k], &inflation, &frame));
+                let poses = sketches
+                    .each_ref()
+                    .map(|(sketch, lines)| Pose::sketched(&sketch.on(lines), &inflation, &frame));
                 let [a, b] = [0, 1].map(|k: usize| Leg {
                     pose: &poses[k],
                     cubic: 1,

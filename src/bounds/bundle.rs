@@ -3,15 +3,15 @@
 use super::piece::Piece;
 use super::sketch::Stroke;
 use super::trace::{Period, Trace};
+use bytemuck::{Pod, Zeroable};
 use glam::Vec4;
-use std::iter::successors;
 
 /// Four consecutive cubics, or four bundles of them, as one: 64 bytes.
 ///
 /// Coordinates are as in a [`Stroke`]. A path that strays some way from the line between its ends
 /// strays from any other line (each gone along in proportion to time) at most by that and what the
 /// farther one of its ends does.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(crate) struct Bundle {
     /// Where it begins; the last lane is what rounding is relative to besides coordinates.
@@ -89,25 +89,32 @@ impl Bundle {
     }
 }
 
-/// Lists all complete bundles of some cubics: those of 4 cubics, then those of 16, and so on.
-pub(super) fn bundle_up(knots: &[f64], strokes: &[Stroke], bundles: &mut Vec<Bundle>) {
-    bundles.clear();
-    let levels = |span: &usize| span.checked_mul(Bundle::SIZE);
-    let counts = successors(Some(Bundle::SIZE), levels).map(|span| strokes.len() / span);
-    bundles.reserve_exact(counts.take_while(|&count| count > 0).sum());
-    let (mut span, mut below) = (Bundle::SIZE, 0);
+/// How many complete bundles there are of some cubics: of 4, of 16, and so on.
+pub(super) const fn count_of_bundles(mut cubics: usize) -> usize {
+    let mut count = 0;
+    while cubics >= Bundle::SIZE {
+        cubics /= Bundle::SIZE;
+        count += cubics;
+    }
+    count
+}
+
+/// Draws all complete bundles of some cubics: those of 4 cubics, then those of 16, and so on.
+pub(super) fn bundle_up(knots: &[f64], strokes: &[Stroke], bundles: &mut [Bundle]) {
+    let (mut span, mut below, mut level) = (Bundle::SIZE, 0, 0);
     while strokes.len() >= span {
-        let level = bundles.len();
-        for number in 0..strokes.len() / span {
+        let count = strokes.len() / span;
+        let (smaller, these) = bundles.split_at_mut(level);
+        for (number, bundle) in these[..count].iter_mut().enumerate() {
             let knots = &knots[number * span..=(number + 1) * span];
             let four = number * Bundle::SIZE..(number + 1) * Bundle::SIZE;
-            bundles.push(if span == Bundle::SIZE {
+            *bundle = if span == Bundle::SIZE {
                 Bundle::of_cubics(&strokes[four], knots)
             } else {
-                Bundle::of_bundles(&bundles[below..][four], knots)
-            });
+                Bundle::of_bundles(&smaller[below..][four], knots)
+            };
         }
-        (below, span) = (level, span * Bundle::SIZE);
+        (below, level, span) = (level, level + count, span * Bundle::SIZE);
     }
 }
 

@@ -27,7 +27,7 @@ pub(crate) use bundle::Bundle;
 pub(crate) use course::Course;
 pub(crate) use piece::Piece;
 pub(crate) use pose::{Cubic, Pose};
-pub(crate) use sketch::{Sketch, Stroke};
+pub(crate) use sketch::{Drawing, Line, Sketch, Stroke};
 pub(crate) use trace::{Period, Trace};
 
 use crate::hitbox::Sphere;

@@ -2,7 +2,7 @@
 
 use super::bundle::{Bundle, largest};
 use super::piece::Piece;
-use super::sketch::{Sketch, Stroke};
+use super::sketch::{Drawing, Stroke};
 use super::trace::Trace;
 use super::{FAR, Frame, Inflation, ROUNDING, nearest};
 use crate::knots::Knots;
@@ -99,12 +99,12 @@ impl<C: Cubic> Pose<'_, C> {
 
 impl<'a> Pose<'a, Stroke> {
     /// Of a body that was sketched.
-    pub(crate) fn sketched(sketch: &'a Sketch, inflation: &Inflation, frame: &Frame) -> Self {
+    pub(crate) fn sketched(drawing: &Drawing<'a>, inflation: &Inflation, frame: &Frame) -> Self {
         Self {
-            knots: sketch.knots(),
-            cubics: sketch.strokes(),
-            bundles: sketch.bundles(),
-            stance: Stance::new(sketch.frame, sketch.size, inflation, frame),
+            knots: drawing.knots,
+            cubics: drawing.strokes,
+            bundles: drawing.bundles,
+            stance: Stance::new(drawing.frame, drawing.size, inflation, frame),
         }
     }
 }

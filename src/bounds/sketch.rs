@@ -1,10 +1,11 @@
 //! Trajectories in f32: of a motion, the part that a screening reads most.
 
-use super::bundle::{Bundle, bundle_up};
+use super::bundle::{Bundle, bundle_up, count_of_bundles};
 use super::{Extremes, FAR, Frame, ROUNDING, nearest};
 use crate::knots::Knots;
 use crate::rounding::normalising_power;
 use crate::trajectory::Segment;
+use bytemuck::{Pod, Zeroable, cast_slice, cast_slice_mut};
 use glam::{DVec3, Vec4};
 
 /// One cubic of a sketch, 64 bytes: its Bézier points, relative to the sketch's frame.
@@ -12,7 +13,7 @@ use glam::{DVec3, Vec4};
 /// Each coordinate is rounded once from f64. The fourth lane of the first point is what all other
 /// rounding of the cubic is relative to: no point is farther from the first one; more where the
 /// segment itself is known less well than f32 could tell.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(crate) struct Stroke([Vec4; 4]);
 
@@ -60,42 +61,56 @@ impl Stroke {
     }
 }
 
-/// A trajectory in f32.
-#[derive(Clone, Debug)]
+/// Memory that is drawn on: as long as a line of the caches.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, align(64))]
+pub(crate) struct Line([f64; 8]);
+
+impl Line {
+    pub(crate) const BLANK: Self = Self([0.0; Self::KNOTS]);
+
+    /// Knots in a line.
+    const KNOTS: usize = 8;
+}
+
+/// A trajectory in f32, but for what is drawn of it: knots, cubics and bundles one after the other,
+/// on lines that are kept elsewhere. The knots are a copy: whoever reads the cubics reads them as well,
+/// and the trajectory's own lie somewhere else.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Sketch {
     /// Where it is drawn: around itself.
-    pub(super) frame: Frame,
+    frame: Frame,
     /// No coordinate is larger, in the frame's unit; infinite where `f32` does not serve them.
-    pub(super) size: f64,
+    size: f64,
     /// Of the knots.
     ends: (f64, f64),
-    /// A copy, allocated next to the cubics: whoever reads these reads those, and the trajectory's
-    /// own lie elsewhere.
-    knots: Vec<f64>,
-    strokes: Vec<Stroke>,
-    bundles: Vec<Bundle>,
+    knots: usize,
+    cubics: usize,
+}
+
+/// A sketch with its lines.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Drawing<'a> {
+    pub(super) frame: Frame,
+    pub(super) size: f64,
+    pub(crate) knots: Knots<'a>,
+    pub(super) strokes: &'a [Stroke],
+    pub(super) bundles: &'a [Bundle],
 }
 
 impl Sketch {
-    pub(crate) const EMPTY: Self = Self {
-        frame: Frame::OF_NOTHING,
-        size: 0.0,
-        ends: Knots::NONE.ends(),
-        knots: Vec::new(),
-        strokes: Vec::new(),
-        bundles: Vec::new(),
-    };
-
-    /// Of the cubics of a motion, each between two knots.
-    #[cfg(test)]
-    pub(crate) fn of(knots: &[f64], segments: &[Segment]) -> Self {
-        let mut sketch = Self::EMPTY;
-        sketch.redraw(knots, segments);
-        sketch
+    /// Lines that a motion with so many knots and cubics takes.
+    pub(crate) const fn lines(knots: usize, cubics: usize) -> usize {
+        knots.div_ceil(Line::KNOTS) + cubics + count_of_bundles(cubics)
     }
 
-    /// Draws another motion in this one's memory; gives how far it goes.
-    pub(crate) fn redraw(&mut self, knots: &[f64], segments: &[Segment]) -> Extremes {
+    /// Draws the cubics of a motion, each between two knots, on as many lines as they take; gives how
+    /// far it goes as well.
+    pub(crate) fn draw(
+        knots: &[f64],
+        segments: &[Segment],
+        lines: &mut [Line],
+    ) -> (Self, Extremes) {
         let (mut extremes, mut spread) = (Extremes::NOTHING, 0.0_f64);
         for (segment, ends) in segments.iter().zip(knots.windows(2)) {
             let reach = segment.reach(ends[0], ends[1]);
@@ -104,40 +119,56 @@ impl Sketch {
             // It may be lost in the extremes: below their resolution.
             spread = spread.max(2.0 * reach + error);
         }
-        self.frame = Frame::around(extremes, 0.0);
-        self.size = 0.0;
+        let mut sketch = Self {
+            frame: Frame::around(extremes, 0.0),
+            size: 0.0,
+            ends: Knots::of(knots).ends(),
+            knots: knots.len(),
+            cubics: segments.len(),
+        };
         if !segments.is_empty() {
             // Numbers near one: whatever underflows is nothing next to them, in any other unit.
-            let size = (extremes.high - self.frame.origin).max_element() + spread;
-            self.frame.power = normalising_power(size);
-            self.size = size * self.frame.power;
+            let size = (extremes.high - sketch.frame.origin).max_element() + spread;
+            sketch.frame.power = normalising_power(size);
+            sketch.size = size * sketch.frame.power;
         }
-        self.ends = Knots::of(knots).ends();
-        self.knots.clear();
-        self.knots.extend_from_slice(knots);
-        self.strokes.clear();
+        let (of_knots, rest) = lines.split_at_mut(knots.len().div_ceil(Line::KNOTS));
+        let (strokes, bundles) = rest.split_at_mut(segments.len());
+        cast_slice_mut(of_knots)[..knots.len()].copy_from_slice(knots);
+        let strokes: &mut [Stroke] = cast_slice_mut(strokes);
         let pieces = segments.iter().zip(knots.windows(2));
-        let (frame, size) = (&self.frame, &mut self.size);
-        self.strokes.extend(pieces.map(|(segment, ends)| {
-            let stroke = Stroke::of(segment, (ends[0], ends[1]), frame);
-            stroke.unwrap_or_else(|| {
-                *size = f64::INFINITY;
+        for (stroke, (segment, ends)) in strokes.iter_mut().zip(pieces) {
+            *stroke = Stroke::of(segment, (ends[0], ends[1]), &sketch.frame).unwrap_or_else(|| {
+                sketch.size = f64::INFINITY;
                 Stroke::NONE
-            })
-        }));
-        bundle_up(knots, &self.strokes, &mut self.bundles);
-        extremes
+            });
+        }
+        bundle_up(knots, strokes, cast_slice_mut(bundles));
+        (sketch, extremes)
     }
 
-    pub(crate) fn knots(&self) -> Knots<'_> {
-        Knots::with_ends(&self.knots, self.ends)
+    /// First and last knot, s; the first is later only if there are none.
+    pub(crate) const fn ends(&self) -> (f64, f64) {
+        self.ends
     }
 
-    pub(crate) fn strokes(&self) -> &[Stroke] {
-        &self.strokes
+    /// What was drawn on these lines.
+    pub(crate) fn on<'a>(&self, lines: &'a [Line]) -> Drawing<'a> {
+        let (knots, rest) = lines.split_at(self.knots.div_ceil(Line::KNOTS));
+        let (strokes, bundles) = rest.split_at(self.cubics);
+        Drawing {
+            frame: self.frame,
+            size: self.size,
+            knots: Knots::with_ends(&cast_slice(knots)[..self.knots], self.ends),
+            strokes: cast_slice(strokes),
+            bundles: cast_slice(&bundles[..count_of_bundles(self.cubics)]),
+        }
     }
 
-    pub(crate) fn bundles(&self) -> &[Bundle] {
-        &self.bundles
+    /// Of some knots and cubics, on lines of its own.
+    #[cfg(test)]
+    pub(crate) fn of(knots: &[f64], segments: &[Segment]) -> (Self, Vec<Line>) {
+        let mut lines = vec![Line::BLANK; Self::lines(knots.len(), segments.len())];
+        (Self::draw(knots, segments, &mut lines).0, lines)
     }
 }

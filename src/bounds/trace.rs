@@ -199,7 +199,7 @@ const VANISHING: f32 = 1e-18;
 
 #[cfg(test)]
 mod tests {
-    use super::super::bundle::{bundle_up, largest};
+    use super::super::bundle::largest;
     use super::super::sketch::Sketch;
     use super::*;
     use crate::trajectory::{State, Trajectory};
@@ -211,7 +211,7 @@ mod tests {
     #[test]
     fn bundles_stray_as_far_as_their_cubics() {
         let mut rng = ChaCha8Rng::seed_from_u64(4);
-        let (mut found, mut lengths) = (Vec::new(), [0; 65]);
+        let mut lengths = [0; 65];
         for round in 0..400 {
             // Straight flight strays at its ends, wild flight in between.
             let wild = if round % 2 == 0 { 0.0 } else { 3.0 };
@@ -232,12 +232,12 @@ mod tests {
                 unreachable!("the states are in order")
             };
             let knots = flight.knots();
-            let sketch = Sketch::of(knots, flight.segments());
-            let strokes = sketch.strokes();
-            bundle_up(knots, strokes, &mut found);
-            assert_eq!(found.len(), 16 + 4 + 1);
+            let (sketch, lines) = Sketch::of(knots, flight.segments());
+            let drawing = sketch.on(&lines);
+            let (strokes, bundles) = (drawing.strokes, drawing.bundles);
+            assert_eq!(bundles.len(), 16 + 4 + 1);
             let first = 4 * rng.random_range(0..16);
-            let Some((bundle, count)) = largest(&found, strokes.len(), first, 64) else {
+            let Some((bundle, count)) = largest(bundles, strokes.len(), first, 64) else {
                 unreachable!("there is one of four cubics at least")
             };
             lengths[count] += 1;

@@ -354,8 +354,8 @@ mod tests {
             let Ok(trajectory) = Trajectory::from_states(&states) else {
                 unreachable!("the states are in order")
             };
-            let sketch = Sketch::of(trajectory.knots(), trajectory.segments());
-            let pose = Pose::sketched(&sketch, &inflation, &frame);
+            let (sketch, lines) = Sketch::of(trajectory.knots(), trajectory.segments());
+            let pose = Pose::sketched(&sketch.on(&lines), &inflation, &frame);
             let mut block = Block::default();
             for first in (0..slices.count()).step_by(8) {
                 let range = first..(first + 8).min(slices.count());

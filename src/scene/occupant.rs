@@ -1,53 +1,77 @@
 //! A body in a scene, with what screenings work out of its motion: once, and kept for the next one.
 
 use super::Body;
-use crate::bounds::{Extremes, Sketch};
+use super::atlas::{Atlas, Block};
+use crate::bounds::{Drawing, Extremes, Line, Sketch};
 use crate::error::Error;
 use crate::trajectory::{Outside, Pieces, Scope, Segment, Trajectory};
 use crate::window::Window;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// What screening needs to know of a motion.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Outline {
     /// Rough extremes of all segments, m.
     pub(crate) extremes: Extremes,
     /// Sum of the segments' extents: a bound on the way flown, m.
     pub(crate) path: f64,
+    /// Drawn on lines that are kept beside it.
     pub(crate) sketch: Sketch,
 }
 
 impl Outline {
-    const NONE: Self = Self {
-        extremes: Extremes::NOTHING,
-        path: 0.0,
-        sketch: Sketch::EMPTY,
-    };
-
-    fn of(trajectory: &Trajectory) -> Self {
-        let mut outline = Self::NONE;
-        outline.follow(trajectory);
-        outline
-    }
-
-    /// The outline of another trajectory, in this one's memory.
-    fn follow(&mut self, trajectory: &Trajectory) {
-        self.draw(trajectory.knots(), trajectory.segments());
+    fn of(trajectory: &Trajectory, lines: &mut [Line]) -> Self {
+        let mut outline = Self::draw(trajectory.knots(), trajectory.segments(), lines);
         if trajectory.segments().is_empty() {
             let position = trajectory
-                .position(self.sketch.knots().ends().0)
+                .position(outline.sketch.ends().0)
                 .unwrap_or_default();
-            self.extremes.include(Extremes {
+            outline.extremes.include(Extremes {
                 low: position,
                 high: position,
             });
         }
+        outline
     }
 
-    fn draw(&mut self, knots: &[f64], segments: &[Segment]) {
-        self.extremes = self.sketch.redraw(knots, segments);
-        self.path = segments.iter().map(Segment::extent).sum();
+    fn draw(knots: &[f64], segments: &[Segment], lines: &mut [Line]) -> Self {
+        let (sketch, extremes) = Sketch::draw(knots, segments, lines);
+        Self {
+            extremes,
+            path: segments.iter().map(Segment::extent).sum(),
+            sketch,
+        }
     }
+}
+
+/// Where a body's sketch is drawn.
+#[derive(Debug)]
+enum Lines {
+    /// As it was put into the scene.
+    Shared(Block),
+    /// While the scene was being read.
+    Own(Vec<Line>),
+}
+
+impl Lines {
+    /// Outlines a trajectory on lines of its own.
+    fn of(trajectory: &Trajectory) -> (Outline, Self) {
+        let mut lines = vec![Line::BLANK; lines_for(trajectory)];
+        let outline = Outline::of(trajectory, &mut lines);
+        (outline, Self::Own(lines))
+    }
+
+    /// The same on lines of an atlas.
+    fn shared(trajectory: &Trajectory, atlas: &mut Atlas) -> (Outline, Self) {
+        let block = atlas.take(lines_for(trajectory));
+        let outline = Outline::of(trajectory, atlas.at_mut(&block));
+        (outline, Self::Shared(block))
+    }
+}
+
+/// Lines that the sketch of a trajectory takes.
+fn lines_for(trajectory: &Trajectory) -> usize {
+    Sketch::lines(trajectory.knots().len(), trajectory.segments().len())
 }
 
 /// A motion that goes on beyond its knots, over windows that reach there.
@@ -57,6 +81,7 @@ pub(crate) struct Beyond {
     scope: Scope,
     /// Of all the pieces.
     pub(crate) outline: Outline,
+    lines: Vec<Line>,
     pub(crate) pieces: Pieces,
     /// The ways beyond the knots.
     pub(crate) ways: Vec<Way>,
@@ -79,14 +104,19 @@ impl Beyond {
             Way { ends, length }
         });
         let ways = ways.collect();
-        let mut outline = Outline::NONE;
-        outline.draw(&pieces.knots, &pieces.segments);
+        let (knots, segments) = (&pieces.knots, &pieces.segments);
+        let mut lines = vec![Line::BLANK; Sketch::lines(knots.len(), segments.len())];
         Self {
             scope: pieces.scope(),
-            outline,
+            outline: Outline::draw(knots, segments, &mut lines),
+            lines,
             pieces,
             ways,
         }
+    }
+
+    pub(crate) fn drawing(&self) -> Drawing<'_> {
+        self.outline.sketch.on(&self.lines)
     }
 }
 
@@ -94,14 +124,15 @@ impl Beyond {
 #[derive(Debug)]
 pub(crate) struct Occupant {
     pub(crate) body: Body,
-    outline: OnceLock<Outline>,
+    outline: OnceLock<(Outline, Lines)>,
     /// As far as the last screening reached.
     beyond: Mutex<Option<Arc<Beyond>>>,
 }
 
 impl Occupant {
-    pub(super) fn new(body: Body) -> Self {
-        let outline = Outline::of(&body.trajectory).into();
+    /// A body of the scene with this atlas.
+    pub(super) fn new(body: Body, atlas: &mut Atlas) -> Self {
+        let outline = Lines::shared(&body.trajectory, atlas).into();
         Self {
             body,
             outline,
@@ -111,8 +142,21 @@ impl Occupant {
 
     /// Of the trajectory: worked out now, if it was not yet.
     pub(crate) fn outline(&self) -> &Outline {
+        &self.outlined().0
+    }
+
+    fn outlined(&self) -> &(Outline, Lines) {
         let trajectory = &self.body.trajectory;
-        self.outline.get_or_init(|| Outline::of(trajectory))
+        self.outline.get_or_init(|| Lines::of(trajectory))
+    }
+
+    /// The trajectory's sketch; the atlas is that of the scene that the body is in.
+    pub(crate) fn drawing<'a>(&'a self, atlas: &'a Atlas) -> Drawing<'a> {
+        let (outline, lines) = self.outlined();
+        outline.sketch.on(match lines {
+            Lines::Shared(block) => atlas.at(block),
+            Lines::Own(lines) => lines,
+        })
     }
 
     /// What the body follows over a window; none if that stays within its knots. How far that is
@@ -146,33 +190,52 @@ impl Occupant {
         Ok(Some(beyond))
     }
 
-    /// Gives the body another trajectory, whose outline is drawn in the old one's memory; returns
-    /// the old one.
-    pub(super) fn follow(&mut self, mut trajectory: Trajectory) -> Trajectory {
-        let mut outline = self.outline.take().unwrap_or(Outline::NONE);
-        outline.follow(&trajectory);
-        self.swap(&mut trajectory);
-        self.outline = outline.into();
+    /// Gives the body another trajectory, and returns the old one.
+    pub(super) fn follow(&mut self, mut trajectory: Trajectory, atlas: &mut Atlas) -> Trajectory {
+        self.swap(&mut trajectory, atlas);
+        self.outline = Lines::shared(&self.body.trajectory, atlas).into();
         trajectory
     }
 
     /// The same in place. The outline is left for when it is asked for: a body that is replanned
     /// each tick seldom needs it.
-    pub(super) fn swap(&mut self, trajectory: &mut Trajectory) {
-        self.outline = OnceLock::new();
+    pub(super) fn swap(&mut self, trajectory: &mut Trajectory, atlas: &mut Atlas) {
+        self.forget_outline(atlas);
         let beyond = self.beyond.get_mut();
         *beyond.unwrap_or_else(PoisonError::into_inner) = None;
         std::mem::swap(&mut self.body.trajectory, trajectory);
     }
-}
 
-impl Clone for Occupant {
-    /// What is beyond the knots is shared: it is never changed, only replaced.
-    fn clone(&self) -> Self {
+    /// The body alone, which is in the scene no more.
+    pub(super) fn leave(mut self, atlas: &mut Atlas) -> Body {
+        self.forget_outline(atlas);
+        self.body
+    }
+
+    fn forget_outline(&mut self, atlas: &mut Atlas) {
+        if let Some((_, Lines::Shared(block))) = self.outline.take() {
+            atlas.give_back(block);
+        }
+    }
+
+    /// The same body in a copy of its scene. What is beyond the knots is shared: it is never changed,
+    /// only replaced.
+    pub(super) fn copy(&self, atlas: &Atlas, copy: &mut Atlas) -> Self {
         let beyond = self.beyond.lock().unwrap_or_else(PoisonError::into_inner);
+        let outline = self.outline.get().map(|(outline, lines)| {
+            let lines = match lines {
+                Lines::Shared(block) => {
+                    let (lines, block) = (atlas.at(block), copy.take(atlas.at(block).len()));
+                    copy.at_mut(&block).copy_from_slice(lines);
+                    Lines::Shared(block)
+                }
+                Lines::Own(lines) => Lines::Own(lines.clone()),
+            };
+            (*outline, lines)
+        });
         Self {
             body: self.body.clone(),
-            outline: self.outline.clone(),
+            outline: outline.map_or_else(OnceLock::new, OnceLock::from),
             beyond: Mutex::new(beyond.clone()),
         }
     }

@@ -39,7 +39,7 @@ impl TryFrom<Parts> for Scene {
             scene.len += usize::from(body.is_some());
             scene.slots.push(Slot {
                 generation,
-                occupant: body.map(Occupant::new),
+                occupant: body.map(|body| Occupant::new(body, &mut scene.atlas)),
             });
         }
         // Each free slot is one that is empty, once.

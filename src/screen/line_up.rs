@@ -15,7 +15,7 @@ use crate::layers::Layers;
 use crate::narrow_phase::Party;
 use crate::parallel;
 use crate::query::Query;
-use crate::scene::{Beyond, Body, IgnoredPairs, Occupant, Outline, Scene};
+use crate::scene::{Atlas, Beyond, Body, IgnoredPairs, Occupant, Scene};
 use crate::spans::common_domain;
 use crate::trajectory::Outside;
 use crate::window::Window;
@@ -38,6 +38,7 @@ pub(super) struct LineUp<'a> {
     /// Room for survivors.
     pub(super) most_spans: usize,
     pub(super) pool: &'a Pool,
+    atlas: &'a Atlas,
     survey: Survey,
 }
 
@@ -74,6 +75,7 @@ impl<'a> LineUp<'a> {
             prescribed: query.slices(),
             most_spans: query.most_spans(),
             pool: scene.pool(),
+            atlas: scene.atlas(),
             survey,
         };
         // Open ends are closed where no body exists beyond them.
@@ -103,9 +105,9 @@ impl<'a> LineUp<'a> {
         let last = || (None, Inflation::NONE);
         let both = |last: &mut (Option<Sphere>, Inflation), place: usize| {
             let (occupant, beyond) = self.body(place);
-            let sketch = &outline_over(occupant, beyond).sketch;
+            let drawing = beyond.map_or_else(|| occupant.drawing(self.atlas), Beyond::drawing);
             // A screening reads knots next to the sketches.
-            let party = party_over(occupant, beyond, sketch.knots());
+            let party = party_over(occupant, beyond, drawing.knots);
             let sphere = single(party.spheres);
             if sphere.is_none() || sphere != last.0 {
                 let (spheres, bounding) = (party.spheres, party.bounding);
@@ -114,7 +116,7 @@ impl<'a> LineUp<'a> {
                     Inflation::of(spheres, bounding, self.margin, &frame),
                 );
             }
-            (party, Pose::sketched(sketch, &last.1, &frame))
+            (party, Pose::sketched(&drawing, &last.1, &frame))
         };
         parallel::map_both(self.occupants.len(), FEW, last, both)
     }
@@ -212,10 +214,6 @@ fn party_over<'a>(
         spheres: hitbox.spheres(),
         bounding: hitbox.bounding(),
     }
-}
-
-fn outline_over<'a>(occupant: &'a Occupant, beyond: Option<&'a Beyond>) -> &'a Outline {
-    beyond.map_or_else(|| occupant.outline(), |beyond| &beyond.outline)
 }
 
 /// The part of the window in which both bodies exist.

@@ -57,7 +57,7 @@ impl Survey {
         let (body, plan) = (&occupant.body, occupant.outline());
         let outline = beyond.map_or(plan, |beyond| &beyond.outline);
         self.is_in_all_layers &= body.layers == Layers::ALL;
-        let (first, last) = outline.sketch.knots().ends();
+        let (first, last) = outline.sketch.ends();
         self.lives[place] = (first, last);
         self.existence = (self.existence.0.min(first), self.existence.1.max(last));
         self.extremes.include(outline.extremes);
@@ -71,7 +71,7 @@ impl Survey {
             self.sphere = sphere;
         }
         self.count(
-            plan.sketch.knots().ends(),
+            plan.sketch.ends(),
             (plan.path, body.trajectory.segments().len()),
         );
         for way in beyond.iter().flat_map(|beyond| &beyond.ways) {
