@@ -12,7 +12,7 @@ use crate::bounds::{Pose, Stroke};
 use crate::broad_phase::fill::Fill;
 use crate::broad_phase::presence::Presence;
 use crate::broad_phase::slices::{Slices, Traffic};
-use crate::broad_phase::{BroadPhase, Candidate, Everyone, Room};
+use crate::broad_phase::{BroadPhase, Everyone, Room};
 use crate::narrow_phase::approaching;
 use crate::rounding::{seen_from, seen_until};
 
@@ -47,6 +47,8 @@ struct Trial {
     boxes: f64,
     candidates: f64,
     near: f64,
+    /// For how much of the slice these may be near, summed up over all of them.
+    shares: f64,
     /// Cubics of a box.
     cubics: f64,
     /// Mean extent of a box, and how much of it is there in however short a slice (frame's unit).
@@ -90,12 +92,12 @@ impl Trial {
         };
         let candidates = self.candidates * grown;
         let per_box = cost::BOX + cost::SWEEP * (candidates / self.boxes.max(1.0)).powf(0.75);
-        let near = self.near * factor.powf(growth.near);
+        let more = factor.powf(growth.near);
         // Each span ends with a cubic of one of the two bodies.
-        let spans = 1.0 + 2.0 * self.cubics * factor;
-        let per_near = cost::NEAR + cost::SPAN * spans;
+        let spans = self.near + 2.0 * self.cubics * factor * self.shares;
+        let near = (cost::NEAR * self.near + cost::SPAN * spans) * more;
         let slice = cost::SLICE + cost::LISTING * self.bodies;
-        (slice + self.boxes * per_box + candidates * cost::CANDIDATE + near * per_near) / factor
+        (slice + self.boxes * per_box + candidates * cost::CANDIDATE + near) / factor
     }
 
     /// The volume of a mean box in a slice `factor` times as long.
@@ -189,7 +191,7 @@ impl LineUp<'_> {
             candidates,
             ..
         } = &mut borrowed.scratch;
-        let (mut boxes, mut found, mut near) = (0.0, 0.0, 0.0);
+        let (mut boxes, mut found, mut near, mut shares) = (0.0, 0.0, 0.0, 0.0);
         let mut extents = [0.0; 3];
         for place in 0..places {
             let share = (f64::from(place) + 0.5) / f64::from(places);
@@ -206,13 +208,18 @@ impl LineUp<'_> {
             let room = Room::new(&Everyone, MOST_CANDIDATES);
             sweep.at(self.level).pairs(&slice.boxes, &room, candidates);
             let interval = slices.interval(first);
-            let is_near = |pair: &&Candidate| {
+            for pair in &*candidates {
                 let (a, b) = (pair.a as usize, pair.b as usize);
-                approaching(&slice.courses[a], &slice.courses[b], interval).is_some()
-            };
+                if let Some((from, to)) =
+                    approaching(&slice.courses[a], &slice.courses[b], interval)
+                {
+                    near += 1.0;
+                    // An instant is near for all of it.
+                    shares += ((to - from) / slices.length()).min(1.0);
+                }
+            }
             boxes += slice.boxes.len() as f64;
             found += candidates.len() as f64;
-            near += candidates.iter().filter(is_near).count() as f64;
             for one in &slice.boxes {
                 for (axis, extent) in extents.iter_mut().enumerate() {
                     *extent += f64::from(one.aabb.maxs[axis]) - f64::from(one.aabb.mins[axis]);
@@ -226,6 +233,7 @@ impl LineUp<'_> {
             boxes: boxes * whole / places,
             candidates: found * whole * whole / places,
             near: near * whole * whole / places,
+            shares: shares * whole * whole / places,
             cubics,
             extents: extents.map(|extent| extent / boxes.max(1.0)),
             least: 2.0 * reach / poses.len() as f64,
