@@ -104,8 +104,8 @@ const fn size_with_room_for(lines: usize) -> usize {
 impl Chunk {
     /// 16 KiB, for a small scene.
     const FEWEST: usize = 1 << 8;
-    /// A quarter of a MiB: whoever needs more can spare a page.
-    const FEW: usize = 1 << 12;
+    /// 1 MiB: whoever needs more can spare a page.
+    const FEW: usize = 1 << 14;
     /// A large page, 2 MiB, on most systems.
     const PAGE: usize = 1 << 15;
     /// 32 MiB.
