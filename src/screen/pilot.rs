@@ -23,7 +23,7 @@ mod cost {
     pub(super) const SLICE: f64 = 60.0;
     pub(super) const LISTING: f64 = 0.1;
     /// Forming a box and a course, cutting a segment for it, and sorting it.
-    pub(super) const BOX: f64 = 50.0;
+    pub(super) const BOX: f64 = 65.0;
     /// Comparing a box with its neighbours, times the 3/4 power of its candidates.
     pub(super) const SWEEP: f64 = 25.0;
     /// Judging a candidate by its courses.
