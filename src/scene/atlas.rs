@@ -70,6 +70,16 @@ impl Atlas {
         }
     }
 
+    /// A block of so many lines at least in place of another one: that one, if it has the size.
+    pub(crate) fn exchange(&mut self, block: Block, lines: usize) -> Block {
+        if block.lines == size_with_room_for(lines) {
+            return block;
+        }
+        let other = self.take(lines);
+        self.give_back(block);
+        other
+    }
+
     pub(crate) fn at(&self, block: &Block) -> &[Line] {
         &self.chunks[block.chunk].lines()[block.first..][..block.lines]
     }
@@ -178,7 +188,7 @@ mod tests {
         for round in 0..150_000_u32 {
             // More and more of all sizes, then no more than that.
             let most = (round / 20).min(1_000) as usize;
-            if taken.len() > most {
+            while taken.len() > most {
                 let (block, mark) = taken.swap_remove(rng.random_range(0..taken.len()));
                 assert!(is_marked(&atlas, &block, mark), "{block:?} {mark}");
                 atlas.give_back(block);
@@ -188,7 +198,14 @@ mod tests {
             } else {
                 rng.random_range(0..60)
             };
-            let (block, mark) = (atlas.take(lines), f64::from(round));
+            let block = if rng.random_bool(0.5) && !taken.is_empty() {
+                let (block, mark) = taken.swap_remove(rng.random_range(0..taken.len()));
+                assert!(is_marked(&atlas, &block, mark), "{block:?} {mark}");
+                atlas.exchange(block, lines)
+            } else {
+                atlas.take(lines)
+            };
+            let mark = f64::from(round);
             assert!(atlas.at(&block).len() >= lines);
             atlas.at_mut(&block).fill(bytemuck::cast([mark; 8]));
             taken.push((block, mark));

@@ -61,9 +61,17 @@ impl Lines {
         (outline, Self::Own(lines))
     }
 
-    /// The same on lines of an atlas.
-    fn shared(trajectory: &Trajectory, atlas: &mut Atlas) -> (Outline, Self) {
-        let block = atlas.take(lines_for(trajectory));
+    /// The same on lines of an atlas, in place of those of an outline before.
+    fn shared(
+        trajectory: &Trajectory,
+        before: Option<(Outline, Self)>,
+        atlas: &mut Atlas,
+    ) -> (Outline, Self) {
+        let count = lines_for(trajectory);
+        let block = match before {
+            Some((_, Self::Shared(block))) => atlas.exchange(block, count),
+            _ => atlas.take(count),
+        };
         let outline = Outline::of(trajectory, atlas.at_mut(&block));
         (outline, Self::Shared(block))
     }
@@ -132,7 +140,7 @@ pub(crate) struct Occupant {
 impl Occupant {
     /// A body of the scene with this atlas.
     pub(super) fn new(body: Body, atlas: &mut Atlas) -> Self {
-        let outline = Lines::shared(&body.trajectory, atlas).into();
+        let outline = Lines::shared(&body.trajectory, None, atlas).into();
         Self {
             body,
             outline,
@@ -192,8 +200,9 @@ impl Occupant {
 
     /// Gives the body another trajectory, and returns the old one.
     pub(super) fn follow(&mut self, mut trajectory: Trajectory, atlas: &mut Atlas) -> Trajectory {
+        let outline = Lines::shared(&trajectory, self.outline.take(), atlas);
         self.swap(&mut trajectory, atlas);
-        self.outline = Lines::shared(&self.body.trajectory, atlas).into();
+        self.outline = outline.into();
         trajectory
     }
 
