@@ -71,6 +71,12 @@ impl<C: Cubic> Pose<'_, C> {
         }
     }
 
+    /// Whether some of its cubics were summed up.
+    #[inline(always)]
+    pub(crate) const fn has_bundles(&self) -> bool {
+        !self.bundles.is_empty()
+    }
+
     /// Fetches what [`pass`](Self::pass) would read, or the first cubic if there is no such bundle;
     /// gives the one after it.
     #[inline(always)]

@@ -150,13 +150,13 @@ fn exists<C>(pose: &Pose<'_, C>, periods: &[Period]) -> bool {
 
 /// Whether a body mostly goes through so many cubics in a slice that there are bundles of them.
 #[inline(always)]
-fn goes_in_bundles<C>(pose: &Pose<'_, C>, periods: &[Period]) -> bool {
+fn goes_in_bundles<C: Cubic>(pose: &Pose<'_, C>, periods: &[Period]) -> bool {
     let (first, last) = pose.knots.ends();
     let (from, to) = ends_of(periods);
     #[allow(clippy::cast_precision_loss, reason = "an estimate")]
     let [cubics, bundles] =
         [pose.cubics.len(), 2 * Bundle::SIZE * periods.len()].map(|count| count as f64);
-    cubics * (to - from) > bundles * (last - first)
+    pose.has_bundles() && cubics * (to - from) > bundles * (last - first)
 }
 
 /// Fetches what a walk through the slices will read, from a cubic on.
