@@ -162,26 +162,21 @@ impl Scene {
     ///
     /// [`Error::SceneFull`] after 2^32 - 1 bodies.
     pub fn insert(&mut self, body: Body) -> Result<BodyId, Error> {
-        let id = if let Some(slot) = self.free.pop() {
-            let place = &mut self.slots[slot as usize];
-            place.occupant = Some(Occupant::new(body, &mut self.atlas));
-            BodyId {
-                slot,
-                generation: place.generation,
-            }
+        let slot = if let Some(slot) = self.free.pop() {
+            slot
         } else {
             let slot = u32::try_from(self.slots.len())
                 .ok()
                 .filter(|&slot| slot < u32::MAX)
                 .ok_or(Error::SceneFull)?;
-            self.slots.push(Slot {
-                generation: 0,
-                occupant: Some(Occupant::new(body, &mut self.atlas)),
-            });
-            BodyId {
-                slot,
-                generation: 0,
-            }
+            self.slots.push(Slot::default());
+            slot
+        };
+        let place = &mut self.slots[slot as usize];
+        place.occupant = Some(Occupant::new(body, &mut self.atlas));
+        let id = BodyId {
+            slot,
+            generation: place.generation,
         };
         self.len += 1;
         Ok(id)
@@ -193,11 +188,7 @@ impl Scene {
     ///
     /// [`Error::UnknownBody`].
     pub fn remove(&mut self, id: BodyId) -> Result<Body, Error> {
-        let slot = self
-            .slots
-            .get_mut(id.slot as usize)
-            .filter(|slot| slot.generation == id.generation)
-            .ok_or(Error::UnknownBody { id })?;
+        let slot = slot_of(&mut self.slots, id)?;
         let occupant = slot.occupant.take().ok_or(Error::UnknownBody { id })?;
         // A slot whose generations are used up is never handed out again.
         if let Some(generation) = slot.generation.checked_add(1) {
@@ -388,13 +379,18 @@ impl Scene {
 
     /// A body, and where its sketch is.
     fn occupant_mut(&mut self, id: BodyId) -> Result<(&mut Occupant, &mut Atlas), Error> {
-        self.slots
-            .get_mut(id.slot as usize)
-            .filter(|slot| slot.generation == id.generation)
-            .and_then(|slot| slot.occupant.as_mut())
+        let occupant = slot_of(&mut self.slots, id)?.occupant.as_mut();
+        occupant
             .map(|occupant| (occupant, &mut self.atlas))
             .ok_or(Error::UnknownBody { id })
     }
+}
+
+fn slot_of(slots: &mut [Slot], id: BodyId) -> Result<&mut Slot, Error> {
+    slots
+        .get_mut(id.slot as usize)
+        .filter(|slot| slot.generation == id.generation)
+        .ok_or(Error::UnknownBody { id })
 }
 
 impl Clone for Scene {

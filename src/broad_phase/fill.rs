@@ -71,7 +71,7 @@ impl<C: Cubic> Task for Fill<'_, C> {
         }
         for (number, &place) in present.iter().enumerate() {
             self.prefetch_knots(number + 2 * Self::AHEAD);
-            self.look_up(number + Self::AHEAD, periods);
+            let ahead = self.look_up(number + Self::AHEAD, periods);
             let body = place as usize;
             let pose = &self.poses[body];
             if !exists(pose, periods) {
@@ -81,7 +81,7 @@ impl<C: Cubic> Task for Fill<'_, C> {
             let end = Walk {
                 pose,
                 periods,
-                ahead: self.ahead(number + Self::AHEAD, periods),
+                ahead,
                 begin: piece,
             }
             .through(piece, place, &mut self.block.slices[..count]);
@@ -105,32 +105,25 @@ impl<'a, C: Cubic> Fill<'a, C> {
         }
     }
 
-    /// Finds the cubic that a body begins with. If few of its cubics will be read one by one, fetches
-    /// what will be.
+    /// Finds the cubic that a body begins with, given its number among those present. If few of its cubics
+    /// will be read one by one, fetches what will be; else gives what is to be fetched on the way of
+    /// another body.
     #[inline(always)]
-    fn look_up(&mut self, number: usize, periods: &[Period]) {
-        if let Some(&place) = self.present.get(number) {
-            let pose = &self.poses[place as usize];
-            let piece = &mut self.block.pieces[place as usize];
-            let first = cubic_before(&pose.knots, periods[0].from, *piece);
-            *piece = short(first);
-            if exists(pose, periods) && goes_in_bundles(pose, periods) {
-                fetch_route(pose, periods, first);
-            }
-        }
-    }
-
-    /// What to fetch on the way of another body, given the number of one among those present.
-    #[inline(always)]
-    fn ahead(&self, number: usize, periods: &[Period]) -> Ahead<'a, C> {
+    fn look_up(&mut self, number: usize, periods: &[Period]) -> Ahead<'a, C> {
         let Some(&place) = self.present.get(number) else {
             return Ahead::Own;
         };
         let pose = &self.poses[place as usize];
-        if goes_in_bundles(pose, periods) {
-            return Ahead::Nothing;
+        let piece = &mut self.block.pieces[place as usize];
+        let first = cubic_before(&pose.knots, periods[0].from, *piece);
+        *piece = short(first);
+        if !goes_in_bundles(pose, periods) {
+            return Ahead::Later(pose, first);
         }
-        Ahead::Later(pose, self.block.pieces[place as usize] as usize)
+        if exists(pose, periods) {
+            fetch_route(pose, periods, first);
+        }
+        Ahead::Nothing
     }
 }
 
