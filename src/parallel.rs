@@ -98,20 +98,20 @@ pub(crate) fn for_each_chunk<T: Send>(
 }
 
 /// Two things at the same time, unless there are few items to go through: see [`map`].
-pub(crate) fn join<T: Send>(
+pub(crate) fn join<T: Send, U: Send>(
     count: usize,
     few: usize,
     one: impl FnOnce() -> T + Send,
-    other: impl FnOnce() + Send,
-) -> T {
+    other: impl FnOnce() -> U + Send,
+) -> (T, U) {
     #[cfg(feature = "parallel")]
     if count > few {
-        return rayon::join(one, other).0;
+        return rayon::join(one, other);
     }
     #[cfg(not(feature = "parallel"))]
     let _ = (count, few);
-    other();
-    one()
+    let other = other();
+    (one(), other)
 }
 
 /// Sorts by a total order without ties that matter: the same result on any number of threads.

@@ -110,6 +110,19 @@ impl Slices {
         Self { count, ..self }
     }
 
+    /// As many slices, or nearly, so that two or four threads have the same number of them.
+    pub(crate) const fn shared_evenly(self) -> Self {
+        let share = match self.count {
+            0..4 => 1,
+            4..8 => 2,
+            _ => 4,
+        };
+        Self {
+            count: (self.count + share / 2) / share * share,
+            ..self
+        }
+    }
+
     /// The duration of a slice, s.
     pub(crate) fn length(&self) -> f64 {
         (self.end - self.start) / f64::from(self.count)
@@ -174,6 +187,13 @@ mod tests {
         for slice in 1..slices.count() {
             assert!(slices.interval(slice - 1).1.to_bits() == slices.interval(slice).0.to_bits());
         }
+    }
+
+    #[test]
+    fn counts_that_threads_share_evenly_are_nearly_the_same() {
+        let shared = |count| Slices::whole(0.0, 1.0).with_count(count).shared_evenly();
+        let counts = [1, 2, 3, 5, 7, 9, 11, 14, 1001].map(|count| shared(f64::from(count)).count());
+        assert_eq!(counts, [1, 2, 3, 6, 8, 8, 12, 16, 1000]);
     }
 
     #[test]

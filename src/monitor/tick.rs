@@ -133,7 +133,7 @@ impl Monitor {
             scene: &self.scene,
             interrupt: self.interrupt.as_deref(),
         };
-        let known = parallel::join(
+        let (known, ()) = parallel::join(
             self.batch.changed.len(),
             Batch::FEW,
             || {

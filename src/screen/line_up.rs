@@ -100,25 +100,42 @@ impl<'a> LineUp<'a> {
     pub(super) fn parties(&self) -> (Vec<Party<'_>>, Vec<Pose<'_, Stroke>>) {
         /// Fewer are gone through on this thread.
         const FEW: usize = 4096;
-        let frame = Frame::around(self.survey.extremes, self.survey.size);
-        // Most scenes have many bodies with the same sphere, one after the other.
-        let last = || (None, Inflation::NONE);
-        let both = |last: &mut (Option<Sphere>, Inflation), place: usize| {
-            let (occupant, beyond) = self.body(place);
-            let drawing = beyond.map_or_else(|| occupant.drawing(self.atlas), Beyond::drawing);
-            // A screening reads knots next to the sketches.
-            let party = party_over(occupant, beyond, drawing.knots);
-            let sphere = single(party.spheres);
-            if sphere.is_none() || sphere != last.0 {
-                let (spheres, bounding) = (party.spheres, party.bounding);
-                *last = (
-                    sphere,
-                    Inflation::of(spheres, bounding, self.margin, &frame),
-                );
-            }
-            (party, Pose::sketched(&drawing, &last.1, &frame))
-        };
-        parallel::map_both(self.occupants.len(), FEW, last, both)
+        let frame = self.frame();
+        let both = |last: &mut LastInflation, place: usize| self.party(place, &frame, last);
+        parallel::map_both(self.occupants.len(), FEW, LastInflation::none, both)
+    }
+
+    /// How the bodies in some places lie in that frame.
+    pub(super) fn poses(&self, places: &[usize]) -> Vec<Pose<'_, Stroke>> {
+        let (frame, mut last) = (self.frame(), LastInflation::none());
+        let pose = |&place: &usize| self.party(place, &frame, &mut last).1;
+        places.iter().map(pose).collect()
+    }
+
+    fn frame(&self) -> Frame {
+        Frame::around(self.survey.extremes, self.survey.size)
+    }
+
+    /// The body in a place as the narrow phase takes it, and how it lies in a frame.
+    #[inline]
+    fn party(
+        &self,
+        place: usize,
+        frame: &Frame,
+        last: &mut LastInflation,
+    ) -> (Party<'_>, Pose<'_, Stroke>) {
+        let (occupant, beyond) = self.body(place);
+        let drawing = beyond.map_or_else(|| occupant.drawing(self.atlas), Beyond::drawing);
+        // A screening reads knots next to the sketches.
+        let party = party_over(occupant, beyond, drawing.knots);
+        let sphere = single(party.spheres);
+        if sphere.is_none() || sphere != last.sphere {
+            let (spheres, bounding) = (party.spheres, party.bounding);
+            last.sphere = sphere;
+            last.inflation = Inflation::of(spheres, bounding, self.margin, frame);
+        }
+        let pose = Pose::sketched(&drawing, &last.inflation, frame);
+        (party, pose)
     }
 
     /// The body in a place, and what it follows over the window if it goes on beyond its knots.
@@ -137,6 +154,22 @@ impl<'a> LineUp<'a> {
     /// How much moves in the window, from what is known of each body as a whole.
     pub(super) fn traffic(&self) -> Traffic {
         self.survey.traffic()
+    }
+}
+
+/// What was worked out for the body before: most scenes have many with the same sphere, one after
+/// the other.
+struct LastInflation {
+    sphere: Option<Sphere>,
+    inflation: Inflation,
+}
+
+impl LastInflation {
+    const fn none() -> Self {
+        Self {
+            sphere: None,
+            inflation: Inflation::NONE,
+        }
     }
 }
 

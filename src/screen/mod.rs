@@ -23,6 +23,7 @@ use crate::conflict::{ClosestApproach, Conflict};
 use crate::error::Error;
 use crate::id::BodyId;
 use crate::narrow_phase::{Party, certified_approach, closest_approach};
+use crate::parallel;
 use crate::query::Query;
 use crate::scene::Scene;
 use crate::spans::{Spans, spans};
@@ -153,11 +154,10 @@ impl Scene {
     /// How many slices the query's window would be cut into, at the least expected cost.
     pub(crate) fn cheapest_slices(&self, query: &Query) -> Result<u32, Error> {
         let line_up = LineUp::new(self, query)?;
-        let (parties, poses) = line_up.parties();
-        if parties.len() < 2 {
+        if line_up.ids.len() < 2 {
             return Ok(1);
         }
-        let slices = line_up.slices(&line_up.traffic(), &poses);
+        let slices = line_up.slices(&line_up.traffic(), |places| line_up.poses(places));
         Ok(slices.count())
     }
 
@@ -193,47 +193,68 @@ impl LineUp<'_> {
         filter: &F,
         progress: &(impl Fn(f64) + Sync),
     ) -> Result<Screening, Error> {
-        let (parties, poses) = self.parties();
-        let mut stats = Stats {
-            bodies: parties.len() as u64,
-            segments: parties
-                .iter()
-                .map(|party| party.segments.len() as u64)
-                .sum(),
-            ..Stats::default()
-        };
-        let survivors = if parties.len() < 2 {
-            Vec::new()
+        /// Fewer bodies are sooner lined up than another thread wakes up.
+        const FEW: usize = 1024;
+        if self.ids.len() < 2 {
+            let (parties, _) = self.parties();
+            return Ok(Screening {
+                conflicts: Vec::new(),
+                stats: counted(&parties),
+            });
+        }
+        let traffic = self.traffic();
+        let ((parties, poses), slices) = if parallel::threads() > 1 && self.ids.len() > FEW {
+            let slices = || self.slices(&traffic, |places| self.poses(places));
+            let (slices, lined_up) = parallel::join(self.ids.len(), FEW, slices, || self.parties());
+            (lined_up, slices)
         } else {
-            match method {
-                Method::BruteForce => self.survivors(
-                    |scratch| &mut scratch.brute_force,
-                    (&parties, &poses),
-                    filter,
-                    progress,
-                    &mut stats,
-                ),
-                Method::Tree => self.survivors(
-                    |scratch| &mut scratch.tree,
-                    (&parties, &poses),
-                    filter,
-                    progress,
-                    &mut stats,
-                ),
-                Method::Sweep => self.survivors(
-                    |scratch| scratch.sweep.at(self.level),
-                    (&parties, &poses),
-                    filter,
-                    progress,
-                    &mut stats,
-                ),
-            }?
+            // Then it is cheaper to copy some than to look at their bodies again.
+            let (parties, poses) = self.parties();
+            let some = |places: &[usize]| places.iter().map(|&place| poses[place]).collect();
+            let slices = self.slices(&traffic, some);
+            ((parties, poses), slices)
         };
+        let mut stats = counted(&parties);
+        let bodies = (&parties[..], &poses[..]);
+        let cut = (&slices, &self.blocks(&traffic, &slices));
+        let survivors = match method {
+            Method::BruteForce => self.survivors(
+                |scratch| &mut scratch.brute_force,
+                (bodies, cut),
+                filter,
+                progress,
+                &mut stats,
+            ),
+            Method::Tree => self.survivors(
+                |scratch| &mut scratch.tree,
+                (bodies, cut),
+                filter,
+                progress,
+                &mut stats,
+            ),
+            Method::Sweep => self.survivors(
+                |scratch| scratch.sweep.at(self.level),
+                (bodies, cut),
+                filter,
+                progress,
+                &mut stats,
+            ),
+        }?;
         let begin = Instant::now();
         let conflicts = self.solve(&parties, &survivors);
         stats.narrow_time += begin.elapsed();
         stats.survivors = survivors.len() as u64;
         stats.conflicts = conflicts.len() as u64;
         Ok(Screening { conflicts, stats })
+    }
+}
+
+/// The beginning of the funnel.
+fn counted(parties: &[Party<'_>]) -> Stats {
+    let segments = parties.iter().map(|party| party.segments.len() as u64);
+    Stats {
+        bodies: parties.len() as u64,
+        segments: segments.sum(),
+        ..Stats::default()
     }
 }

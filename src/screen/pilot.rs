@@ -121,8 +121,12 @@ impl Trial {
 
 impl LineUp<'_> {
     /// The window, and no less than all that is reported of it, cut into slices of the length that is
-    /// expected to cost least.
-    pub(super) fn slices(&self, traffic: &Traffic, poses: &[Pose<'_, Stroke>]) -> Slices {
+    /// expected to cost least. `poses` gives those of the bodies in some places.
+    pub(super) fn slices<'p>(
+        &self,
+        traffic: &Traffic,
+        poses: impl FnOnce(&[usize]) -> Vec<Pose<'p, Stroke>>,
+    ) -> Slices {
         /// Fewer bodies are not worth a trial.
         const FEW: usize = 64;
         /// Each may change the length fourfold.
@@ -136,16 +140,16 @@ impl LineUp<'_> {
             return slices.with_count(f64::from(count.get()));
         }
         let present = traffic.present(window);
-        let sample = sample(poses.len(), present, slices.count());
+        let sample = sample(self.ids.len(), present, slices.count());
         // Where everybody is near everybody all the time slices save nothing.
         let spans = traffic.spans(window);
         let most_near = 0.5 * present * present * f64::from(slices.count());
         if sample.len() < FEW && most_near <= spans {
             return slices;
         }
-        let sampled: Vec<Pose<'_, Stroke>> = sample.iter().map(|&place| poses[place]).collect();
+        let sampled = poses(&sample);
         let presence = self.presence.of_some(&sample);
-        let whole = poses.len() as f64 / sample.len() as f64;
+        let whole = self.ids.len() as f64 / sample.len() as f64;
         let mut last: Option<(Trial, f64)> = None;
         for _ in 0..MOST_TRIALS {
             let cubics = 1.0 + traffic.cubics_in(slices.length());
@@ -169,7 +173,7 @@ impl LineUp<'_> {
             }
             last = Some((trial, factor));
         }
-        slices
+        slices.shared_evenly()
     }
 
     /// Counts in a few slices of a length, scaled from the sample to all bodies.

@@ -6,7 +6,7 @@ use super::scratch::Scratch;
 use super::sift::{Question, Survivor};
 use crate::bounds::{Pose, Stroke};
 use crate::broad_phase::fill::{Block, Fill};
-use crate::broad_phase::slices::Slices;
+use crate::broad_phase::slices::{Slices, Traffic};
 use crate::broad_phase::{BroadPhase, PairFilter, Room};
 use crate::error::Error;
 use crate::narrow_phase::Party;
@@ -15,6 +15,9 @@ use crate::stats::Stats;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
+
+/// Each body as the narrow phase takes it, and how it lies in the frame.
+type Bodies<'a> = (&'a [Party<'a>], &'a [Pose<'a, Stroke>]);
 
 impl LineUp<'_> {
     /// Slices and cheap tests: every span of every pair in which they may touch, each once.
@@ -25,17 +28,12 @@ impl LineUp<'_> {
     pub(super) fn survivors<B: BroadPhase, F: PairFilter>(
         &self,
         method: impl Fn(&mut Scratch) -> &mut B + Sync + Send,
-        (parties, poses): (&[Party<'_>], &[Pose<'_, Stroke>]),
+        ((parties, poses), (slices, blocks)): (Bodies<'_>, (&Slices, &Blocks)),
         filter: &F,
         progress: &(impl Fn(f64) + Sync),
         stats: &mut Stats,
     ) -> Result<Vec<Survivor>, Error> {
-        let traffic = self.traffic();
-        let slices = self.slices(&traffic, poses);
         stats.slices = u64::from(slices.count());
-        let present = traffic.present((self.window.start(), self.window.end()));
-        let cubics = traffic.cubics_in(slices.length());
-        let blocks = Blocks::new((slices.count(), cubics), parties.len(), present);
         let done_blocks = AtomicU32::new(0);
         let mut survivors = Vec::new();
         let mut arranger = Arranger::default();
@@ -46,7 +44,7 @@ impl LineUp<'_> {
             let results = parallel::map(round, 1, take, |borrowed, block| {
                 let scratch = &mut borrowed.scratch;
                 let range = blocks.range(first + block);
-                let found = self.block(&method, parties, poses, &slices, range, filter, scratch);
+                let found = self.block(&method, parties, poses, slices, range, filter, scratch);
                 let done = done_blocks.fetch_add(1, Ordering::Relaxed) + 1;
                 if done < blocks.count {
                     progress(f64::from(done) / f64::from(blocks.count));
@@ -65,6 +63,13 @@ impl LineUp<'_> {
             first += round;
         }
         Ok(survivors)
+    }
+
+    /// How slices are dealt out.
+    pub(super) fn blocks(&self, traffic: &Traffic, slices: &Slices) -> Blocks {
+        let present = traffic.present((self.window.start(), self.window.end()));
+        let cubics = traffic.cubics_in(slices.length());
+        Blocks::new((slices.count(), cubics), self.ids.len(), present)
     }
 
     fn check_room(&self, survivors: usize) -> Result<(), Error> {
@@ -155,7 +160,7 @@ impl LineUp<'_> {
 }
 
 /// Slices dealt out in blocks of about equal size. What is found does not depend on it.
-struct Blocks {
+pub(super) struct Blocks {
     slices: u32,
     count: u32,
     /// Blocks after which what survived is put together: a span that lasts for many slices is then
