@@ -20,6 +20,8 @@ pub(super) struct Scratch {
     pub(super) present: Vec<u32>,
     pub(super) block: Block,
     pub(super) candidates: Vec<Candidate>,
+    /// How many of them each slice has.
+    pub(super) counts: Vec<usize>,
     pub(super) sieve: Sieve,
     pub(super) arranger: Arranger,
 }

@@ -116,39 +116,52 @@ impl LineUp<'_> {
         // Taken out meanwhile, so that the method can be borrowed beside them.
         let block = std::mem::take(&mut scratch.block);
         let mut candidates = std::mem::take(&mut scratch.candidates);
-        for (number, slice) in range.zip(&block.slices) {
-            let begin = Instant::now();
-            candidates.clear();
-            let by_place = ByPlace {
-                bodies: &slice.bodies,
-                filter,
-            };
-            let admission = Room::new(&by_place, MOST_CANDIDATES.max(self.most_spans as u64));
-            method(scratch).pairs(&slice.boxes, &admission, &mut candidates);
-            if admission.is_short() {
-                return Err(self.too_crowded());
+        let mut counts = std::mem::take(&mut scratch.counts);
+        let mut begin = Instant::now();
+        let mut number = range.start;
+        for run in block.slices[..range.len()].chunks(slices_in_a_run(&block, range.len())) {
+            (candidates.clear(), counts.clear());
+            for slice in run {
+                let first = candidates.len();
+                let by_place = ByPlace {
+                    bodies: &slice.bodies,
+                    filter,
+                };
+                let room = Room::new(&by_place, MOST_CANDIDATES.max(self.most_spans as u64));
+                method(scratch).pairs(&slice.boxes, &room, &mut candidates);
+                if room.is_short() {
+                    return Err(self.too_crowded());
+                }
+                counts.push(candidates.len() - first);
+                stats.boxes += slice.boxes.len() as u64;
             }
             let found = Instant::now();
-            let question = Question {
-                parties,
-                poses,
-                slice,
-                interval: slices.interval(number),
-                margin: self.margin,
-                level: self.level,
-                most_spans: self.most_spans,
-            };
-            stats.spans += scratch.sieve.sift(&question, &candidates, &mut survivors);
-            stats.boxes += slice.boxes.len() as u64;
-            stats.candidates += candidates.len() as u64;
-            stats.broad_time += found - begin;
-            if survivors.len() > self.most_spans {
-                scratch.arranger.tidy(&mut survivors, parties.len());
-                self.check_room(survivors.len())?;
+            let mut rest = &candidates[..];
+            for (slice, &count) in run.iter().zip(&counts) {
+                let (these, others) = rest.split_at(count);
+                let question = Question {
+                    parties,
+                    poses,
+                    slice,
+                    interval: slices.interval(number),
+                    margin: self.margin,
+                    level: self.level,
+                    most_spans: self.most_spans,
+                };
+                stats.spans += scratch.sieve.sift(&question, these, &mut survivors);
+                (rest, number) = (others, number + 1);
+                if survivors.len() > self.most_spans {
+                    scratch.arranger.tidy(&mut survivors, parties.len());
+                    self.check_room(survivors.len())?;
+                }
             }
-            stats.narrow_time += found.elapsed();
+            stats.candidates += candidates.len() as u64;
+            let sifted = Instant::now();
+            stats.broad_time += found - begin;
+            stats.narrow_time += sifted - found;
+            begin = sifted;
         }
-        (scratch.block, scratch.candidates) = (block, candidates);
+        (scratch.block, scratch.candidates, scratch.counts) = (block, candidates, counts);
         let begin = Instant::now();
         scratch.sieve.empty(self.level, &mut survivors);
         if survivors.len() > FEW_SURVIVORS {
@@ -157,6 +170,14 @@ impl LineUp<'_> {
         stats.narrow_time += begin.elapsed();
         Ok((survivors, stats))
     }
+}
+
+/// How many of a block's slices are compared before what was found in them is sifted: as many as have
+/// few boxes. Reading the clock takes as long as a few boxes.
+fn slices_in_a_run(block: &Block, count: usize) -> usize {
+    const BOXES: usize = 1024;
+    let boxes = block.slices[..count].iter().map(|slice| slice.boxes.len());
+    (BOXES * count / boxes.sum::<usize>().max(1)).max(1)
 }
 
 /// Slices dealt out in blocks of about equal size. What is found does not depend on it.
