@@ -22,6 +22,9 @@ use crate::window::Window;
 use std::num::NonZeroU32;
 use std::sync::Arc;
 
+/// Each body as the narrow phase takes it, and how it lies in a frame; by place.
+pub(super) type Lists<'a> = (Vec<Party<'a>>, Vec<Pose<'a, Stroke>>);
+
 /// The bodies of a scene as the pipeline sees them: by place, in the order of their ids.
 pub(super) struct LineUp<'a> {
     pub(super) ids: Vec<BodyId>,
@@ -97,7 +100,7 @@ impl<'a> LineUp<'a> {
 
     /// Each body as the narrow phase takes it, and how it lies in a frame that serves all of them; by
     /// place.
-    pub(super) fn parties(&self) -> (Vec<Party<'_>>, Vec<Pose<'_, Stroke>>) {
+    pub(super) fn parties(&self) -> Lists<'_> {
         /// Fewer are gone through on this thread.
         const FEW: usize = 4096;
         let frame = self.frame();

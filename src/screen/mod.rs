@@ -18,6 +18,7 @@ pub(crate) use scratch::Pool;
 pub(crate) use solve::conflict;
 
 use crate::accuracy::TimeEnclosure;
+use crate::broad_phase::slices::{Slices, Traffic};
 use crate::broad_phase::{Everyone, Method, PairFilter};
 use crate::conflict::{ClosestApproach, Conflict};
 use crate::error::Error;
@@ -29,7 +30,7 @@ use crate::scene::Scene;
 use crate::spans::{Spans, spans};
 use crate::stats::Stats;
 use crate::window::Window;
-use line_up::{Admission, LineUp, clip_of, lone_party};
+use line_up::{Admission, LineUp, Lists, clip_of, lone_party};
 use solve::describe;
 use std::time::Instant;
 
@@ -187,14 +188,28 @@ impl Scene {
 }
 
 impl LineUp<'_> {
+    /// All bodies, and the window in slices: both at the same time where there are many bodies.
+    fn prepared(&self, traffic: &Traffic) -> (Lists<'_>, Slices) {
+        /// Fewer are sooner lined up than another thread wakes up.
+        const FEW: usize = 1024;
+        if parallel::threads() > 1 && self.ids.len() > FEW {
+            let slices = || self.slices(traffic, |places| self.poses(places));
+            let (slices, lists) = parallel::join(self.ids.len(), FEW, slices, || self.parties());
+            return (lists, slices);
+        }
+        // Then it is cheaper to copy some than to look at their bodies again.
+        let (parties, poses) = self.parties();
+        let some = |places: &[usize]| places.iter().map(|&place| poses[place]).collect();
+        let slices = self.slices(traffic, some);
+        ((parties, poses), slices)
+    }
+
     fn screen<F: PairFilter>(
         &self,
         method: Method,
         filter: &F,
         progress: &(impl Fn(f64) + Sync),
     ) -> Result<Screening, Error> {
-        /// Fewer bodies are sooner lined up than another thread wakes up.
-        const FEW: usize = 1024;
         if self.ids.len() < 2 {
             let (parties, _) = self.parties();
             return Ok(Screening {
@@ -203,38 +218,31 @@ impl LineUp<'_> {
             });
         }
         let traffic = self.traffic();
-        let ((parties, poses), slices) = if parallel::threads() > 1 && self.ids.len() > FEW {
-            let slices = || self.slices(&traffic, |places| self.poses(places));
-            let (slices, lined_up) = parallel::join(self.ids.len(), FEW, slices, || self.parties());
-            (lined_up, slices)
-        } else {
-            // Then it is cheaper to copy some than to look at their bodies again.
-            let (parties, poses) = self.parties();
-            let some = |places: &[usize]| places.iter().map(|&place| poses[place]).collect();
-            let slices = self.slices(&traffic, some);
-            ((parties, poses), slices)
-        };
+        let ((parties, poses), slices) = self.prepared(&traffic);
         let mut stats = counted(&parties);
         let bodies = (&parties[..], &poses[..]);
         let cut = (&slices, &self.blocks(&traffic, &slices));
         let survivors = match method {
             Method::BruteForce => self.survivors(
                 |scratch| &mut scratch.brute_force,
-                (bodies, cut),
+                bodies,
+                cut,
                 filter,
                 progress,
                 &mut stats,
             ),
             Method::Tree => self.survivors(
                 |scratch| &mut scratch.tree,
-                (bodies, cut),
+                bodies,
+                cut,
                 filter,
                 progress,
                 &mut stats,
             ),
             Method::Sweep => self.survivors(
                 |scratch| scratch.sweep.at(self.level),
-                (bodies, cut),
+                bodies,
+                cut,
                 filter,
                 progress,
                 &mut stats,

@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
 
 /// Each body as the narrow phase takes it, and how it lies in the frame.
-type Bodies<'a> = (&'a [Party<'a>], &'a [Pose<'a, Stroke>]);
+pub(super) type Bodies<'a> = (&'a [Party<'a>], &'a [Pose<'a, Stroke>]);
 
 impl LineUp<'_> {
     /// Slices and cheap tests: every span of every pair in which they may touch, each once.
@@ -28,11 +28,13 @@ impl LineUp<'_> {
     pub(super) fn survivors<B: BroadPhase, F: PairFilter>(
         &self,
         method: impl Fn(&mut Scratch) -> &mut B + Sync + Send,
-        ((parties, poses), (slices, blocks)): (Bodies<'_>, (&Slices, &Blocks)),
+        bodies: Bodies<'_>,
+        (slices, blocks): (&Slices, &Blocks),
         filter: &F,
         progress: &(impl Fn(f64) + Sync),
         stats: &mut Stats,
     ) -> Result<Vec<Survivor>, Error> {
+        let (parties, _) = bodies;
         stats.slices = u64::from(slices.count());
         let done_blocks = AtomicU32::new(0);
         let mut survivors = Vec::new();
@@ -44,7 +46,7 @@ impl LineUp<'_> {
             let results = parallel::map(round, 1, take, |borrowed, block| {
                 let scratch = &mut borrowed.scratch;
                 let range = blocks.range(first + block);
-                let found = self.block(&method, parties, poses, slices, range, filter, scratch);
+                let found = self.block(&method, bodies, slices, range, filter, scratch);
                 let done = done_blocks.fetch_add(1, Ordering::Relaxed) + 1;
                 if done < blocks.count {
                     progress(f64::from(done) / f64::from(blocks.count));
@@ -85,15 +87,11 @@ impl LineUp<'_> {
         }
     }
 
-    #[allow(
-        clippy::too_many_arguments,
-        reason = "one stage's inputs, each of its own kind"
-    )]
+    /// The same of a few slices, beside how many were looked at.
     fn block<B: BroadPhase, F: PairFilter>(
         &self,
         method: impl Fn(&mut Scratch) -> &mut B,
-        parties: &[Party<'_>],
-        poses: &[Pose<'_, Stroke>],
+        (parties, poses): Bodies<'_>,
         slices: &Slices,
         range: Range<u32>,
         filter: &F,
@@ -120,7 +118,8 @@ impl LineUp<'_> {
         let mut begin = Instant::now();
         let mut number = range.start;
         for run in block.slices[..range.len()].chunks(slices_in_a_run(&block, range.len())) {
-            (candidates.clear(), counts.clear());
+            candidates.clear();
+            counts.clear();
             for slice in run {
                 let first = candidates.len();
                 let by_place = ByPlace {
