@@ -8,15 +8,16 @@ use glam::Vec4;
 
 /// Four consecutive cubics, or four bundles of them, as one: 64 bytes.
 ///
-/// Coordinates are as in a [`Stroke`]. A path that strays some way from the line between its ends
-/// strays from any other line (each gone along in proportion to time) at most by that and what the
-/// farther one of its ends does.
+/// Coordinates are as in a [`Stroke`]. A path that strays some way from a line strays from any other
+/// one (each gone along in proportion to time), to either side, at most by that and what the end of
+/// the line that is farther on that side does. The line lies midway between how far the path strays to
+/// either side of the line between its ends.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(crate) struct Bundle {
-    /// Where it begins; the last lane is what rounding is relative to besides coordinates.
+    /// Where its line begins; the last lane is what rounding is relative to besides coordinates.
     start: Vec4,
-    /// Where it ends, and its extremes; their last lanes are how far it strays on each axis.
+    /// Where that ends, and its extremes; their last lanes are how far it strays on each axis.
     end: Vec4,
     low: Vec4,
     high: Vec4,
@@ -78,10 +79,10 @@ impl Bundle {
 
     /// Of four bundles, with as many cubics each between these knots.
     fn of_bundles(bundles: &[Self], knots: &[f64]) -> Self {
-        let (first, last) = (&bundles[0], &bundles[Self::SIZE - 1]);
+        let [first, last] = [0, Self::SIZE - 1].map(|number| bundles[number].unpack(1.0));
         let step = (knots.len() - 1) / Self::SIZE;
         let period = Period::new(knots[0], knots[knots.len() - 1]);
-        let mut trace = Trace::toward((first.start, period.from), last.end, &period);
+        let mut trace = Trace::between_bundles(&first, &last, &period);
         for (bundle, number) in bundles.iter().zip(1..) {
             trace.pass(&bundle.unpack(1.0), knots[number * step]);
         }

@@ -30,6 +30,12 @@ impl Period {
         Self { from, to, rate }
     }
 
+    /// Whether a piece lasts from its beginning to its end, and some time.
+    #[inline(always)]
+    pub(crate) fn is_filled_by(&self, piece: &Piece) -> bool {
+        self.rate > 0.0 && piece.from <= self.from && piece.to >= self.to
+    }
+
     /// Which share of it has passed at an instant.
     #[inline(always)]
     fn share(&self, time: f64) -> f32 {
@@ -46,8 +52,9 @@ pub(crate) struct Trace {
     /// What rounding is relative to, besides these, and how often a piece was split at most.
     near: f32,
     splits: f32,
-    /// Largest distance from the line on each axis.
-    stray: Vec4,
+    /// How far it strays from the line on each axis: to the one side, and to the other.
+    least: Vec4,
+    most: Vec4,
     /// The line from where the first piece begins to where the last one ends.
     start: Vec4,
     change: Vec4,
@@ -65,9 +72,42 @@ impl Trace {
         trace
     }
 
+    /// Of a single piece from the slice's beginning to its end.
+    #[inline(always)]
+    pub(crate) fn alone(piece: &Piece, period: &Period) -> Self {
+        let [p0, p1, p2, p3] = piece.points;
+        let change = p3 - p0;
+        let third = change * (1.0 / 3.0);
+        // It ends on the line: what is left are the weights of the two other points, which make up
+        // 3 s (1 - s).
+        let (d1, d2) = ((p1 - p0) - third, (p2 - p3) + third);
+        Self {
+            low: p0.min(p1).min(p2.min(p3)),
+            high: p0.max(p1).max(p2.max(p3)),
+            near: piece.near,
+            splits: piece.splits,
+            least: d1.min(d2).min(Vec4::ZERO) * 0.75,
+            most: d1.max(d2).max(Vec4::ZERO) * 0.75,
+            start: p0,
+            change,
+            line: p3,
+            period: *period,
+        }
+    }
+
+    /// From a bundle, at the beginning of a period, to where another one ends.
+    pub(super) fn between_bundles(first: &Unpacked, last: &Unpacked, period: &Period) -> Self {
+        Self {
+            // It does not go through the ends of their lines.
+            low: first.low,
+            high: first.high,
+            ..Self::toward((first.start, period.from), last.end, period)
+        }
+    }
+
     /// From a point at an instant (s) to another one.
     #[inline(always)]
-    pub(super) fn toward((start, from): (Vec4, f64), end: Vec4, period: &Period) -> Self {
+    fn toward((start, from): (Vec4, f64), end: Vec4, period: &Period) -> Self {
         // In no time there is no change: what is elsewhere strays.
         let change = if period.rate > 0.0 {
             end - start
@@ -80,7 +120,8 @@ impl Trace {
             high: start,
             near: 0.0,
             splits: 0.0,
-            stray: (start - line).abs(),
+            least: start - line,
+            most: start - line,
             start,
             change,
             line,
@@ -94,7 +135,7 @@ impl Trace {
         let start = piece.points[0];
         self.low = self.low.min(start);
         self.high = self.high.max(start);
-        self.stray = self.stray.max((start - self.line).abs());
+        self.stray(start - self.line);
         self.follow(piece);
     }
 
@@ -110,9 +151,17 @@ impl Trace {
         let line_3 = self.start + self.change * self.period.share(piece.to);
         let third = (line_3 - self.line) * (1.0 / 3.0);
         let (line_1, line_2) = (self.line + third, line_3 - third);
-        let stray = (p1 - line_1).abs().max((p2 - line_2).abs());
-        self.stray = self.stray.max(stray.max((p3 - line_3).abs()));
+        let (d1, d2, d3) = (p1 - line_1, p2 - line_2, p3 - line_3);
+        self.least = self.least.min(d1.min(d2).min(d3));
+        self.most = self.most.max(d1.max(d2).max(d3));
         self.line = line_3;
+    }
+
+    /// Takes in where it is, measured from the line.
+    #[inline(always)]
+    fn stray(&mut self, point: Vec4) {
+        self.least = self.least.min(point);
+        self.most = self.most.max(point);
     }
 
     /// Goes on with many cubics at once, until an instant (s).
@@ -123,24 +172,35 @@ impl Trace {
         self.near = self.near.max(bundle.near);
         let line = self.start + self.change * self.period.share(until);
         let (first, last) = (bundle.start - self.line, bundle.end - line);
-        let ends = first.abs().max(last.abs());
-        self.stray = self.stray.max(bundle.stray + ends);
+        self.least = self.least.min(first.min(last) - bundle.stray);
+        self.most = self.most.max(first.max(last) + bundle.stray);
         self.line = line;
+    }
+
+    /// The middle between how far it strays to either side, and how far it strays from the line moved
+    /// there: where a motion bends one way, half as far as from the line between its ends.
+    #[inline(always)]
+    fn middle(&self) -> (Vec4, Vec4) {
+        let middle = (self.least + self.most) * 0.5;
+        (middle, (self.most - middle).max(middle - self.least))
     }
 
     /// All of it as a bundle; `end` is where it ends.
     pub(super) fn sum_up(&self, end: Vec4) -> Bundle {
-        // Of the line: three of where it starts, eight of its change, shares of time included.
-        let rounding = (self.start.abs() + self.change.abs()) * (8.0 * ROUNDING);
+        let (middle, stray) = self.middle();
+        // Of the line: three of where it starts, eight of its change, shares of time included; one
+        // where either end is moved.
+        let size = self.start.abs() + self.change.abs() + middle.abs();
+        let rounding = size * (9.0 * ROUNDING);
         // A bundle is about the line to its end, even if that takes no time.
         let turned = (end - self.start - self.change).abs();
         Bundle::new(&Unpacked {
-            start: self.start,
-            end,
+            start: self.start + middle,
+            end: end + middle,
             low: self.low,
             high: self.high,
             near: self.near,
-            stray: (self.stray + rounding + turned) * (1.0 + 4.0 * ROUNDING),
+            stray: (stray + rounding + turned) * (1.0 + 4.0 * ROUNDING),
         })
     }
 
@@ -152,8 +212,11 @@ impl Trace {
         // How far rounding can have moved each coordinate.
         let largest = low.abs().max(high.abs());
         let rounding = Piece::roundings(largest, self.near, self.splits) + stance.steady;
-        let (start, change) = (stance.place + self.start, self.change);
-        let course = course(start, change, (self.stray, rounding), stance.reach, first);
+        let (middle, stray) = self.middle();
+        let (start, change) = (stance.place + (self.start + middle), self.change);
+        // One where the line is moved.
+        let moved = rounding + middle.abs() * ROUNDING;
+        let course = course(start, change, (stray, moved), stance.reach, first);
         // Of the place, of the two sums with it, and of the subtraction below: 4; and more than the
         // clearance of filters.
         let rounding = rounding + stance.place.abs() * (6.0 * ROUNDING);
@@ -201,11 +264,55 @@ const VANISHING: f32 = 1e-18;
 mod tests {
     use super::super::bundle::largest;
     use super::super::sketch::Sketch;
+    use super::super::{Extremes, Frame, Inflation, Pose};
     use super::*;
+    use crate::broad_phase::fill::{Block, Fill};
+    use crate::hitbox::Hitbox;
+    use crate::simd::Level;
     use crate::trajectory::{State, Trajectory};
     use glam::DVec3;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
+
+    /// The course of what bends one way lies in the middle of the bend: it strays half as far as the
+    /// line between the ends does.
+    #[test]
+    fn courses_lie_in_the_middle_of_a_bend() {
+        let thrown = |time: f64| {
+            let (place, velocity) = (DVec3::new(3.0, 5.0 * time, 0.0), DVec3::new(4.0, 5.0, 0.0));
+            let fall = DVec3::X * (-4.0 * time);
+            State::new(
+                time,
+                place + velocity.x * DVec3::X * time + 0.5 * time * fall,
+                velocity + fall,
+            )
+        };
+        // It rises 2 m and falls again, in one cubic, in several, and in bundles of them.
+        for count in [1, 3, 40] {
+            let states = (0..=count).map(|k| thrown(2.0 * f64::from(k) / f64::from(count)));
+            let Ok(flight) = Trajectory::from_states(&states.collect::<Vec<_>>()) else {
+                unreachable!("the states are in order")
+            };
+            let (sketch, lines) = Sketch::of(flight.knots(), flight.segments());
+            let frame = Frame::around(Extremes::NOTHING, 0.0);
+            let hitbox = Hitbox::POINT;
+            let inflation = Inflation::of(hitbox.spheres(), hitbox.bounding(), 0.0, &frame);
+            let pose = Pose::sketched(&sketch.on(&lines), &inflation, &frame);
+            let mut block = Block::default();
+            Level::best().run(Fill {
+                block: &mut block,
+                poses: &[pose],
+                present: &[0],
+                ends: &[0.0, 2.0],
+            });
+            let course = block.slices[0].courses[0];
+            assert!((course.start[0] - 4.0).abs() < 0.15, "{count} {course:?}");
+            assert!(
+                course.slack > 1.0 && course.slack < 1.15,
+                "{count} {course:?}"
+            );
+        }
+    }
 
     /// Whatever the line, a bundle strays from it as far as its cubics do, and not much farther.
     #[test]
@@ -251,10 +358,13 @@ mod tests {
                 let ends = (knots[number], knots[number + 1]);
                 whole.follow_from_start(&Piece::whole(&strokes[number], ends, 1.0));
             }
-            let (near, far) = (whole.stray.truncate(), bundled.stray.truncate());
-            assert!(far.cmpge(near * (1.0 - 1e-6)).all(), "{near} {far}");
             let curved = bundle.unpack(1.0).stray.truncate();
-            assert!(far.cmple(near + curved + 1e-6).all(), "{near} {far}");
+            // To either side.
+            for (near, far) in [(whole.most, bundled.most), (-whole.least, -bundled.least)] {
+                let (near, far) = (near.truncate(), far.truncate());
+                assert!(far.cmpge(near - 1e-6 * near.abs()).all(), "{near} {far}");
+                assert!(far.cmple(near + 2.0 * curved + 1e-6).all(), "{near} {far}");
+            }
             assert_eq!((whole.low.truncate(), whole.high.truncate()), {
                 (bundled.low.truncate(), bundled.high.truncate())
             });

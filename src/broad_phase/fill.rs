@@ -271,7 +271,11 @@ impl<C: Cubic> Walk<'_, C> {
             let trace = if number == begin {
                 let (piece, after) = rest.split(period.to.min(rest.end()));
                 rest = after;
-                Trace::between(&piece, &piece, period)
+                if period.is_filled_by(&piece) {
+                    Trace::alone(&piece, period)
+                } else {
+                    Trace::between(&piece, &piece, period)
+                }
             } else {
                 let head = rest;
                 let whole = self.piece(number);

@@ -110,11 +110,11 @@ impl Slices {
         Self { count, ..self }
     }
 
-    /// As many slices, or nearly, so that two or four threads have the same number of them.
+    /// As many slices, or nearly, so that a few threads have about the same number of them.
     pub(crate) const fn shared_evenly(self) -> Self {
         let share = match self.count {
             0..4 => 1,
-            4..8 => 2,
+            4..16 => 2,
             _ => 4,
         };
         Self {
@@ -193,7 +193,7 @@ mod tests {
     fn counts_that_threads_share_evenly_are_nearly_the_same() {
         let shared = |count| Slices::whole(0.0, 1.0).with_count(count).shared_evenly();
         let counts = [1, 2, 3, 5, 7, 9, 11, 14, 1001].map(|count| shared(f64::from(count)).count());
-        assert_eq!(counts, [1, 2, 3, 6, 8, 8, 12, 16, 1000]);
+        assert_eq!(counts, [1, 2, 3, 6, 8, 10, 12, 14, 1000]);
     }
 
     #[test]
