@@ -89,11 +89,13 @@ fn live_on(monitor: &mut Monitor, rng: &mut ChaCha8Rng, events: &mut Vec<Event>)
         let id = ids[rng.random_range(0..ids.len())];
         let begin = now + rng.random_range(-1.0..1.0);
         let plan = body(rng, begin).trajectory;
-        commands.push(match rng.random_range(0..6) {
+        commands.push(match rng.random_range(0..8) {
             0 | 1 => Command::Replan(id, now + rng.random_range(0.0..2.0), plan),
             2 => Command::Extend(id, plan),
             3 => Command::SetTrajectory(id, plan),
             4 => Command::SetHitbox(id, body(rng, now).hitbox),
+            5 if id != ids[0] => Command::IgnorePair(id, ids[0]),
+            6 if id != ids[0] => Command::HeedPair(ids[0], id),
             _ => Command::SetLayers(id, body(rng, now).layers),
         });
     }

@@ -1,7 +1,7 @@
 //! Changes between ticks: each is checked as a whole before any of it takes effect.
 
 use super::Monitor;
-use super::command::{Batch, Command, Terms};
+use super::command::{Batch, Command, Heed, Terms};
 use super::event::EndReason;
 use super::flights::Flight;
 use super::grid::{Grid, Review, Signs};
@@ -199,6 +199,13 @@ impl Monitor {
     /// Lets a batch take effect. Nothing is refused: the scene has room for them, and all
     /// ids were found.
     fn take_over(&mut self, batch: &mut Batch) -> Result<Vec<BodyId>, Error> {
+        // Of bodies, some of which may be removed below.
+        for &(a, b, heed) in &batch.pairs {
+            match heed {
+                Heed::Ignored => self.ignore(a, b)?,
+                Heed::Watched => self.heed(a, b)?,
+            }
+        }
         for place in 0..batch.changed.len() {
             if let Some(later) = batch.changed.get(place + Batch::AHEAD) {
                 self.scene.prefetch(later.id.slot);
@@ -235,11 +242,16 @@ impl Monitor {
     ///
     /// [`Error::UnknownBody`], [`Error::SameBody`].
     pub fn ignore_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
-        self.scene.ignore_pair(a, b)?;
-        self.outlook
-            .leave_out((a.slot.min(b.slot), a.slot.max(b.slot)));
+        self.ignore(a, b)?;
         #[cfg(feature = "serde")]
         self.write_down(|| Record::Ignore(a, b));
+        Ok(())
+    }
+
+    fn ignore(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
+        self.scene.ignore_pair(a, b)?;
+        let slots = (a.slot.min(b.slot), a.slot.max(b.slot));
+        self.outlook.leave_out(slots);
         Ok(())
     }
 
@@ -249,13 +261,18 @@ impl Monitor {
     ///
     /// [`Error::UnknownBody`], [`Error::SameBody`].
     pub fn heed_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
+        self.heed(a, b)?;
+        #[cfg(feature = "serde")]
+        self.write_down(|| Record::Heed(a, b));
+        Ok(())
+    }
+
+    fn heed(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
         self.scene.heed_pair(a, b)?;
         // Either will do: the one that costs less to look for.
         let spheres = |id| self.scene.body(id).map(|body| body.hitbox.spheres().len());
         let simpler = if spheres(a) <= spheres(b) { a } else { b };
         self.outlook.forget(simpler.slot);
-        #[cfg(feature = "serde")]
-        self.write_down(|| Record::Heed(a, b));
         Ok(())
     }
 

@@ -33,6 +33,10 @@ pub enum Command {
     /// Appends: the old plan to its last knot, then the new one. See
     /// [`Monitor::extend`](crate::Monitor::extend).
     Extend(BodyId, Trajectory),
+    /// Leaves a pair out: see [`Monitor::ignore_pair`](crate::Monitor::ignore_pair).
+    IgnorePair(BodyId, BodyId),
+    /// Watches a pair again.
+    HeedPair(BodyId, BodyId),
 }
 
 /// What all changes are worked out with.
@@ -73,6 +77,15 @@ pub(super) struct Batch {
     /// By slot: the place of its revision in `changed`, if that is of this slot.
     place_of: Vec<usize>,
     pub(super) inserted: Vec<(Body, Flight)>,
+    /// Pairs that are to be ignored, or no more, in the order of the commands.
+    pub(super) pairs: Vec<(BodyId, BodyId, Heed)>,
+}
+
+/// What becomes of a pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Heed {
+    Ignored,
+    Watched,
 }
 
 /// What of a body is replaced.
@@ -165,6 +178,7 @@ impl Batch {
         }
         self.changed.clear();
         self.inserted.clear();
+        self.pairs.clear();
     }
 
     fn take(
@@ -183,6 +197,12 @@ impl Batch {
                 self.inserted.push((body, flight));
                 return Ok(());
             }
+            Command::IgnorePair(a, b) => {
+                return self.pair(scene, (a, b), Heed::Ignored).map_err(refuse);
+            }
+            Command::HeedPair(a, b) => {
+                return self.pair(scene, (a, b), Heed::Watched).map_err(refuse);
+            }
             Command::Remove(id)
             | Command::SetTrajectory(id, _)
             | Command::SetHitbox(id, _)
@@ -192,7 +212,7 @@ impl Batch {
         };
         let revision = self.revision(scene, id, number).map_err(refuse)?;
         match command {
-            Command::Insert(_) => {}
+            Command::Insert(_) | Command::IgnorePair(..) | Command::HeedPair(..) => {}
             Command::Remove(_) => revision.is_removed = true,
             Command::SetTrajectory(_, trajectory) => {
                 revision.splice(scene, terms)?;
@@ -203,6 +223,20 @@ impl Batch {
             Command::Replan(_, from, plan) => revision.follow(scene, Some(from), plan, terms)?,
             Command::Extend(_, plan) => revision.follow(scene, None, plan, terms)?,
         }
+        Ok(())
+    }
+
+    /// Notes what becomes of a pair.
+    fn pair(&mut self, scene: &Scene, (a, b): (BodyId, BodyId), heed: Heed) -> Result<(), Error> {
+        for id in [a, b] {
+            let place = self.place_of.get(id.slot as usize);
+            let known = place.and_then(|&place| self.changed.get(place));
+            if known.is_some_and(|known| known.id == id && known.is_removed) {
+                return Err(Error::UnknownBody { id });
+            }
+        }
+        let (a, b) = scene.pair(a, b)?;
+        self.pairs.push((a, b, heed));
         Ok(())
     }
 

@@ -16,8 +16,8 @@ mod scenarios;
 mod support;
 
 use nearmiss::{
-    AlertLevel, Body, BodyId, Budget, EncounterId, EndReason, Error, Event, EventKind, Hitbox,
-    Layers, Monitor, Outside, Query, Scene, Sphere, State, Trajectory, Window,
+    AlertLevel, Body, BodyId, Budget, Command, EncounterId, EndReason, Error, Event, EventKind,
+    Hitbox, Layers, Monitor, Outside, Query, Scene, Sphere, State, Trajectory, Window,
 };
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -109,10 +109,12 @@ fn change(rng: &mut ChaCha8Rng, monitor: &mut Monitor, ids: &mut Vec<BodyId>, cu
         }
         4 => {
             let (a, b) = (pick(rng, ids), pick(rng, ids));
-            if a != b && rng.random_bool(0.5) {
-                monitor.ignore_pair(a, b).unwrap();
-            } else if a != b {
-                monitor.heed_pair(a, b).unwrap();
+            match rng.random_range(0..4) {
+                _ if a == b => {}
+                0 => monitor.ignore_pair(a, b).unwrap(),
+                1 => monitor.heed_pair(a, b).unwrap(),
+                2 => drop(monitor.apply([Command::IgnorePair(a, b)]).unwrap()),
+                _ => drop(monitor.apply([Command::HeedPair(b, a)]).unwrap()),
             }
         }
         5 => {

@@ -246,6 +246,37 @@ fn a_batch_is_all_or_nothing() {
 }
 
 #[test]
+fn pairs_are_ignored_with_other_changes_or_not_at_all() {
+    let (a, b) = head_on();
+    let (mut monitor, id, other) = two(a.clone(), b, &[AlertLevel::at(2.0)]);
+    assert_eq!(kinds(&tick(&mut monitor, 0.0)), ["predicted 0"]);
+    let ignored = |monitor: &Monitor| monitor.scene().ignored_pairs().count();
+    // What is removed has no pairs; and nobody is a pair with itself.
+    for refused in [
+        [
+            Command::IgnorePair(id, other),
+            Command::HeedPair(other, other),
+        ],
+        [Command::Remove(other), Command::IgnorePair(other, id)],
+    ] {
+        assert!(monitor.apply(refused).is_err());
+        assert_eq!((ignored(&monitor), monitor.scene().len()), (0, 2));
+    }
+    assert_eq!(kinds(&tick(&mut monitor, 0.0)), [""; 0]);
+    monitor.apply([Command::IgnorePair(other, id)]).unwrap();
+    assert_eq!(kinds(&tick(&mut monitor, 0.0)), ["withdrawn 0"]);
+    // In their order; and with a body that goes its pairs go.
+    let twice = [Command::HeedPair(id, other), Command::IgnorePair(id, other)];
+    monitor.apply(twice).unwrap();
+    assert_eq!(kinds(&tick(&mut monitor, 0.0)), [""; 0]);
+    monitor.apply([Command::HeedPair(id, other)]).unwrap();
+    assert_eq!(kinds(&tick(&mut monitor, 0.0)), ["predicted 0"]);
+    let both = [Command::IgnorePair(id, other), Command::Remove(other)];
+    monitor.apply(both).unwrap();
+    assert_eq!((ignored(&monitor), monitor.scene().len()), (0, 1));
+}
+
+#[test]
 fn a_splice_keeps_what_was_flown() {
     let mut rng = rng(8);
     for _ in 0..200 {
