@@ -10,8 +10,8 @@ mod support;
 
 use nearmiss::crossbeam_channel::{RecvTimeoutError, bounded, select};
 use nearmiss::{
-    AlertLevel, Body, BodyId, Command, EncounterId, Event, EventKind, Handle, Hitbox, LiveOptions,
-    Monitor, Order, Report, Scene, State, Trajectory, Unsent, Window,
+    AlertLevel, Body, BodyId, Command, EncounterId, Error, Event, EventKind, Handle, Hitbox,
+    LiveOptions, Monitor, Order, Report, Scene, State, Trajectory, Unsent, Window,
 };
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -322,6 +322,61 @@ fn reports_work_in_a_select_and_come_tick_by_tick() {
     assert_eq!(answers, [(insertion, 1), (removal.unwrap(), 0)]);
     let stopped = live.shutdown().unwrap();
     assert_eq!(stopped.monitor.scene().len(), 61);
+}
+
+/// After all that was ordered before, and with the answer of a monitor that is not on a thread.
+#[test]
+fn a_question_is_answered_in_its_turn() {
+    let (mut embedded, ids) = crowd(6, 120);
+    let (monitor, _) = crowd(6, 120);
+    let live = monitor.spawn(LiveOptions::default()).unwrap();
+    let handle = live.handle();
+    embedded.advance(1.0, &mut Vec::new()).unwrap();
+    let _ = handle.advance(1.0).unwrap();
+    // Until all is known: an answer before it would be about less.
+    while handle.certified_until() < embedded.certified_until() {
+        live.reports().recv_timeout(Duration::from_secs(5)).unwrap();
+    }
+    let rest = |id| {
+        let trajectory = &embedded.scene().body(id).unwrap().trajectory;
+        Trajectory::at_rest(trajectory.position(1.0).unwrap()).unwrap()
+    };
+    let (here, there) = (rest(ids[0]), rest(ids[1]));
+    embedded.set_trajectory(ids[1], here.clone()).unwrap();
+    let _ = handle
+        .send(Command::SetTrajectory(ids[1], here.clone()))
+        .unwrap();
+    let asked = handle.what_if(ids[2], here.clone(), 0).unwrap();
+    let _ = handle.send(Command::SetTrajectory(ids[1], there)).unwrap();
+    let unknown = handle.what_if(ids[2], here.clone(), 99).unwrap();
+    let mut answered = false;
+    loop {
+        match live.reports().recv_timeout(Duration::from_secs(5)).unwrap() {
+            Report::WhatIf {
+                ticket,
+                conflicts,
+                certified_until,
+            } => {
+                assert_eq!(
+                    (ticket, certified_until),
+                    (asked, embedded.certified_until())
+                );
+                let expected = embedded.what_if(ids[2], &here, 0).unwrap();
+                assert_eq!(bits(&conflicts), bits(&expected));
+                let pair = (ids[1].min(ids[2]), ids[1].max(ids[2]));
+                assert!(conflicts.iter().any(|found| (found.a, found.b) == pair));
+                answered = true;
+            }
+            Report::Refused { ticket, error } => {
+                assert_eq!(ticket, unknown);
+                assert_eq!(error, Error::UnknownAlertLevel { level: 99 });
+                break;
+            }
+            _ => {}
+        }
+    }
+    assert!(answered);
+    assert_eq!(live.shutdown().unwrap().counts.refused, 1);
 }
 
 #[test]

@@ -6,6 +6,8 @@
 )]
 
 use super::order::Order;
+use crate::id::BodyId;
+use crate::trajectory::Trajectory;
 use crossbeam_channel::{Sender, TrySendError};
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -151,6 +153,37 @@ impl Handle {
     /// As [`send`](Self::send).
     pub fn advance(&self, now: f64) -> Result<Ticket, Unsent> {
         self.send(Order::Clock(now))
+    }
+
+    /// Asks which conflicts a body would have, at an alert level, if it followed `plan` from now on: the
+    /// answer is the [`Report::WhatIf`](super::Report::WhatIf) with this ticket. Never blocks.
+    ///
+    /// ```
+    /// # use nearmiss::glam::DVec3;
+    /// # use nearmiss::{AlertLevel, Body, LiveOptions, Monitor, Report, Scene, State, Trajectory};
+    /// # let mut scene = Scene::new();
+    /// # let wall = scene.insert(Body::new(Trajectory::at_rest(9.0 * DVec3::X)?))?;
+    /// # let ship = scene.insert(Body::new(Trajectory::at_rest(DVec3::ZERO)?))?;
+    /// # let mut monitor = Monitor::new(scene, 0.0, 10.0, &[AlertLevel::at(2.0)])?;
+    /// # monitor.advance(0.0, &mut Vec::new())?;
+    /// let live = monitor.spawn(LiveOptions::default())?;
+    /// let ahead = Trajectory::coasting(State::new(0.0, DVec3::ZERO, DVec3::X))?;
+    /// let question = live.handle().what_if(ship, ahead, 0)?;
+    /// let answer = live.reports().iter().find_map(|report| match report {
+    ///     Report::WhatIf { ticket, conflicts, .. } if ticket == question => Some(conflicts),
+    ///     _ => None,
+    /// });
+    /// // It would run into the wall: within 2 m from 7 s on.
+    /// assert!(answer.is_some_and(|found| found[0].a == wall && found[0].enter == 7.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`send`](Self::send). What [`Monitor::what_if`](crate::Monitor::what_if) refuses comes as
+    /// [`Report::Refused`](super::Report::Refused).
+    pub fn what_if(&self, id: BodyId, plan: Trajectory, level: usize) -> Result<Ticket, Unsent> {
+        self.send(Order::WhatIf(id, plan, level))
     }
 
     fn try_send(&self, order: Order) -> Result<Ticket, Unsent> {

@@ -8,6 +8,7 @@ pub use handle::{Counts, Handle, Ticket, Unsent};
 pub use order::Order;
 
 use super::{Event, Monitor};
+use crate::conflict::Conflict;
 use crate::error::Error;
 use crate::id::BodyId;
 use crossbeam_channel::{Receiver, Sender, bounded};
@@ -63,6 +64,16 @@ pub enum Report {
         /// The bodies' ids, in the order in which they were given.
         ids: Vec<BodyId>,
     },
+    /// The answer to [`Handle::what_if`], worked out after all orders before it, and as far as the
+    /// last tick had looked ahead.
+    WhatIf {
+        /// The order.
+        ticket: Ticket,
+        /// What the body would meet, as [`Monitor::what_if`] says it.
+        conflicts: Vec<Conflict>,
+        /// What lies later is not in it, s.
+        certified_until: f64,
+    },
     /// An order was refused, and changed nothing.
     Refused {
         /// The order.
@@ -87,7 +98,8 @@ pub enum Report {
 ///   [`Unsent::Busy`] with the order handed back: it never blocks and never drops.
 /// - Between two clock orders the latest plan for a body wins: a plan that the next one for that body
 ///   replaces altogether (see [`Order`]) is superseded without being tried. Clock orders merge only where
-///   nothing lies between them. Batches are never taken apart, and nothing is merged across them: send what need not go together
+///   nothing lies between them. Batches are never taken apart, and nothing is merged across them, nor
+///   across a question ([`Handle::what_if`]), whose answer is about all that was ordered before: send what need not go together
 ///   plan by plan, or what is superseded has to be worked out as well.
 /// - Every order sent is in the end applied, superseded or refused: [`Counts`] adds up.
 /// - Reports come in order, and none is dropped. A reader that stalls stalls the monitor, not the

@@ -3,6 +3,7 @@
 use super::handle::Ticket;
 use crate::id::BodyId;
 use crate::monitor::Command;
+use crate::trajectory::Trajectory;
 use std::collections::{BTreeMap, VecDeque};
 
 /// What is sent to a live monitor.
@@ -24,6 +25,10 @@ pub enum Order {
     Batch(Vec<Command>),
     /// The clock moves on to this time, s.
     Clock(f64),
+    /// What would become of a body, at an alert level, if it followed a plan from now on? Changes nothing;
+    /// answered with [`Report::WhatIf`](super::Report::WhatIf). See
+    /// [`Monitor::what_if`](crate::Monitor::what_if).
+    WhatIf(BodyId, Trajectory, usize),
     /// Panics, to see what becomes of it.
     #[cfg(test)]
     Panic,
@@ -69,7 +74,7 @@ pub(super) struct Waiting {
     orders: VecDeque<Option<(Ticket, Order)>>,
     /// How many have been taken from the front: the number of the first in `orders`.
     taken: usize,
-    /// Numbers of the plans of each body since the last clock order or batch, in order.
+    /// Numbers of the plans of each body since the last clock order, batch or question, in order.
     plans: BTreeMap<BodyId, Vec<usize>>,
 }
 
@@ -115,7 +120,8 @@ impl Waiting {
                 }
                 self.plans.clear();
             }
-            (Order::Batch(_), _) => self.plans.clear(),
+            // What is asked is about all that was ordered before.
+            (Order::Batch(_) | Order::WhatIf(..), _) => self.plans.clear(),
             _ => {}
         }
         self.orders.push_back(Some((ticket, order)));

@@ -113,6 +113,10 @@ fn waiting_orders_coalesce_as_the_contract_says() {
     assert_eq!(push(&mut waiting, set(b)), 0);
     assert_eq!(push(&mut waiting, Order::Batch(vec![])), 0);
     assert_eq!(push(&mut waiting, set(b)), 0);
+    // Nor across a question.
+    let question = || Order::WhatIf(a, rest(0.0), 0);
+    assert_eq!(push(&mut waiting, question()), 0);
+    assert_eq!(push(&mut waiting, set(b)), 0);
     let left: Vec<Order> = std::iter::from_fn(|| waiting.pop())
         .map(|(_, order)| order)
         .collect();
@@ -128,6 +132,8 @@ fn waiting_orders_coalesce_as_the_contract_says() {
             Order::Clock(3.0),
             set(b),
             Order::Batch(vec![]),
+            set(b),
+            question(),
             set(b),
         ]
     );

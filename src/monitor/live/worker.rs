@@ -4,6 +4,7 @@ use super::handle::{Shared, Ticket};
 use super::order::{Order, Waiting};
 use super::{LiveOptions, Report};
 use crate::error::Error;
+use crate::id::BodyId;
 use crate::monitor::{Budget, Event, Monitor};
 use crossbeam_channel::{Receiver, Sender, TryRecvError, TrySendError, select};
 use std::any::Any;
@@ -165,19 +166,31 @@ impl Worker {
             }
             return;
         };
+        let inserted = |ids: Vec<BodyId>| {
+            let some = !ids.is_empty();
+            some.then_some(Report::Inserted { ticket, ids })
+        };
         let outcome = match order {
-            Order::Change(command) => self.monitor.apply([command]),
-            Order::Batch(commands) => self.monitor.apply(commands),
-            Order::Clock(now) => self.tick(now).map(|()| Vec::new()),
+            Order::Change(command) => self.monitor.apply([command]).map(inserted),
+            Order::Batch(commands) => self.monitor.apply(commands).map(inserted),
+            Order::Clock(now) => self.tick(now).map(|()| None),
+            Order::WhatIf(id, plan, level) => {
+                let conflicts = self.monitor.what_if(id, &plan, level);
+                conflicts.map(|conflicts| {
+                    Some(Report::WhatIf {
+                        ticket,
+                        conflicts,
+                        certified_until: self.monitor.certified_until(),
+                    })
+                })
+            }
             #[cfg(test)]
             Order::Panic => panic!("ordered to"),
         };
         match outcome {
-            Ok(ids) => {
+            Ok(report) => {
                 self.shared.applied();
-                if !ids.is_empty() {
-                    self.outbox.push_back(Report::Inserted { ticket, ids });
-                }
+                self.outbox.extend(report);
             }
             Err(error) => {
                 self.shared.refused(1);
