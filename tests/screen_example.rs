@@ -208,6 +208,34 @@ fn broken_files() {
     );
 }
 
+/// Line ends of either kind, empty lines, a byte order mark, no line end at the end: the rows are the
+/// same, and have the same numbers but for the empty ones.
+#[test]
+fn files_of_all_kinds_of_editors() {
+    let unix = format!("{HEADER}{PASS}3,x,0,0,0,0,0,0");
+    let empty_lines = format!(
+        "{}3,x,0,0,0,0,0,0",
+        format!("{HEADER}{PASS}").replace('\n', "\n\n")
+    );
+    for (name, text, row) in [
+        ("unix", unix.clone(), "row 6"),
+        ("dos", unix.replace('\n', "\r\n"), "row 6"),
+        ("mark", format!("\u{feff}{unix}"), "row 6"),
+        ("gaps", empty_lines.clone(), "row 11"),
+        ("dos-gaps", empty_lines.replace('\n', "\r\n"), "row 11"),
+    ] {
+        refuses(name, &text, &[], &[row, "column t", "\"x\""]);
+        let whole = text.replace("3,x,0,0,0,0,0,0", "");
+        let (result, output) = screen(name, &whole, &["--margin", "2.5"]);
+        assert!(result.status.success(), "{name}: {:?}", result.stderr);
+        let table = std::fs::read_to_string(output).unwrap();
+        assert_eq!(
+            table.lines().skip(1).collect::<Vec<_>>(),
+            ["0,3,4.5,7.5,6,2,,0,"]
+        );
+    }
+}
+
 #[test]
 fn bad_options() {
     refuses_options("radius", &["--radius", "-1"], &["--radius", "-1.0 m"]);

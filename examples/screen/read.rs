@@ -1,6 +1,6 @@
 //! Reading a file of states; every complaint names file, row, column and value.
 //!
-//! Rows are counted as lines of the file: the header is row 1.
+//! Rows are counted as lines of the file, whatever ends them: the header is row 1.
 
 use flate2::read::MultiGzDecoder;
 use glam::DVec3;
@@ -40,10 +40,13 @@ struct Table {
 
 impl Table {
     fn read(name: &str, source: impl Read) -> Result<Self, String> {
-        let source = unpacked(source).map_err(|error| format!("{name}: {error}"))?;
+        let source = text(source).map_err(|error| format!("{name}: {error}"))?;
+        // Of `\r\n` the first is trimmed: the reader would take it for a row's end, and count the
+        // second with the next row.
         let mut reader = csv::ReaderBuilder::new()
             .flexible(true)
             .trim(csv::Trim::All)
+            .terminator(csv::Terminator::Any(b'\n'))
             .from_reader(source);
         let header = reader
             .headers()
@@ -53,13 +56,13 @@ impl Table {
         let mut rows = Vec::new();
         let mut record = csv::StringRecord::new();
         loop {
-            let line = reader.position().line();
-            match reader.read_record(&mut record) {
+            let found = reader.read_record(&mut record);
+            // Behind the line end of the row, and of empty ones before it.
+            let line = reader.position().line() - 1;
+            match found {
                 Ok(false) => break,
-                Ok(true) => {
-                    let line = record.position().map_or(line, csv::Position::line);
-                    rows.push(parse(name, line, &record)?);
-                }
+                Ok(true) if record.iter().eq([""]) => {}
+                Ok(true) => rows.push(parse(name, line, &record)?),
                 Err(error) => return Err(format!("{name}: row {line}: {error}")),
             }
         }
@@ -129,21 +132,37 @@ impl Table {
     }
 }
 
-/// What is packed with gzip says so in its first two bytes, whatever its name; no text begins so.
-fn unpacked<'a>(mut source: impl Read + 'a) -> std::io::Result<Box<dyn Read + 'a>> {
-    const GZIP: [u8; 2] = [0x1f, 0x8b];
+/// The text of a file: unpacked, without a byte order mark, and with a line end after each line.
+fn text<'a>(source: impl Read + 'a) -> std::io::Result<impl Read + 'a> {
+    /// What is packed with gzip says so, whatever its name; no text begins so.
+    const GZIP: &[u8] = &[0x1f, 0x8b];
+    /// Some programs put it before the text.
+    const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
+    let (is_packed, whole) = begins_with(source, GZIP)?;
+    let text: Box<dyn Read + 'a> = if is_packed {
+        Box::new(MultiGzDecoder::new(BufReader::new(GZIP.chain(whole))))
+    } else {
+        Box::new(whole)
+    };
+    let (_, rest) = begins_with(text, BYTE_ORDER_MARK)?;
+    Ok(rest.chain(&b"\n"[..]))
+}
+
+/// Whether a source begins with some bytes, and what comes after them; all of it if it does not.
+fn begins_with<'a>(
+    mut source: impl Read + 'a,
+    bytes: &[u8],
+) -> std::io::Result<(bool, impl Read + 'a)> {
     let mut start = Vec::new();
     source
         .by_ref()
-        .take(GZIP.len() as u64)
+        .take(bytes.len() as u64)
         .read_to_end(&mut start)?;
-    let is_packed = start == GZIP;
-    let whole = Cursor::new(start).chain(source);
-    Ok(if is_packed {
-        Box::new(MultiGzDecoder::new(BufReader::new(whole)))
-    } else {
-        Box::new(whole)
-    })
+    let begins = start == bytes;
+    if begins {
+        start.clear();
+    }
+    Ok((begins, Cursor::new(start).chain(source)))
 }
 
 fn column(quantity: Quantity) -> &'static str {
@@ -195,7 +214,7 @@ fn parse(name: &str, line: u64, record: &csv::StringRecord) -> Result<Row, Strin
     }
     let body = record[0].parse::<u64>().map_err(|_| {
         format!(
-            "{name}: row {line}, column body: \"{}\" is not a whole number",
+            "{name}: row {line}, column body: \"{}\" is not a whole number from 0 on",
             &record[0]
         )
     })?;
