@@ -12,6 +12,7 @@ use glam::DVec3;
 use nearmiss::{
     Accuracy, Body, BodyId, Conflict, Hitbox, Query, Scene, Sphere, State, Trajectory, Window,
 };
+use rand::RngExt;
 use support::{scene_of, swarm};
 
 fn screen(scene: &Scene, window: Window, margin: f64, accuracy: Accuracy) -> Vec<Conflict> {
@@ -129,4 +130,29 @@ fn clusters_and_constant_distances() {
     let exact = [-0.4, 0.0, 0.5, 1.0].map(|margin| compare(&scene, Window::ALL, margin).0);
     // Wider margins join what narrower ones part.
     assert!(exact.iter().all(|&count| count > 0), "{exact:?}");
+}
+
+/// On one line at one velocity, with other knots: what is left of the relative motion is rounding, of
+/// f64 already.
+#[test]
+fn formations() {
+    let mut rng = support::rng(12);
+    let mut found = 0;
+    for round in 0..300 {
+        let (speed, duration) = [(3.0, 12.0), (7e3, 600.0), (1e-3, 1e5)][round % 3];
+        let velocity = support::vector(&mut rng, speed);
+        let mut flight = || {
+            let knot = duration * rng.random_range(0.1..0.9);
+            let times = [0.0, knot, duration];
+            let states = times.map(|time| State::new(time, time * velocity, velocity));
+            (states.to_vec(), 0.0)
+        };
+        let scene = scene_of(&[flight(), flight()]);
+        let window = [(0.0, 1.0), (0.3, 0.6), (0.5, 0.5)][round % 7 % 3];
+        let window = Window::new(window.0 * duration, window.1 * duration).unwrap();
+        for margin in [0.0, 1e-12, 1e-9] {
+            found += compare(&scene, window, margin).0;
+        }
+    }
+    assert!(found >= 900, "{found}");
 }

@@ -9,13 +9,13 @@
 
 use super::contact::{Approach, Contact, join};
 use super::kernels::{CubicBatch, Level, closest_approach};
-use super::relative::RelativeMotion;
+use super::relative::{RelativeCubic, RelativeMotion};
 use super::{Party, contact_radius};
 use crate::rounding::normalising_power;
 use crate::spans::Span;
 use glam::Vec3A;
 
-/// What the threshold is raised by, relative to the polygon's size and the radius: 2^-17 = 128
+/// What the threshold is raised by for f32, relative to the polygon's size and the radius: 2^-17 = 128
 /// roundings of f32. Rounding the points takes 2 of them, halving them 3 a time, the kernel 16.
 const CLEARANCE: f32 = 1.0 / 131_072.0;
 
@@ -71,8 +71,17 @@ impl FastBatch {
             }
             let (segment_a, segment_b) =
                 (&a.segments[span.a as usize], &b.segments[span.b as usize]);
-            let motion = RelativeMotion::between(segment_a, segment_b, times);
-            let points = motion.points(sphere_a.offset - sphere_b.offset);
+            let offset = sphere_a.offset - sphere_b.offset;
+            let whole =
+                RelativeCubic::between(segment_a, segment_b, (span.start, span.end), offset);
+            let points = if times == (span.start, span.end) {
+                whole.points
+            } else {
+                RelativeMotion::between(segment_a, segment_b, times).points(offset)
+            };
+            // What the exact solver counts as contact. In a formation, whose relative motion is small, that
+            // is more than what f32 loses of it.
+            let radius = radius + whole.tolerance();
             let largest = points.iter().fold(radius, |largest, point| {
                 largest.max(point.abs().max_element())
             });
