@@ -234,6 +234,44 @@ fn a_limit_that_was_lowered_refuses_no_replay() {
     assert_eq!(text(&events), text(&again));
 }
 
+/// In a formation the least separation is told again for rounding: whenever it is read again, and so the
+/// replay must read when the monitor did. Recorded from a clock that stands still, and after a tick
+/// that failed.
+#[test]
+fn formations_are_read_again_when_they_were() {
+    let mut told = 0;
+    for seed in 0..200 {
+        let mut rng = rng(seed);
+        let mut scene = Scene::new();
+        let velocity = vector(&mut rng, 1.0);
+        for _ in 0..2 {
+            let (time, place) = (rng.random_range(-5.0..5.0), vector(&mut rng, 0.3));
+            let plan = Trajectory::coasting(State::new(time, place + time * velocity, velocity));
+            let body = Body::new(plan.unwrap()).with_hitbox(Hitbox::sphere(0.5).unwrap());
+            scene.insert(body).unwrap();
+        }
+        let mut monitor = Monitor::new(scene, 0.0, 10.0, &[AlertLevel::at(0.0)]).unwrap();
+        let mut before = Vec::new();
+        monitor.advance(0.0, &mut before).unwrap();
+        monitor.advance(7.0, &mut before).unwrap();
+        let (file, mut events) = (Memory::default(), Vec::new());
+        monitor.start_recording(file.clone()).unwrap();
+        if seed % 2 == 0 {
+            monitor.set_most_spans(0);
+            assert!(monitor.advance(30.0, &mut events).is_err());
+            monitor.set_most_spans(Monitor::MOST_SPANS);
+        }
+        monitor.advance(7.0, &mut events).unwrap();
+        told += events.len();
+        monitor.advance(9.0, &mut events).unwrap();
+        monitor.close(&mut events);
+        let (again, end) = replay(&file.bytes());
+        end.unwrap();
+        assert_eq!(events, again, "{seed}");
+    }
+    assert!(told > 0);
+}
+
 #[test]
 fn a_stopped_recording_ends_where_it_was_stopped() {
     let mut rng = rng(5);

@@ -310,6 +310,11 @@ impl Monitor {
         Ok(())
     }
 
+    /// Forgets all that can be worked out again, and stays on its grid.
+    pub(super) fn look_anew(&mut self) -> Result<(), Error> {
+        self.renew(*self.outlook.grid())
+    }
+
     /// Chooses another grid, on which all is looked at anew, where the one there is cannot stay: since
     /// the scene has grown too large for it, or the clock, about to show `now` (s), has come so far that
     /// it cannot tell slices apart. And where it no longer suits the scene: it was chosen for an empty

@@ -213,18 +213,20 @@ impl Encounters {
         Saved(self.tracked.values().copied().collect())
     }
 
-    /// Remembers what was saved.
+    /// Those of a level that were saved.
     #[cfg(feature = "serde")]
-    pub(super) fn restore(&mut self, saved: Saved) {
+    pub(super) fn restored(level: usize, saved: Saved) -> Self {
+        let mut encounters = Self::of_level(level);
         let Saved(mut saved) = saved;
         let slots_of = |tracked: &Tracked| (tracked.now.a.slot, tracked.now.b.slot);
         // They are, unless the file was changed.
         saved.sort_by_key(slots_of);
-        self.next.tracked = saved
+        encounters.next.tracked = saved
             .into_iter()
             .map(|tracked| (slots_of(&tracked), tracked))
             .collect();
-        self.take_over();
+        encounters.take_over();
+        encounters
     }
 
     /// Ends or withdraws those of bodies in slots of which `is_gone` says so, at the clock.

@@ -86,12 +86,16 @@ impl Monitor {
         done
     }
 
-    fn advance_by(
-        &mut self,
-        now: f64,
-        mut meter: Meter,
-        events: &mut Vec<Event>,
-    ) -> Result<(), Error> {
+    fn advance_by(&mut self, now: f64, meter: Meter, events: &mut Vec<Event>) -> Result<(), Error> {
+        let done = self.tick(now, meter, events);
+        #[cfg(feature = "serde")]
+        if done.is_err() && self.readings.reads_all() {
+            self.write_down(|| Record::Anew);
+        }
+        done
+    }
+
+    fn tick(&mut self, now: f64, mut meter: Meter, events: &mut Vec<Event>) -> Result<(), Error> {
         let begin = Instant::now();
         let now = one_zero(now);
         if now < self.now {
@@ -146,7 +150,7 @@ impl Monitor {
         );
         let Ok(known) = known else {
             let limit = self.outlook.most_spans;
-            self.renew(*self.outlook.grid())?;
+            self.look_anew()?;
             return Err(Error::TooCrowded { limit });
         };
         let tick = Tick {
@@ -184,7 +188,7 @@ impl Monitor {
     }
 
     /// Whether another tick at the same time would find everything as it is.
-    fn has_told_all(&self) -> bool {
+    pub(super) fn has_told_all(&self) -> bool {
         self.is_caught_up() && self.waiting.is_empty() && !self.readings.reads_all()
     }
 

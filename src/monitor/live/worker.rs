@@ -251,7 +251,7 @@ impl Worker {
 
 /// The same monitor with all that can be worked out again worked out from the scene.
 fn repaired(mut monitor: Monitor) -> Result<Monitor, Error> {
-    monitor.renew(*monitor.outlook.grid())?;
+    monitor.look_anew()?;
     Ok(monitor)
 }
 

@@ -1,7 +1,7 @@
 //! A monitor as it is written at the beginning of a recording.
 
 use crate::error::{Error, LARGEST_MAGNITUDE};
-use crate::monitor::encounters::Saved;
+use crate::monitor::encounters::{Encounters, Saved};
 use crate::monitor::{AlertLevel, Event, LeastChange, Monitor};
 use crate::rounding::one_zero;
 use crate::scene::Scene;
@@ -28,6 +28,9 @@ pub(in crate::monitor) struct Begin {
     waiting: Vec<Event>,
     /// By slot: whether the end of its plan, if it has one, has been told.
     end_told: Vec<bool>,
+    /// Another tick at the same time would find everything as it is.
+    #[serde(default)]
+    settled: bool,
 }
 
 const fn no_limit() -> usize {
@@ -56,10 +59,11 @@ impl Begin {
                 .take(monitor.scene.slots())
                 .map(|slot| !monitor.plan_ends.has(slot))
                 .collect(),
+            settled: monitor.has_told_all(),
         }
     }
 
-    /// The same monitor, with nothing looked at yet.
+    /// The same monitor, with nothing looked at yet, unless it is settled.
     pub(super) fn monitor(self) -> Result<Monitor, Error> {
         let mut monitor = Monitor::new(self.scene, self.told, self.lookahead, &self.levels)?;
         let is_time = |time: f64| time >= self.told && time <= LARGEST_MAGNITUDE;
@@ -77,12 +81,16 @@ impl Begin {
         }
         monitor.now = one_zero(self.now);
         monitor.known = self.told;
+        if self.settled {
+            // All of it has been told.
+            monitor.advance_to(self.now, self.now + self.lookahead, &mut Vec::new())?;
+        }
         monitor.least_change = self.least_change;
         monitor.history = self.history;
         monitor.set_most_spans(self.most_spans);
         monitor.next_id = self.next_id;
-        for (level, saved) in monitor.encounters.iter_mut().zip(self.encounters) {
-            level.restore(saved);
+        for (number, saved) in self.encounters.into_iter().enumerate() {
+            monitor.encounters[number] = Encounters::restored(number, saved);
         }
         monitor.waiting = self.waiting;
         for (slot, _) in (0..).zip(self.end_told).filter(|(_, was_told)| *was_told) {

@@ -33,6 +33,8 @@ pub(in crate::monitor) enum Record {
         known: f64,
         work: u64,
     },
+    /// A tick failed, after which all is looked at anew.
+    Anew,
     Close,
     End {
         records: u64,

@@ -53,6 +53,7 @@ use std::io::{BufRead, Read};
 /// | `ignore`, `heed` | a pair of ids |
 /// | `least_change`, `history`, `most_spans` | settings |
 /// | `tick` | the clock, up to when everything was known after it, and the work done in it (as a [budget](crate::Budget::Work) counts it) |
+/// | `anew` | a tick failed, and all is looked at anew |
 /// | `close` | the monitor was closed |
 /// | `end` | how many records came before; a recording without one was cut short |
 ///
@@ -164,6 +165,7 @@ impl<R: BufRead> Replay<R> {
                 monitor.advance_to(now, known, events).map_err(refused)?;
                 return Ok(Some(now));
             }
+            Record::Anew => monitor.look_anew().map_err(refused)?,
             Record::Close => monitor.end_all(events),
         }
         Ok(None)
