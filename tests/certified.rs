@@ -84,6 +84,36 @@ fn a_window_cuts_the_enclosures() {
 }
 
 /// Rounding cannot tell a touch from a miss: reported, and marked.
+/// Where the clock's resolution is a tenth of a microsecond, an exit is enclosed by instants between which
+/// the bodies go as far: in a window that begins at the later one they are apart, and proven to be.
+#[test]
+fn what_is_proven_outside_is_not_reported() {
+    let mut apart = 0;
+    for step in 0..200 {
+        let aside = 0.9 * f64::from(step) / 200.0;
+        let flying = line([1e9, 1e9 + 7.0], DVec3::new(-3.0, aside, 0.0), DVec3::X);
+        let scene = scene(
+            [flying, line([1e9, 2e9], DVec3::ZERO, DVec3::ZERO)].map(|plan| (plan, Hitbox::POINT)),
+        );
+        let (whole, _) = certified(&scene, 1.0, Window::ALL)[0];
+        let (mut later, mut sooner) = (whole.exit, whole.enter);
+        for _ in 0..4 {
+            let after = certified(&scene, 1.0, Window::new(later, 1e9 + 7.0).unwrap());
+            let before = certified(&scene, 1.0, Window::new(1e9, sooner).unwrap());
+            for (conflict, proof) in after.iter().chain(&before) {
+                assert!(
+                    conflict.closest.separation - proof.error <= 1.0,
+                    "{conflict:?}"
+                );
+            }
+            apart += usize::from(after.is_empty()) + usize::from(before.is_empty());
+            (later, sooner) = (later.next_up(), sooner.next_down());
+        }
+    }
+    // From the first instant after it on.
+    assert!(apart > 1_000, "{apart}");
+}
+
 #[test]
 fn a_touch_is_unresolved() {
     let found = certified(&pass(), 3.0, Window::ALL);

@@ -189,7 +189,7 @@ impl Workspace {
             order.clear();
             order.extend(0..shares.len());
             order.sort_unstable_by_key(|&share| ranks[shares[share].member]);
-            found.push(group.contact(parties, order, margin, clip));
+            found.extend(group.contact(parties, order, margin, clip));
             first = next;
         }
     }
@@ -380,14 +380,16 @@ struct Group<'w> {
 }
 
 impl Group<'_> {
-    /// The conflict; `order` is that in which members are gone through.
+    /// The conflict; `order` is that in which members are gone through. None where no part is inside,
+    /// and the least separation is proven to be above the margin: between the instants that a window
+    /// leaves of a part, say, or where the bodies graze.
     fn contact(
         &self,
         parties: (&Party<'_>, &Party<'_>),
         order: &[usize],
         margin: f64,
         clip: (f64, f64),
-    ) -> CertifiedContact {
+    ) -> Option<CertifiedContact> {
         let (enter, exit, resolved) = self.ends();
         let mut closest: Option<(Approach, usize)> = None;
         let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -413,8 +415,11 @@ impl Group<'_> {
         let (Some(least), Some((closest, _))) = (least, closest) else {
             unreachable!("a group has parts, and each part a member")
         };
+        if !resolved && least.low > margin {
+            return None;
+        }
         let (closest, error) = least.settle(closest);
-        CertifiedContact {
+        Some(CertifiedContact {
             contact: Contact {
                 enter: enter.nearest(first.min(closest.time)),
                 exit: exit.nearest(last.max(closest.time)),
@@ -427,7 +432,7 @@ impl Group<'_> {
                 exit,
                 closest: least.time,
             },
-        }
+        })
     }
 
     /// The least separation of all members. It is likely that of the one with the share `nearest`,
