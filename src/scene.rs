@@ -320,11 +320,13 @@ impl Scene {
         })
     }
 
-    /// Rough extremes of all plans, m.
+    /// Rough extremes of all plans of bodies that may be part of a pair, m.
     pub(crate) fn extremes(&self) -> Extremes {
         let mut extremes = Extremes::NOTHING;
         for (_, occupant) in self.occupants() {
-            extremes.include(occupant.outline().extremes);
+            if !occupant.body.layers.is_none() {
+                extremes.include(occupant.outline().extremes);
+            }
         }
         extremes
     }

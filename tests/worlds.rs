@@ -49,6 +49,64 @@ fn a_larger_world_around_hides_nothing() {
     }
 }
 
+/// Bodies that are far away, parked or at rest, make nothing coarse for all others: neither where they
+/// are part of no pair, nor where they are gone before the window begins, nor even as they are.
+#[test]
+fn what_is_parked_far_away_costs_the_others_nothing() {
+    let mut rng = rng(3);
+    let mut flights = Vec::new();
+    for _ in 0..1_000 {
+        let from = vector(&mut rng, 40.0);
+        flights.push(line(from, from + vector(&mut rng, 4.0)));
+    }
+    let far = |distance: f64| Trajectory::at_rest(DVec3::new(1.0, -2.0, 0.5) * distance).unwrap();
+    let gone = |distance: f64| {
+        let states = [-9.0, -8.0].map(|t| State::new(t, DVec3::Y * distance, DVec3::ZERO));
+        Trajectory::from_states(&states).unwrap()
+    };
+    let window = Window::new(0.0, 1.0).unwrap();
+    let query = Query::new(window).with_margin(1.0).unwrap();
+    let run = |others: &[(Trajectory, Layers)]| {
+        let mut scene = Scene::new();
+        for flight in &flights {
+            scene.insert(Body::new(flight.clone())).unwrap();
+        }
+        for (plan, layers) in others {
+            let body = Body::new(plan.clone()).with_layers(*layers);
+            scene.insert(body).unwrap();
+        }
+        let screening = scene.screen(&query).unwrap();
+        let mut monitor = Monitor::new(scene, 0.0, 1.0, &[AlertLevel::at(1.0)]).unwrap();
+        monitor.advance(0.0, &mut Vec::new()).unwrap();
+        let counts = [screening.stats.candidates, monitor.stats().candidates];
+        assert_eq!(bits(monitor.conflicts(0)), bits(&screening.conflicts));
+        (screening.conflicts, counts)
+    };
+    let (alone, counts) = run(&[]);
+    assert!(alone.len() > 10, "{}", alone.len());
+    for distance in [1e7, 1e10, 1e20] {
+        for others in [
+            vec![(far(distance), Layers::NONE)],
+            vec![(far(distance), Layers::ALL)],
+            vec![(gone(distance), Layers::ALL); 300],
+            vec![(far(distance), Layers::NONE); 3_000],
+            vec![
+                (far(distance), Layers::ALL),
+                (far(-0.3 * distance), Layers::ALL),
+            ],
+        ] {
+            let (found, with_others) = run(&others);
+            assert_eq!(bits(&found), bits(&alone));
+            for (count, with_others) in counts.into_iter().zip(with_others) {
+                assert!(
+                    with_others <= 2 * count + 500,
+                    "{distance}: {count} {with_others}"
+                );
+            }
+        }
+    }
+}
+
 /// Motions that the resolution of their own coordinates hides, down to the smallest numbers: cut
 /// into many slices they meet as they do in one.
 #[test]

@@ -64,6 +64,27 @@ impl Extremes {
         self.high = self.high.max(other.high);
     }
 
+    /// Where the middle half of some places is on each axis: a few that are far off all others make no
+    /// difference.
+    pub(crate) fn of_middle_half(places: &mut [DVec3]) -> Self {
+        let mut middle = Self::NOTHING;
+        let count = places.len();
+        for axis in 0..if count > 0 { 3 } else { 0 } {
+            places.sort_unstable_by(|x, y| x[axis].total_cmp(&y[axis]));
+            middle.low[axis] = places[count / 4][axis];
+            middle.high[axis] = places[count - 1 - count / 4][axis];
+        }
+        middle
+    }
+
+    fn is_finite(&self) -> bool {
+        self.low.is_finite() && self.high.is_finite()
+    }
+
+    fn middle(&self) -> DVec3 {
+        self.low * 0.5 + self.high * 0.5
+    }
+
     /// Rough extremes of a whole segment, for choosing a frame: no rounding is accounted for.
     pub(crate) fn of_segment(segment: &Segment, reach: f64) -> Self {
         Self {
@@ -81,11 +102,18 @@ impl Frame {
 
     /// A frame for coordinates within `extremes` and inflations up to `inflation` (m).
     pub(crate) fn around(extremes: Extremes, inflation: f64) -> Self {
-        if !(extremes.low.is_finite() && extremes.high.is_finite()) {
+        Self::amid(extremes, extremes, inflation)
+    }
+
+    /// The same where `most` of what is within `world` is: f32 is fine next to where it is measured
+    /// from, and coarse far away. A few bodies that are far off all others cost these nothing.
+    pub(crate) fn amid(world: Extremes, most: Extremes, inflation: f64) -> Self {
+        if !world.is_finite() {
             return Self::OF_NOTHING;
         }
-        let origin = extremes.low * 0.5 + extremes.high * 0.5;
-        let half = (extremes.high - origin).max_element() + inflation;
+        let (origin, _) = middle(world, most, inflation);
+        let half = (world.high - origin).max(origin - world.low);
+        let half = half.max_element() + inflation;
         let power = if half <= 0.0 || (1e-10..1e30).contains(&half) {
             1.0
         } else {
@@ -94,20 +122,35 @@ impl Frame {
         Self { origin, power }
     }
 
-    /// Whether it serves coordinates within `extremes`, and inflations up to `inflation` (m), about as
-    /// well as one around them.
-    pub(crate) fn suits(&self, extremes: Extremes, inflation: f64) -> bool {
-        /// Halves of the world that it may lie away from its middle: sixteen cost f32 four bits.
-        const FEW: f64 = 16.0;
+    /// Whether it serves coordinates within a world, and inflations up to `inflation` (m), about as
+    /// well as one [amid](Self::amid) them.
+    pub(crate) fn suits(&self, world: Extremes, most: Extremes, inflation: f64) -> bool {
         /// How much larger or smaller the unit may be: f32 has room to spare.
         const MANY: f64 = 65536.0;
-        if !(extremes.low.is_finite() && extremes.high.is_finite()) {
+        if !world.is_finite() {
             return true;
         }
-        let best = Self::around(extremes, inflation);
-        let half = (extremes.high - best.origin).max_element() + inflation;
+        let best = Self::amid(world, most, inflation);
+        let (_, half) = middle(world, most, inflation);
         let away = (best.origin - self.origin).abs().max_element();
         (1.0 / MANY..=MANY).contains(&(self.power / best.power)) && away <= FEW * half
+    }
+}
+
+/// Halves of what is measured that the origin may lie away from its middle: sixteen cost f32 four bits.
+const FEW: f64 = 16.0;
+
+/// Where a world is measured from, and how far from there most of it is, m.
+fn middle(world: Extremes, most: Extremes, inflation: f64) -> (DVec3, f64) {
+    let origin = world.middle();
+    let half_of = |part: &Extremes| (part.high - part.middle()).max_element() + inflation;
+    let (half, half_of_most) = (half_of(&world), half_of(&most));
+    let away = (origin - most.middle()).abs().max_element();
+    // Nothing is gained where most are in one place, and that is the middle.
+    if most.is_finite() && away > FEW * half_of_most {
+        (most.middle(), half_of_most)
+    } else {
+        (origin, half)
     }
 }
 

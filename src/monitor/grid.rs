@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::query::Query;
 use crate::scene::Scene;
 use crate::window::Window;
+use glam::DVec3;
 
 /// See the module. What is found does not depend on it.
 #[derive(Clone, Copy, Debug)]
@@ -71,11 +72,14 @@ impl Signs {
     /// Of a scene's bodies within a lookahead from an instant on (s), for pairs within `margin` (m).
     pub(super) fn of(scene: &Scene, margin: f64, (from, lookahead): (f64, f64)) -> Self {
         let mut speeds = [0.0; Scene::SAMPLE];
-        let mut places = [[0.0; Scene::SAMPLE]; 3];
+        let mut places = [DVec3::ZERO; Scene::SAMPLE];
         let mut count = 0;
         for occupant in scene.sample() {
             let plan = &occupant.body.trajectory;
             let (first, last) = (plan.domain().start(), plan.domain().end());
+            if occupant.body.layers.is_none() || last < from || first > from + lookahead {
+                continue;
+            }
             let [early, late] =
                 [from, from + 0.5 * lookahead].map(|time| time.max(first).min(last));
             let (Some(place), Some(v), Some(w)) = (
@@ -86,21 +90,16 @@ impl Signs {
                 continue;
             };
             speeds[count] = v.length().max(w.length());
-            for (axis, places) in places.iter_mut().enumerate() {
-                places[count] = place[axis];
-            }
+            places[count] = place;
             count += 1;
         }
         let (mut slices, mut middle) = (0.0, Extremes::NOTHING);
         if count > 1 {
             let reach = margin.max(f64::MIN_POSITIVE);
             let mut spacing = 1.0;
-            for (axis, places) in places.iter_mut().enumerate() {
-                let places = &mut places[..count];
-                places.sort_unstable_by(f64::total_cmp);
-                let (low, high) = (places[count / 4], places[count - 1 - count / 4]);
-                (middle.low[axis], middle.high[axis]) = (low, high);
-                spacing *= (2.0 * (high - low)).max(reach).cbrt();
+            middle = Extremes::of_middle_half(&mut places[..count]);
+            for extent in (middle.high - middle.low).to_array() {
+                spacing *= (2.0 * extent).max(reach).cbrt();
             }
             speeds[..count].sort_unstable_by(f64::total_cmp);
             #[allow(clippy::cast_precision_loss, reason = "a number of bodies")]
@@ -139,12 +138,13 @@ impl Grid {
         let cheapest = f64::from(scene.cheapest_slices(&query)?);
         // Whole: else part of the next one would be due with the first tick.
         let ahead = Self::number(cheapest, scene.len()).round();
+        let signs = Signs::of(scene, margin, (origin, lookahead));
         let grid = Self {
-            frame: Frame::around(scene.extremes(), margin.abs()),
+            frame: Frame::amid(scene.extremes(), signs.middle, margin.abs()),
             origin,
             length: lookahead / ahead,
             ahead,
-            signs: Signs::of(scene, margin, (origin, lookahead)),
+            signs,
         };
         Ok(if grid.has_room(now) {
             grid
@@ -172,13 +172,14 @@ impl Grid {
             [&self.signs, signs].map(|signs| Self::number(signs.slices, scene.len()));
         let is_alike = now <= FEW * before && before <= FEW * now;
         let frame = Frame::around(self.signs.middle, margin.abs());
-        is_alike && frame.suits(signs.middle, margin.abs())
+        is_alike && frame.suits(signs.middle, signs.middle, margin.abs())
     }
 
     /// Whether it serves a scene about as well as another one that was chosen for it.
     pub(super) fn serves(&self, scene: &Scene, margin: f64, other: &Self) -> bool {
         let is_alike = self.ahead <= 1.5 * other.ahead && other.ahead <= 1.5 * self.ahead;
-        is_alike && self.frame.suits(scene.extremes(), margin.abs())
+        let most = other.signs.middle;
+        is_alike && self.frame.suits(scene.extremes(), most, margin.abs())
     }
 
     /// Takes over what the scene looks like now: it suits that as well.

@@ -42,6 +42,7 @@ pub(super) struct LineUp<'a> {
     pub(super) most_spans: usize,
     pub(super) pool: &'a Pool,
     atlas: &'a Atlas,
+    frame: Frame,
     survey: Survey,
 }
 
@@ -66,6 +67,7 @@ impl<'a> LineUp<'a> {
             let beyond = laid_out.next_if(|(beyond, _)| *beyond == place);
             survey.include(place, occupants[place], beyond.map(|(_, beyond)| &**beyond));
         }
+        let frame = survey.frame(&occupants);
         let mut line_up = Self {
             ids,
             occupants,
@@ -79,6 +81,7 @@ impl<'a> LineUp<'a> {
             most_spans: query.most_spans(),
             pool: scene.pool(),
             atlas: scene.atlas(),
+            frame,
             survey,
         };
         // Open ends are closed where no body exists beyond them.
@@ -103,20 +106,16 @@ impl<'a> LineUp<'a> {
     pub(super) fn parties(&self) -> Lists<'_> {
         /// Fewer are gone through on this thread.
         const FEW: usize = 4096;
-        let frame = self.frame();
+        let frame = self.frame;
         let both = |last: &mut LastInflation, place: usize| self.party(place, &frame, last);
         parallel::map_both(self.occupants.len(), FEW, LastInflation::none, both)
     }
 
     /// How the bodies in some places lie in that frame.
     pub(super) fn poses(&self, places: &[usize]) -> Vec<Pose<'_, Stroke>> {
-        let (frame, mut last) = (self.frame(), LastInflation::none());
+        let (frame, mut last) = (self.frame, LastInflation::none());
         let pose = |&place: &usize| self.party(place, &frame, &mut last).1;
         places.iter().map(pose).collect()
-    }
-
-    fn frame(&self) -> Frame {
-        Frame::around(self.survey.extremes, self.survey.size)
     }
 
     /// The body in a place as the narrow phase takes it, and how it lies in a frame.

@@ -1,22 +1,24 @@
 //! What there is to know of all bodies before any of them is looked at closely, from one pass: they
 //! lie next to each other in memory, but are larger together than the caches.
 
-use crate::bounds::{Extremes, Inflation};
+use crate::bounds::{Extremes, Frame, Inflation};
 use crate::broad_phase::slices::Traffic;
 use crate::hitbox::Sphere;
 use crate::layers::Layers;
-use crate::scene::{Beyond, Occupant};
+use crate::scene::{Beyond, Occupant, Scene};
 use crate::window::Window;
+use glam::DVec3;
 
 /// See the module.
 #[derive(Debug)]
 pub(super) struct Survey {
     window: Window,
     margin: f64,
-    /// When each body exists, by place, and all of them (first and last instant, s).
+    /// When each body exists, by place, and all of them (first and last instant, s). (Never, if it is
+    /// part of no pair.)
     pub(super) lives: Vec<(f64, f64)>,
     pub(super) existence: (f64, f64),
-    /// Of all that is followed, roughly, m.
+    /// Of all that is followed, roughly, m: of bodies that exist in the window.
     pub(super) extremes: Extremes,
     /// Of the plans alone, roughly, m.
     plans: Extremes,
@@ -58,8 +60,15 @@ impl Survey {
         let outline = beyond.map_or(plan, |beyond| &beyond.outline);
         self.is_in_all_layers &= body.layers == Layers::ALL;
         let (first, last) = outline.sketch.ends();
-        self.lives[place] = (first, last);
         self.existence = (self.existence.0.min(first), self.existence.1.max(last));
+        if body.layers.is_none() {
+            self.lives[place] = (f64::INFINITY, f64::NEG_INFINITY);
+            return;
+        }
+        self.lives[place] = (first, last);
+        if first > self.window.end() || last < self.window.start() {
+            return;
+        }
         self.extremes.include(outline.extremes);
         self.plans.include(plan.extremes);
         let spheres = body.hitbox.spheres();
@@ -92,6 +101,23 @@ impl Survey {
             let segments = segments as f64;
             self.traffic.segments += segments * (time / duration);
         }
+    }
+
+    /// A frame for all bodies that exist in the window, where most of them are.
+    pub(super) fn frame(&self, occupants: &[&Occupant]) -> Frame {
+        let (start, end) = (self.window.start(), self.window.end());
+        let stride = occupants.len().div_ceil(Scene::SAMPLE).max(1);
+        let some = self.lives.iter().zip(occupants).step_by(stride);
+        let present = some.filter(|((first, last), _)| *first <= end && *last >= start);
+        let mut places = [DVec3::ZERO; Scene::SAMPLE];
+        let mut count = 0;
+        for (place, (_, occupant)) in places.iter_mut().zip(present) {
+            let Extremes { low, high } = occupant.outline().extremes;
+            *place = low * 0.5 + high * 0.5;
+            count += 1;
+        }
+        let most = Extremes::of_middle_half(&mut places[..count]);
+        Frame::amid(self.extremes, most, self.size)
     }
 
     /// How much moves in the window.
