@@ -122,7 +122,8 @@ pub enum Error {
         row: usize,
     },
     /// A body's own error: a trajectory's errors carry the knot and the value, and whoever knows
-    /// the body wraps them in this.
+    /// the body wraps them in this. Bodies are named by their tags: give them some
+    /// ([`Body::with_tag`](crate::Body::with_tag)), or all are called 0.
     #[error("body {body}: {error}")]
     InBody {
         /// The body's tag.
@@ -164,7 +165,8 @@ pub enum Error {
         /// End, s.
         end: f64,
     },
-    /// A body that exists at all times cannot be screened over a window without end.
+    /// A body that exists at all times cannot be screened over a window without end: see
+    /// [`Scene::planned`](crate::Scene::planned).
     #[error("body {body} exists beyond its knots: the window must be closed on both sides")]
     WindowNotClosed {
         /// The body's tag.
@@ -193,8 +195,14 @@ pub enum Error {
         /// The id.
         id: BodyId,
     },
-    /// A plan cannot be spliced where one of the two does not exist, or the new one ends.
-    #[error("there is no plan to splice at {time:?} s")]
+    /// A plan cannot be spliced where one of the two does not exist, or the new one ends: it begins later
+    /// than the splice, say, or the old one is over. (Give a plan that begins by then; replace an old one
+    /// that is over, with [`Monitor::set_trajectory`](crate::Monitor::set_trajectory); or let plans go on,
+    /// with [`Outside::Coast`](crate::Outside::Coast).)
+    #[error(
+        "there is no plan to splice at {time:?} s: the old plan or the new one does not exist then, or the \
+         new one ends"
+    )]
     NoPlanAt {
         /// The time of the splice, s.
         time: f64,
@@ -217,7 +225,10 @@ pub enum Error {
         time: f64,
     },
     /// A monitor's lookahead is not a positive duration up to 1e300, or lost in the rounding of its time.
-    #[error("{value:?} s is not a usable lookahead")]
+    #[error(
+        "{value:?} s is not a usable lookahead: not a positive number up to 1e300, or lost in the rounding \
+         of the clock"
+    )]
     Lookahead {
         /// The value, s.
         value: f64,

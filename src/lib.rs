@@ -4,7 +4,7 @@
 //! this order: correct, fast, pleasant to use.
 //!
 //! ```
-//! use glam::DVec3;
+//! use nearmiss::glam::DVec3;
 //! use nearmiss::{Body, Hitbox, Query, Scene, State, Trajectory};
 //!
 //! let mut scene = Scene::new();

@@ -18,6 +18,7 @@ use crate::layers::Layers;
 use crate::screen::Pool;
 use crate::simd::prefetch;
 use crate::trajectory::Trajectory;
+use crate::window::Window;
 use std::slice::from_ref;
 
 /// A trajectory with a hitbox around it.
@@ -320,6 +321,40 @@ impl Scene {
         })
     }
 
+    /// From the earliest first knot to the latest last one: the time that plans cover, whatever the bodies do
+    /// beyond. None if there is no body. Bodies [at rest](Trajectory::at_rest) have no plan that matters
+    /// here, nor have those that [coast](Trajectory::coasting) from a single state, unless there are no others.
+    ///
+    /// ```
+    /// use nearmiss::glam::DVec3;
+    /// use nearmiss::{Body, Outside, Query, Scene, State, Trajectory, Window};
+    ///
+    /// let mut scene = Scene::new();
+    /// scene.insert(Body::new(Trajectory::at_rest(DVec3::ONE)?))?;
+    /// let states = [5.0, 9.0].map(|time| State::new(time, time * DVec3::X, DVec3::X));
+    /// let plan = Trajectory::from_states(&states)?.with_outside(Outside::Coast);
+    /// scene.insert(Body::new(plan))?;
+    /// // Both exist at all times: `Query::default()` would be refused.
+    /// let planned = scene.planned().unwrap_or(Window::new(0.0, 0.0)?);
+    /// assert_eq!(planned, Window::new(5.0, 9.0)?);
+    /// scene.screen(&Query::new(planned))?;
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
+    #[must_use]
+    pub fn planned(&self) -> Option<Window> {
+        // Of plans with cubics, and of all.
+        let [mut moving, mut any] = [None; 2];
+        for (_, occupant) in self.occupants() {
+            let trajectory = &occupant.body.trajectory;
+            let window = trajectory.planned();
+            any = Some(hull(any, window));
+            if !trajectory.segments().is_empty() {
+                moving = Some(hull(moving, window));
+            }
+        }
+        moving.or(any)
+    }
+
     /// Rough extremes of all plans of bodies that may be part of a pair, m.
     pub(crate) fn extremes(&self) -> Extremes {
         let mut extremes = Extremes::NOTHING;
@@ -414,4 +449,11 @@ impl Clone for Scene {
             pool: self.pool.clone(),
         }
     }
+}
+
+/// The least window that holds another one, and the one there is.
+fn hull(so_far: Option<Window>, other: Window) -> Window {
+    let Some(one) = so_far else { return other };
+    let (start, end) = (one.start().min(other.start()), one.end().max(other.end()));
+    Window::new(start, end).unwrap_or(Window::ALL)
 }

@@ -6,8 +6,8 @@
 //!     [--accuracy fast|exact|certified] [--threads N] [--output OUT.csv] [--stats json]
 //! ```
 //!
-//! `STATES` has the header `body,t,px,py,pz,vx,vy,vz` (SI units; a body's rows together and in the
-//! order of time); `-` is standard input. Writes one row for each maximal interval in which two
+//! `STATES` has the header `body,t,px,py,pz,vx,vy,vz` (bodies are whole numbers from 0 on; SI units; a body's
+//! rows together and in the order of time); `-` is standard input. Writes one row for each maximal interval in which two
 //! bodies' separation is at most the margin: their labels `a` and `b`; `enter`, `exit`, and `tca`, the
 //! time of closest approach (s); `separation` then (m); `clip`: 1 if it is cut off at `enter`, by the
 //! window or since a body begins, 2 at `exit`, 3 at both. With `certified` also `error` (m) and
@@ -34,7 +34,8 @@ use write::Table;
 #[derive(Debug, Parser)]
 #[command(name = "screen")]
 struct Arguments {
-    /// Header body,t,px,py,pz,vx,vy,vz; SI units; gzip is unpacked; - is standard input.
+    /// Header body,t,px,py,pz,vx,vy,vz; bodies are whole numbers from 0 on; SI units; gzip is unpacked; - is
+    /// standard input.
     states: PathBuf,
     /// Radius of every body, m.
     #[arg(

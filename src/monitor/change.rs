@@ -120,13 +120,18 @@ impl Monitor {
     /// Cubics that end before the clock of the last tick are forgotten with this call, unless
     /// [`set_history`](Self::set_history) keeps them.
     ///
+    /// A plan may come late: `from` may lie before the clock. Then what the body did since is another thing
+    /// than what was told of it: events are told from the clock of the last tick on, none of what the plan
+    /// changes before it.
+    ///
     /// The plan may begin elsewhere, but a far jump is dear: until it is past, all bodies between the two
     /// places are neighbours. For one that vanishes here and begins anew there,
     /// [`set_trajectory`](Self::set_trajectory) is the cheap way.
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::NoPlanAt`] or
+    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::NoPlanAt`] (where the old plan is over:
+    /// [`set_trajectory`](Self::set_trajectory) needs none),
     /// [`Error::OutOfRange`] or [`Error::TooFar`].
     pub fn replan(&mut self, id: BodyId, from: f64, plan: Trajectory) -> Result<(), Error> {
         self.apply([Command::Replan(id, from, plan)]).map(drop)

@@ -10,7 +10,9 @@ use super::kept::Kept;
 use crate::conflict::ClosestApproach;
 use crate::id::BodyId;
 
-/// Changes up to this are not told; measured from what was last told. By default all are.
+/// Changes up to this are not told; measured from what was last told. By default all are, also those of
+/// rounding: where a distance hardly changes, or as the clock passes an instant that was worked out.
+/// 1e-9 s and 1e-9 m keep these back.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LeastChange {

@@ -41,7 +41,9 @@ pub struct Encounter {
     pub exit: f64,
     /// The end is not known yet: it lies beyond what the monitor has looked at.
     pub open: bool,
-    /// The least separation, over what has passed and what is planned.
+    /// The least separation, over what has passed since it began and what is planned, as far as the
+    /// monitor has looked: while the encounter is `open` the bodies may come nearer later, which a
+    /// [`Revised`](EventKind::Revised) tells.
     pub closest: ClosestApproach,
 }
 
@@ -78,7 +80,8 @@ pub enum EndReason {
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum EventKind {
-    /// A new encounter lies ahead.
+    /// A new encounter lies ahead. One that reaches beyond the lookahead is `open`: how near the bodies
+    /// come is then only known so far, and revised as more comes into sight.
     Predicted(Encounter),
     /// Its numbers differ from those last sent by more than the least change.
     Revised(Encounter),
@@ -88,7 +91,10 @@ pub enum EventKind {
     Began(Encounter),
     /// It is over. Every encounter that began has exactly one of these.
     Ended(Encounter, EndReason),
-    /// A body's plan ends within the lookahead, and the body with it. Told once for each plan.
+    /// A body's plan ends within the lookahead (or ended before it), and the body with it. Told once for each
+    /// plan, as soon as its end is in sight, and not again when it comes: with plans no longer than the
+    /// lookahead at once. Plan further ahead, or let bodies go on
+    /// ([`Outside::Coast`](crate::Outside::Coast)).
     PlanEnds(BodyId),
 }
 

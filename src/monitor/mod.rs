@@ -188,7 +188,8 @@ impl Monitor {
     /// one.
     pub const MOST_SPANS: usize = 1 << 20;
 
-    /// A monitor of `scene` whose clock shows `now` (s) and that looks `lookahead` seconds ahead.
+    /// A monitor of `scene` whose clock shows `now` (s) and that looks `lookahead` seconds ahead. Lookahead
+    /// and levels stay as they are: for others, [`close`](Self::close) it and make another one.
     /// Levels are numbered as given, from 0; they may come in any order.
     ///
     /// # Errors

@@ -108,7 +108,10 @@ impl Trajectory {
     /// Absolute-time polynomials are moved to local time in twice the precision of f64, so that
     /// the segment is that of the given coefficients to a few roundings of its own size. (The
     /// coefficients themselves, as f64, may no longer describe the motion that was meant: at
-    /// t = 1e6 s they are good to metres only. Prefer local time.) Segments need not meet.
+    /// t = 1e6 s they are good to metres only. Prefer local time.) Segments need not meet. Where a segment
+    /// ends is only known to the rounding of its place; a body that [coasts](super::Outside::Coast) from
+    /// there is known less and less well the longer it does, by as much for each duration of the segment.
+    /// (From [states](Self::from_states) it is known exactly.)
     ///
     /// ```
     /// use nearmiss::glam::DVec3;

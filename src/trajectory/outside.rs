@@ -120,8 +120,8 @@ impl Pieces {
 }
 
 impl Trajectory {
-    /// From the first to the last knot.
-    pub(super) fn planned(&self) -> Window {
+    /// From the first to the last knot; all of time without one.
+    pub(crate) fn planned(&self) -> Window {
         match (self.knots.first(), self.knots.last()) {
             (Some(&first), Some(&last)) => Window::new(first, last).unwrap_or(Window::ALL),
             _ => Window::ALL,
