@@ -66,7 +66,7 @@ impl Slices {
     /// the cube of their size, with shorter ones the boxes themselves are the cost.
     const SPACINGS_PER_SLICE: f64 = 0.5;
     /// A body's box should not hold more segments than this.
-    const MOST_SEGMENTS_PER_SLICE: f64 = 16.0;
+    const MOST_SEGMENTS_PER_SLICE: f64 = 32.0;
     /// However fast the traffic, no more boxes than this in all.
     const MOST_BOXES: f64 = 5e7;
     /// Nor slices.
