@@ -369,10 +369,11 @@ impl Scene {
     /// As many bodies as tell what most are like.
     pub(crate) const SAMPLE: usize = 64;
 
-    /// Some bodies: all where there are few, else those in slots scattered over all.
-    pub(crate) fn sample(&self) -> impl Iterator<Item = &Occupant> {
+    /// Some of the bodies that may be part of a pair within a time (s): of all where there are few, else of
+    /// those in slots scattered over all.
+    pub(crate) fn sample(&self, (from, to): (f64, f64)) -> impl Iterator<Item = &Occupant> {
         let count = self.slots.len();
-        (0..count.min(Self::SAMPLE)).filter_map(move |number| {
+        let some = (0..count.min(Self::SAMPLE)).filter_map(move |number| {
             // Not in equal strides: no order in which bodies are put in hides some kinds of them.
             let slot = if count <= Self::SAMPLE {
                 number
@@ -380,6 +381,10 @@ impl Scene {
                 number * count / Self::SAMPLE + number % (count / Self::SAMPLE)
             };
             self.slots[slot].occupant.as_ref()
+        });
+        some.filter(move |occupant| {
+            let domain = occupant.body.trajectory.domain();
+            !occupant.body.layers.is_none() && domain.start() <= to && domain.end() >= from
         })
     }
 

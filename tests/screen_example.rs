@@ -223,6 +223,12 @@ fn files_of_all_kinds_of_editors() {
         ("mark", format!("\u{feff}{unix}"), "row 6"),
         ("gaps", empty_lines.clone(), "row 11"),
         ("dos-gaps", empty_lines.replace('\n', "\r\n"), "row 11"),
+        ("late", format!("\n\n{unix}"), "row 8"),
+        (
+            "dos-late",
+            format!("\n\n{unix}").replace('\n', "\r\n"),
+            "row 8",
+        ),
     ] {
         refuses(name, &text, &[], &[row, "column t", "\"x\""]);
         let whole = text.replace("3,x,0,0,0,0,0,0", "");

@@ -107,6 +107,29 @@ fn what_is_parked_far_away_costs_the_others_nothing() {
     }
 }
 
+/// The time in which nobody else exists is not cut into slices for a body that is part of no pair.
+#[test]
+fn a_long_life_apart_from_all_pairs_adds_no_time() {
+    let mut rng = rng(4);
+    let mut scene = Scene::new();
+    for _ in 0..500 {
+        let from = vector(&mut rng, 30.0);
+        let plan = line(from, from + vector(&mut rng, 30.0));
+        scene.insert(Body::new(plan)).unwrap();
+    }
+    let query = Query::default().with_margin(1.0).unwrap();
+    let alone = scene.screen(&query).unwrap();
+    let (found, slices) = (alone.conflicts.len(), alone.stats.slices);
+    assert!(found > 10 && slices > 1, "{found} {slices}");
+    let states = [0.0, 1e9].map(|time| State::new(time, DVec3::X * time, DVec3::X));
+    let long = Body::new(Trajectory::from_states(&states).unwrap());
+    scene.insert(long.with_layers(Layers::NONE)).unwrap();
+    let beside = scene.screen(&query).unwrap();
+    assert_eq!(bits(&beside.conflicts), bits(&alone.conflicts));
+    assert_eq!(beside.stats.slices, alone.stats.slices);
+    assert_eq!(beside.stats.boxes, alone.stats.boxes);
+}
+
 /// Motions that the resolution of their own coordinates hides, down to the smallest numbers: cut
 /// into many slices they meet as they do in one.
 #[test]

@@ -1,6 +1,7 @@
 //! Reading a file of states; every complaint names file, row, column and value.
 //!
-//! Rows are counted as lines of the file, whatever ends them: the header is row 1.
+//! Rows are counted as lines of the file, which end with `\n` or `\r\n`: the header is row 1, and empty ones
+//! count.
 
 use flate2::read::MultiGzDecoder;
 use glam::DVec3;
@@ -44,27 +45,18 @@ impl Table {
         // Of `\r\n` the first is trimmed: the reader would take it for a row's end, and count the
         // second with the next row.
         let mut reader = csv::ReaderBuilder::new()
+            .has_headers(false)
             .flexible(true)
             .trim(csv::Trim::All)
             .terminator(csv::Terminator::Any(b'\n'))
             .from_reader(source);
-        let header = reader
-            .headers()
-            .map_err(|error| format!("{name}: row 1: {error}"))?;
-        let header: Vec<String> = header.iter().map(str::to_owned).collect();
+        let mut record = csv::StringRecord::new();
+        next_row(name, &mut reader, &mut record)?;
+        let header: Vec<String> = record.iter().map(str::to_owned).collect();
         check_header(name, &header)?;
         let mut rows = Vec::new();
-        let mut record = csv::StringRecord::new();
-        loop {
-            let found = reader.read_record(&mut record);
-            // Behind the line end of the row, and of empty ones before it.
-            let line = reader.position().line() - 1;
-            match found {
-                Ok(false) => break,
-                Ok(true) if record.iter().eq([""]) => {}
-                Ok(true) => rows.push(parse(name, line, &record)?),
-                Err(error) => return Err(format!("{name}: row {line}: {error}")),
-            }
+        while let Some(line) = next_row(name, &mut reader, &mut record)? {
+            rows.push(parse(name, line, &record)?);
         }
         Ok(Self {
             name: name.to_owned(),
@@ -128,6 +120,24 @@ impl Table {
                 }
             }
             _ => format!("{}: {error}", place(0, "body")),
+        }
+    }
+}
+
+/// Reads the next row that is not empty; gives its number, none at the end.
+fn next_row(
+    name: &str,
+    reader: &mut csv::Reader<impl Read>,
+    record: &mut csv::StringRecord,
+) -> Result<Option<u64>, String> {
+    loop {
+        let found = reader.read_record(record);
+        // Behind the line end of the row, and of empty ones before it.
+        let line = reader.position().line() - 1;
+        match found {
+            Ok(true) if record.iter().eq([""]) => {}
+            Ok(found) => return Ok(found.then_some(line)),
+            Err(error) => return Err(format!("{name}: row {line}: {error}")),
         }
     }
 }

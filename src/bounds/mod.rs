@@ -68,11 +68,14 @@ impl Extremes {
     /// difference.
     pub(crate) fn of_middle_half(places: &mut [DVec3]) -> Self {
         let mut middle = Self::NOTHING;
-        let count = places.len();
-        for axis in 0..if count > 0 { 3 } else { 0 } {
+        let Some(last) = places.len().checked_sub(1) else {
+            return middle;
+        };
+        let quarter = places.len() / 4;
+        for axis in 0..3 {
             places.sort_unstable_by(|x, y| x[axis].total_cmp(&y[axis]));
-            middle.low[axis] = places[count / 4][axis];
-            middle.high[axis] = places[count - 1 - count / 4][axis];
+            middle.low[axis] = places[quarter][axis];
+            middle.high[axis] = places[last - quarter][axis];
         }
         middle
     }
@@ -81,7 +84,7 @@ impl Extremes {
         self.low.is_finite() && self.high.is_finite()
     }
 
-    fn middle(&self) -> DVec3 {
+    pub(crate) fn middle(&self) -> DVec3 {
         self.low * 0.5 + self.high * 0.5
     }
 

@@ -74,12 +74,9 @@ impl Signs {
         let mut speeds = [0.0; Scene::SAMPLE];
         let mut places = [DVec3::ZERO; Scene::SAMPLE];
         let mut count = 0;
-        for occupant in scene.sample() {
+        for occupant in scene.sample((from, from + lookahead)) {
             let plan = &occupant.body.trajectory;
             let (first, last) = (plan.domain().start(), plan.domain().end());
-            if occupant.body.layers.is_none() || last < from || first > from + lookahead {
-                continue;
-            }
             let [early, late] =
                 [from, from + 0.5 * lookahead].map(|time| time.max(first).min(last));
             let (Some(place), Some(v), Some(w)) = (

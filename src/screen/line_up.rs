@@ -67,7 +67,7 @@ impl<'a> LineUp<'a> {
             let beyond = laid_out.next_if(|(beyond, _)| *beyond == place);
             survey.include(place, occupants[place], beyond.map(|(_, beyond)| &**beyond));
         }
-        let frame = survey.frame(&occupants);
+        let frame = survey.frame(scene);
         let mut line_up = Self {
             ids,
             occupants,

@@ -60,12 +60,12 @@ impl Survey {
         let outline = beyond.map_or(plan, |beyond| &beyond.outline);
         self.is_in_all_layers &= body.layers == Layers::ALL;
         let (first, last) = outline.sketch.ends();
-        self.existence = (self.existence.0.min(first), self.existence.1.max(last));
         if body.layers.is_none() {
             self.lives[place] = (f64::INFINITY, f64::NEG_INFINITY);
             return;
         }
         self.lives[place] = (first, last);
+        self.existence = (self.existence.0.min(first), self.existence.1.max(last));
         if first > self.window.end() || last < self.window.start() {
             return;
         }
@@ -104,19 +104,10 @@ impl Survey {
     }
 
     /// A frame for all bodies that exist in the window, where most of them are.
-    pub(super) fn frame(&self, occupants: &[&Occupant]) -> Frame {
-        let (start, end) = (self.window.start(), self.window.end());
-        let stride = occupants.len().div_ceil(Scene::SAMPLE).max(1);
-        let some = self.lives.iter().zip(occupants).step_by(stride);
-        let present = some.filter(|((first, last), _)| *first <= end && *last >= start);
-        let mut places = [DVec3::ZERO; Scene::SAMPLE];
-        let mut count = 0;
-        for (place, (_, occupant)) in places.iter_mut().zip(present) {
-            let Extremes { low, high } = occupant.outline().extremes;
-            *place = low * 0.5 + high * 0.5;
-            count += 1;
-        }
-        let most = Extremes::of_middle_half(&mut places[..count]);
+    pub(super) fn frame(&self, scene: &Scene) -> Frame {
+        let some = scene.sample((self.window.start(), self.window.end()));
+        let mut places: Vec<DVec3> = some.map(|one| one.outline().extremes.middle()).collect();
+        let most = Extremes::of_middle_half(&mut places);
         Frame::amid(self.extremes, most, self.size)
     }
 
