@@ -2,24 +2,25 @@
 //!
 //! The relative control points are formed in f64 and rounded, in a power of two that suits each
 //! pair; so what is lost is relative to the local scale, not to the world. The batch kernel finds
-//! the least distances, and Bernstein coefficients of the squared distance the first and the last
-//! instant within the threshold. That threshold is raised by more than f32 can be wrong, and what
-//! cannot be told is within: a contact is reported early rather than late, and two contacts in one
-//! span are reported as one.
+//! the least distances. Where one is so near the threshold that f32 cannot tell, the exact solver
+//! answers; elsewhere a contact's first and last instant are sought in f32, with the threshold raised
+//! by more than f32 can be wrong. So the spans in which there is contact are those of the exact
+//! solver; a contact is reported early rather than late, and two in one span are reported as one.
 
-use super::contact::{Approach, Contact, join};
-use super::kernels::{CubicBatch, Level, closest_approach};
-use super::relative::{RelativeCubic, RelativeMotion};
+use super::contact::{Approach, Contact, contacts, join, near_motion};
+use super::kernels::{CubicBatch, Level, Verdict, closest_approach, scalar};
+use super::relative::{RelativeMotion, filter_threshold, local_scale};
 use super::{Party, contact_radius};
 use crate::rounding::normalising_power;
 use crate::spans::Span;
 use glam::Vec3A;
+use std::iter::once;
 
-/// What the threshold is raised by for f32, relative to the polygon's size and the radius: 2^-17 = 128
-/// roundings of f32. Rounding the points takes 2 of them, halving them 3 a time, the kernel 16.
+/// What f32 can be wrong by, relative to the polygon's size and the radius: 2^-17 = 128 roundings.
+/// Rounding the points takes 2 of them, cutting them 9, halving them 3 a time, the kernel 16.
 const CLEARANCE: f32 = 1.0 / 131_072.0;
 
-/// How often a span is halved in search of its first and last instant within the threshold.
+/// How much of a span a contact may begin too early or end too late, as a power of two.
 const HALVINGS: u32 = 16;
 
 /// Two spheres over the part of a span that is asked about.
@@ -32,8 +33,15 @@ struct Entry {
     points: [Vec3A; 4],
     /// Lengths times this are near one.
     power: f64,
-    /// Raised, in that unit.
-    threshold: f32,
+    /// In that unit: at a lesser distance there is contact, at a larger one there is none.
+    thresholds: (f32, f32),
+}
+
+/// Two bodies, and when to look at them (s).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Encounter<'p> {
+    pub(crate) parties: (&'p Party<'p>, &'p Party<'p>),
+    pub(crate) clip: (f64, f64),
 }
 
 /// Pairs of bodies whose contacts are found together.
@@ -43,20 +51,29 @@ pub(crate) struct FastBatch {
     cubics: CubicBatch<f32>,
     times: Vec<f32>,
     distances: Vec<f32>,
+    contacts: Vec<Contact>,
 }
 
 impl FastBatch {
-    /// Adds the spans of a pair of bodies, which has a number of the caller's, if each is one sphere;
-    /// says whether it was added. (Of clusters few pairs of spheres matter, and which ones shows only
-    /// one after the other.)
+    /// Whether both bodies are one sphere. (Of clusters few pairs of spheres matter, and which ones
+    /// shows only one after the other.)
+    pub(crate) const fn takes(a: &Party<'_>, b: &Party<'_>) -> bool {
+        a.spheres.len() == 1 && b.spheres.len() == 1
+    }
+
+    /// Adds the spans of a pair of bodies, which has a number of the caller's, if it
+    /// [takes](Self::takes) these; says so.
     pub(crate) fn push(
         &mut self,
         pair: usize,
-        (a, b): (&Party<'_>, &Party<'_>),
+        encounter: &Encounter<'_>,
         spans: impl Iterator<Item = Span>,
         margin: f64,
-        clip: (f64, f64),
     ) -> bool {
+        let Encounter {
+            parties: (a, b),
+            clip,
+        } = *encounter;
         let ([sphere_a], [sphere_b]) = (a.spheres, b.spheres) else {
             return false;
         };
@@ -64,6 +81,7 @@ impl FastBatch {
         if radius < 0.0 {
             return true;
         }
+        let offset = sphere_a.offset - sphere_b.offset;
         for span in spans {
             let times = (span.start.max(clip.0), span.end.min(clip.1));
             if times.0 > times.1 {
@@ -71,17 +89,7 @@ impl FastBatch {
             }
             let (segment_a, segment_b) =
                 (&a.segments[span.a as usize], &b.segments[span.b as usize]);
-            let offset = sphere_a.offset - sphere_b.offset;
-            let whole =
-                RelativeCubic::between(segment_a, segment_b, (span.start, span.end), offset);
-            let points = if times == (span.start, span.end) {
-                whole.points
-            } else {
-                RelativeMotion::between(segment_a, segment_b, times).points(offset)
-            };
-            // What the exact solver counts as contact. In a formation, whose relative motion is small, that
-            // is more than what f32 loses of it.
-            let radius = radius + whole.tolerance();
+            let points = RelativeMotion::between(segment_a, segment_b, times).points(offset);
             let largest = points.iter().fold(radius, |largest, point| {
                 largest.max(point.abs().max_element())
             });
@@ -89,9 +97,15 @@ impl FastBatch {
             let points = points.map(|point| (point * power).as_vec3a());
             let size = points
                 .iter()
-                .map(|point| point.length())
-                .fold(0.0, f32::max);
+                .map(|point| point.length_squared())
+                .fold(0.0, f32::max)
+                .sqrt();
+            // What f64 can be wrong by. In a formation, whose relative motion is small, that is more
+            // than what f32 loses of it.
+            let scale = local_scale(segment_a, segment_b, (span.start, span.end), offset);
+            let blur = nearest((filter_threshold(radius, scale) - radius) * power);
             let radius = nearest(radius * power);
+            let clearance = CLEARANCE * (size + radius) + blur;
             self.cubics.push(points.map(|point| point.to_array()));
             self.entries.push(Entry {
                 pair,
@@ -100,15 +114,21 @@ impl FastBatch {
                 times,
                 points,
                 power,
-                threshold: radius + CLEARANCE * (size + radius),
+                thresholds: (radius - clearance, radius + clearance),
             });
         }
         true
     }
 
     /// Calls `report` with the number of each pair that has contacts, and these, in the order of
-    /// time. Pairs come in the order in which they were added; all are forgotten then.
-    pub(crate) fn solve(&mut self, level: Level, mut report: impl FnMut(usize, &[Contact])) {
+    /// time; `encounter` gives what was added with a number. Pairs come in the order in which they were
+    /// added; all are forgotten then.
+    pub(crate) fn solve<'p>(
+        &mut self,
+        (level, margin): (Level, f64),
+        encounter: impl Fn(usize) -> Option<Encounter<'p>>,
+        mut report: impl FnMut(usize, &[Contact]),
+    ) {
         self.times.resize(self.entries.len(), 0.0);
         self.distances.resize(self.entries.len(), 0.0);
         closest_approach(
@@ -117,21 +137,26 @@ impl FastBatch {
             &mut self.times,
             &mut self.distances,
         );
-        let mut contacts = Vec::new();
-        let mut found = self
-            .entries
-            .iter()
-            .zip(self.times.iter().zip(&self.distances));
-        let mut next = found.next();
-        while let Some((entry, (&time, &distance))) = next {
-            contacts.extend(entry.contact(time, distance));
-            next = found.next();
-            if next.is_none_or(|(following, _)| following.pair != entry.pair) {
-                join(&mut contacts, 0);
-                if !contacts.is_empty() {
-                    report(entry.pair, &contacts);
+        let least = self.times.iter().zip(&self.distances);
+        let mut found = self.entries.iter().zip(least).peekable();
+        while let Some((entry, (&time, &distance))) = found.next() {
+            let (certain, possible) = entry.thresholds;
+            if distance < certain {
+                self.contacts.push(entry.contact(time, distance));
+            } else if distance <= possible
+                && let Some(encounter) = encounter(entry.pair)
+            {
+                encounter.decide(entry.span, margin, &mut self.contacts);
+            }
+            if found
+                .peek()
+                .is_none_or(|(following, _)| following.pair != entry.pair)
+            {
+                join(&mut self.contacts, 0);
+                if !self.contacts.is_empty() {
+                    report(entry.pair, &self.contacts);
                 }
-                contacts.clear();
+                self.contacts.clear();
             }
         }
         self.entries.clear();
@@ -139,15 +164,29 @@ impl FastBatch {
     }
 }
 
-impl Entry {
-    /// From the local time of the least distance, and that distance.
-    fn contact(&self, time: f32, distance: f32) -> Option<Contact> {
-        if distance > self.threshold {
-            return None;
+impl Encounter<'_> {
+    /// The contacts in a span, as the exact solver has them.
+    fn decide(&self, span: Span, margin: f64, found: &mut Vec<Contact>) {
+        let (a, b) = self.parties;
+        let Some((points, threshold)) = near_motion(a, b, span, margin, self.clip) else {
+            return;
+        };
+        // What is beyond where a window cuts the span, the solver could take for a contact of no
+        // duration.
+        let points = points.map(|point| point.to_array());
+        if scalar::within(&points, threshold, threshold) != Verdict::Outside {
+            contacts(a, b, once(span), margin, self.clip, found);
         }
+    }
+}
+
+impl Entry {
+    /// From the local time of the least distance, and that distance: less than the threshold.
+    fn contact(&self, time: f32, distance: f32) -> Contact {
+        let threshold = self.thresholds.1;
         let [p0, p1, p2, p3] = self.points;
-        let first = first_within(&self.points, self.threshold, HALVINGS);
-        let last = first_within(&[p3, p2, p1, p0], self.threshold, HALVINGS);
+        let first = first_within(&self.points, time, threshold);
+        let last = first_within(&[p3, p2, p1, p0], 1.0 - time, threshold);
         let instant = |s: f32| {
             // From the nearer end, so that contacts of neighbouring spans meet.
             let (start, end) = self.times;
@@ -159,49 +198,120 @@ impl Entry {
             }
         };
         let closest = instant(time);
-        Some(Contact {
-            enter: first.map_or(closest, instant).min(closest),
-            exit: last.map_or(closest, |s| instant(1.0 - s)).max(closest),
+        Contact {
+            enter: instant(first).min(closest),
+            exit: instant(1.0 - last).max(closest),
             closest: Approach::at(
                 closest,
                 f64::from(distance) / self.power - self.radii,
                 (0, 0),
                 self.span,
             ),
-        })
+        }
     }
+}
+
+/// The first local time at which the distance can be within the threshold, or up to 2^-[`HALVINGS`]
+/// before it; `time` is one at which it is.
+fn first_within(points: &[Vec3A; 4], time: f32, threshold: f32) -> f32 {
+    if points[0].length_squared() <= level_of(points, threshold) {
+        return 0.0;
+    }
+    let before = split(points, time).0;
+    let first = if falls(&before) {
+        crossing(&before, threshold)
+    } else {
+        first_by_halves(&before, threshold, HALVINGS).unwrap_or(1.0)
+    };
+    time * first
+}
+
+/// Whether the squared distance falls all along, as far as its control heights tell.
+fn falls(points: &[Vec3A; 4]) -> bool {
+    squared_distance(points)
+        .windows(2)
+        .all(|heights| heights[1] < heights[0])
+}
+
+/// Where the distance, which falls, comes to the threshold: by Newton's steps, kept between what is
+/// beyond and what is within; or a little before.
+fn crossing(points: &[Vec3A; 4], threshold: f32) -> f32 {
+    /// They double the digits, of which there are 16.
+    const MOST_STEPS: usize = 24;
+    const NEAR: f32 = 1.0 / (1 << (HALVINGS + 2)) as f32;
+    let [p0, p1, p2, p3] = *points;
+    let (c1, c2, c3) = (
+        (p1 - p0) * 3.0,
+        ((p2 - p1) - (p1 - p0)) * 3.0,
+        (p3 - p0) - (p2 - p1) * 3.0,
+    );
+    let level = level_of(points, threshold);
+    let (mut beyond, mut within) = (0.0_f32, 1.0_f32);
+    let (mut s, mut is_last) = (0.0, false);
+    for _ in 0..MOST_STEPS {
+        let position = p0 + (c1 + (c2 + c3 * s) * s) * s;
+        let rate = c1 + (c2 * 2.0 + c3 * (3.0 * s)) * s;
+        let excess = position.length_squared() - level;
+        if excess > 0.0 {
+            beyond = s;
+        } else {
+            within = s;
+        }
+        if within - beyond <= NEAR || is_last && beyond >= s {
+            break;
+        }
+        let newton = s - excess / (2.0 * position.dot(rate));
+        let next = if newton > beyond && newton < within {
+            newton
+        } else {
+            0.5 * (beyond + within)
+        };
+        // A small step comes near the crossing; a little before it, it is asked whether that is so.
+        is_last = (next - s).abs() <= NEAR;
+        s = if is_last { next - NEAR } else { next };
+        if s <= beyond {
+            break;
+        }
+    }
+    beyond
 }
 
 /// The first local time at which the distance can be within the threshold, or up to 2^-`halvings`
 /// before it; none if it never can.
-fn first_within(points: &[Vec3A; 4], threshold: f32, halvings: u32) -> Option<f32> {
+fn first_by_halves(points: &[Vec3A; 4], threshold: f32, halvings: u32) -> Option<f32> {
     let coefficients = squared_distance(points);
-    let size = points
-        .iter()
-        .map(|point| point.length_squared())
-        .fold(0.0, f32::max);
-    // The rounding of the coefficients is relative to the part at hand: 8 units, twice.
-    let level = threshold * threshold + 16.0 * (f32::EPSILON / 2.0) * size;
+    let level = level_of(points, threshold);
     if coefficients.iter().all(|&coefficient| coefficient > level) {
         return None;
     }
     if coefficients[0] <= level || halvings == 0 {
         return Some(0.0);
     }
-    let (first, second) = halved(points);
-    match first_within(&first, threshold, halvings - 1) {
+    let (first, second) = split(points, 0.5);
+    match first_by_halves(&first, threshold, halvings - 1) {
         Some(s) => Some(0.5 * s),
-        None => first_within(&second, threshold, halvings - 1).map(|s| 0.5 + 0.5 * s),
+        None => first_by_halves(&second, threshold, halvings - 1).map(|s| 0.5 + 0.5 * s),
     }
 }
 
-fn halved(points: &[Vec3A; 4]) -> ([Vec3A; 4], [Vec3A; 4]) {
-    let middle = |a: Vec3A, b: Vec3A| (a + b) * 0.5;
+/// What the squared distance is compared with. The rounding of its coefficients is relative to the
+/// part at hand: 8 units, twice.
+fn level_of(points: &[Vec3A; 4], threshold: f32) -> f32 {
+    let size = points
+        .iter()
+        .map(|point| point.length_squared())
+        .fold(0.0, f32::max);
+    threshold * threshold + 16.0 * (f32::EPSILON / 2.0) * size
+}
+
+/// The parts before and after a local time.
+fn split(points: &[Vec3A; 4], s: f32) -> ([Vec3A; 4], [Vec3A; 4]) {
+    let between = |a: Vec3A, b: Vec3A| a + (b - a) * s;
     let [p0, p1, p2, p3] = *points;
-    let (q0, q1, q2) = (middle(p0, p1), middle(p1, p2), middle(p2, p3));
-    let (r0, r1) = (middle(q0, q1), middle(q1, q2));
-    let centre = middle(r0, r1);
-    ([p0, q0, r0, centre], [centre, r1, q2, p3])
+    let (q0, q1, q2) = (between(p0, p1), between(p1, p2), between(p2, p3));
+    let (r0, r1) = (between(q0, q1), between(q1, q2));
+    let middle = between(r0, r1);
+    ([p0, q0, r0, middle], [middle, r1, q2, p3])
 }
 
 /// Bernstein coefficients of the squared distance, degree 6.

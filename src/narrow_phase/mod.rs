@@ -23,7 +23,7 @@ pub(crate) use contact::{
     Approach, Contact, Solved, closest_approach, contacts, contacts_of, may_touch, near_motion,
     solve,
 };
-pub(crate) use fast::FastBatch;
+pub(crate) use fast::{Encounter, FastBatch};
 
 use crate::hitbox::Sphere;
 use crate::knots::Knots;

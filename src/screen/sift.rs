@@ -5,11 +5,12 @@
 //! the bodies of neighbouring candidates lie anywhere in memory, and waiting for them would be most
 //! of the time.
 
+use crate::accuracy::Accuracy;
 use crate::bounds::{Leg, Pose, Stroke, certainly_apart};
 use crate::broad_phase::Candidate;
 use crate::broad_phase::fill::Slice;
 use crate::narrow_phase::kernels::{CubicBatch, Level, Verdict, within};
-use crate::narrow_phase::{Party, approaching, near_motion};
+use crate::narrow_phase::{FastBatch, Party, approaching, near_motion};
 use crate::simd::prefetch;
 use crate::spans::{Span, spans_from};
 use std::cmp::Ordering;
@@ -75,6 +76,7 @@ pub(super) struct Question<'a> {
     /// The slice's, s.
     pub(super) interval: (f64, f64),
     pub(super) margin: f64,
+    pub(super) accuracy: Accuracy,
     pub(super) level: Level,
     /// With more spans from one slice it is too crowded: no further ones are looked at.
     pub(super) most_spans: usize,
@@ -145,7 +147,7 @@ impl Sieve {
             self.cut(question.poses);
             looked_at += self.pieces.len() as u64;
             self.sketch(question);
-            self.ask(question.parties, question.margin);
+            self.ask(question, survivors);
             if self.asked.len() >= Self::BATCH {
                 self.empty(question.level, survivors);
             }
@@ -228,8 +230,14 @@ impl Sieve {
 
     /// The relative motions of all of them. Each is asked about, however few that rules out: what is
     /// beyond where the window cuts a span, the solver could take for a contact of no duration, and
-    /// then it would matter what else is in the scene.
-    fn ask(&mut self, parties: &[Party<'_>], margin: f64) {
+    /// then it would matter what else is in the scene. ([`FastBatch`] asks where that may be.)
+    fn ask(&mut self, question: &Question<'_>, survivors: &mut Vec<Survivor>) {
+        let Question {
+            parties,
+            margin,
+            accuracy,
+            ..
+        } = *question;
         for (i, piece) in self.pieces.iter().enumerate() {
             if let Some(later) = self.pieces.get(i + Self::AHEAD) {
                 let (a, b) = (&parties[later.a as usize], &parties[later.b as usize]);
@@ -237,14 +245,16 @@ impl Sieve {
                 prefetch(from_ref(&b.segments[later.span.b as usize]));
             }
             let (a, b) = (&parties[piece.a as usize], &parties[piece.b as usize]);
+            let survivor = Survivor::new((piece.a, piece.b), (piece.span.a, piece.span.b));
+            if accuracy == Accuracy::Fast && FastBatch::takes(a, b) {
+                survivors.push(survivor);
+                continue;
+            }
             let motion = near_motion(a, b, piece.span, margin, piece.interval);
             if let Some((points, threshold)) = motion {
                 self.motions.push(points.map(|point| point.to_array()));
                 self.thresholds.push(threshold);
-                self.asked.push(Survivor::new(
-                    (piece.a, piece.b),
-                    (piece.span.a, piece.span.b),
-                ));
+                self.asked.push(survivor);
             }
         }
     }

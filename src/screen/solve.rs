@@ -6,7 +6,7 @@ use crate::accuracy::Accuracy;
 use crate::conflict::{Clip, ClosestApproach, Conflict};
 use crate::id::BodyId;
 use crate::narrow_phase::{
-    Approach, CertifiedContact, Contact, FastBatch, Party, Workspace, certified_contacts, contacts,
+    Approach, CertifiedContact, Contact, Encounter, FastBatch, Party, Workspace, certified_contacts, contacts,
 };
 use crate::parallel;
 use crate::simd::prefetch;
@@ -93,8 +93,10 @@ impl LineUp<'_> {
     ) {
         let Scratch { fast, contacts, .. } = scratch;
         let empty = |fast: &mut FastBatch, conflicts: &mut Vec<Conflict>| {
-            fast.solve(self.level, |number, contacts| {
-                if let Some(pair) = self.pair(parties, pairs, number) {
+            let pair = |number| self.pair(parties, pairs, number);
+            let encounter = |number| pair(number).map(|pair| pair.encounter());
+            fast.solve((self.level, self.margin), encounter, |number, contacts| {
+                if let Some(pair) = pair(number) {
                     conflicts.extend(contacts.iter().map(|contact| pair.conflict(contact)));
                 }
             });
@@ -103,7 +105,7 @@ impl LineUp<'_> {
             let Some(pair) = self.pair(parties, pairs, number) else {
                 continue;
             };
-            if !fast.push(number, pair.parties, pair.spans(), self.margin, pair.clip) {
+            if !fast.push(number, &pair.encounter(), pair.spans(), self.margin) {
                 // Pairs stay in their order.
                 empty(fast, conflicts);
                 self.contacts(&pair, contacts, conflicts);
@@ -199,7 +201,14 @@ struct PairOfBodies<'p> {
     survivors: OfPair<'p>,
 }
 
-impl PairOfBodies<'_> {
+impl<'p> PairOfBodies<'p> {
+    const fn encounter(&self) -> Encounter<'p> {
+        Encounter {
+            parties: self.parties,
+            clip: self.clip,
+        }
+    }
+
     fn spans(&self) -> impl Iterator<Item = Span> {
         let (a, b) = self.parties;
         self.survivors.iter().map(|survivor| survivor.span(a, b))

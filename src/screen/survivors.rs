@@ -144,6 +144,7 @@ impl LineUp<'_> {
                     slice,
                     interval: slices.interval(number),
                     margin: self.margin,
+                    accuracy: self.accuracy,
                     level: self.level,
                     most_spans: self.most_spans,
                 };
