@@ -12,10 +12,23 @@ pub(crate) struct Leg<'a> {
     pub(crate) cubic: usize,
 }
 
-/// Whether two bodies certainly stay apart by more than the margin from `from` to `to` (s), within
-/// one cubic of each: all control points of the relative motion lie beyond it on an axis or in the
-/// direction of their sum.
-pub(crate) fn certainly_apart(a: &Leg<'_>, b: &Leg<'_>, (from, to): (f64, f64)) -> bool {
+/// What sketches tell of two bodies over a while.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Sight {
+    /// They certainly stay apart by more than the margin.
+    Apart,
+    /// They may come near: f64 would rule out little more.
+    Near,
+    /// They may come near, as far as f32 can tell.
+    Blurred,
+}
+
+/// What can be told of two bodies from `from` to `to` (s), within one cubic of each. They are apart
+/// if all control points of the relative motion lie beyond the margin on an axis or in the direction
+/// of their sum.
+pub(crate) fn sight(a: &Leg<'_>, b: &Leg<'_>, (from, to): (f64, f64)) -> Sight {
+    /// Of the distance that is asked about, what rounding may blur.
+    const BLUR: f32 = 0.25;
     let part = |leg: &Leg<'_>| {
         let piece = leg.pose.piece(leg.cubic);
         let stance = &leg.pose.stance;
@@ -36,16 +49,23 @@ pub(crate) fn certainly_apart(a: &Leg<'_>, b: &Leg<'_>, (from, to): (f64, f64)) 
     let (low, high) = (p0.min(p1).min(p2.min(p3)), p0.max(p1).max(p2.max(p3)));
     let reach = rounding + radius;
     if (low.cmpgt(reach) | high.cmplt(-reach)).any() {
-        return true;
+        return Sight::Apart;
     }
     let sum = (p0 + p3) + (p1 + p2);
     let square = sum.length_squared();
     // Each product of coordinates has a few roundings of its own.
     let size = low.abs().max(high.abs());
-    let reach = radius + (rounding + size * (8.0 * ROUNDING)).element_sum();
-    let beyond = reach * square.sqrt() * (1.0 + 16.0 * ROUNDING);
+    let blur = (rounding + size * (8.0 * ROUNDING)).element_sum();
+    let beyond = (radius + blur) * square.sqrt() * (1.0 + 16.0 * ROUNDING);
     // With smaller squares digits are lost, with larger ones everything.
-    (1e-30..1e30).contains(&square) && points.iter().all(|point| point.dot(sum) > beyond)
+    if (1e-30..1e30).contains(&square) && points.iter().all(|point| point.dot(sum) > beyond) {
+        return Sight::Apart;
+    }
+    if blur <= BLUR * radius {
+        Sight::Near
+    } else {
+        Sight::Blurred
+    }
 }
 
 #[cfg(test)]
@@ -106,7 +126,7 @@ mod tests {
                     pose: &poses[k],
                     cubic: 1,
                 });
-                certainly_apart(&a, &b, (from, to))
+                sight(&a, &b, (from, to)) == Sight::Apart
             };
             assert!(!is_apart(nearest), "{round}");
             rejected += u32::from(is_apart(nearest / 3.0));

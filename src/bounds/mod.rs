@@ -22,7 +22,7 @@ mod pose;
 mod sketch;
 mod trace;
 
-pub(crate) use apart::{Leg, certainly_apart};
+pub(crate) use apart::{Leg, Sight, sight};
 pub(crate) use bundle::Bundle;
 pub(crate) use course::Course;
 pub(crate) use piece::Piece;

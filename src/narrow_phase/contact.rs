@@ -92,6 +92,11 @@ impl SpherePair {
         }
     }
 
+    /// The distance of the centres at which the separation is `margin`, m.
+    fn radius(&self, margin: f64) -> f64 {
+        contact_radius(self.radius_a, self.radius_b, margin)
+    }
+
     /// Appends the contacts of the two spheres within `margin`, clipped to `clip`.
     pub(super) fn contacts(
         &self,
@@ -101,7 +106,7 @@ impl SpherePair {
         clip: (f64, f64),
         found: &mut Vec<Contact>,
     ) {
-        let radius = contact_radius(self.radius_a, self.radius_b, margin);
+        let radius = self.radius(margin);
         if radius < 0.0 {
             return;
         }
@@ -239,9 +244,13 @@ pub(crate) fn solve(
     mut solved: impl FnMut(Solved),
 ) {
     let mut solve = |pair: &SpherePair| {
-        let profile = Profile::of(&pair.cubic);
-        let radius = contact_radius(pair.radius_a, pair.radius_b, margin);
-        if radius >= 0.0 && profile.comes_within(&pair.cubic, radius) {
+        let radius = pair.radius(margin);
+        if radius < 0.0 {
+            return;
+        }
+        if let Some(profile) = Profile::near(&pair.cubic, radius)
+            && profile.comes_within(&pair.cubic, radius)
+        {
             solved(Solved {
                 span,
                 pair: *pair,
@@ -250,11 +259,7 @@ pub(crate) fn solve(
         }
     };
     match lone_pair(a, b, span) {
-        Some(pair) => {
-            if !pair.is_beyond(a, b, span, margin) {
-                solve(&pair);
-            }
-        }
+        Some(pair) => solve(&pair),
         None => Clusters::of(a, b, span).each_on_envelope(margin, solve),
     }
 }
@@ -274,7 +279,9 @@ pub(crate) fn contacts(
     let first = found.len();
     for span in spans {
         let solve = |pair: &SpherePair, found: &mut Vec<Contact>| {
-            pair.contacts(&Profile::of(&pair.cubic), span, margin, clip, found);
+            if let Some(profile) = Profile::near(&pair.cubic, pair.radius(margin)) {
+                pair.contacts(&profile, span, margin, clip, found);
+            }
         };
         // Lone spheres have been through the test that those of clusters are still to pass.
         if let Some(pair) = lone_pair(a, b, span) {

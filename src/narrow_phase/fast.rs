@@ -7,8 +7,8 @@
 //! by more than f32 can be wrong. So the spans in which there is contact are those of the exact
 //! solver; a contact is reported early rather than late, and two in one span are reported as one.
 
-use super::contact::{Approach, Contact, contacts, join, near_motion};
-use super::kernels::{CubicBatch, Level, Verdict, closest_approach, scalar};
+use super::contact::{Approach, Contact, contacts, join};
+use super::kernels::{CubicBatch, Level, closest_approach};
 use super::relative::{RelativeMotion, filter_threshold, local_scale};
 use super::{Party, contact_radius};
 use crate::rounding::normalising_power;
@@ -55,14 +55,9 @@ pub(crate) struct FastBatch {
 }
 
 impl FastBatch {
-    /// Whether both bodies are one sphere. (Of clusters few pairs of spheres matter, and which ones
-    /// shows only one after the other.)
-    pub(crate) const fn takes(a: &Party<'_>, b: &Party<'_>) -> bool {
-        a.spheres.len() == 1 && b.spheres.len() == 1
-    }
-
-    /// Adds the spans of a pair of bodies, which has a number of the caller's, if it
-    /// [takes](Self::takes) these; says so.
+    /// Adds the spans of a pair of bodies, which has a number of the caller's, if each is one sphere;
+    /// says whether it was added. (Of clusters few pairs of spheres matter, and which ones shows only
+    /// one after the other.)
     pub(crate) fn push(
         &mut self,
         pair: usize,
@@ -168,15 +163,7 @@ impl Encounter<'_> {
     /// The contacts in a span, as the exact solver has them.
     fn decide(&self, span: Span, margin: f64, found: &mut Vec<Contact>) {
         let (a, b) = self.parties;
-        let Some((points, threshold)) = near_motion(a, b, span, margin, self.clip) else {
-            return;
-        };
-        // What is beyond where a window cuts the span, the solver could take for a contact of no
-        // duration.
-        let points = points.map(|point| point.to_array());
-        if scalar::within(&points, threshold, threshold) != Verdict::Outside {
-            contacts(a, b, once(span), margin, self.clip, found);
-        }
+        contacts(a, b, once(span), margin, self.clip, found);
     }
 }
 

@@ -4,29 +4,53 @@ use super::relative::RelativeCubic;
 use crate::rounding::{UNIT_ROUNDOFF, normalising_power};
 use glam::DVec3;
 
-/// Whether the distance certainly rises or certainly falls all along a span: with the solver's
-/// rounding to spare, so that it would find no stationary point between the ends.
-///
-/// A polynomial in Bernstein form rises where its control heights do. Most spans of a long contact
-/// pass this test, at a tenth of what the search for roots takes.
-pub(super) fn is_monotonic(cubic: &RelativeCubic) -> bool {
-    /// How much neighbouring heights must differ, where the largest norm of a control point is
-    /// brought into [1, 2): no height exceeds 4, and each is wrong by 7 roundings of that (numerics,
-    /// section 5).
-    ///
-    /// The derivative over u in -1..=1, whose roots the solver seeks, is 3 times a mean of the
-    /// differences. Its power coefficients sum up to 300 at most; each is wrong by 18 roundings of
-    /// its bound, evaluation adds 11, and 28 are taken for zero: 17,000 roundings, against 390,000.
-    const STEP: f64 = 131_072.0 * UNIT_ROUNDOFF;
-    let power = normalising_power(cubic.size);
-    let heights = squared_distance(cubic.points.map(|point| point * power));
-    let (mut least, mut largest) = (f64::INFINITY, f64::NEG_INFINITY);
-    for ends in heights.windows(2) {
-        let step = ends[1] - ends[0];
-        least = if step < least { step } else { least };
-        largest = if step > largest { step } else { largest };
+/// Control heights of the squared distance over a span, in a power of two in which the largest norm of a
+/// control point lies in [1, 2): no height exceeds 4, and each is wrong by 7 roundings of that
+/// (numerics, section 5).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Heights {
+    heights: [f64; 7],
+    /// Lengths times this are in that unit.
+    power: f64,
+}
+
+impl Heights {
+    pub(super) fn of(cubic: &RelativeCubic) -> Self {
+        let power = normalising_power(cubic.size);
+        Self {
+            heights: squared_distance(cubic.points.map(|point| point * power)),
+            power,
+        }
     }
-    least > STEP || largest < -STEP
+
+    /// Whether the distance certainly rises or certainly falls all along: with the solver's rounding
+    /// to spare, so that it would find no stationary point between the ends.
+    ///
+    /// Most spans of a long contact pass this test, at a tenth of what the search for roots takes.
+    pub(super) fn are_monotonic(&self) -> bool {
+        /// How much neighbouring heights must differ.
+        ///
+        /// The derivative over u in -1..=1, whose roots the solver seeks, is 3 times a mean of the
+        /// differences. Its power coefficients sum up to 300 at most; each is wrong by 18 roundings of
+        /// its bound, evaluation adds 11, and 28 are taken for zero: 17,000 roundings, against 390,000.
+        const STEP: f64 = 131_072.0 * UNIT_ROUNDOFF;
+        let (mut least, mut largest) = (f64::INFINITY, f64::NEG_INFINITY);
+        for ends in self.heights.windows(2) {
+            let step = ends[1] - ends[0];
+            least = if step < least { step } else { least };
+            largest = if step > largest { step } else { largest };
+        }
+        least > STEP || largest < -STEP
+    }
+
+    /// Whether the distance certainly stays above `radius` (m): the solver would find no instant at
+    /// which it is as small, if `radius` has room for its rounding.
+    pub(super) fn are_beyond(&self, radius: f64) -> bool {
+        let least = self.heights.into_iter().fold(f64::INFINITY, f64::min);
+        let radius = radius * self.power;
+        // 28 roundings of the heights, and a few of the square.
+        least > radius * radius * (1.0 + 16.0 * UNIT_ROUNDOFF) + 64.0 * UNIT_ROUNDOFF
+    }
 }
 
 /// The control heights of the squared distance, degree 6, from the control points.
@@ -94,7 +118,7 @@ mod tests {
             points = rest(points, share);
             let cubic = cubic(points);
             let found = stationary_points(&cubic);
-            if is_monotonic(&cubic) {
+            if Heights::of(&cubic).are_monotonic() {
                 assert!(found.as_slice().is_empty(), "{round} {points:?}");
                 monotonic += 1;
                 beside += u32::from(share < 1e-3);

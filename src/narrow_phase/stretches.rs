@@ -5,7 +5,7 @@
 //! the whole span first and clipped to the window afterwards, so that a stretch has the same bits
 //! whatever the window.
 
-use super::hull::is_monotonic;
+use super::hull::Heights;
 use super::relative::RelativeCubic;
 use super::stationary::{MOST_STATIONARY, stationary_points};
 use crate::rounding::normalising_power;
@@ -44,39 +44,71 @@ struct Node {
     distance: f64,
 }
 
-impl Profile {
-    pub(crate) fn of(cubic: &RelativeCubic) -> Self {
-        let node = |s: f64| Node {
+impl Node {
+    fn at(cubic: &RelativeCubic, s: f64) -> Self {
+        Self {
             s,
             time: cubic.time(s),
             distance: cubic.distance(s),
-        };
-        let first = node(0.0);
-        let mut profile = Self {
+        }
+    }
+}
+
+impl Profile {
+    pub(crate) fn of(cubic: &RelativeCubic) -> Self {
+        if cubic.is_constant() {
+            Self::constant(cubic)
+        } else {
+            Self::changing(cubic, &Heights::of(cubic))
+        }
+    }
+
+    /// The same, unless it is certain without a root that there are no
+    /// [`stretches`](Self::stretches) within `radius`.
+    pub(crate) fn near(cubic: &RelativeCubic, radius: f64) -> Option<Self> {
+        if cubic.is_constant() {
+            return Some(Self::constant(cubic));
+        }
+        let heights = Heights::of(cubic);
+        // Once for what counts as within, once for the rounding of what is compared with it.
+        let is_beyond = heights.are_beyond(radius + 2.0 * cubic.tolerance());
+        (!is_beyond).then(|| Self::changing(cubic, &heights))
+    }
+
+    /// One distance for the whole span: what differs at its end is rounding.
+    fn constant(cubic: &RelativeCubic) -> Self {
+        let first = Node::at(cubic, 0.0);
+        let mut profile = Self::from(first);
+        profile.plateau = cubic.tolerance();
+        profile.push(Node {
+            distance: first.distance,
+            ..Node::at(cubic, 1.0)
+        });
+        profile
+    }
+
+    fn changing(cubic: &RelativeCubic, heights: &Heights) -> Self {
+        let mut profile = Self::from(Node::at(cubic, 0.0));
+        if !heights.are_monotonic() {
+            for &s in stationary_points(cubic).as_slice() {
+                profile.push(Node::at(cubic, s));
+            }
+        }
+        profile.push(Node::at(cubic, 1.0));
+        profile
+    }
+
+    const fn from(first: Node) -> Self {
+        Self {
             nodes: [first; MOST_STATIONARY + 2],
             count: 1,
             plateau: 0.0,
-        };
-        let mut push = |new: Node| {
-            profile.nodes[profile.count] = new;
-            profile.count += 1;
-        };
-        if cubic.is_constant() {
-            // One distance for the whole span: what differs at its end is rounding.
-            push(Node {
-                distance: first.distance,
-                ..node(1.0)
-            });
-            profile.plateau = cubic.tolerance();
-        } else {
-            if !is_monotonic(cubic) {
-                for &s in stationary_points(cubic).as_slice() {
-                    push(node(s));
-                }
-            }
-            push(node(1.0));
         }
-        profile
+    }
+
+    const fn push(&mut self, node: Node) {
+        self.nodes[self.count] = node;
+        self.count += 1;
     }
 
     /// Whether the distance falls to `radius` somewhere: else there are no [`stretches`](Self::stretches).

@@ -6,13 +6,14 @@
 //! of the time.
 
 use crate::accuracy::Accuracy;
-use crate::bounds::{Leg, Pose, Stroke, certainly_apart};
+use crate::bounds::{Leg, Pose, Sight, Stroke, sight};
 use crate::broad_phase::Candidate;
 use crate::broad_phase::fill::Slice;
 use crate::narrow_phase::kernels::{CubicBatch, Level, Verdict, within};
-use crate::narrow_phase::{FastBatch, Party, approaching, near_motion};
+use crate::narrow_phase::{Party, approaching, near_motion};
 use crate::simd::prefetch;
 use crate::spans::{Span, spans_from};
+use crate::window::Window;
 use std::cmp::Ordering;
 use std::slice::from_ref;
 
@@ -75,11 +76,24 @@ pub(super) struct Question<'a> {
     pub(super) slice: &'a Slice,
     /// The slice's, s.
     pub(super) interval: (f64, f64),
+    pub(super) window: Window,
     pub(super) margin: f64,
     pub(super) accuracy: Accuracy,
     pub(super) level: Level,
     /// With more spans from one slice it is too crowded: no further ones are looked at.
     pub(super) most_spans: usize,
+}
+
+impl Question<'_> {
+    /// Whether a span that may hold a contact is solved without another test.
+    ///
+    /// Few of them hold none, and the solver sees that at once; a proof of it takes longer. One that the
+    /// window cuts is always asked about: what is beyond there, the solver could take for a contact of
+    /// no duration, and then it would matter what else is in the scene.
+    fn solves_at_once(&self, span: Span) -> bool {
+        let is_whole = span.start >= self.window.start() && span.end <= self.window.end();
+        is_whole && self.accuracy != Accuracy::Certified
+    }
 }
 
 /// A pair that may be near from its courses: when, and a cubic of each body that is not later.
@@ -105,6 +119,11 @@ impl Piece {
     fn part(&self) -> (f64, f64) {
         let (from, to) = self.interval;
         (self.span.start.max(from), self.span.end.min(to))
+    }
+
+    const fn survivor(&self) -> Survivor {
+        let Self { a, b, span, .. } = *self;
+        Survivor::new((a, b), (span.a, span.b))
     }
 }
 
@@ -146,8 +165,8 @@ impl Sieve {
             self.judge(question, batch);
             self.cut(question.poses);
             looked_at += self.pieces.len() as u64;
-            self.sketch(question);
-            self.ask(question, survivors);
+            self.sketch(question, survivors);
+            self.ask(question.parties, question.margin);
             if self.asked.len() >= Self::BATCH {
                 self.empty(question.level, survivors);
             }
@@ -204,8 +223,9 @@ impl Sieve {
         }
     }
 
-    /// Those that their sketches do not show to be apart.
-    fn sketch(&mut self, question: &Question<'_>) {
+    /// Those that their sketches do not show to be apart: the ones that are solved at once are appended
+    /// to the survivors, the ones that are asked about first stay.
+    fn sketch(&mut self, question: &Question<'_>, survivors: &mut Vec<Survivor>) {
         let poses = question.poses;
         let leg = |body: u32, cubic: u32| Leg {
             pose: &poses[body as usize],
@@ -219,25 +239,20 @@ impl Sieve {
             }
             let piece = self.pieces[number];
             let Piece { a, b, span, .. } = piece;
-            let (a, b) = (leg(a, span.a), leg(b, span.b));
-            if !certainly_apart(&a, &b, piece.part()) {
-                self.pieces[kept] = piece;
-                kept += 1;
+            match sight(&leg(a, span.a), &leg(b, span.b), piece.part()) {
+                Sight::Apart => {}
+                Sight::Near if question.solves_at_once(span) => survivors.push(piece.survivor()),
+                Sight::Near | Sight::Blurred => {
+                    self.pieces[kept] = piece;
+                    kept += 1;
+                }
             }
         }
         self.pieces.truncate(kept);
     }
 
-    /// The relative motions of all of them. Each is asked about, however few that rules out: what is
-    /// beyond where the window cuts a span, the solver could take for a contact of no duration, and
-    /// then it would matter what else is in the scene. ([`FastBatch`] asks where that may be.)
-    fn ask(&mut self, question: &Question<'_>, survivors: &mut Vec<Survivor>) {
-        let Question {
-            parties,
-            margin,
-            accuracy,
-            ..
-        } = *question;
+    /// The relative motions of all that are left.
+    fn ask(&mut self, parties: &[Party<'_>], margin: f64) {
         for (i, piece) in self.pieces.iter().enumerate() {
             if let Some(later) = self.pieces.get(i + Self::AHEAD) {
                 let (a, b) = (&parties[later.a as usize], &parties[later.b as usize]);
@@ -245,16 +260,11 @@ impl Sieve {
                 prefetch(from_ref(&b.segments[later.span.b as usize]));
             }
             let (a, b) = (&parties[piece.a as usize], &parties[piece.b as usize]);
-            let survivor = Survivor::new((piece.a, piece.b), (piece.span.a, piece.span.b));
-            if accuracy == Accuracy::Fast && FastBatch::takes(a, b) {
-                survivors.push(survivor);
-                continue;
-            }
             let motion = near_motion(a, b, piece.span, margin, piece.interval);
             if let Some((points, threshold)) = motion {
                 self.motions.push(points.map(|point| point.to_array()));
                 self.thresholds.push(threshold);
-                self.asked.push(survivor);
+                self.asked.push(piece.survivor());
             }
         }
     }

@@ -6,7 +6,8 @@ use crate::accuracy::Accuracy;
 use crate::conflict::{Clip, ClosestApproach, Conflict};
 use crate::id::BodyId;
 use crate::narrow_phase::{
-    Approach, CertifiedContact, Contact, Encounter, FastBatch, Party, Workspace, certified_contacts, contacts,
+    Approach, CertifiedContact, Contact, Encounter, FastBatch, Party, Workspace,
+    certified_contacts, contacts,
 };
 use crate::parallel;
 use crate::simd::prefetch;

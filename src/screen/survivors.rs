@@ -143,6 +143,7 @@ impl LineUp<'_> {
                     poses,
                     slice,
                     interval: slices.interval(number),
+                    window: self.window,
                     margin: self.margin,
                     accuracy: self.accuracy,
                     level: self.level,
