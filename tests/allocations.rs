@@ -102,7 +102,7 @@ fn count_ticks(replanned: usize, other: Outside) -> u64 {
         let before = monitor.now();
         // The body flies the same on: what is found of it is found again. Plans that go on for ever
         // have pieces of their own beyond their knots, which are the plan's, not the tick's.
-        let absent = |(_, plan): &&(_, Trajectory)| plan.outside() == Outside::Absent;
+        let absent = |(_, plan): &&(_, Trajectory)| plan.outside_after() == Outside::Absent;
         let commands: Vec<Command> = plans
             .iter()
             .filter(absent)

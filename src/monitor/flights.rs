@@ -8,7 +8,7 @@ use crate::knots::Knots;
 use crate::narrow_phase::Party;
 use crate::scene::Scene;
 use crate::simd::prefetch;
-use crate::trajectory::{Pieces, Trajectory};
+use crate::trajectory::{Outside, Pieces, Trajectory};
 use crate::window::Window;
 use std::slice::from_ref;
 
@@ -42,7 +42,7 @@ impl Flight {
             ends: Knots::of(trajectory.knots()).ends(),
             until: f64::INFINITY,
         };
-        if trajectory.domain() == Window::ALL {
+        if trajectory.goes_beyond() {
             flight.lay_out(trajectory, window.end())?;
         }
         Ok(flight)
@@ -59,7 +59,9 @@ impl Flight {
             None => trajectory.knots(),
         };
         self.ends = Knots::of(knots).ends();
-        self.until = self.ends.1;
+        if trajectory.outside_after() != Outside::Absent {
+            self.until = self.ends.1;
+        }
         Ok(())
     }
 

@@ -236,5 +236,5 @@ impl Monitor {
 /// When a body that has only its plan runs out of it, s.
 pub(super) fn plan_end(trajectory: &Trajectory) -> Option<f64> {
     let last = trajectory.knots().last().copied();
-    last.filter(|_| trajectory.outside() == Outside::Absent)
+    last.filter(|_| trajectory.outside_after() == Outside::Absent)
 }

@@ -4,7 +4,7 @@ use super::Body;
 use super::atlas::{Atlas, Block};
 use crate::bounds::{Drawing, Extremes, Line, Sketch};
 use crate::error::Error;
-use crate::trajectory::{Outside, Pieces, Scope, Segment, Trajectory};
+use crate::trajectory::{Pieces, Scope, Segment, Trajectory};
 use crate::window::Window;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -177,10 +177,11 @@ impl Occupant {
         let Body {
             trajectory, tag, ..
         } = &self.body;
-        if trajectory.outside() == Outside::Absent {
+        if !trajectory.goes_beyond() {
             return Ok(None);
         }
-        if !window.is_closed() {
+        let followed = trajectory.domain().intersection(window);
+        if followed.is_some_and(|followed| !followed.is_closed()) {
             return Err(Error::WindowNotClosed { body: *tag });
         }
         let mut kept = self.beyond.lock().unwrap_or_else(PoisonError::into_inner);

@@ -17,7 +17,6 @@ use crate::parallel;
 use crate::query::Query;
 use crate::scene::{Atlas, Beyond, Body, IgnoredPairs, Occupant, Scene};
 use crate::spans::common_domain;
-use crate::trajectory::Outside;
 use crate::window::Window;
 use std::num::NonZeroU32;
 use std::sync::Arc;
@@ -55,10 +54,10 @@ impl<'a> LineUp<'a> {
         for (place, (id, occupant)) in scene.occupants().enumerate() {
             ids.push(id);
             occupants.push(occupant);
-            if occupant.body.trajectory.outside() == Outside::Absent {
-                survey.include(place, occupant, None);
-            } else {
+            if occupant.body.trajectory.goes_beyond() {
                 going_on.push(place);
+            } else {
+                survey.include(place, occupant, None);
             }
         }
         let beyond = lay_out(&occupants, &going_on, query.window())?;

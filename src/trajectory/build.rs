@@ -49,7 +49,8 @@ impl Trajectory {
         Ok(Self {
             knots,
             segments,
-            outside: Outside::default(),
+            before: Outside::default(),
+            after: Outside::default(),
         })
     }
 
@@ -175,7 +176,8 @@ impl Trajectory {
         Ok(Self {
             knots: Roomy::new(&knots, &[]),
             segments: Roomy::new(&segments, &coast),
-            outside: Outside::default(),
+            before: Outside::default(),
+            after: Outside::default(),
         })
     }
 
@@ -232,7 +234,8 @@ impl Trajectory {
         Ok(Self {
             knots: Roomy::new(&[one_zero(state.time)], &[]),
             segments: Roomy::new(&[], &[line, line]),
-            outside: Outside::Coast,
+            before: Outside::Coast,
+            after: Outside::Coast,
         })
     }
 }

@@ -48,26 +48,41 @@ pub struct Trajectory {
     /// Beside them: straight motion before the first and after the last knot. There they cost a
     /// body that is moved about, or never asked, nothing.
     segments: Roomy<Segment, 2>,
-    outside: Outside,
+    /// Before the first knot.
+    before: Outside,
+    /// After the last knot.
+    after: Outside,
 }
 
 impl Trajectory {
-    /// The same motion, with another rule for the time before and after its knots.
+    /// The same motion, with another rule for the time before and the time after its knots.
     ///
     /// A body that is [`at_rest`](Self::at_rest), or only [coasts](Self::coasting), does so for all time,
     /// whatever the rule.
     #[must_use]
     pub fn with_outside(mut self, outside: Outside) -> Self {
         if !self.segments.is_empty() {
-            self.outside = outside;
+            (self.before, self.after) = (outside, outside);
         }
         self
     }
 
-    /// What the body does before its first and after its last knot.
+    /// What the body does before its first knot.
     #[must_use]
-    pub const fn outside(&self) -> Outside {
-        self.outside
+    pub const fn outside_before(&self) -> Outside {
+        self.before
+    }
+
+    /// What the body does after its last knot. Not the same as [before](Self::outside_before) its first
+    /// one where a plan was [spliced](Self::spliced).
+    #[must_use]
+    pub const fn outside_after(&self) -> Outside {
+        self.after
+    }
+
+    /// Whether it exists before its first knot or after its last one.
+    pub(crate) fn goes_beyond(&self) -> bool {
+        self.before != Outside::Absent || self.after != Outside::Absent
     }
 
     /// The times of the knots, s, increasing.
@@ -83,13 +98,17 @@ impl Trajectory {
         &self.segments
     }
 
-    /// When the body exists: its knots' range if `Absent` outside, else all of time.
+    /// When the body exists: between its knots, and where it is not `Absent` before and after them.
     #[must_use]
     pub fn domain(&self) -> Window {
-        match self.outside {
-            Outside::Absent => self.planned(),
-            Outside::Extrapolate | Outside::Coast => Window::ALL,
-        }
+        let (planned, all) = (self.planned(), Window::ALL);
+        let or_ever = |outside, knot, ever| match outside {
+            Outside::Absent => knot,
+            Outside::Extrapolate | Outside::Coast => ever,
+        };
+        let start = or_ever(self.before, planned.start(), all.start());
+        let end = or_ever(self.after, planned.end(), all.end());
+        Window::new(start, end).unwrap_or(all)
     }
 
     /// Position at `time`, m; none where the body does not exist, or its motion, extrapolated, has left
@@ -132,14 +151,14 @@ impl Trajectory {
     fn carrier(&self, time: f64) -> &Segment {
         let after = self.knots.partition_point(|&knot| knot <= time);
         if after == 0 {
-            self.before()
+            self.carrier_before()
         } else if after < self.knots.len() {
             &self.segments[after - 1]
         } else {
             match (self.segments.last(), self.knots.last()) {
                 // The last knot itself belongs to the last segment.
                 (Some(last), Some(&knot)) if time <= knot => last,
-                _ => self.after(),
+                _ => self.carrier_after(),
             }
         }
     }

@@ -54,25 +54,28 @@ pub enum Outside {
 pub(crate) struct Pieces {
     pub(crate) knots: Vec<f64>,
     pub(crate) segments: Vec<Segment>,
-    /// How many of them are before the first knot, and how many after the last one.
-    before: usize,
-    after: usize,
+    /// How many of them are before the first knot, and how many after the last one; none where the body
+    /// does not exist there, whatever the window.
+    before: Option<usize>,
+    after: Option<usize>,
 }
 
 /// Windows over which a motion has the same pieces.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scope {
-    /// They begin after the first of these instants and by the second one, s.
-    starts: (f64, f64),
+    /// They begin after the first of these instants and by the second one, s; anywhere, if there are
+    /// none.
+    starts: Option<(f64, f64)>,
     /// And end from the first of these on and before the second one, s.
-    ends: (f64, f64),
+    ends: Option<(f64, f64)>,
 }
 
 impl Scope {
     pub(crate) fn holds(&self, window: Window) -> bool {
         let (start, end) = (window.start(), window.end());
-        (self.starts.0 < start && start <= self.starts.1)
-            && (self.ends.0 <= end && end < self.ends.1)
+        let begins = |(from, to)| from < start && start <= to;
+        let stops = |(from, to)| from <= end && end < to;
+        self.starts.is_none_or(begins) && self.ends.is_none_or(stops)
     }
 }
 
@@ -86,31 +89,32 @@ impl Pieces {
         Self {
             knots: trajectory.knots().to_vec(),
             segments: trajectory.segments().to_vec(),
-            before: 0,
-            after: 0,
+            before: None,
+            after: None,
         }
     }
 
     /// The windows over which the motion has just these.
     pub(crate) fn scope(&self) -> Scope {
         let last = self.knots.len() - 1;
-        let has_no_cubic = self.segments.len() == self.before + self.after;
+        let has_no_cubic = self.beyond().count() == self.segments.len();
         Scope {
-            starts: match self.before {
+            starts: self.before.map(|count| match count {
                 0 => (self.knots[0], f64::INFINITY),
                 _ => (self.knots[0], self.knots[1]),
-            },
-            ends: match self.after {
+            }),
+            ends: self.after.map(|count| match count {
                 0 => (f64::NEG_INFINITY, self.knots[last]),
                 1 if has_no_cubic => (f64::NEG_INFINITY, self.knots[last]),
                 _ => (self.knots[last - 1], self.knots[last]),
-            },
+            }),
         }
     }
 
     /// Those beyond the trajectory's own knots, with the interval of each (s).
     pub(crate) fn beyond(&self) -> impl Iterator<Item = (&Segment, (f64, f64))> {
-        let own = self.before..self.segments.len() - self.after;
+        let [before, after] = [self.before, self.after].map(Option::unwrap_or_default);
+        let own = before..self.segments.len() - after;
         let ends = self.knots.windows(2).map(|ends| (ends[0], ends[1]));
         let pieces = self.segments.iter().zip(ends).enumerate();
         pieces
@@ -129,16 +133,16 @@ impl Trajectory {
     }
 
     /// The cubic that carries the body before its first knot.
-    pub(super) fn before(&self) -> &Segment {
-        match (self.outside, self.segments.first()) {
+    pub(super) fn carrier_before(&self) -> &Segment {
+        match (self.before, self.segments.first()) {
             (Outside::Extrapolate, Some(first)) => first,
             _ => &self.segments.beside()[0],
         }
     }
 
     /// The cubic that carries the body after its last knot.
-    pub(super) fn after(&self) -> &Segment {
-        match (self.outside, self.segments.last()) {
+    pub(super) fn carrier_after(&self) -> &Segment {
+        match (self.after, self.segments.last()) {
             (Outside::Extrapolate, Some(last)) => last,
             _ => &self.segments.beside()[1],
         }
@@ -152,20 +156,20 @@ impl Trajectory {
     /// [`Error::OutOfRange`] where an extrapolated cubic leaves the range of numbers served;
     /// [`Error::TooFar`].
     pub(crate) fn pieces(&self, window: Window) -> Result<Option<Pieces>, Error> {
-        if self.outside == Outside::Absent {
+        if !self.goes_beyond() {
             return Ok(None);
         }
         let first = self.planned().start();
         // Windows are closed: where one begins or ends at a knot, or a cut, what comes before or after
         // it counts as well. (It may be in another place, after a splice; and an instant may round to
         // the knot.)
-        let goes_before = window.start() <= first;
+        let goes_before = self.before != Outside::Absent && window.start() <= first;
         let (mut before, after) = (Vec::new(), self.cuts_after(window.end()));
         if !goes_before && after.is_empty() {
             return Ok(None);
         }
         if goes_before {
-            let carrier = self.before();
+            let carrier = self.carrier_before();
             let until = window.start().next_down().max(f64::MIN);
             before = doubling_cuts(first, carrier.start() - carrier.end(), until);
         }
@@ -176,14 +180,14 @@ impl Trajectory {
         knots.extend_from_slice(&self.knots);
         knots.extend_from_slice(&after);
         let mut segments = Vec::with_capacity(room);
-        segments.extend(repeat_n(*self.before(), before.len()));
+        segments.extend(repeat_n(*self.carrier_before(), before.len()));
         segments.extend_from_slice(&self.segments);
-        segments.extend(repeat_n(*self.after(), after.len()));
+        segments.extend(repeat_n(*self.carrier_after(), after.len()));
         let pieces = Pieces {
             knots,
             segments,
-            before: before.len(),
-            after: after.len(),
+            before: (self.before != Outside::Absent).then_some(before.len()),
+            after: (self.after != Outside::Absent).then_some(after.len()),
         };
         for (segment, ends) in pieces.beyond() {
             let is_before = ends.1 <= first;
@@ -196,9 +200,9 @@ impl Trajectory {
     /// Where it is cut after the last knot, as far as to a window's end (s), and beyond it; nowhere, if
     /// that is not reached.
     fn cuts_after(&self, end: f64) -> Vec<f64> {
-        let (carrier, last) = (self.after(), self.planned().end());
+        let (carrier, last) = (self.carrier_after(), self.planned().end());
         // Without a cubic of its own a body goes on beyond its knot, whatever the window.
-        if !(self.segments.is_empty() || end >= last) {
+        if self.after == Outside::Absent || !(self.segments.is_empty() || end >= last) {
             return Vec::new();
         }
         let until = end.max(last).next_up().min(f64::MAX);
@@ -211,8 +215,8 @@ impl Trajectory {
     ///
     /// As [`pieces`](Self::pieces); nothing was changed then.
     pub(crate) fn lengthen(&self, pieces: &mut Pieces, end: f64) -> Result<(), Error> {
-        let (carrier, cuts) = (self.after(), self.cuts_after(end));
-        let Some(new) = cuts.get(pieces.after..) else {
+        let (carrier, cuts) = (self.carrier_after(), self.cuts_after(end));
+        let Some(new) = pieces.after.and_then(|known| cuts.get(known..)) else {
             return Ok(());
         };
         let mut from = pieces.knots[pieces.knots.len() - 1];
@@ -222,7 +226,7 @@ impl Trajectory {
         }
         pieces.knots.extend_from_slice(new);
         pieces.segments.extend(repeat_n(*carrier, new.len()));
-        pieces.after = cuts.len();
+        pieces.after = Some(cuts.len());
         Ok(())
     }
 }

@@ -16,7 +16,8 @@ pub(super) struct Numbers {
     knots: Vec<f64>,
     segments: Vec<[f64; 16]>,
     coast: [[f64; 16]; 2],
-    outside: Outside,
+    /// Before and after the knots.
+    outside: [Outside; 2],
 }
 
 impl From<Trajectory> for Numbers {
@@ -26,7 +27,7 @@ impl From<Trajectory> for Numbers {
             knots: trajectory.knots.to_vec(),
             segments: trajectory.segments.iter().map(Segment::numbers).collect(),
             coast: [&coast[0], &coast[1]].map(Segment::numbers),
-            outside: trajectory.outside,
+            outside: [trajectory.before, trajectory.after],
         }
     }
 }
@@ -44,7 +45,10 @@ impl TryFrom<Numbers> for Trajectory {
         let Some(last) = knots.len().checked_sub(1) else {
             return Err(Error::TooFewStates { count: 0 });
         };
-        if segments.len() != last || (last == 0 && outside != Outside::Coast) {
+        let [rule_before, rule_after] = outside;
+        // Without a cubic there is none to go on.
+        let coasts = rule_before != Outside::Extrapolate && rule_after == Outside::Coast;
+        if segments.len() != last || (last == 0 && !coasts) {
             return Err(Error::SegmentCount {
                 knots: knots.len(),
                 segments: segments.len(),
@@ -66,7 +70,8 @@ impl TryFrom<Numbers> for Trajectory {
         Ok(Self {
             segments: Roomy::new(&segments, &coast),
             knots: Roomy::new(&knots, &[]),
-            outside,
+            before: rule_before,
+            after: rule_after,
         })
     }
 }

@@ -12,8 +12,8 @@ impl Trajectory {
     ///
     /// The cubics before `from` are kept as they are, the one that `from` lies in up to there; the
     /// new plan's are used from there on. There is no instant between the two: the body is never
-    /// absent. (That the positions meet is the planner's affair: a jump is allowed.) What the body
-    /// does outside its knots is the new plan's rule.
+    /// absent. (That the positions meet is the planner's affair: a jump is allowed.) Before the first
+    /// knot it does what this plan says, after the last one what the new one does.
     ///
     /// ```
     /// use nearmiss::glam::DVec3;
@@ -46,12 +46,13 @@ impl Trajectory {
     /// Whether it exists at a time (s), and goes on from there.
     pub(crate) fn goes_on_from(&self, time: f64) -> bool {
         let is_over =
-            self.outside == Outside::Absent && self.knots.last().is_none_or(|last| *last <= time);
+            self.after == Outside::Absent && self.knots.last().is_none_or(|last| *last <= time);
         time.is_finite() && self.domain().contains(time) && !is_over
     }
 
-    /// The same motion without the cubics that end before `time` (s): they are forgotten.
-    /// At least one is kept.
+    /// The same motion without the cubics that end before `time` (s): they are forgotten. At least one
+    /// is kept. If any are dropped the body does not exist before the first one that is kept, whatever it
+    /// did before all of them.
     #[must_use]
     pub fn since(mut self, time: f64) -> Self {
         self.forget(self.past(time));
@@ -63,6 +64,7 @@ impl Trajectory {
         if dropped > 0 {
             self.knots.drop_front(dropped);
             self.segments.drop_front(dropped);
+            self.before = Outside::Absent;
         }
     }
 
@@ -85,7 +87,7 @@ impl Trajectory {
         let dropped = flown.past(since.min(from)).min(cut);
         // Cut where it was before, so that what is found there stays the same bits; and so that a cubic
         // that is followed far from its knots is not looked at as a whole.
-        let beyond = (cut > flown.segments.len()).then(|| *flown.after());
+        let beyond = (cut > flown.segments.len()).then(|| *flown.carrier_after());
         let mut cuts_after = Vec::new();
         if let (Some(carrier), Some(&last)) = (&beyond, flown.knots.last()) {
             check_reach(carrier, (last, from), flown.knots.len() - 1)?;
@@ -94,7 +96,7 @@ impl Trajectory {
         }
         let mut cuts_before = Vec::new();
         if let (0, Some(&first)) = (ahead, self.knots.first()) {
-            let carrier = self.before();
+            let carrier = self.carrier_before();
             check_reach(carrier, (from, first), 0)?;
             cuts_before = doubling_cuts(first, carrier.start() - carrier.end(), from);
             cuts_before.pop();
@@ -104,18 +106,26 @@ impl Trajectory {
         let flown_segments = flown.segments[dropped..cut.min(flown.segments.len())].iter();
         // To come: the piece of this plan that holds at `from`, and the rest.
         let present = match ahead {
-            0 => *self.before(),
+            0 => *self.carrier_before(),
             _ if ahead < self.knots.len() => self.segments[ahead - 1],
             _ => {
                 // No knot left: the carrier goes on for ever, whatever its rule was called.
-                let after = *self.after();
+                let after = *self.carrier_after();
                 self.segments.put_beside(1, after);
-                self.outside = Outside::Coast;
+                self.after = Outside::Coast;
                 after
             }
         };
         let goes_on = ahead < self.knots.len();
-        self.segments.put_beside(0, *flown.before());
+        self.segments.put_beside(0, *flown.carrier_before());
+        self.before = flown.before;
+        if cut == 0 && flown.before == Outside::Extrapolate {
+            // Nothing is left of the cubic that went on, but that.
+            self.before = Outside::Coast;
+        }
+        if dropped > 0 {
+            self.before = Outside::Absent;
+        }
         let replaced = ahead.min(self.segments.len());
         let kept = flown_knots.len() + cuts_after.len();
         let beyond = beyond

@@ -1,0 +1,207 @@
+//! A plan that is changed while it is flown: what has been flown stays, whatever either plan says of the
+//! time beyond its knots.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "a plan that cannot be built fails the test"
+)]
+
+mod support;
+
+use glam::DVec3;
+use nearmiss::{
+    AlertLevel, Body, Conflict, Error, Event, EventKind, Hitbox, Monitor, Outside, Scene, State, Trajectory, Window,
+};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use support::{line, rng, vector, wander};
+
+const RULES: [Outside; 3] = [Outside::Absent, Outside::Coast, Outside::Extrapolate];
+
+/// With knots from `start` on under each rule, from one state, and at rest.
+fn plans(rng: &mut ChaCha8Rng, start: f64) -> Vec<Trajectory> {
+    let states = wander(rng, start, 5, 1.0, 20.0, 4.0);
+    let plans = RULES.map(|outside| {
+        Trajectory::from_states(&states)
+            .unwrap()
+            .with_outside(outside)
+    });
+    let mut more = vec![
+        Trajectory::coasting(states[0]).unwrap(),
+        Trajectory::at_rest(states[1].position).unwrap(),
+    ];
+    more.extend(plans);
+    more
+}
+
+/// Before the splice the old plan, after it the new one, and absent where they are.
+#[test]
+fn what_has_been_flown_stays() {
+    let mut rng = rng(41);
+    let (mut spliced_often, mut refused, mut beyond) = (0, 0, 0);
+    for _ in 0..60 {
+        let start = rng.random_range(-3.0..3.0);
+        let (flown, new) = (plans(&mut rng, start), plans(&mut rng, 0.0));
+        let froms = [-6.0, -1.0, flown[2].knots()[0], 0.3, 2.2, 9.0];
+        for (old, plan) in flown.iter().flat_map(|old| new.iter().map(move |new| (old, new))) {
+            for from in froms {
+                let Ok(spliced) = old.spliced(from, plan) else {
+                    let is_there = old.domain().contains(from) && plan.domain().contains(from);
+                    let is_over = plan.outside_after() == Outside::Absent
+                        && *plan.knots().last().unwrap() <= from;
+                    assert!(!is_there || is_over, "{old:?} {from} {plan:?}");
+                    refused += 1;
+                    continue;
+                };
+                spliced_often += 1;
+                for step in -150..150 {
+                    let time = f64::from(step) * 0.1 + 0.007;
+                    let followed = if time < from { old } else { plan };
+                    let both = (spliced.position(time), spliced.velocity(time));
+                    assert_eq!(
+                        both,
+                        (followed.position(time), followed.velocity(time)),
+                        "{time} {from} {old:?} {plan:?}"
+                    );
+                    beyond += u32::from(time < old.knots()[0] && both.0.is_some());
+                }
+                let (old, new) = (old.domain(), plan.domain());
+                let domain = Window::new(old.start().min(from), new.end()).unwrap();
+                assert_eq!(spliced.domain(), domain);
+            }
+        }
+    }
+    assert!(spliced_often > 4_000 && refused > 1_000 && beyond > 100_000);
+}
+
+/// What is dropped is dropped: the body was not there.
+#[test]
+fn what_is_forgotten_is_not_asked() {
+    let mut rng = rng(42);
+    for plan in plans(&mut rng, 0.0) {
+        let late = plan.clone().since(2.5);
+        for step in 25..200 {
+            let time = f64::from(step) * 0.1;
+            assert_eq!(late.position(time), plan.position(time));
+        }
+        if late.knots() != plan.knots() {
+            let first = late.knots()[0];
+            assert!(first > 0.0 && late.position(first - 0.1).is_none());
+            assert_eq!(late.domain().start(), first);
+        }
+    }
+}
+
+fn monitor(plans: &[Trajectory]) -> (Monitor, Vec<nearmiss::BodyId>) {
+    let mut scene = Scene::new();
+    let hitbox = Hitbox::sphere(1.0).unwrap();
+    let bodies = plans
+        .iter()
+        .map(|plan| scene.insert(Body::new(plan.clone()).with_hitbox(hitbox.clone())));
+    let bodies = bodies.map(Result::unwrap).collect();
+    let monitor = Monitor::new(scene, -4.0, 8.0, &[AlertLevel::at(3.0)]).unwrap();
+    (monitor, bodies)
+}
+
+/// A plan for later changes nothing before it, also of bodies that are not at their first knot yet.
+#[test]
+fn a_plan_for_later_leaves_what_comes_before() {
+    let mut rng = rng(43);
+    let (mut same, mut before_knots, mut refused) = (0, 0, 0);
+    for round in 0..300 {
+        let start = rng.random_range(-6.0..4.0);
+        let flown = plans(&mut rng, start);
+        let old = flown[round % flown.len()].clone();
+        let from = rng.random_range(-4.0..4.0);
+        let new = plans(&mut rng, from);
+        let new = new[round / 5 % new.len()].clone();
+        let mut all = vec![old.clone()];
+        for _ in 0..4 {
+            let states = wander(&mut rng, -9.0, 20, 1.0, 12.0, 3.0);
+            all.push(Trajectory::from_states(&states).unwrap());
+        }
+        let ((mut changed, bodies), (mut twin, _)) = (monitor(&all), monitor(&all));
+        let (mut events, mut others) = (Vec::new(), Vec::new());
+        for monitor in [&mut changed, &mut twin] {
+            monitor.advance(-4.0, &mut Vec::new()).unwrap();
+        }
+        match changed.replan(bodies[0], from, new) {
+            Ok(()) => {}
+            Err(error) => {
+                assert!(matches!(error, Error::InBody { .. }), "{error}");
+                refused += 1;
+                continue;
+            }
+        }
+        for now in [-4.0, -3.5, from - 0.1] {
+            if now < changed.now() {
+                continue;
+            }
+            changed.advance(now, &mut events).unwrap();
+            twin.advance(now, &mut others).unwrap();
+            let early = |monitor: &Monitor| -> Vec<Conflict> {
+                let mut found = monitor.conflicts(0).to_vec();
+                found.retain(|conflict| conflict.exit < from);
+                found
+            };
+            let (found, expected) = (early(&changed), early(&twin));
+            assert_eq!(found.len(), expected.len(), "{now} {from} {old:?}");
+            for (found, expected) in found.iter().zip(&expected) {
+                // Rounding differs where a cubic is cut.
+                let times = |one: &Conflict| [one.enter, one.exit, one.closest.time];
+                let off = times(found).into_iter().zip(times(expected));
+                let off = off.map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+                assert!((found.a, found.b) == (expected.a, expected.b) && off < 1e-6);
+            }
+            same += found.len();
+            let first = old.knots()[0];
+            let own = found.iter().filter(|conflict| conflict.a == bodies[0]);
+            before_knots += own.filter(|conflict| conflict.enter < first).count();
+        }
+    }
+    assert!(
+        same > 500 && before_knots > 50 && refused < 200,
+        "{same} {before_knots} {refused}"
+    );
+}
+
+/// In the middle of an encounter before its first knot.
+#[test]
+fn an_encounter_before_the_first_knot_goes_on() {
+    let still = line(-20.0, 20.0, DVec3::ZERO, DVec3::ZERO);
+    // At the origin at 0 s.
+    let states = [8.0, 15.0].map(|time| State::new(time, DVec3::X * time, DVec3::X));
+    let comes = Trajectory::from_states(&states).unwrap().with_outside(Outside::Coast);
+    let (mut monitor, bodies) = monitor(&[still, comes]);
+    let mut events = Vec::new();
+    monitor.advance(-4.0, &mut events).unwrap();
+    
+    let later = line(6.0, 30.0, DVec3::X * 6.0 + vector(&mut rng(44), 1.0), DVec3::Y);
+    monitor.replan(bodies[1], 6.0, later).unwrap();
+    for now in [-3.0, 0.0, 4.9] {
+        events.clear();
+        monitor.advance(now, &mut events).unwrap();
+        // Its end is told once it is in sight.
+        let is_revised = |event: &Event| matches!(event.kind, EventKind::Revised(_));
+        assert!(events.iter().all(is_revised), "{events:?}");
+        assert_eq!(monitor.conflicts(0)[0].exit, 5.0);
+    }
+}
+
+/// Nor is what a monitor has dropped.
+#[test]
+fn what_a_monitor_forgets_is_not_asked() {
+    let states = wander(&mut rng(45), -4.0, 20, 1.0, 12.0, 3.0);
+    let plan = Trajectory::from_states(&states).unwrap();
+    let (mut monitor, bodies) = monitor(&[plan.with_outside(Outside::Coast)]);
+    for now in [-4.0, 3.0] {
+        monitor.advance(now, &mut Vec::new()).unwrap();
+    }
+    let later = line(3.5, 30.0, DVec3::ZERO, DVec3::Y);
+    monitor.replan(bodies[0], 3.5, later).unwrap();
+    monitor.advance(3.2, &mut Vec::new()).unwrap();
+    let body = monitor.scene().body(bodies[0]).unwrap();
+    let first = body.trajectory.knots()[0];
+    assert!(-4.0 < first && first <= 3.0, "{first}");
+    assert_eq!(body.trajectory.domain(), Window::new(first, 30.0).unwrap());
+}
