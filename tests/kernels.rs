@@ -488,6 +488,38 @@ fn extremes_have_answers() {
     assert_eq!(scalar::within(&far, 1e20, 1e20), Verdict::Outside);
 }
 
+/// Squares overflow or underflow, of f64 or of the f32 that proofs are made in.
+#[test]
+fn the_same_at_every_scale() {
+    let mut random = ChaCha8Rng::seed_from_u64(12);
+    let pairs: Vec<ControlPoints<f64>> = (0..2_000)
+        .map(|_| {
+            [[0; 3]; 4].map(|point| {
+                point.map(|_| {
+                    let size = 10_f64.powf(random.random_range(-3.0..0.0));
+                    size * random.random_range(-1.0..1.0)
+                })
+            })
+        })
+        .collect();
+    let errors = vec![0.0; pairs.len()];
+    let exact = enclosures(Level::best(), &pairs, &errors);
+    for exponent in [-990, -700, -500, -70, -60, 55, 64, 70, 110, 300, 520, 980] {
+        let unit = 2_f64.powi(exponent);
+        let scaled: Vec<_> = pairs
+            .iter()
+            .map(|points| points.map(|point| point.map(|x| x * unit)))
+            .collect();
+        let (_, distances) = approaches(Level::best(), &scaled);
+        for ((points, distance), exact) in scaled.iter().zip(distances).zip(&exact) {
+            let off = (distance / unit - exact.low).max(exact.high - distance / unit);
+            assert!(off <= 1e-13, "2^{exponent} {points:?}: {distance:e} {exact:?}");
+            let (_, alone) = scalar::closest_approach(points);
+            assert!((alone - distance).abs() <= 1e-13 * unit, "{points:?}");
+        }
+    }
+}
+
 #[test]
 fn slices_of_different_lengths_are_refused() {
     use nearmiss::narrow_phase::kernels::Lanes;

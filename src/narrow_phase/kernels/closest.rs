@@ -16,10 +16,10 @@ use crate::simd::Level;
 pub(super) const QUICK: u32 = 6;
 const THOROUGH: u32 = 10;
 
-/// Whether a certificate is one: not if it is not a number.
+/// Whether a certificate is one: not if it is not a number, or if squares have overflowed.
 #[inline]
 fn is_positive<R: Real>(certificate: R) -> bool {
-    certificate > R::from_f64(0.0)
+    certificate > R::from_f64(0.0) && certificate < R::from_f64(f64::INFINITY)
 }
 
 /// The closest approach of one pair: local time and distance.
@@ -31,14 +31,14 @@ pub(super) fn closest_approach_of<R: Real>(points: &ControlPoints<R>) -> (R, R) 
             distance(found.settled.square),
         );
     }
-    let wide = widened(points);
+    let (wide, unit) = normalised(&widened(points));
     let mut nearest = refined(&wide, local_time(found.settled.time).to_f64(), QUICK);
     let allowance = allowance::<R>(&wide);
     let halves = bounds_of_halves(&wide, nearest.0);
     if !is_nearest_at(&wide, nearest.0, allowance, &halves) {
         nearest = searched(&wide, nearest.0, &halves, allowance);
     }
-    (R::from_f64(nearest.0), R::from_f64(nearest.1))
+    (R::from_f64(nearest.0), R::from_f64(nearest.1 * unit))
 }
 
 /// A guess in local time refined until the distance shrinks no more; time and distance.
@@ -98,9 +98,9 @@ struct Work<'a, R> {
     pairs: [usize; BLOCK],
     count: usize,
     second: Block<R>,
-    /// Not certified at the second try: with time and distance, refined, and
-    /// [`allowance`], in f64.
-    third: Pending<f64, 3>,
+    /// Not certified at the second try, [`normalised`]: with time and distance, refined, and
+    /// [`allowance`], and the unit, in f64.
+    third: Pending<f64, 4>,
 }
 
 /// The closest approach of each pair, on one thread: local times in 0..=1, distances in metres.
@@ -172,10 +172,10 @@ impl<R: Real> Work<'_, R> {
             if is_positive(certificates[i]) {
                 continue;
             }
-            let wide = widened(&self.lanes.control_points(pair));
+            let (wide, unit) = normalised(&widened(&self.lanes.control_points(pair)));
             let (time, distance) = refined(&wide, self.times[pair].to_f64(), QUICK);
             self.third
-                .push(pair, wide, [time, distance, allowance::<R>(&wide)]);
+                .push(pair, wide, [time, distance, allowance::<R>(&wide), unit]);
             if self.third.is_full() {
                 self.prove();
             }
@@ -191,7 +191,7 @@ impl<R: Real> Work<'_, R> {
         }
         let mut bounds = Bounds::new();
         let lanes = self.third.lanes();
-        let [times, distances, errors] = self.third.extras();
+        let [times, distances, errors, units] = self.third.extras();
         enclose_block_finely(self.level, &lanes, errors, times, &mut bounds);
         for i in 0..self.third.len() {
             let (time, distance) = if is_positive(bounds.tight[i]) {
@@ -202,7 +202,7 @@ impl<R: Real> Work<'_, R> {
             };
             let pair = self.third.pair(i);
             self.times[pair] = R::from_f64(time);
-            self.distances[pair] = R::from_f64(distance);
+            self.distances[pair] = R::from_f64(distance * units[i]);
         }
         self.third.clear();
     }
