@@ -488,6 +488,34 @@ fn extremes_have_answers() {
     assert_eq!(scalar::within(&far, 1e20, 1e20), Verdict::Outside);
 }
 
+/// From rest: no step downhill is a number where nothing moves.
+#[test]
+fn launches_and_stops() {
+    let mut random = ChaCha8Rng::seed_from_u64(13);
+    let mut anywhere = |size: f64| [0; 3].map(|_| size * random.random_range(-1.0..1.0));
+    let pairs: Vec<ControlPoints<f64>> = (0..40_000)
+        .map(|round| {
+            let exponent = -14.0 + 12.0 * f64::from(round) / 40_000.0;
+            let near = anywhere(10_f64.powf(exponent));
+            let (one, other) = (anywhere(1.7), anywhere(1.7));
+            match round % 4 {
+                0 => [near, near, near, one],
+                1 => [one, near, near, near],
+                2 => [near, near, one, other],
+                _ => [near, near, one, one],
+            }
+        })
+        .collect();
+    let exact = enclosures(Level::best(), &pairs, &vec![0.0; pairs.len()]);
+    let (_, distances) = approaches(Level::best(), &pairs);
+    let (_, rough) = approaches_f32(Level::best(), &pairs);
+    for (i, exact) in exact.iter().enumerate() {
+        assert!((distances[i] - exact.high).abs() <= 1e-13, "{:?}", pairs[i]);
+        let off = (f64::from(rough[i]) - exact.high).abs();
+        assert!(off <= 1e-5, "{off:e} {:?}", pairs[i]);
+    }
+}
+
 /// Squares overflow or underflow, of f64 or of the f32 that proofs are made in.
 #[test]
 fn the_same_at_every_scale() {
@@ -513,7 +541,10 @@ fn the_same_at_every_scale() {
         let (_, distances) = approaches(Level::best(), &scaled);
         for ((points, distance), exact) in scaled.iter().zip(distances).zip(&exact) {
             let off = (distance / unit - exact.low).max(exact.high - distance / unit);
-            assert!(off <= 1e-13, "2^{exponent} {points:?}: {distance:e} {exact:?}");
+            assert!(
+                off <= 1e-13,
+                "2^{exponent} {points:?}: {distance:e} {exact:?}"
+            );
             let (_, alone) = scalar::closest_approach(points);
             assert!((alone - distance).abs() <= 1e-13 * unit, "{points:?}");
         }

@@ -10,7 +10,8 @@ mod support;
 
 use glam::DVec3;
 use nearmiss::{
-    AlertLevel, Body, Conflict, Error, Event, EventKind, Hitbox, Monitor, Outside, Scene, State, Trajectory, Window,
+    AlertLevel, Body, Conflict, Error, Event, EventKind, Hitbox, Monitor, Outside, Scene, State,
+    Trajectory, Window,
 };
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -43,7 +44,10 @@ fn what_has_been_flown_stays() {
         let start = rng.random_range(-3.0..3.0);
         let (flown, new) = (plans(&mut rng, start), plans(&mut rng, 0.0));
         let froms = [-6.0, -1.0, flown[2].knots()[0], 0.3, 2.2, 9.0];
-        for (old, plan) in flown.iter().flat_map(|old| new.iter().map(move |new| (old, new))) {
+        for (old, plan) in flown
+            .iter()
+            .flat_map(|old| new.iter().map(move |new| (old, new)))
+        {
             for from in froms {
                 let Ok(spliced) = old.spliced(from, plan) else {
                     let is_there = old.domain().contains(from) && plan.domain().contains(from);
@@ -171,12 +175,19 @@ fn an_encounter_before_the_first_knot_goes_on() {
     let still = line(-20.0, 20.0, DVec3::ZERO, DVec3::ZERO);
     // At the origin at 0 s.
     let states = [8.0, 15.0].map(|time| State::new(time, DVec3::X * time, DVec3::X));
-    let comes = Trajectory::from_states(&states).unwrap().with_outside(Outside::Coast);
+    let comes = Trajectory::from_states(&states)
+        .unwrap()
+        .with_outside(Outside::Coast);
     let (mut monitor, bodies) = monitor(&[still, comes]);
     let mut events = Vec::new();
     monitor.advance(-4.0, &mut events).unwrap();
-    
-    let later = line(6.0, 30.0, DVec3::X * 6.0 + vector(&mut rng(44), 1.0), DVec3::Y);
+
+    let later = line(
+        6.0,
+        30.0,
+        DVec3::X * 6.0 + vector(&mut rng(44), 1.0),
+        DVec3::Y,
+    );
     monitor.replan(bodies[1], 6.0, later).unwrap();
     for now in [-3.0, 0.0, 4.9] {
         events.clear();

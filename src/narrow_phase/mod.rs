@@ -9,6 +9,7 @@ mod approach;
 mod certified;
 mod clusters;
 mod contact;
+mod dips;
 mod fast;
 mod filter;
 mod hull;

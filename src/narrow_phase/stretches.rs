@@ -5,6 +5,7 @@
 //! the whole span first and clipped to the window afterwards, so that a stretch has the same bits
 //! whatever the window.
 
+use super::dips::{Turns, may_be_hidden};
 use super::hull::Heights;
 use super::relative::RelativeCubic;
 use super::stationary::{MOST_STATIONARY, stationary_points};
@@ -65,6 +66,7 @@ impl Profile {
 
     /// The same, unless it is certain without a root that there are no
     /// [`stretches`](Self::stretches) within `radius`.
+    #[inline]
     pub(crate) fn near(cubic: &RelativeCubic, radius: f64) -> Option<Self> {
         if cubic.is_constant() {
             return Some(Self::constant(cubic));
@@ -76,6 +78,7 @@ impl Profile {
     }
 
     /// One distance for the whole span: what differs at its end is rounding.
+    #[cold]
     fn constant(cubic: &RelativeCubic) -> Self {
         let first = Node::at(cubic, 0.0);
         let mut profile = Self::from(first);
@@ -87,15 +90,35 @@ impl Profile {
         profile
     }
 
+    #[inline]
     fn changing(cubic: &RelativeCubic, heights: &Heights) -> Self {
         let mut profile = Self::from(Node::at(cubic, 0.0));
-        if !heights.are_monotonic() {
-            for &s in stationary_points(cubic).as_slice() {
-                profile.push(Node::at(cubic, s));
-            }
+        if heights.are_monotonic() {
+            profile.push(Node::at(cubic, 1.0));
+            return profile;
+        }
+        for &s in stationary_points(cubic).as_slice() {
+            profile.push(Node::at(cubic, s));
         }
         profile.push(Node::at(cubic, 1.0));
+        let distances = profile.nodes().iter().map(|node| node.distance);
+        if may_be_hidden(cubic, distances.fold(f64::INFINITY, f64::min)) {
+            profile.turn_at(cubic, &Turns::of(cubic));
+        }
         profile
+    }
+
+    /// Takes over where the distance turns.
+    #[cold]
+    fn turn_at(&mut self, cubic: &RelativeCubic, turns: &Turns) {
+        self.count = 0;
+        for place in turns.as_slice() {
+            self.push(Node {
+                s: place.s,
+                time: cubic.time(place.s),
+                distance: place.distance,
+            });
+        }
     }
 
     const fn from(first: Node) -> Self {
@@ -238,6 +261,7 @@ fn crossing(cubic: &RelativeCubic, radius: f64, inside: &Node, outside: &Node) -
     }
     let power = normalising_power(cubic.size.max(radius));
     let radius = radius * power;
+    let tolerance = cubic.tolerance() * power;
     let motion = cubic.motion();
     let excess = |s: f64| {
         let (position, rate) = motion(s);
@@ -262,8 +286,10 @@ fn crossing(cubic: &RelativeCubic, radius: f64, inside: &Node, outside: &Node) -
         let newton = s - step;
         let bracketed = newton > low && newton < high;
         // Tiny steps that no longer shrink, or that leave the bracket, are rounding: the last one
-        // is taken, and ends it.
-        if step.abs() <= ROUNDING && (step.abs() >= 0.5 * last_step || !bracketed) {
+        // is taken, and ends it. (Near a double root steps only halve: there the distance tells.)
+        let is_near = value.abs() <= tolerance * (2.0 * radius + tolerance);
+        let stays = step.abs() >= 0.5 * last_step || !bracketed;
+        if step.abs() <= ROUNDING && stays && is_near {
             s = newton.max(low).min(high);
             break;
         }

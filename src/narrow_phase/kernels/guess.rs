@@ -258,13 +258,13 @@ pub(super) fn polish<R: Real>(cubic: &CentredCubic<R>, u: R) -> R {
     downhill(u, slope, step)
 }
 
-/// A step that never leads uphill, so that it stays at an end with the slope inward.
+/// A step that never leads uphill, so that it stays at an end with the slope inward; none where it is
+/// not a number, as where the pair rests.
 #[inline(always)]
 fn downhill<R: Real>(u: R, slope: R, step: R) -> R {
-    let one = R::from_f64(1.0);
-    (u - step.abs().with_sign_of(slope))
-        .or_less(one)
-        .or_more(-one)
+    let (zero, one) = (R::from_f64(0.0), R::from_f64(1.0));
+    let length = step.abs().or_more(zero);
+    (u - length.with_sign_of(slope)).or_less(one).or_more(-one)
 }
 
 /// A step of Halley's method towards a stationary point of the distance.

@@ -1,6 +1,5 @@
 //! Pairs that a kernel could not settle, gathered until they fill a block.
 
-
 use super::batch::Lanes;
 use super::cubic::ControlPoints;
 use super::loops::BLOCK;

@@ -1,0 +1,150 @@
+//! Where the distance dips so near to zero that its square does not show it.
+//!
+//! The roots of the derivative of the squared distance are as good as its coefficients: to a rounding of
+//! the squared size of the span. Where the bodies are a thousand times nearer than that size and hardly
+//! move apart, as after a launch or before docking, whole dips are less than this. So a span is
+//! halved towards such places: each part is solved relative to its own size, down to where all that
+//! is left is rounding.
+
+use super::hull::Heights;
+use super::relative::RelativeCubic;
+use super::stationary::{MOST_STATIONARY, stationary_points};
+
+/// Of the size of a span or a part: at a larger distance the squared distance shows all dips.
+const NEAR: f64 = 1.0 / 256.0;
+
+/// An instant of a span as a local parameter, and the distance there (m).
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Place {
+    pub(super) s: f64,
+    pub(super) distance: f64,
+}
+
+/// Whether dips of a span may be hidden, given the least distance at the nodes that were found (m).
+pub(super) fn may_be_hidden(cubic: &RelativeCubic, least: f64) -> bool {
+    least <= NEAR * cubic.size && !is_swift(cubic)
+}
+
+/// Whether the relative motion goes one way all along, at a good part of the size: it passes each place
+/// quickly, and by its nearest point once.
+fn is_swift(cubic: &RelativeCubic) -> bool {
+    let [p0, p1, p2, p3] = cubic.points;
+    let way = p3 - p0;
+    let enough = NEAR * cubic.size * way.length();
+    [p1 - p0, p2 - p1, p3 - p2]
+        .into_iter()
+        .all(|step| step.dot(way) > enough)
+}
+
+/// Where the distance changes between rising and falling, in order, and both ends of the span.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Turns {
+    places: [Place; Self::ROOM],
+    count: usize,
+}
+
+impl Turns {
+    /// What a span can have, and its ends.
+    const MOST: usize = MOST_STATIONARY + 2;
+    const ROOM: usize = 2 * Self::MOST;
+
+    /// Of a whole span.
+    #[cold]
+    pub(super) fn of(cubic: &RelativeCubic) -> Self {
+        let mut turns = Self {
+            places: [Place::default(); Self::ROOM],
+            count: 0,
+        };
+        turns.push(cubic, 0.0);
+        turns.search(cubic, (0.0, 1.0), 0);
+        // The end is one whatever came before.
+        turns.push(cubic, 1.0);
+        turns.reduce(Self::MOST);
+        turns
+    }
+
+    pub(super) fn as_slice(&self) -> &[Place] {
+        &self.places[..self.count]
+    }
+
+    /// Those inside a part of the span; its end is pushed, its start has been.
+    fn search(&mut self, cubic: &RelativeCubic, (from, to): (f64, f64), halvings: u32) {
+        /// A part of a cubic shrinks at least so often as its size does.
+        const MOST_HALVINGS: u32 = 60;
+        let part = part_of(cubic, (from, to));
+        let is_rounding = part.size <= cubic.tolerance() || halvings == MOST_HALVINGS;
+        if !is_rounding && !Heights::of(&part).are_monotonic() {
+            let found = stationary_points(&part);
+            let inside = found.as_slice().iter().map(|s| from + s * (to - from));
+            let all = inside.clone().chain([from, to]);
+            let least = all.map(|s| cubic.distance(s)).fold(f64::INFINITY, f64::min);
+            if may_be_hidden(&part, least) {
+                let middle = 0.5 * (from + to);
+                self.search(cubic, (from, middle), halvings + 1);
+                self.search(cubic, (middle, to), halvings + 1);
+                return;
+            }
+            inside.for_each(|s| self.push(cubic, s));
+        }
+        if to < 1.0 {
+            self.push(cubic, to);
+        }
+    }
+
+    /// Appends a place, unless the distance only goes on rising or falling: then it takes the place of
+    /// the one before it.
+    fn push(&mut self, cubic: &RelativeCubic, s: f64) {
+        let new = Place {
+            s,
+            distance: cubic.distance(s),
+        };
+        if let [.., before, last] = self.as_slice() {
+            let (rose, rises) = (
+                last.distance >= before.distance,
+                new.distance >= last.distance,
+            );
+            if rose == rises {
+                self.count -= 1;
+            }
+        }
+        if self.count == Self::ROOM {
+            self.reduce(Self::MOST);
+        }
+        self.places[self.count] = new;
+        self.count += 1;
+    }
+
+    /// Drops turns, two at a time, between which the distance changes least: more than a span can have
+    /// are rounding.
+    fn reduce(&mut self, most: usize) {
+        while self.count > most {
+            let changes = self.as_slice()[1..self.count - 1].windows(2);
+            let changes = changes.map(|ends| (ends[1].distance - ends[0].distance).abs());
+            let least = changes.enumerate().min_by(|x, y| x.1.total_cmp(&y.1));
+            let Some((number, _)) = least else { return };
+            self.places.copy_within(number + 3..self.count, number + 1);
+            self.count -= 2;
+        }
+    }
+}
+
+/// The part of a span between two local parameters, by its blossom: its points are as good as those of the
+/// whole.
+fn part_of(cubic: &RelativeCubic, (from, to): (f64, f64)) -> RelativeCubic {
+    let [p0, p1, p2, p3] = cubic.points;
+    let at = |x: f64, y: f64, z: f64| {
+        let (q0, q1, q2) = (p0.lerp(p1, x), p1.lerp(p2, x), p2.lerp(p3, x));
+        q0.lerp(q1, y).lerp(q1.lerp(q2, y), z)
+    };
+    let points = [
+        at(from, from, from),
+        at(from, from, to),
+        at(from, to, to),
+        at(to, to, to),
+    ];
+    RelativeCubic {
+        points,
+        size: crate::rounding::largest_norm(&points),
+        ..*cubic
+    }
+}
