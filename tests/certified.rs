@@ -9,7 +9,7 @@ mod support;
 
 use glam::DVec3;
 use nearmiss::{
-    Accuracy, Body, Certificate, Conflict, Hitbox, Query, Scene, Sphere, State, TimeBase,
+    Accuracy, Body, Certificate, Conflict, Error, Hitbox, Query, Scene, Sphere, State, TimeBase,
     TimeEnclosure, Trajectory, Window,
 };
 use support::{scene_of, swarm};
@@ -223,6 +223,74 @@ fn certified_and_exact_agree() {
             let least = pair.unwrap().unwrap();
             let below = least.approach.separation - least.error;
             assert!(below <= conflict.closest.separation + proof.error);
+        }
+    }
+}
+
+/// Beside a jump, where instants are too coarse to tell its sides apart: what is reported of the closest
+/// instant is of the cubic that is followed then.
+#[test]
+fn the_closest_instant_is_of_one_cubic() {
+    for (start, next) in [
+        (1.7e9, 1.7e9_f64.next_up()),
+        (1.0, 1.0_f64.next_up()),
+        (0.0, 1e-3),
+    ] {
+        let at = |time: f64, x: f64| State::new(time, DVec3::new(x, 1.0, 0.0), DVec3::ZERO);
+        let jumps = [
+            at(start, -10.0),
+            at(next, 8.0),
+            at(next + 1.0, 5.0),
+            at(next + 2.0, 20.0),
+        ];
+        let rests = [start, next + 2.0].map(|time| State::new(time, DVec3::ZERO, DVec3::ZERO));
+        let plans = [&rests[..], &jumps[..]].map(|states| Trajectory::from_states(states).unwrap());
+        let scene = scene(plans.map(|plan| (plan, Hitbox::POINT)));
+        let window = Window::new(next, next + 2.0).unwrap();
+        for (conflict, proof) in certified(&scene, 100.0, window) {
+            let closest = conflict.closest;
+            let distance = closest.position_a.distance(closest.position_b);
+            assert!((distance - closest.separation).abs() <= proof.error + 1e-12);
+            assert!(closest.relative_velocity.length() < 1e5);
+        }
+    }
+}
+
+/// Terms of a polynomial that cancel, but for errors that are beyond the range of numbers.
+#[test]
+fn a_polynomial_of_which_nothing_is_known_is_refused() {
+    let start = 2_f64.powi(330);
+    let knots = [start, start.next_up()];
+    let b = DVec3::X * 2_f64.powi(358);
+    let polynomial = [DVec3::ZERO, b, -b * start, DVec3::ZERO];
+    let plan = Trajectory::from_coefficients(&knots, &[polynomial], TimeBase::Absolute);
+    assert!(matches!(plan, Err(Error::OutOfRange { .. })), "{plan:?}");
+}
+
+/// Just before a power of two, after which instants are half as fine: dead reckoning leads through the
+/// points that it should.
+#[test]
+fn coasting_is_proven_whatever_the_clock_shows() {
+    const LATER: f64 = 128.0;
+    for exponent in [5, 7, 10, 16, 20, 25, 31] {
+        for step in 1..40 {
+            let clock = 2_f64.powi(exponent) - 0.140_625 * f64::from(step);
+            // With bits that are lost beyond the power of two.
+            let clock = clock.next_down();
+            let velocity = DVec3::new(10.0, -0.25, 3.0);
+            let comes = Trajectory::coasting(State::new(clock, DVec3::ONE, velocity)).unwrap();
+            let rests = Trajectory::at_rest(DVec3::ONE + LATER * velocity).unwrap();
+            let scene = scene([comes, rests].map(|plan| (plan, Hitbox::POINT)));
+            let window = Window::new(clock, clock + 200.0).unwrap();
+            let ids: Vec<_> = scene.bodies().map(|(id, _)| id).collect();
+            let found = scene.certified_closest_approach(ids[0], ids[1], window);
+            let found = found.unwrap().unwrap();
+            let (separation, error) = (found.approach.separation, found.error);
+            assert!(separation <= error, "{clock}: {separation:e} {error:e}");
+            assert!(error < 1e-11, "{clock}: {error:e}");
+            // As near as an instant can be to that.
+            let (time, meets) = (found.time, clock + LATER);
+            assert!(time.earliest <= meets.next_up() && meets.next_down() <= time.latest);
         }
     }
 }

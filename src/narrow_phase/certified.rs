@@ -74,6 +74,10 @@ struct Least {
     low: f64,
     high: f64,
     time: TimeEnclosure,
+    /// Where one whose separation is not above `high` is reached: within `own`.
+    span: Span,
+    spheres: (u32, u32),
+    own: TimeEnclosure,
 }
 
 /// The contacts within `margin` and `clip` found in `spans` (those not given are known to be free
@@ -309,13 +313,17 @@ fn least_separation(
             outward(separation + (rest - lost))
         }
     };
+    let time = TimeEnclosure {
+        earliest: cubic.earliest(least.parameter.first),
+        latest: cubic.latest(least.parameter.last),
+    };
     Least {
         low: minus_radii(least.distance.low, f64::next_down),
         high: minus_radii(least.distance.high, f64::next_up),
-        time: TimeEnclosure {
-            earliest: cubic.earliest(least.parameter.first),
-            latest: cubic.latest(least.parameter.last),
-        },
+        time,
+        span,
+        spheres: (pair.a, pair.b),
+        own: time,
     }
 }
 
@@ -323,17 +331,29 @@ impl Least {
     /// The least of several: the time is the hull of all that can be the least.
     fn of_all(found: &[Self]) -> Option<Self> {
         let low = found.iter().map(|least| least.low).reduce(f64::min)?;
-        let high = found.iter().map(|least| least.high).reduce(f64::min)?;
+        let lowest = found.iter().min_by(|x, y| x.high.total_cmp(&y.high))?;
+        let high = lowest.high;
         let possible = found.iter().filter(|least| least.low <= high);
         let time = possible
             .map(|least| least.time)
             .reduce(TimeEnclosure::hull)?;
-        Some(Self { low, high, time })
+        Some(Self {
+            low,
+            time,
+            ..*lowest
+        })
     }
 
     /// An approach moved into the enclosure, and the half-width around its separation.
     fn settle(&self, mut approach: Approach) -> (Approach, f64) {
-        approach.time = self.time.nearest(approach.time);
+        let (time, span) = (self.time.nearest(approach.time), approach.span);
+        if span.start <= time && time <= span.end {
+            approach.time = time;
+        } else {
+            // It was another cubic's.
+            let time = self.own.nearest(time);
+            approach = Approach::at(time, approach.separation, self.spheres, self.span);
+        }
         approach.separation = approach.separation.max(self.low).min(self.high);
         let (below, above) = (
             approach.separation - self.low,

@@ -59,29 +59,39 @@ impl Segment {
     /// Straight motion from `state` on (and back in time, as the carrier of `Coast` and of rest).
     ///
     /// `duration` is only the unit of its parameter. It is rounded to three times a power of two,
-    /// so that all its control points but the last are exact; `error` is that of the state itself
-    /// (position, and velocity times duration).
+    /// so that all its control points but the last are exact where instants are as fine at its end as at
+    /// its start; `error` is that of the state itself (position, and velocity times duration).
     pub(super) fn line(
         state: &State,
         duration: f64,
         error: f64,
         knot: usize,
     ) -> Result<Self, Error> {
-        // At least an ulp of the knot's time, so that `end - start` is the duration exactly.
+        // At least an ulp of the knot's time, so that there is an end.
         let third = (duration / 3.0)
             .max(2.0 * f64::EPSILON * state.time.abs())
             .max(f64::MIN_POSITIVE / f64::EPSILON);
         let third = 1.0 / normalising_power(third.min(LARGEST_MAGNITUDE));
+        let end = state.time + 3.0 * third;
+        // The parameter runs between the two as they are: beyond a power of two the end was rounded.
+        let duration = end - state.time;
+        let is_exact = (duration - 3.0 * third).abs() <= 0.0;
+        let third = if is_exact { third } else { duration / 3.0 };
         let step = state.velocity * third;
         let control = [step, 2.0 * step, 3.0 * step];
         let extent = norm(control[2]) * (1.0 + 8.0 * UNIT_ROUNDOFF);
         Self {
             start: state.time,
-            end: state.time + 3.0 * third,
+            end,
             origin: state.position,
             control,
             extent,
-            error: -error,
+            // A third of the duration, and its products.
+            error: if is_exact {
+                -error
+            } else {
+                -(error + 4.0 * UNIT_ROUNDOFF * extent)
+            },
         }
         .checked(knot)
     }
@@ -147,6 +157,10 @@ impl Segment {
             // Not a number: what it follows from has left the range of f64.
             let reached = Some(self.extent).filter(|extent| !extent.is_nan());
             return out_of_range(Quantity::Distance, reached.unwrap_or(f64::INFINITY));
+        }
+        if self.error.is_nan() || self.error() > LARGEST_MAGNITUDE {
+            // Terms that cancel are larger than that.
+            return out_of_range(Quantity::Distance, f64::INFINITY);
         }
         if self.extent > 0.0 && (acceleration.is_nan() || acceleration > LARGEST_MAGNITUDE) {
             return out_of_range(Quantity::Acceleration, acceleration);
