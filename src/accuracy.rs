@@ -94,6 +94,7 @@ pub struct TimeEnclosure {
 /// # Ok::<(), nearmiss::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Certificate {
     /// The least separation within the conflict lies in `closest.separation ± error` (m).
     pub error: f64,

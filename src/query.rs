@@ -93,6 +93,7 @@ impl Query {
     /// The same query with the window cut into this many slices, instead of as many as are
     /// expected to cost least: for measuring how good that choice is. The answer is the same, if
     /// there is room for the candidates of a slice (2^26, or [`most_spans`](Self::most_spans) if that is more).
+    /// No more than a million are cut.
     #[must_use]
     pub const fn with_slices(mut self, slices: NonZeroU32) -> Self {
         self.slices = Some(slices);

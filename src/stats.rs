@@ -9,7 +9,8 @@ use std::time::Duration;
 /// more or less with another number of threads, which cut motions in other places and round their
 /// boxes differently.
 /// Stage times add up over threads; `total_time` is wall time.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default)]
+#[non_exhaustive]
 pub struct Stats {
     /// Bodies in the scene.
     pub bodies: u64,

@@ -195,7 +195,7 @@ fn grazes() {
         let bodies = swarm(1000 + round, 2, 10.0);
         let scene = scene_of(&bodies);
         let ids: Vec<BodyId> = scene.bodies().map(|(id, _)| id).collect();
-        let window = [Window::ALL, Window::new(7.3, 19.0).unwrap()][round as usize % 2];
+        let window = [Window::ALL, Window::new(7.3, 19.0).unwrap()][usize::from(round % 2 == 1)];
         let nearest = scene.closest_approach(ids[0], ids[1], window);
         let Some(nearest) = nearest.unwrap() else {
             continue;

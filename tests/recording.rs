@@ -372,6 +372,59 @@ fn a_file_that_fails_disturbs_nothing() {
     assert_eq!(error.kind(), io::ErrorKind::StorageFull);
 }
 
+/// A beginning that no monitor writes, though its checksum is right.
+#[test]
+fn contradictions_are_refused() {
+    let (file, _) = run_with(5.0, 3, 12, 40, 20);
+    let text = String::from_utf8(file).unwrap();
+    let (title, rest) = text.split_once('\n').unwrap();
+    let (begin, rest) = rest.split_once('\n').unwrap();
+    let begin: serde_json::Value = serde_json::from_str(&begin[18..]).unwrap();
+    let open = |begin: &serde_json::Value| {
+        let json = begin.to_string();
+        let checksum = crc32fast::hash(json.as_bytes());
+        let file = format!("{title}\n{:08x} {checksum:08x} {json}\n{rest}", json.len());
+        Replay::open(file.as_bytes()).map(drop)
+    };
+    open(&begin).unwrap();
+    for (field, value) in [
+        ("next_id", serde_json::json!(u64::MAX)),
+        ("next_id", serde_json::json!(0)),
+        ("history", serde_json::json!(-1.0)),
+        ("end_told", serde_json::json!([])),
+        (
+            "least_change",
+            serde_json::json!({"time": -1.0, "separation": 0.0}),
+        ),
+    ] {
+        let mut broken = begin.clone();
+        let place = &mut broken["begin"][field];
+        assert!(!place.is_null(), "{field} in {begin}");
+        *place = value;
+        assert!(open(&broken).is_err(), "{field}");
+    }
+}
+
+/// Plans whose straight motion goes on beyond the largest times.
+#[test]
+fn plans_at_the_end_of_time_come_back() {
+    let state = |time: f64| State::new(time, DVec3::ZERO, DVec3::ZERO);
+    for plan in [
+        Trajectory::from_states(&[state(0.0), state(9e299)]).unwrap(),
+        Trajectory::coasting(state(1e300)).unwrap(),
+        Trajectory::coasting(state(-1e300)).unwrap(),
+    ] {
+        let json = serde_json::to_string(&plan).unwrap();
+        assert_eq!(serde_json::from_str::<Trajectory>(&json).unwrap(), plan);
+    }
+}
+
+#[test]
+fn monitors_are_shared_between_threads() {
+    const fn shared<T: Send + Sync>() {}
+    shared::<Monitor>();
+}
+
 /// What is no trajectory does not become one.
 #[test]
 fn bad_numbers_are_refused() {
@@ -386,7 +439,7 @@ fn bad_numbers_are_refused() {
         // A piece that lies beyond the reach of its cubic.
         ("[0.0,1.0]", "[0.0,1e120]"),
         ("[0.0,1.0]", "[-1e150,1.0]"),
-        ("\"outside\":\"Absent\"", "\"outside\":\"Gone\""),
+        ("\"outside\":[\"Absent\"", "\"outside\":[\"Gone\""),
         // The extent, which bounds all control points.
         ("1.3333333333333344", "0.5"),
     ] {

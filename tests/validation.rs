@@ -363,3 +363,37 @@ fn what_a_monitor_refuses() {
     let text = Error::Margin { margin: 1e301 }.to_string();
     assert_eq!(text, "margin 1e301 m is not a number within ±1e300");
 }
+
+/// A velocity that nobody gave is not blamed.
+#[test]
+fn positions_too_far_apart_are_refused() {
+    let far = DVec3::X * 1e200;
+    for positions in [
+        &[(0.0, DVec3::ZERO), (1e-200, far)][..],
+        &[(0.0, DVec3::ZERO), (1e-200, far), (1.0, far)],
+    ] {
+        let refused = Trajectory::from_positions(positions).unwrap_err();
+        assert!(
+            matches!(
+                refused,
+                Error::OutOfRange {
+                    quantity: Quantity::Speed,
+                    ..
+                }
+            ),
+            "{refused}"
+        );
+    }
+}
+
+/// Those of the scene, also where the window meets none of them.
+#[test]
+fn all_bodies_are_counted() {
+    let mut scene = Scene::new();
+    for place in 0..20 {
+        let plan = support::line(0.0, 1.0, DVec3::X * f64::from(place), DVec3::X);
+        scene.insert(Body::new(plan)).unwrap();
+    }
+    let late = Query::new(Window::new(5.0, 9.0).unwrap());
+    assert_eq!(scene.screen(&late).unwrap().stats.bodies, 20);
+}

@@ -59,6 +59,13 @@ pub(super) struct Tracked {
 #[derive(serde::Serialize, serde::Deserialize)]
 pub(super) struct Saved(Vec<Tracked>);
 
+#[cfg(feature = "serde")]
+impl Saved {
+    pub(super) fn ids(&self) -> impl Iterator<Item = u64> {
+        self.0.iter().map(|tracked| tracked.now.id.0)
+    }
+}
+
 /// The encounters of one alert level.
 #[derive(Debug, Default)]
 pub(super) struct Encounters {

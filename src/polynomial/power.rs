@@ -102,7 +102,9 @@ impl<const N: usize> Polynomial<N> {
     /// // (x - 1)² touches zero, and the interval is closed.
     /// let touching = Polynomial::new([1.0, -2.0, 1.0]);
     /// assert_eq!(touching.roots_in(0.0, 1.0, 0.0).isolated(), Some(&[1.0][..]));
-    /// assert!(Polynomial::new([0.0; 4]).roots_in(0.0, 1.0, 0.0).is_everywhere());
+    /// let zero = Polynomial::new([0.0; 4]);
+    /// assert!(zero.roots_in(0.0, 1.0, 0.0).is_everywhere());
+    /// assert_eq!(zero.roots_in(1.0, 0.0, 0.0).isolated(), Some(&[][..]));
     /// ```
     #[inline]
     #[must_use]
@@ -110,12 +112,12 @@ impl<const N: usize> Polynomial<N> {
         const { assert!(N >= 1 && N <= 7, "roots are found up to degree 6") };
         let mut padded = [0.0; 7];
         padded[..N].copy_from_slice(&self.coefficients);
+        if low > high {
+            return Roots::At(RootList::default());
+        }
         let largest = self.largest_coefficient();
         if largest == 0.0 {
             return Roots::Everywhere;
-        }
-        if low > high {
-            return Roots::At(RootList::default());
         }
         if low.is_infinite() || high.is_infinite() {
             // No root is farther out.

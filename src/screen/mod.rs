@@ -35,7 +35,8 @@ use solve::describe;
 use std::time::Instant;
 
 /// The answer to a [`Query`].
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
+#[non_exhaustive]
 pub struct Screening {
     /// All conflicts, sorted by (enter, a, b).
     pub conflicts: Vec<Conflict>,
@@ -45,6 +46,7 @@ pub struct Screening {
 
 /// A closest approach with what is proven of it, as in [`Certificate`](crate::Certificate).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct CertifiedApproach {
     /// When, how close, and where.
     pub approach: ClosestApproach,
@@ -89,6 +91,7 @@ impl Scene {
         } else {
             line_up.screen(query.method(), &Admission::new(self, &line_up), &progress)?
         };
+        screening.stats.bodies = self.len() as u64;
         screening.stats.total_time = begin.elapsed();
         progress(1.0);
         Ok(screening)
@@ -261,7 +264,6 @@ impl LineUp<'_> {
 fn counted(parties: &[Party<'_>]) -> Stats {
     let segments = parties.iter().map(|party| party.segments.len() as u64);
     Stats {
-        bodies: parties.len() as u64,
         segments: segments.sum(),
         ..Stats::default()
     }

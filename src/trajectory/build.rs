@@ -100,6 +100,19 @@ impl Trajectory {
                 State { velocity, ..*state }
             })
             .collect();
+        for (knot, state) in states.iter().enumerate() {
+            let value = state.velocity.abs().max_element();
+            // Nobody gave this velocity: it follows from the positions.
+            if state.velocity.is_nan() || value > LARGEST_MAGNITUDE {
+                let value = if value.is_nan() { f64::INFINITY } else { value };
+                let quantity = Quantity::Speed;
+                return Err(Error::OutOfRange {
+                    knot,
+                    quantity,
+                    value,
+                });
+            }
+        }
         Self::from_states(&states)
     }
 

@@ -58,11 +58,19 @@ impl TryFrom<Numbers> for Trajectory {
             *time = one_zero(*time);
         }
         check_times(knots.iter().copied())?;
-        let segment = |(knot, numbers)| Segment::from_numbers(numbers, knot);
+        let segment = |(knot, numbers): (usize, [f64; 16])| {
+            check_number(knot, Quantity::Time, numbers[0])?;
+            check_number(knot, Quantity::Time, numbers[1])?;
+            Segment::from_numbers(numbers, knot)
+        };
         let [before, after] = coast;
         let segments = (1..).zip(segments).map(segment);
         let segments = segments.collect::<Result<Vec<_>, _>>()?;
-        let coast = [segment((0, before))?, segment((last, after))?];
+        // Straight motion goes beyond the range of times where its knot is at an end of that.
+        let coast = [
+            Segment::from_numbers(before, 0)?,
+            Segment::from_numbers(after, last)?,
+        ];
         for (knot, (segment, ends)) in (1..).zip(segments.iter().zip(knots.windows(2))) {
             // A piece may be any part of its cubic, also one beyond it.
             check_reach(segment, (ends[0], ends[1]), knot)?;
@@ -120,8 +128,16 @@ impl Segment {
             extent,
             error,
         ] = numbers;
-        check_number(knot, Quantity::Time, start)?;
-        check_number(knot, Quantity::Time, end)?;
+        for time in [start, end] {
+            if !time.is_finite() {
+                let quantity = Quantity::Time;
+                return Err(Error::NotFinite {
+                    knot,
+                    quantity,
+                    value: time,
+                });
+            }
+        }
         for (place, value) in numbers[2..].iter().enumerate() {
             check_number(knot, Quantity::Position(place % 3), *value)?;
         }

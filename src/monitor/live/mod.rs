@@ -129,6 +129,7 @@ pub enum Report {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
+#[must_use = "the monitor stops when it is dropped"]
 pub struct Live {
     handle: Handle,
     reports: Receiver<Report>,

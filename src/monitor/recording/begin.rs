@@ -2,7 +2,7 @@
 
 use crate::error::{Error, LARGEST_MAGNITUDE};
 use crate::monitor::encounters::{Encounters, Saved};
-use crate::monitor::{AlertLevel, Event, LeastChange, Monitor};
+use crate::monitor::{AlertLevel, Event, LeastChange, Monitor, check_setting};
 use crate::rounding::one_zero;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -37,6 +37,21 @@ const fn no_limit() -> usize {
     usize::MAX
 }
 
+/// More than there will ever be: what comes after it can be counted.
+const MOST_ENCOUNTERS: u64 = 1 << 62;
+
+/// Why a monitor that was written cannot be.
+pub(super) enum Flaw {
+    Refused(Error),
+    Contradiction(&'static str),
+}
+
+impl From<Error> for Flaw {
+    fn from(error: Error) -> Self {
+        Self::Refused(error)
+    }
+}
+
 impl Begin {
     pub(super) fn of(monitor: &Monitor) -> Self {
         Self {
@@ -64,20 +79,29 @@ impl Begin {
     }
 
     /// The same monitor, with nothing looked at yet, unless it is settled.
-    pub(super) fn monitor(self) -> Result<Monitor, Error> {
+    ///
+    /// # Errors
+    ///
+    /// What no monitor writes.
+    pub(super) fn monitor(self) -> Result<Monitor, Flaw> {
         let mut monitor = Monitor::new(self.scene, self.told, self.lookahead, &self.levels)?;
         let is_time = |time: f64| time >= self.told && time <= LARGEST_MAGNITUDE;
         if !is_time(self.now) {
-            return Err(Error::ClockWentBack {
+            return Err(Flaw::Refused(Error::ClockWentBack {
                 now: self.told,
                 time: self.now,
-            });
+            }));
         }
         let lengths = [self.encounters.len(), self.end_told.len()];
-        if lengths != [self.levels.len(), monitor.scene.slots()] || self.history.is_nan() {
-            return Err(Error::Lookahead {
-                value: self.history,
-            });
+        if lengths != [self.levels.len(), monitor.scene.slots()] {
+            return Err(Flaw::Contradiction("its lists do not fit its scene"));
+        }
+        let mut ids: Vec<_> = self.encounters.iter().flat_map(Saved::ids).collect();
+        ids.sort_unstable();
+        let are_new = ids.last().is_none_or(|last| *last < self.next_id);
+        if !are_new || ids.windows(2).any(|ids| ids[0] == ids[1]) || self.next_id > MOST_ENCOUNTERS
+        {
+            return Err(Flaw::Contradiction("its encounters are not told apart"));
         }
         monitor.now = one_zero(self.now);
         monitor.known = self.told;
@@ -85,7 +109,11 @@ impl Begin {
             // All of it has been told.
             monitor.advance_to(self.now, self.now + self.lookahead, &mut Vec::new())?;
         }
-        monitor.least_change = self.least_change;
+        let least = self.least_change;
+        for value in [least.time, least.separation, self.history] {
+            check_setting(value)?;
+        }
+        monitor.least_change = least;
         monitor.history = self.history;
         monitor.set_most_spans(self.most_spans);
         monitor.next_id = self.next_id;

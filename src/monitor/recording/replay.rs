@@ -1,5 +1,6 @@
 //! Reading a recording and doing it all again.
 
+use super::begin::Flaw;
 use super::record::{PREFIX, Record, RecordingError, TITLE};
 use crate::monitor::{Event, Monitor};
 use std::io::{BufRead, Read};
@@ -91,9 +92,10 @@ impl<R: BufRead> Replay<R> {
         let Record::Begin(begin) = record else {
             return Err(damaged(offset, "it does not begin with a monitor"));
         };
-        let monitor = begin
-            .monitor()
-            .map_err(|error| RecordingError::Refused { offset, error })?;
+        let monitor = begin.monitor().map_err(|flaw| match flaw {
+            Flaw::Refused(error) => RecordingError::Refused { offset, error },
+            Flaw::Contradiction(problem) => damaged(offset, problem),
+        })?;
         Ok(Self {
             source,
             offset: offset + length,

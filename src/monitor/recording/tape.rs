@@ -3,10 +3,12 @@
 use super::record::{Record, TITLE};
 use std::fmt;
 use std::io::{self, BufWriter, Write};
+use std::sync::{Mutex, PoisonError};
 
 /// Where a monitor's recording goes.
 pub(in crate::monitor) struct Tape {
-    target: BufWriter<Box<dyn Write + Send>>,
+    /// Never locked: a writer need not be shared between threads, a monitor may be.
+    target: Mutex<BufWriter<Box<dyn Write + Send>>>,
     records: u64,
     /// The first thing that went wrong: nothing is written after it.
     failure: Option<io::Error>,
@@ -17,7 +19,7 @@ impl Tape {
         let mut target = BufWriter::new(target);
         target.write_all(TITLE.as_bytes())?;
         Ok(Self {
-            target,
+            target: Mutex::new(target),
             records: 0,
             failure: None,
         })
@@ -30,7 +32,7 @@ impl Tape {
         }
         match record
             .line()
-            .and_then(|line| self.target.write_all(line.as_bytes()))
+            .and_then(|line| self.target().write_all(line.as_bytes()))
         {
             Ok(()) => self.records += 1,
             Err(error) => self.failure = Some(error),
@@ -41,8 +43,14 @@ impl Tape {
     pub(super) fn flush(&mut self) -> io::Result<()> {
         match self.failure.take() {
             Some(error) => Err(error),
-            None => self.target.flush(),
+            None => self.target().flush(),
         }
+    }
+
+    fn target(&mut self) -> &mut impl Write {
+        self.target
+            .get_mut()
+            .unwrap_or_else(PoisonError::into_inner)
     }
 
     pub(super) const fn is_whole(&self) -> bool {
