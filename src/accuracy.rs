@@ -94,7 +94,6 @@ pub struct TimeEnclosure {
 /// # Ok::<(), nearmiss::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
 pub struct Certificate {
     /// The least separation within the conflict lies in `closest.separation ± error` (m).
     pub error: f64,

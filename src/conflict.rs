@@ -8,7 +8,6 @@ use std::cmp::Ordering;
 /// The instant of least separation of two bodies, within a window or a conflict.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
 pub struct ClosestApproach {
     /// When, s. The first such instant where there are several, or a stretch of them.
     pub time: f64,
@@ -45,7 +44,6 @@ pub struct ClosestApproach {
 /// # Ok::<(), nearmiss::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
 pub struct Conflict {
     /// The body with the smaller id.
     pub a: BodyId,
