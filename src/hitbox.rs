@@ -19,8 +19,9 @@ pub struct Sphere {
 
 /// A sphere, or a cluster of spheres that stand in for another shape.
 ///
-/// Where two clusters may be near each other, each pair of their spheres takes some nanoseconds, and
-/// a few pairs are solved: those that begin and end a conflict, and those that may be the nearest ones.
+/// Where two clusters may be near each other, each pair of their spheres takes some nanoseconds (where
+/// they overlap, up to two microseconds: two bodies of 2,500 spheres each, seconds), and a few pairs are
+/// solved: those that begin and end a conflict, and those that may be the nearest ones.
 ///
 /// ```
 /// use glam::DVec3;

@@ -8,7 +8,8 @@ use std::time::Duration;
 /// Counts depend on the scene and the query. Of many thousand candidates and spans there may be a few
 /// more or less with another number of threads, which cut motions in other places and round their
 /// boxes differently.
-/// Stage times add up over threads; `total_time` is wall time.
+/// Stage times add up over threads; `total_time` is wall time. In a monitor's tick they are the smaller part
+/// of it: taking over plans, and following encounters, have no stage of their own.
 #[derive(Clone, Copy, Debug, Default)]
 #[non_exhaustive]
 pub struct Stats {

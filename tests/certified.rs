@@ -83,7 +83,6 @@ fn a_window_cuts_the_enclosures() {
     assert!(certified(&pass(), 5.0, Window::new(7.0, 8.0).unwrap()).is_empty());
 }
 
-/// Rounding cannot tell a touch from a miss: reported, and marked.
 /// Where the clock's resolution is a tenth of a microsecond, an exit is enclosed by instants between which
 /// the bodies go as far: in a window that begins at the later one they are apart, and proven to be.
 #[test]
@@ -114,6 +113,7 @@ fn what_is_proven_outside_is_not_reported() {
     assert!(apart > 1_000, "{apart}");
 }
 
+/// Rounding cannot tell a touch from a miss: reported, and marked.
 #[test]
 fn a_touch_is_unresolved() {
     let found = certified(&pass(), 3.0, Window::ALL);

@@ -12,7 +12,8 @@ use crate::id::BodyId;
 
 /// Changes up to this are not told; measured from what was last told. By default all are, also those of
 /// rounding: where a distance hardly changes, or as the clock passes an instant that was worked out.
-/// 1e-9 s and 1e-9 m keep these back.
+/// 1e-9 s and 1e-9 m keep these back. (Of an open encounter no nearest point is told that lies at the end of
+/// what is known: it would be another one each tick.)
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LeastChange {

@@ -42,8 +42,8 @@ pub struct Encounter {
     /// The end is not known yet: it lies beyond what the monitor has looked at.
     pub open: bool,
     /// The least separation, over what has passed since it began and what is planned, as far as the
-    /// monitor has looked: while the encounter is `open` the bodies may come nearer later, which a
-    /// [`Revised`](EventKind::Revised) tells.
+    /// monitor has looked: while the encounter is `open` the bodies may come nearer later. How near, a
+    /// [`Revised`](EventKind::Revised) tells once that is in sight.
     pub closest: ClosestApproach,
 }
 
@@ -81,7 +81,9 @@ pub enum EndReason {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum EventKind {
     /// A new encounter lies ahead. One that reaches beyond the lookahead is `open`: how near the bodies
-    /// come is then only known so far, and revised as more comes into sight.
+    /// come is then only known so far. Its nearest point is told once it is in sight; while they still
+    /// come nearer at the end of what is known nothing is, however long:
+    /// [`Monitor::encounters`](crate::Monitor::encounters) says at each tick what is known.
     Predicted(Encounter),
     /// Its numbers differ from those last sent by more than the least change.
     Revised(Encounter),

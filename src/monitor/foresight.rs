@@ -12,7 +12,8 @@ impl Monitor {
     /// [`certified_until`](Self::certified_until) if it followed `plan` from now on. Changes
     /// nothing. The level's margin counts, as for [`conflicts`](Self::conflicts), not its release
     /// margin; so do layers and ignored pairs. What has changed since the last tick counts; before the
-    /// first tick nothing is known, and nothing found. For a plan that begins later, ask about what
+    /// first tick nothing is known, and nothing found. For a body that is not there yet, put it in at
+    /// rest where nobody comes, ask, and [set its trajectory](Self::set_trajectory) if the answer pleases. For a plan that begins later, ask about what
     /// [`replan`](Self::replan) would make of it: the body's trajectory
     /// [spliced](crate::Trajectory::spliced) with it.
     ///

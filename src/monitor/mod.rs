@@ -94,7 +94,9 @@ impl AlertLevel {
 }
 
 /// Watches a scene as time passes and plans change: a clock, a lookahead, and events, of which none
-/// is lost.
+/// is lost as long as ticks keep up with the clock. (A body that is put in, taken out or replanned while a
+/// [budget](Self::advance_within) leaves the monitor behind its clock is taken to have been in, gone or so
+/// planned since the last instant of which all was told, [`certified_until`](Self::certified_until).)
 ///
 /// A monitor owns its [`Scene`]. Between ticks plans change; a tick ([`advance`](Self::advance))
 /// moves the clock and tells what happened. It works with what changes: plans, what comes into the
@@ -274,7 +276,8 @@ impl Monitor {
     /// Keeps plans this many seconds back, from the clock of the last tick, when bodies are
     /// [replanned](Self::replan) or [extended](Self::extend); 0 at first, and infinity keeps all.
     /// What is older is forgotten then, but for the cubic that holds at that instant. What is kept is
-    /// copied with each such call: a tenth of a microsecond a knot.
+    /// copied with each such call, a tenth of a microsecond a knot, and ticks look at it again: half as much
+    /// again where 50 of 2,000 bodies are replanned each tick.
     ///
     /// # Errors
     ///

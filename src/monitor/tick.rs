@@ -38,7 +38,8 @@ impl Monitor {
     /// [`certified_until`](Self::certified_until) says up to when nothing is missing; what happens
     /// later waits for later ticks. They go on where this one stopped, also while the clock stands
     /// still, and tell the same events of the clock in the end: but where a plan changes what was at
-    /// an instant that one monitor has told and another has not, be it the clock's own.
+    /// an instant that one monitor has told and another has not, be it the clock's own, or bodies come and
+    /// go meanwhile.
     ///
     /// ```
     /// # use nearmiss::glam::DVec3;

@@ -301,8 +301,6 @@ fn a_splice_keeps_what_was_flown() {
     }
 }
 
-/// A jump over 3e12 slices: bodies rest, some touching, some fly past each other early on or after
-/// a long time, and what happened meanwhile is told, whatever the budget of a tick.
 /// The encounter ends where the plan of one ends, which goes on: at a jump of the other one. It was
 /// found when plans were laid out as far as that.
 #[test]
@@ -365,6 +363,8 @@ fn nothing_is_missing_that_begins_where_a_budget_ends() {
     assert_eq!(found.conflicts.len(), 1, "it is reported at the cut");
 }
 
+/// A jump over 3e12 slices: bodies rest, some touching, some fly past each other early on or after
+/// a long time, and what happened meanwhile is told, whatever the budget of a tick.
 #[test]
 fn the_clock_may_jump_as_far_as_it_can_show() {
     let (lookahead, end) = (1e-3, 1e9);

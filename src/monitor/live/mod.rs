@@ -74,7 +74,7 @@ pub enum Report {
         /// What lies later is not in it, s.
         certified_until: f64,
     },
-    /// An order was refused, and changed nothing.
+    /// An order was refused, and changed nothing. (What it had [superseded](super::Order) is gone.)
     Refused {
         /// The order.
         ticket: Ticket,
@@ -101,7 +101,8 @@ pub enum Report {
 ///   nothing lies between them. Batches are never taken apart, and nothing is merged across them, nor
 ///   across a question ([`Handle::what_if`]), whose answer is about all that was ordered before: send what need not go together
 ///   plan by plan, or what is superseded has to be worked out as well.
-/// - Every order sent is in the end applied, superseded or refused: [`Counts`] adds up.
+/// - Every order sent is in the end applied, superseded or refused: [`Counts`] adds up. A change that is
+///   applied is not reported on its own: it was, once a later order is.
 /// - Reports come in order, and none is dropped. A reader that stalls stalls the monitor, not the
 ///   senders: [`Handle::certified_until`] then stands still.
 /// - A tick works within [`LiveOptions::budget`] at a time; what is left is caught up while no

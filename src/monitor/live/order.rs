@@ -11,7 +11,9 @@ use std::collections::{BTreeMap, VecDeque};
 /// A plan replaces an earlier one of the same body altogether if it is
 /// [`Command::SetTrajectory`], or if both are [`Command::Replan`] and the later one begins no
 /// later than the earlier, at a time at which its plan exists and from which it goes on (else it
-/// will be refused, and the earlier one is needed).
+/// will be refused, and the earlier one is needed). It may still be refused for what only the scene knows:
+/// that the body is not there at that time, say. Then the earlier one is gone as well: whoever sends plans
+/// for later than the body exists should wait for the answer, or send a batch.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(
     clippy::large_enum_variant,

@@ -18,7 +18,7 @@ use std::io::{self, Write};
 
 impl Monitor {
     /// Writes down everything from now on, in the format that [`Replay`] reads; a recording under way
-    /// is given up.
+    /// is given up. (Feature `serde`.)
     ///
     /// First comes the monitor as it is, then everything that changes it, as it is applied (a live
     /// monitor's orders after they were coalesced), and for each tick how far it came.
