@@ -5,7 +5,6 @@
 //! the bodies of neighbouring candidates lie anywhere in memory, and waiting for them would be most
 //! of the time.
 
-use crate::accuracy::Accuracy;
 use crate::bounds::{Leg, Pose, Sight, Stroke, sight};
 use crate::broad_phase::Candidate;
 use crate::broad_phase::fill::Slice;
@@ -78,7 +77,6 @@ pub(super) struct Question<'a> {
     pub(super) interval: (f64, f64),
     pub(super) window: Window,
     pub(super) margin: f64,
-    pub(super) accuracy: Accuracy,
     pub(super) level: Level,
     /// With more spans from one slice it is too crowded: no further ones are looked at.
     pub(super) most_spans: usize,
@@ -91,8 +89,7 @@ impl Question<'_> {
     /// window cuts is always asked about: what is beyond there, the solver could take for a contact of
     /// no duration, and then it would matter what else is in the scene.
     fn solves_at_once(&self, span: Span) -> bool {
-        let is_whole = span.start >= self.window.start() && span.end <= self.window.end();
-        is_whole && self.accuracy != Accuracy::Certified
+        span.start >= self.window.start() && span.end <= self.window.end()
     }
 }
 

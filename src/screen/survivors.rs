@@ -145,7 +145,6 @@ impl LineUp<'_> {
                     interval: slices.interval(number),
                     window: self.window,
                     margin: self.margin,
-                    accuracy: self.accuracy,
                     level: self.level,
                     most_spans: self.most_spans,
                 };
