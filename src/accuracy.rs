@@ -58,6 +58,7 @@ pub enum Accuracy {
 
 /// The exact instant lies in `earliest..=latest` (s).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TimeEnclosure {
     /// Not before this, s.
     pub earliest: f64,
@@ -94,6 +95,7 @@ pub struct TimeEnclosure {
 /// # Ok::<(), nearmiss::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Certificate {
     /// The least separation within the conflict lies in `closest.separation ± error` (m).
     pub error: f64,

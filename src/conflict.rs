@@ -44,6 +44,7 @@ pub struct ClosestApproach {
 /// # Ok::<(), nearmiss::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Conflict {
     /// The body with the smaller id.
     pub a: BodyId,
@@ -63,6 +64,7 @@ pub struct Conflict {
 
 /// Which ends of a conflict are not crossings but ends of the window or the common domain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Clip {
     /// The window or the common domain begins inside, or exactly at the margin.
     pub at_enter: bool,

@@ -10,8 +10,8 @@ mod support;
 
 use glam::DVec3;
 use nearmiss::{
-    AlertLevel, Body, BodyId, Budget, Command, Event, Hitbox, Layers, LeastChange, Monitor,
-    Outside, RecordingError, Replay, Scene, Sphere, State, Trajectory,
+    Accuracy, AlertLevel, Body, BodyId, Budget, Command, Conflict, Event, Hitbox, Layers,
+    LeastChange, Monitor, Outside, Query, RecordingError, Replay, Scene, Sphere, State, Trajectory,
 };
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -417,6 +417,28 @@ fn plans_at_the_end_of_time_come_back() {
         let json = serde_json::to_string(&plan).unwrap();
         assert_eq!(serde_json::from_str::<Trajectory>(&json).unwrap(), plan);
     }
+}
+
+#[test]
+fn states_and_conflicts_come_back() {
+    let states = wander(&mut rng(5), 0.0, 12, 1.0, 4.0, 4.0);
+    let json = serde_json::to_string(&states).unwrap();
+    assert_eq!(serde_json::from_str::<Vec<State>>(&json).unwrap(), states);
+    let mut scene = Scene::new();
+    for seed in 0..30 {
+        let states = wander(&mut rng(seed), 0.0, 12, 1.0, 4.0, 4.0);
+        let plan = Trajectory::from_states(&states).unwrap();
+        scene.insert(Body::new(plan)).unwrap();
+    }
+    let query = Query::default().with_margin(1.0).unwrap();
+    let query = query.with_accuracy(Accuracy::Certified);
+    let conflicts = scene.screen(&query).unwrap().conflicts;
+    assert!(!conflicts.is_empty());
+    let json = serde_json::to_string(&conflicts).unwrap();
+    assert_eq!(
+        serde_json::from_str::<Vec<Conflict>>(&json).unwrap(),
+        conflicts
+    );
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! The exact solver: closest approach and contacts of one pair.
 //!
 //! Works on a body's cubics and spheres, span by span. The flow within a span:
-//! `relative` cubic, `filter`, `stationary` points, `stretches`, joined across spans and
-//! spheres by `contact`, with proofs by `certified`, in f32 by `fast`; of two clusters, `clusters` says
+//! `relative` cubic, `filter` or the `hull`'s control heights, `stationary` points (with the `dips` that
+//! the squared distance hides), `stretches`, joined across spans and spheres by `contact`, with proofs by `certified`, in f32 by `fast`; of two clusters, `clusters` says
 //! which pairs of spheres to solve. [`kernels`] answers many independent pairs at once.
 
 mod approach;
