@@ -8,7 +8,7 @@
 /// |---|---|---|
 /// | [`Fast`](Self::Fast) | f32, 1e-5 of the local scale; the conflicts of `Exact`, rather too long than too short | FASTCOST |
 /// | [`Exact`](Self::Exact) | f64, good to a few roundings of the local scale; not certified | 1 |
-/// | [`Certified`](Self::Certified) | proven enclosures of separation, enter, exit and closest approach; what f64 cannot decide is marked | 1.0 to 1.7 |
+/// | [`Certified`](Self::Certified) | proven enclosures of separation, enter, exit and closest approach; what f64 cannot decide is marked | CERTCOST |
 ///
 /// Costs: `screen --accuracy A --threads 1 --stats json`, `screen_ms` over that of `exact`, medians of
 /// five runs on seven sets of real trajectories. Finding candidates takes the most of it, and is the
@@ -99,9 +99,11 @@ pub struct TimeEnclosure {
 pub struct Certificate {
     /// The least separation within the conflict lies in `closest.separation ± error` (m).
     pub error: f64,
-    /// Whether this is certainly one conflict. If not, either the pair comes so near the margin
-    /// that f64 cannot tell whether it is reached, or so near it in between that f64 cannot tell
-    /// whether these are several conflicts.
+    /// Whether the pair is certainly within the margin at some instant, and all the time between
+    /// `enter.latest` and `exit.earliest`: one conflict. (Within the enclosures of enter and exit it may cross
+    /// the margin more than once.) If not, either the pair comes so near the margin that f64 cannot
+    /// tell whether it is reached, or so near it in between that f64 cannot tell whether these are
+    /// several conflicts.
     pub resolved: bool,
     /// When it begins.
     pub enter: TimeEnclosure,

@@ -211,3 +211,30 @@ fn grazes() {
     }
     assert!(met > 300 && missed > 300, "{met} {missed}");
 }
+
+/// A window of the very instant at which a conflict begins or ends: where instants are coarse, the bodies go
+/// farther between two of them than f32 can tell.
+#[test]
+fn windows_of_one_instant() {
+    const START: f64 = 1.7e9;
+    let mut found = 0;
+    for step in 0..400 {
+        let fast = if step % 2 == 0 { 1.0 } else { 2_000.0 };
+        let (speed, margin) = (fast * (0.5 + 0.01 * f64::from(step)), 0.001 * fast);
+        let comes = [-1.0, 1.0].map(|side| {
+            let velocity = DVec3::X * speed;
+            State::new(START + 1.0 + side, side * velocity, velocity)
+        });
+        let rests = [0.0, 2.0].map(|time| State::new(START + time, DVec3::ZERO, DVec3::ZERO));
+        let scene = scene_of(&[(comes.to_vec(), 0.0), (rests.to_vec(), 0.0)]);
+        let whole = screen(&scene, Window::ALL, margin, Accuracy::Exact);
+        for instant in [whole[0].enter, whole[0].exit] {
+            let window = Window::new(instant, instant).unwrap();
+            let [exact, fast] = [Accuracy::Exact, Accuracy::Fast]
+                .map(|accuracy| screen(&scene, window, margin, accuracy).len());
+            assert_eq!(exact, fast, "{speed} {instant}");
+            found += exact;
+        }
+    }
+    assert!(found > 700, "{found}");
+}

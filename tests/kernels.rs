@@ -38,6 +38,15 @@ fn rounded(points: &ControlPoints<f64>) -> ControlPoints<f32> {
     points.map(|point| point.map(|x| x as f32))
 }
 
+/// A number that f32 has.
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "rounding is what is wanted"
+)]
+fn single(number: f64) -> f64 {
+    f64::from(number as f32)
+}
+
 fn batch_f32(pairs: &[ControlPoints<f64>]) -> CubicBatch<f32> {
     let mut batch = CubicBatch::new();
     batch.extend(pairs.iter().map(rounded));
@@ -513,6 +522,45 @@ fn launches_and_stops() {
         assert!((distances[i] - exact.high).abs() <= 1e-13, "{:?}", pairs[i]);
         let off = (f64::from(rough[i]) - exact.high).abs();
         assert!(off <= 1e-5, "{off:e} {:?}", pairs[i]);
+    }
+}
+
+/// In f32 they are squared twice.
+#[test]
+fn launches_of_any_size_in_single_precision() {
+    let mut random = ChaCha8Rng::seed_from_u64(14);
+    for exponent in -60..60 {
+        let mut anywhere = |size: f64| [0; 3].map(|_| size * random.random_range(-1.0..1.0));
+        let pairs: Vec<ControlPoints<f64>> = (0..400)
+            .map(|round| {
+                let size = 2_f64.powi(exponent);
+                let near = anywhere(size * 10_f64.powi(-(round % 9)));
+                let points = [near, near, anywhere(0.6 * size), anywhere(size)];
+                points.map(|point| point.map(|x| single(x)))
+            })
+            .collect();
+        let exact = enclosures(Level::best(), &pairs, &vec![0.0; pairs.len()]);
+        let (_, rough) = approaches_f32(Level::best(), &pairs);
+        for ((pair, rough), exact) in pairs.iter().zip(rough).zip(exact) {
+            let off = (f64::from(rough) - exact.high).abs();
+            assert!(off <= 4e-6 * size(pair), "2^{exponent}: {off:e} {pair:?}");
+        }
+    }
+}
+
+/// A pair at rest is as near at any time: alone and in a batch it is the same one.
+#[test]
+fn pairs_at_rest() {
+    for unit in [1e-9, 1.0, 1e6, 1e12] {
+        let rests = [[unit, -2.0 * unit, 0.5 * unit]; 4];
+        let pairs = vec![rests; 9];
+        let (times, distances) = approaches(Level::best(), &pairs);
+        let alone = scalar::closest_approach(&rests);
+        for found in times.into_iter().zip(distances) {
+            assert_eq!(found, alone, "{unit:e}");
+        }
+        let norm = 5.25_f64.sqrt() * unit;
+        assert!((alone.1 - norm).abs() <= 1e-15 * unit);
     }
 }
 

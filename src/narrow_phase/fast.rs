@@ -84,7 +84,8 @@ impl FastBatch {
             }
             let (segment_a, segment_b) =
                 (&a.segments[span.a as usize], &b.segments[span.b as usize]);
-            let points = RelativeMotion::between(segment_a, segment_b, times).points(offset);
+            let motion = RelativeMotion::between(segment_a, segment_b, times);
+            let points = motion.points(offset);
             let largest = points.iter().fold(radius, |largest, point| {
                 largest.max(point.abs().max_element())
             });
@@ -98,7 +99,12 @@ impl FastBatch {
             // What f64 can be wrong by. In a formation, whose relative motion is small, that is more
             // than what f32 loses of it.
             let scale = local_scale(segment_a, segment_b, (span.start, span.end), offset);
-            let blur = nearest((filter_threshold(radius, scale) - radius) * power);
+            let mut blur = filter_threshold(radius, scale) - radius;
+            if times != (span.start, span.end) {
+                // The exact solver finds an instant, and rounds it to where the window cuts.
+                blur += motion.blur();
+            }
+            let blur = nearest(blur * power);
             let radius = nearest(radius * power);
             let clearance = CLEARANCE * (size + radius) + blur;
             self.cubics.push(points.map(|point| point.to_array()));

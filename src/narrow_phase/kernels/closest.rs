@@ -16,10 +16,10 @@ use crate::simd::Level;
 pub(super) const QUICK: u32 = 6;
 const THOROUGH: u32 = 10;
 
-/// Whether a certificate is one: not if it is not a number, or if squares have overflowed.
+/// Whether a certificate is one: not if it is not a number.
 #[inline]
 fn is_positive<R: Real>(certificate: R) -> bool {
-    certificate > R::from_f64(0.0) && certificate < R::from_f64(f64::INFINITY)
+    certificate > R::from_f64(0.0)
 }
 
 /// The closest approach of one pair: local time and distance.

@@ -81,14 +81,11 @@ pub(super) fn outline<R: Real>(coefficients: [Vector<f32>; 4]) -> Outline {
     ];
     let size = (4.0 * s0 + 10.0 * s1) + (20.0 * s2 + 34.0 * s3);
     let margin = MARGIN * f32::ROUNDING * size + f32::UNDERFLOW;
-    let margin = if size < f32::LARGE {
-        margin
-    } else {
-        f32::INFINITY
-    };
+    let is_served = size < R::MOST;
+    let margin = if is_served { margin } else { f32::INFINITY };
     // A pair at rest but for rounding is as near at any time.
     let rounding = R::ROUNDING.to_f32();
-    let still = ((s1 + s2 + s3) * (1.0 / (rounding * rounding)) <= s0) & (s0 > STILL);
+    let still = ((s1 + s2 + s3) * (1.0 / (rounding * rounding)) <= s0) & (s0 > STILL) & is_served;
     Outline {
         square,
         margin: if still { -f32::INFINITY } else { margin },

@@ -77,7 +77,7 @@
 //!
 //! Squares that overflow or underflow fail every test; such pairs end in the scalar `f64` code,
 //! which scales by powers of two first. As guesses are proven in `f32`, these are polygons beyond
-//! some 1e15 m or below 1e-10 m. Nothing is claimed of a pair with a coordinate that is not finite: its
+//! some 1e15 m (f32 lanes: 1e8 m) or below 1e-10 m. Nothing is claimed of a pair with a coordinate that is not finite: its
 //! verdict is undecided (nothing is within a negative distance, though), its enclosure without end; a
 //! closest approach means nothing.
 

@@ -1,5 +1,7 @@
 //! Pairs that a kernel could not settle, gathered until they fill a block.
 
+use std::cmp::Ordering;
+
 use super::batch::Lanes;
 use super::cubic::ControlPoints;
 use super::loops::BLOCK;
@@ -150,9 +152,8 @@ impl Selection {
     pub(super) fn without(certificates: &[f32]) -> Self {
         let mut flags = [0_u8; FLAGS];
         for (flag, certificate) in flags.iter_mut().zip(certificates) {
-            // Also where it is not a number, or squares have overflowed.
-            let is_one = *certificate > 0.0 && *certificate < f32::INFINITY;
-            *flag = u8::from(!is_one);
+            // Also where it is not a number.
+            *flag = u8::from(certificate.partial_cmp(&0.0) != Some(Ordering::Greater));
         }
         Self::of(&flags)
     }

@@ -38,6 +38,10 @@ pub trait Real:
     /// Squares up to this size do not overflow in sums of some hundred products.
     const LARGE: Self;
 
+    /// The same for squares that are squared again in these lanes, and for those that proofs are made of,
+    /// in f32.
+    const MOST: f32;
+
     /// A step of Halley's method up to this size leaves an error of a few units of rounding:
     /// about the cube root of the rounding.
     const SETTLED: Self;
@@ -92,13 +96,14 @@ pub trait Real:
 }
 
 macro_rules! implement_real {
-    ($float:ident, $narrow:expr, $to_f32:expr, $steps:expr, $settled:expr, $underflow:expr) => {
+    ($float:ident, $narrow:expr, $to_f32:expr, $steps:expr, $settled:expr, $underflow:expr, $most:expr) => {
         impl Real for $float {
             const ROUNDING: Self = 0.5 * $float::EPSILON;
             const SETTLED: Self = $settled;
             const IS_SINGLE: bool = $float::MANTISSA_DIGITS == f32::MANTISSA_DIGITS;
             const STEPS: u32 = $steps;
             const LARGE: Self = $float::MAX / 1024.0;
+            const MOST: f32 = $most;
             const UNDERFLOW: Self = $underflow;
 
             #[inline(always)]
@@ -158,5 +163,5 @@ fn keep<T>(value: T) -> T {
     value
 }
 
-implement_real!(f32, narrow, keep, 1, 3e-3, 1e-28);
-implement_real!(f64, keep, narrow, 2, 5e-6, 1e-270);
+implement_real!(f32, narrow, keep, 1, 3e-3, 1e-28, 8e18);
+implement_real!(f64, keep, narrow, 2, 5e-6, 1e-270, f32::MAX / 1024.0);
