@@ -536,7 +536,7 @@ fn launches_of_any_size_in_single_precision() {
                 let size = 2_f64.powi(exponent);
                 let near = anywhere(size * 10_f64.powi(-(round % 9)));
                 let points = [near, near, anywhere(0.6 * size), anywhere(size)];
-                points.map(|point| point.map(|x| single(x)))
+                points.map(|point| point.map(single))
             })
             .collect();
         let exact = enclosures(Level::best(), &pairs, &vec![0.0; pairs.len()]);
