@@ -9,6 +9,7 @@
 use super::hull::Heights;
 use super::relative::RelativeCubic;
 use super::stationary::{MOST_STATIONARY, stationary_points};
+use crate::rounding::largest_norm;
 
 /// Of the size of a span or a part: at a larger distance the squared distance shows all dips.
 const NEAR: f64 = 1.0 / 256.0;
@@ -144,7 +145,41 @@ fn part_of(cubic: &RelativeCubic, (from, to): (f64, f64)) -> RelativeCubic {
     ];
     RelativeCubic {
         points,
-        size: crate::rounding::largest_norm(&points),
+        size: largest_norm(&points),
         ..*cubic
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Place, Turns};
+
+    /// What is more than a span can have goes where the distance changes least, but for the ends.
+    #[test]
+    fn rounding_is_dropped_first() {
+        let distances = [
+            9.0,
+            2.0,
+            7.0,
+            7.0 - 1e-9,
+            8.0,
+            1.0,
+            6.0,
+            3.0,
+            3.0 + 1e-12,
+            0.0,
+            5.0,
+        ];
+        let mut turns = Turns {
+            places: [Place::default(); Turns::ROOM],
+            count: distances.len(),
+        };
+        for (place, (s, distance)) in turns.places.iter_mut().zip((0_u8..).zip(distances)) {
+            let s = f64::from(s);
+            *place = Place { s, distance };
+        }
+        turns.reduce(Turns::MOST);
+        let left: Vec<f64> = turns.as_slice().iter().map(|place| place.s).collect();
+        assert_eq!(left, [0.0, 1.0, 4.0, 5.0, 6.0, 9.0, 10.0]);
     }
 }

@@ -7,14 +7,13 @@
 //! by more than f32 can be wrong. So the spans in which there is contact are those of the exact
 //! solver; a contact is reported early rather than late, and two in one span are reported as one.
 
-use super::contact::{Approach, Contact, contacts, join};
+use super::contact::{Approach, Contact, join};
 use super::kernels::{CubicBatch, Level, closest_approach};
 use super::relative::{RelativeMotion, filter_threshold, local_scale};
 use super::{Party, contact_radius};
 use crate::rounding::normalising_power;
 use crate::spans::Span;
 use glam::Vec3A;
-use std::iter::once;
 
 /// What f32 can be wrong by, relative to the polygon's size and the radius: 2^-17 = 128 roundings.
 /// Rounding the points takes 2 of them, cutting them 9, halving them 3 a time, the kernel 16.
@@ -37,13 +36,6 @@ struct Entry {
     thresholds: (f32, f32),
 }
 
-/// Two bodies, and when to look at them (s).
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Encounter<'p> {
-    pub(crate) parties: (&'p Party<'p>, &'p Party<'p>),
-    pub(crate) clip: (f64, f64),
-}
-
 /// Pairs of bodies whose contacts are found together.
 #[derive(Debug, Default)]
 pub(crate) struct FastBatch {
@@ -61,14 +53,11 @@ impl FastBatch {
     pub(crate) fn push(
         &mut self,
         pair: usize,
-        encounter: &Encounter<'_>,
+        (a, b): (&Party<'_>, &Party<'_>),
         spans: impl Iterator<Item = Span>,
         margin: f64,
+        clip: (f64, f64),
     ) -> bool {
-        let Encounter {
-            parties: (a, b),
-            clip,
-        } = *encounter;
         let ([sphere_a], [sphere_b]) = (a.spheres, b.spheres) else {
             return false;
         };
@@ -122,12 +111,12 @@ impl FastBatch {
     }
 
     /// Calls `report` with the number of each pair that has contacts, and these, in the order of
-    /// time; `encounter` gives what was added with a number. Pairs come in the order in which they were
-    /// added; all are forgotten then.
-    pub(crate) fn solve<'p>(
+    /// time. `exact` appends the contacts of such a pair in a span as the exact solver has them. Pairs come
+    /// in the order in which they were added; all are forgotten then.
+    pub(crate) fn solve(
         &mut self,
-        (level, margin): (Level, f64),
-        encounter: impl Fn(usize) -> Option<Encounter<'p>>,
+        level: Level,
+        exact: impl Fn(usize, Span, &mut Vec<Contact>),
         mut report: impl FnMut(usize, &[Contact]),
     ) {
         self.times.resize(self.entries.len(), 0.0);
@@ -144,10 +133,8 @@ impl FastBatch {
             let (certain, possible) = entry.thresholds;
             if distance < certain {
                 self.contacts.push(entry.contact(time, distance));
-            } else if distance <= possible
-                && let Some(encounter) = encounter(entry.pair)
-            {
-                encounter.decide(entry.span, margin, &mut self.contacts);
+            } else if distance <= possible {
+                exact(entry.pair, entry.span, &mut self.contacts);
             }
             if found
                 .peek()
@@ -162,14 +149,6 @@ impl FastBatch {
         }
         self.entries.clear();
         self.cubics.clear();
-    }
-}
-
-impl Encounter<'_> {
-    /// The contacts in a span, as the exact solver has them.
-    fn decide(&self, span: Span, margin: f64, found: &mut Vec<Contact>) {
-        let (a, b) = self.parties;
-        contacts(a, b, once(span), margin, self.clip, found);
     }
 }
 

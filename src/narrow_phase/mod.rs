@@ -24,7 +24,7 @@ pub(crate) use contact::{
     Approach, Contact, Solved, closest_approach, contacts, contacts_of, may_touch, near_motion,
     solve,
 };
-pub(crate) use fast::{Encounter, FastBatch};
+pub(crate) use fast::FastBatch;
 
 use crate::hitbox::Sphere;
 use crate::knots::Knots;

@@ -6,12 +6,12 @@ use crate::accuracy::Accuracy;
 use crate::conflict::{Clip, ClosestApproach, Conflict};
 use crate::id::BodyId;
 use crate::narrow_phase::{
-    Approach, CertifiedContact, Contact, Encounter, FastBatch, Party, Workspace,
-    certified_contacts, contacts,
+    Approach, CertifiedContact, Contact, FastBatch, Party, Workspace, certified_contacts, contacts,
 };
 use crate::parallel;
 use crate::simd::prefetch;
 use crate::spans::Span;
+use std::iter::once;
 use std::slice::from_ref;
 
 /// What one thread reuses from pair to pair.
@@ -92,11 +92,20 @@ impl LineUp<'_> {
         scratch: &mut Scratch,
         conflicts: &mut Vec<Conflict>,
     ) {
-        let Scratch { fast, contacts, .. } = scratch;
+        let Scratch {
+            fast,
+            contacts: found,
+            ..
+        } = scratch;
         let empty = |fast: &mut FastBatch, conflicts: &mut Vec<Conflict>| {
             let pair = |number| self.pair(parties, pairs, number);
-            let encounter = |number| pair(number).map(|pair| pair.encounter());
-            fast.solve((self.level, self.margin), encounter, |number, contacts| {
+            let exact = |number, span, found: &mut Vec<Contact>| {
+                if let Some(pair) = pair(number) {
+                    let (a, b) = pair.parties;
+                    contacts(a, b, once(span), self.margin, pair.clip, found);
+                }
+            };
+            fast.solve(self.level, exact, |number, contacts| {
                 if let Some(pair) = pair(number) {
                     conflicts.extend(contacts.iter().map(|contact| pair.conflict(contact)));
                 }
@@ -106,10 +115,10 @@ impl LineUp<'_> {
             let Some(pair) = self.pair(parties, pairs, number) else {
                 continue;
             };
-            if !fast.push(number, &pair.encounter(), pair.spans(), self.margin) {
+            if !fast.push(number, pair.parties, pair.spans(), self.margin, pair.clip) {
                 // Pairs stay in their order.
                 empty(fast, conflicts);
-                self.contacts(&pair, contacts, conflicts);
+                self.contacts(&pair, found, conflicts);
             }
         }
         empty(fast, conflicts);
@@ -202,14 +211,7 @@ struct PairOfBodies<'p> {
     survivors: OfPair<'p>,
 }
 
-impl<'p> PairOfBodies<'p> {
-    const fn encounter(&self) -> Encounter<'p> {
-        Encounter {
-            parties: self.parties,
-            clip: self.clip,
-        }
-    }
-
+impl PairOfBodies<'_> {
     fn spans(&self) -> impl Iterator<Item = Span> {
         let (a, b) = self.parties;
         self.survivors.iter().map(|survivor| survivor.span(a, b))
