@@ -12,8 +12,8 @@ use crate::id::BodyId;
 
 /// Changes up to this are not told; measured from what was last told. By default all are, also those of
 /// rounding: where a distance hardly changes, or as the clock passes an instant that was worked out.
-/// 1e-9 s and 1e-9 m keep these back. (Of an open encounter no nearest point is told that lies at the end of
-/// what is known: it would be another one each tick.)
+/// 1e-9 s and 1e-9 m keep these back. (The nearest point of an open encounter is another one each tick as long as
+/// it lies at the end of what is known: it is told once a lookahead at most.)
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LeastChange {
@@ -100,6 +100,7 @@ pub(super) struct Tick {
     pub(super) before: f64,
     /// The end of what is known, s.
     pub(super) known: f64,
+    pub(super) lookahead: f64,
     pub(super) least_change: LeastChange,
 }
 
@@ -374,7 +375,7 @@ fn go_on(old: &Tracked, new: &Plain, tick: &Tick, events: &mut Vec<Event>) -> Op
         tracked.now.enter = enter;
         tracked.now.closest = new.closest;
     }
-    let revised = differs(&tracked.now, &tracked.sent, &tick.least_change);
+    let revised = differs(&tracked.now, &tracked.sent, tick);
     // What ends in this very tick is told with its last numbers, not revised first.
     let mut tracked = clock(tracked, new, tick, events)?;
     if revised {
@@ -423,7 +424,8 @@ fn clock(
 
 /// Whether the numbers differ by more than the least change, as far as both are known: what lies
 /// beyond the end of what is known, which moves, is no revision.
-fn differs(now: &Encounter, sent: &Encounter, least: &LeastChange) -> bool {
+fn differs(now: &Encounter, sent: &Encounter, tick: &Tick) -> bool {
+    let least = &tick.least_change;
     let moved = |x: f64, y: f64| (x - y).abs() > least.time;
     let exit = match (now.open, sent.open) {
         (false, false) => moved(now.exit, sent.exit),
@@ -432,16 +434,19 @@ fn differs(now: &Encounter, sent: &Encounter, least: &LeastChange) -> bool {
         (true, false) => now.exit > sent.exit + least.time,
         (false, true) => true,
     };
-    moved(now.enter, sent.enter) || exit || closest_differs(now, sent, least)
+    moved(now.enter, sent.enter) || exit || closest_differs(now, sent, tick)
 }
 
-fn closest_differs(now: &Encounter, sent: &Encounter, least: &LeastChange) -> bool {
+fn closest_differs(now: &Encounter, sent: &Encounter, tick: &Tick) -> bool {
+    let least = &tick.least_change;
     // At an open end the bodies may still be closing in.
     let is_known =
         |encounter: &Encounter| !(encounter.open && encounter.closest.time >= encounter.exit);
     let (x, y) = (&now.closest, &sent.closest);
     if !is_known(sent) {
-        return is_known(now);
+        // While they close in it is told once a lookahead at most.
+        let is_later = x.time >= y.time + tick.lookahead;
+        return is_known(now) || is_later && x.separation < y.separation - least.separation;
     }
     let hidden = now.open && y.time > now.exit;
     if hidden {

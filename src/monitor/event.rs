@@ -43,7 +43,7 @@ pub struct Encounter {
     pub open: bool,
     /// The least separation, over what has passed since it began and what is planned, as far as the
     /// monitor has looked: while the encounter is `open` the bodies may come nearer later. How near, a
-    /// [`Revised`](EventKind::Revised) tells once that is in sight.
+    /// [`Revised`](EventKind::Revised) tells once that is in sight, and until then once a lookahead.
     pub closest: ClosestApproach,
 }
 
@@ -82,8 +82,8 @@ pub enum EndReason {
 pub enum EventKind {
     /// A new encounter lies ahead. One that reaches beyond the lookahead is `open`: how near the bodies
     /// come is then only known so far. Its nearest point is told once it is in sight; while they still
-    /// come nearer at the end of what is known nothing is, however long:
-    /// [`Monitor::encounters`](crate::Monitor::encounters) says at each tick what is known.
+    /// come nearer at the end of what is known, how near by then is told once a lookahead
+    /// ([`Monitor::encounters`](crate::Monitor::encounters) says it at each tick).
     Predicted(Encounter),
     /// Its numbers differ from those last sent by more than the least change.
     Revised(Encounter),

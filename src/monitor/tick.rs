@@ -159,6 +159,7 @@ impl Monitor {
             told: now.min(known),
             before: self.told,
             known,
+            lookahead: self.lookahead,
             least_change: self.least_change,
         };
         // Nothing below can fail.

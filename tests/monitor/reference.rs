@@ -60,6 +60,7 @@ struct Tick {
     told: f64,
     before: f64,
     known: f64,
+    lookahead: f64,
 }
 
 impl Reference {
@@ -80,6 +81,7 @@ impl Reference {
             told: now.min(known),
             before: self.before,
             known,
+            lookahead: self.lookahead,
         };
         let mut told = Vec::new();
         for level in 0..self.levels.len() {
@@ -278,7 +280,7 @@ fn go_on(
     } else {
         this.enter = planned.enter.unwrap_or(this.enter);
     }
-    let is_revised = !is_new && is_revised(&this);
+    let is_revised = !is_new && is_revised(&this, tick);
     if !this.has_begun && this.enter <= tick.told {
         this.has_begun = true;
         tell(this.enter, 3, &this, 0);
@@ -315,8 +317,8 @@ fn nearer(passed: Option<ClosestApproach>, planned: ClosestApproach) -> ClosestA
 }
 
 /// Whether what is known differs at all from what was sent. The end of what is known moves: what
-/// lies at it, or beyond it, is no number yet.
-fn is_revised(this: &Followed) -> bool {
+/// lies at it, or beyond it, is no number yet, and told once a lookahead only.
+fn is_revised(this: &Followed, tick: &Tick) -> bool {
     let (enter, exit, open, closest) = this.sent;
     if this.enter != enter {
         return true;
@@ -335,7 +337,7 @@ fn is_revised(this: &Followed) -> bool {
         this.closest.time != closest.time || this.closest.separation != closest.separation;
     let is_hidden = this.open && closest.time > this.exit;
     let closest_differs = match (is_sent, is_hidden) {
-        (false, _) => is_known,
+        (false, _) => is_known || nearer && this.closest.time >= closest.time + tick.lookahead,
         (true, true) => is_known && nearer,
         (true, false) => !is_known || differs,
     };

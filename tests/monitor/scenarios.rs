@@ -67,6 +67,37 @@ fn an_encounter_from_first_sight_to_end() {
     assert_eq!(kinds(&tick(&mut monitor, 30.0)), [""; 0]);
 }
 
+/// Within the margin all along, and nearer all the time: 0.1 m/s.
+#[test]
+fn how_near_bodies_come_that_close_in_for_long_is_told_once_a_lookahead() {
+    let end = 200.0;
+    let (mut monitor, ..) = two(
+        line(0.0, end, DVec3::ZERO, DVec3::ZERO),
+        line(0.0, end, DVec3::X * 30.0, DVec3::X * -0.1),
+        &[AlertLevel::at(40.0)],
+    );
+    assert_eq!(kinds(&tick(&mut monitor, 0.0)), ["began 0"]);
+    let mut revised = Vec::new();
+    for now in 1..=120 {
+        if now == 81 {
+            let least = LeastChange {
+                separation: 1.5,
+                ..LeastChange::default()
+            };
+            monitor.set_least_change(least).unwrap();
+        }
+        for event in tick(&mut monitor, f64::from(now)) {
+            assert!(matches!(event.kind, EventKind::Revised(_)), "{event:?}");
+            let encounter = event.kind.encounter().unwrap();
+            revised.push((now, encounter.closest.separation.round()));
+        }
+    }
+    // Each 1 m, and then 1.6 m, since what was told last.
+    let first = (1..=8).map(|k| (10 * k, f64::from(29 - k)));
+    let expected: Vec<_> = first.chain([(96, 19.0), (112, 18.0)]).collect();
+    assert_eq!(revised, expected);
+}
+
 #[test]
 fn a_jump_over_an_encounter_tells_both_its_ends() {
     let (a, b) = head_on();
