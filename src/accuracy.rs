@@ -6,7 +6,7 @@
 ///
 /// | | promise | cost |
 /// |---|---|---|
-/// | [`Fast`](Self::Fast) | f32, 1e-5 of the local scale; the conflicts of `Exact`, rather too long than too short | 0.9 to 1.05 |
+/// | [`Fast`](Self::Fast) | f32, 1e-5 of the local scale; the pairs of `Exact`; conflicts rather too long than too short, or joined | 0.9 to 1.05 |
 /// | [`Exact`](Self::Exact) | f64, good to a few roundings of the local scale; not certified | 1 |
 /// | [`Certified`](Self::Certified) | proven enclosures of separation, enter, exit and closest approach; what f64 cannot decide is marked | 1.0 to 1.4 |
 ///

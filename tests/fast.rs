@@ -187,6 +187,41 @@ fn formations() {
 
 /// Margins that are missed or met by less than f32 can tell: the same pairs as the exact solver's, also
 /// where the window cuts a span.
+/// Fast passes at small margins: a conflict is no longer than it may be by what f32 loses.
+#[test]
+fn passes_begin_and_end_in_time() {
+    let mut rng = support::rng(6);
+    for _ in 0..2_000 {
+        let speed = 10_f64.powf(rng.random_range(-3.0..5.0));
+        let half = rng.random_range(0.5..2.0);
+        let radius = speed * 10_f64.powf(rng.random_range(-5.0..-1.0));
+        let way = DVec3::from_array([0; 3].map(|_| rng.random_range(-1.0..1.0))).normalize();
+        let aside = way.any_orthonormal_vector() * radius * rng.random_range(0.0..1.9);
+        let velocity = speed * way;
+        let plan = |place: DVec3, velocity: DVec3| {
+            let states = [-half, half].map(|t| State::new(t, place + velocity * t, velocity));
+            Body::new(Trajectory::from_states(&states).unwrap())
+                .with_hitbox(Hitbox::sphere(radius).unwrap())
+        };
+        let mut scene = Scene::new();
+        let a = scene.insert(plan(DVec3::ZERO, DVec3::ZERO)).unwrap();
+        let b = scene.insert(plan(aside, velocity)).unwrap();
+        let [exact, fast] = [Accuracy::Exact, Accuracy::Fast].map(|accuracy| {
+            let found = screen(&scene, Window::ALL, 0.0, accuracy);
+            assert_eq!(found.len(), 1);
+            found[0]
+        });
+        let near = 1e-5 * scale(&scene, a, b, 0.0) + 2.0 * half * speed / 65_536.0;
+        for (exact, fast) in [(exact.enter, fast.enter), (-exact.exit, -fast.exit)] {
+            assert!(fast <= exact, "{exact} {fast}");
+        }
+        for instant in [fast.enter, fast.exit] {
+            let least = separation(&scene, &fast, instant);
+            assert!(least <= near, "{least} {near}");
+        }
+    }
+}
+
 #[test]
 fn grazes() {
     let mut rng = support::rng(13);

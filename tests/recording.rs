@@ -372,6 +372,84 @@ fn a_file_that_fails_disturbs_nothing() {
     assert_eq!(error.kind(), io::ErrorKind::StorageFull);
 }
 
+/// What is recorded takes effect, and is told, though the recording cannot go on.
+#[test]
+fn a_writer_that_panics_disturbs_nothing() {
+    struct Broken(usize);
+    impl Write for Broken {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.0 += bytes.len();
+            assert!(self.0 < 200_000, "broken on purpose");
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+    let (mut rngs, mut said) = ([rng(9), rng(9)], [Vec::new(), Vec::new()]);
+    let mut recorded = monitor(&mut rngs[0], 6, 5.0);
+    let mut plain = monitor(&mut rngs[1], 6, 5.0);
+    recorded.start_recording(Broken(0)).unwrap();
+    while recorded.is_recording() {
+        live_on(&mut recorded, &mut rngs[0], &mut said[0]);
+        live_on(&mut plain, &mut rngs[1], &mut said[1]);
+    }
+    assert_eq!(text(&said[0]), text(&said[1]));
+    let error = recorded.stop_recording().unwrap_err();
+    assert_eq!(error.to_string(), "the writer panicked");
+}
+
+/// A recording that goes on after its end, or after the monitor was closed; and one that is read on after
+/// something was wrong.
+#[test]
+fn what_follows_an_end_is_told() {
+    let memory = Memory::default();
+    let mut rng = rng(9);
+    let mut monitor = monitor(&mut rng, 6, 5.0);
+    monitor.start_recording(memory.clone()).unwrap();
+    live_on(&mut monitor, &mut rng, &mut Vec::new());
+    monitor.close(&mut Vec::new());
+    let whole = memory.bytes();
+    replay(&whole).1.unwrap();
+    let twice = [&whole[..], &whole[..]].concat();
+    assert!(matches!(
+        replay(&twice).1,
+        Err(RecordingError::Damaged { offset, .. }) if offset == whole.len() as u64
+    ));
+    let lines: Vec<&[u8]> = whole.split_inclusive(|byte| *byte == b'\n').collect();
+    let [rest @ .., tick, close, end] = &lines[..] else {
+        unreachable!("there are more lines")
+    };
+    let after = [&rest.concat(), *tick, *close, *tick, *end].concat();
+    let mut opened = Replay::open(&after[..]).unwrap();
+    let mut events = Vec::new();
+    while let Ok(now) = opened.tick(&mut events) {
+        assert!(now.is_some());
+    }
+    let told = events.len();
+    assert!(matches!(
+        opened.tick(&mut events),
+        Err(RecordingError::Damaged { .. })
+    ));
+    assert_eq!(events.len(), told);
+}
+
+/// Infinite settings, in text and in other formats.
+#[test]
+fn least_changes_come_back() {
+    for separation in [0.0, 0.25, f64::INFINITY] {
+        let least = LeastChange {
+            time: 1e-9,
+            separation,
+        };
+        let text = serde_json::to_string(&least).unwrap();
+        assert_eq!(serde_json::from_str::<LeastChange>(&text).unwrap(), least);
+        let bytes = postcard::to_allocvec(&least).unwrap();
+        assert_eq!(postcard::from_bytes::<LeastChange>(&bytes).unwrap(), least);
+    }
+}
+
 /// A beginning that no monitor writes, though its checksum is right.
 #[test]
 fn contradictions_are_refused() {
@@ -402,6 +480,21 @@ fn contradictions_are_refused() {
         assert!(!place.is_null(), "{field} in {begin}");
         *place = value;
         assert!(open(&broken).is_err(), "{field}");
+    }
+    // Encounters that no monitor of this scene can have had.
+    let saved = &begin["begin"]["encounters"][0][0];
+    let begun = saved["begun"].as_bool().unwrap();
+    for (place, value) in [
+        ("/now/level", serde_json::json!(7)),
+        ("/sent/id", serde_json::json!(u32::MAX)),
+        ("/now/a", saved["now"]["b"].clone()),
+        ("/now/exit", serde_json::json!(-1e9)),
+        ("/begun", serde_json::json!(!begun)),
+    ] {
+        let mut broken = begin.clone();
+        let place_of_it = broken["begin"]["encounters"][0][0].pointer_mut(place);
+        *place_of_it.unwrap() = value;
+        assert!(open(&broken).is_err(), "{place} of {saved}");
     }
 }
 

@@ -14,15 +14,15 @@ mod terminal;
 mod watch;
 
 use clap::{Parser, ValueEnum};
-use indicatif::{HumanCount, ProgressBar, ProgressStyle};
-use nearmiss::{Body, Conflict, Error, Hitbox, Query, Scene, Screening, Stats, Trajectory};
+use indicatif::HumanCount;
+use nearmiss::{Body, Conflict, Error, Hitbox, Query, Scene, Stats, Trajectory};
 use scenes::{Generated, Shape};
 use std::error::Error as StdError;
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
-use terminal::{Product, StandardOutput, Threads};
+use terminal::{Product, Progress, StandardOutput, Threads};
 
 type Failure = Box<dyn StdError + Send + Sync>;
 
@@ -87,6 +87,8 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut out = StandardOutput::new();
     let pool = arguments.threads.pool()?;
     let begin = Instant::now();
+    let progress = Progress::new();
+    progress.say("making the scene");
     let generated = arguments.scene.generate(arguments.bodies, arguments.seed);
     let margin = arguments.margin.unwrap_or(generated.margin);
     let times = || generated.actors.iter().flat_map(|actor| &actor.states);
@@ -95,14 +97,22 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         .fold(f64::INFINITY, f64::min);
     let end = times().map(|state| state.time).fold(start, f64::max);
     let scene = build(generated)?;
+    let made = begin.elapsed().as_secs_f64();
+    progress.begin(format!(
+        "screening {} bodies",
+        HumanCount(scene.len() as u64)
+    ));
+    let query = Query::default().with_margin(margin)?;
+    let screening =
+        pool.install(|| scene.screen_with_progress(&query, |share| progress.show(share)))?;
+    progress.finish();
     writeln!(
         out,
         "{:?}: {} bodies, made in {:.2} s; encounters within {margin} m",
         arguments.scene,
         HumanCount(scene.len() as u64),
-        begin.elapsed().as_secs_f64(),
+        made,
     )?;
-    let screening = pool.install(|| screen(&scene, margin))?;
     print_funnel(&mut out, &screening.stats)?;
     print_closest(&mut out, &scene, &screening.conflicts)?;
     let name = format!("{:?}", arguments.scene);
@@ -128,21 +138,6 @@ fn build(generated: Generated) -> Result<Scene, Error> {
         scene.insert(body)?;
     }
     Ok(scene)
-}
-
-/// The bar shows time slices done; it hides itself where standard error is no terminal.
-fn screen(scene: &Scene, margin: f64) -> Result<Screening, Error> {
-    /// The share is shown in thousandths.
-    const STEPS: u64 = 1_000;
-    let style = ProgressStyle::with_template("screening {wide_bar} {percent} % {elapsed_precise}");
-    let bar =
-        ProgressBar::new(STEPS).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-    let query = Query::default().with_margin(margin)?;
-    let screening = scene.screen_with_progress(&query, |share| {
-        bar.set_position(rounded(share * 1e3));
-    });
-    bar.finish_and_clear();
-    screening
 }
 
 fn print_funnel(out: &mut impl Write, stats: &Stats) -> io::Result<()> {

@@ -21,13 +21,10 @@ mod terminal;
 mod write;
 
 use clap::{Parser, ValueEnum};
-use indicatif::ProgressBar;
 use nearmiss::{Accuracy, Body, Hitbox, Outside, Query, Scene, Window};
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::Duration;
-use terminal::{Product, Threads};
+use terminal::{Product, Progress, Threads};
 use write::Table;
 
 /// Every conflict among the bodies of a file of states.
@@ -144,18 +141,18 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     };
     let output = arguments.output.as_deref().map(Product::at).transpose()?;
     let pool = arguments.threads.pool()?;
-    let progress = spinner();
-    progress.set_message("reading");
+    let progress = Progress::new();
+    progress.say("reading");
     let scene = build_scene(arguments)?;
     let query = Query::new(arguments.window)
         .with_margin(arguments.margin)
         .map_err(|error| error.to_string())?
         .with_accuracy(accuracy);
-    progress.set_message(format!("screening {} bodies", scene.len()));
+    progress.begin(format!("screening {} bodies", scene.len()));
     let screening = pool
-        .install(|| scene.screen(&query))
+        .install(|| scene.screen_with_progress(&query, |share| progress.show(share)))
         .map_err(|error| error.to_string())?;
-    progress.finish_and_clear();
+    progress.finish();
     let table = Table {
         scene: &scene,
         conflicts: &screening.conflicts,
@@ -189,16 +186,6 @@ fn build_scene(arguments: &Arguments) -> Result<Scene, String> {
         scene.insert(body).map_err(|error| error.to_string())?;
     }
     Ok(scene)
-}
-
-/// Shown only on a terminal, and only if the work takes long enough to be seen.
-fn spinner() -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let spinner = ProgressBar::new_spinner();
-    spinner.enable_steady_tick(Duration::from_millis(120));
-    spinner
 }
 
 fn parse_radius(text: &str) -> Result<Hitbox, String> {

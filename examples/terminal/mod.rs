@@ -7,8 +7,10 @@
 
 mod options;
 mod product;
+mod progress;
 mod speech;
 
 pub(crate) use options::{Threads, bodies, margin, refuse, within};
 pub(crate) use product::Product;
+pub(crate) use progress::Progress;
 pub(crate) use speech::{StandardOutput, complain, exit_code};

@@ -9,6 +9,8 @@ use super::finds::Slots;
 use super::kept::Kept;
 use crate::conflict::ClosestApproach;
 use crate::id::BodyId;
+#[cfg(feature = "serde")]
+use crate::scene::Scene;
 
 /// Changes up to this are not told; measured from what was last told. By default all are, also those of
 /// rounding: where a distance hardly changes, or as the clock passes an instant that was worked out.
@@ -62,6 +64,21 @@ pub(super) struct Saved(Vec<Tracked>);
 
 #[cfg(feature = "serde")]
 impl Saved {
+    /// Whether a monitor of this scene that has told all up to `told` (s) can have had these.
+    pub(super) fn could_be(&self, level: usize, told: f64, scene: &Scene) -> bool {
+        self.0.iter().all(
+            |Tracked {
+                 now, sent, begun, ..
+             }| {
+                let are_there = [now.a, now.b].iter().all(|&id| scene.body(id).is_some());
+                let of = |it: &Encounter| (it.id, it.a, it.b, it.level);
+                let is_one = of(now) == of(sent) && now.level == level;
+                let has_begun = !begun || now.enter <= told;
+                are_there && now.a < now.b && is_one && has_begun && now.enter <= now.exit
+            },
+        )
+    }
+
     pub(super) fn ids(&self) -> impl Iterator<Item = u64> {
         self.0.iter().map(|tracked| tracked.now.id.0)
     }
@@ -193,7 +210,7 @@ impl Encounters {
                 (None, None) => break,
                 (Some(_), None) => Match::OldOnly,
                 (None, Some(_)) => Match::NewOnly,
-                (Some(old), Some(new)) => compare(&old, new),
+                (Some(old), Some(new)) => compare(&old, new, tick),
             };
             let (first, plain) = match matched {
                 Match::OldOnly => (first, None),
@@ -264,7 +281,7 @@ enum Match {
     Both,
 }
 
-fn compare(old: &Tracked, new: &Plain) -> Match {
+fn compare(old: &Tracked, new: &Plain, tick: &Tick) -> Match {
     let (x, y) = ((old.now.a, old.now.b), (new.a, new.b));
     if x != y {
         return if x < y {
@@ -273,14 +290,14 @@ fn compare(old: &Tracked, new: &Plain) -> Match {
             Match::NewOnly
         };
     }
-    let first_of_new = if old.begun {
-        new.start
+    let old_is_over = if old.begun {
+        // Where the last tick stood it was under way: so it is still, or plans have changed.
+        new.start > tick.before
     } else {
-        new.enter.unwrap_or(new.start)
+        // An open end reaches as far as the new one needs.
+        !old.now.open && old.now.exit < new.enter.unwrap_or(new.start)
     };
-    // An open end reaches as far as the new one needs.
-    let old_ends_first = !old.now.open && old.now.exit < first_of_new;
-    if old_ends_first {
+    if old_is_over {
         Match::OldOnly
     } else if new.exit < old.now.enter {
         Match::NewOnly

@@ -19,7 +19,8 @@ impl fmt::Display for EncounterId {
 /// A conflict as the monitor follows it over time, at one alert level. A pair may have several.
 ///
 /// It remembers what has passed: when it began, and how close it came. At each tick the encounters
-/// of a pair are matched with what the plans lead into now, by overlap in time and in order. What
+/// of a pair are matched with what the plans lead into now, by overlap in time and in order; one that has begun
+/// only with what is under way at the clock of the tick before. What
 /// finds no match is withdrawn, or ended if it had begun; what is new has a new id.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

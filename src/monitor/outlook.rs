@@ -216,7 +216,8 @@ impl Outlook {
     ) -> Result<f64, Crowded> {
         let limits = Limits::of(self.most_spans);
         let present = self.start(self.index(to - self.grid.ahead * self.grid.length));
-        if self.bridge.is_needed((from, present), self.grid.length) {
+        let jump = (self.laid_until(from), present);
+        if self.bridge.is_needed(jump, self.grid.length) {
             // They lie behind, or not yet ahead.
             self.spare.extend(self.slices.drain(..));
             let bodies = Bodies::of(scene, &self.flights, (&self.grid.frame, self.margin));
@@ -300,6 +301,14 @@ impl Outlook {
             *stats += std::mem::take(&mut slice.stats);
         }
         Ok(known)
+    }
+
+    /// Up to where slices are there already, from `from` on, s.
+    fn laid_until(&self, from: f64) -> f64 {
+        let (first, last) = (self.slices.front(), self.slices.back());
+        let is_there = first.is_some_and(|first| first.index <= self.index(from));
+        last.filter(|_| is_there)
+            .map_or(from, |last| last.end().max(from))
     }
 
     /// Begins the slices that are missing from the one with `from` to the one after that with

@@ -186,7 +186,7 @@ impl Entry {
 /// The first local time at which the distance can be within the threshold, or up to 2^-[`HALVINGS`]
 /// before it; `time` is one at which it is.
 fn first_within(points: &[Vec3A; 4], time: f32, threshold: f32) -> f32 {
-    if points[0].length_squared() <= level_of(points, threshold) {
+    if points[0].length_squared() <= level_at(threshold) {
         return 0.0;
     }
     let before = split(points, time).0;
@@ -217,7 +217,7 @@ fn crossing(points: &[Vec3A; 4], threshold: f32) -> f32 {
         ((p2 - p1) - (p1 - p0)) * 3.0,
         (p3 - p0) - (p2 - p1) * 3.0,
     );
-    let level = level_of(points, threshold);
+    let level = level_at(threshold);
     let (mut beyond, mut within) = (0.0_f32, 1.0_f32);
     let (mut s, mut is_last) = (0.0, false);
     for _ in 0..MOST_STEPS {
@@ -256,7 +256,7 @@ fn first_by_halves(points: &[Vec3A; 4], threshold: f32, halvings: u32) -> Option
     if coefficients.iter().all(|&coefficient| coefficient > level) {
         return None;
     }
-    if coefficients[0] <= level || halvings == 0 {
+    if coefficients[0] <= level_at(threshold) || halvings == 0 {
         return Some(0.0);
     }
     let (first, second) = split(points, 0.5);
@@ -266,7 +266,13 @@ fn first_by_halves(points: &[Vec3A; 4], threshold: f32, halvings: u32) -> Option
     }
 }
 
-/// What the squared distance is compared with. The rounding of its coefficients is relative to the
+/// What the squared distance at an instant is compared with. The rounding of the position is in the
+/// threshold; that of the squares is relative to them: 3 units, and one of the threshold's.
+fn level_at(threshold: f32) -> f32 {
+    threshold * threshold * (1.0 + 4.0 * f32::EPSILON)
+}
+
+/// What the squared distance's coefficients are compared with. Their rounding is relative to the
 /// part at hand: 8 units, twice.
 fn level_of(points: &[Vec3A; 4], threshold: f32) -> f32 {
     let size = points

@@ -1,5 +1,6 @@
 //! The exact answer for the survivors, and how it is reported.
 
+use super::SHARE_OF_SLICES;
 use super::line_up::{LineUp, clip_of};
 use super::sift::Survivor;
 use crate::accuracy::Accuracy;
@@ -13,6 +14,7 @@ use crate::simd::prefetch;
 use crate::spans::Span;
 use std::iter::once;
 use std::slice::from_ref;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// What one thread reuses from pair to pair.
 #[derive(Default)]
@@ -31,11 +33,17 @@ type OfPair<'s> = &'s [Survivor];
 
 impl LineUp<'_> {
     /// The answer for the survivors (sorted), in the order of reports.
-    pub(super) fn solve(&self, parties: &[Party<'_>], survivors: &[Survivor]) -> Vec<Conflict> {
+    pub(super) fn solve(
+        &self,
+        parties: &[Party<'_>],
+        survivors: &[Survivor],
+        progress: &(impl Fn(f64) + Sync),
+    ) -> Vec<Conflict> {
         let pairs: Vec<OfPair<'_>> = survivors
             .chunk_by(|x, y| (x.a, x.b) == (y.a, y.b))
             .collect();
         let chunks: Vec<&[OfPair<'_>]> = pairs.chunks(CHUNK).collect();
+        let done_chunks = AtomicUsize::new(0);
         let solved = parallel::map(chunks.len(), 1, Scratch::default, |scratch, chunk| {
             let mut conflicts = Vec::new();
             let chunk = chunks[chunk];
@@ -43,6 +51,11 @@ impl LineUp<'_> {
                 Accuracy::Exact => self.exact(parties, chunk, scratch, &mut conflicts),
                 Accuracy::Certified => self.certified(parties, chunk, scratch, &mut conflicts),
                 Accuracy::Fast => self.fast(parties, chunk, scratch, &mut conflicts),
+            }
+            let done = done_chunks.fetch_add(1, Ordering::Relaxed) + 1;
+            if done < chunks.len() {
+                let share = ratio(done, chunks.len());
+                progress(SHARE_OF_SLICES + (1.0 - SHARE_OF_SLICES) * share);
             }
             conflicts
         });
@@ -156,6 +169,11 @@ impl LineUp<'_> {
             survivors,
         })
     }
+}
+
+#[allow(clippy::cast_precision_loss, reason = "shown, not computed with")]
+fn ratio(done: usize, all: usize) -> f64 {
+    done as f64 / all as f64
 }
 
 /// Fetches what solving reads of pairs that come after one: it lies anywhere in memory.

@@ -1,5 +1,6 @@
 //! From slices to survivors: boxes, candidates, and cheap tests of their spans.
 
+use super::SHARE_OF_SLICES;
 use super::arrange::Arranger;
 use super::line_up::LineUp;
 use super::scratch::Scratch;
@@ -48,9 +49,7 @@ impl LineUp<'_> {
                 let range = blocks.range(first + block);
                 let found = self.block(&method, bodies, slices, range, filter, scratch);
                 let done = done_blocks.fetch_add(1, Ordering::Relaxed) + 1;
-                if done < blocks.count {
-                    progress(f64::from(done) / f64::from(blocks.count));
-                }
+                progress(SHARE_OF_SLICES * f64::from(done) / f64::from(blocks.count));
                 found
             });
             for result in results {

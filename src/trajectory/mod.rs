@@ -74,7 +74,8 @@ impl Trajectory {
     }
 
     /// What the body does after its last knot. Not the same as [before](Self::outside_before) its first
-    /// one where a plan was [spliced](Self::spliced).
+    /// one where a plan was [spliced](Self::spliced). One that was spliced in after its own last knot goes on as
+    /// it did, along its last cubic maybe; that is called `Coast` then.
     #[must_use]
     pub const fn outside_after(&self) -> Outside {
         self.after

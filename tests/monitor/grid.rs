@@ -75,6 +75,31 @@ fn a_long_lookahead_is_cut_into_as_many_slices_as_suit_it() {
     assert!(found < 20 * screened.spans, "{found} {}", screened.spans);
 }
 
+/// A clock that goes on by many slices, but by little of the lookahead, has little that is new.
+#[test]
+fn a_step_over_what_is_known_keeps_it() {
+    let mut rng = rng(18);
+    let mut scene = Scene::new();
+    for _ in 0..300 {
+        let states = wander(&mut rng, 0.0, 1_200, 10.0, 400.0, 4.0);
+        let plan = Trajectory::from_states(&states).unwrap();
+        scene.insert(Body::new(plan)).unwrap();
+    }
+    let mut monitor = Monitor::new(scene, 0.0, 3_000.0, &[LEVEL]).unwrap();
+    tick(&mut monitor, 0.0);
+    let all = monitor.stats().boxes;
+    for step in 1..=10 {
+        tick(&mut monitor, 300.0 * f64::from(step));
+        let new = monitor.stats().boxes;
+        assert!(5 * new < all, "{new} {all}");
+    }
+    is_as_screened(&monitor, LEVEL);
+    // One over all of it looks at what it passes and at all that lies ahead.
+    tick(&mut monitor, 7_000.0);
+    assert!(2 * monitor.stats().boxes > all);
+    is_as_screened(&monitor, LEVEL);
+}
+
 /// Slices that suit bodies at rest, or an empty scene, do not suit what becomes of them; nor do those
 /// of fast bodies when they have come to rest.
 #[test]

@@ -180,12 +180,12 @@ fn follow(
             (Some(_), None) => (true, false),
             (None, Some(_)) => (false, true),
             (Some(x), Some(y)) => {
-                let start = if x.has_begun {
-                    y.start
+                let is_over = if x.has_begun {
+                    y.start > tick.before
                 } else {
-                    y.enter.unwrap_or(y.start)
+                    !x.open && x.exit < y.enter.unwrap_or(y.start)
                 };
-                if !x.open && x.exit < start {
+                if is_over {
                     (true, false)
                 } else {
                     (y.exit >= x.enter, true)

@@ -148,6 +148,27 @@ fn plans_that_change() {
     assert!((encounter.closest.separation - 1.25_f64.sqrt()).abs() < 1e-12);
 }
 
+/// What has begun is over once plans have changed and the bodies are apart, however soon they meet again.
+#[test]
+fn bodies_that_part_by_a_change_and_meet_again_have_two_encounters() {
+    let still = |place: f64| line(0.0, 100.0, DVec3::X * place, DVec3::ZERO);
+    let (mut monitor, _, b) = two(still(0.0), still(1.0), &[AlertLevel::at(2.0)]);
+    assert_eq!(kinds(&tick(&mut monitor, 1.0)), ["began 0"]);
+    let away_and_back = [(0.0, 1000.0), (8.0, 1000.0), (12.0, 0.0), (100.0, 0.0)];
+    let states = away_and_back.map(|(t, x)| State::new(t, DVec3::X * x, DVec3::ZERO));
+    let back = Trajectory::from_states(&states).unwrap();
+    monitor.set_trajectory(b, back).unwrap();
+    let events = tick(&mut monitor, 2.0);
+    assert_eq!(kinds(&events), ["ended 0 PlanChanged", "predicted 0"]);
+    assert_eq!(events[0].time, 1.0);
+    let ids = events
+        .iter()
+        .map(|event| event.kind.encounter().unwrap().id);
+    assert_ne!(ids.clone().next(), ids.clone().next_back());
+    assert_eq!(kinds(&tick(&mut monitor, 11.0)), ["revised 0"]);
+    assert_eq!(kinds(&tick(&mut monitor, 13.0)), ["began 0"]);
+}
+
 #[test]
 fn inside_from_the_start_removed_and_closed() {
     let rest = |x: f64| line(0.0, 100.0, DVec3::new(x, 0.0, 0.0), DVec3::ZERO);

@@ -23,14 +23,19 @@ use worker::{Outcome, Worker};
 /// How a live monitor runs. What its queues and its budget mean is in the contract at [`Live`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LiveOptions {
-    /// Orders that may wait, at least 1; 4,096 by default. As many again may have left the queue and
-    /// not be applied yet.
+    /// Orders that may wait, 1 to [`MOST`](Self::MOST); 4,096 by default. There is room for all of them from
+    /// the beginning; as many again may have left the queue and not be applied yet.
     pub orders: usize,
-    /// Reports that may wait to be read, at least 1; 4,096 by default. Those of the step at hand wait
-    /// beside them.
+    /// Reports that may wait to be read, 1 to [`MOST`](Self::MOST); 4,096 by default. There is room for all of
+    /// them from the beginning; those of the step at hand wait beside them.
     pub reports: usize,
     /// How long the monitor works at a stretch before it looks for orders again; 10 ms by default.
     pub budget: Duration,
+}
+
+impl LiveOptions {
+    /// What a queue may hold at most: some hundred megabytes.
+    pub const MOST: usize = 1 << 20;
 }
 
 impl Default for LiveOptions {
@@ -182,11 +187,13 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// If the system gives no thread, or the options leave no room for an order or a report.
+    /// If the system gives no thread, or a queue is to hold nothing, or more than [`LiveOptions::MOST`].
     pub fn spawn(mut self, options: LiveOptions) -> io::Result<Live> {
-        if options.orders == 0 || options.reports == 0 {
-            let what = "at least one order and one report must be able to wait";
-            return Err(io::Error::new(io::ErrorKind::InvalidInput, what));
+        for (what, room) in [("orders", options.orders), ("reports", options.reports)] {
+            if !(1..=LiveOptions::MOST).contains(&room) {
+                let problem = format!("{room} {what} cannot wait: 1 to {} can", LiveOptions::MOST);
+                return Err(io::Error::new(io::ErrorKind::InvalidInput, problem));
+            }
         }
         let (orders_in, orders) = bounded(options.orders);
         let (reports_in, reports) = bounded(options.reports);

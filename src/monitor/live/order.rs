@@ -4,6 +4,7 @@ use super::handle::Ticket;
 use crate::id::BodyId;
 use crate::monitor::Command;
 use crate::trajectory::Trajectory;
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, VecDeque};
 
 /// What is sent to a live monitor.
@@ -76,8 +77,9 @@ pub(super) struct Waiting {
     orders: VecDeque<Option<(Ticket, Order)>>,
     /// How many have been taken from the front: the number of the first in `orders`.
     taken: usize,
-    /// Numbers of the plans of each body since the last clock order, batch or question, in order.
-    plans: BTreeMap<BodyId, Vec<usize>>,
+    /// Numbers of the plans of each body that wait and are not superseded, since the last clock order,
+    /// batch or question, in order.
+    plans: BTreeMap<BodyId, VecDeque<usize>>,
 }
 
 impl Waiting {
@@ -86,32 +88,30 @@ impl Waiting {
         self.orders.len()
     }
 
+    /// How many plans it remembers.
+    #[cfg(test)]
+    pub(super) fn plans(&self) -> usize {
+        self.plans.values().map(VecDeque::len).sum()
+    }
+
     /// Adds an order; returns how many were superseded by it.
     pub(super) fn push(&mut self, ticket: Ticket, order: Order) -> u64 {
         let mut superseded = 0;
         match (&order, plan_of(&order)) {
             (_, Some(body)) => {
                 let plans = self.plans.entry(body).or_default();
-                let (orders, taken) = (&mut self.orders, self.taken);
                 // The last first: one that stays may rest on those before it.
-                while let Some(&number) = plans.last() {
-                    let waiting = number
-                        .checked_sub(taken)
-                        .and_then(|index| orders.get_mut(index));
-                    let is_taken = waiting.is_none();
-                    let gone = waiting.filter(|waiting| {
-                        let earlier = waiting.as_ref();
-                        earlier.is_some_and(|(_, earlier)| replaces(&order, earlier))
-                    });
-                    if let Some(gone) = gone {
-                        *gone = None;
-                        superseded += 1;
-                    } else if !is_taken {
+                while let Some(&number) = plans.back() {
+                    let earlier = &mut self.orders[number - self.taken];
+                    let is_replaced = |(_, earlier): &(_, Order)| replaces(&order, earlier);
+                    if !earlier.as_ref().is_some_and(is_replaced) {
                         break;
                     }
-                    plans.pop();
+                    *earlier = None;
+                    superseded += 1;
+                    plans.pop_back();
                 }
-                plans.push(self.taken + self.orders.len());
+                plans.push_back(self.taken + self.orders.len());
             }
             (Order::Clock(time), _) => {
                 if let Some(Some((_, Order::Clock(before)))) = self.orders.back()
@@ -133,12 +133,26 @@ impl Waiting {
     /// The next order.
     pub(super) fn pop(&mut self) -> Option<(Ticket, Order)> {
         while let Some(next) = self.orders.pop_front() {
+            let number = self.taken;
             self.taken += 1;
-            if next.is_some() {
+            if let Some((_, order)) = &next {
+                self.forget(number, order);
                 return next;
             }
         }
-        self.plans.clear();
         None
+    }
+
+    /// An order no longer waits.
+    fn forget(&mut self, number: usize, order: &Order) {
+        let Some(body) = plan_of(order) else { return };
+        if let Entry::Occupied(mut plans) = self.plans.entry(body) {
+            if plans.get().front() == Some(&number) {
+                plans.get_mut().pop_front();
+            }
+            if plans.get().is_empty() {
+                plans.remove();
+            }
+        }
     }
 }

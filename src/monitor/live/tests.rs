@@ -160,6 +160,44 @@ fn waiting_orders_coalesce_as_the_contract_says() {
     assert_eq!(push(&mut waiting, set(b)), 3);
 }
 
+/// Nothing is remembered of orders that were taken, however long others wait.
+#[test]
+fn orders_that_were_taken_leave_nothing() {
+    let mut waiting = Waiting::default();
+    for number in 0..1_000 {
+        let id = BodyId {
+            slot: number % 90,
+            generation: number,
+        };
+        let order = Command::SetTrajectory(id, rest(0.0)).into();
+        waiting.push(Ticket(number.into()), order);
+        if number >= 10 {
+            assert!(waiting.pop().is_some());
+        }
+        assert!(waiting.plans() <= waiting.len());
+    }
+}
+
+#[test]
+fn queues_hold_something_and_not_everything() {
+    let few = LiveOptions::default();
+    for options in [
+        LiveOptions { orders: 0, ..few },
+        LiveOptions { reports: 0, ..few },
+        LiveOptions {
+            orders: usize::MAX,
+            ..few
+        },
+        LiveOptions {
+            reports: LiveOptions::MOST + 1,
+            ..few
+        },
+    ] {
+        let error = monitor().0.spawn(options).unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::InvalidInput);
+    }
+}
+
 /// What cannot be caught up with is told, and again after each order.
 #[test]
 fn a_monitor_that_is_stuck_says_so() {

@@ -141,7 +141,7 @@ impl Worker {
                 recv(self.stop) -> _ => return Err(Stop),
             }
         }
-        while self.waiting.len() < self.options.orders.max(1) {
+        while self.waiting.len() < self.options.orders {
             match self.orders.try_recv() {
                 Ok((ticket, order)) => self.take(ticket, order),
                 Err(_) => break,

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, LARGEST_MAGNITUDE};
 use crate::monitor::encounters::{Encounters, Saved};
-use crate::monitor::{AlertLevel, Event, LeastChange, Monitor, check_setting};
+use crate::monitor::{AlertLevel, Event, EventKind, LeastChange, Monitor, check_setting};
 use crate::rounding::one_zero;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -96,7 +96,17 @@ impl Begin {
         if lengths != [self.levels.len(), monitor.scene.slots()] {
             return Err(Flaw::Contradiction("its lists do not fit its scene"));
         }
-        let mut ids: Vec<_> = self.encounters.iter().flat_map(Saved::ids).collect();
+        let could_be =
+            |(level, saved): (usize, &Saved)| saved.could_be(level, self.told, monitor.scene());
+        if !self.encounters.iter().enumerate().all(could_be) {
+            return Err(Flaw::Contradiction("its encounters cannot be"));
+        }
+        let ended = self.waiting.iter().map(|event| match event.kind {
+            EventKind::Ended(it, _) | EventKind::Withdrawn(it) => Ok(it.id.0),
+            _ => Err(Flaw::Contradiction("what waits to be told is no end")),
+        });
+        let mut ids = ended.collect::<Result<Vec<_>, _>>()?;
+        ids.extend(self.encounters.iter().flat_map(Saved::ids));
         ids.sort_unstable();
         let are_new = ids.last().is_none_or(|last| *last < self.next_id);
         if !are_new || ids.windows(2).any(|ids| ids[0] == ids[1]) || self.next_id > MOST_ENCOUNTERS

@@ -26,7 +26,7 @@ impl Monitor {
     /// # Errors
     ///
     /// If the beginning cannot be written. What fails later is told by
-    /// [`stop_recording`](Self::stop_recording), and does not disturb the monitor.
+    /// [`stop_recording`](Self::stop_recording), and does not disturb the monitor; nor does a writer that panics.
     pub fn start_recording(&mut self, target: impl Write + Send + 'static) -> io::Result<()> {
         self.tape = None;
         self.end_of_removed();

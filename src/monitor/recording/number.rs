@@ -1,9 +1,9 @@
-//! Numbers that may be infinite, which JSON has no word for.
+//! Numbers that may be infinite, which JSON has no word for. (Formats that are not text have.)
 
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serializer};
 
-/// What is read: a number, or the name of one.
+/// What is read where numbers are text: one, or the name of one.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum Number {
@@ -19,7 +19,7 @@ pub(in crate::monitor) fn serialize<S: Serializer>(
     value: &f64,
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
-    if value.is_finite() {
+    if value.is_finite() || !serializer.is_human_readable() {
         serializer.serialize_f64(*value)
     } else {
         serializer.serialize_str(&value.to_string())
@@ -29,6 +29,9 @@ pub(in crate::monitor) fn serialize<S: Serializer>(
 pub(in crate::monitor) fn deserialize<'d, D: Deserializer<'d>>(
     deserializer: D,
 ) -> Result<f64, D::Error> {
+    if !deserializer.is_human_readable() {
+        return f64::deserialize(deserializer);
+    }
     match Number::deserialize(deserializer)? {
         Number::Finite(value) => Ok(value),
         Number::Named(name) => name.parse().map_err(D::Error::custom),

@@ -66,9 +66,20 @@ pub struct Replay<R> {
     /// Where the next line begins.
     offset: u64,
     records: u64,
-    /// The end was read.
-    has_ended: bool,
+    state: State,
     monitor: Monitor,
+}
+
+/// How far a replay is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    Open,
+    /// The monitor was closed: only the end may follow.
+    Closed,
+    /// The end was read.
+    Ended,
+    /// Something was wrong.
+    Failed,
 }
 
 impl<R: BufRead> Replay<R> {
@@ -100,7 +111,7 @@ impl<R: BufRead> Replay<R> {
             source,
             offset: offset + length,
             records: 1,
-            has_ended: false,
+            state: State::Open,
             monitor,
         })
     }
@@ -120,17 +131,37 @@ impl<R: BufRead> Replay<R> {
     ///
     /// # Errors
     ///
-    /// [`RecordingError`], with the place. Everything before it has been replayed.
+    /// [`RecordingError`], with the place. Everything before it has been replayed; what comes after it
+    /// cannot be.
     pub fn tick(&mut self, events: &mut Vec<Event>) -> Result<Option<f64>, RecordingError> {
-        while !self.has_ended {
+        let done = self.go_on(events);
+        if done.is_err() {
+            self.state = State::Failed;
+        }
+        done
+    }
+
+    fn go_on(&mut self, events: &mut Vec<Event>) -> Result<Option<f64>, RecordingError> {
+        loop {
             let offset = self.offset;
+            match self.state {
+                State::Open | State::Closed => {}
+                State::Ended => return Ok(None),
+                State::Failed => return Err(damaged(offset, "it could not be read up to here")),
+            }
             let (record, length) = read(&mut self.source, offset)?;
             if let Record::End { records } = record {
                 if records != self.records {
                     return Err(damaged(offset, "records are missing"));
                 }
-                self.has_ended = true;
-                break;
+                if !self.source.fill_buf()?.is_empty() {
+                    return Err(damaged(offset + length, "something follows its end"));
+                }
+                self.state = State::Ended;
+                continue;
+            }
+            if self.state == State::Closed {
+                return Err(damaged(offset, "it goes on after the monitor was closed"));
             }
             self.offset += length;
             self.records += 1;
@@ -139,7 +170,6 @@ impl<R: BufRead> Replay<R> {
                 return Ok(Some(now));
             }
         }
-        Ok(None)
     }
 
     /// Does again what a record says; returns the time of a tick.
@@ -168,7 +198,10 @@ impl<R: BufRead> Replay<R> {
                 return Ok(Some(now));
             }
             Record::Anew => monitor.look_anew().map_err(refused)?,
-            Record::Close => monitor.end_all(events),
+            Record::Close => {
+                monitor.end_all(events);
+                self.state = State::Closed;
+            }
         }
         Ok(None)
     }

@@ -3,6 +3,7 @@
 use super::record::{Record, TITLE};
 use std::fmt;
 use std::io::{self, BufWriter, Write};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Mutex, PoisonError};
 
 /// Where a monitor's recording goes.
@@ -30,12 +31,12 @@ impl Tape {
         if self.failure.is_some() {
             return;
         }
-        match record
-            .line()
-            .and_then(|line| self.target().write_all(line.as_bytes()))
-        {
-            Ok(()) => self.records += 1,
-            Err(error) => self.failure = Some(error),
+        // What is recorded has taken effect: somebody else's writer must not keep it from being told.
+        let write = || self.target().write_all(record.line()?.as_bytes());
+        match catch_unwind(AssertUnwindSafe(write)) {
+            Ok(Ok(())) => self.records += 1,
+            Ok(Err(error)) => self.failure = Some(error),
+            Err(_) => self.failure = Some(io::Error::other("the writer panicked")),
         }
     }
 
