@@ -102,8 +102,8 @@ pub struct Certificate {
     /// Whether the pair is certainly within the margin at some instant, and all the time between
     /// `enter.latest` and `exit.earliest`: one conflict. (Within the enclosures of enter and exit it may cross
     /// the margin more than once.) If not, either the pair comes so near the margin that f64 cannot
-    /// tell whether it is reached, or so near it in between that f64 cannot tell whether these are
-    /// several conflicts.
+    /// tell whether it is reached, or so near it in between, or for so short a time beyond it, that f64
+    /// cannot tell whether these are several conflicts.
     pub resolved: bool,
     /// When it begins.
     pub enter: TimeEnclosure,

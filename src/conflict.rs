@@ -19,7 +19,7 @@ pub struct ClosestApproach {
     pub position_b: DVec3,
     /// Velocity of a minus that of b, m/s.
     pub relative_velocity: DVec3,
-    /// Which sphere of a's hitbox is closest (0 for a single sphere).
+    /// Which sphere of a's hitbox is closest (0 for a single sphere); where several are, any one of them.
     pub sphere_a: u32,
     /// Which sphere of b's hitbox is closest (0 for a single sphere).
     pub sphere_b: u32,

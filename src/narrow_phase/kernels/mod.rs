@@ -134,8 +134,8 @@ pub fn closest_approach<R: Real>(
 ///
 /// `errors[i]` bounds, in metres and at every instant, the distance between the true relative
 /// position of pair `i` and the one its control points give. Then the true least distance lies in
-/// the enclosure, whatever rounds. Its width is a little more than twice the error plus 18 units
-/// of rounding of the polygon's size. An error that is negative or not finite bounds nothing: nor
+/// the enclosure, whatever rounds. Its width is a little more than twice the error plus 20 times
+/// `EPSILON` of the polygon's size (of polygons below 1e-285 m it is no less than that size). An error that is negative or not finite bounds nothing: nor
 /// does the enclosure then.
 ///
 /// ```
