@@ -127,8 +127,9 @@ impl LineUp<'_> {
         traffic: &Traffic,
         poses: impl FnOnce(&[usize]) -> Vec<Pose<'p, Stroke>>,
     ) -> Slices {
-        /// Fewer bodies are not worth a trial.
+        /// Fewer bodies are not worth a trial, unless they would have more boxes than these.
         const FEW: usize = 64;
+        const FEW_BOXES: f64 = 4096.0;
         /// Each may change the length fourfold.
         const MOST_TRIALS: usize = 6;
         let window = (
@@ -143,8 +144,9 @@ impl LineUp<'_> {
         let sample = sample(self.ids.len(), present, slices.count());
         // Where everybody is near everybody all the time slices save nothing.
         let spans = traffic.spans(window);
-        let most_near = 0.5 * present * present * f64::from(slices.count());
-        if sample.len() < FEW && most_near <= spans {
+        let boxes = present * f64::from(slices.count());
+        let most_near = 0.5 * present * boxes;
+        if sample.len() < FEW && boxes <= FEW_BOXES && most_near <= spans {
             return slices;
         }
         let sampled = poses(&sample);
