@@ -81,21 +81,22 @@ fn a_step_over_what_is_known_keeps_it() {
     let mut rng = rng(18);
     let mut scene = Scene::new();
     for _ in 0..300 {
-        let states = wander(&mut rng, 0.0, 1_200, 10.0, 400.0, 4.0);
+        let states = wander(&mut rng, 0.0, 500, 0.5, 400.0, 300.0);
         let plan = Trajectory::from_states(&states).unwrap();
         scene.insert(Body::new(plan)).unwrap();
     }
-    let mut monitor = Monitor::new(scene, 0.0, 3_000.0, &[LEVEL]).unwrap();
+    let mut monitor = Monitor::new(scene, 0.0, 60.0, &[LEVEL]).unwrap();
     tick(&mut monitor, 0.0);
-    let all = monitor.stats().boxes;
-    for step in 1..=10 {
-        tick(&mut monitor, 300.0 * f64::from(step));
+    let (all, slices) = (monitor.stats().boxes, monitor.stats().slices);
+    assert!(slices > 85, "{slices}");
+    for step in 1..=5 {
+        tick(&mut monitor, 12.0 * f64::from(step));
         let new = monitor.stats().boxes;
-        assert!(5 * new < all, "{new} {all}");
+        assert!(3 * new < all, "{new} {all}");
     }
     is_as_screened(&monitor, LEVEL);
     // One over all of it looks at what it passes and at all that lies ahead.
-    tick(&mut monitor, 7_000.0);
+    tick(&mut monitor, 140.0);
     assert!(2 * monitor.stats().boxes > all);
     is_as_screened(&monitor, LEVEL);
 }
