@@ -7,8 +7,9 @@
 //! and in fewer ticks, where many plans change: see [`due_ahead`].) Where the clock has jumped far, what
 //! it passed over is [bridged](Bridge).
 
-use super::bodies::{Bodies, Moved, form};
-use super::boxes::Search;
+mod ask;
+
+use super::bodies::{Bodies, Moved};
 use super::bridge::Bridge;
 use super::budget::Meter;
 use super::finds::{Crowded, Finds, Key, Slots, put_in_order};
@@ -16,15 +17,14 @@ use super::flights::{Flight, Flights};
 use super::grid::Grid;
 use super::recent::Recent;
 use super::slice::{Limits, Slice};
-use crate::bounds::{Frame, Pose};
+use crate::bounds::Frame;
 use crate::broad_phase::PairFilter;
-use crate::broad_phase::fill::Block;
 use crate::error::Error;
-use crate::narrow_phase::{Contact, Party, contacts, may_touch};
+use crate::narrow_phase::{Contact, Party};
 use crate::parallel;
 use crate::rounding::{seen_from, seen_until};
 use crate::scene::Scene;
-use crate::spans::{Span, common_domain, spans};
+use crate::spans::Span;
 use crate::stats::Stats;
 use std::collections::VecDeque;
 use std::time::Instant;
@@ -360,65 +360,6 @@ impl Outlook {
         found: &mut Vec<Contact>,
     ) {
         self.finds.contacts(pair, margin, clip, found);
-    }
-
-    /// Contacts of one plan that is not in place with all others, within `from..=to`.
-    pub(super) fn contacts_with<F: PairFilter>(
-        &self,
-        scene: &Scene,
-        (slot, flight, own): (u32, &Flight, &Party<'_>),
-        margin: f64,
-        (from, to): (f64, f64),
-        filter: &F,
-        mut visit: impl FnMut(u32, (f64, f64), &Party<'_>, &Contact),
-    ) {
-        let mut near = Vec::new();
-        let (mut block, mut search) = (Block::default(), Search::default());
-        if self.recent.len() > 0 {
-            let window = (seen_from(from), seen_until(to));
-            let bodies = Bodies::of(scene, &self.flights, (&self.grid.frame, self.margin));
-            let knots = (own.knots, own.segments);
-            let pose = Pose::plain(knots, &flight.inflation, &self.grid.frame);
-            form(&[pose], &[window.0, window.1], &mut block);
-            for own in &block.slices[0].boxes {
-                let changed = &self.recent;
-                changed.meeting(&bodies, window, &own.aabb, &mut near);
-            }
-        }
-        for slice in &self.slices {
-            if slice.covers_some_of((from, to)) {
-                let memory = (&mut block, &mut search);
-                slice.near((flight, own), &self.grid.frame, memory, &mut near);
-            }
-        }
-        near.sort_unstable();
-        near.dedup();
-        let mut found = Vec::new();
-        for other in near {
-            let admitted = other != slot && filter.admits(slot.min(other), slot.max(other));
-            let Some(party) = self.party(scene, other).filter(|_| admitted) else {
-                continue;
-            };
-            // The smaller slot is a: the same order, and so the same bits, as everywhere.
-            let (a, b) = if slot < other {
-                (own, &party)
-            } else {
-                (&party, own)
-            };
-            let domain = common_domain(&a.knots, &b.knots);
-            let clip = domain.map(|(start, end)| (start.max(from), end.min(to)));
-            let Some(clip) = clip.filter(|clip| clip.0 <= clip.1) else {
-                continue;
-            };
-            let seen = (seen_from(clip.0), seen_until(clip.1));
-            let near = spans(&a.knots, &b.knots, clip.0, clip.1)
-                .filter(|&span| may_touch(a, b, span, margin, seen));
-            found.clear();
-            contacts(a, b, near, margin, clip, &mut found);
-            for contact in &found {
-                visit(other, clip, &party, contact);
-            }
-        }
     }
 
     fn drop_before(&mut self, from: f64) {

@@ -1,18 +1,18 @@
 //! One slice of the lookahead: the boxes of all bodies in it, and what has not been compared yet.
 
+mod ask;
 mod changes;
 mod sift;
 
-use super::bodies::{Bodies, Moved, form};
+use super::bodies::{Bodies, Moved};
 use super::boxes::{Boxes, Search};
 use super::finds::{Crowded, Key};
-use super::flights::Flight;
-use crate::bounds::{Course, Frame, Pose};
+use crate::bounds::Course;
 use crate::broad_phase::fill::Block;
 use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter, Room, Sweep};
-use crate::narrow_phase::Party;
 use crate::spans::Span;
 use crate::stats::Stats;
+pub(super) use ask::{Answer, Neighbour};
 use sift::Near;
 use std::time::Instant;
 
@@ -417,26 +417,5 @@ impl Slice {
         self.listed.clear();
         let (all, listed) = (0..self.boxes.leaves(), &mut self.listed);
         self.boxes.each(all, |body| listed.push(body));
-    }
-
-    /// Bodies that a body's box over the slice may meet.
-    pub(super) fn near(
-        &self,
-        (flight, party): (&Flight, &Party<'_>),
-        frame: &Frame,
-        (block, search): (&mut Block, &mut Search),
-        near: &mut Vec<u32>,
-    ) {
-        let pose = Pose::plain((party.knots, party.segments), &flight.inflation, frame);
-        form(&[pose], &self.ends(), block);
-        let boxes = &block.slices[0].boxes;
-        self.boxes
-            .meeting(boxes, search, |_, other| near.push(other));
-        near.extend_from_slice(&self.changed);
-    }
-
-    /// Whether the slice has all boxes, and a time in common with an interval.
-    pub(super) fn covers_some_of(&self, (from, to): (f64, f64)) -> bool {
-        self.is_placed() && self.interval.0 <= to && self.interval.1 >= from
     }
 }

@@ -1,0 +1,99 @@
+//! Contacts of a plan that is not in place.
+
+use super::super::bodies::{Bodies, form};
+use super::super::flights::Flight;
+use super::super::slice::{Answer, Neighbour};
+use super::Outlook;
+use crate::bounds::Pose;
+use crate::broad_phase::PairFilter;
+use crate::narrow_phase::{Contact, Party, contacts, may_touch};
+use crate::rounding::{seen_from, seen_until};
+use crate::scene::Scene;
+use crate::spans::{common_domain, spans};
+
+impl Outlook {
+    /// Contacts of one plan that is not in place with all others, within `from..=to`.
+    ///
+    /// Of another body, only those spans are looked at in which slices say that it may be near: in a
+    /// long lookahead with fast traffic, a body crosses the boxes of hundreds, each for a moment.
+    pub(in crate::monitor) fn contacts_with<F: PairFilter>(
+        &self,
+        scene: &Scene,
+        (slot, flight, own): (u32, &Flight, &Party<'_>),
+        margin: f64,
+        (from, to): (f64, f64),
+        filter: &F,
+        mut visit: impl FnMut(u32, (f64, f64), &Party<'_>, &Contact),
+    ) {
+        let mut neighbours = self.neighbours(scene, (flight, own), (from, to));
+        neighbours.sort_unstable_by_key(|neighbour| neighbour.slot);
+        let (mut near, mut found) = (Vec::new(), Vec::new());
+        for times in neighbours.chunk_by(|one, next| one.slot == next.slot) {
+            let other = times[0].slot;
+            let admitted = other != slot && filter.admits(slot.min(other), slot.max(other));
+            let Some(party) = self.party(scene, other).filter(|_| admitted) else {
+                continue;
+            };
+            // The smaller slot is a: the same order, and so the same bits, as everywhere.
+            let (a, b) = if slot < other {
+                (own, &party)
+            } else {
+                (&party, own)
+            };
+            let domain = common_domain(&a.knots, &b.knots);
+            let clip = domain.map(|(start, end)| (start.max(from), end.min(to)));
+            let Some(clip) = clip.filter(|clip| clip.0 <= clip.1) else {
+                continue;
+            };
+            let seen = (seen_from(clip.0), seen_until(clip.1));
+            near.clear();
+            for time in times {
+                let part = (time.from.max(seen.0), time.to.min(seen.1));
+                if part.0 <= part.1 {
+                    let touching = spans(&a.knots, &b.knots, part.0, part.1)
+                        .filter(|&span| may_touch(a, b, span, margin, part));
+                    near.extend(touching);
+                }
+            }
+            // A span is solved as a whole, and once, in however many slices it is.
+            near.sort_unstable_by(|one, other| one.start.total_cmp(&other.start));
+            near.dedup();
+            found.clear();
+            contacts(a, b, near.iter().copied(), margin, clip, &mut found);
+            for contact in &found {
+                visit(other, clip, &party, contact);
+            }
+        }
+    }
+
+    /// Who may be near a plan, and when, within `from..=to` (s); itself maybe, and in any order.
+    fn neighbours(
+        &self,
+        scene: &Scene,
+        (flight, own): (&Flight, &Party<'_>),
+        (from, to): (f64, f64),
+    ) -> Vec<Neighbour> {
+        let window = (seen_from(from), seen_until(to));
+        let knots = (own.knots, own.segments);
+        let pose = Pose::plain(knots, &flight.inflation, &self.grid.frame);
+        let mut answer = Answer::default();
+        if self.recent.len() > 0 {
+            // What slices know of these is out of date, wherever it is.
+            let mut met = Vec::new();
+            let bodies = Bodies::of(scene, &self.flights, (&self.grid.frame, self.margin));
+            form(&[pose], &[window.0, window.1], &mut answer.block);
+            for own in &answer.block.slices[0].boxes {
+                self.recent.meeting(&bodies, window, &own.aabb, &mut met);
+            }
+            let (from, to) = window;
+            let always = |slot| Neighbour { slot, from, to };
+            answer.neighbours.extend(met.into_iter().map(always));
+        }
+        for slice in &self.slices {
+            if slice.covers_some_of(window) {
+                slice.neighbours(&pose, &mut answer);
+            }
+        }
+        answer.neighbours
+    }
+}
