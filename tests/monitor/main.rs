@@ -10,6 +10,7 @@
 mod budgets;
 mod crowded;
 mod grid;
+mod questions;
 mod reference;
 mod scenarios;
 #[path = "../support/mod.rs"]

@@ -1,0 +1,159 @@
+//! What would be if: answers against screenings of the scene with the plan in place.
+
+use super::hitbox;
+use super::support::{bits, rng, vector};
+use nearmiss::{
+    AlertLevel, Body, BodyId, Budget, Layers, Monitor, Outside, Query, Scene, State, Trajectory,
+    Window,
+};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+/// A cube (m) and speeds (m/s) with which a body crosses the boxes of most others in every second.
+const CUBE: f64 = 400.0;
+const SPEED: f64 = 300.0;
+const LOOKAHEAD: f64 = 60.0;
+const LEVELS: [AlertLevel; 2] = [AlertLevel::at(4.0), AlertLevel::at(1.0)];
+
+/// A plan from about `start` on, to and fro in the cube: for some seconds, or longer than the
+/// lookahead.
+fn plan(rng: &mut ChaCha8Rng, start: f64) -> Trajectory {
+    let mut time = start - rng.random_range(0.0..3.0);
+    let knots = [4, 20, 80, 80][rng.random_range(0..4)];
+    let mut states = Vec::new();
+    for _ in 0..knots {
+        states.push(State::new(
+            time,
+            vector(rng, CUBE / 2.0),
+            vector(rng, SPEED),
+        ));
+        time += rng.random_range(0.5..1.5);
+    }
+    let outside = if rng.random_bool(0.1) {
+        Outside::Coast
+    } else {
+        Outside::Absent
+    };
+    let trajectory = Trajectory::from_states(&states).unwrap();
+    trajectory.with_outside(outside)
+}
+
+/// A plan that passes by where others are, every other second or so.
+fn passing(rng: &mut ChaCha8Rng, monitor: &Monitor, ids: &[BodyId]) -> Trajectory {
+    let mut time = monitor.now() - 1.0;
+    let mut states = Vec::new();
+    while time < monitor.now() + LOOKAHEAD {
+        let id = ids[rng.random_range(0..ids.len())];
+        let other = &monitor.scene().body(id).unwrap().trajectory;
+        let near = other.position(time).unwrap_or_default() + vector(rng, 3.0);
+        states.push(State::new(time, near, vector(rng, SPEED)));
+        time += rng.random_range(1.0..4.0);
+    }
+    Trajectory::from_states(&states).unwrap()
+}
+
+fn body(rng: &mut ChaCha8Rng, start: f64) -> Body {
+    let layers = if rng.random_bool(0.1) {
+        Layers::new(0b10, 0b11)
+    } else {
+        Layers::ALL
+    };
+    Body::new(plan(rng, start))
+        .with_hitbox(hitbox(rng))
+        .with_layers(layers)
+}
+
+/// A change of plans now, or of who is there.
+fn change(rng: &mut ChaCha8Rng, monitor: &mut Monitor, ids: &mut [BodyId]) {
+    let now = monitor.now();
+    let (place, other) = (rng.random_range(1..ids.len()), ids[0]);
+    let id = ids[place];
+    match rng.random_range(0..5) {
+        0 => {
+            monitor.remove(id).unwrap();
+            let start = now + rng.random_range(0.0..20.0);
+            ids[place] = monitor.insert(body(rng, start)).unwrap();
+        }
+        1 => monitor.ignore_pair(id, other).unwrap(),
+        2 => {
+            let new = plan(rng, now);
+            let from = now + rng.random_range(0.0..2.0);
+            // Refused where there is no plan then.
+            let _ = monitor.replan(id, from, new);
+        }
+        _ => {
+            let new = plan(rng, now);
+            monitor.set_trajectory(id, new).unwrap();
+        }
+    }
+}
+
+/// Asks about an idea for a body: as many conflicts as a screening finds, and the same.
+fn ask(monitor: &Monitor, id: BodyId, idea: &Trajectory, level: usize) -> usize {
+    let would = monitor.what_if(id, idea, level).unwrap();
+    let window = (monitor.now(), monitor.certified_until());
+    let mut screened = Vec::new();
+    if window.0 < window.1 {
+        let mut scene = monitor.scene().clone();
+        scene.set_trajectory(id, idea.clone()).unwrap();
+        let window = Window::new(window.0, window.1).unwrap();
+        let query = Query::new(window)
+            .with_margin(LEVELS[level].margin)
+            .unwrap();
+        screened = scene.screen(&query).unwrap().conflicts;
+        screened.retain(|one| one.a == id || one.b == id);
+    }
+    assert_eq!(bits(&would), bits(&screened), "{window:?} {level}");
+    would.len()
+}
+
+/// In many slices of time, each crossed with hardly anybody near: in a fresh lookahead, in one that is
+/// known in part, and after changes, few and many.
+#[test]
+fn what_if_is_as_screened_where_many_slices_are_crossed() {
+    let (mut found, mut in_part) = (0, 0);
+    for seed in 71..73 {
+        let mut rng = rng(seed);
+        let mut scene = Scene::new();
+        let mut ids: Vec<BodyId> = (0..120)
+            .map(|_| scene.insert(body(&mut rng, 0.0)).unwrap())
+            .collect();
+        let mut monitor = Monitor::new(scene, 0.0, LOOKAHEAD, &LEVELS).unwrap();
+        let (mut now, mut events) = (0.0, Vec::new());
+        for step in 0..30 {
+            let budget = match step % 4 {
+                3 => Budget::Work(rng.random_range(0..6_000)),
+                _ => Budget::Unlimited,
+            };
+            monitor.advance_within(now, budget, &mut events).unwrap();
+            if step == 0 {
+                let slices = monitor.stats().slices;
+                assert!(slices > 60, "{slices}");
+            }
+            in_part += u32::from(!monitor.is_caught_up() && monitor.certified_until() > now);
+            for question in 0..8 {
+                let id = ids[rng.random_range(0..ids.len())];
+                let own = &monitor.scene().body(id).unwrap().trajectory;
+                let mut idea = match question % 3 {
+                    0 => plan(&mut rng, now),
+                    _ => passing(&mut rng, &monitor, &ids),
+                };
+                if question % 2 == 0 {
+                    idea = own.spliced(now, &idea).unwrap_or(idea);
+                }
+                // (It may be over already, or the body not there.)
+                if own.domain().contains(now) && idea.domain().contains(now) {
+                    found += ask(&monitor, id, &idea, question % LEVELS.len());
+                }
+                for _ in 0..[0, 0, 1, 0, 30][question % 5] {
+                    change(&mut rng, &mut monitor, &mut ids);
+                }
+            }
+            now += match step % 10 {
+                9 => rng.random_range(5.0..60.0),
+                _ => rng.random_range(0.0..0.4),
+            };
+        }
+    }
+    assert!(found > 1_000 && in_part > 5, "{found} {in_part}");
+}
