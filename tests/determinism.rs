@@ -1,4 +1,5 @@
-//! The same bits for any number of threads, every broad-phase method and instruction set.
+//! The same bits for any number of threads, every broad-phase method, instruction set and
+//! slicing.
 
 #![cfg(feature = "parallel")]
 #![allow(
@@ -10,37 +11,38 @@ mod support;
 
 use nearmiss::broad_phase::Level;
 use nearmiss::{Accuracy, Method, Query, Window};
-use support::{bits, scene_of, swarm};
+use support::{hash, on_threads, scene_of, sliced, swarm};
 
 #[test]
-fn threads_methods_and_instructions() {
+fn threads_methods_instructions_and_slices() {
     for accuracy in [Accuracy::Fast, Accuracy::Exact, Accuracy::Certified] {
-        one_answer_at(accuracy);
+        // One begins and ends before most of the conflicts do: its first and last slices matter.
+        for window in [Window::ALL, Window::new(6.0, 12.0).unwrap()] {
+            let query = Query::new(window).with_accuracy(accuracy);
+            one_answer_to(&query.with_margin(1.0).unwrap());
+        }
     }
 }
 
-fn one_answer_at(accuracy: Accuracy) {
+fn one_answer_to(query: &Query) {
     let scene = scene_of(&swarm(11, 150, 60.0));
-    let query = Query::new(Window::ALL)
-        .with_margin(1.0)
-        .unwrap()
-        .with_accuracy(accuracy);
-    let mut answers = Vec::new();
-    for method in Method::EVERY {
-        for threads in 1..=4 {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-            let pool = pool.build().unwrap();
-            for level in Level::available() {
-                let query = query.with_method(method).with_level(level);
-                let answer = pool.install(|| scene.screen(&query)).unwrap();
-                assert!(!answer.conflicts.is_empty());
-                answers.push((method, threads, level, bits(&answer.conflicts)));
+    let mut reference = None;
+    for threads in 1..=4 {
+        on_threads(threads, || {
+            for method in Method::EVERY {
+                for level in Level::available() {
+                    for slices in [0, 1, 7, 100] {
+                        let by = query.with_method(method).with_level(level);
+                        let answer = scene.screen(&sliced(by, slices)).unwrap();
+                        assert!(!answer.conflicts.is_empty());
+                        let found = hash(&answer.conflicts);
+                        let expected = *reference.get_or_insert(found);
+                        let by = (method, threads, level, slices);
+                        assert_eq!(found, expected, "{by:?}, {query:?}");
+                    }
+                }
             }
-        }
-    }
-    for (method, threads, level, answer) in &answers {
-        let by = (method, threads, level);
-        assert_eq!(answer, &answers[0].3, "{by:?}");
+        });
     }
 }
 

@@ -8,12 +8,17 @@
     reason = "a file that cannot be read fails the test"
 )]
 
+mod support;
+
 use flate2::read::MultiGzDecoder;
 use glam::DVec3;
-use nearmiss::{Accuracy, Body, Conflict, Query, Scene, State, Window, trajectories_from_rows};
+use nearmiss::{
+    Accuracy, Body, Conflict, Method, Query, Scene, State, Window, trajectories_from_rows,
+};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::PathBuf;
+use support::{hash, on_threads, sliced};
 
 /// What goes less than this under the threshold may be reported or not, m.
 const SHALLOW: f64 = 1e-6;
@@ -73,13 +78,39 @@ fn compare(name: &str, intervals: &str, threshold: f64, time_tolerance: f64) {
     eprintln!("{name} at {threshold} m: {matched} intervals agree");
     assert!(matched > 0);
     check_certificates(name, &scene, &query, &conflicts);
+    check_ways(name, &scene, &query, &conflicts);
+}
+
+/// Other methods, slicings and numbers of threads than the defaults', which gave this answer.
+fn check_ways(name: &str, scene: &Scene, query: &Query, answer: &[Conflict]) {
+    /// What takes seconds each time is asked once, above.
+    const MOST: usize = 5_000;
+    const WAYS: [(Method, u32, usize); 7] = [
+        (Method::Sweep, 0, 1),
+        (Method::Sweep, 7, 2),
+        (Method::Sweep, 1_000, 3),
+        (Method::Sweep, 100, 4),
+        (Method::Tree, 0, 3),
+        (Method::Tree, 100, 2),
+        (Method::BruteForce, 0, 4),
+    ];
+    if scene.len() > MOST {
+        return;
+    }
+    for way in WAYS {
+        let (method, slices, threads) = way;
+        let query = sliced(query.with_method(method), slices);
+        let found = on_threads(threads, || scene.screen(&query)).unwrap();
+        assert_eq!(hash(&found.conflicts), hash(answer), "{name}: {way:?}");
+    }
 }
 
 /// Certified answers are the same conflicts, none of them open, narrowly enclosed.
 fn check_certificates(name: &str, scene: &Scene, query: &Query, exact: &[Conflict]) {
-    let certified = query.with_accuracy(Accuracy::Certified);
-    let certified = scene.screen(&certified).unwrap().conflicts;
+    let query = query.with_accuracy(Accuracy::Certified);
+    let certified = scene.screen(&query).unwrap().conflicts;
     assert_eq!(certified.len(), exact.len(), "{name}");
+    check_ways(name, scene, &query, &certified);
     let mut widths = Vec::new();
     for (plain, conflict) in exact.iter().zip(&certified) {
         let proof = conflict.certificate.unwrap();

@@ -1,7 +1,7 @@
 //! Seeded families of questions that are hard in one way each.
 
 use glam::DVec3;
-use nearmiss::{Body, Outside, Scene, State, Trajectory, Window};
+use nearmiss::{Accuracy, Body, Outside, Query, Scene, State, Trajectory, Window};
 use rand::{Rng, RngExt};
 
 /// What is hard about a question.
@@ -76,6 +76,11 @@ fn path(rng: &mut impl Rng, start: f64, duration: f64, centre: DVec3, size: f64)
 
 impl Case {
     pub(crate) fn draw(rng: &mut impl Rng, family: Family) -> Self {
+        Self::draw_around(rng, family, DVec3::ZERO)
+    }
+
+    /// The same somewhere else (m), and as hard there: the margin is chosen after the move.
+    pub(crate) fn draw_around(rng: &mut impl Rng, family: Family, place: DVec3) -> Self {
         let (mut duration, mut start, mut centre) = (1.0, 0.0, DVec3::ZERO);
         let mut sizes = [1.0, 1.0];
         match family {
@@ -86,6 +91,9 @@ impl Case {
         }
         let mut states = sizes.map(|size| path(rng, start, duration, centre, size));
         shape(rng, family, &mut states);
+        for state in states.iter_mut().flatten() {
+            state.position += place;
+        }
         let mut case = Self {
             states,
             margin: 0.0,
@@ -106,12 +114,25 @@ impl Case {
 
     pub(crate) fn scene(&self) -> Scene {
         let mut scene = Scene::new();
+        self.join(&mut scene);
+        scene
+    }
+
+    /// Puts both bodies into a scene.
+    pub(crate) fn join(&self, scene: &mut Scene) {
         for states in &self.states {
             let plan = Trajectory::from_states(states).unwrap();
             let plan = plan.with_outside(self.outside);
             scene.insert(Body::new(plan)).unwrap();
         }
-        scene
+    }
+
+    /// Margin and window, asked for certificates.
+    pub(crate) fn query(&self) -> Query {
+        Query::new(self.window())
+            .with_margin(self.margin)
+            .unwrap()
+            .with_accuracy(Accuracy::Certified)
     }
 
     pub(crate) fn window(&self) -> Window {

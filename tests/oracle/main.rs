@@ -14,11 +14,13 @@ mod cases;
 mod check;
 #[path = "../oracle_support/mod.rs"]
 mod oracle_support;
+#[path = "../support/mod.rs"]
+mod support;
+mod together;
 
 use cases::{Case, FAMILIES};
 use check::{Truth, Wrong};
 use indicatif::{ProgressBar, ProgressStyle};
-use nearmiss::{Accuracy, Query};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::fmt;
@@ -48,10 +50,7 @@ fn campaign(seed: u64, questions: u32, every: u32, tallies: &mut [Tally]) {
         for number in 0..questions {
             let case = Case::draw(&mut rng, family);
             let scene = case.scene();
-            let query = Query::new(case.window())
-                .with_margin(case.margin)
-                .unwrap()
-                .with_accuracy(Accuracy::Certified);
+            let query = case.query();
             let start = Instant::now();
             let conflicts = scene.screen(&query).unwrap().conflicts;
             tally.time += start.elapsed();

@@ -10,6 +10,8 @@ use glam::DVec3;
 use nearmiss::{Body, Conflict, Hitbox, Query, Scene, State, Trajectory, Window};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::num::NonZeroU32;
 
 pub(crate) fn rng(seed: u64) -> ChaCha8Rng {
     ChaCha8Rng::seed_from_u64(seed)
@@ -119,4 +121,26 @@ pub(crate) fn bits(conflicts: &[Conflict]) -> Vec<Vec<u64>> {
             bits
         })
         .collect()
+}
+
+/// Those bits in one number: for many answers of many conflicts.
+pub(crate) fn hash(conflicts: &[Conflict]) -> u64 {
+    hash_of(&bits(conflicts))
+}
+
+pub(crate) fn hash_of(value: &impl Hash) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    value.hash(&mut hasher);
+    hasher.finish()
+}
+
+/// The query with the window cut into so many slices; 0 leaves the choice to it.
+pub(crate) fn sliced(query: Query, slices: u32) -> Query {
+    NonZeroU32::new(slices).map_or(query, |slices| query.with_slices(slices))
+}
+
+/// What work comes to on so many threads. (Without the feature `parallel` it has one of them.)
+pub(crate) fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    pool.build().unwrap().install(work)
 }
