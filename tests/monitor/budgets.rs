@@ -1,12 +1,14 @@
 //! A monitor that always has too little time tells, in the end, what one with all the time tells.
 
-use super::support::{rng, vector};
+use super::is_as_screened;
+use super::support::{rng, vector, wander};
 use nearmiss::{
     AlertLevel, Body, BodyId, Budget, Event, EventKind, Hitbox, Monitor, Outside, Scene, State,
     Trajectory,
 };
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+use std::time::Duration;
 
 /// A scene's size, and how its bodies fly.
 struct World {
@@ -162,4 +164,82 @@ fn a_budget_delays_what_is_told_and_changes_none_of_it() {
         assert_eq!(lived(&late), expected, "{seed}");
     }
     assert!(begun > 1000, "{begun}");
+}
+
+const LEVEL: AlertLevel = AlertLevel {
+    margin: 2.0,
+    release: 2.5,
+};
+
+/// Advances to `now` as often as it takes to know all; returns how often that was. What is known up to
+/// then is never taken back, and all that a screening finds there.
+fn catch_up(monitor: &mut Monitor, now: f64, time: Duration, told: &mut Vec<Event>) -> u32 {
+    let mut calls: u32 = 0;
+    loop {
+        let known = monitor.certified_until();
+        monitor
+            .advance_within(now, Budget::Time(time), told)
+            .unwrap();
+        assert!(monitor.certified_until() >= known, "{known} was known");
+        calls += 1;
+        // Screenings take longer than the ticks.
+        if monitor.certified_until() > now && calls.is_multiple_of(16) {
+            is_as_screened(monitor, LEVEL);
+        }
+        if monitor.is_caught_up() {
+            is_as_screened(monitor, LEVEL);
+            return calls;
+        }
+        // A call looks at a thousand boxes or candidates at least; there are some 100,000 of them.
+        assert!(calls < 2_000, "it does not come to an end");
+    }
+}
+
+/// However long any of it takes: of that, nothing is asserted.
+#[test]
+fn a_little_time_again_and_again_is_enough() {
+    for micros in [0, 100, 3_000] {
+        let time = Duration::from_micros(micros);
+        let mut rng = rng(8);
+        let mut scene = Scene::new();
+        let mut ids = Vec::new();
+        let mut any_plan = |start: f64| {
+            let states = wander(&mut rng, start, 12, 1.0, 250.0, 5.0);
+            Trajectory::from_states(&states).unwrap()
+        };
+        for _ in 0..5_000 {
+            ids.push(scene.insert(Body::new(any_plan(-1.0))).unwrap());
+        }
+        let monitor_of = |scene| Monitor::new(scene, 0.0, 2.0, &[LEVEL]).unwrap();
+        let (mut rich, mut poor) = (monitor_of(scene.clone()), monitor_of(scene));
+        let (mut events, mut late) = (Vec::new(), Vec::new());
+        rich.advance(0.0, &mut events).unwrap();
+        let calls = catch_up(&mut poor, 0.0, time, &mut late);
+        println!("{micros} us: caught up after {calls} calls");
+        // The clock runs on, and nobody waits for it.
+        for step in 1..20 {
+            let now = 0.1 * f64::from(step);
+            rich.advance(now, &mut events).unwrap();
+            let known = poor.certified_until();
+            poor.advance_within(now, Budget::Time(time), &mut late)
+                .unwrap();
+            assert!(poor.certified_until() >= known, "{known} was known");
+        }
+        catch_up(&mut poor, rich.now(), time, &mut late);
+        assert_eq!(lived(&late), lived(&events));
+        // New plans are to be looked at all over again.
+        for &id in ids.iter().step_by(3) {
+            let plan = any_plan(1.5);
+            for monitor in [&mut rich, &mut poor] {
+                monitor.set_trajectory(id, plan.clone()).unwrap();
+            }
+        }
+        rich.advance(2.0, &mut events).unwrap();
+        poor.advance_within(2.0, Budget::Time(time), &mut late)
+            .unwrap();
+        catch_up(&mut poor, 2.0, time, &mut late);
+        let conflicts = [rich.conflicts(0), poor.conflicts(0)].map(super::support::hash);
+        assert_eq!(conflicts[0], conflicts[1]);
+        assert!(poor.conflicts(0).len() > 100);
+    }
 }

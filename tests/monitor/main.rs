@@ -15,6 +15,7 @@ mod reference;
 mod scenarios;
 #[path = "../support/mod.rs"]
 mod support;
+mod threads;
 
 use nearmiss::{
     AlertLevel, Body, BodyId, Budget, Command, EncounterId, EndReason, Error, Event, EventKind,

@@ -1,0 +1,66 @@
+//! Any number of threads: the same conflicts and events, while few and many plans change.
+
+use super::support::{bits, hash_of, on_threads, rng, wander};
+use super::{LEVELS, is_as_screened};
+use nearmiss::{Body, BodyId, Command, Hitbox, Monitor, Outside, Scene, Trajectory};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+/// So many that threads share the slices, the changed bodies and the reading of what was found.
+const BODIES: usize = 2_000;
+
+/// Eight seconds or so from half a second before the clock on.
+fn plan(rng: &mut ChaCha8Rng, now: f64) -> Trajectory {
+    let states = wander(rng, now - 0.5, 8, 1.2, 120.0, 4.0);
+    let outside = [Outside::Absent, Outside::Coast][rng.random_range(0..2)];
+    let plan = Trajectory::from_states(&states).unwrap();
+    plan.with_outside(outside)
+}
+
+/// All that is told on the way, and how much of it there was.
+fn flown(threads: usize) -> (Vec<u64>, usize, usize) {
+    let mut rng = rng(43);
+    let mut scene = Scene::new();
+    let ids: Vec<BodyId> = (0..BODIES)
+        .map(|_| {
+            let hitbox = Hitbox::sphere(rng.random_range(0.0..0.5)).unwrap();
+            let body = Body::new(plan(&mut rng, 0.0)).with_hitbox(hitbox);
+            scene.insert(body).unwrap()
+        })
+        .collect();
+    on_threads(threads, || {
+        let mut monitor = Monitor::new(scene, 0.0, 2.0, &LEVELS).unwrap();
+        let (mut told, mut conflicts, mut events) = (Vec::new(), 0, 0);
+        for tick in 0..24 {
+            let now = monitor.now();
+            let count = [0, 3, 40, 600, BODIES][tick % 5];
+            let first = rng.random_range(0..BODIES);
+            let changed = ids.iter().cycle().skip(first).take(count);
+            let commands = changed.map(|&id| Command::Replan(id, now, plan(&mut rng, now)));
+            let commands: Vec<Command> = commands.collect();
+            monitor.apply(commands).unwrap();
+            let mut news = Vec::new();
+            monitor.advance(now + 0.1, &mut news).unwrap();
+            // The shortest text that gives the same number back: all bits.
+            let mut hashes = vec![hash_of(&format!("{news:?}"))];
+            for level in 0..LEVELS.len() {
+                hashes.push(hash_of(&bits(monitor.conflicts(level))));
+            }
+            told.push(hash_of(&hashes));
+            conflicts += monitor.conflicts(0).len();
+            events += news.len();
+        }
+        is_as_screened(&monitor, LEVELS[0]);
+        (told, conflicts, events)
+    })
+}
+
+#[test]
+fn threads_make_no_difference() {
+    let one = flown(1);
+    println!("{} conflicts and {} events", one.1, one.2);
+    assert!(one.1 > 20_000 && one.2 > 10_000);
+    for threads in [2, 4] {
+        assert!(flown(threads) == one, "{threads} threads");
+    }
+}
