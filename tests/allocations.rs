@@ -1,4 +1,4 @@
-//! In steady state a tick allocates nothing: counted by the allocator itself.
+//! In steady state a tick allocates nothing, and a screening little: counted by the allocator itself.
 
 #![allow(
     unsafe_code,
@@ -11,7 +11,7 @@
 
 mod support;
 
-use nearmiss::{AlertLevel, Command, Monitor, Outside, Scene, State, Trajectory};
+use nearmiss::{AlertLevel, Command, Method, Monitor, Outside, Query, Scene, State, Trajectory};
 use rand::RngExt;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -20,13 +20,15 @@ struct Counting;
 
 thread_local! {
     static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
+    static BYTES: Cell<usize> = const { Cell::new(0) };
 }
 
-// SAFETY: every call goes to `System` with the arguments it came with; counting touches a
-// thread-local `Cell` that needs no allocation and no destructor.
+// SAFETY: every call goes to `System` with the arguments it came with; counting touches
+// thread-local `Cell`s that need no allocation and no destructor.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.with(|count| count.set(count.get() + 1));
+        BYTES.with(|bytes| bytes.set(bytes.get() + layout.size()));
         // SAFETY: the caller's promises are passed on.
         unsafe { System.alloc(layout) }
     }
@@ -142,6 +144,32 @@ fn a_tick_with_new_plans_allocates_nothing() {
 #[test]
 fn a_tick_with_all_plans_new_allocates_nothing() {
     assert_eq!(allocations_of_ticks(BODIES, Outside::Absent), 0);
+}
+
+/// What a screening works in is left to the next one of the same scene; a clone begins without it.
+#[test]
+fn a_second_screening_works_in_the_memory_of_the_first() {
+    let scene = support::scene_of(&support::swarm(3, 300, 60.0));
+    support::on_threads(1, || {
+        for method in Method::EVERY {
+            let query = Query::default().with_margin(1.0).unwrap();
+            let query = query.with_method(method);
+            let of_screening = |scene: &Scene| {
+                let before = (allocations(), BYTES.get());
+                assert!(!scene.screen(&query).unwrap().conflicts.is_empty());
+                (allocations() - before.0, BYTES.get() - before.1)
+            };
+            of_screening(&scene);
+            let again = [(); 3].map(|()| of_screening(&scene));
+            let fresh = of_screening(&scene.clone());
+            println!("{method:?}: {again:?}, without what was left {fresh:?}");
+            assert_eq!(again, [again[0]; 3], "{method:?}");
+            let [count, bytes] = [fresh.0 - again[0].0, (fresh.1 - again[0].1) as u64];
+            // Its lists are some 65; the boxes of a block of slices alone take 64 bytes a body in each.
+            assert!(count > 50, "{method:?}: {count} fewer");
+            assert!(bytes > 4 * 64 * 300, "{method:?}: {bytes} bytes fewer");
+        }
+    });
 }
 
 #[test]

@@ -156,6 +156,47 @@ mod tests {
         assert!(near > 2_000 && apart > 2_000, "{near} {apart}");
     }
 
+    /// Two that come as near as their slacks, and no nearer, from a hundred times as far or farther: in
+    /// f32 it looks as if they passed, about as often as not.
+    #[test]
+    fn grazing_passes_far_out_are_not_ruled_out() {
+        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        let mut passes = 0;
+        for round in 0..40_000 {
+            let out = 10f32.powi(2 + round % 5);
+            let mut any = |half: f32| [0; 3].map(|_| rng.random_range(-half..half));
+            let (start, change, aside) = (any(out), any(out), any(1.0));
+            let back = any(out);
+            let one = |start, change| Course {
+                start,
+                change,
+                slack: 0.0,
+                first: 0,
+            };
+            // Half way the other is a step aside.
+            let other =
+                [0, 1, 2].map(|lane| start[lane] + 0.5 * (change[lane] - back[lane]) + aside[lane]);
+            let (mut a, mut b) = (one(start, change), one(other, back));
+            // As `approaching` has it, in f64: its rounding is far below that of f32.
+            let lane = |from: [f32; 3], to: [f32; 3], lane: usize| {
+                f64::from(from[lane]) - f64::from(to[lane])
+            };
+            let apart = glam::DVec3::from_array([0, 1, 2].map(|k| lane(a.start, b.start, k)));
+            let change = glam::DVec3::from_array([0, 1, 2].map(|k| lane(a.change, b.change, k)));
+            let share = -apart.dot(change) / change.length_squared();
+            if !(0.0..=1.0).contains(&share) {
+                continue;
+            }
+            #[allow(clippy::cast_possible_truncation, reason = "rounded up after that")]
+            let half = (0.5 * distance(&a, &b, share)) as f32;
+            (a.slack, b.slack) = (half.next_up(), half.next_up());
+            assert!(!lines_apart(&a, &b), "{a:?} {b:?}");
+            assert!(approaching(&a, &b, SLICE).is_some(), "{a:?} {b:?}");
+            passes += 1;
+        }
+        assert!(passes > 10_000, "{passes}");
+    }
+
     #[test]
     fn what_is_not_known_rules_nothing_out() {
         let mut rng = ChaCha8Rng::seed_from_u64(2);
