@@ -61,13 +61,31 @@ impl Arranger {
     }
 }
 
-/// Sorts what is nearly sorted.
+/// Sorts what was dealt out by pair, and is nearly in its place.
+///
+/// Spans that are appended later than others may come in two long runs: where one of a pair has far to
+/// go, the pair is sorted by comparison instead. So no survivor moves farther than `FAR`, and no pair is
+/// sorted twice: at most n log n steps.
 fn insert(survivors: &mut [Survivor]) {
-    for next in 1..survivors.len() {
+    /// Places. Moving as far takes as long as sorting some few dozen.
+    const FAR: usize = 32;
+    let mut next = 1;
+    while next < survivors.len() {
+        let (one, least) = (survivors[next], next.saturating_sub(FAR));
         let mut place = next;
-        while place > 0 && survivors[place] < survivors[place - 1] {
-            survivors.swap(place, place - 1);
+        while place > least && one < survivors[place - 1] {
+            survivors[place] = survivors[place - 1];
             place -= 1;
+        }
+        survivors[place] = one;
+        next += 1;
+        if place > 0 && one < survivors[place - 1] {
+            let is_other = |other: &Survivor| (other.a, other.b) != (one.a, one.b);
+            // Those before it are sorted by pair, and it is of the last one.
+            let from = survivors[..place].partition_point(is_other);
+            let rest = survivors[next..].iter().position(is_other);
+            next = rest.map_or(survivors.len(), |rest| next + rest);
+            survivors[from..next].sort_unstable();
         }
     }
 }
@@ -99,5 +117,21 @@ mod tests {
             assert_eq!(survivors, expected);
         }
         assert!(lost > 1_000, "{lost}");
+    }
+
+    /// Two runs of a pair's spans, each in order, between those of other pairs: one by one, each of the
+    /// second run would be moved past half of the first, 10^10 steps.
+    #[test]
+    fn two_runs_of_a_pair_take_no_longer_than_sorting() {
+        const LENGTH: u32 = 200_000;
+        let span = |pair: (u32, u32), number: u32| Survivor::new(pair, (number, number));
+        let even = (0..LENGTH).map(|k| span((1, 2), 2 * k));
+        let odd = (0..LENGTH).map(|k| span((1, 2), 2 * k + 1));
+        let others = [((0, 1), 7), ((0, 2), 5), ((1, 3), 3), ((2, 3), 1)];
+        let others = others.map(|(pair, number)| span(pair, number));
+        let mut survivors: Vec<Survivor> = even.chain(others).chain(odd).collect();
+        Arranger::default().tidy(&mut survivors, 4);
+        assert_eq!(survivors.len(), 2 * LENGTH as usize + others.len());
+        assert!(survivors.is_sorted());
     }
 }
