@@ -18,6 +18,7 @@ mod apart;
 mod bundle;
 mod course;
 mod piece;
+mod points;
 mod pose;
 mod sketch;
 mod trace;
@@ -33,7 +34,6 @@ pub(crate) use trace::{Period, Trace};
 use crate::hitbox::Sphere;
 
 use crate::rounding::{norm, normalising_power};
-use crate::trajectory::Segment;
 use glam::{DVec3, Vec4};
 
 /// Where f32 coordinates are measured from, and in which unit.
@@ -88,11 +88,11 @@ impl Extremes {
         self.low * 0.5 + self.high * 0.5
     }
 
-    /// Rough extremes of a whole segment, for choosing a frame: no rounding is accounted for.
-    pub(crate) fn of_segment(segment: &Segment, reach: f64) -> Self {
+    /// Of all that is within `reach` of a place (m), for choosing a frame: no rounding is accounted for.
+    fn about(place: DVec3, reach: f64) -> Self {
         Self {
-            low: segment.origin() - reach,
-            high: segment.origin() + reach,
+            low: place - reach,
+            high: place + reach,
         }
     }
 }

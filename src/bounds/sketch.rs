@@ -1,7 +1,8 @@
 //! Trajectories in f32: of a motion, the part that a screening reads most.
 
 use super::bundle::{Bundle, bundle_up, count_of_bundles};
-use super::{Extremes, FAR, Frame, ROUNDING, nearest};
+use super::points::Points;
+use super::{Extremes, FAR, Frame, nearest};
 use crate::knots::Knots;
 use crate::rounding::normalising_power;
 use crate::trajectory::Segment;
@@ -20,27 +21,15 @@ pub(crate) struct Stroke([Vec4; 4]);
 impl Stroke {
     /// None where `f32` does not serve its coordinates.
     #[inline(always)]
-    pub(super) fn of(segment: &Segment, (from, to): (f64, f64), frame: &Frame) -> Option<Self> {
-        let is_whole =
-            segment.start().to_bits() == from.to_bits() && segment.end().to_bits() == to.to_bits();
-        let (points, spread) = if is_whole {
-            (
-                segment.control(),
-                segment.extent() + segment.error() / f64::from(ROUNDING),
-            )
-        } else {
-            // The first point is not the segment's origin.
-            let error = segment.own_error(from, to) / f64::from(ROUNDING);
-            let spread = 2.0 * segment.reach(from, to) + error;
-            (segment.restrict(from, to).points, spread)
-        };
-        let (offset, near) = (segment.origin() - frame.origin, spread * frame.power);
+    pub(super) fn of(segment: &Segment, ends: (f64, f64), frame: &Frame) -> Option<Self> {
+        let part = Points::of(segment, ends);
+        let (offset, near) = (segment.origin() - frame.origin, part.spread() * frame.power);
         let lanes = |point: DVec3, last: f64| {
             let DVec3 { x, y, z } = (offset + point) * frame.power;
             Vec4::new(nearest(x), nearest(y), nearest(z), nearest(last))
         };
-        let is_served = offset.abs().max_element() * frame.power + near < FAR;
-        let [p0, p1, p2, p3] = points;
+        let [p0, p1, p2, p3] = part.points;
+        let is_served = (offset + p0).abs().max_element() * frame.power + near < FAR;
         is_served.then(|| {
             Self([
                 lanes(p0, near),
@@ -113,11 +102,11 @@ impl Sketch {
     ) -> (Self, Extremes) {
         let (mut extremes, mut spread) = (Extremes::NOTHING, 0.0_f64);
         for (segment, ends) in segments.iter().zip(knots.windows(2)) {
-            let reach = segment.reach(ends[0], ends[1]);
-            let error = segment.own_error(ends[0], ends[1]) / f64::from(ROUNDING);
-            extremes.include(Extremes::of_segment(segment, reach));
+            let part = Points::of(segment, (ends[0], ends[1]));
+            let first = segment.origin() + part.points[0];
+            extremes.include(Extremes::about(first, part.extent));
             // It may be lost in the extremes: below their resolution.
-            spread = spread.max(2.0 * reach + error);
+            spread = spread.max(part.spread());
         }
         let mut sketch = Self {
             frame: Frame::around(extremes, 0.0),

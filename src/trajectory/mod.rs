@@ -15,6 +15,7 @@ pub use build::TimeBase;
 pub use outside::Outside;
 pub(crate) use outside::{Pieces, Scope};
 pub use rows::trajectories_from_rows;
+pub(crate) use segment::Restriction;
 pub use segment::Segment;
 pub use state::State;
 

@@ -346,8 +346,8 @@ impl Segment {
     }
 
     /// A bound on how far the part between `from` and `to` is from the origin, m: the size that
-    /// its rounding is relative to.
-    pub(crate) fn reach(&self, from: f64, to: f64) -> f64 {
+    /// its rounding is relative to. Beyond the knots it is far more than the body's own distance.
+    fn reach(&self, from: f64, to: f64) -> f64 {
         if self.covers(from, to) {
             return self.extent;
         }
@@ -367,7 +367,7 @@ impl Segment {
     }
 
     /// A bound on what the control points' own error amounts to between `from` and `to`, m.
-    pub(crate) fn own_error(&self, from: f64, to: f64) -> f64 {
+    fn own_error(&self, from: f64, to: f64) -> f64 {
         if self.covers(from, to) {
             return self.error();
         }

@@ -1,0 +1,274 @@
+//! What boxes are formed from: a part of a segment, with all that f64 makes of it.
+
+use super::ROUNDING;
+use crate::rounding::{CLEARANCE, largest_norm};
+use crate::trajectory::{Restriction, Segment};
+use glam::DVec3;
+
+/// What a stroke is drawn from: Bézier points relative to the segment's origin, m.
+pub(super) struct Points {
+    pub(super) points: [DVec3; 4],
+    /// No point is farther from the first one, m.
+    pub(super) extent: f64,
+    /// What is known of them, and the solver's own rounding: a quarter of what a box has to be larger
+    /// for it, m.
+    error: f64,
+}
+
+impl Points {
+    /// Of a segment from an instant to another one (s), also beyond its knots.
+    ///
+    /// Four times the error hold all that f64 makes of the body:
+    ///
+    /// - The points are off by `e`, their own error. So is what the solver makes of a part of them (`e`
+    ///   grows with the distance from the knots), and it reports what is within its tolerance of the
+    ///   threshold, 2 `e` from the motion in all; 2.25 `e` if certified (numerics, Section 6: the search
+    ///   ends within a quarter of it). That is 3.25 `e`, with the box's own points.
+    /// - The rest of its tolerance is roundings of the points' distance from the origin, and of that
+    ///   between the origins of both segments: less than `CLEARANCE`. An origin is no farther from the
+    ///   frame's than the farthest point is from both of them, and boxes count more than that of the
+    ///   first. So 2 `CLEARANCE` of the farthest point's distance from the origin.
+    ///
+    /// [`Segment::reach`], which `e` follows, does not tell where the body is: an extrapolated cubic that
+    /// hardly bends is nearer by the square of the lengths that it has gone.
+    #[inline(always)]
+    pub(super) fn of(segment: &Segment, (from, to): (f64, f64)) -> Self {
+        let is_whole =
+            segment.start().to_bits() == from.to_bits() && segment.end().to_bits() == to.to_bits();
+        if is_whole {
+            // The first point is the origin, and what the others are rounded by is below the f32
+            // roundings that a box has to spare for the extent.
+            return Self {
+                points: segment.control(),
+                extent: segment.extent(),
+                error: segment.error(),
+            };
+        }
+        let Restriction { points, error } = segment.restrict(from, to);
+        let [p0, p1, p2, p3] = points;
+        // A few roundings of the lengths are below those of f32.
+        Self {
+            points,
+            extent: largest_norm(&[p1 - p0, p2 - p0, p3 - p0]),
+            error: error + 0.5 * CLEARANCE * largest_norm(&points),
+        }
+    }
+
+    /// What f32 rounding of the points is relative to, m, besides their size. A box takes at least four
+    /// roundings of that ([`Piece::NEAR`](super::Piece::NEAR)): so four times the error.
+    pub(super) fn spread(&self) -> f64 {
+        self.extent + self.error / f64::from(ROUNDING)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Extremes, Frame, Inflation, Pose, Sketch, Stroke};
+    use crate::broad_phase::fill::{Block, Fill, Slice};
+    use crate::hitbox::Hitbox;
+    use crate::simd::Level;
+    use crate::trajectory::{Outside, Pieces, State, Trajectory};
+    use crate::window::Window;
+    use dashu::rational::RBig;
+    use glam::DVec3;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// Two states, and what happens before and after them.
+    struct Flight {
+        states: [State; 2],
+        outside: Outside,
+    }
+
+    impl Flight {
+        /// Of some size and duration somewhere; it bends by a share of its velocity, often by nothing
+        /// but rounding.
+        fn any(rng: &mut ChaCha8Rng) -> Self {
+            let mut power = |from: f64, to: f64| 10f64.powf(rng.random_range(from..to));
+            let (size, duration, bend) = (power(-3.0, 3.0), power(-3.0, 3.0), power(-18.0, 0.0));
+            let far = size * [0.0, 1e4][usize::from(rng.random_bool(0.5))];
+            let begin = [0.0, 1.7e9][usize::from(rng.random_bool(0.5))];
+            let mut vector =
+                |half: f64| DVec3::from_array([0; 3].map(|_| half * rng.random_range(-1.0..1.0)));
+            let (place, velocity) = (vector(far), vector(size / duration));
+            let state = |time: f64, bend: DVec3| {
+                let place = place + velocity * (time - begin);
+                State::new(time, place, velocity + bend)
+            };
+            let bends = [0, 1].map(|_| vector(bend * size / duration));
+            Self {
+                states: [state(begin, bends[0]), state(begin + duration, bends[1])],
+                outside: [Outside::Extrapolate, Outside::Coast][usize::from(rng.random_bool(0.2))],
+            }
+        }
+
+        /// Its pieces over so many of its lengths, before and after.
+        fn pieces(&self, (before, after): (f64, f64)) -> Pieces {
+            let plan = Trajectory::from_states(&self.states);
+            let plan = plan.map(|plan| plan.with_outside(self.outside));
+            let [first, last] = [0, 1].map(|k: usize| self.states[k].time);
+            let duration = last - first;
+            let window = Window::new(first - before * duration, last + after * duration);
+            let pieces = plan.and_then(|plan| plan.pieces(window?));
+            let Ok(Some(pieces)) = pieces else {
+                unreachable!("it goes beyond its knots")
+            };
+            pieces
+        }
+
+        /// The exact place, but for a last rounding, in a frame.
+        fn place(&self, time: f64, frame: &Frame) -> DVec3 {
+            let [first, last] = &self.states;
+            let exact = |x: f64| RBig::try_from(x).unwrap_or_else(|_| unreachable!("finite"));
+            let since = |state: &State| exact(time) - exact(state.time);
+            let straight = |state: &State, axis: usize| {
+                exact(state.position[axis]) + exact(state.velocity[axis]) * since(state)
+            };
+            let duration = exact(last.time) - exact(first.time);
+            let place = |axis: usize| match self.outside {
+                Outside::Coast if time < first.time => straight(first, axis),
+                Outside::Coast if time > last.time => straight(last, axis),
+                // The straight motion through both, and what both velocities add to it.
+                _ => {
+                    let [from, to] = [first, last].map(|state| exact(state.position[axis]));
+                    let rate = (&to - &from) / &duration;
+                    let (s, r) = (since(first) / &duration, since(last) / &duration);
+                    let [leave, arrive] =
+                        [first, last].map(|state| exact(state.velocity[axis]) - &rate);
+                    let bend = leave * since(first) * &r * &r + arrive * since(last) * &s * &s;
+                    from + rate * since(first) + bend
+                }
+            };
+            let in_frame = |axis: usize| {
+                let place = place(axis) - exact(frame.origin[axis]);
+                (place * exact(frame.power)).to_f64().value()
+            };
+            DVec3::from_array([0, 1, 2].map(in_frame))
+        }
+    }
+
+    /// A sketch of pieces in a frame around them, and the slices between some instants.
+    fn look(
+        pieces: &Pieces,
+        ends: &[f64],
+        mut each: impl FnMut(&Frame, &Pose<'_, Stroke>, &[Slice]),
+    ) {
+        let (sketch, lines) = Sketch::of(&pieces.knots, &pieces.segments);
+        let drawing = sketch.on(&lines);
+        let point = Hitbox::POINT;
+        let frame = drawing.frame;
+        let inflation = Inflation::of(point.spheres(), point.bounding(), 0.0, &frame);
+        let pose = Pose::sketched(&drawing, &inflation, &frame);
+        let mut block = Block::default();
+        Level::best().run(Fill {
+            block: &mut block,
+            poses: &[pose],
+            present: &[0],
+            ends,
+        });
+        each(&frame, &pose, &block.slices);
+    }
+
+    fn wide(lanes: [f32; 3]) -> DVec3 {
+        DVec3::from_array(lanes.map(f64::from))
+    }
+
+    /// Where a body is by its exact cubic, however far beyond the knots, and within what the solver may
+    /// see of it from there, its pieces, boxes and courses hold it.
+    #[test]
+    fn what_goes_beyond_the_knots_is_held() {
+        /// Errors of the motion: see `Points::of`; the box's own is left to show.
+        const SEEN: f64 = 2.25;
+        let mut rng = ChaCha8Rng::seed_from_u64(12);
+        let mut tightest = f64::INFINITY;
+        for round in 0..1_000 {
+            let flight = Flight::any(&mut rng);
+            let lengths = 10f64.powf(rng.random_range(0.0..9.0));
+            let pieces = flight.pieces([(lengths, lengths), (-0.5, lengths)][round % 2]);
+            let (first, last) = (pieces.knots[0], pieces.knots[pieces.knots.len() - 1]);
+            // Short slices in the middle: numbers are small there, and those they come from are not.
+            let ends = [0.0, 0.1, 0.4999, 0.5, 0.5001, 0.75, 1.0];
+            let ends = ends.map(|share| first + share * (last - first));
+            let between = |(from, to): (f64, f64), share: f64| (from + (to - from) * share).min(to);
+            look(&pieces, &ends, |frame, pose, slices| {
+                for (number, segment) in pieces.segments.iter().enumerate() {
+                    let ends = (pieces.knots[number], pieces.knots[number + 1]);
+                    let piece = pose.piece(number);
+                    let [p0, p1, p2, p3] = piece.points;
+                    let rounding = piece.rounding() + pose.stance.steady;
+                    let low = p0.min(p1).min(p2.min(p3)) - rounding;
+                    let high = p0.max(p1).max(p2.max(p3)) + rounding;
+                    let [low, high] = [low, high].map(|edge| wide(edge.truncate().to_array()));
+                    let error = segment.restrict(ends.0, ends.1).error * frame.power;
+                    for step in 0..=4 {
+                        let place = flight.place(between(ends, f64::from(step) / 4.0), frame);
+                        let room = (place - low).min(high - place).min_element();
+                        assert!(room >= SEEN * error, "{round} {number} {room} {error}");
+                        tightest = tightest.min(room / error);
+                    }
+                }
+                for (slice, ends) in slices.iter().zip(ends.windows(2)) {
+                    let ends = (ends[0], ends[1]);
+                    let (course, aabb) = (&slice.courses[0], &slice.boxes[0].aabb);
+                    let [low, high] = [aabb.mins, aabb.maxs].map(|edge| wide(edge.to_array()));
+                    for step in 0..=4 {
+                        let time = between(ends, f64::from(step) / 4.0);
+                        let place = flight.place(time, frame);
+                        // Instants may be coarse.
+                        let share = (time - ends.0) / (ends.1 - ends.0).max(f64::MIN_POSITIVE);
+                        let line = wide(course.start) + share * wide(course.change);
+                        let stray = place.distance(line);
+                        assert!(low.cmple(place).all() && high.cmpge(place).all(), "{round}");
+                        assert!(
+                            stray <= f64::from(course.slack),
+                            "{round} {stray} {course:?}"
+                        );
+                    }
+                }
+            });
+        }
+        // Four errors, where those are all.
+        assert!(tightest < 4.5, "{tightest}");
+    }
+
+    /// Boxes far beyond the knots are hardly larger than the way of the body in them: those of
+    /// segments that are short, too, bent or straight.
+    #[test]
+    fn what_goes_beyond_the_knots_is_held_closely() {
+        /// Of a sketch, the numbers of which are near one: some f32 roundings.
+        const FINE: f64 = 1.0 / 1_048_576.0;
+        let turn = |time: f64| {
+            let (sine, cosine) = (0.5 * time).sin_cos();
+            let place = DVec3::new(2.0 * cosine, 2.0 * sine, 0.0);
+            State::new(time, place, DVec3::new(-sine, cosine, 0.0))
+        };
+        let straight = |time: f64| State::new(time, DVec3::X * time, DVec3::X);
+        let flights = [[turn(0.0), turn(0.2)], [straight(0.0), straight(0.2)]];
+        for states in flights {
+            let flight = Flight {
+                states,
+                outside: Outside::Extrapolate,
+            };
+            let pieces = flight.pieces((3_000.0, 3_000.0));
+            for begin in [1.0, 60.0, 300.0, 560.0] {
+                let ends = [0.0, 1.0, 2.0, 3.0, 4.0].map(|second| begin + second);
+                look(&pieces, &ends, |frame, _, slices| {
+                    for (slice, ends) in slices.iter().zip(ends.windows(2)) {
+                        let mut way = Extremes::NOTHING;
+                        for step in 0..=16 {
+                            let time = ends[0] + (ends[1] - ends[0]) * f64::from(step) / 16.0;
+                            let place = flight.place(time, frame);
+                            way.include(Extremes::about(place, 0.0));
+                        }
+                        let aabb = &slice.boxes[0].aabb;
+                        let size = f64::from(aabb.extents().max_element());
+                        let needed = (way.high - way.low).max_element();
+                        assert!(size < 1.1 * needed + FINE, "{begin}: {size} {needed}");
+                        let slack = f64::from(slice.courses[0].slack);
+                        assert!(slack < needed + FINE, "{begin}: {slack} {needed}");
+                    }
+                });
+            }
+        }
+    }
+}
