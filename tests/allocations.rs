@@ -65,24 +65,84 @@ fn circling(outside: Outside, rng: &mut rand_chacha::ChaCha8Rng) -> Trajectory {
         .with_outside(outside)
 }
 
-/// How many of them there are.
-const BODIES: usize = 60;
-
-/// How many allocations 20 s of ticks make, after 100 s of the same; `replanned` bodies get a new
-/// plan each tick. Every second body does something else beyond its knots than to be absent. On one
-/// thread of a pool: a pool's own queue may allocate where it is called from outside.
-fn allocations_of_ticks(replanned: usize, other: Outside) -> u64 {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
-    let pool = pool.build().unwrap();
-    pool.install(|| count_ticks(replanned, other))
+/// A body that drifts on from a knot of its own: where it is cut beyond that comes into sight at any
+/// time. Slowly: it stays among the others.
+fn drifting(_: Outside, rng: &mut rand_chacha::ChaCha8Rng) -> Trajectory {
+    let (position, velocity) = (support::vector(rng, 12.0), support::vector(rng, 1e-4));
+    let state = State::new(rng.random_range(0.0..110.0), position, velocity);
+    Trajectory::coasting(state).unwrap()
 }
 
-fn count_ticks(replanned: usize, other: Outside) -> u64 {
+/// What a body that flies so is told at an instant (s).
+type Told = fn(&Trajectory, f64) -> Trajectory;
+
+/// The same as before.
+fn the_same(flown: &Trajectory, _: f64) -> Trajectory {
+    flown.clone()
+}
+
+/// As a physics engine tells it: where it is, and how fast.
+fn dead_reckoning(flown: &Trajectory, now: f64) -> Trajectory {
+    Trajectory::coasting(state_at(flown, now)).unwrap()
+}
+
+/// A short cubic that goes on.
+fn extrapolation(flown: &Trajectory, now: f64) -> Trajectory {
+    let states = [now, now + 0.25].map(|time| state_at(flown, time));
+    let plan = Trajectory::from_states(&states).unwrap();
+    plan.with_outside(Outside::Extrapolate)
+}
+
+fn state_at(flown: &Trajectory, time: f64) -> State {
+    let motion = flown.position(time).zip(flown.velocity(time));
+    let (position, velocity) = motion.unwrap();
+    State::new(time, position, velocity)
+}
+
+/// How many of them there are. Their pairs are fewer than 1024: the memory for those of a slice is kept
+/// then, however near they are. And a round is a whole number of turns to be told something.
+const BODIES: usize = 40;
+
+/// What the ticks are counted of.
+#[derive(Clone, Copy)]
+struct Course {
+    /// Every second body is one of these; the others circle, and are absent beyond their knots.
+    other: fn(Outside, &mut rand_chacha::ChaCha8Rng) -> Trajectory,
+    /// What those do beyond their knots.
+    outside: Outside,
+    /// So many bodies, one after the other, are told something each tick.
+    replanned: usize,
+    told: Told,
+}
+
+impl Course {
+    /// Nobody is told anything.
+    const UNTOLD: Self = Self {
+        other: circling,
+        outside: Outside::Coast,
+        replanned: 0,
+        told: the_same,
+    };
+}
+
+/// How many allocations 20 s of ticks make, after 100 s of the same. On one thread of a pool: a
+/// pool's own queue may allocate where it is called from outside.
+fn allocations_of_ticks(course: Course) -> u64 {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
+    let pool = pool.build().unwrap();
+    pool.install(|| count_ticks(course))
+}
+
+fn count_ticks(course: Course) -> u64 {
     let mut rng = support::rng(5);
     let mut scene = Scene::new();
     let mut plans = Vec::new();
-    for outside in [Outside::Absent, other].into_iter().cycle().take(BODIES) {
-        let trajectory = circling(outside, &mut rng);
+    for body in 0..BODIES {
+        let trajectory = if body % 2 == 0 {
+            circling(Outside::Absent, &mut rng)
+        } else {
+            (course.other)(course.outside, &mut rng)
+        };
         let radius = rng.random_range(0.2..0.6);
         let hitbox = nearmiss::Hitbox::sphere(radius).unwrap();
         let body = nearmiss::Body::new(trajectory.clone()).with_hitbox(hitbox);
@@ -102,16 +162,13 @@ fn count_ticks(replanned: usize, other: Outside) -> u64 {
     let (mut told, mut during) = (0, 0);
     for tick in 0..120 * 60_u32 {
         let before = monitor.now();
-        // The body flies the same on: what is found of it is found again. Plans that go on for ever
-        // have pieces of their own beyond their knots, which are the plan's, not the tick's.
-        let absent = |(_, plan): &&(_, Trajectory)| plan.outside_after() == Outside::Absent;
+        // The body flies the same on: what is found of it is found again.
         let commands: Vec<Command> = plans
             .iter()
-            .filter(absent)
             .cycle()
-            .skip(tick as usize % plans.len())
-            .take(replanned)
-            .map(|(id, plan)| Command::Replan(*id, before, plan.clone()))
+            .skip(tick as usize * course.replanned % plans.len())
+            .take(course.replanned)
+            .map(|(id, flown)| Command::Replan(*id, before, (course.told)(flown, before)))
             .collect();
         events.clear();
         let counted = allocations();
@@ -130,20 +187,47 @@ fn count_ticks(replanned: usize, other: Outside) -> u64 {
 
 #[test]
 fn a_tick_allocates_nothing() {
-    assert_eq!(allocations_of_ticks(0, Outside::Coast), 0);
+    assert_eq!(allocations_of_ticks(Course::UNTOLD), 0);
 }
+
+/// What they do beyond their knots is laid out on and on.
+#[test]
+fn a_tick_with_bodies_that_coast_allocates_nothing() {
+    let course = Course {
+        other: drifting,
+        ..Course::UNTOLD
+    };
+    assert_eq!(allocations_of_ticks(course), 0);
+}
+
+/// Few, and more than one in eight: both ways to compare them. And all: nothing is worked out that
+/// only a screening would need.
+const COUNTS: [usize; 3] = [2, 20, BODIES];
 
 #[test]
 fn a_tick_with_new_plans_allocates_nothing() {
-    // Few, and more than one in eight: both ways to compare them.
-    assert_eq!(allocations_of_ticks(2, Outside::Coast), 0);
-    assert_eq!(allocations_of_ticks(20, Outside::Coast), 0);
+    for replanned in COUNTS {
+        let course = Course {
+            replanned,
+            ..Course::UNTOLD
+        };
+        assert_eq!(allocations_of_ticks(course), 0, "{replanned}");
+    }
 }
 
-/// Nothing is worked out that only a screening would need.
+/// Plans that go on without end, told as they come.
 #[test]
-fn a_tick_with_all_plans_new_allocates_nothing() {
-    assert_eq!(allocations_of_ticks(BODIES, Outside::Absent), 0);
+fn a_tick_with_bodies_told_frame_by_frame_allocates_nothing() {
+    for replanned in COUNTS {
+        for told in [dead_reckoning as Told, extrapolation] {
+            let course = Course {
+                replanned,
+                told,
+                ..Course::UNTOLD
+            };
+            assert_eq!(allocations_of_ticks(course), 0, "{replanned}");
+        }
+    }
 }
 
 /// What a screening works in is left to the next one of the same scene; a clone begins without it.

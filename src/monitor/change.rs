@@ -287,6 +287,7 @@ impl Monitor {
         Ok(Terms {
             reach: self.outlook.reach(),
             window: Window::new(self.told, end)?,
+            spare: self.outlook.memory(),
             forget_before: self.told - self.history,
         })
     }

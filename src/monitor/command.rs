@@ -1,6 +1,7 @@
 //! Changes between ticks: one, or several that take effect together or not at all.
 
 use super::flights::Flight;
+use super::spare::Spare;
 use crate::bounds::Frame;
 use crate::error::Error;
 use crate::hitbox::Hitbox;
@@ -46,6 +47,8 @@ pub(super) struct Terms<'m> {
     pub(super) reach: (f64, &'m Frame),
     /// As far as plans are laid out.
     pub(super) window: Window,
+    /// Memory for what is laid out.
+    pub(super) spare: &'m Spare,
     /// Where history ends: replanned bodies drop what is older, s.
     pub(super) forget_before: f64,
 }
@@ -58,7 +61,7 @@ impl Terms<'_> {
         hitbox: &Hitbox,
         tag: u64,
     ) -> Result<Flight, Error> {
-        let flight = Flight::of(trajectory, hitbox, self.reach, self.window);
+        let flight = Flight::of(trajectory, hitbox, self.reach, self.window, self.spare);
         flight.map_err(|error| error.in_body(tag))
     }
 

@@ -1,6 +1,7 @@
 //! Bodies as the outlook sees them, by slot: their plans as far as the lookahead reaches.
 
 use super::calendar::Calendar;
+use super::spare::Spare;
 use crate::bounds::{Frame, Inflation};
 use crate::error::Error;
 use crate::hitbox::Hitbox;
@@ -13,7 +14,7 @@ use crate::window::Window;
 use std::slice::from_ref;
 
 /// What is worked out about a body's plan and hitbox once, when they are set.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(super) struct Flight {
     pub(super) inflation: Inflation,
     /// Pieces beyond the knots, where the body exists there and the monitor's window reached it so
@@ -28,12 +29,14 @@ pub(super) struct Flight {
 }
 
 impl Flight {
-    /// What a plan means over `window`, for pairs within `margin` (m) in `frame`.
+    /// What a plan means over `window`, for pairs within `margin` (m) in `frame`. Memory comes from
+    /// `spare`.
     pub(super) fn of(
         trajectory: &Trajectory,
         hitbox: &Hitbox,
         (margin, frame): (f64, &Frame),
         window: Window,
+        spare: &Spare,
     ) -> Result<Self, Error> {
         let mut flight = Self {
             inflation: Inflation::of(hitbox.spheres(), hitbox.bounding(), margin, frame),
@@ -43,16 +46,18 @@ impl Flight {
             until: f64::INFINITY,
         };
         if trajectory.goes_beyond() {
-            flight.lay_out(trajectory, window.end())?;
+            flight.lay_out(trajectory, window.end(), spare)?;
         }
         Ok(flight)
     }
 
     /// Lays out a plan without end up to an instant (s), at least.
-    fn lay_out(&mut self, trajectory: &Trajectory, end: f64) -> Result<(), Error> {
-        match &mut self.beyond {
-            Some(pieces) => trajectory.lengthen(pieces, end)?,
-            None => self.beyond = trajectory.pieces(Window::new(self.begin, end)?)?,
+    fn lay_out(&mut self, trajectory: &Trajectory, end: f64, spare: &Spare) -> Result<(), Error> {
+        if let Some(pieces) = &mut self.beyond {
+            trajectory.lengthen(pieces, end)?;
+        } else {
+            let window = Window::new(self.begin, end)?;
+            self.beyond = trajectory.pieces(window, |count| spare.take(count))?;
         }
         let knots = match &self.beyond {
             Some(pieces) => &pieces.knots,
@@ -86,6 +91,8 @@ pub(super) struct Flights {
     by_slot: Vec<Option<Flight>>,
     /// Up to where those that exist for ever are laid out.
     laid_out: Calendar,
+    /// Of flights that were replaced.
+    spare: Spare,
 }
 
 impl Flights {
@@ -97,11 +104,21 @@ impl Flights {
     pub(super) fn set(&mut self, slot: u32, flight: Option<Flight>) {
         let place = slot as usize;
         if self.by_slot.len() <= place {
-            self.by_slot.resize(place + 1, None);
+            self.by_slot.resize_with(place + 1, || None);
         }
         let until = flight.as_ref().map_or(f64::INFINITY, |flight| flight.until);
         self.laid_out.set(slot, until);
-        self.by_slot[place] = flight;
+        let is_replaced = flight.is_some();
+        let before = std::mem::replace(&mut self.by_slot[place], flight);
+        // What a body that is gone had is not needed again.
+        if let (true, Some(pieces)) = (is_replaced, before.and_then(|before| before.beyond)) {
+            self.spare.give_back(pieces);
+        }
+    }
+
+    /// Memory for flights.
+    pub(super) const fn spare(&self) -> &Spare {
+        &self.spare
     }
 
     /// Fetches what is known of the body in a slot into the caches.
@@ -143,7 +160,7 @@ impl Flights {
                 continue;
             };
             let body = &occupant.body;
-            let done = flight.lay_out(&body.trajectory, end);
+            let done = flight.lay_out(&body.trajectory, end, &self.spare);
             // One that is laid out is not looked at again in this tick, however far it got.
             let least = done.as_ref().map_or(flight.until, |()| end.next_up());
             self.laid_out.set(slot, flight.until.max(least));

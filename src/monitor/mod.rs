@@ -23,6 +23,7 @@ mod recent;
 #[cfg(feature = "serde")]
 mod recording;
 mod slice;
+mod spare;
 mod tick;
 mod timed;
 

@@ -190,7 +190,7 @@ impl Occupant {
         {
             return Ok(Some(Arc::clone(beyond)));
         }
-        let pieces = trajectory.pieces(window);
+        let pieces = trajectory.pieces(window, Pieces::with_capacity);
         let Some(pieces) = pieces.map_err(|error| error.in_body(*tag))? else {
             return Ok(None);
         };

@@ -1,6 +1,7 @@
 //! Trajectories: irregular states in, cubic segments out. All validation of motion happens here.
 
 mod build;
+mod cuts;
 mod double_double;
 mod outside;
 mod roomy;

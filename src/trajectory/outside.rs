@@ -6,6 +6,7 @@
 //! window, so an encounter out there has the same bits whatever window it was found with; and a window
 //! however long needs only a few dozen pieces.
 
+use super::cuts::DoublingCuts;
 use super::{Segment, Trajectory};
 use crate::error::{Error, LARGEST_MAGNITUDE, Quantity};
 use crate::window::Window;
@@ -83,6 +84,29 @@ impl Pieces {
     /// For so many more there is room at first: each reaches twice as far as the one before.
     const ROOM: usize = 4;
 
+    /// None yet, and memory for so many.
+    pub(crate) fn with_capacity(count: usize) -> Self {
+        Self {
+            knots: Vec::with_capacity(count + 1),
+            segments: Vec::with_capacity(count),
+            before: None,
+            after: None,
+        }
+    }
+
+    /// For how many there is memory.
+    pub(crate) fn capacity(&self) -> usize {
+        let knots = self.knots.capacity().saturating_sub(1);
+        self.segments.capacity().min(knots)
+    }
+
+    /// Drops all, but not the memory.
+    pub(crate) fn clear(&mut self) {
+        self.knots.clear();
+        self.segments.clear();
+        (self.before, self.after) = (None, None);
+    }
+
     /// A trajectory's own.
     #[cfg(test)]
     pub(crate) fn own(trajectory: &Trajectory) -> Self {
@@ -149,46 +173,45 @@ impl Trajectory {
     }
 
     /// The pieces that cover the part of the domain within `window`, which is closed where the body
-    /// exists beyond its knots; none if the window stays within them, or the body is absent beyond.
+    /// exists beyond its knots; none if the window stays within them, or the body is absent beyond. They
+    /// are put into `memory` for so many, which is empty yet.
     ///
     /// # Errors
     ///
     /// [`Error::OutOfRange`] where an extrapolated cubic leaves the range of numbers served;
     /// [`Error::TooFar`].
-    pub(crate) fn pieces(&self, window: Window) -> Result<Option<Pieces>, Error> {
+    pub(crate) fn pieces(
+        &self,
+        window: Window,
+        memory: impl FnOnce(usize) -> Pieces,
+    ) -> Result<Option<Pieces>, Error> {
         if !self.goes_beyond() {
             return Ok(None);
         }
         let first = self.planned().start();
-        // Windows are closed: where one begins or ends at a knot, or a cut, what comes before or after
-        // it counts as well. (It may be in another place, after a splice; and an instant may round to
-        // the knot.)
-        let goes_before = self.before != Outside::Absent && window.start() <= first;
-        let (mut before, after) = (Vec::new(), self.cuts_after(window.end()));
-        if !goes_before && after.is_empty() {
+        let (before, after) = (
+            self.cuts_before(window.start()),
+            self.cuts_after(window.end()),
+        );
+        let counts = [&before, &after].map(|cuts| cuts.clone().count());
+        if counts == [0, 0] {
             return Ok(None);
         }
-        if goes_before {
-            let carrier = self.carrier_before();
-            let until = window.start().next_down().max(f64::MIN);
-            before = doubling_cuts(first, carrier.start() - carrier.end(), until);
-        }
-        let count = before.len() + self.segments.len() + after.len();
-        let room = count + Pieces::ROOM;
-        let mut knots = Vec::with_capacity(room + 1);
-        knots.extend(before.iter().rev());
+        let own = self.segments.len();
+        let mut pieces = memory(counts[0] + own + counts[1] + Pieces::ROOM);
+        let Pieces {
+            knots, segments, ..
+        } = &mut pieces;
+        // From the knot outwards.
+        knots.extend(before);
+        knots.reverse();
         knots.extend_from_slice(&self.knots);
-        knots.extend_from_slice(&after);
-        let mut segments = Vec::with_capacity(room);
-        segments.extend(repeat_n(*self.carrier_before(), before.len()));
+        knots.extend(after);
+        segments.extend(repeat_n(*self.carrier_before(), counts[0]));
         segments.extend_from_slice(&self.segments);
-        segments.extend(repeat_n(*self.carrier_after(), after.len()));
-        let pieces = Pieces {
-            knots,
-            segments,
-            before: (self.before != Outside::Absent).then_some(before.len()),
-            after: (self.after != Outside::Absent).then_some(after.len()),
-        };
+        segments.extend(repeat_n(*self.carrier_after(), counts[1]));
+        pieces.before = (self.before != Outside::Absent).then_some(counts[0]);
+        pieces.after = (self.after != Outside::Absent).then_some(counts[1]);
         for (segment, ends) in pieces.beyond() {
             let is_before = ends.1 <= first;
             let knot = if is_before { 0 } else { self.knots.len() - 1 };
@@ -197,16 +220,30 @@ impl Trajectory {
         Ok(Some(pieces))
     }
 
-    /// Where it is cut after the last knot, as far as to a window's end (s), and beyond it; nowhere, if
-    /// that is not reached.
-    fn cuts_after(&self, end: f64) -> Vec<f64> {
+    /// Where it is cut before the first knot, as far as to a window's start (s), and beyond it; nowhere,
+    /// if that is not reached.
+    ///
+    /// Windows are closed: where one begins or ends at a knot, or a cut, what comes before or after
+    /// it counts as well. (It may be in another place, after a splice; and an instant may round to
+    /// the knot.)
+    fn cuts_before(&self, start: f64) -> DoublingCuts {
+        let (carrier, first) = (self.carrier_before(), self.planned().start());
+        if self.before == Outside::Absent || start > first {
+            return DoublingCuts::NONE;
+        }
+        let until = start.next_down().max(f64::MIN);
+        DoublingCuts::of(first, carrier.start() - carrier.end(), until)
+    }
+
+    /// The same after the last knot, as far as to a window's end (s).
+    fn cuts_after(&self, end: f64) -> DoublingCuts {
         let (carrier, last) = (self.carrier_after(), self.planned().end());
         // Without a cubic of its own a body goes on beyond its knot, whatever the window.
         if self.after == Outside::Absent || !(self.segments.is_empty() || end >= last) {
-            return Vec::new();
+            return DoublingCuts::NONE;
         }
         let until = end.max(last).next_up().min(f64::MAX);
-        doubling_cuts(last, carrier.end() - carrier.start(), until)
+        DoublingCuts::of(last, carrier.end() - carrier.start(), until)
     }
 
     /// Makes its [pieces](Self::pieces) over a window those over one that ends later, at `end` (s).
@@ -215,18 +252,19 @@ impl Trajectory {
     ///
     /// As [`pieces`](Self::pieces); nothing was changed then.
     pub(crate) fn lengthen(&self, pieces: &mut Pieces, end: f64) -> Result<(), Error> {
-        let (carrier, cuts) = (self.carrier_after(), self.cuts_after(end));
-        let Some(new) = pieces.after.and_then(|known| cuts.get(known..)) else {
+        let Some(known) = pieces.after else {
             return Ok(());
         };
+        let (carrier, new) = (self.carrier_after(), self.cuts_after(end).skip(known));
         let mut from = pieces.knots[pieces.knots.len() - 1];
-        for &cut in new {
+        let mut count = 0;
+        for cut in new.clone() {
             check_reach(carrier, (from, cut), self.knots.len() - 1)?;
-            from = cut;
+            (from, count) = (cut, count + 1);
         }
-        pieces.knots.extend_from_slice(new);
-        pieces.segments.extend(repeat_n(*carrier, new.len()));
-        pieces.after = Some(cuts.len());
+        pieces.knots.extend(new);
+        pieces.segments.extend(repeat_n(*carrier, count));
+        pieces.after = Some(known + count);
         Ok(())
     }
 }
@@ -264,45 +302,12 @@ pub(super) fn check_reach(
     Ok(())
 }
 
-/// Instants `knot + step (2^k - 1)`, k = 1, 2, ..., up to the first that reaches `until`.
-pub(super) fn doubling_cuts(knot: f64, step: f64, until: f64) -> Vec<f64> {
-    let mut cuts = Vec::new();
-    let mut factor = 1.0;
-    let mut last = knot;
-    while (step > 0.0 && last < until) || (step < 0.0 && last > until) {
-        factor *= 2.0;
-        let cut = knot + step * (factor - 1.0);
-        // A step below the resolution of f64 at the knot is passed over until it shows.
-        if (step > 0.0 && cut > last) || (step < 0.0 && cut < last) {
-            last = cut.clamp(-f64::MAX, f64::MAX);
-            cuts.push(last);
-        }
-    }
-    cuts
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Outside, Pieces, doubling_cuts};
+    use super::{Outside, Pieces};
     use crate::trajectory::{State, Trajectory};
     use crate::window::Window;
     use glam::DVec3;
-
-    #[test]
-    fn cuts_do_not_depend_on_the_window() {
-        let long = doubling_cuts(10.0, 2.0, 1e6);
-        let short = doubling_cuts(10.0, 2.0, 30.0);
-        assert_eq!(short, [12.0, 16.0, 24.0, 40.0]);
-        assert_eq!(long[..4], short[..]);
-        assert_eq!(doubling_cuts(-1.0, -1.0, -4.5), [-2.0, -4.0, -8.0]);
-    }
-
-    #[test]
-    fn a_step_too_small_to_see_still_gets_there() {
-        let cuts = doubling_cuts(1.7e9, 1e-9, 1.7e9 + 1.0);
-        assert!(cuts.windows(2).all(|pair| pair[0] < pair[1]));
-        assert!(cuts.last().is_some_and(|&last| last >= 1.7e9 + 1.0));
-    }
 
     /// Of three states, at rest, and from one state.
     fn plans() -> [Trajectory; 3] {
@@ -338,7 +343,8 @@ mod tests {
                 .map(|window| {
                     (
                         window,
-                        plan.pieces(window).unwrap_or_else(|_| unreachable!()),
+                        plan.pieces(window, Pieces::with_capacity)
+                            .unwrap_or_else(|_| unreachable!()),
                     )
                 })
                 .collect();
@@ -367,7 +373,8 @@ mod tests {
         let [plan, rest, _] = plans();
         let over = |plan: &Trajectory, start: f64, end: f64| {
             let window = Window::new(start, end).unwrap_or_else(|_| unreachable!());
-            plan.pieces(window).unwrap_or_else(|_| unreachable!())
+            plan.pieces(window, Pieces::with_capacity)
+                .unwrap_or_else(|_| unreachable!())
         };
         let mut lengthened = 0;
         for plan in [
@@ -400,7 +407,7 @@ mod tests {
         let fast = State::new(0.0, DVec3::ZERO, DVec3::X * 1e299);
         let plan = Trajectory::coasting(fast).unwrap_or_else(|_| unreachable!());
         let window = Window::new(0.0, 1.0).unwrap_or_else(|_| unreachable!());
-        let Ok(Some(mut pieces)) = plan.pieces(window) else {
+        let Ok(Some(mut pieces)) = plan.pieces(window, Pieces::with_capacity) else {
             unreachable!("it goes on")
         };
         let before = format!("{pieces:?}");

@@ -28,12 +28,17 @@ impl<T: Copy, const BESIDE: usize> Roomy<T, BESIDE> {
         }
     }
 
-    /// A list without room in front.
+    /// A list, with room in front of it.
     pub(super) fn new(list: &[T], beside: &[T; BESIDE]) -> Self {
-        Self {
-            all: [beside, list].concat(),
-            first: BESIDE,
+        let mut all = Vec::with_capacity(BESIDE + ROOM + list.len());
+        all.extend_from_slice(beside);
+        // Nobody reads what is there.
+        if let Some(&any) = beside.first().or(list.first()) {
+            all.extend(repeat_n(any, ROOM));
         }
+        let first = all.len();
+        all.extend_from_slice(list);
+        Self { all, first }
     }
 
     pub(super) fn push(&mut self, entry: T) {
@@ -69,6 +74,11 @@ impl<T: Copy, const BESIDE: usize> Roomy<T, BESIDE> {
             self.first = BESIDE;
             self.all.splice(BESIDE..rest, new.take(count));
         }
+    }
+
+    /// The first entries.
+    pub(super) fn front_mut(&mut self, count: usize) -> &mut [T] {
+        &mut self.all[self.first..][..count]
     }
 
     /// Fetches the lines at both ends of its memory into the caches.

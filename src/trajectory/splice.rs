@@ -1,6 +1,7 @@
 //! Changing a plan while it is flown: what has been flown stays, bit for bit.
 
-use super::outside::{check_reach, doubling_cuts};
+use super::cuts::DoublingCuts;
+use super::outside::check_reach;
 use super::{Outside, Trajectory};
 use crate::error::Error;
 use crate::rounding::one_zero;
@@ -83,27 +84,33 @@ impl Trajectory {
         // Flown: whole pieces, then the one that is cut. Beyond its knots a plan goes on along its
         // carrier, which becomes a piece like any other.
         let cut = count_at_front(&flown.knots, |knot| knot < from);
-        // Not copied only to be dropped.
-        let dropped = flown.past(since.min(from)).min(cut);
         // Cut where it was before, so that what is found there stays the same bits; and so that a cubic
         // that is followed far from its knots is not looked at as a whole.
         let beyond = (cut > flown.segments.len()).then(|| *flown.carrier_after());
-        let mut cuts_after = Vec::new();
+        let mut cuts_after = DoublingCuts::NONE;
         if let (Some(carrier), Some(&last)) = (&beyond, flown.knots.last()) {
             check_reach(carrier, (last, from), flown.knots.len() - 1)?;
-            cuts_after = doubling_cuts(last, carrier.end() - carrier.start(), from);
-            cuts_after.pop();
+            cuts_after = DoublingCuts::of(last, carrier.end() - carrier.start(), from);
         }
-        let mut cuts_before = Vec::new();
+        let mut cuts_before = DoublingCuts::NONE;
         if let (0, Some(&first)) = (ahead, self.knots.first()) {
             let carrier = self.carrier_before();
             check_reach(carrier, (from, first), 0)?;
-            cuts_before = doubling_cuts(first, carrier.start() - carrier.end(), from);
-            cuts_before.pop();
-            cuts_before.reverse();
+            cuts_before = DoublingCuts::of(first, carrier.start() - carrier.end(), from);
         }
-        let flown_knots = flown.knots[dropped..cut].iter().copied();
-        let flown_segments = flown.segments[dropped..cut.min(flown.segments.len())].iter();
+        let (cuts_after, cuts_before) = (cuts_after.but_last(), cuts_before.but_last());
+        // Where its pieces begin; not copied only to be dropped.
+        let begins = flown.knots[..cut].iter().copied().chain(cuts_after);
+        let is_past = |time: f64| time < since.min(from);
+        let mut past = count_at_front(&flown.knots[..cut], is_past);
+        if past == cut {
+            past = begins.clone().take_while(|&time| is_past(time)).count();
+        }
+        let dropped = past.saturating_sub(1);
+        let begins = begins.skip(dropped);
+        let kept = begins.clone().count();
+        let own = flown.segments.len();
+        let flown_segments = flown.segments[dropped.min(own)..cut.min(own)].iter();
         // To come: the piece of this plan that holds at `from`, and the rest.
         let present = match ahead {
             0 => *self.carrier_before(),
@@ -127,11 +134,12 @@ impl Trajectory {
             self.before = Outside::Absent;
         }
         let replaced = ahead.min(self.segments.len());
-        let kept = flown_knots.len() + cuts_after.len();
+        let beyond_count = kept - flown_segments.len();
         let beyond = beyond
             .into_iter()
-            .flat_map(|beyond| repeat_n(beyond, cuts_after.len() + 1));
-        let to_come = if goes_on { 1 + cuts_before.len() } else { 0 };
+            .flat_map(|beyond| repeat_n(beyond, beyond_count));
+        let cut_before = cuts_before.clone().count();
+        let to_come = if goes_on { 1 + cut_before } else { 0 };
         self.segments.replace_front(
             replaced,
             kept + to_come,
@@ -140,10 +148,11 @@ impl Trajectory {
                 .chain(beyond)
                 .chain(repeat_n(present, to_come)),
         );
-        let count = kept + 1 + cuts_before.len();
-        let knots = flown_knots.chain(cuts_after).chain(once(from));
-        self.knots
-            .replace_front(ahead, count, knots.chain(cuts_before));
+        let count = kept + 1 + cut_before;
+        let knots = begins.chain(once(from)).chain(cuts_before);
+        self.knots.replace_front(ahead, count, knots);
+        // They come from the knot outwards.
+        self.knots.front_mut(count)[kept + 1..].reverse();
         self.forget(self.past(since));
         Ok(())
     }

@@ -32,7 +32,7 @@ fn pieces(plan: Trajectory, (start, end): (f64, f64)) -> Pieces {
     let knots = plan.knots().to_vec();
     let window = Window::new(start, end).and_then(|window| {
         let plan = plan.clone().with_outside(Outside::Extrapolate);
-        plan.pieces(window)
+        plan.pieces(window, Pieces::with_capacity)
     });
     match window {
         Ok(Some(pieces)) if start < knots[0] => pieces,
