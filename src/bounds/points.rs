@@ -109,7 +109,7 @@ mod tests {
             let [first, last] = [0, 1].map(|k: usize| self.states[k].time);
             let duration = last - first;
             let window = Window::new(first - before * duration, last + after * duration);
-            let pieces = plan.and_then(|plan| plan.pieces(window?));
+            let pieces = plan.and_then(|plan| plan.pieces(window?, Pieces::with_capacity));
             let Ok(Some(pieces)) = pieces else {
                 unreachable!("it goes beyond its knots")
             };

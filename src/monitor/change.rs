@@ -124,6 +124,11 @@ impl Monitor {
     /// than what was told of it: events are told from the clock of the last tick on, none of what the plan
     /// changes before it.
     ///
+    /// The plan is kept in its own memory, which has room for two pieces of what precedes it: usually there
+    /// are one or two, and no memory is taken. There are more with a history, where `from` lies several
+    /// knots ahead, or where the plan goes back far from its first knot to `from`; and one that was
+    /// [spliced](Trajectory::spliced) itself has less room.
+    ///
     /// The plan may begin elsewhere, but a far jump is dear: until it is past, all bodies between the two
     /// places are neighbours. For one that vanishes here and begins anew there,
     /// [`set_trajectory`](Self::set_trajectory) is the cheap way.

@@ -190,3 +190,65 @@ fn count_at_front(knots: &[f64], is_before: impl Fn(f64) -> bool) -> usize {
     let rest = &knots[bound / 2..knots.len().min(bound + 1)];
     bound / 2 + rest.partition_point(|&knot| is_before(knot))
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::trajectory::{Outside, State, Trajectory};
+    use glam::DVec3;
+
+    fn plan(knots: &[f64], outside: Outside) -> Trajectory {
+        let state = |&time: &f64| State::new(time, DVec3::X * time.sin(), DVec3::Y);
+        let plan = match knots {
+            [only] => Trajectory::coasting(state(only)),
+            _ => Trajectory::from_states(&knots.iter().map(state).collect::<Vec<_>>()),
+        };
+        let plan = plan.unwrap_or_else(|_| unreachable!());
+        plan.with_outside(outside)
+    }
+
+    /// Also where cuts beyond the knots are among it.
+    #[test]
+    fn what_is_not_copied_is_what_would_be_forgotten() {
+        let instants: Vec<f64> = (-4..45).map(f64::from).collect();
+        let mut seen = [0; 2];
+        for outside in [Outside::Absent, Outside::Coast, Outside::Extrapolate] {
+            for knots in [&[3.0][..], &[2.0, 3.0], &[0.0, 1.0, 2.0, 3.0]] {
+                let flown = plan(knots, outside);
+                for plan in [&[3.0][..], &[10.0, 11.0]].map(|knots| plan(knots, outside)) {
+                    for &from in &instants {
+                        let Ok(whole) = flown.spliced(from, &plan) else {
+                            continue;
+                        };
+                        for &since in &instants {
+                            let mut spliced = plan.clone();
+                            assert!(spliced.precede_by(&flown, from, since).is_ok());
+                            let since = whole.clone().since(since);
+                            assert_eq!(spliced, since, "{flown:?} {plan:?} {from}");
+                            let has_dropped = since.knots().len() < whole.knots().len();
+                            seen[usize::from(has_dropped)] += 1;
+                        }
+                    }
+                }
+            }
+        }
+        assert!(seen.iter().all(|&count| count > 1_000), "{seen:?}");
+    }
+
+    /// Plans of any kind have room for what is left of the one before.
+    #[test]
+    fn told_frame_by_frame_a_plan_keeps_its_memory() {
+        let mut flown = plan(&[0.0], Outside::Coast);
+        for now in (1..100).map(f64::from) {
+            let next = match now % 3.0 {
+                1.0 => plan(&[now], Outside::Coast),
+                2.0 => plan(&[now, now + 0.1], Outside::Extrapolate),
+                _ => plan(&[now + 2.0], Outside::Coast),
+            };
+            let mut spliced = next.clone();
+            let memory = spliced.segments.beside().as_ptr();
+            assert!(spliced.precede_by(&flown, now, now).is_ok());
+            assert_eq!(spliced.segments.beside().as_ptr(), memory, "{now}");
+            flown = spliced;
+        }
+    }
+}
