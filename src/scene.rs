@@ -174,12 +174,13 @@ impl Scene {
             slot
         };
         let place = &mut self.slots[slot as usize];
-        place.occupant = Some(Occupant::new(body, &mut self.atlas));
+        place.occupant = Some(Occupant::new(body, &mut self.atlas, slot));
         let id = BodyId {
             slot,
             generation: place.generation,
         };
         self.len += 1;
+        self.tidy();
         Ok(id)
     }
 
@@ -198,7 +199,9 @@ impl Scene {
         }
         self.ignored.forget(id);
         self.len -= 1;
-        Ok(occupant.leave(&mut self.atlas))
+        let body = occupant.leave(&mut self.atlas);
+        self.tidy();
+        Ok(body)
     }
 
     /// The body with this id, if it is still there.
@@ -229,7 +232,9 @@ impl Scene {
         trajectory: Trajectory,
     ) -> Result<Trajectory, Error> {
         let (occupant, atlas) = self.occupant_mut(id)?;
-        Ok(occupant.follow(trajectory, atlas))
+        let old = occupant.follow(trajectory, atlas, id.slot);
+        self.tidy();
+        Ok(old)
     }
 
     /// The same in place; nothing is worked out until it is asked for.
@@ -240,7 +245,8 @@ impl Scene {
     ) -> Result<&Occupant, Error> {
         let (occupant, atlas) = self.occupant_mut(id)?;
         occupant.swap(trajectory, atlas);
-        Ok(occupant)
+        self.tidy();
+        self.occupant(id).ok_or(Error::UnknownBody { id })
     }
 
     /// Replaces a body's hitbox and returns the old one.
@@ -419,6 +425,16 @@ impl Scene {
             && (self.ignored.is_empty() || !self.ignored.contains(id_a, id_b))
     }
 
+    /// Moves some sketches, if the last change made it their turn.
+    fn tidy(&mut self) {
+        while let Some(slot) = self.atlas.next_to_move() {
+            let occupant = self.slots[slot as usize].occupant.as_mut();
+            if let Some(occupant) = occupant {
+                occupant.move_sketch(&mut self.atlas);
+            }
+        }
+    }
+
     /// A body, and where its sketch is.
     fn occupant_mut(&mut self, id: BodyId) -> Result<(&mut Occupant, &mut Atlas), Error> {
         let occupant = slot_of(&mut self.slots, id)?.occupant.as_mut();
@@ -438,12 +454,12 @@ fn slot_of(slots: &mut [Slot], id: BodyId) -> Result<&mut Slot, Error> {
 impl Clone for Scene {
     fn clone(&self) -> Self {
         let mut atlas = Atlas::default();
-        let slots = self.slots.iter().map(|slot| Slot {
+        let slots = (0_u32..).zip(&self.slots).map(|(number, slot)| Slot {
             generation: slot.generation,
             occupant: slot
                 .occupant
                 .as_ref()
-                .map(|occupant| occupant.copy(&self.atlas, &mut atlas)),
+                .map(|occupant| occupant.copy(&self.atlas, &mut atlas, number)),
         });
         Self {
             slots: slots.collect(),

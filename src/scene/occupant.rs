@@ -65,12 +65,12 @@ impl Lines {
     fn shared(
         trajectory: &Trajectory,
         before: Option<(Outline, Self)>,
-        atlas: &mut Atlas,
+        (atlas, owner): (&mut Atlas, u32),
     ) -> (Outline, Self) {
         let count = lines_for(trajectory);
         let block = match before {
-            Some((_, Self::Shared(block))) => atlas.exchange(block, count),
-            _ => atlas.take(count),
+            Some((_, Self::Shared(block))) => atlas.exchange(block, count, owner),
+            _ => atlas.take(count, owner),
         };
         let outline = Outline::of(trajectory, atlas.at_mut(&block));
         (outline, Self::Shared(block))
@@ -138,9 +138,9 @@ pub(crate) struct Occupant {
 }
 
 impl Occupant {
-    /// A body of the scene with this atlas.
-    pub(super) fn new(body: Body, atlas: &mut Atlas) -> Self {
-        let outline = Lines::shared(&body.trajectory, None, atlas).into();
+    /// The body in a slot of the scene with this atlas.
+    pub(super) fn new(body: Body, atlas: &mut Atlas, slot: u32) -> Self {
+        let outline = Lines::shared(&body.trajectory, None, (atlas, slot)).into();
         Self {
             body,
             outline,
@@ -199,9 +199,14 @@ impl Occupant {
         Ok(Some(beyond))
     }
 
-    /// Gives the body another trajectory, and returns the old one.
-    pub(super) fn follow(&mut self, mut trajectory: Trajectory, atlas: &mut Atlas) -> Trajectory {
-        let outline = Lines::shared(&trajectory, self.outline.take(), atlas);
+    /// Gives the body in a slot another trajectory, and returns the old one.
+    pub(super) fn follow(
+        &mut self,
+        mut trajectory: Trajectory,
+        atlas: &mut Atlas,
+        slot: u32,
+    ) -> Trajectory {
+        let outline = Lines::shared(&trajectory, self.outline.take(), (atlas, slot));
         self.swap(&mut trajectory, atlas);
         self.outline = outline.into();
         trajectory
@@ -222,20 +227,27 @@ impl Occupant {
         self.body
     }
 
+    /// Moves the sketch to where the atlas has room for it.
+    pub(super) fn move_sketch(&mut self, atlas: &mut Atlas) {
+        if let Some((_, Lines::Shared(block))) = self.outline.get_mut() {
+            atlas.move_out(block);
+        }
+    }
+
     fn forget_outline(&mut self, atlas: &mut Atlas) {
         if let Some((_, Lines::Shared(block))) = self.outline.take() {
             atlas.give_back(block);
         }
     }
 
-    /// The same body in a copy of its scene. What is beyond the knots is shared: it is never changed,
-    /// only replaced.
-    pub(super) fn copy(&self, atlas: &Atlas, copy: &mut Atlas) -> Self {
+    /// The same body in the same slot of a copy of its scene. What is beyond the knots is shared: it is
+    /// never changed, only replaced.
+    pub(super) fn copy(&self, atlas: &Atlas, copy: &mut Atlas, slot: u32) -> Self {
         let beyond = self.beyond.lock().unwrap_or_else(PoisonError::into_inner);
         let outline = self.outline.get().map(|(outline, lines)| {
             let lines = match lines {
                 Lines::Shared(block) => {
-                    let (lines, block) = (atlas.at(block), copy.take(atlas.at(block).len()));
+                    let (lines, block) = (atlas.at(block), copy.take(atlas.at(block).len(), slot));
                     copy.at_mut(&block).copy_from_slice(lines);
                     Lines::Shared(block)
                 }

@@ -35,11 +35,11 @@ impl TryFrom<Parts> for Scene {
             return Err(Error::SceneFull);
         }
         let mut scene = Self::default();
-        for (generation, body) in parts.slots {
+        for (slot, (generation, body)) in (0..).zip(parts.slots) {
             scene.len += usize::from(body.is_some());
             scene.slots.push(Slot {
                 generation,
-                occupant: body.map(|body| Occupant::new(body, &mut scene.atlas)),
+                occupant: body.map(|body| Occupant::new(body, &mut scene.atlas, slot)),
             });
         }
         // Each free slot is one that is empty, once.

@@ -1,0 +1,204 @@
+//! Blocks that are taken, given back and moved, alone and under the bodies of a scene.
+
+use super::{Atlas, Block, Chunk, size_with_room_for};
+use crate::bounds::{Line, Sketch};
+use crate::scene::{Body, Scene};
+use crate::trajectory::{State, Trajectory};
+use glam::DVec3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+#[test]
+fn sketches_fill_most_of_their_blocks() {
+    assert_eq!(size_with_room_for(0), 1);
+    for lines in 1..100_000 {
+        let size = size_with_room_for(lines);
+        assert!(lines <= size && 7 * size <= 8 * lines, "{lines} {size}");
+        assert_eq!(size, size_with_room_for(size));
+    }
+}
+
+/// Whatever is taken, given back and moved, no two blocks overlap; and memory does not grow for ever.
+#[test]
+fn blocks_keep_what_is_drawn_on_them() {
+    let mut rng = ChaCha8Rng::seed_from_u64(12);
+    let mut atlas = Atlas::default();
+    // The very first one may be for nothing.
+    let nothing = atlas.take(0, 0);
+    atlas.give_back(nothing);
+    let mut owners: Vec<Option<(Block, f64)>> = Vec::new();
+    let (mut peak, mut moved) = (0, 0);
+    for round in 0..150_000_u32 {
+        // More and more of all sizes, then few and small ones, and again.
+        let phase = round % 50_000;
+        let most = if phase < 30_000 { phase / 30 } else { 100 };
+        owners.resize_with(owners.len().max(most as usize + 1), || None);
+        let owner = rng.random_range(0..owners.len());
+        let lines = if phase < 30_000 && rng.random_bool(0.05) {
+            rng.random_range(0..3_000)
+        } else {
+            rng.random_range(0..60)
+        };
+        let number = u32::try_from(owner).unwrap_or(u32::MAX);
+        let before = owners[owner].take();
+        if let Some((block, mark)) = &before {
+            assert!(is_marked(&atlas, block, *mark), "{block:?} {mark}");
+        }
+        let block = match before {
+            Some((block, _)) if owner > most as usize || rng.random_bool(0.3) => {
+                atlas.give_back(block);
+                None
+            }
+            Some((block, _)) => Some(atlas.exchange(block, lines, number)),
+            None if owner > most as usize => None,
+            None => Some(atlas.take(lines, number)),
+        };
+        if let Some(block) = block {
+            let mark = f64::from(round);
+            assert!(atlas.at(&block).len() >= lines);
+            atlas.at_mut(&block).fill(bytemuck::cast([mark; 8]));
+            owners[owner] = Some((block, mark));
+        }
+        while let Some(number) = atlas.next_to_move() {
+            let Some((block, _)) = &mut owners[number as usize] else {
+                unreachable!("{number} has no block")
+            };
+            atlas.move_out(block);
+            moved += 1;
+        }
+        if round < 50_000 {
+            peak = peak.max(atlas.lines());
+        }
+        let held = owners.iter().flatten().map(|(block, _)| block.lines);
+        assert!(phase % 1_000 != 0 || atlas.used == held.sum::<usize>());
+    }
+    assert!(moved > 1_000, "{moved}");
+    assert!(peak > 2 * Chunk::FEW, "of both kinds of memory: {peak}");
+    assert!(atlas.lines() <= peak / 2, "{} {peak}", atlas.lines());
+    for (block, mark) in owners.drain(..).flatten() {
+        assert!(is_marked(&atlas, &block, mark), "{block:?} {mark}");
+        atlas.give_back(block);
+    }
+    assert!(atlas.chunks.is_empty() && atlas.free.is_empty());
+}
+
+/// Whatever becomes of its bodies, a scene keeps no memory for more than were there at a time.
+#[test]
+fn bodies_that_are_gone_leave_their_blocks() {
+    let mut scene = Scene::new();
+    let insert = |scene: &mut Scene, plan| scene.insert(Body::new(plan));
+    let mut ids: Vec<_> = (0..100)
+        .filter_map(|k| insert(&mut scene, straight(1 + k % 40)).ok())
+        .collect();
+    let before = scene.atlas().lines();
+    for round in 0..20_000 {
+        let place = round % ids.len();
+        // Those of a size are as many as before.
+        let Some(plan) = scene.body(ids[place]).map(|body| body.trajectory.clone()) else {
+            unreachable!("it was not removed")
+        };
+        let changed = match round % 3 {
+            0 => scene.remove(ids[place]).and_then(|_| {
+                ids[place] = insert(&mut scene, plan)?;
+                Ok(())
+            }),
+            1 => scene.set_trajectory(ids[place], plan).map(drop),
+            // Sketched while the scene is being read, and then as it was put in.
+            _ => scene
+                .swap_trajectory(ids[place], &mut plan.clone())
+                .map(|occupant| occupant.outline().path)
+                .and_then(|_| scene.set_trajectory(ids[place], plan).map(drop)),
+        };
+        assert_eq!(changed, Ok(()));
+    }
+    assert_eq!(scene.atlas().lines(), before);
+    for id in ids {
+        assert!(scene.remove(id).is_ok());
+    }
+    assert_eq!(scene.atlas().lines(), 0);
+}
+
+fn straight(cubics: u32) -> Trajectory {
+    let states = (0..=cubics)
+        .map(|k| State::new(f64::from(k), DVec3::X * f64::from(k), DVec3::X))
+        .collect::<Vec<_>>();
+    Trajectory::from_states(&states).unwrap_or_else(|error| unreachable!("{error}"))
+}
+
+/// Bodies whose plans all get longer, and shorter, and are removed: at any time there is memory for
+/// a few times as much as is drawn, whatever was before.
+#[test]
+fn memory_goes_back_when_all_plans_change() {
+    const BODIES: usize = 300;
+    let mut scene = Scene::new();
+    let mut ids = Vec::new();
+    let mut cubics = vec![20; BODIES];
+    for &count in &cubics {
+        ids.extend(scene.insert(Body::new(straight(count))));
+    }
+    let (grow, shrink) = (21..=98, (20..98).rev());
+    let mixed = |body: usize| [4, 300, 17, 90, 1][body % 5];
+    let up_and_down = grow.clone().chain(shrink).chain([500, 4]).chain(grow);
+    let rounds = up_and_down
+        .map(Some)
+        .chain([None, Some(500), None, Some(1)]);
+    let mut most = 0.0_f64;
+    for round in rounds {
+        for body in 0..BODIES {
+            cubics[body] = round.unwrap_or(mixed(body));
+            // Some as a monitor does it: the sketch is left for later.
+            let mut plan = straight(cubics[body]);
+            if body % 50 == 7 {
+                assert!(scene.swap_trajectory(ids[body], &mut plan).is_ok());
+            } else {
+                assert!(scene.set_trajectory(ids[body], plan).is_ok());
+            }
+            if body % 25 == 0 {
+                most = most.max(excess(&scene));
+            }
+        }
+        is_drawn_right(&scene);
+    }
+    for body in 0..BODIES {
+        let plan = straight(mixed(body) + 100);
+        assert!(scene.set_trajectory(ids[body], plan).is_ok());
+    }
+    // All but a few here and there.
+    for (body, id) in ids.iter().enumerate() {
+        if body % 100 != 50 {
+            assert!(scene.remove(*id).is_ok());
+            most = most.max(excess(&scene));
+        }
+    }
+    is_drawn_right(&scene);
+    assert!(most <= 5.0, "{most}");
+}
+
+/// How many times as many lines are held as bodies need, but for what any scene may hold: what may lie
+/// idle, and two large pages of which the least part is in use.
+fn excess(scene: &Scene) -> f64 {
+    let lines = |body: &Body| {
+        let plan = &body.trajectory;
+        Sketch::lines(plan.knots().len(), plan.segments().len())
+    };
+    let needed: usize = scene.bodies().map(|(_, body)| lines(body)).sum();
+    let held = scene.atlas().lines().saturating_sub(5 * Chunk::FEW);
+    let [held, needed] =
+        [held, needed].map(|lines| u32::try_from(lines).map_or(f64::NAN, f64::from));
+    held / needed
+}
+
+/// Each body's sketch is that of its plan, wherever it was moved.
+fn is_drawn_right(scene: &Scene) {
+    for (_, occupant) in scene.occupants() {
+        let plan = &occupant.body.trajectory;
+        let (sketch, lines) = Sketch::of(plan.knots(), plan.segments());
+        let [there, afresh] = [occupant.drawing(scene.atlas()), sketch.on(&lines)];
+        assert_eq!(format!("{there:?}"), format!("{afresh:?}"));
+    }
+}
+
+fn is_marked(atlas: &Atlas, block: &Block, mark: f64) -> bool {
+    let knots: &[f64] = bytemuck::cast_slice::<Line, f64>(atlas.at(block));
+    knots.iter().all(|knot| knot.to_bits() == mark.to_bits())
+}
