@@ -28,7 +28,7 @@ impl Chunk {
     /// 32 MiB.
     pub(super) const MANY: usize = 1 << 19;
 
-    /// With room for so many lines, and for no fewer than are in `use` in all, unless these are many.
+    /// With room for so many lines, and for no fewer than are `used` in all, unless these are many.
     pub(super) fn with(lines: usize, used: usize) -> Self {
         let lines = lines.max(used.clamp(Self::FEWEST, Self::MANY));
         Self::holding(Memory::with(lines))
