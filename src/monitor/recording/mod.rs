@@ -31,7 +31,7 @@ impl Monitor {
         self.tape = None;
         self.end_of_removed();
         let mut tape = Tape::start(Box::new(target))?;
-        tape.write(&Record::Begin(Begin::of(self)));
+        tape.write(&Record::Begin(Box::new(Begin::of(self))));
         tape.flush()?;
         self.tape = Some(tape);
         Ok(())

@@ -18,7 +18,8 @@ pub(super) const PREFIX: usize = 18;
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(in crate::monitor) enum Record {
-    Begin(Begin),
+    /// It holds a scene: the others are small.
+    Begin(Box<Begin>),
     Apply(Vec<Command>),
     Insert(Body),
     Remove(BodyId),
