@@ -443,7 +443,7 @@ impl Scene {
         while let Some(slot) = self.atlas.next_to_move() {
             let occupant = self.slots[slot as usize].occupant.as_mut();
             if let Some(occupant) = occupant {
-                occupant.move_sketch(&mut self.atlas);
+                occupant.move_sketch(&mut self.atlas, slot);
             }
         }
     }

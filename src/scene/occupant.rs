@@ -228,9 +228,9 @@ impl Occupant {
     }
 
     /// Moves the sketch to where the atlas has room for it.
-    pub(super) fn move_sketch(&mut self, atlas: &mut Atlas) {
+    pub(super) fn move_sketch(&mut self, atlas: &mut Atlas, slot: u32) {
         if let Some((_, Lines::Shared(block))) = self.outline.get_mut() {
-            atlas.move_out(block);
+            atlas.move_out(block, slot);
         }
     }
 

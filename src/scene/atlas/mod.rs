@@ -128,20 +128,13 @@ impl Atlas {
         None
     }
 
-    /// Moves a block, with what is drawn on it, out of a chunk that is to be left.
-    pub(crate) fn move_out(&mut self, block: &mut Block) {
-        let from = block.place;
-        let Some(owner) = self.chunks[from.chunk].owners[from.block] else {
-            unreachable!("whoever has a block owns it")
-        };
+    /// Moves an owner's block, with what is drawn on it, out of a chunk that is to be left.
+    pub(crate) fn move_out(&mut self, block: &mut Block, owner: u32) {
         let other = self.place(block.lines, owner);
-        let chunks = [from.chunk, other.place.chunk];
-        if let Ok([from, to]) = self.chunks.get_disjoint_mut(chunks) {
-            let lines = &from.lines()[block.first..][..block.lines];
-            to.lines_mut()[other.first..][..block.lines].copy_from_slice(lines);
-        } else {
-            unreachable!("nothing is put into a chunk that is to be left")
-        }
+        // Another one: nothing is put into a chunk that is to be left.
+        let mut to = std::mem::replace(&mut self.chunks[other.place.chunk], Chunk::gone());
+        to.lines_mut()[other.first..][..block.lines].copy_from_slice(self.at(block));
+        self.chunks[other.place.chunk] = to;
         self.due = self.due.saturating_sub(block.lines);
         self.leave(std::mem::replace(block, other));
     }

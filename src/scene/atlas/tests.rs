@@ -63,7 +63,7 @@ fn blocks_keep_what_is_drawn_on_them() {
             let Some((block, _)) = &mut owners[number as usize] else {
                 unreachable!("{number} has no block")
             };
-            atlas.move_out(block);
+            atlas.move_out(block, number);
             moved += 1;
         }
         if round < 50_000 {
