@@ -93,7 +93,8 @@ struct Slot {
 /// system has them; up to an eighth more is set aside for each body. What a body leaves serves the next
 /// one of about its size. When more lies idle than is in use (and more than 1 MiB) all that is in use
 /// moves to new memory, and the old one goes back to the system: not at once, but with each body that
-/// is put in, replanned or taken out some four times as much as its own. So at any time no more was
+/// is put in, taken out or given another plan some four times as much as its own. (Not with a monitor's
+/// replans, which have no time for it and take no memory.) So at any time no more was
 /// written to than five times what the bodies there need, and 3 MiB; the end of the last piece that was asked for (as
 /// much again as is in use, but for no more than 32 MiB) was not yet. When the scene is empty, none is
 /// left. What stays until a scene is dropped is a slot of 350 bytes for each body of the time when there
@@ -258,8 +259,9 @@ impl Scene {
     ) -> Result<&Occupant, Error> {
         let (occupant, atlas) = self.occupant_mut(id)?;
         occupant.swap(trajectory, atlas);
-        self.tidy();
-        self.occupant(id).ok_or(Error::UnknownBody { id })
+        // A monitor's ticks have no time for it, and take no memory.
+        atlas.put_off_moves();
+        Ok(occupant)
     }
 
     /// Replaces a body's hitbox and returns the old one.

@@ -103,6 +103,11 @@ impl Atlas {
         &mut self.chunks[block.place.chunk].lines_mut()[block.first..][..block.lines]
     }
 
+    /// Nothing is moved for the changes so far.
+    pub(crate) const fn put_off_moves(&mut self) {
+        self.due = 0;
+    }
+
     /// Who has the next block that is to be moved now; none when it is enough for this time.
     pub(crate) fn next_to_move(&mut self) -> Option<u32> {
         while self.due > 0 {
