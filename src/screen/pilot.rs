@@ -15,6 +15,7 @@ use crate::broad_phase::slices::{Slices, Traffic};
 use crate::broad_phase::{BroadPhase, Everyone, Room};
 use crate::narrow_phase::approaching;
 use crate::rounding::{seen_from, seen_until};
+use std::ops::Range;
 
 /// Nanoseconds of each kind of work, one thread, measured on the reference swarm; only their
 /// ratios matter.
@@ -24,8 +25,9 @@ mod cost {
     pub(super) const LISTING: f64 = 0.1;
     /// Forming a box and a course, cutting a segment for it, and sorting it.
     pub(super) const BOX: f64 = 65.0;
-    /// Comparing a box with its neighbours, times the 3/4 power of its candidates.
+    /// Comparing a box with its neighbours, times this power of its candidates.
     pub(super) const SWEEP: f64 = 25.0;
+    pub(super) const SWEEP_POWER: f64 = 0.75;
     /// Judging a candidate by its courses.
     pub(super) const CANDIDATE: f64 = 15.0;
     /// Looking at one that they do not rule out, and at each of its spans.
@@ -39,6 +41,15 @@ const MOST_CANDIDATES: u64 = 1 << 20;
 /// How near candidates grow with the length of a slice, as a power of it, until two lengths were
 /// tried: in proportion in any case, and courses become less straight.
 const NEAR_GROWTH: f64 = 2.5;
+
+/// No count grows faster: a volume does not.
+const MOST_GROWTH: f64 = 3.0;
+
+/// Quarters of a power of two by which a trial's length is changed at most, either way.
+const MOST_QUARTERS: i32 = 8;
+
+/// A trial whose length is to be changed by no more than such a factor is good enough.
+const SETTLED: Range<f64> = 0.7..1.5;
 
 /// What was counted in slices of one length, for all bodies.
 struct Trial {
@@ -74,7 +85,7 @@ impl Growth {
         let power = |one: f64, other: f64| {
             let power = (other / one).ln() / factor.ln();
             // Where nothing was found there is nothing to tell.
-            power.is_finite().then(|| power.clamp(0.0, 3.0))
+            power.is_finite().then(|| power.clamp(0.0, MOST_GROWTH))
         };
         Self {
             candidates: power(first.candidates, second.candidates),
@@ -91,7 +102,8 @@ impl Trial {
             None => self.volume(factor) / self.volume(1.0),
         };
         let candidates = self.candidates * grown;
-        let per_box = cost::BOX + cost::SWEEP * (candidates / self.boxes.max(1.0)).powf(0.75);
+        let per_box =
+            cost::BOX + cost::SWEEP * (candidates / self.boxes.max(1.0)).powf(cost::SWEEP_POWER);
         let more = factor.powf(growth.near);
         // Each span ends with a cubic of one of the two bodies.
         let spans = self.near + 2.0 * self.cubics * factor * self.shares;
@@ -112,7 +124,8 @@ impl Trial {
 
     /// The cheapest factor as far as one trial can be trusted.
     fn best_factor(&self, growth: &Growth) -> f64 {
-        let factors = (-8..=8).map(|quarter| 2_f64.powf(f64::from(quarter) / 4.0));
+        let quarters = -MOST_QUARTERS..=MOST_QUARTERS;
+        let factors = quarters.map(|quarter| 2_f64.powf(f64::from(quarter) / 4.0));
         let cheaper =
             |&one: &f64, &other: &f64| self.cost(one, growth).total_cmp(&self.cost(other, growth));
         factors.min_by(cheaper).unwrap_or(1.0)
@@ -168,7 +181,7 @@ impl LineUp<'_> {
             let count = f64::from(slices.count()) / factor;
             let most = traffic.most_slices(window).min(spans / trial.near);
             let next = slices.with_count(count.min(most));
-            let settled = turned || (0.7..1.5).contains(&factor) || next.count() == slices.count();
+            let settled = turned || SETTLED.contains(&factor) || next.count() == slices.count();
             slices = next;
             if settled {
                 break;
@@ -257,11 +270,13 @@ impl LineUp<'_> {
     reason = "between 1 and count"
 )]
 fn sample(count: usize, present: f64, slices: u32) -> Vec<usize> {
+    /// Of a number of bodies this many times its root, so that a dozen pairs meet.
+    const ENOUGH: f64 = 6.0;
     /// Shares of all bodies: per slice of the rest, and at most.
     const AFFORDABLE: f64 = 0.008;
     const MOST: f64 = 1.0 / 12.0;
     let affordable = (AFFORDABLE * f64::from(slices)).min(MOST);
-    let enough = 6.0 / present.max(1.0).sqrt();
+    let enough = ENOUGH / present.max(1.0).sqrt();
     let size = (count as f64 * enough.max(affordable)) as usize;
     let size = size.clamp(1, count);
     let stride = count / size;
