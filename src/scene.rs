@@ -93,12 +93,12 @@ struct Slot {
 /// system has them; up to an eighth more is set aside for each body. What a body leaves serves the next
 /// one of about its size. When more lies idle than is in use (and more than 1 MiB) all that is in use
 /// moves to new memory, and the old one goes back to the system: not at once, but with each body that
-/// is put in, taken out or given another plan some four times as much as its own. (Not with a monitor's
-/// replans, which have no time for it and take no memory.) So at any time no more was
-/// written to than five times what the bodies there need, and 3 MiB; the end of the last piece that was asked for (as
-/// much again as is in use, but for no more than 32 MiB) was not yet. When the scene is empty, none is
-/// left. What stays until a scene is dropped is a slot of 350 bytes for each body of the time when there
-/// were most, which the next ones take.
+/// is put in, taken out or given another plan some four times as much as its own. (A monitor's replans move
+/// nothing: they have no time for it, and take no memory.) But for those, no more was written to at any
+/// time than five times what the bodies there need, and 3 MiB; the end of the last piece that was asked
+/// for (as much again as is in use, but for no more than 32 MiB) was not yet. When the scene is empty,
+/// none is left. What stays until a scene is dropped is a slot of 350 bytes for each body of the time when
+/// there were most, which the next ones take.
 ///
 /// A screening adds some 280 a body and, for each
 /// thread, at most 64 MiB of boxes (64 bytes each, for up to 2^20 of them or one slice, if that has

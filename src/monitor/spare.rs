@@ -9,7 +9,17 @@ use std::sync::{Mutex, PoisonError};
 pub(super) struct Spare {
     /// By class: a plan may be a thousand times as long as another one, whose memory does not serve
     /// it, nor should the other way round be wasted.
-    by_class: Mutex<Vec<Vec<Pieces>>>,
+    by_class: Mutex<Vec<Shelf>>,
+    /// Given back since the last review.
+    given: usize,
+}
+
+/// Memory of one class.
+#[derive(Debug, Default)]
+struct Shelf {
+    pieces: Vec<Pieces>,
+    /// So many there were at least since the last review.
+    least: usize,
 }
 
 /// Sizes of memory, four to each doubling: none is larger by a quarter than what was asked for.
@@ -45,12 +55,31 @@ impl Class {
     }
 }
 
+impl Shelf {
+    fn take(&mut self) -> Option<Pieces> {
+        let pieces = self.pieces.pop();
+        self.least = self.least.min(self.pieces.len());
+        pieces
+    }
+
+    /// Drops what was not needed since the last review.
+    fn review(&mut self) {
+        self.pieces.truncate(self.pieces.len() - self.least);
+        self.least = self.pieces.len();
+    }
+}
+
 impl Spare {
+    /// Pieces that are given back between reviews. Plans that get longer, or no longer go on, leave what
+    /// nobody takes again.
+    const REVIEW: usize = 4096;
+
     /// Memory for so many pieces, and no pieces in it.
     pub(super) fn take(&self, count: usize) -> Pieces {
         let class = Class::for_all_of(count);
         let mut by_class = self.by_class.lock().unwrap_or_else(PoisonError::into_inner);
-        let spare = by_class.get_mut(class.number()).and_then(Vec::pop);
+        let shelf = by_class.get_mut(class.number());
+        let spare = shelf.and_then(Shelf::take);
         drop(by_class);
         spare.unwrap_or_else(|| Pieces::with_capacity(class.count()))
     }
@@ -61,15 +90,21 @@ impl Spare {
         let by_class = self.by_class.get_mut();
         let by_class = by_class.unwrap_or_else(PoisonError::into_inner);
         if by_class.len() <= number {
-            by_class.resize_with(number + 1, Vec::new);
+            by_class.resize_with(number + 1, Shelf::default);
         }
-        by_class[number].push(pieces);
+        by_class[number].pieces.push(pieces);
+        self.given += 1;
+        if self.given >= Self::REVIEW {
+            self.given = 0;
+            by_class.iter_mut().for_each(Shelf::review);
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::{Class, Spare};
+    use std::sync::PoisonError;
 
     #[test]
     fn classes_follow_one_on_another() {
@@ -96,5 +131,23 @@ mod tests {
         assert!(large.capacity() >= 170 && other.capacity() >= 171);
         assert_eq!([&small, &large].map(|pieces| pieces.knots.as_ptr()), places);
         assert!(!places.contains(&other.knots.as_ptr()));
+    }
+
+    /// Plans of one size, then of another one: what the first left goes, what is used stays.
+    #[test]
+    fn what_nobody_takes_is_dropped() {
+        let mut spare = Spare::default();
+        let held = |spare: &mut Spare| -> usize {
+            let by_class = spare.by_class.get_mut();
+            let by_class = by_class.unwrap_or_else(PoisonError::into_inner);
+            by_class.iter().map(|shelf| shelf.pieces.len()).sum()
+        };
+        for size in [6, 40, 173] {
+            for _ in 0..4 * Spare::REVIEW / 100 {
+                let some: Vec<_> = (0..100).map(|_| spare.take(size)).collect();
+                some.into_iter().for_each(|pieces| spare.give_back(pieces));
+            }
+            assert!(held(&mut spare) <= 100, "{size}");
+        }
     }
 }

@@ -1,10 +1,11 @@
 //! A monitor that always has too little time tells, in the end, what one with all the time tells.
 
 use super::is_as_screened;
-use super::support::{rng, vector, wander};
+use super::support::{line, rng, vector, wander};
+use glam::DVec3;
 use nearmiss::{
-    AlertLevel, Body, BodyId, Budget, Event, EventKind, Hitbox, Monitor, Outside, Scene, State,
-    Trajectory,
+    AlertLevel, Body, BodyId, Budget, Event, EventKind, Hitbox, Monitor, Outside, Query, Scene,
+    State, Trajectory, Window,
 };
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -242,4 +243,43 @@ fn a_little_time_again_and_again_is_enough() {
         assert_eq!(conflicts[0], conflicts[1]);
         assert!(poor.conflicts(0).len() > 100);
     }
+}
+
+/// Late on the clock, instants are far apart: a contact begins a third of one after a budget has ended,
+/// and is said to begin there.
+#[test]
+fn nothing_is_missing_that_begins_where_a_budget_ends() {
+    const NOW: f64 = 1e6;
+    const LOOKAHEAD: f64 = 3.0;
+    // Where the second of three slices begins.
+    let cut = NOW + 1.0;
+    let late = 0.3 * (cut.next_up() - cut);
+    let still = line(cut - 8.0, cut + 8.0, DVec3::ZERO, DVec3::ZERO);
+    let comes = line(cut - 8.0, cut + 8.0, DVec3::X * (9.0 + late), -DVec3::X);
+    let mut ends = 0;
+    for work in 1..20 {
+        let mut scene = Scene::new();
+        for plan in [&still, &comes] {
+            scene.insert(Body::new(plan.clone())).unwrap();
+        }
+        let mut monitor = Monitor::new(scene, NOW, LOOKAHEAD, &[AlertLevel::at(1.0)]).unwrap();
+        let budget = Budget::Work(work);
+        monitor
+            .advance_within(NOW, budget, &mut Vec::new())
+            .unwrap();
+        let certain = monitor.certified_until();
+        ends += u32::from(NOW < certain && certain <= cut);
+        let query = Query::new(Window::new(NOW, certain).unwrap());
+        let query = query.with_margin(1.0).unwrap();
+        let screened = monitor.scene().screen(&query).unwrap().conflicts;
+        assert_eq!(monitor.conflicts(0), screened, "{work} {certain}");
+    }
+    assert!(ends > 0);
+    let mut scene = Scene::new();
+    for plan in [still, comes] {
+        scene.insert(Body::new(plan)).unwrap();
+    }
+    let query = Query::new(Window::new(NOW, cut).unwrap());
+    let found = scene.screen(&query.with_margin(1.0).unwrap()).unwrap();
+    assert_eq!(found.conflicts.len(), 1, "it is reported at the cut");
 }

@@ -8,6 +8,7 @@
 )]
 
 mod budgets;
+mod clocks;
 mod crowded;
 mod grid;
 mod questions;

@@ -1,7 +1,8 @@
 //! What would be if: answers against screenings of the scene with the plan in place.
 
 use super::hitbox;
-use super::support::{bits, rng, vector};
+use super::scenarios::tick;
+use super::support::{bits, rng, vector, wander};
 use nearmiss::{
     AlertLevel, Body, BodyId, Budget, Layers, Monitor, Outside, Query, Scene, State, Trajectory,
     Window,
@@ -156,4 +157,48 @@ fn what_if_is_as_screened_where_many_slices_are_crossed() {
         }
     }
     assert!(found > 1_000 && in_part > 5, "{found} {in_part}");
+}
+
+/// What bodies do that have changed since the last tick counts, however often they have.
+#[test]
+fn what_if_sees_what_has_changed_since_the_last_tick() {
+    let mut rng = rng(29);
+    let level = AlertLevel::at(1.0);
+    let mut plan = |start: f64| {
+        let states = wander(&mut rng, start, 12, 1.0, 6.0, 3.0);
+        Trajectory::from_states(&states).unwrap()
+    };
+    let mut scene = Scene::new();
+    let mut ids: Vec<BodyId> = (0..50)
+        .map(|_| scene.insert(Body::new(plan(-1.0))).unwrap())
+        .collect();
+    let mut monitor = Monitor::new(scene, 0.0, 5.0, &[level]).unwrap();
+    let mut found = 0;
+    for step in 0..60_usize {
+        let now = 0.1 * f64::from(u32::try_from(step).unwrap());
+        tick(&mut monitor, now);
+        for ask in 0..40 {
+            let (own, other) = ((7 * ask + step) % ids.len(), (11 * ask + 3) % ids.len());
+            let idea = plan(now - 1.0);
+            let would = monitor.what_if(ids[own], &idea, 0).unwrap();
+            let mut changed = monitor.scene().clone();
+            changed.set_trajectory(ids[own], idea.clone()).unwrap();
+            let window = Window::new(monitor.now(), monitor.certified_until()).unwrap();
+            let query = Query::new(window).with_margin(level.margin).unwrap();
+            let mut screened = changed.screen(&query).unwrap().conflicts;
+            screened.retain(|one| one.a == ids[own] || one.b == ids[own]);
+            assert_eq!(bits(&would), bits(&screened), "{step} {ask}");
+            found += would.len();
+            match ask % 8 {
+                0 => {
+                    monitor.remove(ids[other]).unwrap();
+                    ids[other] = monitor.insert(Body::new(plan(now - 1.0))).unwrap();
+                }
+                1..4 => monitor.replan(ids[own], now + 0.2, idea).unwrap(),
+                4..7 => monitor.set_trajectory(ids[ask % 5], idea).unwrap(),
+                _ => {}
+            }
+        }
+    }
+    assert!(found > 2_000, "{found}");
 }

@@ -3,14 +3,17 @@
 use super::support::{bits, line, rng, wander};
 use glam::DVec3;
 use nearmiss::{
-    AlertLevel, Body, BodyId, Budget, Command, Error, Event, EventKind, Hitbox, LeastChange,
-    Monitor, Outside, Query, Scene, State, Trajectory, Window,
+    AlertLevel, Body, BodyId, Command, Error, Event, EventKind, Hitbox, LeastChange, Monitor,
+    Outside, Query, Scene, State, Trajectory, Window,
 };
 use rand::RngExt;
-use std::time::Duration;
 
 /// A monitor of two points on straight lines, and what it tells at each tick.
-fn two(a: Trajectory, b: Trajectory, levels: &[AlertLevel]) -> (Monitor, BodyId, BodyId) {
+pub(crate) fn two(
+    a: Trajectory,
+    b: Trajectory,
+    levels: &[AlertLevel],
+) -> (Monitor, BodyId, BodyId) {
     let mut scene = Scene::new();
     let a = scene.insert(Body::new(a)).unwrap();
     let b = scene.insert(Body::new(b)).unwrap();
@@ -23,7 +26,7 @@ pub(crate) fn tick(monitor: &mut Monitor, now: f64) -> Vec<Event> {
     events
 }
 
-fn kinds(events: &[Event]) -> Vec<String> {
+pub(crate) fn kinds(events: &[Event]) -> Vec<String> {
     let name = |event: &Event| match event.kind {
         EventKind::Predicted(e) => format!("predicted {}", e.level),
         EventKind::Revised(e) => format!("revised {}", e.level),
@@ -37,7 +40,7 @@ fn kinds(events: &[Event]) -> Vec<String> {
 }
 
 /// Head on along x, 20 m apart at t = 0, each 1 m/s, passing at 0.5 m; they meet at t = 10.
-fn head_on() -> (Trajectory, Trajectory) {
+pub(crate) fn head_on() -> (Trajectory, Trajectory) {
     let end = 100.0;
     (
         line(0.0, end, DVec3::ZERO, DVec3::X),
@@ -96,31 +99,6 @@ fn how_near_bodies_come_that_close_in_for_long_is_told_once_a_lookahead() {
     let first = (1..=8).map(|k| (10 * k, f64::from(29 - k)));
     let expected: Vec<_> = first.chain([(96, 19.0), (112, 18.0)]).collect();
     assert_eq!(revised, expected);
-}
-
-#[test]
-fn a_jump_over_an_encounter_tells_both_its_ends() {
-    let (a, b) = head_on();
-    let (mut monitor, ..) = two(a, b, &[AlertLevel::at(2.0), AlertLevel::at(1.0)]);
-    let events = tick(&mut monitor, 50.0);
-    assert_eq!(
-        kinds(&events),
-        [
-            "began 0",
-            "began 1",
-            "ended 1 Separated",
-            "ended 0 Separated"
-        ]
-    );
-    let back = monitor.advance(49.0, &mut Vec::new());
-    assert_eq!(
-        back.unwrap_err(),
-        Error::ClockWentBack {
-            now: 50.0,
-            time: 49.0
-        }
-    );
-    assert_eq!(monitor.now(), 50.0);
 }
 
 #[test]
@@ -376,148 +354,6 @@ fn a_plan_that_goes_on_does_not_cut_an_encounter() {
     assert_eq!(([found.a, found.b], found.exit), (bodies, 4.0));
 }
 
-/// Late on the clock, instants are far apart: a contact begins a third of one after a budget has ended,
-/// and is said to begin there.
-#[test]
-fn nothing_is_missing_that_begins_where_a_budget_ends() {
-    const NOW: f64 = 1e6;
-    const LOOKAHEAD: f64 = 3.0;
-    // Where the second of three slices begins.
-    let cut = NOW + 1.0;
-    let late = 0.3 * (cut.next_up() - cut);
-    let still = line(cut - 8.0, cut + 8.0, DVec3::ZERO, DVec3::ZERO);
-    let comes = line(cut - 8.0, cut + 8.0, DVec3::X * (9.0 + late), -DVec3::X);
-    let mut ends = 0;
-    for work in 1..20 {
-        let mut scene = Scene::new();
-        for plan in [&still, &comes] {
-            scene.insert(Body::new(plan.clone())).unwrap();
-        }
-        let mut monitor = Monitor::new(scene, NOW, LOOKAHEAD, &[AlertLevel::at(1.0)]).unwrap();
-        let budget = Budget::Work(work);
-        monitor
-            .advance_within(NOW, budget, &mut Vec::new())
-            .unwrap();
-        let certain = monitor.certified_until();
-        ends += u32::from(NOW < certain && certain <= cut);
-        let query = Query::new(Window::new(NOW, certain).unwrap());
-        let query = query.with_margin(1.0).unwrap();
-        let screened = monitor.scene().screen(&query).unwrap().conflicts;
-        assert_eq!(monitor.conflicts(0), screened, "{work} {certain}");
-    }
-    assert!(ends > 0);
-    let mut scene = Scene::new();
-    for plan in [still, comes] {
-        scene.insert(Body::new(plan)).unwrap();
-    }
-    let query = Query::new(Window::new(NOW, cut).unwrap());
-    let found = scene.screen(&query.with_margin(1.0).unwrap()).unwrap();
-    assert_eq!(found.conflicts.len(), 1, "it is reported at the cut");
-}
-
-/// A jump over 3e12 slices: bodies rest, some touching, some fly past each other early on or after
-/// a long time, and what happened meanwhile is told, whatever the budget of a tick.
-#[test]
-fn the_clock_may_jump_as_far_as_it_can_show() {
-    let (lookahead, end) = (1e-3, 1e9);
-    for budget in [
-        Budget::Unlimited,
-        Budget::Work(200),
-        Budget::Time(Duration::ZERO),
-    ] {
-        for count in [0_u16, 1, 300] {
-            let mut scene = Scene::new();
-            for k in 0..count {
-                let place = DVec3::new(0.9 * f64::from(k), 50.0, 0.0);
-                let body = Body::new(Trajectory::at_rest(place).unwrap());
-                scene.insert(body).unwrap();
-            }
-            if count > 1 {
-                // 5 s from each other.
-                let (a, b) = head_on();
-                scene.insert(Body::new(a)).unwrap();
-                scene.insert(Body::new(b)).unwrap();
-                // Passes all those at rest, one after the other, from 7e8 s on.
-                let late = line(7e8, 7e8 + 500.0, DVec3::new(-10.0, 50.5, 0.0), DVec3::X);
-                scene.insert(Body::new(late)).unwrap();
-            }
-            let mut monitor = Monitor::new(scene, 0.0, lookahead, &[AlertLevel::at(1.0)]).unwrap();
-            let mut events = tick(&mut monitor, 0.0);
-            let mut ticks = 0;
-            loop {
-                monitor.advance_within(end, budget, &mut events).unwrap();
-                if monitor.is_caught_up() {
-                    break;
-                }
-                ticks += 1;
-                assert!(ticks < 200_000, "{budget:?} {count}");
-            }
-            let names = kinds(&events);
-            let number = |name: &str| names.iter().filter(|kind| *kind == name).count();
-            let neighbours = usize::from(count).max(1) - 1;
-            let passed = if count > 1 { 1 + usize::from(count) } else { 0 };
-            assert_eq!(number("began 0"), neighbours + passed);
-            assert_eq!(number("ended 0 Separated"), passed);
-            assert_eq!(monitor.encounters().count(), neighbours);
-        }
-    }
-    // So far that the lookahead would be lost in the clock's rounding, or no time at all.
-    let (mut monitor, ..) = two(head_on().0, head_on().1, &[AlertLevel::at(2.0)]);
-    tick(&mut monitor, 1e9);
-    for time in [1e17, 1e300, f64::INFINITY, f64::NAN] {
-        let refused = monitor.advance(time, &mut Vec::new()).unwrap_err();
-        assert!(matches!(refused, Error::Clock { .. }), "{refused}");
-        assert_eq!(monitor.now(), 1e9);
-    }
-}
-
-/// A plan that cannot be followed so far is refused as often as the tick is tried, until it is replaced.
-#[test]
-fn a_tick_that_is_refused_is_refused_again() {
-    let fast = State::new(0.0, DVec3::ZERO, 1e298 * DVec3::X);
-    let rest = Trajectory::at_rest(DVec3::Y).unwrap();
-    let (mut monitor, runaway, _) = two(
-        Trajectory::coasting(fast).unwrap(),
-        rest.clone(),
-        &[AlertLevel::at(2.0)],
-    );
-    tick(&mut monitor, 0.0);
-    for _ in 0..3 {
-        let mut events = Vec::new();
-        let refused = monitor.advance(100.0, &mut events).unwrap_err();
-        assert!(matches!(refused, Error::InBody { .. }), "{refused}");
-        assert_eq!((monitor.now(), events.len()), (0.0, 0));
-    }
-    monitor.set_trajectory(runaway, rest).unwrap();
-    tick(&mut monitor, 100.0);
-    assert_eq!(monitor.now(), 100.0);
-}
-
-/// Nothing for a million seconds, so that slices become long; then a minute in which everybody meets
-/// everybody in such a slice.
-#[test]
-fn a_jump_over_nothing_and_then_a_crowd() {
-    let mut rng = rng(77);
-    let mut scene = Scene::new();
-    for _ in 0..1000 {
-        let states = wander(&mut rng, 1e6, 30, 2.0, 200.0, 5.0);
-        let plan = Trajectory::from_states(&states).unwrap();
-        scene.insert(Body::new(plan)).unwrap();
-    }
-    let all = Query::default().with_margin(1.0).unwrap();
-    let expected = scene.screen(&all).unwrap().conflicts.len();
-    let mut monitor = Monitor::new(scene, 0.0, 10.0, &[AlertLevel::at(1.0)]).unwrap();
-    let names = kinds(&tick(&mut monitor, 3e6));
-    let number = |name: &str| names.iter().filter(|kind| kind.starts_with(name)).count();
-    assert!(expected > 500, "{expected}");
-    assert_eq!([number("began"), number("ended")], [expected; 2]);
-    // In slices of the least length a million seconds would be 300 million boxes; in one slice the
-    // crowd would be 500,000 candidates.
-    let stats = monitor.stats();
-    assert!(stats.boxes < 200_000, "{stats:?}");
-    assert!(stats.candidates < 300_000, "{stats:?}");
-}
-
 /// Two margins that differ in their last bits are crossed in any order, by rounding.
 #[test]
 fn a_release_margin_next_to_the_margin_loses_no_encounter() {
@@ -555,48 +391,4 @@ fn a_release_margin_next_to_the_margin_loses_no_encounter() {
             .count();
         assert_eq!(lost, 0, "{release:?}");
     }
-}
-
-/// What bodies do that have changed since the last tick counts, however often they have.
-#[test]
-fn what_if_sees_what_has_changed_since_the_last_tick() {
-    let mut rng = rng(29);
-    let level = AlertLevel::at(1.0);
-    let mut plan = |start: f64| {
-        let states = wander(&mut rng, start, 12, 1.0, 6.0, 3.0);
-        Trajectory::from_states(&states).unwrap()
-    };
-    let mut scene = Scene::new();
-    let mut ids: Vec<BodyId> = (0..50)
-        .map(|_| scene.insert(Body::new(plan(-1.0))).unwrap())
-        .collect();
-    let mut monitor = Monitor::new(scene, 0.0, 5.0, &[level]).unwrap();
-    let mut found = 0;
-    for step in 0..60_usize {
-        let now = 0.1 * f64::from(u32::try_from(step).unwrap());
-        tick(&mut monitor, now);
-        for ask in 0..40 {
-            let (own, other) = ((7 * ask + step) % ids.len(), (11 * ask + 3) % ids.len());
-            let idea = plan(now - 1.0);
-            let would = monitor.what_if(ids[own], &idea, 0).unwrap();
-            let mut changed = monitor.scene().clone();
-            changed.set_trajectory(ids[own], idea.clone()).unwrap();
-            let window = Window::new(monitor.now(), monitor.certified_until()).unwrap();
-            let query = Query::new(window).with_margin(level.margin).unwrap();
-            let mut screened = changed.screen(&query).unwrap().conflicts;
-            screened.retain(|one| one.a == ids[own] || one.b == ids[own]);
-            assert_eq!(bits(&would), bits(&screened), "{step} {ask}");
-            found += would.len();
-            match ask % 8 {
-                0 => {
-                    monitor.remove(ids[other]).unwrap();
-                    ids[other] = monitor.insert(Body::new(plan(now - 1.0))).unwrap();
-                }
-                1..4 => monitor.replan(ids[own], now + 0.2, idea).unwrap(),
-                4..7 => monitor.set_trajectory(ids[ask % 5], idea).unwrap(),
-                _ => {}
-            }
-        }
-    }
-    assert!(found > 2_000, "{found}");
 }

@@ -56,7 +56,7 @@ impl Outlook {
                 }
             }
             // A span is solved as a whole, and once, in however many slices it is.
-            near.sort_unstable_by(|one, other| one.start.total_cmp(&other.start));
+            near.sort_unstable_by_key(|span| (span.a, span.b));
             near.dedup();
             found.clear();
             contacts(a, b, near.iter().copied(), margin, clip, &mut found);
