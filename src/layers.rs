@@ -43,11 +43,6 @@ impl Layers {
         Self { membership, filter }
     }
 
-    /// Whether they make a body part of no pair.
-    pub(crate) const fn is_none(self) -> bool {
-        self.membership == 0 || self.filter == 0
-    }
-
     /// Whether bodies with these layers are a pair; the same either way round.
     #[must_use]
     pub const fn admits(self, other: Self) -> bool {

@@ -91,6 +91,7 @@ mod monitor;
 pub mod narrow_phase;
 mod parallel;
 pub mod polynomial;
+mod pool;
 mod query;
 mod rounding;
 mod scene;

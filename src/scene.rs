@@ -3,19 +3,24 @@
 mod atlas;
 mod ignored;
 mod occupant;
+mod partners;
+mod sample;
 #[cfg(feature = "serde")]
 mod serial;
 
 pub(crate) use atlas::Atlas;
 pub(crate) use ignored::IgnoredPairs;
 pub(crate) use occupant::{Beyond, Occupant};
+use partners::Kinds;
+pub(crate) use partners::{can_reach, radius};
 
 use crate::bounds::Extremes;
 use crate::error::Error;
 use crate::hitbox::Hitbox;
 use crate::id::BodyId;
 use crate::layers::Layers;
-use crate::screen::Pool;
+use crate::pool::Pool;
+use crate::screen::Scratch;
 use crate::simd::prefetch;
 use crate::trajectory::Trajectory;
 use crate::window::Window;
@@ -138,10 +143,11 @@ pub struct Scene {
     free: Vec<u32>,
     ignored: IgnoredPairs,
     len: usize,
+    kinds: Kinds,
     /// Of the bodies' sketches.
     atlas: Atlas,
     /// Scratch of screenings; no part of what a scene is.
-    pool: Pool,
+    pool: Pool<Scratch>,
 }
 
 impl Scene {
@@ -151,7 +157,7 @@ impl Scene {
         Self::default()
     }
 
-    pub(crate) const fn pool(&self) -> &Pool {
+    pub(crate) const fn pool(&self) -> &Pool<Scratch> {
         &self.pool
     }
 
@@ -187,6 +193,7 @@ impl Scene {
             self.slots.push(Slot::default());
             slot
         };
+        self.kinds.add(&body);
         let place = &mut self.slots[slot as usize];
         place.occupant = Some(Occupant::new(body, &mut self.atlas, slot));
         let id = BodyId {
@@ -214,6 +221,7 @@ impl Scene {
         self.ignored.forget(id);
         self.len -= 1;
         let body = occupant.leave(&mut self.atlas);
+        self.kinds.remove_layers(body.layers);
         self.tidy();
         Ok(body)
     }
@@ -270,10 +278,10 @@ impl Scene {
     ///
     /// [`Error::UnknownBody`].
     pub fn set_hitbox(&mut self, id: BodyId, hitbox: Hitbox) -> Result<Hitbox, Error> {
-        Ok(std::mem::replace(
-            &mut self.occupant_mut(id)?.0.body.hitbox,
-            hitbox,
-        ))
+        let radius = radius(&hitbox);
+        let old = std::mem::replace(&mut self.occupant_mut(id)?.0.body.hitbox, hitbox);
+        self.kinds.add_radius(radius);
+        Ok(old)
     }
 
     /// Replaces a body's layers and returns the old ones.
@@ -282,10 +290,10 @@ impl Scene {
     ///
     /// [`Error::UnknownBody`].
     pub fn set_layers(&mut self, id: BodyId, layers: Layers) -> Result<Layers, Error> {
-        Ok(std::mem::replace(
-            &mut self.occupant_mut(id)?.0.body.layers,
-            layers,
-        ))
+        let old = std::mem::replace(&mut self.occupant_mut(id)?.0.body.layers, layers);
+        self.kinds.add_layers(layers);
+        self.kinds.remove_layers(old);
+        Ok(old)
     }
 
     /// Leaves this pair out of all screenings (a tug and its tow). No effect if it already is.
@@ -380,33 +388,11 @@ impl Scene {
     pub(crate) fn extremes(&self) -> Extremes {
         let mut extremes = Extremes::NOTHING;
         for (_, occupant) in self.occupants() {
-            if !occupant.body.layers.is_none() {
+            if self.partners(0.0).has(&occupant.body) {
                 extremes.include(occupant.outline().extremes);
             }
         }
         extremes
-    }
-
-    /// As many bodies as tell what most are like.
-    pub(crate) const SAMPLE: usize = 64;
-
-    /// Some of the bodies that may be part of a pair within a time (s): of all where there are few, else of
-    /// those in slots scattered over all.
-    pub(crate) fn sample(&self, (from, to): (f64, f64)) -> impl Iterator<Item = &Occupant> {
-        let count = self.slots.len();
-        let some = (0..count.min(Self::SAMPLE)).filter_map(move |number| {
-            // Not in equal strides: no order in which bodies are put in hides some kinds of them.
-            let slot = if count <= Self::SAMPLE {
-                number
-            } else {
-                number * count / Self::SAMPLE + number % (count / Self::SAMPLE)
-            };
-            self.slots[slot].occupant.as_ref()
-        });
-        some.filter(move |occupant| {
-            let domain = occupant.body.trajectory.domain();
-            !occupant.body.layers.is_none() && domain.start() <= to && domain.end() >= from
-        })
     }
 
     /// Fetches a body into the caches, but for its segments.
@@ -431,12 +417,15 @@ impl Scene {
         Some((id, place.occupant.as_ref()?))
     }
 
-    /// Whether two slots' bodies are a pair: layers and ignored pairs.
-    pub(crate) fn admits(&self, a: u32, b: u32) -> bool {
+    /// Returns true if two slots' bodies may be a pair with a margin (m): by layers, ignored pairs, and
+    /// radii that a negative margin does not swallow.
+    pub(crate) fn admits(&self, a: u32, b: u32, margin: f64) -> bool {
         let (Some((id_a, a)), Some((id_b, b))) = (self.in_slot(a), self.in_slot(b)) else {
             return false;
         };
+        let [one, other] = [a, b].map(|one| radius(&one.body.hitbox));
         a.body.layers.admits(b.body.layers)
+            && (margin >= 0.0 || can_reach(one, other, margin))
             && (self.ignored.is_empty() || !self.ignored.contains(id_a, id_b))
     }
 
@@ -481,6 +470,7 @@ impl Clone for Scene {
             free: self.free.clone(),
             ignored: self.ignored.clone(),
             len: self.len,
+            kinds: self.kinds.clone(),
             atlas,
             pool: self.pool.clone(),
         }

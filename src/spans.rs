@@ -4,6 +4,7 @@
 //! never cuts one.
 
 use crate::knots::Knots;
+use std::cmp::Ordering;
 
 /// A merged interval: body a follows its cubic number `a`, body b its number `b`, from `start`
 /// to `end` (s), with `start < end` unless the two domains share a single instant.
@@ -13,6 +14,43 @@ pub(crate) struct Span {
     pub(crate) end: f64,
     pub(crate) a: u32,
     pub(crate) b: u32,
+}
+
+/// Two bodies, the smaller number first, and a cubic of each: a span without its knots.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct SpanKey {
+    pub(crate) a: u32,
+    pub(crate) b: u32,
+    pub(crate) cubic_a: u32,
+    pub(crate) cubic_b: u32,
+}
+
+impl SpanKey {
+    /// Returns the span, from the knots of both bodies.
+    pub(crate) fn span(&self, a: &Knots<'_>, b: &Knots<'_>) -> Span {
+        let (i, j) = (self.cubic_a as usize, self.cubic_b as usize);
+        Span {
+            start: a[i].max(b[j]),
+            end: a[i + 1].min(b[j + 1]),
+            a: self.cubic_a,
+            b: self.cubic_b,
+        }
+    }
+}
+
+impl Ord for SpanKey {
+    /// By the bodies, then by the cubics. Two numbers instead of four: lists are sorted often.
+    fn cmp(&self, other: &Self) -> Ordering {
+        let both = |first: u32, second: u32| u64::from(first) << 32 | u64::from(second);
+        let key = |one: &Self| (both(one.a, one.b), both(one.cubic_a, one.cubic_b));
+        key(self).cmp(&key(other))
+    }
+}
+
+impl PartialOrd for SpanKey {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
 }
 
 /// The interval in which both motions exist: latest first knot, earliest last knot.

@@ -161,6 +161,7 @@ mod tests {
         let pose = Pose::sketched(&drawing, &inflation, &frame);
         let mut block = Block::default();
         Level::best().run(Fill {
+            frame: &frame,
             block: &mut block,
             poses: &[pose],
             present: &[0],

@@ -4,8 +4,8 @@ use super::bundle::{Bundle, Unpacked};
 use super::course::Course;
 use super::piece::Piece;
 use super::pose::Stance;
-use super::{ROUNDING, nearest};
-use glam::Vec4;
+use super::{FAR, ROUNDING, nearest};
+use glam::{DVec3, Vec4};
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
 
@@ -17,6 +17,9 @@ pub(crate) struct Period {
     pub(crate) to: f64,
     /// The inverse of its duration; 0 if that is too short to be divided.
     rate: f64,
+    /// How far boxes move in it, in the frame's unit.
+    way: Vec4,
+    is_moving: bool,
 }
 
 impl Period {
@@ -27,7 +30,47 @@ impl Period {
         } else {
             0.0
         };
-        Self { from, to, rate }
+        Self {
+            from,
+            to,
+            rate,
+            way: Vec4::ZERO,
+            is_moving: false,
+        }
+    }
+
+    /// The slice with boxes that move so far in it, in the frame's unit. Any way serves that is the same
+    /// for all bodies: one beyond f32 is none.
+    pub(super) fn moving(self, way: DVec3) -> Self {
+        let DVec3 { x, y, z } = way;
+        let is_moving = way != DVec3::ZERO && way.abs().max_element() < FAR && self.rate > 0.0;
+        let way = if is_moving {
+            Vec4::new(nearest(x), nearest(y), nearest(z), 0.0)
+        } else {
+            Vec4::ZERO
+        };
+        Self {
+            way,
+            is_moving,
+            ..self
+        }
+    }
+
+    /// Returns where some control points lie in moving boxes, from one share of the slice to another.
+    #[inline(always)]
+    fn relative(&self, points: [Vec4; 4], first: f32, last: f32) -> [Vec4; 4] {
+        if !self.is_moving {
+            return points;
+        }
+        let (start, end) = (self.way * first, self.way * last);
+        let third = (end - start) * (1.0 / 3.0);
+        let [p0, p1, p2, p3] = points;
+        [
+            p0 - start,
+            p1 - (start + third),
+            p2 - (end - third),
+            p3 - end,
+        ]
     }
 
     /// Whether a piece lasts from its beginning to its end, and some time.
@@ -47,6 +90,7 @@ impl Period {
 /// place. (Of four lanes, the last holds nothing of use.)
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Trace {
+    /// Its box, which moves.
     low: Vec4,
     high: Vec4,
     /// What rounding is relative to, besides these, and how often a piece was split at most.
@@ -58,8 +102,9 @@ pub(crate) struct Trace {
     /// The line from where the first piece begins to where the last one ends.
     start: Vec4,
     change: Vec4,
-    /// Where it is at the end of the pieces so far.
+    /// Where it is at the end of the pieces so far, and which share of the slice has passed then.
     line: Vec4,
+    share: f32,
     period: Period,
 }
 
@@ -81,9 +126,10 @@ impl Trace {
         // It ends on the line: what is left are the weights of the two other points, which make up
         // 3 s (1 - s).
         let (d1, d2) = ((p1 - p0) - third, (p2 - p3) + third);
+        let [q0, q1, q2, q3] = period.relative(piece.points, 0.0, 1.0);
         Self {
-            low: p0.min(p1).min(p2.min(p3)),
-            high: p0.max(p1).max(p2.max(p3)),
+            low: q0.min(q1).min(q2.min(q3)),
+            high: q0.max(q1).max(q2.max(q3)),
             near: piece.near,
             splits: piece.splits,
             least: d1.min(d2).min(Vec4::ZERO) * 0.75,
@@ -91,6 +137,7 @@ impl Trace {
             start: p0,
             change,
             line: p3,
+            share: 1.0,
             period: *period,
         }
     }
@@ -114,10 +161,12 @@ impl Trace {
         } else {
             Vec4::ZERO
         };
-        let line = start + change * period.share(from);
+        let share = period.share(from);
+        let line = start + change * share;
+        let place = start - period.way * share;
         Self {
-            low: start,
-            high: start,
+            low: place,
+            high: place,
             near: 0.0,
             splits: 0.0,
             least: start - line,
@@ -125,6 +174,7 @@ impl Trace {
             start,
             change,
             line,
+            share,
             period: *period,
         }
     }
@@ -133,8 +183,9 @@ impl Trace {
     #[inline(always)]
     pub(crate) fn follow_from_start(&mut self, piece: &Piece) {
         let start = piece.points[0];
-        self.low = self.low.min(start);
-        self.high = self.high.max(start);
+        let place = start - self.period.way * self.share;
+        self.low = self.low.min(place);
+        self.high = self.high.max(place);
         self.stray(start - self.line);
         self.follow(piece);
     }
@@ -144,17 +195,19 @@ impl Trace {
     #[inline(always)]
     fn follow(&mut self, piece: &Piece) {
         let [_, p1, p2, p3] = piece.points;
-        self.low = self.low.min(p1.min(p2).min(p3));
-        self.high = self.high.max(p1.max(p2).max(p3));
+        let share = self.period.share(piece.to);
+        let [_, q1, q2, q3] = self.period.relative(piece.points, self.share, share);
+        self.low = self.low.min(q1.min(q2).min(q3));
+        self.high = self.high.max(q1.max(q2).max(q3));
         self.near = self.near.max(piece.near);
         self.splits = self.splits.max(piece.splits);
-        let line_3 = self.start + self.change * self.period.share(piece.to);
+        let line_3 = self.start + self.change * share;
         let third = (line_3 - self.line) * (1.0 / 3.0);
         let (line_1, line_2) = (self.line + third, line_3 - third);
         let (d1, d2, d3) = (p1 - line_1, p2 - line_2, p3 - line_3);
         self.least = self.least.min(d1.min(d2).min(d3));
         self.most = self.most.max(d1.max(d2).max(d3));
-        self.line = line_3;
+        (self.line, self.share) = (line_3, share);
     }
 
     /// Takes in where it is, measured from the line.
@@ -167,14 +220,25 @@ impl Trace {
     /// Goes on with many cubics at once, until an instant (s).
     #[inline(always)]
     pub(super) fn pass(&mut self, bundle: &Unpacked, until: f64) {
-        self.low = self.low.min(bundle.low);
-        self.high = self.high.max(bundle.high);
+        let share = self.period.share(until);
+        let (low, high) = if self.period.is_moving {
+            let way = self.period.way;
+            let (first, last) = (bundle.start - way * self.share, bundle.end - way * share);
+            (
+                first.min(last) - bundle.stray,
+                first.max(last) + bundle.stray,
+            )
+        } else {
+            (bundle.low, bundle.high)
+        };
+        self.low = self.low.min(low);
+        self.high = self.high.max(high);
         self.near = self.near.max(bundle.near);
-        let line = self.start + self.change * self.period.share(until);
+        let line = self.start + self.change * share;
         let (first, last) = (bundle.start - self.line, bundle.end - line);
         self.least = self.least.min(first.min(last) - bundle.stray);
         self.most = self.most.max(first.max(last) + bundle.stray);
-        self.line = line;
+        (self.line, self.share) = (line, share);
     }
 
     /// The middle between how far it strays to either side, and how far it strays from the line moved
@@ -209,8 +273,9 @@ impl Trace {
     #[inline(always)]
     pub(crate) fn finish(&self, stance: &Stance, first: u32) -> (Course, Aabb) {
         let Self { low, high, .. } = *self;
-        // How far rounding can have moved each coordinate.
-        let largest = low.abs().max(high.abs());
+        // How far rounding can have moved each coordinate, before it was measured from a moving box.
+        let way = self.period.way.abs();
+        let largest = low.abs().max(high.abs()) + way;
         let rounding = Piece::roundings(largest, self.near, self.splits) + stance.steady;
         let (middle, stray) = self.middle();
         let (start, change) = (stance.place + (self.start + middle), self.change);
@@ -218,8 +283,8 @@ impl Trace {
         let moved = rounding + middle.abs() * ROUNDING;
         let course = course(start, change, (stray, moved), stance.reach, first);
         // Of the place, of the two sums with it, and of the subtraction below: 4; and more than the
-        // clearance of filters.
-        let rounding = rounding + stance.place.abs() * (6.0 * ROUNDING);
+        // clearance of filters. Of the way at an instant: six at most, with that of the difference.
+        let rounding = rounding + (stance.place.abs() + way) * (6.0 * ROUNDING);
         let low = (stance.low + low - rounding).max(Vec4::splat(f32::MIN));
         let high = (stance.high + high + rounding).min(Vec4::splat(f32::MAX));
         let aabb = Aabb::new(
@@ -301,6 +366,7 @@ mod tests {
             let mut block = Block::default();
             Level::best().run(Fill {
                 block: &mut block,
+                frame: &frame,
                 poses: &[pose],
                 present: &[0],
                 ends: &[0.0, 2.0],

@@ -1,7 +1,7 @@
 //! One box and one course for each body in each of a few slices.
 
 use super::BodyBox;
-use crate::bounds::{Bundle, Course, Cubic, Period, Piece, Pose, Trace};
+use crate::bounds::{Bundle, Course, Cubic, Frame, Period, Piece, Pose, Trace};
 use crate::simd::{Task, prefetch};
 
 /// One slice: a box and a course for each body that exists in it, side by side.
@@ -33,6 +33,7 @@ impl Block {
 /// Forms the boxes and courses of some slices (at most [`Block::SLICES`]).
 pub(crate) struct Fill<'a, C> {
     pub(crate) block: &'a mut Block,
+    pub(crate) frame: &'a Frame,
     pub(crate) poses: &'a [Pose<'a, C>],
     /// Places of those to look at, ascending: each that exists in one of the slices is among them.
     pub(crate) present: &'a [u32],
@@ -62,7 +63,7 @@ impl<C: Cubic> Task for Fill<'_, C> {
         }
         let mut periods = [Period::new(0.0, 0.0); Block::SLICES];
         for (period, ends) in periods.iter_mut().zip(ends.windows(2)) {
-            *period = Period::new(ends[0], ends[1]);
+            *period = self.frame.period(ends[0], ends[1]);
         }
         let periods = &periods[..count];
         self.block.pieces.resize(self.poses.len(), 0);
@@ -321,15 +322,19 @@ mod tests {
     fn boxes_contain_their_bodies() {
         let mut rng = ChaCha8Rng::seed_from_u64(9);
         let mut tightest = f64::INFINITY;
-        let frame = Frame::around(Extremes::NOTHING, 0.0);
+        let still = Frame::around(Extremes::NOTHING, 0.0);
         let slices = Slices::whole(-1.0, 12.0).with_count(19.0);
         let hitbox = Hitbox::POINT;
-        let inflation = Inflation::of(hitbox.spheres(), hitbox.bounding(), 0.0, &frame);
+        let inflation = Inflation::of(hitbox.spheres(), hitbox.bounding(), 0.0, &still);
         for seed in 0..200 {
             let far = if seed % 2 == 0 { 10.0 } else { 1e6 };
+            // Boxes stay, or move with some of the bodies' velocity, or faster.
+            let common = [0.0, 20.0, 300.0][seed as usize % 3];
             let mut vector =
                 |half: f64| DVec3::from_array([0; 3].map(|_| rng.random_range(-half..half)));
             let base = vector(far);
+            let common = vector(20.0).normalize() * common;
+            let frame = still.moving(common);
             // Knots on cuts (0.684...), off cuts, and many in one slice.
             let gap = if seed % 3 == 0 {
                 13.0 / 19.0
@@ -358,6 +363,7 @@ mod tests {
                 let range = first..(first + 8).min(slices.count());
                 Level::best().run(Fill {
                     block: &mut block,
+                    frame: &frame,
                     poses: &[pose],
                     present: &[0],
                     ends: &slices.ends(range.clone()),
@@ -376,6 +382,7 @@ mod tests {
                             let stray = (position - (start + share * change)).length();
                             assert!(stray <= f64::from(course.slack), "{stray} {course:?}");
                             tightest = tightest.min(f64::from(course.slack) - stray);
+                            let position = position - common * (time - from);
                             sampled.include(Extremes {
                                 low: position,
                                 high: position,
@@ -388,7 +395,8 @@ mod tests {
                         let high = DVec3::from_array(found.aabb.maxs.to_array().map(f64::from));
                         assert!(low.cmplt(sampled.low).all() && high.cmpgt(sampled.high).all());
                         // The hull of a cubic's Bézier points reaches a bit beyond it.
-                        assert!((high - low).max_element() < 120.0);
+                        let way = common.abs().max_element() * (to - from);
+                        assert!((high - low).max_element() < 120.0 + way);
                     }
                 }
             }

@@ -86,7 +86,8 @@ impl<'m> Bodies<'m> {
                     self.flights.prefetch(later);
                 }
                 let slot = batch[place];
-                let Some((flight, party)) = self.flights.get(self.scene, slot) else {
+                let flight = self.flights.get(self.scene, slot);
+                let Some((flight, party)) = flight.filter(|(flight, _)| flight.has_partner) else {
                     continue;
                 };
                 prefetch(&party.segments[..party.segments.len().min(1)]);
@@ -100,7 +101,7 @@ impl<'m> Bodies<'m> {
             for (pose, (party, inflation)) in poses.iter_mut().zip(known) {
                 *pose = Pose::plain((party.knots, party.segments), inflation, self.frame);
             }
-            form(&poses[..count], ends, block);
+            form(self.frame, &poses[..count], ends, block);
             for (number, slice) in block.slices[..ends.len() - 1].iter().enumerate() {
                 let boxes = slice.boxes.iter().zip(&slice.courses);
                 for ((boxed, course), &place) in boxes.zip(&slice.bodies) {
@@ -113,9 +114,10 @@ impl<'m> Bodies<'m> {
 }
 
 /// Forms the boxes of bodies in the first slices of `block`.
-pub(super) fn form(poses: &[Pose<'_, Segment>], ends: &[f64], block: &mut Block) {
+pub(super) fn form(frame: &Frame, poses: &[Pose<'_, Segment>], ends: &[f64], block: &mut Block) {
     Level::best().run(Fill {
         block,
+        frame,
         poses,
         present: &PLACES[..poses.len()],
         ends,

@@ -8,11 +8,11 @@
 
 use super::bodies::Bodies;
 use super::budget::Meter;
-use super::finds::{Crowded, Key, put_in_order};
-use super::slice::{Limits, Slice};
+use super::finds::{Crowded, put_in_order};
+use super::slice::{Limits, Scratch, Slice};
 use crate::broad_phase::PairFilter;
 use crate::rounding::seen_from;
-use crate::spans::Span;
+use crate::spans::SpanKey;
 use crate::stats::Stats;
 
 /// See the module.
@@ -23,6 +23,7 @@ pub(super) struct Bridge {
     head: Option<Head>,
     /// Memory for the next one.
     spare: Slice,
+    scratch: Scratch,
 }
 
 /// Where a bridge is being built.
@@ -36,7 +37,7 @@ struct Head {
 }
 
 /// Where what is found, and what it took, are added.
-type Found<'o> = (&'o mut Vec<(Key, Span)>, &'o mut Stats);
+type Found<'o> = (&'o mut Vec<SpanKey>, &'o mut Stats);
 
 impl Bridge {
     /// With fewer slices left to look at, there is no need of a bridge.
@@ -69,7 +70,8 @@ impl Bridge {
             stride: Stride::of(length),
         });
         while head.at < to {
-            if !head.go_on(to, (bodies, filter), limits, meter, &mut found)? {
+            let scratch = &mut self.scratch;
+            if !head.go_on(to, (bodies, filter), limits, scratch, meter, &mut found)? {
                 return Ok(Some(head.at.max(from)));
             }
         }
@@ -104,6 +106,7 @@ impl Head {
         to: f64,
         (bodies, filter): (&Bodies<'_>, &F),
         limits: Limits,
+        scratch: &mut Scratch,
         meter: &mut Meter,
         (survivors, stats): &mut Found<'_>,
     ) -> Result<bool, Crowded> {
@@ -115,10 +118,11 @@ impl Head {
         self.begin(to.min(until));
         let strict = self.stride.limits(limits, bodies.flights.len());
         let before = meter.done();
-        self.slice.refresh(bodies, filter, None, strict, |work| {
-            meter.count(work);
-            !meter.is_spent()
-        });
+        self.slice
+            .refresh(bodies, filter, None, strict, scratch, |work| {
+                meter.count(work);
+                !meter.is_spent()
+            });
         let crowded = self.slice.check_room();
         self.stride.work += meter.done() - before;
         **stats += std::mem::take(&mut self.slice.stats);

@@ -305,6 +305,7 @@ impl Monitor {
         for (id, flight) in flights.collect::<Result<Vec<_>, Error>>()? {
             self.outlook.set(id.slot, Some(flight));
         }
+        self.outlook.find_partners(&self.scene, None);
         Ok(())
     }
 
@@ -342,7 +343,8 @@ impl Monitor {
                 return Ok(());
             }
             self.review = Review::made(bodies, now);
-            let signs = Signs::of(&self.scene, margin, span);
+            let velocity = grid.frame.velocity();
+            let signs = Signs::of(&self.scene, margin, span, velocity);
             if grid.suits(&self.scene, margin, &signs) {
                 return Ok(());
             }
@@ -360,6 +362,7 @@ impl Monitor {
         self.changed_bodies += 1;
         self.review.changes += 1;
         self.outlook.set(id.slot, flight);
+        self.outlook.find_partners(&self.scene, Some(id.slot));
     }
 
     /// The end of a new plan is to be told, once it comes into sight.

@@ -4,42 +4,31 @@ use super::bodies::Bodies;
 use super::kept::{Entry, Kept};
 use crate::narrow_phase::{Contact, Solved, contacts_of, solve};
 use crate::simd::prefetch;
-use crate::spans::Span;
+use crate::spans::SpanKey;
 use std::slice::from_ref;
 
 /// Two bodies, the smaller slot first.
 pub(super) type Slots = (u32, u32);
 
-/// A pair (by slot, the smaller first) and a cubic of each.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Key {
-    pub(super) a: u32,
-    pub(super) b: u32,
-    pub(super) span_a: u32,
-    pub(super) span_b: u32,
-}
-
-impl Key {
-    pub(super) fn pair(&self) -> Slots {
-        (self.a, self.b)
-    }
-}
-
 /// There is too little room.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Crowded;
 
-/// Sorts survivors by their keys; each stays once.
-pub(super) fn put_in_order(survivors: &mut Vec<(Key, Span)>) {
-    survivors.sort_unstable_by_key(|(key, _)| *key);
-    survivors.dedup_by_key(|(key, _)| *key);
+/// Sorts survivors; each stays once.
+pub(super) fn put_in_order(survivors: &mut Vec<SpanKey>) {
+    survivors.sort_unstable();
+    survivors.dedup();
+}
+
+fn pair_of(key: &SpanKey) -> Slots {
+    (key.a, key.b)
 }
 
 /// See the module.
 #[derive(Debug, Default)]
 pub(super) struct Finds {
     /// The solution of each span for each two spheres.
-    finds: Kept<Key, Solved>,
+    finds: Kept<SpanKey, Solved>,
     /// Pairs to which spans were added, or with a body of which all was forgotten, since they were
     /// [taken](Self::take_changed). (Not those of which something has passed: that changes nothing
     /// that is still to come, and who reads them sees when.)
@@ -56,9 +45,9 @@ impl Finds {
     pub(super) fn forget(&mut self, is_gone: impl Fn(Slots) -> bool) {
         let changed = &mut self.changed;
         self.finds.retain(|find, _| {
-            let is_gone = is_gone(find.key.pair());
+            let is_gone = is_gone(pair_of(&find.key));
             if is_gone {
-                changed.push(find.key.pair());
+                changed.push(pair_of(&find.key));
             }
             !is_gone
         });
@@ -69,7 +58,7 @@ impl Finds {
         self.finds.retain(|find, _| find.interval.1 >= from);
     }
 
-    /// Solves the survivors (sorted by key, each once) that are not there yet, and keeps those that come
+    /// Solves the survivors (sorted, each once) that are not there yet, and keeps those that come
     /// within the margin; returns how many were solved.
     ///
     /// # Errors
@@ -77,13 +66,13 @@ impl Finds {
     /// If there were more than `most` in all.
     pub(super) fn add(
         &mut self,
-        survivors: &[(Key, Span)],
+        survivors: &[SpanKey],
         bodies: &Bodies<'_>,
         most: usize,
     ) -> Result<u64, Crowded> {
         let room = most.saturating_sub(self.len());
         let (mut count, mut added) = (0, 0);
-        for &(key, span) in survivors {
+        for &key in survivors {
             if self.finds.has(&key) {
                 continue;
             }
@@ -92,13 +81,14 @@ impl Finds {
                 continue;
             };
             count += 1;
+            let span = key.span(&a.knots, &b.knots);
             let before = added;
             solve(&a, &b, span, bodies.margin, |solved| {
                 self.finds.add(key, (span.start, span.end), solved);
                 added += 1;
             });
             if added > before {
-                self.changed.push(key.pair());
+                self.changed.push(pair_of(&key));
             }
             if added > room {
                 self.finds.settle();
@@ -130,13 +120,13 @@ impl Finds {
     /// Which cubics of the two bodies that is about.
     pub(super) fn spans_fetched(&self, pair: Slots) -> impl Iterator<Item = (u32, u32)> {
         let fetched = self.of(pair).take(Self::FETCHED);
-        fetched.map(|find| (find.key.span_a, find.key.span_b))
+        fetched.map(|find| (find.key.cubic_a, find.key.cubic_b))
     }
 
-    fn of(&self, pair: Slots) -> impl Iterator<Item = &Entry<Key>> {
+    fn of(&self, pair: Slots) -> impl Iterator<Item = &Entry<SpanKey>> {
         let entries = self.finds.entries();
-        let first = entries.partition_point(|find| find.key.pair() < pair);
-        let of_pair = move |find: &&Entry<Key>| find.key.pair() == pair;
+        let first = entries.partition_point(|find| pair_of(&find.key) < pair);
+        let of_pair = move |find: &&Entry<SpanKey>| pair_of(&find.key) == pair;
         entries[first..].iter().take_while(of_pair)
     }
 

@@ -26,6 +26,8 @@ pub(super) struct Flight {
     ends: (f64, f64),
     /// Up to where a plan without end is laid out, s; infinite for one that has an end.
     until: f64,
+    /// The body may be part of a pair.
+    pub(super) has_partner: bool,
 }
 
 impl Flight {
@@ -44,6 +46,7 @@ impl Flight {
             begin: window.start(),
             ends: Knots::of(trajectory.knots()).ends(),
             until: f64::INFINITY,
+            has_partner: true,
         };
         if trajectory.goes_beyond() {
             flight.lay_out(trajectory, window.end(), spare)?;
@@ -114,6 +117,14 @@ impl Flights {
         if let (true, Some(pieces)) = (is_replaced, before.and_then(|before| before.beyond)) {
             self.spare.give_back(pieces);
         }
+    }
+
+    /// Notes which bodies may be part of a pair; returns whether that is new of the one in a slot.
+    pub(super) fn set_partner(&mut self, slot: u32, has_partner: bool) -> bool {
+        let flight = self.by_slot.get_mut(slot as usize);
+        flight.and_then(Option::as_mut).is_some_and(|flight| {
+            std::mem::replace(&mut flight.has_partner, has_partner) != has_partner
+        })
     }
 
     /// Memory for flights.

@@ -41,6 +41,7 @@ impl Monitor {
         }
         let filter = Admission {
             scene: &self.scene,
+            margin: self.outlook.reach().0,
             interrupt: None,
         };
         let mut conflicts = Vec::new();

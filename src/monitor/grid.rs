@@ -69,8 +69,14 @@ impl Review {
 }
 
 impl Signs {
-    /// Of a scene's bodies within a lookahead from an instant on (s), for pairs within `margin` (m).
-    pub(super) fn of(scene: &Scene, margin: f64, (from, lookahead): (f64, f64)) -> Self {
+    /// Of a scene's bodies within a lookahead from an instant on (s), for pairs within `margin` (m) in
+    /// boxes that move with a velocity (m/s).
+    pub(super) fn of(
+        scene: &Scene,
+        margin: f64,
+        (from, lookahead): (f64, f64),
+        velocity: DVec3,
+    ) -> Self {
         let mut speeds = [0.0; Scene::SAMPLE];
         let mut places = [DVec3::ZERO; Scene::SAMPLE];
         let mut count = 0;
@@ -86,7 +92,7 @@ impl Signs {
             ) else {
                 continue;
             };
-            speeds[count] = v.length().max(w.length());
+            speeds[count] = (v - velocity).length().max((w - velocity).length());
             places[count] = place;
             count += 1;
         }
@@ -135,9 +141,10 @@ impl Grid {
         let cheapest = f64::from(scene.cheapest_slices(&query)?);
         // Whole: else part of the next one would be due with the first tick.
         let ahead = Self::number(cheapest, scene.len()).round();
-        let signs = Signs::of(scene, margin, (origin, lookahead));
+        let velocity = scene.common_velocity((origin, origin + lookahead));
+        let signs = Signs::of(scene, margin, (origin, lookahead), velocity);
         let grid = Self {
-            frame: Frame::amid(scene.extremes(), signs.middle, margin.abs()),
+            frame: Frame::amid(scene.extremes(), signs.middle, margin.abs()).moving(velocity),
             origin,
             length: lookahead / ahead,
             ahead,

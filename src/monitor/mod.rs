@@ -178,13 +178,15 @@ pub struct Monitor {
 /// Layers and ignored pairs, by slot.
 struct Admission<'s> {
     scene: &'s Scene,
+    /// The widest margin, m.
+    margin: f64,
     /// Set when nobody waits for the answer any more.
     interrupt: Option<&'s AtomicBool>,
 }
 
 impl PairFilter for Admission<'_> {
     fn admits(&self, a: u32, b: u32) -> bool {
-        self.scene.admits(a, b)
+        self.scene.admits(a, b, self.margin)
     }
 
     fn gives_up(&self) -> bool {

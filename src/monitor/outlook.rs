@@ -12,22 +12,25 @@ mod ask;
 use super::bodies::{Bodies, Moved};
 use super::bridge::Bridge;
 use super::budget::Meter;
-use super::finds::{Crowded, Finds, Key, Slots, put_in_order};
+use super::finds::{Crowded, Finds, Slots, put_in_order};
 use super::flights::{Flight, Flights};
 use super::grid::Grid;
 use super::recent::Recent;
-use super::slice::{Limits, Slice};
+use super::slice::{Limits, Scratch, Slice};
 use super::spare::Spare;
 use crate::bounds::Frame;
 use crate::broad_phase::PairFilter;
 use crate::error::Error;
 use crate::narrow_phase::{Contact, Party};
 use crate::parallel;
+use crate::pool::Pool;
 use crate::rounding::{seen_from, seen_until};
 use crate::scene::Scene;
-use crate::spans::Span;
+use crate::spans::SpanKey;
 use crate::stats::Stats;
 use std::collections::VecDeque;
+use std::sync::atomic::AtomicUsize;
+use std::sync::atomic::Ordering::Relaxed;
 use std::time::Instant;
 
 /// See the module.
@@ -41,7 +44,8 @@ pub(super) struct Outlook {
     slices: VecDeque<Slice>,
     spare: Vec<Slice>,
     bridge: Bridge,
-    survivors: Vec<(Key, Span)>,
+    survivors: Vec<SpanKey>,
+    pool: Pool<Scratch>,
     /// Bodies that changed since the last catching up, each once.
     dirty: Vec<u32>,
     is_dirty: Vec<bool>,
@@ -51,6 +55,8 @@ pub(super) struct Outlook {
     moved: Moved,
     /// Where the slices of the lookahead begin and end, s.
     ends: Vec<f64>,
+    /// See [`Partners::revision`](crate::scene::Partners::revision).
+    partners: Option<(u64, u64)>,
     /// Where the lookahead ended when it was last caught up with, s.
     reached: f64,
     /// With more spans it is too crowded.
@@ -72,12 +78,14 @@ impl Outlook {
             spare: Vec::new(),
             bridge: Bridge::default(),
             survivors: Vec::new(),
+            pool: Pool::default(),
             dirty: Vec::new(),
             is_dirty: Vec::new(),
             recent: Recent::default(),
             left_out: Vec::new(),
             moved: Moved::default(),
             ends: Vec::new(),
+            partners: None,
             reached: grid.origin,
             most_spans,
         }
@@ -121,6 +129,28 @@ impl Outlook {
     pub(super) fn set(&mut self, slot: u32, flight: Option<Flight>) {
         self.flights.set(slot, flight);
         self.forget(slot);
+    }
+
+    /// Finds which bodies may be part of a pair: of the one in a slot, and of all if that may have changed.
+    pub(super) fn find_partners(&mut self, scene: &Scene, slot: Option<u32>) {
+        let partners = scene.partners(self.margin);
+        let revision = Some(partners.revision());
+        let has = |slot: u32| {
+            scene
+                .in_slot(slot)
+                .is_some_and(|(_, one)| partners.has(&one.body))
+        };
+        if std::mem::replace(&mut self.partners, revision) == revision {
+            if let Some(slot) = slot {
+                self.flights.set_partner(slot, has(slot));
+            }
+            return;
+        }
+        for slot in (0_u32..).take(self.flights.len()) {
+            if self.flights.set_partner(slot, has(slot)) {
+                self.forget(slot);
+            }
+        }
     }
 
     /// Fetches what is known of a body into the caches.
@@ -198,20 +228,25 @@ impl Outlook {
         stats: &mut Stats,
     ) -> Result<f64, Crowded> {
         self.spread_changes();
-        self.survivors.clear();
-        let reached = self.look(scene, (from, to), filter, meter, stats)?;
-        self.dirty.clear();
-        let begin = Instant::now();
-        let bodies = Bodies::of(scene, &self.flights, (&self.grid.frame, self.margin));
-        self.finds.forget_before(from);
-        put_in_order(&mut self.survivors);
-        let most = self.most_spans;
-        stats.survivors += self.finds.add(&self.survivors, &bodies, most)?;
-        stats.narrow_time += begin.elapsed();
-        Ok(meter.until().unwrap_or(reached))
+        loop {
+            self.survivors.clear();
+            let (reached, is_done) = self.look(scene, (from, to), filter, meter, stats)?;
+            self.dirty.clear();
+            let begin = Instant::now();
+            let bodies = Bodies::of(scene, &self.flights, (&self.grid.frame, self.margin));
+            self.finds.forget_before(from);
+            put_in_order(&mut self.survivors);
+            let most = self.most_spans;
+            stats.survivors += self.finds.add(&self.survivors, &bodies, most)?;
+            stats.narrow_time += begin.elapsed();
+            if is_done {
+                return Ok(meter.until().unwrap_or(reached));
+            }
+        }
     }
 
-    /// Looks at what is not up to date from `from` to `to`: lists survivors. Returns how far all is.
+    /// Looks at what is not up to date from `from` to `to`: lists survivors, as many as are solved at a time.
+    /// Returns how far all is, and whether all was looked at that the meter lets.
     fn look<F: PairFilter>(
         &mut self,
         scene: &Scene,
@@ -219,7 +254,7 @@ impl Outlook {
         filter: &F,
         meter: &mut Meter,
         stats: &mut Stats,
-    ) -> Result<f64, Crowded> {
+    ) -> Result<(f64, bool), Crowded> {
         let limits = Limits::of(self.most_spans);
         let present = self.start(self.index(to - self.grid.ahead * self.grid.length));
         let jump = (self.laid_until(from), present);
@@ -233,7 +268,7 @@ impl Outlook {
                 .bridge
                 .cross(jump, (&bodies, filter), limits, meter, found);
             if let Some(stop) = crossed? {
-                return Ok(stop);
+                return Ok((stop, true));
             }
             from = present;
         }
@@ -241,7 +276,7 @@ impl Outlook {
         let needed = self.lay_slices(from, to);
         let bodies = Bodies::of(scene, &self.flights, (&self.grid.frame, self.margin));
         let slices = self.slices.make_contiguous();
-        let mut known = to;
+        let (mut known, mut is_done) = (to, true);
         slices[..needed].iter_mut().for_each(Slice::need);
         if let [.., last, next] = slices {
             // It is due when the lookahead's end has passed through the last one.
@@ -256,18 +291,34 @@ impl Outlook {
         let is_parallel = meter.is_unlimited() && stale.count() > 1;
         if is_parallel {
             let begin = Instant::now();
-            self.moved.form(&bodies, &self.dirty, &self.ends);
+            let is_boxed = slices[..needed].iter().any(Slice::is_placed);
+            let dirty = if is_boxed { &self.dirty[..] } else { &[] };
+            self.moved.form(&bodies, dirty, &self.ends);
             stats.bounds_time += begin.elapsed();
             let (moved, first) = (&self.moved, slices[0].index);
+            let (found, most, pool) = (AtomicUsize::new(0), self.most_spans, &self.pool);
             parallel::for_each_chunk(slices, 1, |slices| {
                 for slice in slices {
+                    if found.load(Relaxed) > most {
+                        // These are solved first: there may be no room for more.
+                        return;
+                    }
                     let number = usize::try_from(slice.index - first).unwrap_or(usize::MAX);
                     let moved = (number < needed).then_some((moved, number));
-                    slice.refresh(&bodies, filter, moved, limits, |_| true);
+                    slice.refresh(&bodies, filter, moved, limits, &mut pool.take(), |_| true);
+                    let is_crowded = slice.check_room().is_err();
+                    let more = if is_crowded { most } else { 0 } + slice.survivors.len();
+                    found.fetch_add(more, Relaxed);
                 }
             });
+            is_done = found.into_inner() <= most;
         } else {
+            let mut found = 0;
             for (number, slice) in slices.iter_mut().enumerate() {
+                if found > self.most_spans {
+                    is_done = false;
+                    break;
+                }
                 let start = self.grid.origin + self.grid.length * as_number(slice.index);
                 let start = start.max(from);
                 let is_needed = number < needed;
@@ -278,11 +329,13 @@ impl Outlook {
                     continue;
                 }
                 if !meter.is_spent() {
-                    slice.refresh(&bodies, filter, None, limits, |work| {
+                    let scratch = &mut self.pool.take();
+                    slice.refresh(&bodies, filter, None, limits, scratch, |work| {
                         meter.count(work);
                         !meter.is_spent()
                     });
                 }
+                found += slice.survivors.len();
                 if is_needed && !slice.is_fresh(&bodies) {
                     // What is reported at its very start may be found in it.
                     known = seen_from(start).next_down().max(from).min(to);
@@ -306,7 +359,7 @@ impl Outlook {
             }
             *stats += std::mem::take(&mut slice.stats);
         }
-        Ok(known)
+        Ok((known, is_done))
     }
 
     /// Up to where slices are there already, from `from` on, s.

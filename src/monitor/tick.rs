@@ -142,6 +142,7 @@ impl Monitor {
         };
         let admission = Admission {
             scene: &self.scene,
+            margin: self.outlook.reach().0,
             interrupt: self.interrupt.as_deref(),
         };
         let (known, ()) = parallel::join(

@@ -37,6 +37,7 @@ impl TryFrom<Parts> for Scene {
         let mut scene = Self::default();
         for (slot, (generation, body)) in (0..).zip(parts.slots) {
             scene.len += usize::from(body.is_some());
+            body.iter().for_each(|body| scene.kinds.add(body));
             scene.slots.push(Slot {
                 generation,
                 occupant: body.map(|body| Occupant::new(body, &mut scene.atlas, slot)),

@@ -1,6 +1,6 @@
 //! The bodies of a scene as the pipeline sees them: by place, in the order of their ids.
 
-use super::scratch::Pool;
+use super::scratch::Scratch;
 use super::survey::{Survey, single};
 use crate::accuracy::Accuracy;
 use crate::bounds::{Frame, Inflation, Pose, Stroke};
@@ -14,8 +14,9 @@ use crate::knots::Knots;
 use crate::layers::Layers;
 use crate::narrow_phase::Party;
 use crate::parallel;
+use crate::pool::Pool;
 use crate::query::Query;
-use crate::scene::{Atlas, Beyond, Body, IgnoredPairs, Occupant, Scene};
+use crate::scene::{Atlas, Beyond, Body, IgnoredPairs, Occupant, Scene, can_reach, radius};
 use crate::spans::common_domain;
 use crate::window::Window;
 use std::num::NonZeroU32;
@@ -39,14 +40,15 @@ pub(super) struct LineUp<'a> {
     pub(super) prescribed: Option<NonZeroU32>,
     /// Room for survivors.
     pub(super) most_spans: usize,
-    pub(super) pool: &'a Pool,
+    pub(super) pool: &'a Pool<Scratch>,
     atlas: &'a Atlas,
-    frame: Frame,
+    pub(super) frame: Frame,
     survey: Survey,
 }
 
 impl<'a> LineUp<'a> {
     pub(super) fn new(scene: &'a Scene, query: &Query) -> Result<Self, Error> {
+        let partners = scene.partners(query.margin());
         let mut survey = Survey::of(scene.len(), query.window(), query.margin());
         let mut ids = Vec::with_capacity(scene.len());
         let mut occupants = Vec::with_capacity(scene.len());
@@ -57,14 +59,16 @@ impl<'a> LineUp<'a> {
             if occupant.body.trajectory.goes_beyond() {
                 going_on.push(place);
             } else {
-                survey.include(place, occupant, None);
+                survey.include(place, (occupant, None), partners.has(&occupant.body));
             }
         }
         let beyond = lay_out(&occupants, &going_on, query.window())?;
         let mut laid_out = beyond.iter().peekable();
         for place in going_on {
             let beyond = laid_out.next_if(|(beyond, _)| *beyond == place);
-            survey.include(place, occupants[place], beyond.map(|(_, beyond)| &**beyond));
+            let occupant: &Occupant = occupants[place];
+            let beyond = beyond.map(|(_, beyond)| &**beyond);
+            survey.include(place, (occupant, beyond), partners.has(&occupant.body));
         }
         let frame = survey.frame(scene);
         let mut line_up = Self {
@@ -149,7 +153,7 @@ impl<'a> LineUp<'a> {
     }
 
     pub(super) fn is_unfiltered(&self, scene: &Scene) -> bool {
-        scene.ignored().is_empty() && self.survey.is_in_all_layers
+        scene.ignored().is_empty() && self.survey.is_in_all_layers && self.margin >= 0.0
     }
 
     /// How much moves in the window, from what is known of each body as a whole.
@@ -177,15 +181,24 @@ impl LastInflation {
 /// Layers and ignored pairs, by place in the line-up.
 pub(super) struct Admission<'a> {
     layers: Vec<Layers>,
+    /// Where the margin is negative: some pairs cannot be within it.
+    radii: Vec<f64>,
+    margin: f64,
     ids: &'a [BodyId],
     ignored: &'a IgnoredPairs,
 }
 
 impl<'a> Admission<'a> {
     pub(super) fn new(scene: &'a Scene, line_up: &'a LineUp<'_>) -> Self {
-        let occupants = line_up.occupants.iter();
+        let bodies = || line_up.occupants.iter().map(|occupant| &occupant.body);
+        let is_negative = line_up.margin < 0.0;
+        let radii = bodies()
+            .filter(|_| is_negative)
+            .map(|body| radius(&body.hitbox));
         Self {
-            layers: occupants.map(|occupant| occupant.body.layers).collect(),
+            layers: bodies().map(|body| body.layers).collect(),
+            radii: radii.collect(),
+            margin: line_up.margin,
             ids: &line_up.ids,
             ignored: scene.ignored(),
         }
@@ -196,6 +209,7 @@ impl PairFilter for Admission<'_> {
     fn admits(&self, a: u32, b: u32) -> bool {
         let (a, b) = (a as usize, b as usize);
         self.layers[a].admits(self.layers[b])
+            && (self.radii.is_empty() || can_reach(self.radii[a], self.radii[b], self.margin))
             && (self.ignored.is_empty() || !self.ignored.contains(self.ids[a], self.ids[b]))
     }
 }

@@ -14,7 +14,7 @@ mod solve;
 mod survey;
 mod survivors;
 
-pub(crate) use scratch::Pool;
+pub(crate) use scratch::Scratch;
 pub(crate) use solve::conflict;
 
 use crate::accuracy::TimeEnclosure;

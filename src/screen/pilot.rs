@@ -112,6 +112,13 @@ impl Trial {
         (slice + self.boxes * per_box + candidates * cost::CANDIDATE + near) / factor
     }
 
+    /// Whether comparing is by far the most of the work. Where boxes are so long that nearly all meet,
+    /// slices some times shorter show no gain yet: only far shorter ones tell whether they pay.
+    fn is_crowded(&self) -> bool {
+        const MOST: f64 = 8.0;
+        self.candidates * cost::CANDIDATE > MOST * self.boxes * cost::BOX
+    }
+
     /// The volume of a mean box in a slice `factor` times as long.
     fn volume(&self, factor: f64) -> f64 {
         self.extents
@@ -143,8 +150,9 @@ impl LineUp<'_> {
         /// Fewer bodies are not worth a trial, unless they would have more boxes than these.
         const FEW: usize = 64;
         const FEW_BOXES: f64 = 4096.0;
-        /// Each may change the length fourfold.
+        /// Each may change the length fourfold, and in a crowd by this factor.
         const MOST_TRIALS: usize = 6;
+        const SHORTER: f64 = 8.0;
         let window = (
             seen_from(self.window.start()),
             seen_until(self.window.end()),
@@ -166,9 +174,29 @@ impl LineUp<'_> {
         let presence = self.presence.of_some(&sample);
         let whole = self.ids.len() as f64 / sample.len() as f64;
         let mut last: Option<(Trial, f64)> = None;
+        // The cheapest crowded slices.
+        let mut crowded: Option<(f64, Slices)> = None;
         for _ in 0..MOST_TRIALS {
             let cubics = 1.0 + traffic.cubics_in(slices.length());
             let trial = self.trial(&presence, &sampled, &slices, whole, cubics);
+            let most = traffic.most_slices(window).min(spans / trial.near);
+            let count = f64::from(slices.count());
+            let cost = trial.cost(1.0, &Growth::ASSUMED) * count;
+            let least = crowded.map_or(f64::INFINITY, |(cost, _)| cost);
+            if trial.is_crowded() && last.is_none() {
+                if cost < least {
+                    crowded = Some((cost, slices));
+                }
+                let next = slices.with_count((SHORTER * count).min(most));
+                if next.count() > slices.count() {
+                    slices = next;
+                    continue;
+                }
+            }
+            if let Some((_, before)) = crowded.filter(|_| cost > least) {
+                slices = before;
+                break;
+            }
             let growth = last.as_ref().map_or(Growth::ASSUMED, |(last, factor)| {
                 Growth::between(last, &trial, *factor)
             });
@@ -178,9 +206,7 @@ impl LineUp<'_> {
             if turned {
                 factor = factor.sqrt();
             }
-            let count = f64::from(slices.count()) / factor;
-            let most = traffic.most_slices(window).min(spans / trial.near);
-            let next = slices.with_count(count.min(most));
+            let next = slices.with_count((count / factor).min(most));
             let settled = turned || SETTLED.contains(&factor) || next.count() == slices.count();
             slices = next;
             if settled {
@@ -202,14 +228,14 @@ impl LineUp<'_> {
     ) -> Trial {
         const PLACES: u32 = 3;
         let places = PLACES.min(slices.count());
-        let mut borrowed = self.pool.take();
+        let mut scratch = self.pool.take();
         let Scratch {
             present,
             block,
             sweep,
             candidates,
             ..
-        } = &mut borrowed.scratch;
+        } = &mut *scratch;
         let (mut boxes, mut found, mut near, mut shares) = (0.0, 0.0, 0.0, 0.0);
         let mut extents = [0.0; 3];
         for place in 0..places {
@@ -218,6 +244,7 @@ impl LineUp<'_> {
             presence.list(slices.interval(first), present);
             self.level.run(Fill {
                 block: &mut *block,
+                frame: &self.frame,
                 poses,
                 present: &*present,
                 ends: &slices.ends(first..first + 1),

@@ -4,15 +4,13 @@ use super::arrange::Arranger;
 use super::sift::Sieve;
 use crate::broad_phase::fill::Block;
 use crate::broad_phase::{BruteForce, Candidate, Sweep, Tree};
-use std::fmt;
-use std::sync::{Mutex, PoisonError};
 
 /// What one thread reuses from slice to slice.
 ///
 /// A box, its course and its body take 64 bytes, in each slice of a block; the sweep's own lists 40
 /// to 130 a box of one slice.
 #[derive(Debug, Default)]
-pub(super) struct Scratch {
+pub(crate) struct Scratch {
     pub(super) brute_force: BruteForce,
     pub(super) tree: Tree,
     pub(super) sweep: Sweep,
@@ -24,52 +22,6 @@ pub(super) struct Scratch {
     pub(super) counts: Vec<usize>,
     pub(super) sieve: Sieve,
     pub(super) arranger: Arranger,
-}
-
-/// Scratch that is not in use, kept by a scene: first use of fresh memory costs as much as forming
-/// the boxes that are written to it.
-#[derive(Default)]
-pub(crate) struct Pool {
-    spare: Mutex<Vec<Scratch>>,
-}
-
-impl Pool {
-    /// Scratch from the pool, to which it returns when dropped.
-    pub(super) fn take(&self) -> Borrowed<'_> {
-        let spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
-        let scratch = { spare }.pop().unwrap_or_default();
-        Borrowed {
-            scratch,
-            pool: self,
-        }
-    }
-}
-
-impl Clone for Pool {
-    /// An empty one: what it holds is of no interest.
-    fn clone(&self) -> Self {
-        Self::default()
-    }
-}
-
-impl fmt::Debug for Pool {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.debug_struct("Pool").finish_non_exhaustive()
-    }
-}
-
-/// See [`Pool::take`].
-pub(super) struct Borrowed<'a> {
-    pub(super) scratch: Scratch,
-    pool: &'a Pool,
-}
-
-impl Drop for Borrowed<'_> {
-    fn drop(&mut self) {
-        let scratch = std::mem::take(&mut self.scratch);
-        let spare = self.pool.spare.lock();
-        spare.unwrap_or_else(PoisonError::into_inner).push(scratch);
-    }
 }
 
 #[cfg(test)]

@@ -55,12 +55,18 @@ impl Survey {
     }
 
     /// Takes in a body, and what it follows if it goes on beyond its knots in the window.
-    pub(super) fn include(&mut self, place: usize, occupant: &Occupant, beyond: Option<&Beyond>) {
+    /// Of one with no partner nothing matters.
+    pub(super) fn include(
+        &mut self,
+        place: usize,
+        (occupant, beyond): (&Occupant, Option<&Beyond>),
+        has_partner: bool,
+    ) {
         let (body, plan) = (&occupant.body, occupant.outline());
         let outline = beyond.map_or(plan, |beyond| &beyond.outline);
         self.is_in_all_layers &= body.layers == Layers::ALL;
         let (first, last) = outline.sketch.ends();
-        if body.layers.is_none() {
+        if !has_partner {
             self.lives[place] = (f64::INFINITY, f64::NEG_INFINITY);
             return;
         }
@@ -105,10 +111,11 @@ impl Survey {
 
     /// A frame for all bodies that exist in the window, where most of them are.
     pub(super) fn frame(&self, scene: &Scene) -> Frame {
-        let some = scene.sample((self.window.start(), self.window.end()));
+        let window = (self.window.start(), self.window.end());
+        let some = scene.sample(window);
         let mut places: Vec<DVec3> = some.map(|one| one.outline().extremes.middle()).collect();
         let most = Extremes::of_middle_half(&mut places);
-        Frame::amid(self.extremes, most, self.size)
+        Frame::amid(self.extremes, most, self.size).moving(scene.common_velocity(window))
     }
 
     /// How much moves in the window.

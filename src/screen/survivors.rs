@@ -44,8 +44,7 @@ impl LineUp<'_> {
         while first < blocks.count {
             let round = blocks.round.min(blocks.count - first);
             let take = || self.pool.take();
-            let results = parallel::map(round, 1, take, |borrowed, block| {
-                let scratch = &mut borrowed.scratch;
+            let results = parallel::map(round, 1, take, |scratch, block| {
                 let range = blocks.range(first + block);
                 let found = self.block(&method, bodies, slices, range, filter, scratch);
                 let done = done_blocks.fetch_add(1, Ordering::Relaxed) + 1;
@@ -105,6 +104,7 @@ impl LineUp<'_> {
             .list((ends[0], ends[ends.len() - 1]), &mut scratch.present);
         self.level.run(Fill {
             block: &mut scratch.block,
+            frame: &self.frame,
             poses,
             present: &scratch.present,
             ends: &ends,

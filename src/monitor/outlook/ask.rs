@@ -81,7 +81,8 @@ impl Outlook {
             // What slices know of these is out of date, wherever it is.
             let mut met = Vec::new();
             let bodies = Bodies::of(scene, &self.flights, (&self.grid.frame, self.margin));
-            form(&[pose], &[window.0, window.1], &mut answer.block);
+            let ends = [window.0, window.1];
+            form(&self.grid.frame, &[pose], &ends, &mut answer.block);
             for own in &answer.block.slices[0].boxes {
                 self.recent.meeting(&bodies, window, &own.aabb, &mut met);
             }
@@ -91,7 +92,7 @@ impl Outlook {
         }
         for slice in &self.slices {
             if slice.covers_some_of(window) {
-                slice.neighbours(&pose, &mut answer);
+                slice.neighbours(&self.grid.frame, &pose, &mut answer);
             }
         }
         answer.neighbours

@@ -1,7 +1,7 @@
 //! Who may come near a plan that is not in place.
 
 use super::Slice;
-use crate::bounds::Pose;
+use crate::bounds::{Frame, Pose};
 use crate::broad_phase::fill::Block;
 use crate::monitor::bodies::form;
 use crate::monitor::boxes::Search;
@@ -31,14 +31,19 @@ pub(in crate::monitor) struct Answer {
 impl Slice {
     /// Lists the bodies that may be near one in this pose within the slice. What has changed since it
     /// was boxed here may be anywhere.
-    pub(in crate::monitor) fn neighbours(&self, pose: &Pose<'_, Segment>, answer: &mut Answer) {
+    pub(in crate::monitor) fn neighbours(
+        &self,
+        frame: &Frame,
+        pose: &Pose<'_, Segment>,
+        answer: &mut Answer,
+    ) {
         let Answer {
             neighbours,
             block,
             search,
             met,
         } = answer;
-        form(from_ref(pose), &self.ends(), block);
+        form(frame, from_ref(pose), &self.ends(), block);
         let own = &block.slices[0];
         met.clear();
         self.boxes.meeting(&own.boxes, search, |_, slot| {

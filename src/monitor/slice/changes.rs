@@ -1,6 +1,6 @@
 //! Bodies that changed since a slice was compared.
 
-use super::{Slice, Stage};
+use super::{Scratch, Slice, Stage};
 use crate::bounds::Course;
 use crate::broad_phase::{BodyBox, BroadPhase, PairFilter};
 use crate::monitor::bodies::{Bodies, Moved};
@@ -42,31 +42,38 @@ impl Slice {
         bodies: &Bodies<'_>,
         filter: &F,
         moved: Option<(&Moved, usize)>,
+        scratch: &mut Scratch,
     ) -> usize {
         let changed = self.changed.len();
-        self.box_changed(bodies, moved);
+        self.box_changed(bodies, moved, scratch);
         if changed > self.boxes.capacity() / Self::FEW_CHANGED {
-            self.boxes.replace(&self.listed);
-            self.list_all();
+            self.boxes.replace(&scratch.listed);
+            self.list_all(&mut scratch.listed);
             let concerns = Concerns {
                 is_changed: &self.is_changed,
                 filter,
             };
-            self.sweep
-                .pairs(&self.listed, &concerns, &mut self.candidates);
+            let Scratch { sweep, listed, .. } = scratch;
+            sweep.pairs(listed, &concerns, &mut self.candidates);
         } else {
-            self.boxes.move_to(&self.listed);
-            self.list_meeting(filter, |moved, other| other != moved);
+            self.boxes.move_to(&scratch.listed);
+            self.list_meeting(filter, scratch, |moved, other| other != moved);
         }
         self.end_at(self.stage, filter);
         changed
     }
 
     /// Lists the boxes of the changed bodies; takes out those that have none any more.
-    pub(super) fn box_changed(&mut self, bodies: &Bodies<'_>, moved: Option<(&Moved, usize)>) {
-        self.listed.clear();
+    pub(super) fn box_changed(
+        &mut self,
+        bodies: &Bodies<'_>,
+        moved: Option<(&Moved, usize)>,
+        scratch: &mut Scratch,
+    ) {
+        let Scratch { listed, block, .. } = scratch;
+        listed.clear();
         let ends = self.ends();
-        let (listed, courses) = (&mut self.listed, &mut self.courses);
+        let courses = &mut self.courses;
         courses.resize(bodies.flights.len(), Self::NO_COURSE);
         let mut list = |boxed: BodyBox, course: &Course| {
             courses[boxed.body as usize] = *course;
@@ -79,7 +86,6 @@ impl Slice {
             }
             _ => {
                 let changed = self.changed.iter().copied();
-                let block = &mut self.block;
                 bodies.boxes(changed, &ends, block, |_, boxed, course| {
                     list(boxed, course)
                 });

@@ -2,17 +2,19 @@
 
 mod ask;
 mod changes;
+mod parts;
 mod sift;
 
 use super::bodies::{Bodies, Moved};
 use super::boxes::{Boxes, Search};
-use super::finds::{Crowded, Key};
+use super::finds::Crowded;
 use crate::bounds::Course;
 use crate::broad_phase::fill::Block;
 use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter, Room, Sweep};
-use crate::spans::Span;
+use crate::spans::{Span, SpanKey};
 use crate::stats::Stats;
 pub(super) use ask::{Answer, Neighbour};
+use parts::Part;
 use sift::Near;
 use std::time::Instant;
 
@@ -31,20 +33,16 @@ pub(super) struct Slice {
     /// Bodies that changed since they were boxed.
     changed: Vec<u32>,
     is_changed: Vec<bool>,
-    listed: Vec<BodyBox>,
-    /// Memory for forming boxes.
-    block: Block,
-    search: Search,
+    /// Boxes, until all are there.
+    boxed: Vec<BodyBox>,
     candidates: Vec<Candidate>,
     /// Candidates before this one have been looked at.
     sifted: usize,
-    /// Candidates that may be near from their courses.
-    near: Vec<Near>,
-    /// Spans of some of them, these by number.
-    pieces: Vec<(usize, Span)>,
-    sweep: Sweep,
     /// What was found and not taken yet.
-    pub(super) survivors: Vec<(Key, Span)>,
+    pub(super) survivors: Vec<SpanKey>,
+    /// Parts of its time in which pairs are still to be looked for: boxes of the whole slice meet too
+    /// many others.
+    parts: Vec<Part>,
     /// There was too little room for what is in it: it was given up.
     is_crowded: bool,
     /// Nothing is done for it before it is needed.
@@ -52,26 +50,44 @@ pub(super) struct Slice {
     pub(super) stats: Stats,
 }
 
+/// What one thread reuses from slice to slice.
+#[derive(Debug, Default)]
+pub(super) struct Scratch {
+    /// Boxes of some bodies.
+    listed: Vec<BodyBox>,
+    block: Block,
+    search: Search,
+    /// Candidates that may be near from their courses.
+    near: Vec<Near>,
+    /// Spans of some of them, these by number.
+    pieces: Vec<(usize, Span)>,
+    sweep: Sweep,
+}
+
 /// What there is room for in a slice.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
-    /// Candidates at a time.
+    /// Candidates at a time. With more, the slice is divided.
     pub(super) candidates: u64,
     /// Spans that cheap tests cannot rule out, before they are solved.
     pub(super) survivors: usize,
 }
 
 impl Limits {
-    /// Half a GiB of candidates.
-    const CANDIDATES: u64 = 1 << 26;
+    /// 32 MiB of candidates, unless there is room for more spans.
+    const CANDIDATES: u64 = 1 << 22;
 
-    /// Survivors for each span that there is room for: they take a twentieth of what is kept of it.
+    /// Survivors for each span that there is room for: they take a fiftieth of what is kept of it.
     const SURVIVORS: usize = 8;
 
     /// Where there is room for so many spans in all.
     pub(super) const fn of(spans: usize) -> Self {
         Self {
-            candidates: Self::CANDIDATES,
+            candidates: if spans as u64 > Self::CANDIDATES {
+                spans as u64
+            } else {
+                Self::CANDIDATES
+            },
             survivors: spans.saturating_mul(Self::SURVIVORS),
         }
     }
@@ -133,12 +149,13 @@ impl Slice {
         self.interval = interval;
         self.stage = Stage::default();
         self.due = 0.0;
-        self.listed.clear();
+        self.boxed.clear();
         self.candidates.clear();
         self.sifted = 0;
         self.is_crowded = false;
         self.is_put_off = false;
         self.survivors.clear();
+        self.parts.clear();
         self.forget_changes();
     }
 
@@ -210,7 +227,7 @@ impl Slice {
     }
 
     /// Whether all bodies have their boxes in the tree.
-    const fn is_placed(&self) -> bool {
+    pub(super) const fn is_placed(&self) -> bool {
         matches!(self.stage, Stage::Joining(..) | Stage::Built)
     }
 
@@ -231,7 +248,10 @@ impl Slice {
             }
             Stage::Built => true,
         };
-        is_there && self.changed.is_empty() && self.sifted == self.candidates.len()
+        is_there
+            && self.changed.is_empty()
+            && self.parts.is_empty()
+            && self.sifted == self.candidates.len()
     }
 
     const fn ends(&self) -> [f64; 2] {
@@ -241,14 +261,19 @@ impl Slice {
     /// Appends the pairs of the listed boxes with the others that they meet and that are wanted
     /// beside them; not all if the filter gives up. Few are asked for admission only when they are
     /// looked at, which is cheaper; of many, those that are not admitted would fill the memory.
-    fn list_meeting<F: PairFilter>(&mut self, filter: &F, wanted: impl Fn(u32, u32) -> bool) {
-        for some in self.listed.chunks(Self::ASKED) {
+    fn list_meeting<F: PairFilter>(
+        &mut self,
+        filter: &F,
+        scratch: &mut Scratch,
+        wanted: impl Fn(u32, u32) -> bool,
+    ) {
+        for some in scratch.listed.chunks(Self::ASKED) {
             if filter.gives_up() {
                 return;
             }
             let candidates = &mut self.candidates;
             let before = candidates.len();
-            self.boxes.meeting(some, &mut self.search, |own, other| {
+            self.boxes.meeting(some, &mut scratch.search, |own, other| {
                 if wanted(own.body, other) {
                     candidates.push(Candidate::new(own.body, other));
                 }
@@ -277,19 +302,35 @@ impl Slice {
         filter: &F,
         moved: Option<(&Moved, usize)>,
         limits: Limits,
+        scratch: &mut Scratch,
+        goes_on: impl FnMut(usize) -> bool,
+    ) {
+        self.take_steps(bodies, filter, moved, limits, scratch, goes_on);
+        let is_used = self.sifted < self.candidates.len();
+        if !is_used && self.candidates.capacity() > Self::FEW_CANDIDATES + 4 * self.courses.len() {
+            self.candidates = Vec::new();
+            self.sifted = 0;
+        }
+    }
+
+    fn take_steps<F: PairFilter>(
+        &mut self,
+        bodies: &Bodies<'_>,
+        filter: &F,
+        moved: Option<(&Moved, usize)>,
+        limits: Limits,
+        scratch: &mut Scratch,
         mut goes_on: impl FnMut(usize) -> bool,
     ) {
         self.is_crowded = false;
         while !self.is_fresh(bodies) {
             let begin = Instant::now();
             let work = if self.sifted < self.candidates.len() {
-                let work = self.sift(bodies, filter);
+                let work = self.sift(bodies, filter, scratch);
                 self.stats.narrow_time += begin.elapsed();
                 work
             } else {
-                let room = Room::new(filter, limits.candidates);
-                let work = self.compare(bodies, &room, moved);
-                self.is_crowded = room.is_short();
+                let work = self.look(bodies, filter, moved, limits.candidates, scratch);
                 self.stats.broad_time += begin.elapsed();
                 work
             };
@@ -300,38 +341,67 @@ impl Slice {
                 return;
             }
         }
-        if self.candidates.capacity() > Self::FEW_CANDIDATES + 4 * self.courses.len() {
-            self.candidates = Vec::new();
-            self.sifted = 0;
-        }
     }
 
-    /// One step towards all candidates; returns how many boxes were formed.
+    /// One step towards all candidates, with room for so many at a time; returns how many boxes were formed.
+    /// A slice in which there are more is divided.
+    fn look<F: PairFilter>(
+        &mut self,
+        bodies: &Bodies<'_>,
+        filter: &F,
+        moved: Option<(&Moved, usize)>,
+        room: u64,
+        scratch: &mut Scratch,
+    ) -> usize {
+        self.candidates.clear();
+        self.sifted = 0;
+        let part = self.parts.pop();
+        let room = Part::room(part.as_ref(), bodies.flights.len(), room);
+        let filter = &Room::new(filter, room);
+        let boxes = match &part {
+            Some(part) => self.compare_part(bodies, filter, part, scratch),
+            None => self.compare(bodies, filter, moved, scratch),
+        };
+        if filter.is_short() {
+            self.candidates.clear();
+            self.divide(part, scratch);
+        } else if filter.gives_up() {
+            self.candidates.clear();
+            self.parts.extend(part);
+        }
+        self.stats.boxes += boxes as u64;
+        self.stats.candidates += self.candidates.len() as u64;
+        boxes
+    }
+
+    /// One step towards all candidates of the slice as a whole; returns how many boxes were formed.
     fn compare<F: PairFilter>(
         &mut self,
         bodies: &Bodies<'_>,
         filter: &F,
         moved: Option<(&Moved, usize)>,
+        scratch: &mut Scratch,
     ) -> usize {
-        self.candidates.clear();
-        self.sifted = 0;
-        let boxes = match self.stage {
+        match self.stage {
             Stage::Listing(slots) if slots < self.due_slots(bodies) => {
-                let until = self.list(bodies, slots);
+                let mut boxed = std::mem::take(&mut self.boxed);
+                let until = self.list(bodies, slots, &mut boxed, &mut scratch.block);
+                self.boxed = boxed;
                 self.stage = Stage::Listing(until);
                 until - slots
             }
             Stage::Placing(slots) if slots < self.due_slots(bodies) => {
-                self.listed.clear();
-                let until = self.list(bodies, slots);
-                self.boxes.move_to(&self.listed);
+                let Scratch { listed, block, .. } = scratch;
+                listed.clear();
+                let until = self.list(bodies, slots, listed, block);
+                self.boxes.move_to(listed);
                 self.stage = Stage::Placing(until);
                 until - slots
             }
             Stage::Placing(slots) if slots < bodies.flights.len() => {
                 let changed = self.changed.len();
-                self.box_changed(bodies, moved);
-                self.boxes.move_to(&self.listed);
+                self.box_changed(bodies, moved, scratch);
+                self.boxes.move_to(&scratch.listed);
                 self.forget_changes();
                 changed
             }
@@ -341,29 +411,34 @@ impl Slice {
                 0
             }
             Stage::Joining(leaves, order) if self.changed.is_empty() => {
-                self.join(filter, leaves, order);
+                self.join(filter, leaves, order, scratch);
                 0
             }
             Stage::Listing(_) => {
-                self.build(bodies, filter);
+                self.build(bodies, filter, scratch);
                 0
             }
-            Stage::Joining(..) | Stage::Built => self.compare_changed(bodies, filter, moved),
-        };
-        self.stats.boxes += boxes as u64;
-        self.stats.candidates += self.candidates.len() as u64;
-        boxes
+            Stage::Joining(..) | Stage::Built => {
+                self.compare_changed(bodies, filter, moved, scratch)
+            }
+        }
     }
 
-    /// Appends to `listed` the boxes of slots from `first` on, as many as are due, but not too many
-    /// at a time; returns the slot that comes next.
-    fn list(&mut self, bodies: &Bodies<'_>, first: usize) -> usize {
+    /// Appends the boxes of slots from `first` on to a list, as many as are due, but not too many at a
+    /// time; returns the slot that comes next.
+    fn list(
+        &mut self,
+        bodies: &Bodies<'_>,
+        first: usize,
+        listed: &mut Vec<BodyBox>,
+        block: &mut Block,
+    ) -> usize {
         let until = self.due_slots(bodies).min(first + Self::STEP);
         let slots = (first..until).filter_map(|slot| u32::try_from(slot).ok());
         let ends = self.ends();
-        let (listed, courses) = (&mut self.listed, &mut self.courses);
+        let courses = &mut self.courses;
         courses.resize(bodies.flights.len(), Self::NO_COURSE);
-        bodies.boxes(slots, &ends, &mut self.block, |_, boxed, course| {
+        bodies.boxes(slots, &ends, block, |_, boxed, course| {
             courses[boxed.body as usize] = *course;
             listed.push(boxed);
         });
@@ -382,17 +457,23 @@ impl Slice {
     }
 
     /// Compares the bodies of some more leaves, one of a pair after the other, with all.
-    fn join<F: PairFilter>(&mut self, filter: &F, leaves: usize, order: u32) {
+    fn join<F: PairFilter>(
+        &mut self,
+        filter: &F,
+        leaves: usize,
+        order: u32,
+        scratch: &mut Scratch,
+    ) {
         let first = if order == self.boxes.orders() {
             leaves
         } else {
             0
         };
         let until = self.due_leaves().min(first + Self::STEP_LEAVES);
-        self.listed.clear();
-        let listed = &mut self.listed;
+        scratch.listed.clear();
+        let listed = &mut scratch.listed;
         self.boxes.each(first..until, |body| listed.push(body));
-        self.list_meeting(filter, |own, other| other < own);
+        self.list_meeting(filter, scratch, |own, other| other < own);
         let stage = if until == self.boxes.leaves() {
             Stage::Built
         } else {
@@ -402,20 +483,26 @@ impl Slice {
     }
 
     /// All pairs, of boxes that are all there.
-    fn build<F: PairFilter>(&mut self, bodies: &Bodies<'_>, filter: &F) {
-        self.boxes.build(&self.listed);
-        if !self.changed.is_empty() {
-            self.box_changed(bodies, None);
-            self.boxes.replace(&self.listed);
-            self.list_all();
+    fn build<F: PairFilter>(&mut self, bodies: &Bodies<'_>, filter: &F, scratch: &mut Scratch) {
+        self.boxes.build(&self.boxed);
+        if self.changed.is_empty() {
+            scratch.listed.clone_from(&self.boxed);
+        } else {
+            self.box_changed(bodies, None, scratch);
+            self.boxes.replace(&scratch.listed);
+            self.list_all(&mut scratch.listed);
         }
-        self.sweep.pairs(&self.listed, filter, &mut self.candidates);
+        let Scratch { sweep, listed, .. } = scratch;
+        sweep.pairs(listed, filter, &mut self.candidates);
         self.end_at(Stage::Built, filter);
+        if self.stage == Stage::Built {
+            self.boxed = Vec::new();
+        }
     }
 
-    fn list_all(&mut self) {
-        self.listed.clear();
-        let (all, listed) = (0..self.boxes.leaves(), &mut self.listed);
-        self.boxes.each(all, |body| listed.push(body));
+    fn list_all(&self, listed: &mut Vec<BodyBox>) {
+        listed.clear();
+        self.boxes
+            .each(0..self.boxes.leaves(), |body| listed.push(body));
     }
 }

@@ -1,12 +1,11 @@
 //! From a slice's candidates to spans that may hold a contact, in the order of what a test costs.
 
-use super::Slice;
+use super::{Scratch, Slice};
 use crate::broad_phase::{Candidate, PairFilter};
 use crate::monitor::bodies::Bodies;
-use crate::monitor::finds::Key;
 use crate::narrow_phase::{Party, approaching, may_touch};
 use crate::simd::prefetch;
-use crate::spans::spans_from;
+use crate::spans::{SpanKey, spans_from};
 use std::ops::Range;
 use std::slice::from_ref;
 
@@ -30,11 +29,17 @@ impl Slice {
 
     /// Keeps the spans of some more candidates that cheap tests cannot rule out. Bodies that have
     /// changed since are compared anew.
-    pub(super) fn sift<F: PairFilter>(&mut self, bodies: &Bodies<'_>, filter: &F) -> usize {
+    pub(super) fn sift<F: PairFilter>(
+        &mut self,
+        bodies: &Bodies<'_>,
+        filter: &F,
+        scratch: &mut Scratch,
+    ) -> usize {
+        let Scratch { near, pieces, .. } = scratch;
         let first = self.sifted;
         self.sifted = self.candidates.len().min(first + Self::STEP);
-        self.judge(first..self.sifted);
-        for batch in self.near.chunks(Self::BATCH) {
+        self.judge(first..self.sifted, near);
+        for batch in near.chunks(Self::BATCH) {
             // What each loop reads lies anywhere in memory, and was fetched by the one before.
             let mut pairs = [[Party::NONE; 2]; Self::BATCH];
             for (pair, near) in pairs.iter_mut().zip(batch) {
@@ -47,26 +52,25 @@ impl Slice {
                     prefetch(&party.knots[..party.knots.len().min(Self::KNOTS)]);
                 }
             }
-            self.pieces.clear();
+            pieces.clear();
             for (number, ([a, b], near)) in pairs.iter().zip(batch).enumerate() {
                 let (from, to) = near.interval;
                 for span in spans_from(&a.knots, &b.knots, near.hints, from, to) {
                     prefetch(from_ref(&a.segments[span.a as usize]));
                     prefetch(from_ref(&b.segments[span.b as usize]));
-                    self.pieces.push((number, span));
+                    pieces.push((number, span));
                 }
             }
-            self.stats.spans += self.pieces.len() as u64;
-            for &(number, span) in &self.pieces {
+            self.stats.spans += pieces.len() as u64;
+            for &(number, span) in &*pieces {
                 let ([a, b], near) = (&pairs[number], &batch[number]);
                 if may_touch(a, b, span, bodies.margin, near.interval) {
-                    let key = Key {
+                    self.survivors.push(SpanKey {
                         a: near.pair.a,
                         b: near.pair.b,
-                        span_a: span.a,
-                        span_b: span.b,
-                    };
-                    self.survivors.push((key, span));
+                        cubic_a: span.a,
+                        cubic_b: span.b,
+                    });
                 }
             }
         }
@@ -74,8 +78,8 @@ impl Slice {
     }
 
     /// Lists which of some candidates may be near each other from their courses.
-    fn judge(&mut self, some: Range<usize>) {
-        self.near.clear();
+    fn judge(&self, some: Range<usize>, near: &mut Vec<Near>) {
+        near.clear();
         let candidates = &self.candidates[some];
         let is_changed = |slot: u32| self.is_changed.get(slot as usize) == Some(&true);
         for (number, &pair) in candidates.iter().enumerate() {
@@ -91,7 +95,7 @@ impl Slice {
                 continue;
             };
             if !is_changed(pair.a) && !is_changed(pair.b) {
-                self.near.push(Near {
+                near.push(Near {
                     pair,
                     interval,
                     hints: (a.first, b.first),

@@ -1,0 +1,63 @@
+//! Memory that one run leaves to the next.
+
+use std::fmt;
+use std::ops::{Deref, DerefMut};
+use std::sync::{Mutex, PoisonError};
+
+/// Scratch that is not in use: first use of fresh memory costs as much as what is written to it.
+#[derive(Default)]
+pub(crate) struct Pool<T> {
+    spare: Mutex<Vec<T>>,
+}
+
+impl<T: Default> Pool<T> {
+    /// Returns scratch from the pool, to which it returns when dropped.
+    pub(crate) fn take(&self) -> Pooled<'_, T> {
+        let spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
+        Pooled {
+            scratch: { spare }.pop().unwrap_or_default(),
+            pool: self,
+        }
+    }
+}
+
+impl<T: Default> Clone for Pool<T> {
+    /// An empty one: what it holds is of no interest.
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl<T> fmt::Debug for Pool<T> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.debug_struct("Pool").finish_non_exhaustive()
+    }
+}
+
+/// Scratch that is in use.
+pub(crate) struct Pooled<'p, T: Default> {
+    scratch: T,
+    pool: &'p Pool<T>,
+}
+
+impl<T: Default> Deref for Pooled<'_, T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        &self.scratch
+    }
+}
+
+impl<T: Default> DerefMut for Pooled<'_, T> {
+    fn deref_mut(&mut self) -> &mut T {
+        &mut self.scratch
+    }
+}
+
+impl<T: Default> Drop for Pooled<'_, T> {
+    fn drop(&mut self) {
+        let scratch = std::mem::take(&mut self.scratch);
+        let spare = self.pool.spare.lock();
+        spare.unwrap_or_else(PoisonError::into_inner).push(scratch);
+    }
+}

@@ -1,0 +1,115 @@
+//! Bodies that are part of no pair, whatever they do: no boxes are formed for them.
+
+use super::{Body, Scene};
+use crate::hitbox::Hitbox;
+use crate::layers::Layers;
+use crate::rounding::UNIT_ROUNDOFF;
+use std::collections::BTreeMap;
+
+/// Kinds of bodies in a scene: how many have the same layers, and how large they are.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Kinds {
+    /// By membership and filter: the number of bodies, and whether a partner is among all.
+    layers: BTreeMap<(u32, u32), (usize, bool)>,
+    /// No radius of a body that is or was there is larger, m.
+    largest: f64,
+    /// Changes when layers get their first partner or lose the last one.
+    revision: u64,
+}
+
+impl Kinds {
+    /// With more different layers, each is taken to have a partner.
+    const MANY: usize = 64;
+
+    pub(super) fn add(&mut self, body: &Body) {
+        self.add_radius(radius(&body.hitbox));
+        self.add_layers(body.layers);
+    }
+
+    pub(super) const fn add_radius(&mut self, radius: f64) {
+        self.largest = self.largest.max(radius);
+    }
+
+    pub(super) fn add_layers(&mut self, layers: Layers) {
+        let key = (layers.membership, layers.filter);
+        let (count, _) = self.layers.entry(key).or_default();
+        *count += 1;
+        if *count <= 2 {
+            self.find_partners();
+        }
+    }
+
+    pub(super) fn remove_layers(&mut self, layers: Layers) {
+        let key = (layers.membership, layers.filter);
+        if let Some((count, _)) = self.layers.get_mut(&key) {
+            *count -= 1;
+            match *count {
+                0 => drop(self.layers.remove(&key)),
+                1 => {}
+                _ => return,
+            }
+            self.find_partners();
+        }
+    }
+
+    /// Finds which layers have a partner; one body is none of itself.
+    fn find_partners(&mut self) {
+        let are_many = self.layers.len() > Self::MANY;
+        let some = self.layers.iter().take(Self::MANY);
+        let known: Vec<(Layers, usize)> = some
+            .map(|(&(membership, filter), &(count, _))| (Layers::new(membership, filter), count))
+            .collect();
+        for (&(membership, filter), (_, has_partner)) in self.layers.iter_mut().take(Self::MANY + 1)
+        {
+            let own = Layers::new(membership, filter);
+            let admits = |&(other, count): &(Layers, usize)| {
+                own.admits(other) && (own != other || count > 1)
+            };
+            let found = are_many || known.iter().any(admits);
+            self.revision += u64::from(std::mem::replace(has_partner, found) != found);
+        }
+    }
+}
+
+/// Which bodies may be part of a pair at all, with a margin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Partners<'s> {
+    kinds: &'s Kinds,
+    margin: f64,
+}
+
+impl Scene {
+    /// Returns which bodies may be part of a pair with a margin (m).
+    pub(crate) const fn partners(&self, margin: f64) -> Partners<'_> {
+        Partners {
+            kinds: &self.kinds,
+            margin,
+        }
+    }
+}
+
+impl Partners<'_> {
+    /// Returns false if the body is part of no pair: by its layers, or since the margin is so far below zero.
+    pub(crate) fn has(&self, body: &Body) -> bool {
+        let key = (body.layers.membership, body.layers.filter);
+        let has_partner = || self.kinds.layers.get(&key).is_some_and(|kind| kind.1);
+        (self.kinds.layers.len() > Kinds::MANY || has_partner())
+            && can_reach(radius(&body.hitbox), self.kinds.largest, self.margin)
+    }
+
+    /// Returns a value that changes with what [`has`](Self::has) says of bodies that stay as they are.
+    pub(crate) const fn revision(&self) -> (u64, u64) {
+        (self.kinds.revision, self.kinds.largest.to_bits())
+    }
+}
+
+/// Returns a radius that none of a hitbox's spheres exceeds, m.
+pub(crate) const fn radius(hitbox: &Hitbox) -> f64 {
+    hitbox.bounding().radius
+}
+
+/// Returns false if two radii and a margin (m) certainly add up to less than zero: no distance is within that.
+pub(crate) fn can_reach(one: f64, other: f64, margin: f64) -> bool {
+    let rounding = 4.0 * UNIT_ROUNDOFF * (one + other + margin.abs());
+    one + other + margin >= -rounding
+}

@@ -1,0 +1,333 @@
+//! Worlds in which boxes meet far more often than bodies: formations, fleets that pass each other, crowds
+//! that are none. What they cost is counted, not timed.
+
+#![allow(
+    unsafe_code,
+    reason = "a counting allocator: each call is handed on to the system's, unchanged"
+)]
+#![allow(
+    clippy::unwrap_used,
+    reason = "a scene that cannot be built fails the test"
+)]
+
+mod support;
+
+use nearmiss::glam::DVec3;
+use nearmiss::{
+    AlertLevel, Body, BodyId, Error, EventKind, Hitbox, Layers, Monitor, Query, Scene, Stats,
+    Trajectory,
+};
+use rand::RngExt;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use support::{line, rng};
+
+struct Counting;
+
+/// Bytes in use, of all threads, and the most there ever were.
+static USED: AtomicUsize = AtomicUsize::new(0);
+static PEAK: AtomicUsize = AtomicUsize::new(0);
+
+// SAFETY: every call goes to `System` with the arguments it came with.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        let used = USED.fetch_add(layout.size(), Ordering::Relaxed) + layout.size();
+        PEAK.fetch_max(used, Ordering::Relaxed);
+        // SAFETY: the caller's promises are passed on.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
+        USED.fetch_sub(layout.size(), Ordering::Relaxed);
+        // SAFETY: the caller's promises are passed on.
+        unsafe { System.dealloc(place, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// One test at a time: they share the counts.
+fn alone() -> MutexGuard<'static, ()> {
+    static ONE: Mutex<()> = Mutex::new(());
+    let guard = ONE.lock().unwrap_or_else(PoisonError::into_inner);
+    PEAK.store(USED.load(Ordering::Relaxed), Ordering::Relaxed);
+    guard
+}
+
+const GIB: usize = 1 << 30;
+
+/// Balls of 0.2 m, 1 m apart in a grid 100 wide at a height, that fly so for a minute.
+fn formation(scene: &mut Scene, count: u32, height: f64, velocity: impl FnMut() -> DVec3) {
+    let mut velocity = velocity;
+    for number in 0..count {
+        let from = DVec3::new(f64::from(number % 100), f64::from(number / 100), height);
+        let plan = line(0.0, 60.0, from, velocity());
+        let body = Body::new(plan).with_hitbox(Hitbox::sphere(0.2).unwrap());
+        scene.insert(body).unwrap();
+    }
+}
+
+const FAST: DVec3 = DVec3::new(100.0, 100.0, 0.0);
+
+fn screen(scene: &Scene, margin: f64) -> (Stats, usize) {
+    let query = Query::default().with_margin(margin).unwrap();
+    let screening = scene.screen(&query).unwrap();
+    (screening.stats, screening.conflicts.len())
+}
+
+fn monitor(scene: Scene, margin: f64) -> Monitor {
+    Monitor::new(scene, 0.0, 60.0, &[AlertLevel::at(margin)]).unwrap()
+}
+
+/// Only relative motion makes candidates.
+#[test]
+fn a_formation_has_no_candidates() {
+    let _one = alone();
+    let mut scene = Scene::new();
+    formation(&mut scene, 20_000, 0.0, || FAST);
+    // Some that fly elsewhere change nothing for the others.
+    let mut rng = rng(1);
+    for number in 0..200 {
+        let from = DVec3::new(f64::from(number), -50.0, 0.0);
+        let away = DVec3::new(0.0, rng.random_range(-9.0..0.0), 0.0);
+        scene
+            .insert(Body::new(line(0.0, 60.0, from, away)))
+            .unwrap();
+    }
+    let (stats, conflicts) = screen(&scene, 0.0);
+    assert_eq!(conflicts, 0);
+    let cost = |stats: &Stats| stats.boxes + stats.candidates;
+    assert!(cost(&stats) < 5_000_000, "{stats:?}");
+    let mut monitor = monitor(scene, 0.0);
+    monitor.advance(0.0, &mut Vec::new()).unwrap();
+    assert!(cost(monitor.stats()) < 5_000_000, "{:?}", monitor.stats());
+    // Those 1 m apart are still found.
+    assert_eq!(screen(monitor.scene(), 0.6).1, 2 * 20_000 - 200 - 100);
+}
+
+/// No frame serves two fleets; short slices do.
+#[test]
+fn fleets_that_pass_each_other_have_few_candidates() {
+    let _one = alone();
+    for other in [-FAST, DVec3::ZERO] {
+        let mut scene = Scene::new();
+        formation(&mut scene, 6_000, 0.0, || FAST);
+        formation(&mut scene, 6_000, 10.0, || other);
+        let (stats, conflicts) = screen(&scene, 0.0);
+        assert_eq!(conflicts, 0);
+        assert!(stats.candidates < 48 * stats.boxes, "{stats:?}");
+        let mut monitor = monitor(scene, 0.0);
+        monitor.advance(0.0, &mut Vec::new()).unwrap();
+        let stats = monitor.stats();
+        assert!(stats.candidates < 48 * stats.boxes, "{stats:?}");
+    }
+}
+
+/// Bodies that fly every way, more conflicts than there is room for: an error, in little memory, also with
+/// the next tick; and with more room an answer.
+#[test]
+fn a_storm_is_refused_in_little_memory() {
+    let _one = alone();
+    let mut rng = rng(2);
+    let mut scene = Scene::new();
+    formation(&mut scene, 20_000, 0.0, || {
+        let angle: f64 = rng.random_range(0.0..std::f64::consts::TAU);
+        140.0 * DVec3::new(angle.cos(), angle.sin(), 0.0)
+    });
+    let mut monitor = monitor(scene, 0.0);
+    monitor.set_most_spans(100_000);
+    let mut events = Vec::new();
+    for now in [0.0, 0.0, 0.1] {
+        let done = monitor.advance(now, &mut events);
+        assert_eq!(done, Err(Error::TooCrowded { limit: 100_000 }));
+        assert!(events.is_empty());
+    }
+    let peak = PEAK.load(Ordering::Relaxed);
+    assert!(peak < GIB, "{peak}");
+}
+
+/// Points at one place: each two of them are a pair for ever.
+fn at_one_place(count: u32, layers: impl Fn(u32) -> Layers) -> (Scene, Vec<BodyId>) {
+    let mut scene = Scene::new();
+    let plan = line(0.0, 60.0, DVec3::ZERO, DVec3::ZERO);
+    let body = |number| Body::new(plan.clone()).with_layers(layers(number));
+    let ids = (0..count).map(|number| scene.insert(body(number)).unwrap());
+    let ids = ids.collect();
+    (scene, ids)
+}
+
+#[test]
+fn one_place_is_refused_in_little_memory() {
+    let _one = alone();
+    let (scene, _) = at_one_place(100_000, |_| Layers::ALL);
+    let limit = Query::MOST_SPANS;
+    assert_eq!(
+        scene.screen(&Query::default()).map(|found| found.stats),
+        Err(Error::TooCrowded { limit })
+    );
+    let mut monitor = monitor(scene, 0.0);
+    for now in [0.0, 0.0, 0.1] {
+        let done = monitor.advance(now, &mut Vec::new());
+        let limit = Monitor::MOST_SPANS;
+        assert_eq!(done, Err(Error::TooCrowded { limit }));
+    }
+    let peak = PEAK.load(Ordering::Relaxed);
+    assert!(peak < GIB, "{peak}");
+}
+
+/// Each sees the next kind, which does not see it.
+fn in_a_circle(number: u32) -> Layers {
+    Layers::new(1 << (number % 3), 1 << ((number + 1) % 3))
+}
+
+#[test]
+fn bodies_that_see_nobody_cost_nothing() {
+    let _one = alone();
+    for layers in [|_| Layers::NONE, |_| Layers::new(1, 2), in_a_circle] {
+        let (scene, ids) = at_one_place(100_000, layers);
+        let (stats, conflicts) = screen(&scene, 0.0);
+        assert_eq!((stats.candidates, conflicts), (0, 0));
+        let mut monitor = monitor(scene, 0.0);
+        let mut events = Vec::new();
+        monitor.advance(0.0, &mut events).unwrap();
+        let counts = |monitor: &Monitor| (monitor.stats().boxes, monitor.stats().candidates);
+        assert_eq!(counts(&monitor), (0, 0));
+        // Two of them see each other, and nobody else: at once in a question, and with the next tick.
+        for &id in &ids[..2] {
+            monitor.set_layers(id, Layers::new(1 << 9, 1 << 9)).unwrap();
+        }
+        let plan = line(0.0, 60.0, DVec3::X, DVec3::ZERO);
+        let meets = |x: f64| line(0.0, 60.0, x * DVec3::X, DVec3::ZERO);
+        assert_eq!(monitor.what_if(ids[0], &plan, 0).unwrap().len(), 0);
+        assert_eq!(monitor.what_if(ids[0], &meets(0.0), 0).unwrap().len(), 1);
+        monitor.advance(1.0, &mut events).unwrap();
+        let is_predicted = |kind: &EventKind| matches!(kind, EventKind::Predicted(_));
+        assert_eq!(
+            events.iter().filter(|one| is_predicted(&one.kind)).count(),
+            1
+        );
+        assert!(counts(&monitor).0 < 1_000);
+        // And no more when one of them is gone; its partner is alone.
+        monitor.remove(ids[0]).unwrap();
+        events.clear();
+        monitor.advance(2.0, &mut events).unwrap();
+        let ended = events
+            .iter()
+            .filter(|one| matches!(one.kind, EventKind::Ended { .. }));
+        assert_eq!(ended.count(), 1);
+        assert!(monitor.encounters(0).next().is_none());
+    }
+}
+
+/// A body whose partner comes later is found, wherever its partner was put in.
+#[test]
+fn partners_that_come_later_are_found() {
+    let _one = alone();
+    let mut scene = Scene::new();
+    let body = |x: f64, layers| {
+        let plan = Trajectory::at_rest(x * DVec3::X).unwrap();
+        Body::new(plan).with_layers(layers)
+    };
+    let (red, blue) = (Layers::new(1, 2), Layers::new(2, 1));
+    for number in 0..100 {
+        scene.insert(body(f64::from(number), red)).unwrap();
+    }
+    let mut monitor = monitor(scene, 0.25);
+    let mut events = Vec::new();
+    monitor.advance(0.0, &mut events).unwrap();
+    assert_eq!(monitor.stats().boxes, 0);
+    let late = monitor.insert(body(50.2, blue)).unwrap();
+    let far = Trajectory::at_rest(70.1 * DVec3::X).unwrap();
+    assert_eq!(monitor.what_if(late, &far, 0).unwrap().len(), 1);
+    monitor.advance(1.0, &mut events).unwrap();
+    assert_eq!(monitor.conflicts(0).count(), 1);
+    let query = Query::new(nearmiss::Window::new(1.0, 61.0).unwrap()).with_margin(0.25);
+    let screened = monitor.scene().screen(&query.unwrap()).unwrap();
+    assert_eq!(screened.conflicts.len(), 1);
+}
+
+/// No distance is within a negative sum of radii and margin.
+#[test]
+fn what_no_distance_can_reach_is_no_pair() {
+    let _one = alone();
+    let (mut scene, _) = at_one_place(100_000, |_| Layers::ALL);
+    assert_eq!(screen(&scene, -1.0).1, 0);
+    let ball = |radius: f64| {
+        let plan = line(0.0, 60.0, DVec3::ZERO, DVec3::ZERO);
+        Body::new(plan).with_hitbox(Hitbox::sphere(radius).unwrap())
+    };
+    // One that is just large enough for all others, at their centre.
+    scene.insert(ball(1.0)).unwrap();
+    assert_eq!(screen(&scene, -1.0).1, 100_000);
+    // None is large enough for another one of its kind.
+    let mut scene = Scene::new();
+    for _ in 0..1_000 {
+        scene.insert(ball(0.5_f64.next_down())).unwrap();
+    }
+    assert_eq!(screen(&scene, -1.0).1, 0);
+    let mut monitor = monitor(scene, -1.0);
+    monitor.advance(0.0, &mut Vec::new()).unwrap();
+    assert_eq!(monitor.conflicts(0).count(), 0);
+    for _ in 0..2 {
+        monitor.insert(ball(0.5)).unwrap();
+    }
+    monitor.advance(1.0, &mut Vec::new()).unwrap();
+    assert_eq!(monitor.conflicts(0).count(), 1);
+}
+
+/// Answers are the same bits in a frame that moves: each pair by itself, which has a frame of its own.
+#[test]
+fn a_common_velocity_changes_no_bit() {
+    let _one = alone();
+    let mut rng = rng(5);
+    let wind = DVec3::new(300.0, -170.0, 40.0);
+    let bodies: Vec<Body> = (0..120)
+        .map(|_| {
+            let mut states = support::wander(&mut rng, 0.0, 12, 2.5, 60.0, 5.0);
+            for state in &mut states {
+                state.position += wind * state.time;
+                state.velocity += wind;
+            }
+            let plan = Trajectory::from_states(&states).unwrap();
+            Body::new(plan).with_hitbox(Hitbox::sphere(0.5).unwrap())
+        })
+        .collect();
+    let query = Query::default().with_margin(2.0).unwrap();
+    let all = |bodies: &[&Body]| {
+        let mut scene = Scene::new();
+        for &body in bodies {
+            scene.insert(body.clone()).unwrap();
+        }
+        scene.screen(&query).unwrap()
+    };
+    let listed: Vec<&Body> = bodies.iter().collect();
+    let together = all(&listed);
+    let mut apart = Vec::new();
+    for (number, a) in bodies.iter().enumerate() {
+        for b in &bodies[number + 1..] {
+            apart.extend(all(&[a, b]).conflicts);
+        }
+    }
+    let key = |one: &nearmiss::Conflict| {
+        (
+            one.enter.to_bits(),
+            one.exit.to_bits(),
+            one.closest.separation.to_bits(),
+        )
+    };
+    let sorted = |conflicts: &[nearmiss::Conflict]| {
+        let mut keys: Vec<_> = conflicts.iter().map(key).collect();
+        keys.sort_unstable();
+        keys
+    };
+    assert!(together.conflicts.len() > 100);
+    assert_eq!(sorted(&together.conflicts), sorted(&apart));
+    // Were boxes not to move, each would meet most others.
+    assert!(
+        together.stats.candidates < 20 * together.stats.boxes,
+        "{:?}",
+        together.stats
+    );
+}
