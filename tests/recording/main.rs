@@ -303,7 +303,7 @@ fn a_stopped_recording_ends_where_it_was_stopped() {
 #[cfg(feature = "live")]
 #[test]
 fn a_live_monitor_is_recorded_as_it_was_applied() {
-    use nearmiss::{LiveOptions, Report};
+    use nearmiss::{LiveOptions, Report, ReportKind};
     let mut rng = rng(12);
     let mut monitor = monitor(&mut rng, 60, 5.0);
     let file = Memory::default();
@@ -328,7 +328,7 @@ fn a_live_monitor_is_recorded_as_it_was_applied() {
     }
     let mut said = Vec::new();
     let mut read = |report: Report| {
-        if let Report::Event(event) = report {
+        if let ReportKind::Event(event) = report.kind {
             said.push(event);
         }
     };

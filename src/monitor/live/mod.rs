@@ -51,8 +51,17 @@ impl Default for LiveOptions {
 
 /// What comes out of a live monitor.
 #[derive(Clone, Debug, PartialEq)]
+pub struct Report {
+    /// How many reports came before. No number is missing, and none comes twice.
+    pub sequence: u64,
+    /// What is reported.
+    pub kind: ReportKind,
+}
+
+/// What a live monitor reports.
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Report {
+pub enum ReportKind {
     /// Something happened.
     Event(Event),
     /// The clock was moved, or more was caught up; all events of it have come before this.
@@ -108,12 +117,15 @@ pub enum Report {
 ///   plan by plan, or what is superseded has to be worked out as well.
 /// - Every order sent is in the end applied, superseded or refused: [`Counts`] adds up. A change that is
 ///   applied is not reported on its own: it was, once a later order is.
-/// - Reports come in order, and none is dropped. A reader that stalls stalls the monitor, not the
-///   senders: [`Handle::certified_until`] then stands still.
+/// - Reports are [numbered](Report::sequence) in order, and none is dropped: each goes to one reader. A reader
+///   that stalls stalls the monitor, not the senders: [`Handle::certified_until`] then stands still.
+/// - [`Live::stop_orders`] ends the orders, and the reports after the last of what was ordered: a reader that
+///   goes on until [`Live::reports`] ends has them all, on whatever thread it is.
 /// - A tick works within [`LiveOptions::budget`] at a time; what is left is caught up while no
-///   orders wait. If that fails, [`Report::Stuck`] says why.
+///   orders wait. If that fails, [`ReportKind::Stuck`] says why.
 /// - [`Live::shutdown`] returns the monitor, every report that was not read and every order that was not
-///   applied. It takes under 100 ms, the step at hand (one budget and one order's work); longer where
+///   applied. It is a reader as well: another one that reads meanwhile takes a part of what is left. Each has
+///   its part in order, and the numbers say how the parts fit. `shutdown` takes under 100 ms, the step at hand (one budget and one order's work); longer where
 ///   hundreds of thousands of pairs stay near each other, which the budget
 ///   [does not count](super::Budget::Time). A panic inside the thread comes back as an error, with the
 ///   monitor as the last whole order left it.
@@ -121,7 +133,7 @@ pub enum Report {
 /// ```
 /// use nearmiss::glam::DVec3;
 /// use nearmiss::{
-///     AlertLevel, Body, Command, LiveOptions, Monitor, Report, Scene, Trajectory,
+///     AlertLevel, Body, Command, LiveOptions, Monitor, ReportKind, Scene, Trajectory,
 /// };
 ///
 /// let monitor = Monitor::new(Scene::new(), 0.0, 10.0, &[AlertLevel::at(2.0)])?;
@@ -129,9 +141,15 @@ pub enum Report {
 /// let game = live.handle();
 /// game.send(Command::Insert(Body::new(Trajectory::at_rest(DVec3::ZERO)?)))?;
 /// game.advance(0.5)?;
-/// while !matches!(live.reports().recv()?, Report::Ticked { now, .. } if now == 0.5) {}
+/// while !matches!(live.reports().recv()?.kind, ReportKind::Ticked { now, .. } if now == 0.5) {}
+/// // In the end: all that is left, to the last report.
+/// live.stop_orders();
+/// for report in live.reports() {
+///     println!("{report:?}");
+/// }
 /// let stopped = live.shutdown()?;
 /// assert_eq!(stopped.monitor.scene().len(), 1);
+/// assert!(stopped.reports.is_empty());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
@@ -139,7 +157,7 @@ pub enum Report {
 pub struct Live {
     handle: Handle,
     reports: Receiver<Report>,
-    /// Dropped to stop the thread.
+    /// Dropped to stop the thread; a message has it look whether orders were stopped.
     stop: Option<Sender<()>>,
     /// Set to have it break off what it is at.
     interrupt: Arc<AtomicBool>,
@@ -151,7 +169,7 @@ pub struct Live {
 pub struct Stopped {
     /// As the last order left it.
     pub monitor: Monitor,
-    /// Reports that nobody has read, in order.
+    /// Reports that no other reader has taken, in order.
     pub reports: Vec<Report>,
     /// Orders that were not applied, in order; counted as refused.
     pub unapplied: Vec<(Ticket, Order)>,
@@ -197,7 +215,7 @@ impl Monitor {
         }
         let (orders_in, orders) = bounded(options.orders);
         let (reports_in, reports) = bounded(options.reports);
-        let (stop, stopped) = bounded(0);
+        let (stop, stopped) = bounded(1);
         let handle = Handle::new(orders_in, self.now(), self.certified_until());
         let interrupt = Arc::new(AtomicBool::new(false));
         self.interrupt = Some(Arc::clone(&interrupt));
@@ -227,13 +245,25 @@ impl Live {
         self.handle.clone()
     }
 
-    /// Where reports come out, also in a `select!`. Clones share the reports: each goes to one.
+    /// Where reports come out, also in a `select!`. Clones share the reports: each goes to one. Ends after
+    /// the last report once the thread has: after [`stop_orders`](Self::stop_orders), or a panic.
     #[must_use]
     pub const fn reports(&self) -> &Receiver<Report> {
         &self.reports
     }
 
-    /// Stops the thread and takes back all there is.
+    /// Takes no more orders: they come back as [`Unsent::Closed`]. Returns at once. Those sent before are carried
+    /// out, and the last tick is caught up with. Then the thread ends, and with its last report
+    /// [`reports`](Self::reports) does.
+    pub fn stop_orders(&self) {
+        self.handle.shared().close();
+        if let Some(stop) = &self.stop {
+            // If there is no room, a message is waiting already.
+            let _ = stop.try_send(());
+        }
+    }
+
+    /// Stops the thread, whatever it is at, and takes back all there is.
     ///
     /// # Errors
     ///
