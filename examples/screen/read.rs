@@ -245,12 +245,12 @@ fn parse(name: &str, line: u64, record: &ByteRecord) -> Result<Row, String> {
     })
 }
 
-/// Whether a value is this text, but for spaces around it.
+/// Compares a value with a text, but for spaces around it.
 fn is_text(value: &[u8], text: &str) -> bool {
     std::str::from_utf8(value).is_ok_and(|value| value.trim() == text)
 }
 
-/// The number that a value is, but for spaces around it.
+/// Reads a value as a number, but for spaces around it.
 fn number<T: FromStr>(value: &[u8]) -> Option<T> {
     std::str::from_utf8(value).ok()?.trim().parse().ok()
 }

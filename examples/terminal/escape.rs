@@ -1,4 +1,4 @@
-//! What a user gave, as it may be shown on a terminal: on one line, and nothing that a terminal obeys.
+//! A user's data as a terminal may show them: on one line, with nothing in it that a terminal obeys.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -21,13 +21,14 @@ pub(crate) fn escaped(bytes: &[u8]) -> String {
     shown
 }
 
+/// Returns the name of a file, escaped.
 pub(crate) fn name(path: &Path) -> String {
     escaped(path.as_os_str().as_encoded_bytes())
 }
 
-/// A value in quotation marks; if it is long, its beginning and how long it is.
+/// Returns a value in quotation marks, escaped; of a long one its beginning and its length.
 pub(crate) fn quoted(value: &[u8]) -> String {
-    /// More does not help to find it, bytes.
+    /// Bytes; more do not help to find the value.
     const MOST: usize = 80;
     if value.len() <= MOST {
         return format!("\"{}\"", escaped(value));

@@ -49,16 +49,16 @@ impl Default for LiveOptions {
     }
 }
 
-/// What comes out of a live monitor.
+/// A report of a live monitor, with its number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
-    /// How many reports came before. No number is missing, and none comes twice.
+    /// Number of reports before this one. None is missing, and none comes twice.
     pub sequence: u64,
-    /// What is reported.
+    /// Content.
     pub kind: ReportKind,
 }
 
-/// What a live monitor reports.
+/// Content of a report.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ReportKind {
@@ -117,17 +117,18 @@ pub enum ReportKind {
 ///   plan by plan, or what is superseded has to be worked out as well.
 /// - Every order sent is in the end applied, superseded or refused: [`Counts`] adds up. A change that is
 ///   applied is not reported on its own: it was, once a later order is.
-/// - Reports are [numbered](Report::sequence) in order, and none is dropped: each goes to one reader. A reader
-///   that stalls stalls the monitor, not the senders: [`Handle::certified_until`] then stands still.
-/// - [`Live::stop_orders`] ends the orders, and the reports after the last of what was ordered: a reader that
-///   goes on until [`Live::reports`] ends has them all, on whatever thread it is.
+/// - Reports come in order, [numbered](Report::sequence) without a gap, and each goes to one reader. A reader that
+///   stalls stalls the monitor, not the senders: [`Handle::certified_until`] then stands still.
+/// - After [`Live::stop_orders`] all that was sent before is carried out, and then [`Live::reports`] ends. One
+///   reader that goes on to that end, on whatever thread, has every report in order: none is left for `shutdown`.
 /// - A tick works within [`LiveOptions::budget`] at a time; what is left is caught up while no
 ///   orders wait. If that fails, [`ReportKind::Stuck`] says why.
 /// - [`Live::shutdown`] returns the monitor, every report that was not read and every order that was not
-///   applied. It is a reader as well: another one that reads meanwhile takes a part of what is left. Each has
-///   its part in order, and the numbers say how the parts fit. `shutdown` takes under 100 ms, the step at hand (one budget and one order's work); longer where
+///   applied. It takes under 100 ms, the step at hand (one budget and one order's work); longer where
 ///   hundreds of thousands of pairs stay near each other, which the budget
-///   [does not count](super::Budget::Time). A panic inside the thread comes back as an error, with the
+///   [does not count](super::Budget::Time). `shutdown` reads as well: another reader that goes on meanwhile takes
+///   a part of the last reports. Each of the two has its part in order; only the numbers put them together.
+/// - A panic inside the thread comes back as an error, with the
 ///   monitor as the last whole order left it.
 ///
 /// ```
@@ -245,16 +246,17 @@ impl Live {
         self.handle.clone()
     }
 
-    /// Where reports come out, also in a `select!`. Clones share the reports: each goes to one. Ends after
-    /// the last report once the thread has: after [`stop_orders`](Self::stop_orders), or a panic.
+    /// Returns the queue of reports, also for a `select!`. Its clones share the reports: each goes to one. The
+    /// queue ends when the thread has ended and all is read: after [`stop_orders`](Self::stop_orders), say.
     #[must_use]
     pub const fn reports(&self) -> &Receiver<Report> {
         &self.reports
     }
 
-    /// Takes no more orders: they come back as [`Unsent::Closed`]. Returns at once. Those sent before are carried
-    /// out, and the last tick is caught up with. Then the thread ends, and with its last report
-    /// [`reports`](Self::reports) does.
+    /// Takes no more orders, and returns at once: what is sent from now on comes back as [`Unsent::Closed`].
+    ///
+    /// All orders sent before are carried out, and the last tick is caught up with. Then the thread ends, and
+    /// [`reports`](Self::reports) with its last report.
     pub fn stop_orders(&self) {
         self.handle.shared().close();
         if let Some(stop) = &self.stop {

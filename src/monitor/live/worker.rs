@@ -40,7 +40,7 @@ impl Outcome {
     }
 }
 
-/// Asked to stop, or done.
+/// The thread is asked to stop, or is done.
 #[derive(Debug)]
 struct Stop;
 
@@ -135,7 +135,7 @@ impl Worker {
             return Err(Stop);
         }
         while self.waiting.len() == 0 && (self.monitor.is_known() || self.stuck) {
-            // In this order: no order is sent after they were stopped.
+            // In this order: none is added once they are stopped.
             if self.shared.is_closed() && self.orders.is_empty() {
                 return Err(Stop);
             }
@@ -247,7 +247,7 @@ impl Worker {
         Ok(())
     }
 
-    /// Hands one report over as soon as there is room; returns before it if it is woken.
+    /// Hands one report over as soon as there is room, unless it is woken before.
     fn wait_for_reader(&mut self) -> Result<(), Stop> {
         let Some(report) = self.outbox.front() else {
             return Ok(());
