@@ -68,7 +68,7 @@ fn fails(
 fn conflicts_as_a_table() {
     let (result, output) = screen(
         "table",
-        &format!("{HEADER}{PASS}"),
+        format!("{HEADER}{PASS}"),
         &["--radius", "0.5", "--margin", "1.5", "--stats", "json"],
     );
     assert!(result.status.success());
@@ -86,7 +86,7 @@ fn conflicts_as_a_table() {
 fn enclosures_as_a_table() {
     let (result, output) = screen(
         "certified",
-        &format!("{HEADER}{PASS}"),
+        format!("{HEADER}{PASS}"),
         &[
             "--radius",
             "0.5",
@@ -157,37 +157,37 @@ fn broken_files() {
     );
     refuses(
         "text",
-        &file("0,0,0,0,0,0,0,0\n0,1,0,fast,0,0,0,0\n"),
+        file("0,0,0,0,0,0,0,0\n0,1,0,fast,0,0,0,0\n"),
         &[],
         &["states.csv", "row 3", "column py", "\"fast\""],
     );
     refuses(
         "nan",
-        &file("0,0,0,0,0,0,0,0\n0,1,0,0,0,0,NaN,0\n"),
+        file("0,0,0,0,0,0,0,0\n0,1,0,0,0,0,NaN,0\n"),
         &[],
         &["row 3", "column vy", "NaN"],
     );
     refuses(
         "huge",
-        &file("0,0,0,0,0,0,0,0\n0,1,1e300,0,0,0,0,0\n"),
+        file("0,0,0,0,0,0,0,0\n0,1,1e300,0,0,0,0,0\n"),
         &[],
         &["row 3", "column px", "1e300"],
     );
     refuses(
         "back",
-        &file("0,0,0,0,0,0,0,0\n0,2,0,0,0,0,0,0\n0,1.5,0,0,0,0,0,0\n"),
+        file("0,0,0,0,0,0,0,0\n0,2,0,0,0,0,0,0\n0,1.5,0,0,0,0,0,0\n"),
         &[],
         &["row 4", "column t", "1.5", "2"],
     );
     refuses(
         "single",
-        &file("0,0,0,0,0,0,0,0\n1,0,0,0,0,0,0,0\n"),
+        file("0,0,0,0,0,0,0,0\n1,0,0,0,0,0,0,0\n"),
         &[],
         &["row 2", "column body", "body 0 has 1 row"],
     );
     refuses(
         "apart",
-        &file(
+        file(
             "0,0,0,0,0,0,0,0\n0,1,0,0,0,0,0,0\n1,0,0,0,0,0,0,0\n1,1,0,0,0,0,0,0\n0,2,0,0,0,0,0,0\n",
         ),
         &[],
@@ -196,19 +196,19 @@ fn broken_files() {
     // In the order of time, bodies in turns.
     refuses(
         "turns",
-        &file("1,0,0,0,0,0,0,0\n2,0,0,0,0,0,0,0\n1,1,0,0,0,0,0,0\n2,1,0,0,0,0,0,0\n"),
+        file("1,0,0,0,0,0,0,0\n2,0,0,0,0,0,0,0\n1,1,0,0,0,0,0,0\n2,1,0,0,0,0,0,0\n"),
         &[],
         &["row 4", "column body", "body 1", "row 2", "together"],
     );
     refuses(
         "short",
-        &file("0,0,0,0,0,0,0,0\n0,1,0,0,0\n"),
+        file("0,0,0,0,0,0,0,0\n0,1,0,0,0\n"),
         &[],
         &["row 3", "column vx", "5 values"],
     );
     refuses(
         "label",
-        &file("x,0,0,0,0,0,0,0\n"),
+        file("x,0,0,0,0,0,0,0\n"),
         &[],
         &["row 2", "column body", "\"x\""],
     );
@@ -260,7 +260,7 @@ fn long_values_are_shortened() {
         (format!("{HEADER}0,{long}\n"), "(300000 bytes)"),
         (format!("{long}\n"), "(300000 bytes)"),
         (
-            format!("{HEADER}{}", vec![&long[..]; 9].join(",")),
+            format!("{HEADER}{}", [&long[..]; 9].join(",")),
             "(300000 bytes)",
         ),
         (format!("body,{long}\n"), "(300005 bytes)"),
