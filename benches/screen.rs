@@ -11,6 +11,9 @@ mod lengths;
 mod read;
 #[path = "../examples/scenes/mod.rs"]
 mod scenes;
+/// As much of it as reading needs.
+#[path = "../examples/terminal/escape.rs"]
+mod terminal;
 
 use std::hint::black_box;
 use std::path::PathBuf;

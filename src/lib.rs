@@ -118,7 +118,7 @@ pub use monitor::{
 };
 #[cfg(feature = "live")]
 pub use monitor::{
-    Counts, Handle, Live, LiveOptions, Order, Panicked, Report, Stopped, Ticket, Unsent,
+    Counts, Handle, Live, LiveOptions, Order, Panicked, Report, ReportKind, Stopped, Ticket, Unsent,
 };
 #[cfg(feature = "serde")]
 pub use monitor::{RecordingError, Replay};

@@ -8,7 +8,7 @@
 #[path = "support/example.rs"]
 mod example;
 
-use example::{example, folder};
+use example::{example, folder, plain};
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -36,7 +36,7 @@ fn refuses(code: i32, command: &mut Command, parts: &[&str]) {
         stdout,
         stderr,
     } = command.output().unwrap();
-    let said = String::from_utf8(stderr).unwrap();
+    let said = plain(&stderr);
     assert_eq!(status.code(), Some(code), "{parts:?}: {said}");
     assert!(stdout.is_empty(), "{parts:?}");
     for part in parts {
@@ -97,6 +97,39 @@ fn pictures_that_cannot_be() {
         .arg(nowhere.with_extension("png"));
     refuses(1, &mut window, &parts);
     assert!(!picture.exists());
+}
+
+/// Nothing that a terminal obeys comes out of what was given.
+#[test]
+fn names_are_escaped() {
+    let hostile = "a\u{1b}[2Jb\u{9b}2Jc";
+    let nowhere = folder("escaped").join(hostile).join("picture.png");
+    let shown = r"a\u{1b}[2Jb\u{9b}2Jc";
+    refuses(1, &mut many_body(&nowhere, &[]), &[shown]);
+    let mut window = example("game_loop");
+    refuses(1, window.arg("--screenshot").arg(&nowhere), &[shown]);
+    for (name, option) in [("many_body", "--scene"), ("game_loop", "--avoid")] {
+        for option in [option, hostile] {
+            let mut command = example(name);
+            refuses(2, command.args([option, hostile]), &[r"\u{9b}2J"]);
+        }
+    }
+    let picture = folder("drawn").join(hostile);
+    let drawn = many_body(&picture, &[]).output().unwrap();
+    assert!(drawn.status.success() && picture.exists());
+    assert!(plain(&drawn.stdout).contains(shown));
+}
+
+/// Whoever runs these tests alone tests what is written now.
+#[test]
+fn examples_are_built_of_their_sources() {
+    for name in ["screen", "many_body", "game_loop"] {
+        let written = |path: &Path| path.metadata().unwrap().modified().unwrap();
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+        let sources = written(&folder.join(name).join("main.rs"));
+        let built = written(Path::new(example(name).get_program()));
+        assert!(built >= sources, "{name} is older than its sources");
+    }
 }
 
 #[test]

@@ -8,7 +8,7 @@
 #[path = "support/example.rs"]
 mod example;
 
-use example::{example, folder};
+use example::{example, folder, plain};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Output, Stdio};
@@ -19,7 +19,7 @@ const HEADER: &str = "body,t,px,py,pz,vx,vy,vz\n";
 const PASS: &str = "0,0,-6,2,0,1,0,0\n0,12,6,2,0,1,0,0\n\
                     3,0,0,0,0,0,0,0\n3,12,0,0,0,0,0,0\n";
 
-fn screen(name: &str, content: &str, options: &[&str]) -> (Output, PathBuf) {
+fn screen(name: &str, content: impl AsRef<[u8]>, options: &[&str]) -> (Output, PathBuf) {
     let folder = folder(name);
     let states = folder.join("states.csv");
     std::fs::write(&states, content).unwrap();
@@ -35,7 +35,7 @@ fn screen(name: &str, content: &str, options: &[&str]) -> (Output, PathBuf) {
 }
 
 /// Runs on bad input: exit 1, one line that holds all of `parts`, no output file.
-fn refuses(name: &str, content: &str, options: &[&str], parts: &[&str]) {
+fn refuses(name: &str, content: impl AsRef<[u8]>, options: &[&str], parts: &[&str]) {
     let said = fails(1, name, content, options, parts);
     assert_eq!(said.lines().count(), 1, "{name}: {said}");
 }
@@ -46,9 +46,15 @@ fn refuses_options(name: &str, options: &[&str], parts: &[&str]) {
     fails(2, name, "", options, parts);
 }
 
-fn fails(code: i32, name: &str, content: &str, options: &[&str], parts: &[&str]) -> String {
+fn fails(
+    code: i32,
+    name: &str,
+    content: impl AsRef<[u8]>,
+    options: &[&str],
+    parts: &[&str],
+) -> String {
     let (result, output) = screen(name, content, options);
-    let said = String::from_utf8(result.stderr).unwrap();
+    let said = plain(&result.stderr);
     assert_eq!(result.status.code(), Some(code), "{name}: {said}");
     for part in parts {
         assert!(said.contains(part), "{name}: no {part:?} in {said}");
@@ -62,7 +68,7 @@ fn fails(code: i32, name: &str, content: &str, options: &[&str], parts: &[&str])
 fn conflicts_as_a_table() {
     let (result, output) = screen(
         "table",
-        &format!("{HEADER}{PASS}"),
+        format!("{HEADER}{PASS}"),
         &["--radius", "0.5", "--margin", "1.5", "--stats", "json"],
     );
     assert!(result.status.success());
@@ -80,7 +86,7 @@ fn conflicts_as_a_table() {
 fn enclosures_as_a_table() {
     let (result, output) = screen(
         "certified",
-        &format!("{HEADER}{PASS}"),
+        format!("{HEADER}{PASS}"),
         &[
             "--radius",
             "0.5",
@@ -151,37 +157,37 @@ fn broken_files() {
     );
     refuses(
         "text",
-        &file("0,0,0,0,0,0,0,0\n0,1,0,fast,0,0,0,0\n"),
+        file("0,0,0,0,0,0,0,0\n0,1,0,fast,0,0,0,0\n"),
         &[],
         &["states.csv", "row 3", "column py", "\"fast\""],
     );
     refuses(
         "nan",
-        &file("0,0,0,0,0,0,0,0\n0,1,0,0,0,0,NaN,0\n"),
+        file("0,0,0,0,0,0,0,0\n0,1,0,0,0,0,NaN,0\n"),
         &[],
         &["row 3", "column vy", "NaN"],
     );
     refuses(
         "huge",
-        &file("0,0,0,0,0,0,0,0\n0,1,1e300,0,0,0,0,0\n"),
+        file("0,0,0,0,0,0,0,0\n0,1,1e300,0,0,0,0,0\n"),
         &[],
         &["row 3", "column px", "1e300"],
     );
     refuses(
         "back",
-        &file("0,0,0,0,0,0,0,0\n0,2,0,0,0,0,0,0\n0,1.5,0,0,0,0,0,0\n"),
+        file("0,0,0,0,0,0,0,0\n0,2,0,0,0,0,0,0\n0,1.5,0,0,0,0,0,0\n"),
         &[],
         &["row 4", "column t", "1.5", "2"],
     );
     refuses(
         "single",
-        &file("0,0,0,0,0,0,0,0\n1,0,0,0,0,0,0,0\n"),
+        file("0,0,0,0,0,0,0,0\n1,0,0,0,0,0,0,0\n"),
         &[],
         &["row 2", "column body", "body 0 has 1 row"],
     );
     refuses(
         "apart",
-        &file(
+        file(
             "0,0,0,0,0,0,0,0\n0,1,0,0,0,0,0,0\n1,0,0,0,0,0,0,0\n1,1,0,0,0,0,0,0\n0,2,0,0,0,0,0,0\n",
         ),
         &[],
@@ -190,22 +196,134 @@ fn broken_files() {
     // In the order of time, bodies in turns.
     refuses(
         "turns",
-        &file("1,0,0,0,0,0,0,0\n2,0,0,0,0,0,0,0\n1,1,0,0,0,0,0,0\n2,1,0,0,0,0,0,0\n"),
+        file("1,0,0,0,0,0,0,0\n2,0,0,0,0,0,0,0\n1,1,0,0,0,0,0,0\n2,1,0,0,0,0,0,0\n"),
         &[],
         &["row 4", "column body", "body 1", "row 2", "together"],
     );
     refuses(
         "short",
-        &file("0,0,0,0,0,0,0,0\n0,1,0,0,0\n"),
+        file("0,0,0,0,0,0,0,0\n0,1,0,0,0\n"),
         &[],
         &["row 3", "column vx", "5 values"],
     );
     refuses(
         "label",
-        &file("x,0,0,0,0,0,0,0\n"),
+        file("x,0,0,0,0,0,0,0\n"),
         &[],
         &["row 2", "column body", "\"x\""],
     );
+}
+
+/// What a terminal would obey, and what is no text, is told as it is spelled.
+#[test]
+fn values_are_escaped() {
+    const ROW: &str = "0,0,0,0,0,0,0,0\n";
+    let rows = |bytes: &[u8]| [HEADER.as_bytes(), ROW.as_bytes(), bytes].concat();
+    for (value, shown) in [
+        (&b"\x1b[31mred"[..], r#""\u{1b}[31mred""#),
+        (b"\x1b]0;title\x07", r#""\u{1b}]0;title\u{7}""#),
+        (b"1\r2", r#""1\r2""#),
+        (b"a\x00b\x08c\x7f", r#""a\0b\u{8}c\u{7f}""#),
+        // One that a terminal takes for `ESC [`, one that turns the order of what follows.
+        ("\u{9b}2J".as_bytes(), r#""\u{9b}2J""#),
+        ("\u{202e}evil".as_bytes(), r#""\u{202e}evil""#),
+        (b"\xff\xfe1", r#""\xff\xfe1""#),
+        (b"\xc3", r#""\xc3""#),
+        ("na\u{ef}ve \u{6570}".as_bytes(), "\"na\u{ef}ve \u{6570}\""),
+        (b"it's \\n", r#""it's \n""#),
+    ] {
+        let row = [b"0,1,0,", value, b",0,0,0,0\n"].concat();
+        let parts = ["states.csv: row 3, column py: ", shown];
+        refuses("value", rows(&row), &[], &parts);
+        let label = [value, b",1,0,0,0,0,0,0\n"].concat();
+        let parts = ["row 3, column body: ", shown];
+        refuses("label", rows(&label), &[], &parts);
+        let short = [b"0,1,0,", value, b"\n"].concat();
+        let parts = ["row 3, column pz: ", "4 values", shown];
+        refuses("short", rows(&short), &[], &parts);
+        let inside = &shown[1..shown.len() - 1];
+        let missing = [b"body,t,px,py,pz,vx,vy,", value, b"\n"].concat();
+        let parts = ["row 1, column vz: missing", "found \"body,t,px", inside];
+        refuses("header", missing, &[], &parts);
+        let more = [&HEADER.as_bytes()[..HEADER.len() - 1], b",", value, b"\n"].concat();
+        refuses("header", more, &[], &["row 1: expected", inside]);
+    }
+}
+
+/// Of a long value its beginning and its length.
+#[test]
+fn long_values_are_shortened() {
+    let long = "7\u{ef}".repeat(100_000);
+    for (content, part) in [
+        (format!("{HEADER}0,0,{long},0,0,0,0,0\n"), "(300000 bytes)"),
+        (format!("{HEADER}{long},0,0,0,0,0,0,0\n"), "(300000 bytes)"),
+        (format!("{HEADER}0,{long}\n"), "(300000 bytes)"),
+        (format!("{long}\n"), "(300000 bytes)"),
+        (
+            format!("{HEADER}{}", [&long[..]; 9].join(",")),
+            "(300000 bytes)",
+        ),
+        (format!("body,{long}\n"), "(300005 bytes)"),
+        (
+            HEADER.replace('\n', &format!(",{long}\n")),
+            "(300025 bytes)",
+        ),
+    ] {
+        let said = fails(1, "long", content, &[], &["row ", "\u{ef}", part]);
+        assert!(said.len() < 400, "{said}");
+        assert!(
+            !said.contains("\\x"),
+            "a character is not cut apart: {said}"
+        );
+    }
+}
+
+/// Names of files, and what else is on a command line.
+#[cfg(unix)]
+#[test]
+fn names_are_escaped() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let folder = folder("names");
+    let run = |arguments: &[&OsStr]| {
+        let result = example("screen").args(arguments).output().unwrap();
+        (result.status.code(), plain(&result.stderr))
+    };
+    let hostile = OsStr::from_bytes(b"a\x1b[2Jb\nc\xffd\x07");
+    let shown = r"a\u{1b}[2Jb\nc\xffd\u{7}";
+    let (path, option) = (folder.join(hostile), OsStr::new("--output"));
+    // Not there, and broken.
+    for content in [None, Some("broken")] {
+        if let Some(content) = content {
+            std::fs::write(&path, content).unwrap();
+        }
+        let (code, said) = run(&[path.as_os_str()]);
+        assert_eq!(code, Some(1));
+        assert!(said.contains(shown) && said.lines().count() == 1, "{said}");
+    }
+    // No place for the output: in a folder that is not there, in the place of one, in that of the states.
+    let nowhere = path.join("out.csv");
+    let (code, said) = run(&[path.as_os_str(), option, nowhere.as_os_str()]);
+    assert_eq!(code, Some(1));
+    assert!(said.contains(shown) && said.lines().count() == 1, "{said}");
+    let (code, said) = run(&[path.as_os_str(), option, path.as_os_str()]);
+    assert_eq!(code, Some(2));
+    assert!(said.contains(shown), "{said}");
+    std::fs::remove_file(&path).unwrap();
+    std::fs::create_dir(&path).unwrap();
+    let (code, said) = run(&[OsStr::new("absent.csv"), option, path.as_os_str()]);
+    assert_eq!(code, Some(1));
+    assert!(said.contains(shown) && said.lines().count() == 1, "{said}");
+    for options in [
+        "--window=1..\u{1b}[2J\u{9b}2J",
+        "--radius=\u{1b}[2J\u{9b}2J",
+        "--outside=\u{1b}[2J\u{9b}2J",
+        "--\u{1b}[2J\u{9b}2J",
+    ] {
+        let (code, said) = run(&[OsStr::new("absent.csv"), OsStr::new(options)]);
+        assert_eq!(code, Some(2));
+        assert!(said.contains(r"\u{9b}2J"), "{said}");
+    }
 }
 
 /// Line ends of either kind, empty lines, a byte order mark, no line end at the end: the rows are the

@@ -9,7 +9,7 @@
 #[path = "support/example.rs"]
 mod example;
 
-use example::{example, folder};
+use example::{example, folder, plain};
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::Read;
@@ -37,7 +37,7 @@ fn screen(states: &Path, output: &Path) -> Command {
 }
 
 fn said(result: &Output) -> String {
-    String::from_utf8_lossy(&result.stderr).into_owned()
+    plain(&result.stderr)
 }
 
 /// All names in a folder, in order.

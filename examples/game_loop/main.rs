@@ -95,7 +95,7 @@ fn parse_png(name: &str) -> Result<PathBuf, String> {
 }
 
 fn main() -> ExitCode {
-    terminal::exit_code(run(Arguments::parse()))
+    terminal::exit_code(run(terminal::parse()))
 }
 
 fn run(arguments: Arguments) -> Result<(), Failure> {

@@ -79,7 +79,7 @@ impl Kind {
 }
 
 fn main() -> ExitCode {
-    terminal::exit_code(run(&Arguments::parse()))
+    terminal::exit_code(run(&terminal::parse()))
 }
 
 fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -118,7 +118,8 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     let name = format!("{:?}", arguments.scene);
     let drawn = picture::draw(&name, &scene, &screening.conflicts, margin)?;
     picture.write(|mut file| file.write_all(drawn.as_bytes()))?;
-    writeln!(out, "\nthe picture is in {}", arguments.picture.display())?;
+    let name = terminal::name(&arguments.picture);
+    writeln!(out, "\nthe picture is in {name}")?;
     if arguments.monitor {
         let span = (start, end);
         if !pool.install(|| watch::run(&mut out, scene, span, margin, &screening.conflicts))? {

@@ -112,7 +112,7 @@ impl Arguments {
         match &self.output {
             Some(output) if is_same_file(&self.states, output) => Err(format!(
                 "--output {} is the file of states itself",
-                output.display()
+                terminal::name(output)
             )),
             _ => Ok(()),
         }
@@ -126,7 +126,7 @@ fn is_same_file(states: &Path, output: &Path) -> bool {
 }
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = terminal::parse::<Arguments>();
     match arguments.check() {
         Ok(()) => terminal::exit_code(run(&arguments)),
         Err(message) => terminal::refuse::<Arguments>(message),
@@ -204,7 +204,10 @@ fn parse_window(text: &str) -> Result<Window, String> {
                 .parse::<f64>()
                 .ok()
                 .filter(|value| value.is_finite())
-                .ok_or(format!("\"{number}\" is not a time in seconds")),
+                .ok_or_else(|| {
+                    let value = terminal::quoted(number.as_bytes());
+                    format!("{value} is not a time in seconds")
+                }),
         }
     };
     Window::new(bound(start, f64::NEG_INFINITY)?, bound(end, f64::INFINITY)?)

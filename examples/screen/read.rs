@@ -3,12 +3,15 @@
 //! Rows are counted as lines of the file, which end with `\n` or `\r\n`: the header is row 1, and empty ones
 //! count.
 
+use crate::terminal::{self, quoted};
+use csv::ByteRecord;
 use flate2::read::MultiGzDecoder;
 use glam::DVec3;
 use nearmiss::{Error, Quantity, State, Trajectory, trajectories_from_rows};
 use std::fs::File;
 use std::io::{BufReader, Cursor, Read};
 use std::path::Path;
+use std::str::FromStr;
 
 const COLUMNS: [&str; 8] = ["body", "t", "px", "py", "pz", "vx", "vy", "vz"];
 
@@ -17,7 +20,7 @@ pub(crate) fn trajectories(path: &Path) -> Result<Vec<(u64, Trajectory)>, String
     let table = if path == Path::new("-") {
         Table::read("standard input", std::io::stdin().lock())
     } else {
-        let name = path.display().to_string();
+        let name = terminal::name(path);
         let file = File::open(path).map_err(|error| format!("{name}: {error}"))?;
         Table::read(&name, file)
     }?;
@@ -50,10 +53,9 @@ impl Table {
             .trim(csv::Trim::All)
             .terminator(csv::Terminator::Any(b'\n'))
             .from_reader(source);
-        let mut record = csv::StringRecord::new();
+        let mut record = ByteRecord::new();
         next_row(name, &mut reader, &mut record)?;
-        let header: Vec<String> = record.iter().map(str::to_owned).collect();
-        check_header(name, &header)?;
+        check_header(name, &record)?;
         let mut rows = Vec::new();
         while let Some(line) = next_row(name, &mut reader, &mut record)? {
             rows.push(parse(name, line, &record)?);
@@ -128,14 +130,14 @@ impl Table {
 fn next_row(
     name: &str,
     reader: &mut csv::Reader<impl Read>,
-    record: &mut csv::StringRecord,
+    record: &mut ByteRecord,
 ) -> Result<Option<u64>, String> {
     loop {
-        let found = reader.read_record(record);
+        let found = reader.read_byte_record(record);
         // Behind the line end of the row, and of empty ones before it.
         let line = reader.position().line() - 1;
         match found {
-            Ok(true) if record.iter().eq([""]) => {}
+            Ok(true) if record.len() == 1 && is_text(&record[0], "") => {}
             Ok(found) => return Ok(found.then_some(line)),
             Err(error) => return Err(format!("{name}: row {line}: {error}")),
         }
@@ -184,59 +186,55 @@ fn column(quantity: Quantity) -> &'static str {
     }
 }
 
-fn check_header(name: &str, header: &[String]) -> Result<(), String> {
-    if header.iter().all(String::is_empty) {
+fn check_header(name: &str, header: &ByteRecord) -> Result<(), String> {
+    if header.iter().all(|found| is_text(found, "")) {
         return Err(format!(
             "{name}: row 1: the file is empty; expected the header {}",
             COLUMNS.join(",")
         ));
     }
-    if let Some(missing) = COLUMNS
-        .iter()
-        .find(|&&column| !header.iter().any(|found| found == column))
-    {
+    let found = || quoted(&header.iter().collect::<Vec<_>>().join(&b',')[..]);
+    let is_missing = |column: &&&str| !header.iter().any(|found| is_text(found, column));
+    if let Some(missing) = COLUMNS.iter().find(is_missing) {
         return Err(format!(
             "{name}: row 1, column {missing}: missing; expected {}, found {}",
             COLUMNS.join(","),
-            header.join(",")
+            found()
         ));
     }
-    if header != COLUMNS {
+    let is_right = |(found, column): (&[u8], &&str)| is_text(found, column);
+    if header.len() != COLUMNS.len() || !header.iter().zip(&COLUMNS).all(is_right) {
         return Err(format!(
             "{name}: row 1: expected the header {}, found {}",
             COLUMNS.join(","),
-            header.join(",")
+            found()
         ));
     }
     Ok(())
 }
 
-fn parse(name: &str, line: u64, record: &csv::StringRecord) -> Result<Row, String> {
+fn parse(name: &str, line: u64, record: &ByteRecord) -> Result<Row, String> {
     if record.len() != COLUMNS.len() {
         let column = COLUMNS.get(record.len()).unwrap_or(&"vz");
-        let last = record.get(record.len().saturating_sub(1)).unwrap_or("");
+        let last = record.iter().next_back().unwrap_or_default();
         return Err(format!(
-            "{name}: row {line}, column {column}: the row has {} values, not {}; the last is \
-             \"{last}\"",
+            "{name}: row {line}, column {column}: the row has {} values, not {}; the last is {}",
             record.len(),
-            COLUMNS.len()
+            COLUMNS.len(),
+            quoted(last)
         ));
     }
-    let body = record[0].parse::<u64>().map_err(|_| {
-        format!(
-            "{name}: row {line}, column body: \"{}\" is not a whole number from 0 on",
-            &record[0]
-        )
+    let body = number(&record[0]).ok_or_else(|| {
+        let value = quoted(&record[0]);
+        format!("{name}: row {line}, column body: {value} is not a whole number from 0 on")
     })?;
     let mut numbers = [0.0; 7];
-    for (index, number) in numbers.iter_mut().enumerate() {
-        let text = &record[index + 1];
-        let parsed = text.parse::<f64>().ok().filter(|value| value.is_finite());
-        *number = parsed.ok_or_else(|| {
-            format!(
-                "{name}: row {line}, column {}: \"{text}\" is not a finite number",
-                COLUMNS[index + 1]
-            )
+    for (index, place) in numbers.iter_mut().enumerate() {
+        let value = &record[index + 1];
+        let finite = number(value).filter(|value: &f64| value.is_finite());
+        *place = finite.ok_or_else(|| {
+            let (column, value) = (COLUMNS[index + 1], quoted(value));
+            format!("{name}: row {line}, column {column}: {value} is not a finite number")
         })?;
     }
     let [t, px, py, pz, vx, vy, vz] = numbers;
@@ -245,4 +243,14 @@ fn parse(name: &str, line: u64, record: &csv::StringRecord) -> Result<Row, Strin
         body,
         state: State::new(t, DVec3::new(px, py, pz), DVec3::new(vx, vy, vz)),
     })
+}
+
+/// Compares a value with a text, but for spaces around it.
+fn is_text(value: &[u8], text: &str) -> bool {
+    std::str::from_utf8(value).is_ok_and(|value| value.trim() == text)
+}
+
+/// Reads a value as a number, but for spaces around it.
+fn number<T: FromStr>(value: &[u8]) -> Option<T> {
+    std::str::from_utf8(value).ok()?.trim().parse().ok()
 }

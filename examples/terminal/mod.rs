@@ -5,12 +5,14 @@
 
 #![allow(dead_code, unused_imports, reason = "each example uses some of it")]
 
+mod escape;
 mod options;
 mod product;
 mod progress;
 mod speech;
 
-pub(crate) use options::{Threads, bodies, margin, refuse, within};
+pub(crate) use escape::{name, quoted};
+pub(crate) use options::{Threads, bodies, margin, parse, refuse, within};
 pub(crate) use product::Product;
 pub(crate) use progress::Progress;
 pub(crate) use speech::{StandardOutput, complain, exit_code};

@@ -3,9 +3,10 @@
 //! Options that take fractions allow all values with a hyphen: clap does not take `-1e-3` for a
 //! negative number.
 
+use super::speech::complain;
 use clap::builder::TypedValueParser;
 use clap::error::ErrorKind;
-use clap::{Args, CommandFactory, value_parser};
+use clap::{Args, CommandFactory, Parser, value_parser};
 use nearmiss::Query;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::fmt::Display;
@@ -81,9 +82,21 @@ fn number(text: &str) -> Result<f64, String> {
     text.parse().map_err(|_| "not a number".to_owned())
 }
 
+/// The command line. Ends the process as clap does if it is wrong, or asks for help.
+pub(crate) fn parse<A: Parser>() -> A {
+    A::try_parse().unwrap_or_else(|error| end(&error))
+}
+
 /// Ends the process as clap does, over what clap cannot know: options that do not go together.
 pub(crate) fn refuse<A: CommandFactory>(message: impl Display) -> ! {
-    A::command()
-        .error(ErrorKind::ArgumentConflict, message)
-        .exit()
+    end(&A::command().error(ErrorKind::ArgumentConflict, message))
+}
+
+fn end(error: &clap::Error) -> ! {
+    if !error.use_stderr() {
+        error.exit();
+    }
+    // It repeats what was given.
+    error.to_string().lines().for_each(complain);
+    std::process::exit(error.exit_code())
 }

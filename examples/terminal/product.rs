@@ -1,5 +1,6 @@
 //! A file that a run makes: there whole at the end, or what was there before.
 
+use super::escape::name;
 use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Result as Done};
 use std::path::{Path, PathBuf};
@@ -26,7 +27,7 @@ enum Way {
 impl Product {
     /// Refuses what cannot be written. Leaves nothing behind, and opens no pipe or device.
     pub(crate) fn at(path: &Path) -> Result<Self, String> {
-        let explain = |error| format!("{}: {error}", path.display());
+        let explain = |error| format!("{}: {error}", name(path));
         let way = match path.metadata() {
             Ok(found) if found.is_dir() => return Err(explain(ErrorKind::IsADirectory.into())),
             Ok(found) if !found.is_file() || is_open(path) => Way::Straight,
@@ -52,7 +53,7 @@ impl Product {
             Way::Beside(target) => replace(target, content),
             Way::Straight => write_straight(&self.path, content),
         }
-        .map_err(|error| format!("{}: {error}", self.path.display()))
+        .map_err(|error| format!("{}: {error}", name(&self.path)))
     }
 }
 
@@ -95,8 +96,8 @@ fn create_beside(target: &Path) -> Done<(PathBuf, File)> {
     const MOST_TRIES: u32 = 100;
     let mut number = 0;
     loop {
-        let name = format!(".nearmiss-{}-{number}.partial", std::process::id());
-        let path = target.with_file_name(name);
+        let beside = format!(".nearmiss-{}-{number}.partial", std::process::id());
+        let path = target.with_file_name(beside);
         match File::create_new(&path) {
             Err(error) if error.kind() == ErrorKind::AlreadyExists && number < MOST_TRIES => {
                 number += 1;

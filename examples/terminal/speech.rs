@@ -1,5 +1,6 @@
 //! What is said on standard output and standard error.
 
+use super::escape::escaped;
 use std::fmt::Display;
 use std::io::{Error, ErrorKind, Result, Stdout, Write};
 use std::process::ExitCode;
@@ -37,8 +38,9 @@ fn forgive<T>(result: Result<T>, otherwise: T) -> Result<T> {
     }
 }
 
-/// A line on standard error. If that is closed too there is nobody left to tell.
+/// A line on standard error, with escapes for what is not printed. If that is closed too there is nobody left to tell.
 pub(crate) fn complain(line: impl Display) {
+    let line = escaped(line.to_string().as_bytes());
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 

@@ -33,7 +33,7 @@ pub use encounters::LeastChange;
 pub use event::{Encounter, EncounterId, EndReason, Event, EventKind};
 #[cfg(feature = "live")]
 pub use live::{
-    Counts, Handle, Live, LiveOptions, Order, Panicked, Report, Stopped, Ticket, Unsent,
+    Counts, Handle, Live, LiveOptions, Order, Panicked, Report, ReportKind, Stopped, Ticket, Unsent,
 };
 
 #[cfg(feature = "serde")]

@@ -22,7 +22,7 @@ pub struct Ticket(pub(super) u64);
 pub enum Unsent {
     /// As many orders wait as may: try again later, or leave it.
     Busy(Order),
-    /// The monitor was shut down, or panicked.
+    /// The monitor takes no more orders, was shut down, or panicked.
     Closed(Order),
 }
 
@@ -40,7 +40,7 @@ impl fmt::Display for Unsent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Busy(_) => write!(f, "the live monitor has as many orders as may wait"),
-            Self::Closed(_) => write!(f, "the live monitor has stopped"),
+            Self::Closed(_) => write!(f, "the live monitor takes no more orders"),
         }
     }
 }
@@ -73,7 +73,7 @@ pub(super) struct Shared {
     superseded: AtomicU64,
     refused: AtomicU64,
     tickets: AtomicU64,
-    /// Taken for writing once, at the end: after it no order slips into a queue nobody reads.
+    /// Written at the end alone: after it no order slips into a queue nobody reads.
     closed: RwLock<bool>,
 }
 
@@ -94,6 +94,10 @@ impl Shared {
 
     pub(super) fn refused(&self, count: u64) {
         self.refused.fetch_add(count, Ordering::Release);
+    }
+
+    pub(super) fn is_closed(&self) -> bool {
+        *self.closed.read().unwrap_or_else(PoisonError::into_inner)
     }
 
     pub(super) fn close(&self) {
@@ -157,11 +161,11 @@ impl Handle {
     }
 
     /// Asks which conflicts a body would have, at an alert level, if it followed `plan` from now on: the
-    /// answer is the [`Report::WhatIf`](super::Report::WhatIf) with this ticket. Never blocks.
+    /// answer is the [`ReportKind::WhatIf`](super::ReportKind::WhatIf) with this ticket. Never blocks.
     ///
     /// ```
     /// # use nearmiss::glam::DVec3;
-    /// # use nearmiss::{AlertLevel, Body, LiveOptions, Monitor, Report, Scene, State, Trajectory};
+    /// # use nearmiss::{AlertLevel, Body, LiveOptions, Monitor, ReportKind, Scene, State, Trajectory};
     /// # let mut scene = Scene::new();
     /// # let wall = scene.insert(Body::new(Trajectory::at_rest(9.0 * DVec3::X)?))?;
     /// # let ship = scene.insert(Body::new(Trajectory::at_rest(DVec3::ZERO)?))?;
@@ -170,8 +174,8 @@ impl Handle {
     /// let live = monitor.spawn(LiveOptions::default())?;
     /// let ahead = Trajectory::coasting(State::new(0.0, DVec3::ZERO, DVec3::X))?;
     /// let question = live.handle().what_if(ship, ahead, 0)?;
-    /// let answer = live.reports().iter().find_map(|report| match report {
-    ///     Report::WhatIf { ticket, conflicts, .. } if ticket == question => Some(conflicts),
+    /// let answer = live.reports().iter().find_map(|report| match report.kind {
+    ///     ReportKind::WhatIf { ticket, conflicts, .. } if ticket == question => Some(conflicts),
     ///     _ => None,
     /// });
     /// // It would run into the wall: within 2 m from 7 s on.
@@ -182,7 +186,7 @@ impl Handle {
     /// # Errors
     ///
     /// As [`send`](Self::send). What [`Monitor::what_if`](crate::Monitor::what_if) refuses comes as
-    /// [`Report::Refused`](super::Report::Refused).
+    /// [`ReportKind::Refused`](super::ReportKind::Refused).
     pub fn what_if(&self, id: BodyId, plan: Trajectory, level: usize) -> Result<Ticket, Unsent> {
         self.send(Order::WhatIf(id, plan, level))
     }

@@ -49,10 +49,19 @@ impl Default for LiveOptions {
     }
 }
 
-/// What comes out of a live monitor.
+/// A report of a live monitor, with its number.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Report {
+    /// Number of reports before this one. None is missing, and none comes twice.
+    pub sequence: u64,
+    /// Content.
+    pub kind: ReportKind,
+}
+
+/// Content of a report.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Report {
+pub enum ReportKind {
     /// Something happened.
     Event(Event),
     /// The clock was moved, or more was caught up; all events of it have come before this.
@@ -108,20 +117,24 @@ pub enum Report {
 ///   plan by plan, or what is superseded has to be worked out as well.
 /// - Every order sent is in the end applied, superseded or refused: [`Counts`] adds up. A change that is
 ///   applied is not reported on its own: it was, once a later order is.
-/// - Reports come in order, and none is dropped. A reader that stalls stalls the monitor, not the
-///   senders: [`Handle::certified_until`] then stands still.
+/// - Reports come in order, [numbered](Report::sequence) without a gap, and each goes to one reader. A reader that
+///   stalls stalls the monitor, not the senders: [`Handle::certified_until`] then stands still.
+/// - After [`Live::stop_orders`] all that was sent before is carried out, and then [`Live::reports`] ends. One
+///   reader that goes on to that end, on whatever thread, has every report in order: none is left for `shutdown`.
 /// - A tick works within [`LiveOptions::budget`] at a time; what is left is caught up while no
-///   orders wait. If that fails, [`Report::Stuck`] says why.
+///   orders wait. If that fails, [`ReportKind::Stuck`] says why.
 /// - [`Live::shutdown`] returns the monitor, every report that was not read and every order that was not
 ///   applied. It takes under 100 ms, the step at hand (one budget and one order's work); longer where
 ///   hundreds of thousands of pairs stay near each other, which the budget
-///   [does not count](super::Budget::Time). A panic inside the thread comes back as an error, with the
+///   [does not count](super::Budget::Time). `shutdown` reads as well: another reader that goes on meanwhile takes
+///   a part of the last reports. Each of the two has its part in order; only the numbers put them together.
+/// - A panic inside the thread comes back as an error, with the
 ///   monitor as the last whole order left it.
 ///
 /// ```
 /// use nearmiss::glam::DVec3;
 /// use nearmiss::{
-///     AlertLevel, Body, Command, LiveOptions, Monitor, Report, Scene, Trajectory,
+///     AlertLevel, Body, Command, LiveOptions, Monitor, ReportKind, Scene, Trajectory,
 /// };
 ///
 /// let monitor = Monitor::new(Scene::new(), 0.0, 10.0, &[AlertLevel::at(2.0)])?;
@@ -129,9 +142,15 @@ pub enum Report {
 /// let game = live.handle();
 /// game.send(Command::Insert(Body::new(Trajectory::at_rest(DVec3::ZERO)?)))?;
 /// game.advance(0.5)?;
-/// while !matches!(live.reports().recv()?, Report::Ticked { now, .. } if now == 0.5) {}
+/// while !matches!(live.reports().recv()?.kind, ReportKind::Ticked { now, .. } if now == 0.5) {}
+/// // In the end: all that is left, to the last report.
+/// live.stop_orders();
+/// for report in live.reports() {
+///     println!("{report:?}");
+/// }
 /// let stopped = live.shutdown()?;
 /// assert_eq!(stopped.monitor.scene().len(), 1);
+/// assert!(stopped.reports.is_empty());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
@@ -139,7 +158,7 @@ pub enum Report {
 pub struct Live {
     handle: Handle,
     reports: Receiver<Report>,
-    /// Dropped to stop the thread.
+    /// Dropped to stop the thread; a message has it look whether orders were stopped.
     stop: Option<Sender<()>>,
     /// Set to have it break off what it is at.
     interrupt: Arc<AtomicBool>,
@@ -151,7 +170,7 @@ pub struct Live {
 pub struct Stopped {
     /// As the last order left it.
     pub monitor: Monitor,
-    /// Reports that nobody has read, in order.
+    /// Reports that no other reader has taken, in order.
     pub reports: Vec<Report>,
     /// Orders that were not applied, in order; counted as refused.
     pub unapplied: Vec<(Ticket, Order)>,
@@ -197,7 +216,7 @@ impl Monitor {
         }
         let (orders_in, orders) = bounded(options.orders);
         let (reports_in, reports) = bounded(options.reports);
-        let (stop, stopped) = bounded(0);
+        let (stop, stopped) = bounded(1);
         let handle = Handle::new(orders_in, self.now(), self.certified_until());
         let interrupt = Arc::new(AtomicBool::new(false));
         self.interrupt = Some(Arc::clone(&interrupt));
@@ -227,13 +246,26 @@ impl Live {
         self.handle.clone()
     }
 
-    /// Where reports come out, also in a `select!`. Clones share the reports: each goes to one.
+    /// Returns the queue of reports, also for a `select!`. Its clones share the reports: each goes to one. The
+    /// queue ends when the thread has ended and all is read: after [`stop_orders`](Self::stop_orders), say.
     #[must_use]
     pub const fn reports(&self) -> &Receiver<Report> {
         &self.reports
     }
 
-    /// Stops the thread and takes back all there is.
+    /// Takes no more orders, and returns at once: what is sent from now on comes back as [`Unsent::Closed`].
+    ///
+    /// All orders sent before are carried out, and the last tick is caught up with. Then the thread ends, and
+    /// [`reports`](Self::reports) with its last report.
+    pub fn stop_orders(&self) {
+        self.handle.shared().close();
+        if let Some(stop) = &self.stop {
+            // If there is no room, a message is waiting already.
+            let _ = stop.try_send(());
+        }
+    }
+
+    /// Stops the thread, whatever it is at, and takes back all there is.
     ///
     /// # Errors
     ///

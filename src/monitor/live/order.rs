@@ -29,7 +29,7 @@ pub enum Order {
     /// The clock moves on to this time, s.
     Clock(f64),
     /// What would become of a body, at an alert level, if it followed a plan from now on? Changes nothing;
-    /// answered with [`Report::WhatIf`](super::Report::WhatIf). See
+    /// answered with [`ReportKind::WhatIf`](super::ReportKind::WhatIf). See
     /// [`Monitor::what_if`](crate::Monitor::what_if).
     WhatIf(BodyId, Trajectory, usize),
     /// Panics, to see what becomes of it.

@@ -37,7 +37,9 @@ fn a_panic_comes_back_with_the_monitor() {
     handle.send(Order::Panic).unwrap();
     // The reports end where the thread does.
     let seen: Vec<Report> = live.reports().iter().collect();
-    assert!(matches!(seen[0], Report::Event(event) if matches!(event.kind, EventKind::Began(_))));
+    assert!(
+        matches!(seen[0].kind, ReportKind::Event(event) if matches!(event.kind, EventKind::Began(_)))
+    );
     assert!(matches!(handle.advance(2.0), Err(Unsent::Closed(Order::Clock(time))) if time == 2.0));
     let panicked = live.shutdown().unwrap_err();
     assert_eq!(panicked.message, "ordered to");
@@ -215,8 +217,10 @@ fn a_monitor_that_is_stuck_says_so() {
     for id in 0..2 {
         game.advance(0.0).unwrap();
         // Within the budget or after it.
-        let is_told = |report: &Report| match report {
-            Report::Stuck { error: why } | Report::Refused { error: why, .. } => *why == error,
+        let is_told = |report: &Report| match &report.kind {
+            ReportKind::Stuck { error: why } | ReportKind::Refused { error: why, .. } => {
+                *why == error
+            }
             _ => false,
         };
         let mut reports = std::iter::from_fn(|| live.reports().recv_timeout(PATIENCE).ok());

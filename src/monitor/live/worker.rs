@@ -2,7 +2,7 @@
 
 use super::handle::{Shared, Ticket};
 use super::order::{Order, Waiting};
-use super::{LiveOptions, Report};
+use super::{LiveOptions, Report, ReportKind};
 use crate::error::Error;
 use crate::id::BodyId;
 use crate::monitor::{Budget, Event, Monitor};
@@ -40,7 +40,7 @@ impl Outcome {
     }
 }
 
-/// Asked to stop.
+/// The thread is asked to stop, or is done.
 #[derive(Debug)]
 struct Stop;
 
@@ -49,13 +49,15 @@ pub(super) struct Worker {
     monitor: Monitor,
     orders: Receiver<(Ticket, Order)>,
     reports: Sender<Report>,
-    /// Disconnects when the thread is to stop.
+    /// Disconnects when the thread is to stop. A message wakes it, to see that orders were stopped.
     stop: Receiver<()>,
     shared: Arc<Shared>,
     options: LiveOptions,
     waiting: Waiting,
     /// Reports that the reader has no room for.
     outbox: VecDeque<Report>,
+    /// How many reports there have been.
+    reported: u64,
     events: Vec<Event>,
     /// Catching up was refused: it is not tried again before something is ordered.
     stuck: bool,
@@ -77,6 +79,7 @@ impl Worker {
             options,
             waiting: Waiting::default(),
             outbox: VecDeque::new(),
+            reported: 0,
             events: Vec::new(),
             stuck: false,
         }
@@ -131,14 +134,17 @@ impl Worker {
         if self.stop.try_recv() == Err(TryRecvError::Disconnected) {
             return Err(Stop);
         }
-        let idle = self.waiting.len() == 0 && (self.monitor.is_known() || self.stuck);
-        if idle {
+        while self.waiting.len() == 0 && (self.monitor.is_known() || self.stuck) {
+            // In this order: none is added once they are stopped.
+            if self.shared.is_closed() && self.orders.is_empty() {
+                return Err(Stop);
+            }
             select! {
                 recv(self.orders) -> order => match order {
                     Ok((ticket, order)) => self.take(ticket, order),
                     Err(_) => return Err(Stop),
                 },
-                recv(self.stop) -> _ => return Err(Stop),
+                recv(self.stop) -> message => message.map_err(|_| Stop)?,
             }
         }
         while self.waiting.len() < self.options.orders {
@@ -162,13 +168,13 @@ impl Worker {
             // Time stands still.
             if let Err(error) = self.tick(self.monitor.now()) {
                 self.stuck = true;
-                self.outbox.push_back(Report::Stuck { error });
+                self.report(ReportKind::Stuck { error });
             }
             return;
         };
         let inserted = |ids: Vec<BodyId>| {
             let some = !ids.is_empty();
-            some.then_some(Report::Inserted { ticket, ids })
+            some.then_some(ReportKind::Inserted { ticket, ids })
         };
         let outcome = match order {
             Order::Change(command) => self.monitor.apply([command]).map(inserted),
@@ -177,7 +183,7 @@ impl Worker {
             Order::WhatIf(id, plan, level) => {
                 let conflicts = self.monitor.what_if(id, &plan, level);
                 conflicts.map(|conflicts| {
-                    Some(Report::WhatIf {
+                    Some(ReportKind::WhatIf {
                         ticket,
                         conflicts,
                         certified_until: self.monitor.certified_until(),
@@ -190,11 +196,11 @@ impl Worker {
         match outcome {
             Ok(report) => {
                 self.shared.applied();
-                self.outbox.extend(report);
+                report.into_iter().for_each(|kind| self.report(kind));
             }
             Err(error) => {
                 self.shared.refused(1);
-                self.outbox.push_back(Report::Refused { ticket, error });
+                self.report(ReportKind::Refused { ticket, error });
             }
         }
     }
@@ -204,13 +210,23 @@ impl Worker {
         let budget = Budget::Time(self.options.budget);
         self.monitor.advance_within(now, budget, &mut self.events)?;
         let (now, certified_until) = (self.monitor.now(), self.monitor.certified_until());
-        self.outbox.extend(self.events.drain(..).map(Report::Event));
-        self.outbox.push_back(Report::Ticked {
+        let mut events = std::mem::take(&mut self.events);
+        for event in events.drain(..) {
+            self.report(ReportKind::Event(event));
+        }
+        self.events = events;
+        self.report(ReportKind::Ticked {
             now,
             certified_until,
         });
         self.shared.publish(now, certified_until);
         Ok(())
+    }
+
+    fn report(&mut self, kind: ReportKind) {
+        let sequence = self.reported;
+        self.reported += 1;
+        self.outbox.push_back(Report { sequence, kind });
     }
 
     /// Hands the reports over; waits for the reader where there is no room.
@@ -231,7 +247,7 @@ impl Worker {
         Ok(())
     }
 
-    /// Hands one report over as soon as there is room.
+    /// Hands one report over as soon as there is room, unless it is woken before.
     fn wait_for_reader(&mut self) -> Result<(), Stop> {
         let Some(report) = self.outbox.front() else {
             return Ok(());
@@ -244,7 +260,7 @@ impl Worker {
                 }
                 Err(_) => Err(Stop),
             },
-            recv(self.stop) -> _ => Err(Stop),
+            recv(self.stop) -> message => message.map_err(|_| Stop),
         }
     }
 }

@@ -19,8 +19,6 @@ pub(in crate::monitor) struct Begin {
     least_change: LeastChange,
     #[serde(with = "super::number")]
     history: f64,
-    /// Recordings of old have none: there was no limit.
-    #[serde(default = "no_limit")]
     most_spans: usize,
     next_id: u64,
     /// By level.
@@ -29,12 +27,7 @@ pub(in crate::monitor) struct Begin {
     /// By slot: whether the end of its plan, if it has one, has been told.
     end_told: Vec<bool>,
     /// Another tick at the same time would find everything as it is.
-    #[serde(default)]
     settled: bool,
-}
-
-const fn no_limit() -> usize {
-    usize::MAX
 }
 
 /// More than there will ever be: what comes after it can be counted.

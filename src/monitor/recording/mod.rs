@@ -26,7 +26,10 @@ impl Monitor {
     /// # Errors
     ///
     /// If the beginning cannot be written. What fails later is told by
-    /// [`stop_recording`](Self::stop_recording), and does not disturb the monitor; nor does a writer that panics.
+    /// [`stop_recording`](Self::stop_recording), and does not disturb the monitor.
+    ///
+    /// A writer that panics, in `write`, in `flush` or when it is dropped, is one that fails: no call of the
+    /// monitor panics for it. The writer is dropped at once.
     pub fn start_recording(&mut self, target: impl Write + Send + 'static) -> io::Result<()> {
         self.tape = None;
         self.end_of_removed();
@@ -37,7 +40,7 @@ impl Monitor {
         Ok(())
     }
 
-    /// Ends the recording, if there is one; returns how many records it has.
+    /// Ends the recording, if there is one, and drops its writer; returns how many records it has.
     ///
     /// # Errors
     ///

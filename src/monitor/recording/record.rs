@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use std::io;
 
 /// The first line; the number is the version of the format.
-pub(super) const TITLE: &str = "nearmiss recording 1\n";
+pub(super) const TITLE: &str = "nearmiss recording 2\n";
 
 /// Length and checksum, and the spaces after them.
 pub(super) const PREFIX: usize = 18;
@@ -37,9 +37,7 @@ pub(in crate::monitor) enum Record {
     /// A tick failed, after which all is looked at anew.
     Anew,
     Close,
-    End {
-        records: u64,
-    },
+    End,
 }
 
 /// Why a recording cannot be replayed, or not to its end. Offsets are in bytes from the beginning
@@ -59,7 +57,7 @@ pub enum RecordingError {
         /// Where the line that is cut, or missing, begins.
         offset: u64,
     },
-    /// A line is not what was written: its length, its checksum or what it says is wrong.
+    /// A line is not what was written there: its length, its checksum or what it says is wrong.
     #[error("byte {offset}: the recording is damaged: {problem}")]
     Damaged {
         /// Where the line begins.
@@ -81,20 +79,28 @@ pub enum RecordingError {
 }
 
 impl Record {
-    /// The line, with its prefix and its end.
-    pub(super) fn line(&self) -> io::Result<String> {
+    /// The line, with its prefix and its end, and its checksum; `before` is that of the record before.
+    pub(super) fn line(&self, before: u32) -> io::Result<(String, u32)> {
         let json = serde_json::to_string(self)?;
         let length = u32::try_from(json.len());
         let length = length.map_err(|_| io::Error::other("a record of 4 GiB or more"))?;
-        let checksum = crc32fast::hash(json.as_bytes());
-        Ok(format!("{length:08x} {checksum:08x} {json}\n"))
+        let checksum = checksum(before, json.as_bytes());
+        let line = format!("{length:08x} {checksum:08x} {json}\n");
+        Ok((line, checksum))
     }
 
-    /// The record in the body of a line, if its checksum is this.
-    pub(super) fn parse(json: &[u8], checksum: u32) -> Result<Self, String> {
-        if crc32fast::hash(json) != checksum {
-            return Err("its checksum is wrong".to_owned());
+    /// The record in the body of a line, if its checksum is that of this place.
+    pub(super) fn parse(json: &[u8], expected: u32, before: u32) -> Result<Self, String> {
+        if checksum(before, json) != expected {
+            return Err("its checksum is not that of this record in this place".to_owned());
         }
         serde_json::from_slice(json).map_err(|error| error.to_string())
     }
+}
+
+/// The CRC-32 of all records up to this one, from that of all before it.
+fn checksum(before: u32, json: &[u8]) -> u32 {
+    let mut hasher = crc32fast::Hasher::new_with_initial(before);
+    hasher.update(json);
+    hasher.finalize()
 }

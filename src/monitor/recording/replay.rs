@@ -35,16 +35,18 @@ use std::io::{BufRead, Read};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// # Format, version 1
+/// # Format, version 2
 ///
-/// A text file. The first line is `nearmiss recording 1`. Each further line is one record:
+/// A text file. The first line is `nearmiss recording 2`. Each further line is one record:
 ///
 /// ```text
 /// LENGTH CHECKSUM JSON
 /// ```
 ///
-/// LENGTH is the number of bytes of JSON, CHECKSUM its CRC-32 (IEEE 802.3), both in eight
-/// hexadecimal digits; JSON is one object with one key, the kind of record:
+/// LENGTH is the number of bytes of JSON. CHECKSUM is the CRC-32 (IEEE 802.3) of the JSON of all records
+/// up to this one, one after the other: a line that is missing, doubled or not in its place is an error
+/// right there. Both have eight hexadecimal digits. JSON is one object with one key, the kind of record, or
+/// the kind as a string where there is no content:
 ///
 /// | kind | content |
 /// |---|---|
@@ -56,7 +58,7 @@ use std::io::{BufRead, Read};
 /// | `tick` | the clock, up to when everything was known after it, and the work done in it (as a [budget](crate::Budget::Work) counts it) |
 /// | `anew` | a tick failed, and all is looked at anew |
 /// | `close` | the monitor was closed |
-/// | `end` | how many records came before; a recording without one was cut short |
+/// | `end` | nothing follows; a recording without one was cut short |
 ///
 /// Numbers are the shortest digits that read back as the same bits. Segments are sixteen numbers:
 /// start, end, origin, the control points 1 to 3 relative to it, extent, error.
@@ -65,7 +67,8 @@ pub struct Replay<R> {
     source: R,
     /// Where the next line begins.
     offset: u64,
-    records: u64,
+    /// The checksum of the last record.
+    checksum: u32,
     state: State,
     monitor: Monitor,
 }
@@ -99,7 +102,11 @@ impl<R: BufRead> Replay<R> {
             return Err(RecordingError::NotARecording { found });
         }
         let offset = TITLE.len() as u64;
-        let (record, length) = read(&mut source, offset)?;
+        let Line {
+            record,
+            checksum,
+            length,
+        } = read(&mut source, offset, 0)?;
         let Record::Begin(begin) = record else {
             return Err(damaged(offset, "it does not begin with a monitor"));
         };
@@ -110,7 +117,7 @@ impl<R: BufRead> Replay<R> {
         Ok(Self {
             source,
             offset: offset + length,
-            records: 1,
+            checksum,
             state: State::Open,
             monitor,
         })
@@ -131,8 +138,8 @@ impl<R: BufRead> Replay<R> {
     ///
     /// # Errors
     ///
-    /// [`RecordingError`], with the place. Everything before it has been replayed; what comes after it
-    /// cannot be.
+    /// [`RecordingError`], with the place. Everything before that place was recorded so, and has been
+    /// replayed. What comes after it cannot be.
     pub fn tick(&mut self, events: &mut Vec<Event>) -> Result<Option<f64>, RecordingError> {
         let done = self.go_on(events);
         if done.is_err() {
@@ -149,11 +156,12 @@ impl<R: BufRead> Replay<R> {
                 State::Ended => return Ok(None),
                 State::Failed => return Err(damaged(offset, "it could not be read up to here")),
             }
-            let (record, length) = read(&mut self.source, offset)?;
-            if let Record::End { records } = record {
-                if records != self.records {
-                    return Err(damaged(offset, "records are missing"));
-                }
+            let Line {
+                record,
+                checksum,
+                length,
+            } = read(&mut self.source, offset, self.checksum)?;
+            if let Record::End = record {
                 if !self.source.fill_buf()?.is_empty() {
                     return Err(damaged(offset + length, "something follows its end"));
                 }
@@ -164,7 +172,7 @@ impl<R: BufRead> Replay<R> {
                 return Err(damaged(offset, "it goes on after the monitor was closed"));
             }
             self.offset += length;
-            self.records += 1;
+            self.checksum = checksum;
             let done = self.repeat(record, offset, events)?;
             if let Some(now) = done {
                 return Ok(Some(now));
@@ -182,7 +190,7 @@ impl<R: BufRead> Replay<R> {
         let monitor = &mut self.monitor;
         let refused = |error| RecordingError::Refused { offset, error };
         match record {
-            Record::Begin(_) | Record::End { .. } => {
+            Record::Begin(_) | Record::End => {
                 return Err(damaged(offset, "it begins or ends twice"));
             }
             Record::Apply(commands) => drop(monitor.apply(commands).map_err(refused)?),
@@ -207,8 +215,15 @@ impl<R: BufRead> Replay<R> {
     }
 }
 
-/// The record on the line that begins at `offset`, and the length of the line.
-fn read(source: &mut impl BufRead, offset: u64) -> Result<(Record, u64), RecordingError> {
+struct Line {
+    record: Record,
+    checksum: u32,
+    /// Bytes.
+    length: u64,
+}
+
+/// Reads the line that begins at `offset`, after a record with the checksum `before`.
+fn read(source: &mut impl BufRead, offset: u64, before: u32) -> Result<Line, RecordingError> {
     let mut prefix = Vec::new();
     let wanted = PREFIX as u64;
     source.by_ref().take(wanted).read_to_end(&mut prefix)?;
@@ -226,9 +241,13 @@ fn read(source: &mut impl BufRead, offset: u64) -> Result<(Record, u64), Recordi
     if line.pop() != Some(b'\n') {
         return Err(damaged(offset, "its length is wrong"));
     }
-    let record = Record::parse(&line, checksum);
+    let record = Record::parse(&line, checksum, before);
     let record = record.map_err(|problem| RecordingError::Damaged { offset, problem })?;
-    Ok((record, PREFIX as u64 + wanted))
+    Ok(Line {
+        record,
+        checksum,
+        length: PREFIX as u64 + wanted,
+    })
 }
 
 /// Length and checksum: eight hexadecimal digits and a space, twice.

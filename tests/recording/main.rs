@@ -6,7 +6,10 @@
     reason = "a monitor that cannot be built or recorded fails the test"
 )]
 
+mod damage;
+#[path = "../support/mod.rs"]
 mod support;
+mod writers;
 
 use glam::DVec3;
 use nearmiss::{
@@ -297,196 +300,10 @@ fn a_stopped_recording_ends_where_it_was_stopped() {
     assert_eq!(now.to_bits(), monitor.now().to_bits());
 }
 
-/// A small file, cut at every byte: what is whole is replayed, the rest is told with its place.
-#[test]
-fn a_cut_is_told() {
-    let (file, events) = run(3, 4, 0, 6);
-    let lines: Vec<usize> = std::iter::once(0)
-        .chain((0..file.len()).filter(|&i| file[i] == b'\n').map(|i| i + 1))
-        .collect();
-    for length in 0..file.len() {
-        let (again, end) = replay(&file[..length]);
-        // The line that is cut, or missing.
-        let line = lines.iter().rev().find(|&&start| start <= length).unwrap();
-        match end.unwrap_err() {
-            RecordingError::NotARecording { .. } => assert_eq!(*line, 0, "cut at {length}"),
-            RecordingError::Truncated { offset } => assert_eq!(offset, *line as u64),
-            other => panic!("cut at {length}: {other}"),
-        }
-        assert_eq!(text(&again), text(&events[..again.len()]));
-    }
-}
-
-/// Every byte of a small file, changed: never a panic, never other events than those before it.
-#[test]
-fn damage_is_told() {
-    let (file, events) = run(4, 4, 0, 5);
-    let mut line = 0;
-    for place in 0..file.len() {
-        for flip in [1, 0x80] {
-            let mut damaged = file.clone();
-            damaged[place] ^= flip;
-            let (again, end) = replay(&damaged);
-            let offset = match end.unwrap_err() {
-                RecordingError::NotARecording { .. } => 0,
-                RecordingError::Truncated { offset }
-                | RecordingError::Damaged { offset, .. }
-                | RecordingError::Refused { offset, .. } => offset,
-                RecordingError::Io(error) => panic!("{error}"),
-                other => panic!("{other}"),
-            };
-            assert_eq!(offset, line as u64, "byte {place}");
-            assert_eq!(text(&again), text(&events[..again.len()]));
-        }
-        if file[place] == b'\n' {
-            line = place + 1;
-        }
-    }
-}
-
-#[test]
-fn a_file_that_fails_disturbs_nothing() {
-    struct Full(usize);
-    impl Write for Full {
-        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-            self.0 = self
-                .0
-                .checked_sub(bytes.len())
-                .ok_or(io::ErrorKind::StorageFull)?;
-            Ok(bytes.len())
-        }
-
-        fn flush(&mut self) -> io::Result<()> {
-            Ok(())
-        }
-    }
-    let mut rng = rng(9);
-    let mut monitor = monitor(&mut rng, 6, 5.0);
-    assert!(monitor.start_recording(Full(100)).is_err());
-    monitor.start_recording(Full(200_000)).unwrap();
-    while monitor.is_recording() {
-        live_on(&mut monitor, &mut rng, &mut Vec::new());
-    }
-    live_on(&mut monitor, &mut rng, &mut Vec::new());
-    let error = monitor.stop_recording().unwrap_err();
-    assert_eq!(error.kind(), io::ErrorKind::StorageFull);
-}
-
-/// What is recorded takes effect, and is told, though the recording cannot go on.
-#[test]
-fn a_writer_that_panics_disturbs_nothing() {
-    struct Broken(usize);
-    impl Write for Broken {
-        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-            self.0 += bytes.len();
-            assert!(self.0 < 200_000, "broken on purpose");
-            Ok(bytes.len())
-        }
-
-        fn flush(&mut self) -> io::Result<()> {
-            Ok(())
-        }
-    }
-    let (mut rngs, mut said) = ([rng(9), rng(9)], [Vec::new(), Vec::new()]);
-    let mut recorded = monitor(&mut rngs[0], 6, 5.0);
-    let mut plain = monitor(&mut rngs[1], 6, 5.0);
-    recorded.start_recording(Broken(0)).unwrap();
-    while recorded.is_recording() {
-        live_on(&mut recorded, &mut rngs[0], &mut said[0]);
-        live_on(&mut plain, &mut rngs[1], &mut said[1]);
-    }
-    assert_eq!(text(&said[0]), text(&said[1]));
-    let error = recorded.stop_recording().unwrap_err();
-    assert_eq!(error.to_string(), "the writer panicked");
-}
-
-/// A recording that goes on after its end, or after the monitor was closed; and one that is read on after
-/// something was wrong.
-#[test]
-fn what_follows_an_end_is_told() {
-    let memory = Memory::default();
-    let mut rng = rng(9);
-    let mut monitor = monitor(&mut rng, 6, 5.0);
-    monitor.start_recording(memory.clone()).unwrap();
-    live_on(&mut monitor, &mut rng, &mut Vec::new());
-    monitor.close(&mut Vec::new());
-    let whole = memory.bytes();
-    replay(&whole).1.unwrap();
-    let twice = [&whole[..], &whole[..]].concat();
-    assert!(matches!(
-        replay(&twice).1,
-        Err(RecordingError::Damaged { offset, .. }) if offset == whole.len() as u64
-    ));
-    let lines: Vec<&[u8]> = whole.split_inclusive(|byte| *byte == b'\n').collect();
-    let [rest @ .., tick, close, end] = &lines[..] else {
-        unreachable!("there are more lines")
-    };
-    let after = [&rest.concat(), *tick, *close, *tick, *end].concat();
-    let mut opened = Replay::open(&after[..]).unwrap();
-    let mut events = Vec::new();
-    while let Ok(now) = opened.tick(&mut events) {
-        assert!(now.is_some());
-    }
-    let told = events.len();
-    assert!(matches!(
-        opened.tick(&mut events),
-        Err(RecordingError::Damaged { .. })
-    ));
-    assert_eq!(events.len(), told);
-}
-
-/// A beginning that no monitor writes, though its checksum is right.
-#[test]
-fn contradictions_are_refused() {
-    let (file, _) = run_with(5.0, 3, 12, 40, 20);
-    let text = String::from_utf8(file).unwrap();
-    let (title, rest) = text.split_once('\n').unwrap();
-    let (begin, rest) = rest.split_once('\n').unwrap();
-    let begin: serde_json::Value = serde_json::from_str(&begin[18..]).unwrap();
-    let open = |begin: &serde_json::Value| {
-        let json = begin.to_string();
-        let checksum = crc32fast::hash(json.as_bytes());
-        let file = format!("{title}\n{:08x} {checksum:08x} {json}\n{rest}", json.len());
-        Replay::open(file.as_bytes()).map(drop)
-    };
-    open(&begin).unwrap();
-    for (field, value) in [
-        ("next_id", serde_json::json!(u64::MAX)),
-        ("next_id", serde_json::json!(0)),
-        ("history", serde_json::json!(-1.0)),
-        ("end_told", serde_json::json!([])),
-        (
-            "least_change",
-            serde_json::json!({"time": -1.0, "separation": 0.0}),
-        ),
-    ] {
-        let mut broken = begin.clone();
-        let place = &mut broken["begin"][field];
-        assert!(!place.is_null(), "{field} in {begin}");
-        *place = value;
-        assert!(open(&broken).is_err(), "{field}");
-    }
-    // Encounters that no monitor of this scene can have had.
-    let saved = &begin["begin"]["encounters"][0][0];
-    let begun = saved["begun"].as_bool().unwrap();
-    for (place, value) in [
-        ("/now/level", serde_json::json!(7)),
-        ("/sent/id", serde_json::json!(u32::MAX)),
-        ("/now/a", saved["now"]["b"].clone()),
-        ("/now/exit", serde_json::json!(-1e9)),
-        ("/begun", serde_json::json!(!begun)),
-    ] {
-        let mut broken = begin.clone();
-        let place_of_it = broken["begin"]["encounters"][0][0].pointer_mut(place);
-        *place_of_it.unwrap() = value;
-        assert!(open(&broken).is_err(), "{place} of {saved}");
-    }
-}
-
 #[cfg(feature = "live")]
 #[test]
 fn a_live_monitor_is_recorded_as_it_was_applied() {
-    use nearmiss::{LiveOptions, Report};
+    use nearmiss::{LiveOptions, Report, ReportKind};
     let mut rng = rng(12);
     let mut monitor = monitor(&mut rng, 60, 5.0);
     let file = Memory::default();
@@ -511,7 +328,7 @@ fn a_live_monitor_is_recorded_as_it_was_applied() {
     }
     let mut said = Vec::new();
     let mut read = |report: Report| {
-        if let Report::Event(event) = report {
+        if let ReportKind::Event(event) = report.kind {
             said.push(event);
         }
     };

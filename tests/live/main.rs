@@ -6,12 +6,14 @@
     reason = "a monitor that cannot be built fails the test"
 )]
 
+mod readers;
+#[path = "../support/mod.rs"]
 mod support;
 
 use nearmiss::crossbeam_channel::{RecvTimeoutError, bounded, select};
 use nearmiss::{
     AlertLevel, Body, BodyId, Command, EncounterId, Error, Event, EventKind, Handle, Hitbox,
-    LiveOptions, Monitor, Order, Report, Scene, State, Trajectory, Unsent, Window,
+    LiveOptions, Monitor, Order, Report, ReportKind, Scene, State, Trajectory, Unsent, Window,
 };
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -22,6 +24,8 @@ use support::{bits, rng, screen, wander};
 
 const MARGIN: f64 = 3.0;
 const LOOKAHEAD: f64 = 5.0;
+/// Longer than any report takes.
+const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Wanderers in a cube, 40 s long.
 fn crowd(seed: u64, count: u32) -> (Monitor, Vec<BodyId>) {
@@ -70,7 +74,7 @@ impl Ledger {
 
     fn read_all<'r>(&mut self, reports: impl IntoIterator<Item = &'r Report>) {
         for report in reports {
-            if let Report::Event(event) = report {
+            if let ReportKind::Event(event) = &report.kind {
                 self.read(event);
             }
         }
@@ -290,13 +294,13 @@ fn reports_work_in_a_select_and_come_tick_by_tick() {
                 Err(_) if last >= sent_at => break,
                 Err(_) => {}
             },
-            recv(live.reports()) -> report => match report.unwrap() {
-                Report::Event(event) => {
+            recv(live.reports()) -> report => match report.unwrap().kind {
+                ReportKind::Event(event) => {
                     ledger.read(&event);
                     // Of this tick: not before the last one's clock.
                     assert!(event.time >= last);
                 }
-                Report::Ticked { now, certified_until } => {
+                ReportKind::Ticked { now, certified_until } => {
                     assert!(now >= last && certified_until <= now + LOOKAHEAD);
                     last = now;
                     ticks += 1;
@@ -312,9 +316,13 @@ fn reports_work_in_a_select_and_come_tick_by_tick() {
     let removal = handle.send(vec![Command::Remove(ids[0]), Command::Remove(ids[0])]);
     let mut answers = Vec::new();
     while answers.len() < 2 {
-        match live.reports().recv_timeout(Duration::from_secs(5)) {
-            Ok(Report::Inserted { ticket, ids }) => answers.push((ticket, ids.len())),
-            Ok(Report::Refused { ticket, .. }) => answers.push((ticket, 0)),
+        match live
+            .reports()
+            .recv_timeout(PATIENCE)
+            .map(|report| report.kind)
+        {
+            Ok(ReportKind::Inserted { ticket, ids }) => answers.push((ticket, ids.len())),
+            Ok(ReportKind::Refused { ticket, .. }) => answers.push((ticket, 0)),
             Ok(_) => {}
             Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => panic!("no answer"),
         }
@@ -335,7 +343,7 @@ fn a_question_is_answered_in_its_turn() {
     let _ = handle.advance(1.0).unwrap();
     // Until all is known: an answer before it would be about less.
     while handle.certified_until() < embedded.certified_until() {
-        live.reports().recv_timeout(Duration::from_secs(5)).unwrap();
+        live.reports().recv_timeout(PATIENCE).unwrap();
     }
     let rest = |id| {
         let trajectory = &embedded.scene().body(id).unwrap().trajectory;
@@ -351,8 +359,8 @@ fn a_question_is_answered_in_its_turn() {
     let unknown = handle.what_if(ids[2], here.clone(), 99).unwrap();
     let mut answered = false;
     loop {
-        match live.reports().recv_timeout(Duration::from_secs(5)).unwrap() {
-            Report::WhatIf {
+        match live.reports().recv_timeout(PATIENCE).unwrap().kind {
+            ReportKind::WhatIf {
                 ticket,
                 conflicts,
                 certified_until,
@@ -367,7 +375,7 @@ fn a_question_is_answered_in_its_turn() {
                 assert!(conflicts.iter().any(|found| (found.a, found.b) == pair));
                 answered = true;
             }
-            Report::Refused { ticket, error } => {
+            ReportKind::Refused { ticket, error } => {
                 assert_eq!(ticket, unknown);
                 assert_eq!(error, Error::UnknownAlertLevel { level: 99 });
                 break;
@@ -409,9 +417,9 @@ fn a_live_monitor_says_what_an_embedded_one_says() {
         handle.advance(now).unwrap();
         let mut heard = Vec::new();
         for report in live.reports() {
-            match report {
-                Report::Event(event) => heard.push(event),
-                Report::Ticked { .. } => break,
+            match report.kind {
+                ReportKind::Event(event) => heard.push(event),
+                ReportKind::Ticked { .. } => break,
                 other => panic!("{other:?}"),
             }
         }
@@ -453,8 +461,8 @@ fn the_smallest_budget_gets_there() {
     let live = monitor.spawn(options).unwrap();
     for now in [1.0, 1.7e9] {
         live.handle().advance(now).unwrap();
-        let is_there = |report: &Report| match report {
-            Report::Ticked {
+        let is_there = |report: &Report| match &report.kind {
+            ReportKind::Ticked {
                 certified_until, ..
             } => *certified_until >= now + LOOKAHEAD,
             _ => false,
