@@ -69,6 +69,13 @@ pub enum Report {
         /// The bodies' ids, in the order in which they were given.
         ids: Vec<BodyId>,
     },
+    /// Plans of an order were [late](Monitor::replan): they are followed from later instants than it says.
+    Late {
+        /// The order.
+        ticket: Ticket,
+        /// The bodies, and the instants from which they follow their last plans, s.
+        plans: Vec<(BodyId, f64)>,
+    },
     /// The answer to [`Handle::what_if`], worked out after all orders before it, and as far as the
     /// last tick had looked ahead.
     WhatIf {
@@ -107,7 +114,8 @@ pub enum Report {
 ///   across a question ([`Handle::what_if`]), whose answer is about all that was ordered before: send what need not go together
 ///   plan by plan, or what is superseded has to be worked out as well.
 /// - Every order sent is in the end applied, superseded or refused: [`Counts`] adds up. A change that is
-///   applied is not reported on its own: it was, once a later order is.
+///   applied is not reported on its own: it was, once a later order is. A late plan is, if it is followed
+///   from later on than it says: [`Report::Late`].
 /// - Reports come in order, and none is dropped. A reader that stalls stalls the monitor, not the
 ///   senders: [`Handle::certified_until`] then stands still.
 /// - A tick works within [`LiveOptions::budget`] at a time; what is left is caught up while no
