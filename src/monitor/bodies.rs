@@ -49,6 +49,10 @@ impl<'m> Bodies<'m> {
         }
     }
 
+    /// Boxes that are sooner formed and compared than another thread wakes up, on a machine that is busy
+    /// with something else.
+    pub(super) const FEW: usize = 4096;
+
     /// How many bodies ahead they are fetched.
     const AHEAD: usize = 4;
     /// Knots that are fetched: two lines.
@@ -155,7 +159,8 @@ impl Moved {
                 ..Chunk::default()
             });
         }
-        parallel::for_each_chunk(&mut self.chunks[..count], 1, |chunks| {
+        let few = (slots.len() * (ends.len() - 1), Bodies::FEW);
+        parallel::for_each_chunk(&mut self.chunks[..count], 1, few, |chunks| {
             for chunk in chunks {
                 let end = slots.len().min(chunk.first + Self::CHUNK);
                 chunk.form(bodies, &slots[chunk.first..end], ends);

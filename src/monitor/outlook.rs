@@ -259,7 +259,8 @@ impl Outlook {
             self.moved.form(&bodies, &self.dirty, &self.ends);
             stats.bounds_time += begin.elapsed();
             let (moved, first) = (&self.moved, slices[0].index);
-            parallel::for_each_chunk(slices, 1, |slices| {
+            let boxes = slices.iter().map(|slice| slice.missing(&bodies)).sum();
+            parallel::for_each_chunk(slices, 1, (boxes, Bodies::FEW), |slices| {
                 for slice in slices {
                     let number = usize::try_from(slice.index - first).unwrap_or(usize::MAX);
                     let moved = (number < needed).then_some((moved, number));

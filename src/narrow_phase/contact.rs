@@ -70,7 +70,10 @@ impl Approach {
             let (position, velocity, _) = party.segments[cubic].motion_at(self.time);
             let has_ended = party.knots[cubic + 1] <= self.time;
             let next = party.segments.get(cubic + 1).filter(|_| has_ended);
-            (position, next.map_or(velocity, |next| next.motion_at(self.time).1))
+            (
+                position,
+                next.map_or(velocity, |next| next.motion_at(self.time).1),
+            )
         };
         let (position_a, velocity_a) = motion(a, self.span.a);
         let (position_b, velocity_b) = motion(b, self.span.b);

@@ -5,12 +5,21 @@ use super::scenarios::tick;
 use super::support::{line, rng, wander};
 use super::{Ledger, is_as_screened};
 use glam::DVec3;
+#[cfg(feature = "serde")]
+use nearmiss::Replay;
 use nearmiss::{
-    AlertLevel, Body, BodyId, Budget, Command, Error, Hitbox, Monitor, Outside, Scene, State,
-    Trajectory,
+    AlertLevel, Body, BodyId, Budget, Command, Error, Event, Hitbox, Monitor, Outside, Scene,
+    State, Trajectory,
 };
+#[cfg(feature = "live")]
+use nearmiss::{LiveOptions, Order, Report};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+#[cfg(feature = "serde")]
+use std::{
+    io,
+    sync::{Arc, Mutex},
+};
 
 const LEVEL: AlertLevel = AlertLevel {
     margin: 1.5,
@@ -74,7 +83,11 @@ fn a_plan_that_does_not_reach_the_clock_is_refused() {
             let short = line(start, end, DVec3::ZERO, DVec3::X);
             let error = monitor.replan(id, 1.5, short).unwrap_err();
             assert_eq!(error, Error::NoPlanAt { time: 2.2 }.in_body(0));
-            assert!(error.to_string().contains("give one that goes on from then"));
+            assert!(
+                error
+                    .to_string()
+                    .contains("give one that goes on from then")
+            );
             assert_eq!(monitor.scene().body(id), Some(&before));
         }
         for time in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
@@ -196,8 +209,11 @@ fn random_late_plans(seed: u64, history: f64, seen: &mut Seen) {
         .collect();
     let mut monitor = Monitor::new(scene, 0.0, 2.0, &[LEVEL]).unwrap();
     monitor.set_history(history).unwrap();
+    #[cfg(feature = "serde")]
+    let recording = Recording::of(&mut monitor);
+    let mut said = Vec::new();
     let (mut reference, mut ledger) = (Reference::new(&[LEVEL], 0.0, 2.0), Ledger::default());
-    let mut events = Vec::new();
+    let mut events: Vec<Event> = Vec::new();
     for step in 0..250_u32 {
         let clock = monitor.now();
         for _ in 0..rng.random_range(0..5) {
@@ -247,7 +263,45 @@ fn random_late_plans(seed: u64, history: f64, seen: &mut Seen) {
         if known > now {
             is_as_screened(&monitor, LEVEL);
         }
-        seen.events += events.len();
+        said.append(&mut events);
+    }
+    seen.events += said.len();
+    #[cfg(feature = "serde")]
+    assert!(recording.again(&mut monitor) == said);
+}
+
+/// What a monitor writes.
+#[cfg(feature = "serde")]
+#[derive(Clone, Default)]
+struct Recording(Arc<Mutex<Vec<u8>>>);
+
+#[cfg(feature = "serde")]
+impl io::Write for Recording {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.lock().unwrap().write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+#[cfg(feature = "serde")]
+impl Recording {
+    fn of(monitor: &mut Monitor) -> Self {
+        let recording = Self::default();
+        monitor.start_recording(recording.clone()).unwrap();
+        recording
+    }
+
+    /// The events of a replay.
+    fn again(&self, monitor: &mut Monitor) -> Vec<Event> {
+        monitor.stop_recording().unwrap();
+        let bytes = self.0.lock().unwrap();
+        let mut replay = Replay::open(&bytes[..]).unwrap();
+        let mut events = Vec::new();
+        while replay.tick(&mut events).unwrap().is_some() {}
+        events
     }
 }
 
@@ -261,4 +315,77 @@ fn late_plans_are_followed_as_the_model_says() {
     let counts = [seen.in_time, seen.late, seen.cut_short, seen.refused];
     assert!(counts.iter().all(|&count| count > 100), "{seen:?}");
     assert!(seen.events > 2_000, "{seen:?}");
+}
+
+/// On a network that delays plans by up to half a second, with more orders waiting than a step takes.
+#[cfg(feature = "live")]
+#[test]
+fn a_backlog_loses_no_late_plan() {
+    const BODIES: usize = 60;
+    let mut rng = rng(91);
+    let mut long = |start: f64| {
+        let states = wander(&mut rng, start, 20, 1.0, 30.0, 4.0);
+        Trajectory::from_states(&states).unwrap()
+    };
+    let mut scene = Scene::new();
+    let ids: Vec<BodyId> = (0..BODIES)
+        .map(|_| scene.insert(Body::new(long(0.0))).unwrap())
+        .collect();
+    let mut monitor = Monitor::new(scene, 0.0, 3.0, &[LEVEL]).unwrap();
+    tick(&mut monitor, 0.0);
+    // The last plan of each body, and all orders.
+    let mut last = vec![Trajectory::at_rest(DVec3::ZERO).unwrap(); BODIES];
+    let mut orders = Vec::new();
+    for frame in 1..=60_u32 {
+        let clock = f64::from(frame) / 60.0;
+        orders.push(Order::Clock(clock));
+        for (number, last) in (0_u32..).zip(&mut last) {
+            let delay = f64::from((frame * 37 + number * 11) % 60) / 120.0;
+            let from = (clock - delay).max(0.0);
+            *last = long(from - 0.01);
+            orders.push(Command::Replan(ids[number as usize], from, last.clone()).into());
+        }
+    }
+    orders.push(Order::Clock(1.0));
+    let options = LiveOptions {
+        orders: 8_192,
+        reports: 1 << 16,
+        ..LiveOptions::default()
+    };
+    let live = monitor.spawn(options).unwrap();
+    let game = live.handle();
+    let tickets: Vec<_> = orders
+        .iter()
+        .map(|order| game.send(order.clone()).unwrap())
+        .collect();
+    while game.certified_until() < 4.0 {
+        std::thread::yield_now();
+    }
+    let stopped = live.shutdown().unwrap();
+    assert_eq!(stopped.counts.refused, 0, "{:?}", stopped.counts);
+    let mut cut_short = 0;
+    for report in &stopped.reports {
+        match report {
+            Report::Late { ticket, plans } => {
+                let number = tickets.binary_search(ticket).unwrap();
+                let Order::Change(Command::Replan(id, from, _)) = &orders[number] else {
+                    panic!("{report:?}");
+                };
+                let [(late, used)] = plans[..] else {
+                    panic!("{report:?}");
+                };
+                assert!(late == *id && *from < used && used <= 1.0, "{report:?}");
+                cut_short += 1;
+            }
+            Report::Event(_) | Report::Ticked { .. } => {}
+            other => panic!("{other:?}"),
+        }
+    }
+    assert!(cut_short > 100, "{cut_short}");
+    for (&id, plan) in ids.iter().zip(last) {
+        for time in [1.0, 1.7, 9.0] {
+            assert_eq!(place(&stopped.monitor, id, time), plan.position(time));
+        }
+    }
+    is_as_screened(&stopped.monitor, LEVEL);
 }

@@ -117,7 +117,8 @@ impl Waiting {
                 // The last first: one that stays may rest on those before it.
                 while let Some(&number) = plans.back() {
                     let earlier = &mut self.orders[number - self.taken];
-                    let is_replaced = |(_, earlier): &(_, Order)| replaces(&order, earlier, self.clock);
+                    let is_replaced =
+                        |(_, earlier): &(_, Order)| replaces(&order, earlier, self.clock);
                     if !earlier.as_ref().is_some_and(is_replaced) {
                         break;
                     }
