@@ -123,7 +123,7 @@ impl AlertLevel {
 /// up to 4,096 boxes, one for each changed body in each slice. A program that wants no other thread at
 /// all makes the caller's the only one of the pool:
 ///
-/// ```
+/// ```standalone_crate
 /// let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
 /// pool.use_current_thread().build_global()?;
 /// # Ok::<(), rayon::ThreadPoolBuildError>(())
