@@ -17,7 +17,8 @@ pub struct ClosestApproach {
     pub position_a: DVec3,
     /// Position of body b, m.
     pub position_b: DVec3,
-    /// Velocity of a minus that of b, m/s.
+    /// Velocity of a minus that of b, m/s. Where it jumps at that instant, as with a new plan: that from
+    /// then on.
     pub relative_velocity: DVec3,
     /// Which sphere of a's hitbox is closest (0 for a single sphere); where several are, any one of them.
     pub sphere_a: u32,

@@ -196,15 +196,17 @@ pub enum Error {
         id: BodyId,
     },
     /// A plan cannot be spliced where one of the two does not exist, or the new one ends: it begins later
-    /// than the splice, say, or the old one is over. (Give a plan that begins by then; replace an old one
-    /// that is over, with [`Monitor::set_trajectory`](crate::Monitor::set_trajectory); or let plans go on,
-    /// with [`Outside::Coast`](crate::Outside::Coast).)
+    /// than the splice, say, or the old one is over. A late one must go on from the monitor's clock.
+    ///
+    /// Give a plan that exists by then and goes on, let plans go on with
+    /// [`Outside::Coast`](crate::Outside::Coast), or replace an old one that is over with
+    /// [`Monitor::set_trajectory`](crate::Monitor::set_trajectory).
     #[error(
         "there is no plan to splice at {time:?} s: the old plan or the new one does not exist then, or the \
-         new one ends"
+         new one ends; give one that goes on from then, or set the trajectory as a whole"
     )]
     NoPlanAt {
-        /// The time of the splice, s.
+        /// The time of the splice, s; the monitor's clock, if a late plan does not go on from that.
         time: f64,
     },
     /// The monitor's clock never goes back.

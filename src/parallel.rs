@@ -79,21 +79,25 @@ pub(crate) fn threads() -> usize {
 }
 
 /// `work(chunk)` for each chunk of `size` items (the last may have fewer). Several threads begin
-/// with the last ones: where work grows along the items, none is left with the most of it.
+/// with the last ones: where work grows along the items, none is left with the most of it. If the items
+/// come to no more than `few` of what is `counted`, they stay on this thread.
 pub(crate) fn for_each_chunk<T: Send>(
     items: &mut [T],
     size: usize,
+    (counted, few): (usize, usize),
     work: impl Fn(&mut [T]) + Sync + Send,
 ) {
     #[cfg(feature = "parallel")]
     {
         use rayon::iter::{IndexedParallelIterator, ParallelIterator};
         use rayon::slice::ParallelSliceMut;
-        if items.len() > size {
+        if counted > few && items.len() > size {
             items.par_chunks_mut(size).rev().for_each(work);
             return;
         }
     }
+    #[cfg(not(feature = "parallel"))]
+    let _ = (counted, few);
     items.chunks_mut(size).for_each(work);
 }
 

@@ -133,7 +133,7 @@ fn a_plan_for_later_leaves_what_comes_before() {
             monitor.advance(-4.0, &mut Vec::new()).unwrap();
         }
         match changed.replan(bodies[0], from, new) {
-            Ok(()) => {}
+            Ok(used) => assert_eq!(used.to_bits(), from.to_bits()),
             Err(error) => {
                 assert!(matches!(error, Error::InBody { .. }), "{error}");
                 refused += 1;

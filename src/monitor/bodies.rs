@@ -49,6 +49,11 @@ impl<'m> Bodies<'m> {
         }
     }
 
+    /// Boxes that are sooner formed and compared than another thread wakes up on a busy machine. (Two cores
+    /// with 17 ready threads, 200 bodies all told a plan, medians of 400 ticks: with 1,204 boxes a tick
+    /// 0.9 ms on the caller's thread, 3.2 ms on two; with 3,805 boxes 1.7 ms, and 1.9 to 7.6 ms.)
+    pub(super) const FEW: usize = 4096;
+
     /// How many bodies ahead they are fetched.
     const AHEAD: usize = 4;
     /// Knots that are fetched: two lines.
@@ -157,7 +162,8 @@ impl Moved {
                 ..Chunk::default()
             });
         }
-        parallel::for_each_chunk(&mut self.chunks[..count], 1, |chunks| {
+        let few = (slots.len() * (ends.len() - 1), Bodies::FEW);
+        parallel::for_each_chunk(&mut self.chunks[..count], 1, few, |chunks| {
             for chunk in chunks {
                 let end = slots.len().min(chunk.first + Self::CHUNK);
                 chunk.form(bodies, &slots[chunk.first..end], ends);

@@ -115,14 +115,31 @@ impl Monitor {
     }
 
     /// From `from` (s) on the body follows `plan`; until then it keeps its old one. See
-    /// [`Trajectory::spliced`].
+    /// [`Trajectory::spliced`]. Returns the instant from which `plan` is followed, s: `from`, unless
+    /// the plan is late.
     ///
     /// Cubics that end before the clock of the last tick are forgotten with this call, unless
     /// [`set_history`](Self::set_history) keeps them.
     ///
-    /// A plan may come late: `from` may lie before the clock. Then what the body did since is another thing
-    /// than what was told of it: events are told from the clock of the last tick on, none of what the plan
-    /// changes before it.
+    /// A plan is late if `from` lies before the clock. One that goes on from the clock is taken. The instant
+    /// returned is then the latest of `from`, the start of the plan's [domain](Trajectory::domain) and that
+    /// of the body's: the body keeps what it flew before, as far as that is known. What was told stays
+    /// told: events are told from the clock of the last tick on, none of what the plan changes before it.
+    ///
+    /// ```
+    /// # use nearmiss::glam::DVec3;
+    /// # use nearmiss::{AlertLevel, Body, Monitor, Scene, State, Trajectory};
+    /// # let mut monitor = Monitor::new(Scene::new(), 0.0, 10.0, &[AlertLevel::at(2.0)])?;
+    /// # let id = monitor.insert(Body::new(Trajectory::at_rest(DVec3::ZERO)?))?;
+    /// monitor.advance(2.2, &mut Vec::new())?;
+    /// // At rest, 10 s long.
+    /// let rest = |time| State::new(time, DVec3::ZERO, DVec3::ZERO);
+    /// let plan = |time| Trajectory::from_states(&[rest(time), rest(time + 10.0)]);
+    /// assert_eq!(monitor.replan(id, 2.15, plan(2.15)?)?, 2.15);
+    /// // What the body did before 2.15 s is forgotten.
+    /// assert_eq!(monitor.replan(id, 2.0, plan(2.0)?)?, 2.15);
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
     ///
     /// The plan is kept in its own memory, which has room for two pieces of what precedes it: usually there
     /// are one or two, and no memory is taken. There are more with a history, where `from` lies several
@@ -135,15 +152,26 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::NoPlanAt`] (where the old plan is over:
-    /// [`set_trajectory`](Self::set_trajectory) needs none),
-    /// [`Error::OutOfRange`] or [`Error::TooFar`].
-    pub fn replan(&mut self, id: BodyId, from: f64, plan: Trajectory) -> Result<(), Error> {
-        self.apply([Command::Replan(id, from, plan)]).map(drop)
+    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::OutOfRange`], [`Error::TooFar`] or
+    /// [`Error::NoPlanAt`]:
+    ///
+    /// - One of the two plans does not exist at that instant, or the new one ends there.
+    ///   ([`set_trajectory`](Self::set_trajectory) needs no old plan.)
+    /// - A late plan does not go on from the clock, where the body's plan still exists.
+    pub fn replan(&mut self, id: BodyId, from: f64, plan: Trajectory) -> Result<f64, Error> {
+        self.apply([Command::Replan(id, from, plan)])?;
+        Ok(self.late_plans().next().map_or(from, |(_, late)| late))
+    }
+
+    /// Bodies whose last plan in the last batch came too late for what it asked, and from when on they follow
+    /// it (s).
+    pub(super) fn late_plans(&self) -> impl Iterator<Item = (BodyId, f64)> {
+        self.batch.late()
     }
 
     /// Appends `plan` to the body's plan: from its last knot on, not from now on, the body follows
-    /// `plan`, which must exist there. What is forgotten: see [`replan`](Self::replan).
+    /// `plan`, which must exist there. The last knot may lie before the clock, and `plan` end before it.
+    /// What is forgotten: see [`replan`](Self::replan).
     ///
     /// A body that goes on beyond its knots may have passed the last one long ago (one
     /// [at rest](Trajectory::at_rest) has a single knot, at 0 s). A plan that begins later is
@@ -157,7 +185,8 @@ impl Monitor {
     }
 
     /// Several changes that take effect together, or, if one is refused, not at all. Returns the
-    /// ids of the inserted bodies, in order.
+    /// ids of the inserted bodies, in order. The instant from which a late plan is followed follows
+    /// from the rule at [`replan`](Self::replan), and the body's trajectory as it was before the batch.
     ///
     /// ```
     /// # use nearmiss::glam::DVec3;
@@ -292,6 +321,7 @@ impl Monitor {
         Ok(Terms {
             reach: self.outlook.reach(),
             window: Window::new(self.told, end)?,
+            now: self.now,
             spare: self.outlook.memory(),
             forget_before: self.told - self.history,
         })

@@ -29,7 +29,7 @@ pub enum Command {
     /// Replaces layers.
     SetLayers(BodyId, Layers),
     /// Keeps the old plan up to the time (s), then follows the new one: see
-    /// [`Trajectory::spliced`].
+    /// [`Monitor::replan`](crate::Monitor::replan).
     Replan(BodyId, f64, Trajectory),
     /// Appends: the old plan to its last knot, then the new one. See
     /// [`Monitor::extend`](crate::Monitor::extend).
@@ -47,6 +47,8 @@ pub(super) struct Terms<'m> {
     pub(super) reach: (f64, &'m Frame),
     /// As far as plans are laid out.
     pub(super) window: Window,
+    /// The clock of the last tick, s.
+    pub(super) now: f64,
     /// Memory for what is laid out.
     pub(super) spare: &'m Spare,
     /// Where history ends: replanned bodies drop what is older, s.
@@ -63,6 +65,23 @@ impl Terms<'_> {
     ) -> Result<Flight, Error> {
         let flight = Flight::of(trajectory, hitbox, self.reach, self.window, self.spare);
         flight.map_err(|error| error.in_body(tag))
+    }
+
+    /// From when on (s) a body follows a plan that is to hold from `from` on: from then, or if that is past,
+    /// from when on both the plan and what the body flew are known.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoPlanAt`] if a plan for the past is over, and the body is not.
+    fn follows_from(&self, flown: &Trajectory, plan: &Trajectory, from: f64) -> Result<f64, Error> {
+        if !from.is_finite() || from > self.now {
+            return Ok(from);
+        }
+        if flown.domain().contains(self.now) && !plan.goes_on_from(self.now) {
+            return Err(Error::NoPlanAt { time: self.now });
+        }
+        let known = flown.domain().start().max(plan.domain().start());
+        Ok(from.max(known).min(self.now))
     }
 
     /// The same of a body as it is.
@@ -99,6 +118,8 @@ pub(super) struct Revision {
     pub(super) trajectory: Option<Trajectory>,
     /// The trajectory is a plan yet, which what has been flown must precede.
     splice: Option<Splice>,
+    /// From when on the body follows its last plan, if that came too late for what it asked, s.
+    late: Option<f64>,
     pub(super) hitbox: Option<Hitbox>,
     pub(super) layers: Option<Layers>,
     /// Numbers of the first and the last command that concern the body.
@@ -126,8 +147,8 @@ struct Refusal {
 impl Batch {
     /// Revisions that one thread settles at a time.
     const CHUNK: usize = 64;
-    /// Revisions that are not worth another thread to drop.
-    pub(super) const FEW: usize = 64;
+    /// Revisions that are not worth another thread to work out or to drop: 0.3 ms.
+    pub(super) const FEW: usize = 1024;
     /// Revisions that are looked at ahead: bodies lie anywhere in memory.
     pub(super) const AHEAD: usize = 4;
 
@@ -147,7 +168,8 @@ impl Batch {
                 break;
             }
         }
-        parallel::for_each_chunk(&mut self.changed, Self::CHUNK, |revisions| {
+        let few = (self.changed.len(), Self::FEW);
+        parallel::for_each_chunk(&mut self.changed, Self::CHUNK, few, |revisions| {
             for index in 0..revisions.len() {
                 if let Some(later) = revisions.get(index + 2 * Self::AHEAD) {
                     scene.prefetch(later.id.slot);
@@ -167,6 +189,12 @@ impl Batch {
             .chain(refused)
             .min_by_key(|refusal| refusal.command);
         first.map_or(Ok(()), |first| Err(first.error))
+    }
+
+    /// Bodies whose last plan came too late for what it asked, and from when on they follow it (s).
+    pub(super) fn late(&self) -> impl Iterator<Item = (BodyId, f64)> {
+        let there = self.changed.iter().filter(|changed| !changed.is_removed);
+        there.filter_map(|changed| Some((changed.id, changed.late?)))
     }
 
     /// Drops all, and with it what was replaced.
@@ -220,6 +248,7 @@ impl Batch {
             Command::SetTrajectory(_, trajectory) => {
                 revision.splice(scene, terms)?;
                 revision.trajectory = Some(trajectory);
+                revision.late = None;
             }
             Command::SetHitbox(_, hitbox) => revision.hitbox = Some(hitbox),
             Command::SetLayers(_, layers) => revision.layers = Some(layers),
@@ -277,6 +306,7 @@ impl Revision {
             is_removed: false,
             trajectory: None,
             splice: None,
+            late: None,
             hitbox: None,
             layers: None,
             first: command,
@@ -332,8 +362,14 @@ impl Revision {
         let (Some(plan), Some(splice)) = (&mut self.trajectory, self.splice.take()) else {
             return Ok(());
         };
-        let from = splice.from.or(flown.knots().last().copied());
-        let spliced = plan.precede_by(flown, from.unwrap_or(0.0), terms.forget_before);
+        let from = match splice.from {
+            Some(from) => terms.follows_from(flown, plan, from),
+            None => Ok(flown.knots().last().copied().unwrap_or(0.0)),
+        };
+        let spliced = from.and_then(|from| {
+            self.late = splice.from.filter(|asked| *asked < from).map(|_| from);
+            plan.precede_by(flown, from, terms.forget_before)
+        });
         spliced.map_err(|error| Refusal {
             command: splice.command,
             error: error.in_body(tag),

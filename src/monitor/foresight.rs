@@ -11,7 +11,8 @@ impl Monitor {
     /// Which conflicts at a level the body would have from now to
     /// [`certified_until`](Self::certified_until) if it followed `plan` from now on. Changes
     /// nothing. The level's margin counts, as for [`conflicts`](Self::conflicts), not its release
-    /// margin; so do layers and ignored pairs. What has changed since the last tick counts; before the
+    /// margin; so do layers and ignored pairs. A plan that began before now is followed from now on, as one
+    /// that is [late](Self::replan) would be. What has changed since the last tick counts; before the
     /// first tick nothing is known, and nothing found. For a body that is not there yet, put it in at
     /// rest where nobody comes, ask, and [set its trajectory](Self::set_trajectory) if the answer pleases. For a plan that begins later, ask about what
     /// [`replan`](Self::replan) would make of it: the body's trajectory

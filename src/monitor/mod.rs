@@ -116,6 +116,19 @@ impl AlertLevel {
 /// - Every encounter that began has exactly one end, at the latest at [`close`](Self::close).
 ///   [`EventKind`] says what may follow what.
 ///
+/// # Threads
+///
+/// Batches and ticks share their work among the threads of the current rayon pool (feature `parallel`), with
+/// the same answers on any number of them. Little work stays on the caller's thread: up to 1,024 changes, and
+/// up to 4,096 boxes, one for each changed body in each slice. A program that wants no other thread at
+/// all makes the caller's the only one of the pool:
+///
+/// ```standalone_crate
+/// let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
+/// pool.use_current_thread().build_global()?;
+/// # Ok::<(), rayon::ThreadPoolBuildError>(())
+/// ```
+///
 /// # Memory
 ///
 /// That of its [`Scene`] and, from the first tick on, about 1,900 bytes a body (measured from 10,000 to

@@ -296,8 +296,9 @@ impl Outlook {
             self.moved.form(&bodies, dirty, &self.ends);
             stats.bounds_time += begin.elapsed();
             let (moved, first) = (&self.moved, slices[0].index);
+            let boxes = slices.iter().map(|slice| slice.missing(&bodies)).sum();
             let (found, most, pool) = (AtomicUsize::new(0), self.most_spans, &self.pool);
-            parallel::for_each_chunk(slices, 1, |slices| {
+            parallel::for_each_chunk(slices, 1, (boxes, Bodies::FEW), |slices| {
                 for slice in slices {
                     if found.load(Relaxed) > most {
                         // These are solved first: there may be no room for more.

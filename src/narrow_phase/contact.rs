@@ -62,10 +62,21 @@ impl Approach {
         }
     }
 
-    /// Positions of both bodies (m) and the velocity of a relative to b (m/s) at this instant.
+    /// Positions of both bodies (m) and the velocity of a relative to b (m/s) at this instant, from this
+    /// instant on.
     pub(crate) fn kinematics(&self, a: &Party<'_>, b: &Party<'_>) -> (DVec3, DVec3, DVec3) {
-        let (position_a, velocity_a, _) = a.segments[self.span.a as usize].motion_at(self.time);
-        let (position_b, velocity_b, _) = b.segments[self.span.b as usize].motion_at(self.time);
+        let motion = |party: &Party<'_>, cubic: u32| {
+            let cubic = cubic as usize;
+            let (position, velocity, _) = party.segments[cubic].motion_at(self.time);
+            let has_ended = party.knots[cubic + 1] <= self.time;
+            let next = party.segments.get(cubic + 1).filter(|_| has_ended);
+            (
+                position,
+                next.map_or(velocity, |next| next.motion_at(self.time).1),
+            )
+        };
+        let (position_a, velocity_a) = motion(a, self.span.a);
+        let (position_b, velocity_b) = motion(b, self.span.b);
         (position_a, position_b, velocity_a - velocity_b)
     }
 }

@@ -125,15 +125,15 @@ impl Trajectory {
         self.motion_at(time).map(|(position, _, _)| position)
     }
 
-    /// Velocity at `time`, m/s; none where there is no [position](Self::position). At a knot: of the
-    /// segment that begins there.
+    /// Velocity at `time`, m/s; none where there is no [position](Self::position). At a knot: that from
+    /// then on, if the body exists then.
     #[must_use]
     pub fn velocity(&self, time: f64) -> Option<DVec3> {
         self.motion_at(time).map(|(_, velocity, _)| velocity)
     }
 
-    /// Acceleration at `time`, m/s²; none where there is no [position](Self::position). At a knot: of
-    /// the segment that begins there.
+    /// Acceleration at `time`, m/s²; none where there is no [position](Self::position). At a knot: that from
+    /// then on, if the body exists then.
     #[must_use]
     pub fn acceleration(&self, time: f64) -> Option<DVec3> {
         self.motion_at(time)
@@ -158,9 +158,9 @@ impl Trajectory {
         } else if after < self.knots.len() {
             &self.segments[after - 1]
         } else {
-            match (self.segments.last(), self.knots.last()) {
-                // The last knot itself belongs to the last segment.
-                (Some(last), Some(&knot)) if time <= knot => last,
+            match self.segments.last() {
+                // It is at its last knot, where it ceases to exist.
+                Some(last) if self.after == Outside::Absent => last,
                 _ => self.carrier_after(),
             }
         }

@@ -11,6 +11,7 @@ mod budgets;
 mod clocks;
 mod crowded;
 mod grid;
+mod late;
 mod questions;
 mod reference;
 mod scenarios;
@@ -148,7 +149,7 @@ fn change(rng: &mut ChaCha8Rng, monitor: &mut Monitor, ids: &mut Vec<BodyId>, cu
                 .map(|position| State::new(from, position, old.velocity(from).unwrap()));
             let new = plan(rng, from, state, cube);
             match monitor.replan(id, from, new) {
-                Ok(()) => {}
+                Ok(used) => assert_eq!(used, from),
                 Err(Error::InBody { error, .. }) => {
                     assert!(matches!(
                         *error,

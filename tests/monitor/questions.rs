@@ -194,7 +194,7 @@ fn what_if_sees_what_has_changed_since_the_last_tick() {
                     monitor.remove(ids[other]).unwrap();
                     ids[other] = monitor.insert(Body::new(plan(now - 1.0))).unwrap();
                 }
-                1..4 => monitor.replan(ids[own], now + 0.2, idea).unwrap(),
+                1..4 => drop(monitor.replan(ids[own], now + 0.2, idea).unwrap()),
                 4..7 => monitor.set_trajectory(ids[ask % 5], idea).unwrap(),
                 _ => {}
             }

@@ -78,6 +78,13 @@ pub enum ReportKind {
         /// The bodies' ids, in the order in which they were given.
         ids: Vec<BodyId>,
     },
+    /// Plans of an order were [late](Monitor::replan): they are followed from later instants than it says.
+    Late {
+        /// The order.
+        ticket: Ticket,
+        /// The bodies, and the instants from which they follow their last plans, s.
+        plans: Vec<(BodyId, f64)>,
+    },
     /// The answer to [`Handle::what_if`], worked out after all orders before it, and as far as the
     /// last tick had looked ahead.
     WhatIf {
@@ -116,7 +123,8 @@ pub enum ReportKind {
 ///   across a question ([`Handle::what_if`]), whose answer is about all that was ordered before: send what need not go together
 ///   plan by plan, or what is superseded has to be worked out as well.
 /// - Every order sent is in the end applied, superseded or refused: [`Counts`] adds up. A change that is
-///   applied is not reported on its own: it was, once a later order is.
+///   applied is not reported on its own: it was, once a later order is. A late plan is, if it is followed
+///   from later on than it says: [`ReportKind::Late`].
 /// - Reports come in order, [numbered](Report::sequence) without a gap, and each goes to one reader. A reader that
 ///   stalls stalls the monitor, not the senders: [`Handle::certified_until`] then stands still.
 /// - After [`Live::stop_orders`] all that was sent before is carried out, and then [`Live::reports`] ends. One

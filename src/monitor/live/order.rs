@@ -11,8 +11,8 @@ use std::collections::{BTreeMap, VecDeque};
 ///
 /// A plan replaces an earlier one of the same body altogether if it is
 /// [`Command::SetTrajectory`], or if both are [`Command::Replan`] and the later one begins no
-/// later than the earlier, at a time at which its plan exists and from which it goes on (else it
-/// will be refused, and the earlier one is needed). It may still be refused for what only the scene knows:
+/// later than the earlier, at a time at which its plan exists and from which it goes on, as it does
+/// from the clock by then (else it may be refused, and the earlier one is needed). It may still be refused for what only the scene knows:
 /// that the body is not there at that time, say. Then the earlier one is gone as well: whoever sends plans
 /// for later than the body exists should wait for the answer, or send a batch.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,14 +59,18 @@ fn plan_of(order: &Order) -> Option<BodyId> {
     }
 }
 
-/// Whether the later of two plans for one body leaves nothing of the earlier.
-fn replaces(later: &Order, earlier: &Order) -> bool {
+/// Whether the later of two plans for one body leaves nothing of the earlier, when the clock (s) has been
+/// moved.
+fn replaces(later: &Order, earlier: &Order, clock: f64) -> bool {
     match (later, earlier) {
         (Order::Change(Command::SetTrajectory(..)), _) => true,
         (
             Order::Change(Command::Replan(_, from, plan)),
             Order::Change(Command::Replan(_, earlier_from, _)),
-        ) => from <= earlier_from && plan.goes_on_from(*from),
+        ) => {
+            let is_taken = plan.goes_on_from(*from) && plan.goes_on_from(from.max(clock));
+            from <= earlier_from && is_taken
+        }
         _ => false,
     }
 }
@@ -74,6 +78,8 @@ fn replaces(later: &Order, earlier: &Order) -> bool {
 /// Orders received and not yet applied, superseded ones taken out.
 #[derive(Debug, Default)]
 pub(super) struct Waiting {
+    /// As the last clock order leaves it, s.
+    clock: f64,
     orders: VecDeque<Option<(Ticket, Order)>>,
     /// How many have been taken from the front: the number of the first in `orders`.
     taken: usize,
@@ -83,6 +89,14 @@ pub(super) struct Waiting {
 }
 
 impl Waiting {
+    /// None yet, for a monitor whose clock shows this, s.
+    pub(super) fn at(clock: f64) -> Self {
+        Self {
+            clock,
+            ..Self::default()
+        }
+    }
+
     /// How much room the orders take, superseded ones included.
     pub(super) fn len(&self) -> usize {
         self.orders.len()
@@ -103,7 +117,8 @@ impl Waiting {
                 // The last first: one that stays may rest on those before it.
                 while let Some(&number) = plans.back() {
                     let earlier = &mut self.orders[number - self.taken];
-                    let is_replaced = |(_, earlier): &(_, Order)| replaces(&order, earlier);
+                    let is_replaced =
+                        |(_, earlier): &(_, Order)| replaces(&order, earlier, self.clock);
                     if !earlier.as_ref().is_some_and(is_replaced) {
                         break;
                     }
@@ -114,6 +129,7 @@ impl Waiting {
                 plans.push_back(self.taken + self.orders.len());
             }
             (Order::Clock(time), _) => {
+                self.clock = *time;
                 if let Some(Some((_, Order::Clock(before)))) = self.orders.back()
                     && before <= time
                 {

@@ -154,6 +154,11 @@ fn waiting_orders_coalesce_as_the_contract_says() {
     };
     assert_eq!(push(&mut waiting, plan(a, 5.0)), 0);
     assert_eq!(push(&mut waiting, over(a, 4.0)), 0);
+    // Or before the clock by then.
+    assert_eq!(push(&mut waiting, Order::Clock(4.0)), 0);
+    assert_eq!(push(&mut waiting, plan(a, 3.0)), 0);
+    assert_eq!(push(&mut waiting, over(a, 0.5)), 0);
+    assert_eq!(push(&mut waiting, plan(a, 0.5)), 2);
     // Nor does one replace what another one may rest on.
     let extend = |id| Order::Change(Command::Extend(id, rest(1.0)));
     assert_eq!(push(&mut waiting, plan(b, 5.0)), 0);

@@ -4,8 +4,7 @@ use super::handle::{Shared, Ticket};
 use super::order::{Order, Waiting};
 use super::{LiveOptions, Report, ReportKind};
 use crate::error::Error;
-use crate::id::BodyId;
-use crate::monitor::{Budget, Event, Monitor};
+use crate::monitor::{Budget, Command, Event, Monitor};
 use crossbeam_channel::{Receiver, Sender, TryRecvError, TrySendError, select};
 use std::any::Any;
 use std::collections::VecDeque;
@@ -71,13 +70,13 @@ impl Worker {
         options: LiveOptions,
     ) -> Self {
         Self {
+            waiting: Waiting::at(monitor.now()),
             monitor,
             orders,
             reports,
             stop,
             shared,
             options,
-            waiting: Waiting::default(),
             outbox: VecDeque::new(),
             reported: 0,
             events: Vec::new(),
@@ -172,13 +171,9 @@ impl Worker {
             }
             return;
         };
-        let inserted = |ids: Vec<BodyId>| {
-            let some = !ids.is_empty();
-            some.then_some(ReportKind::Inserted { ticket, ids })
-        };
         let outcome = match order {
-            Order::Change(command) => self.monitor.apply([command]).map(inserted),
-            Order::Batch(commands) => self.monitor.apply(commands).map(inserted),
+            Order::Change(command) => self.apply(ticket, [command]),
+            Order::Batch(commands) => self.apply(ticket, commands),
             Order::Clock(now) => self.tick(now).map(|()| None),
             Order::WhatIf(id, plan, level) => {
                 let conflicts = self.monitor.what_if(id, &plan, level);
@@ -203,6 +198,20 @@ impl Worker {
                 self.report(ReportKind::Refused { ticket, error });
             }
         }
+    }
+
+    /// Makes changes; reports the bodies that were put in.
+    fn apply(
+        &mut self,
+        ticket: Ticket,
+        commands: impl IntoIterator<Item = Command>,
+    ) -> Result<Option<ReportKind>, Error> {
+        let ids = self.monitor.apply(commands)?;
+        let plans: Vec<_> = self.monitor.late_plans().collect();
+        if !plans.is_empty() {
+            self.report(ReportKind::Late { ticket, plans });
+        }
+        Ok((!ids.is_empty()).then_some(ReportKind::Inserted { ticket, ids }))
     }
 
     fn tick(&mut self, now: f64) -> Result<(), Error> {

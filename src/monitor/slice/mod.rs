@@ -254,6 +254,14 @@ impl Slice {
             && self.sifted == self.candidates.len()
     }
 
+    /// How many boxes are to be formed, at most.
+    pub(super) fn missing(&self, bodies: &Bodies<'_>) -> usize {
+        match self.stage {
+            Stage::Built => self.changed.len(),
+            _ => bodies.flights.len(),
+        }
+    }
+
     const fn ends(&self) -> [f64; 2] {
         [self.interval.0, self.interval.1]
     }
