@@ -1,5 +1,6 @@
 //! Trajectories: irregular states in, cubic segments out. All validation of motion happens here.
 
+mod bend;
 mod build;
 mod cuts;
 mod double_double;
@@ -76,8 +77,8 @@ impl Trajectory {
     }
 
     /// What the body does after its last knot. Not the same as [before](Self::outside_before) its first
-    /// one where a plan was [spliced](Self::spliced). One that was spliced in after its own last knot goes on as
-    /// it did, along its last cubic maybe; that is called `Coast` then.
+    /// one where a plan was [spliced](Self::spliced). A plan that was spliced in after its own last knot goes
+    /// on as it did.
     #[must_use]
     pub const fn outside_after(&self) -> Outside {
         self.after
@@ -151,16 +152,16 @@ impl Trajectory {
     }
 
     /// The cubic that the body follows at `time`.
-    fn carrier(&self, time: f64) -> &Segment {
+    fn carrier(&self, time: f64) -> Segment {
         let after = self.knots.partition_point(|&knot| knot <= time);
         if after == 0 {
             self.carrier_before()
         } else if after < self.knots.len() {
-            &self.segments[after - 1]
+            self.segments[after - 1]
         } else {
             match (self.segments.last(), self.knots.last()) {
                 // The last knot itself belongs to the last segment.
-                (Some(last), Some(&knot)) if time <= knot => last,
+                (Some(last), Some(&knot)) if time <= knot => *last,
                 _ => self.carrier_after(),
             }
         }

@@ -157,18 +157,22 @@ impl Trajectory {
     }
 
     /// The cubic that carries the body before its first knot.
-    pub(super) fn carrier_before(&self) -> &Segment {
+    pub(super) fn carrier_before(&self) -> Segment {
+        let end = self.segments.beside()[0];
         match (self.before, self.segments.first()) {
-            (Outside::Extrapolate, Some(first)) => first,
-            _ => &self.segments.beside()[0],
+            // Of what was before the knots that are left nothing is known.
+            (Outside::Extrapolate, Some(first)) if end.start() < self.knots[0] => *first,
+            (Outside::Extrapolate, _) => end.extended(),
+            _ => end.straight(),
         }
     }
 
     /// The cubic that carries the body after its last knot.
-    pub(super) fn carrier_after(&self) -> &Segment {
-        match (self.after, self.segments.last()) {
-            (Outside::Extrapolate, Some(last)) => last,
-            _ => &self.segments.beside()[1],
+    pub(super) fn carrier_after(&self) -> Segment {
+        let end = self.segments.beside()[1];
+        match self.after {
+            Outside::Extrapolate => end.extended(),
+            _ => end.straight(),
         }
     }
 
@@ -207,9 +211,9 @@ impl Trajectory {
         knots.reverse();
         knots.extend_from_slice(&self.knots);
         knots.extend(after);
-        segments.extend(repeat_n(*self.carrier_before(), counts[0]));
+        segments.extend(repeat_n(self.carrier_before(), counts[0]));
         segments.extend_from_slice(&self.segments);
-        segments.extend(repeat_n(*self.carrier_after(), counts[1]));
+        segments.extend(repeat_n(self.carrier_after(), counts[1]));
         pieces.before = (self.before != Outside::Absent).then_some(counts[0]);
         pieces.after = (self.after != Outside::Absent).then_some(counts[1]);
         for (segment, ends) in pieces.beyond() {
@@ -259,11 +263,11 @@ impl Trajectory {
         let mut from = pieces.knots[pieces.knots.len() - 1];
         let mut count = 0;
         for cut in new.clone() {
-            check_reach(carrier, (from, cut), self.knots.len() - 1)?;
+            check_reach(&carrier, (from, cut), self.knots.len() - 1)?;
             (from, count) = (cut, count + 1);
         }
         pieces.knots.extend(new);
-        pieces.segments.extend(repeat_n(*carrier, count));
+        pieces.segments.extend(repeat_n(carrier, count));
         pieces.after = Some(known + count);
         Ok(())
     }
@@ -292,7 +296,7 @@ pub(super) fn check_reach(
     }
     // What its rounding amounts to grows as well.
     let reach = segment.rounding_scale(from, to);
-    if reach > LARGEST_MAGNITUDE {
+    if reach.is_nan() || reach > LARGEST_MAGNITUDE {
         return Err(Error::OutOfRange {
             knot,
             quantity: Quantity::Distance,
