@@ -44,16 +44,17 @@ impl Trajectory {
             states[1].time - first.time,
             last.time - states[last_knot - 1].time,
         );
-        let bends = [
-            bend::of_states(first, &states[1])[0],
-            bend::of_states(&states[last_knot - 1], last)[1],
-        ];
+        let leaving = bend::of_states(first, &states[1]);
+        let arriving = match last_knot {
+            1 => leaving,
+            _ => bend::of_states(&states[last_knot - 1], last),
+        };
         let lines = [
             Segment::line(first, before, 0.0, 0)?,
             Segment::line(last, after, 0.0, last_knot)?,
         ];
-        segments.put_beside(0, lines[0].with_bend(bends[0], before));
-        segments.put_beside(1, lines[1].with_bend(bends[1], after));
+        segments.put_beside(0, lines[0].with_bend(leaving[0], before));
+        segments.put_beside(1, lines[1].with_bend(arriving[1], after));
         Ok(Self {
             knots,
             segments,

@@ -19,6 +19,20 @@ impl DoubleDouble {
         self.high
     }
 
+    /// Two times this, exactly.
+    pub(super) fn twice(self) -> Self {
+        Self {
+            high: 2.0 * self.high,
+            low: 2.0 * self.low,
+        }
+    }
+
+    /// The sum in f64: off by its own rounding, and by 2^-104 of both.
+    pub(super) fn rounded_sum(self, other: Self) -> f64 {
+        let Self { high, low } = Self::sum(self.high, other.high);
+        high + (low + (self.low + other.low))
+    }
+
     /// `a - b`, exactly.
     pub(super) fn difference(a: f64, b: f64) -> Self {
         Self::sum(a, -b)

@@ -145,25 +145,26 @@ impl Trajectory {
         if !time.is_finite() || !self.domain().contains(time) {
             return None;
         }
-        let motion = self.carrier(time).motion_at(time);
+        let motion = self.followed_at(time);
         // Far outside its knots an extrapolated cubic can leave the range of f64.
         let is_finite = motion.0.is_finite() && motion.1.is_finite() && motion.2.is_finite();
         is_finite.then_some(motion)
     }
 
-    /// The cubic that the body follows at `time`.
-    fn carrier(&self, time: f64) -> Segment {
+    /// Position, velocity and acceleration on the cubic that the body follows at `time`.
+    fn followed_at(&self, time: f64) -> (DVec3, DVec3, DVec3) {
         let after = self.knots.partition_point(|&knot| knot <= time);
         if after == 0 {
-            self.carrier_before()
-        } else if after < self.knots.len() {
-            self.segments[after - 1]
-        } else {
-            match (self.segments.last(), self.knots.last()) {
-                // The last knot itself belongs to the last segment.
-                (Some(last), Some(&knot)) if time <= knot => *last,
-                _ => self.carrier_after(),
-            }
+            return self.carrier_before().motion_at(time);
+        }
+        let segment = match (self.segments.get(after - 1), self.knots.last()) {
+            // The last knot itself belongs to the last segment.
+            (None, Some(&knot)) if time <= knot => self.segments.last(),
+            (segment, _) => segment,
+        };
+        match segment {
+            Some(segment) => segment.motion_at(time),
+            None => self.carrier_after().motion_at(time),
         }
     }
 }

@@ -4,7 +4,7 @@
 //! T, 2 T, 4 T, ... with T the duration of the neighbouring segment (of a body at rest, longer than
 //! any time; of one that only coasts, fixed). The cuts depend on the trajectory alone, never on a
 //! window, so an encounter out there has the same bits whatever window it was found with; and a window
-//! however long needs only a few dozen pieces.
+//! however long needs only a few dozen pieces. T is rounded to three times a power of two.
 
 use super::cuts::DoublingCuts;
 use super::{Segment, Trajectory};
@@ -19,6 +19,14 @@ use std::iter::repeat_n;
 /// last knot, what it does beyond is laid out once: some microseconds a body, and room for its plan
 /// once more. It is laid out again for a new plan, and where a window reaches twice as far beyond the
 /// knots, or half as far.
+///
+/// Far beyond the knots a position is good to some roundings of the way gone, 4e-15 of it: of a cubic, of
+/// the sizes of its three terms. A straight flight has none but the first. So two bodies come within a margin
+/// to 1e-14 of both ways and of their distance. [`Accuracy::Exact`](crate::Accuracy::Exact) reports what that
+/// leaves open, [`Accuracy::Certified`](crate::Accuracy::Certified) marks it as unresolved.
+///
+/// A window in which bodies cross the scene many times over costs as if each pair were near: to 1e12 s,
+/// 1,000 bodies at 10 m/s take 4 s, and 5,000 more than 90 s. Ask for shorter ones.
 ///
 /// ```
 /// use nearmiss::glam::DVec3;
@@ -39,7 +47,8 @@ pub enum Outside {
     /// It does not exist there.
     #[default]
     Absent,
-    /// The first and the last cubic go on, in their own parameter, as in the literature.
+    /// The first and the last cubic go on, in their own parameter, as in the literature. It is good for
+    /// some of its lengths: its terms grow with the square and the cube of time, whatever the body does.
     Extrapolate,
     /// It keeps the velocity it has at its first or last knot: dead reckoning. (From a single state:
     /// [`Trajectory::coasting`].)
