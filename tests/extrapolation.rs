@@ -5,11 +5,15 @@
     reason = "a scene that cannot be built fails the test"
 )]
 
+mod support;
+
 use nearmiss::glam::DVec3;
 use nearmiss::{
     Accuracy, AlertLevel, Body, Conflict, Event, Monitor, Outside, Query, Scene, State, TimeBase,
     Trajectory, Window,
 };
+use rand::RngExt;
+use support::rng;
 
 const MARGIN: f64 = 1.0;
 
@@ -107,6 +111,33 @@ fn a_monitor_reports_no_conflict_of_who_stays_apart() {
     }
 }
 
+/// A new plan long after the end of the one before, and after its own.
+#[test]
+fn spliced_plans_go_on_as_they_did() {
+    let far = 5_000.0;
+    for (name, _) in FLIGHTS {
+        let bodies = plans(name).map(|plan| {
+            let plan = plan.with_outside(Outside::Extrapolate);
+            let spliced = plan.spliced(far, &plan).unwrap();
+            assert_eq!(spliced.outside_after(), Outside::Extrapolate);
+            for time in [-1e4, 0.4 * far, far, 2e4] {
+                assert_eq!(spliced.position(time), plan.position(time), "{name} {time}");
+            }
+            Body::new(spliced)
+        });
+        for accuracy in [Accuracy::Exact, Accuracy::Certified] {
+            let found = screen(&bodies, (-2e4, 2e4), MARGIN, accuracy);
+            assert_eq!(found, [], "{name} {accuracy:?}");
+        }
+        #[cfg(feature = "serde")]
+        for body in &bodies {
+            let text = serde_json::to_string(body.trajectory()).unwrap();
+            let back: Trajectory = serde_json::from_str(&text).unwrap();
+            assert_eq!(&back, body.trajectory());
+        }
+    }
+}
+
 /// Within a millimetre of the margin or two the answer is there, and right.
 #[test]
 fn the_margin_is_told_to_a_millimetre() {
@@ -117,6 +148,46 @@ fn the_margin_is_told_to_a_millimetre() {
                 let found = screen(&bodies, (0.0, until.min(40_000.0)), margin, accuracy);
                 assert_eq!(found.len(), count, "{name} {margin} {accuracy:?}");
             }
+        }
+    }
+}
+
+/// Also where a distance is known to a percent.
+#[test]
+fn screening_and_closest_approach_agree_at_the_end_of_time() {
+    let window = Window::new(0.0, 1e15).unwrap();
+    let mut rng = rng(15);
+    for round in 0..500 {
+        let mut vector =
+            |half: f64| DVec3::from_array([0; 3].map(|_| rng.random_range(-half..half)));
+        let velocities = [vector(10.0), vector(10.0)];
+        let (place, apart) = (vector(100.0), vector(50.0));
+        let time = 10_f64.powf(rng.random_range(12.0..15.0));
+        let places = [
+            place,
+            place + (velocities[0] - velocities[1]) * time + apart,
+        ];
+        let mut scene = Scene::new();
+        let ids = [0, 1].map(|k| {
+            let plan = Trajectory::coasting(State::new(0.0, places[k], velocities[k])).unwrap();
+            scene.insert(Body::new(plan)).unwrap()
+        });
+        let nearest = scene
+            .closest_approach(ids[0], ids[1], window)
+            .unwrap()
+            .unwrap();
+        for share in [0.97, 0.99, 0.999, 1.0, 1.5] {
+            let query = Query::new(window)
+                .with_margin(share * nearest.separation)
+                .unwrap();
+            let found = scene.screen(&query).unwrap().conflicts;
+            let least = found.iter().map(|conflict| conflict.closest.separation);
+            let Some(least) = least.reduce(f64::min) else {
+                assert!(share < 1.0, "{round} {share} {nearest:?}");
+                continue;
+            };
+            let off = (least - nearest.separation).abs();
+            assert!(off <= 0.0, "{round} {share} {least} {nearest:?}");
         }
     }
 }

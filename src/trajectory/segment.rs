@@ -382,11 +382,16 @@ impl Segment {
     /// or from forming the power coefficients (4 roundings of the extent at most), grows like the sum of
     /// the Bernstein weights: (1 + 2 lengths)³.
     fn grown_error(&self, lengths: f64, size: f64) -> f64 {
-        let growth = (1.0 + 2.0 * lengths).powi(3);
+        let growth = 1.0 + 2.0 * lengths;
         if !self.goes_on() {
-            (self.error + 4.0 * UNIT_ROUNDOFF * self.extent + UNDERFLOW) * growth
+            let points = self.error + 4.0 * UNIT_ROUNDOFF * self.extent + UNDERFLOW;
+            points * growth.powi(3)
         } else if self.error() > 0.0 {
-            let coarse = 1.0 + 64.0 * UNIT_ROUNDOFF * lengths;
+            let (coarse, growth) = if self.is_bent() {
+                (1.0 + 64.0 * UNIT_ROUNDOFF * lengths, growth.powi(3))
+            } else {
+                (1.0, growth)
+            };
             self.error() + 20.0 * UNIT_ROUNDOFF * size * coarse * coarse + UNDERFLOW * growth
         } else {
             0.0
