@@ -24,7 +24,7 @@
 /// | stage | what it may do wrong | why nothing is lost |
 /// |---|---|---|
 /// | states → segment | the Bézier points, relative to the first state's own position, are off by at most 4 u of the segment's extent; that bound stays with the segment (polynomials in absolute time: one rounding of the position, 2^-100 of all that is added up) | every later bound contains it |
-/// | beyond the knots | an extrapolated cubic's error grows by (1 + 2 s)³, s segment lengths away; coasting is linear, from the state itself, with an error in proportion to the way | the same |
+/// | beyond the knots | position, velocity and the two other coefficients around the knot are those of the numbers given, or rounded once from exact sums: 32 u of each term, so in proportion to the way | the same |
 /// | window | it clips answers, it never cuts what is solved | two exact comparisons |
 /// | boxes | f32, relative to the middle of the scene and in a power of two that suits its size, so that no range overflows | enlarged by all roundings of f32, next to whose spare ones what filters keep clear is nothing; they contain hitbox and half the margin |
 /// | candidates | sweep rounds boxes outward to 16 bits and folds them; the tree compares them as they are | overlap is only ever added; every method is tested against brute force |

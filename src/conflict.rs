@@ -11,11 +11,13 @@ use std::cmp::Ordering;
 pub struct ClosestApproach {
     /// When, s. The first such instant where there are several, or a stretch of them.
     pub time: f64,
-    /// Distance between the hitboxes' surfaces, m; negative where they overlap.
+    /// Distance between the hitboxes' surfaces, m; negative where they overlap. It is that of the exact
+    /// instant, which `time` is the rounding of. Where a body goes far from one f64 to the next, as between
+    /// knots an ulp apart, the positions at `time` may have another one.
     pub separation: f64,
-    /// Position of body a, m.
+    /// Position of body a at `time`, m.
     pub position_a: DVec3,
-    /// Position of body b, m.
+    /// Position of body b at `time`, m.
     pub position_b: DVec3,
     /// Velocity of a minus that of b, m/s. Where it jumps at that instant, as with a new plan: that from
     /// then on.
@@ -55,7 +57,8 @@ pub struct Conflict {
     pub enter: f64,
     /// Last instant within the margin, s; equals `enter` where they only touch.
     pub exit: f64,
-    /// The least separation inside the interval.
+    /// The least separation inside the interval. It may be above the margin by what rounding leaves open:
+    /// far [beyond the knots](crate::Outside) by 1e-14 of the way gone.
     pub closest: ClosestApproach,
     /// Whether the interval is cut short by the window or the bodies' common domain.
     pub clip: Clip,

@@ -29,8 +29,8 @@ impl Points {
     ///   frame's than the farthest point is from both of them, and boxes count more than that of the
     ///   first. So 2 `CLEARANCE` of the farthest point's distance from the origin.
     ///
-    /// [`Segment::reach`], which `e` follows, does not tell where the body is: an extrapolated cubic that
-    /// hardly bends is nearer by the square of the lengths that it has gone.
+    /// `e` does not tell where the body is: the terms of an extrapolated cubic may be far larger than their
+    /// sum.
     #[inline(always)]
     pub(super) fn of(segment: &Segment, (from, to): (f64, f64)) -> Self {
         let is_whole =
@@ -78,6 +78,8 @@ mod tests {
     struct Flight {
         states: [State; 2],
         outside: Outside,
+        /// It goes on as the segment between them, known by its control points alone.
+        by_points: bool,
     }
 
     impl Flight {
@@ -99,6 +101,7 @@ mod tests {
             Self {
                 states: [state(begin, bends[0]), state(begin + duration, bends[1])],
                 outside: [Outside::Extrapolate, Outside::Coast][usize::from(rng.random_bool(0.2))],
+                by_points: rng.random_bool(0.5),
             }
         }
 
@@ -109,10 +112,16 @@ mod tests {
             let [first, last] = [0, 1].map(|k: usize| self.states[k].time);
             let duration = last - first;
             let window = Window::new(first - before * duration, last + after * duration);
-            let pieces = plan.and_then(|plan| plan.pieces(window?, Pieces::with_capacity));
-            let Ok(Some(pieces)) = pieces else {
+            let Ok(plan) = plan else {
+                unreachable!("the states are in order")
+            };
+            let pieces = window.and_then(|window| plan.pieces(window, Pieces::with_capacity));
+            let Ok(Some(mut pieces)) = pieces else {
                 unreachable!("it goes beyond its knots")
             };
+            if self.by_points && self.outside == Outside::Extrapolate {
+                pieces.segments.fill(plan.segments()[0]);
+            }
             pieces
         }
 
@@ -249,6 +258,7 @@ mod tests {
             let flight = Flight {
                 states,
                 outside: Outside::Extrapolate,
+                by_points: false,
             };
             let pieces = flight.pieces((3_000.0, 3_000.0));
             for begin in [1.0, 60.0, 300.0, 560.0] {

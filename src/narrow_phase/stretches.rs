@@ -154,29 +154,41 @@ impl Profile {
 
     /// The instant of least distance within `from..=to` (which meets the span); the earliest.
     pub(crate) fn closest(&self, cubic: &RelativeCubic, from: f64, to: f64) -> Instant {
+        let interval = (from.max(cubic.start), to.min(cubic.end));
+        self.closest_in(cubic, interval, interval)
+    }
+
+    /// The same of a stretch. Where it begins or ends within `clip` it crosses the threshold: there the
+    /// distance is above that of a node inside, though rounding may have it otherwise.
+    fn closest_in(
+        &self,
+        cubic: &RelativeCubic,
+        (from, to): (f64, f64),
+        clip: (f64, f64),
+    ) -> Instant {
         let cut = |time: f64| Instant {
             time,
             distance: cubic.distance(cubic.parameter(time)),
             plateau: self.plateau,
         };
-        let (from, to) = (from.max(cubic.start), to.min(cubic.end));
-        let mut closest = if self.plateau > 0.0 || from <= cubic.start {
-            Instant {
+        let first = if self.plateau > 0.0 || from <= cubic.start {
+            Some(Instant {
                 time: from,
                 ..self.instant(&self.nodes[0])
-            }
+            })
         } else {
-            cut(from)
+            (from <= clip.0).then(|| cut(from))
         };
         let inside = self
             .nodes()
             .iter()
             .filter(|node| from <= node.time && node.time <= to)
             .map(|node| self.instant(node));
-        for instant in inside.chain((to < cubic.end).then(|| cut(to))) {
-            closest = closest.or_lower(instant);
-        }
-        closest
+        let last = (to >= clip.1 && to < cubic.end).then(|| cut(to));
+        let instants = first.into_iter().chain(inside).chain(last);
+        instants
+            .reduce(Instant::or_lower)
+            .unwrap_or_else(|| cut(from))
     }
 
     /// All stretches with distance <= `radius` that meet `from..=to`, clipped to it, in the order
@@ -226,7 +238,7 @@ impl Profile {
                 found(Stretch {
                     enter,
                     exit,
-                    closest: self.closest(cubic, enter, exit),
+                    closest: self.closest_in(cubic, (enter, exit), (from, to)),
                 });
             }
         }

@@ -2,7 +2,7 @@
 
 use super::double_double::DoubleDouble;
 use super::roomy::Roomy;
-use super::{Outside, Segment, State, Trajectory};
+use super::{Outside, Segment, State, Trajectory, bend};
 use crate::error::{Error, LARGEST_MAGNITUDE, Quantity};
 use crate::rounding::{UNIT_ROUNDOFF, largest_norm, norm, one_zero};
 use glam::DVec3;
@@ -44,8 +44,17 @@ impl Trajectory {
             states[1].time - first.time,
             last.time - states[last_knot - 1].time,
         );
-        segments.put_beside(0, Segment::line(first, before, 0.0, 0)?);
-        segments.put_beside(1, Segment::line(last, after, 0.0, last_knot)?);
+        let leaving = bend::of_states(first, &states[1]);
+        let arriving = match last_knot {
+            1 => leaving,
+            _ => bend::of_states(&states[last_knot - 1], last),
+        };
+        let lines = [
+            Segment::line(first, before, 0.0, 0)?,
+            Segment::line(last, after, 0.0, last_knot)?,
+        ];
+        segments.put_beside(0, lines[0].with_bend(leaving[0], before));
+        segments.put_beside(1, lines[1].with_bend(arriving[1], after));
         Ok(Self {
             knots,
             segments,
@@ -122,10 +131,9 @@ impl Trajectory {
     /// Absolute-time polynomials are moved to local time in twice the precision of f64, so that
     /// the segment is that of the given coefficients to a few roundings of its own size. (The
     /// coefficients themselves, as f64, may no longer describe the motion that was meant: at
-    /// t = 1e6 s they are good to metres only. Prefer local time.) Segments need not meet. Where a segment
-    /// ends is only known to the rounding of its place; a body that [coasts](super::Outside::Coast) from
-    /// there is known less and less well the longer it does, by as much for each duration of the segment.
-    /// (From [states](Self::from_states) it is known exactly.)
+    /// t = 1e6 s they are good to metres only. Prefer local time.) Segments need not meet. Place and
+    /// velocity at its ends, from which a body [coasts](super::Outside::Coast), are those of the polynomial,
+    /// rounded once. (From [states](Self::from_states) they are known exactly.)
     ///
     /// ```
     /// use nearmiss::glam::DVec3;
@@ -169,23 +177,22 @@ impl Trajectory {
                 polynomial_segment(interval, polynomial, base, knot)
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let end_line = |segment: &Segment, time: f64, knot: usize| {
-            let (position, velocity, _) = segment.motion_at(time);
-            // The state at a segment's end carries that segment's rounding, and one of its own.
-            let error = 16.0 * UNIT_ROUNDOFF * (norm(position) + 8.0 * segment.extent())
-                + 16.0 * segment.error();
-            Segment::line(
-                &State::new(time, position, velocity),
-                segment.end() - segment.start(),
-                error,
-                knot,
-            )
+        let end_line = |segment: usize, knot: usize| {
+            let (start, end) = (knots[segment], knots[segment + 1]);
+            let time = match base {
+                TimeBase::Absolute => DoubleDouble::from(knots[knot]),
+                TimeBase::SegmentLocal => DoubleDouble::difference(knots[knot], start),
+            };
+            let (around, lost) = bend::of_polynomial(&coefficients[segment], time);
+            let [position, velocity, quadratic, cubic] = around;
+            let state = State::new(knots[knot], position, velocity);
+            // The position is rounded, and the velocity.
+            let error = lost + 4.0 * UNIT_ROUNDOFF * norm(velocity) * (end - start);
+            let line = Segment::line(&state, end - start, error, knot)?;
+            Ok(line.with_bend([quadratic, cubic], 1.0))
         };
         let last = segments.len() - 1;
-        let coast = [
-            end_line(&segments[0], knots[0], 0)?,
-            end_line(&segments[last], knots[last + 1], last + 1)?,
-        ];
+        let coast = [end_line(0, 0)?, end_line(last, last + 1)?];
         Ok(Self {
             knots: Roomy::new(&knots, &[]),
             segments: Roomy::new(&segments, &coast),

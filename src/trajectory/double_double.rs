@@ -1,7 +1,8 @@
 //! Sums and products to twice the precision of f64, for converting polynomials to local form.
 //!
 //! T. J. Dekker, "A floating-point technique for extending the available precision", 1971.
-//! Only run when a trajectory is built, never in a query.
+//! J. R. Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric
+//! predicates", 1997, for [`Expansion`]. Only run when a trajectory is built, never in a query.
 
 use std::ops::{Add, Mul};
 
@@ -18,9 +19,35 @@ impl DoubleDouble {
         self.high
     }
 
+    /// Two times this, exactly.
+    pub(super) fn twice(self) -> Self {
+        Self {
+            high: 2.0 * self.high,
+            low: 2.0 * self.low,
+        }
+    }
+
+    /// The sum in f64: off by its own rounding, and by 2^-104 of both.
+    pub(super) fn rounded_sum(self, other: Self) -> f64 {
+        let Self { high, low } = Self::sum(self.high, other.high);
+        high + (low + (self.low + other.low))
+    }
+
     /// `a - b`, exactly.
     pub(super) fn difference(a: f64, b: f64) -> Self {
         Self::sum(a, -b)
+    }
+
+    /// `a b`, exactly, where its last digit does not underflow.
+    pub(super) fn product(a: f64, b: f64) -> Self {
+        let high = a * b;
+        let low = a.mul_add(b, -high);
+        Self { high, low }
+    }
+
+    /// The two numbers whose sum it is.
+    pub(super) const fn parts(self) -> [f64; 2] {
+        [self.high, self.low]
     }
 
     /// `a + b`, exactly (by Knuth).
@@ -64,12 +91,59 @@ impl Mul for DoubleDouble {
     type Output = Self;
 
     fn mul(self, other: Self) -> Self {
-        let product = self.high * other.high;
-        let rest = self.high.mul_add(other.high, -product);
-        Self::renormalised(
-            product,
-            rest + (self.high * other.low + self.low * other.high),
-        )
+        let Self { high, low } = Self::product(self.high, other.high);
+        Self::renormalised(high, low + (self.high * other.low + self.low * other.high))
+    }
+}
+
+/// An exact sum: f64 that do not overlap, by size.
+#[derive(Clone, Debug)]
+pub(super) struct Expansion(Vec<f64>);
+
+impl Expansion {
+    /// The nearest f64, or a neighbour of it where that is close.
+    pub(super) fn rounded(&self) -> f64 {
+        self.0.iter().sum()
+    }
+
+    /// Times a sum of two, exactly, where no last digit underflows.
+    pub(super) fn times(&self, factor: DoubleDouble) -> Self {
+        let mut product = Self(Vec::new());
+        for &part in &self.0 {
+            for factor in factor.parts() {
+                for term in DoubleDouble::product(part, factor).parts() {
+                    product.include(term);
+                }
+            }
+        }
+        product
+    }
+
+    fn include(&mut self, term: f64) {
+        let mut carried = term;
+        self.0.retain_mut(|part| {
+            let sum = DoubleDouble::sum(carried, *part);
+            (carried, *part) = (sum.high, sum.low);
+            part.abs() > 0.0
+        });
+        if carried.abs() > 0.0 {
+            self.0.push(carried);
+        }
+    }
+}
+
+impl From<f64> for Expansion {
+    fn from(value: f64) -> Self {
+        Self(vec![value])
+    }
+}
+
+impl Add for Expansion {
+    type Output = Self;
+
+    fn add(mut self, other: Self) -> Self {
+        other.0.into_iter().for_each(|term| self.include(term));
+        self
     }
 }
 

@@ -1,5 +1,6 @@
 //! Trajectories: irregular states in, cubic segments out. All validation of motion happens here.
 
+mod bend;
 mod build;
 mod cuts;
 mod double_double;
@@ -76,8 +77,8 @@ impl Trajectory {
     }
 
     /// What the body does after its last knot. Not the same as [before](Self::outside_before) its first
-    /// one where a plan was [spliced](Self::spliced). One that was spliced in after its own last knot goes on as
-    /// it did, along its last cubic maybe; that is called `Coast` then.
+    /// one where a plan was [spliced](Self::spliced). A plan that was spliced in after its own last knot goes
+    /// on as it did.
     #[must_use]
     pub const fn outside_after(&self) -> Outside {
         self.after
@@ -144,25 +145,25 @@ impl Trajectory {
         if !time.is_finite() || !self.domain().contains(time) {
             return None;
         }
-        let motion = self.carrier(time).motion_at(time);
+        let motion = self.followed_at(time);
         // Far outside its knots an extrapolated cubic can leave the range of f64.
         let is_finite = motion.0.is_finite() && motion.1.is_finite() && motion.2.is_finite();
         is_finite.then_some(motion)
     }
 
-    /// The cubic that the body follows at `time`.
-    fn carrier(&self, time: f64) -> &Segment {
+    /// Position, velocity and acceleration on the cubic that the body follows at `time`.
+    fn followed_at(&self, time: f64) -> (DVec3, DVec3, DVec3) {
         let after = self.knots.partition_point(|&knot| knot <= time);
         if after == 0 {
-            self.carrier_before()
-        } else if after < self.knots.len() {
-            &self.segments[after - 1]
-        } else {
-            match self.segments.last() {
-                // It is at its last knot, where it ceases to exist.
-                Some(last) if self.after == Outside::Absent => last,
-                _ => self.carrier_after(),
-            }
+            return self.carrier_before().motion_at(time);
+        }
+        if after < self.knots.len() {
+            return self.segments[after - 1].motion_at(time);
+        }
+        match self.segments.last() {
+            // It is at its last knot, where it ceases to exist.
+            Some(last) if self.after == Outside::Absent => last.motion_at(time),
+            _ => self.carrier_after().motion_at(time),
         }
     }
 }

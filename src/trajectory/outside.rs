@@ -4,7 +4,7 @@
 //! T, 2 T, 4 T, ... with T the duration of the neighbouring segment (of a body at rest, longer than
 //! any time; of one that only coasts, fixed). The cuts depend on the trajectory alone, never on a
 //! window, so an encounter out there has the same bits whatever window it was found with; and a window
-//! however long needs only a few dozen pieces.
+//! however long needs only a few dozen pieces. T is rounded to three times a power of two.
 
 use super::cuts::DoublingCuts;
 use super::{Segment, Trajectory};
@@ -19,6 +19,14 @@ use std::iter::repeat_n;
 /// last knot, what it does beyond is laid out once: some microseconds a body, and room for its plan
 /// once more. It is laid out again for a new plan, and where a window reaches twice as far beyond the
 /// knots, or half as far.
+///
+/// Far beyond the knots a position is good to some roundings of the way gone, 4e-15 of it: of a cubic, of
+/// the sizes of its three terms. A straight flight has none but the first. So two bodies come within a margin
+/// to 1e-14 of both ways and of their distance. [`Accuracy::Exact`](crate::Accuracy::Exact) reports what that
+/// leaves open, [`Accuracy::Certified`](crate::Accuracy::Certified) marks it as unresolved.
+///
+/// A window in which bodies cross the scene many times over costs as if each pair were near: to 1e12 s,
+/// 1,000 bodies at 10 m/s take 4 s, and 5,000 more than 90 s. Ask for shorter ones.
 ///
 /// ```
 /// use nearmiss::glam::DVec3;
@@ -39,7 +47,8 @@ pub enum Outside {
     /// It does not exist there.
     #[default]
     Absent,
-    /// The first and the last cubic go on, in their own parameter, as in the literature.
+    /// The first and the last cubic go on, in their own parameter, as in the literature. It is good for
+    /// some of its lengths: its terms grow with the square and the cube of time, whatever the body does.
     Extrapolate,
     /// It keeps the velocity it has at its first or last knot: dead reckoning. (From a single state:
     /// [`Trajectory::coasting`].)
@@ -157,18 +166,22 @@ impl Trajectory {
     }
 
     /// The cubic that carries the body before its first knot.
-    pub(super) fn carrier_before(&self) -> &Segment {
+    pub(super) fn carrier_before(&self) -> Segment {
+        let end = self.segments.beside()[0];
         match (self.before, self.segments.first()) {
-            (Outside::Extrapolate, Some(first)) => first,
-            _ => &self.segments.beside()[0],
+            // Of what was before the knots that are left nothing is known.
+            (Outside::Extrapolate, Some(first)) if end.start() < self.knots[0] => *first,
+            (Outside::Extrapolate, _) => end.extended(),
+            _ => end.straight(),
         }
     }
 
     /// The cubic that carries the body after its last knot.
-    pub(super) fn carrier_after(&self) -> &Segment {
-        match (self.after, self.segments.last()) {
-            (Outside::Extrapolate, Some(last)) => last,
-            _ => &self.segments.beside()[1],
+    pub(super) fn carrier_after(&self) -> Segment {
+        let end = self.segments.beside()[1];
+        match self.after {
+            Outside::Extrapolate => end.extended(),
+            _ => end.straight(),
         }
     }
 
@@ -207,9 +220,9 @@ impl Trajectory {
         knots.reverse();
         knots.extend_from_slice(&self.knots);
         knots.extend(after);
-        segments.extend(repeat_n(*self.carrier_before(), counts[0]));
+        segments.extend(repeat_n(self.carrier_before(), counts[0]));
         segments.extend_from_slice(&self.segments);
-        segments.extend(repeat_n(*self.carrier_after(), counts[1]));
+        segments.extend(repeat_n(self.carrier_after(), counts[1]));
         pieces.before = (self.before != Outside::Absent).then_some(counts[0]);
         pieces.after = (self.after != Outside::Absent).then_some(counts[1]);
         for (segment, ends) in pieces.beyond() {
@@ -259,11 +272,11 @@ impl Trajectory {
         let mut from = pieces.knots[pieces.knots.len() - 1];
         let mut count = 0;
         for cut in new.clone() {
-            check_reach(carrier, (from, cut), self.knots.len() - 1)?;
+            check_reach(&carrier, (from, cut), self.knots.len() - 1)?;
             (from, count) = (cut, count + 1);
         }
         pieces.knots.extend(new);
-        pieces.segments.extend(repeat_n(*carrier, count));
+        pieces.segments.extend(repeat_n(carrier, count));
         pieces.after = Some(known + count);
         Ok(())
     }
@@ -292,7 +305,7 @@ pub(super) fn check_reach(
     }
     // What its rounding amounts to grows as well.
     let reach = segment.rounding_scale(from, to);
-    if reach > LARGEST_MAGNITUDE {
+    if reach.is_nan() || reach > LARGEST_MAGNITUDE {
         return Err(Error::OutOfRange {
             knot,
             quantity: Quantity::Distance,

@@ -16,12 +16,14 @@ pub struct Segment {
     end: f64,
     /// Position at `start`: the user's own number.
     origin: DVec3,
-    /// Bézier control points 1, 2, 3 relative to `origin` (point 0 is zero).
+    /// Bézier control points 1, 2, 3 relative to `origin` (point 0 is zero). Of what
+    /// [goes on from a knot](Self::goes_on), the coefficients of x, x², x³, with x the time since `start` in
+    /// thirds of the duration.
     control: [DVec3; 3],
     /// No control point is farther from the origin than this, m.
     extent: f64,
     /// Bound on the error of each point `origin + control`, m; negative (or -0) where the motion
-    /// is [straight](Self::is_straight) by definition.
+    /// [goes on from a knot](Self::goes_on).
     error: f64,
 }
 
@@ -60,7 +62,8 @@ impl Segment {
     ///
     /// `duration` is only the unit of its parameter. It is rounded to three times a power of two,
     /// so that all its control points but the last are exact where instants are as fine at its end as at
-    /// its start; `error` is that of the state itself (position, and velocity times duration).
+    /// its start; `error` is that of the state's position, and more than none where its velocity is
+    /// rounded.
     pub(super) fn line(
         state: &State,
         duration: f64,
@@ -78,13 +81,12 @@ impl Segment {
         let is_exact = (duration - 3.0 * third).abs() <= 0.0;
         let third = if is_exact { third } else { duration / 3.0 };
         let step = state.velocity * third;
-        let control = [step, 2.0 * step, 3.0 * step];
-        let extent = norm(control[2]) * (1.0 + 8.0 * UNIT_ROUNDOFF);
+        let extent = norm(3.0 * step) * (1.0 + 8.0 * UNIT_ROUNDOFF);
         Self {
             start: state.time,
             end,
             origin: state.position,
-            control,
+            control: [step, DVec3::ZERO, DVec3::ZERO],
             extent,
             // A third of the duration, and its products.
             error: if is_exact {
@@ -94,6 +96,33 @@ impl Segment {
             },
         }
         .checked(knot)
+    }
+
+    /// Adds the quadratic and the cubic coefficient of a cubic through the same state, in units of
+    /// `duration` (s): known to [`extended`](Self::extended) alone.
+    pub(super) fn with_bend(self, [quadratic, cubic]: [DVec3; 2], duration: f64) -> Self {
+        let ratio = (self.end - self.start) / 3.0 / duration;
+        self.with_coefficients([quadratic * ratio * ratio, cubic * ratio * ratio * ratio])
+    }
+
+    /// The same in its own unit.
+    pub(super) const fn with_coefficients(mut self, [quadratic, cubic]: [DVec3; 2]) -> Self {
+        self.control[1] = quadratic;
+        self.control[2] = cubic;
+        self
+    }
+
+    /// The straight motion from its knot on.
+    pub(super) const fn straight(self) -> Self {
+        self.with_coefficients([DVec3::ZERO; 2])
+    }
+
+    /// The cubic motion from its knot on.
+    pub(super) fn extended(mut self) -> Self {
+        let [linear, quadratic, cubic] = self.powers().map(norm);
+        self.extent = (linear + quadratic + cubic) * (1.0 + 8.0 * UNIT_ROUNDOFF);
+        self.error -= 32.0 * UNIT_ROUNDOFF * self.extent + UNDERFLOW;
+        self
     }
 
     /// The segment with these Bézier points relative to `origin`, each good to `error`;
@@ -191,13 +220,24 @@ impl Segment {
 
     /// The four Bézier control points relative to [`origin`](Self::origin), m.
     #[must_use]
-    pub const fn control(&self) -> [DVec3; 4] {
-        [
-            DVec3::ZERO,
-            self.control[0],
-            self.control[1],
-            self.control[2],
-        ]
+    pub fn control(&self) -> [DVec3; 4] {
+        let [first, second, third] = self.control;
+        if self.goes_on() {
+            let end = 3.0 * first + (9.0 * second + 27.0 * third);
+            [DVec3::ZERO, first, 2.0 * first + 3.0 * second, end]
+        } else {
+            [DVec3::ZERO, first, second, third]
+        }
+    }
+
+    /// Coefficients of s, s², s³ around its start.
+    fn powers(&self) -> [DVec3; 3] {
+        let [first, second, third] = self.control;
+        if self.goes_on() {
+            [3.0 * first, 9.0 * second, 27.0 * third]
+        } else {
+            power_form(first, second, third)
+        }
     }
 
     /// No control point is farther from the origin than this, m.
@@ -211,10 +251,10 @@ impl Segment {
         self.error.abs()
     }
 
-    /// The same with the mark of straight motion.
+    /// The numbers from which its points follow, and the error with the mark of what goes on.
     #[cfg(feature = "serde")]
-    pub(super) const fn marked_error(&self) -> f64 {
-        self.error
+    pub(super) const fn parts(&self) -> ([DVec3; 3], f64) {
+        (self.control, self.error)
     }
 
     /// Position, velocity and acceleration at `time` (m, m/s, m/s²), also outside its knots: the
@@ -222,13 +262,20 @@ impl Segment {
     #[must_use]
     pub fn motion_at(&self, time: f64) -> (DVec3, DVec3, DVec3) {
         let duration = self.end - self.start;
-        let [_, first, second, third] = self.control();
-        // Power form around the nearer knot, so that the states themselves are met exactly. Straight
-        // motion has its state at the first one, where the coefficients that vanish are exact: far
-        // from its knots anything else would be all there is.
-        if self.is_straight() || time - self.start <= self.end - time {
+        // Power form around the nearer knot, so that the states themselves are met exactly. What goes on
+        // from a knot has its state at the start: far from there anything else would be all there is.
+        if self.is_bent() {
+            // A power of two.
+            let unit = duration / 3.0;
+            let x = (time - self.start) / unit;
+            let [linear, quadratic, cubic] = self.control;
+            let offset = x * (linear + x * (quadratic + x * cubic));
+            let rate = linear + x * (2.0 * quadratic + x * 3.0 * cubic);
+            let curve = 2.0 * quadratic + x * 6.0 * cubic;
+            (self.origin + offset, rate / unit, curve / unit / unit)
+        } else if self.goes_on() || time - self.start <= self.end - time {
             let s = (time - self.start) / duration;
-            let [linear, quadratic, cubic] = power_form(first, second, third);
+            let [linear, quadratic, cubic] = self.powers();
             let offset = s * (linear + s * (quadratic + s * cubic));
             let rate = linear + s * (2.0 * quadratic + s * 3.0 * cubic);
             let curve = 2.0 * quadratic + s * 6.0 * cubic;
@@ -239,6 +286,7 @@ impl Segment {
             )
         } else {
             let s = (self.end - time) / duration;
+            let [first, second, third] = self.control;
             let [linear, quadratic, cubic] =
                 power_form(second - third, first - third, DVec3::ZERO - third);
             let offset = third + s * (linear + s * (quadratic + s * cubic));
@@ -303,8 +351,7 @@ impl Segment {
     fn restrict_beyond(&self, from: f64, to: f64) -> Restriction {
         let duration = self.end - self.start;
         let (a, b) = ((from - self.start) / duration, (to - self.start) / duration);
-        let [linear, quadratic, cubic] =
-            power_form(self.control[0], self.control[1], self.control[2]);
+        let [linear, quadratic, cubic] = self.powers();
         // The blossom of c1 s + c2 s² + c3 s³ at (x, y, z).
         let blossom = |x: f64, y: f64, z: f64| {
             linear * ((x + y + z) / 3.0)
@@ -315,19 +362,6 @@ impl Segment {
         let size = norm(linear) * reach
             + norm(quadratic) * reach * reach
             + norm(cubic) * reach * reach * reach;
-        // A control point's error, its own or from forming the power coefficients (4 roundings of
-        // the extent at most), grows like the sum of the Bernstein weights: (1 + 2 reach)³. The
-        // coefficients of straight motion that vanish are exact: only its state's error grows, and
-        // in proportion.
-        let grown = if !self.is_straight() {
-            let growth = (1.0 + 2.0 * reach).powi(3);
-            (self.error + 4.0 * UNIT_ROUNDOFF * self.extent) * growth + UNDERFLOW * growth
-        } else if self.error() > 0.0 {
-            let growth = 1.0 + 2.0 * reach;
-            (self.error() + 4.0 * UNIT_ROUNDOFF * self.extent) * growth + UNDERFLOW * growth
-        } else {
-            0.0
-        };
         Restriction {
             points: [
                 blossom(a, a, a),
@@ -336,7 +370,31 @@ impl Segment {
                 blossom(b, b, b),
             ],
             // The blossom: at most 12 roundings of each term.
-            error: grown + 12.0 * UNIT_ROUNDOFF * size + UNDERFLOW,
+            error: self.grown_error(reach, size) + 12.0 * UNIT_ROUNDOFF * size + UNDERFLOW,
+        }
+    }
+
+    /// A bound on what its own error amounts to within some of its lengths from the start, where the
+    /// terms of its power form come to `size`, m.
+    ///
+    /// Of what [goes on from a knot](Self::goes_on) each coefficient has an error in proportion to itself:
+    /// see [`bend`](super::bend). Where only Bézier points are known a control point's error, its own
+    /// or from forming the power coefficients (4 roundings of the extent at most), grows like the sum of
+    /// the Bernstein weights: (1 + 2 lengths)³.
+    fn grown_error(&self, lengths: f64, size: f64) -> f64 {
+        let growth = 1.0 + 2.0 * lengths;
+        if !self.goes_on() {
+            let points = self.error + 4.0 * UNIT_ROUNDOFF * self.extent + UNDERFLOW;
+            points * growth.powi(3)
+        } else if self.error() > 0.0 {
+            let (coarse, growth) = if self.is_bent() {
+                (1.0 + 64.0 * UNIT_ROUNDOFF * lengths, growth.powi(3))
+            } else {
+                (1.0, growth)
+            };
+            self.error() + 20.0 * UNIT_ROUNDOFF * size * coarse * coarse + UNDERFLOW * growth
+        } else {
+            0.0
         }
     }
 
@@ -345,38 +403,25 @@ impl Segment {
         from >= self.start && to <= self.end
     }
 
-    /// A bound on how far the part between `from` and `to` is from the origin, m: the size that
-    /// its rounding is relative to. Beyond the knots it is far more than the body's own distance.
-    fn reach(&self, from: f64, to: f64) -> f64 {
-        if self.covers(from, to) {
-            return self.extent;
-        }
-        let s = self.lengths_to(from, to);
-        if self.is_straight() {
-            self.extent * s.max(1.0)
-        } else {
-            self.extent * (1.0 + 2.0 * s).powi(3)
-        }
-    }
-
-    /// The size that all rounding of the part between `from` and `to` is relative to, m: its
-    /// reach, or more where the segment itself is known less well than to a few roundings of its
-    /// extent (a polynomial in absolute time, far from the origin).
+    /// The size that all rounding of the part between `from` and `to` is relative to, m: a bound on
+    /// the terms of its power form, or more where the segment itself is known less well than to a few
+    /// roundings of its extent (a polynomial in absolute time, far from the origin).
     pub(crate) fn rounding_scale(&self, from: f64, to: f64) -> f64 {
-        self.reach(from, to) + self.own_error(from, to) / (16.0 * UNIT_ROUNDOFF)
-    }
-
-    /// A bound on what the control points' own error amounts to between `from` and `to`, m.
-    fn own_error(&self, from: f64, to: f64) -> f64 {
-        if self.covers(from, to) {
-            return self.error();
-        }
-        let s = self.lengths_to(from, to);
-        if self.is_straight() {
-            self.error() * (1.0 + 2.0 * s)
+        let (size, error) = if self.covers(from, to) {
+            (self.extent, self.error())
         } else {
-            self.error * (1.0 + 2.0 * s).powi(3)
-        }
+            let lengths = self.lengths_to(from, to);
+            let size = if self.is_bent() {
+                let [linear, quadratic, cubic] = self.powers().map(|c| c.abs().element_sum());
+                lengths * (linear + lengths * (quadratic + lengths * cubic))
+            } else if self.goes_on() {
+                self.extent * lengths.max(1.0)
+            } else {
+                self.extent * (1.0 + 2.0 * lengths).powi(3)
+            };
+            (size, self.grown_error(lengths, size))
+        };
+        size + error / (16.0 * UNIT_ROUNDOFF)
     }
 
     /// How many of its lengths from its start an interval reaches, before or after.
@@ -385,11 +430,16 @@ impl Segment {
         ((from - self.start).abs().max((to - self.start).abs())) / duration
     }
 
-    /// Made by [`line`](Self::line): its second and third control points are the multiples of the
-    /// first, by definition, so that nothing of it grows faster than time. No other constructor
-    /// marks its error so.
-    pub(super) fn is_straight(&self) -> bool {
+    /// Made by [`line`](Self::line): how the motion goes on before or after its `start`, a knot. No other
+    /// constructor marks its error so.
+    fn goes_on(&self) -> bool {
         self.error <= 0.0
+    }
+
+    /// What goes on as a cubic that is not straight.
+    fn is_bent(&self) -> bool {
+        let bend = self.control[1].abs().max(self.control[2].abs());
+        self.goes_on() && bend.max_element() > 0.0
     }
 }
 

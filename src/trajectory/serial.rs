@@ -15,18 +15,19 @@ use serde::{Deserialize, Serialize};
 pub(super) struct Numbers {
     knots: Vec<f64>,
     segments: Vec<[f64; 16]>,
-    coast: [[f64; 16]; 2],
+    /// How the motion goes on before and after them.
+    ends: [[f64; 16]; 2],
     /// Before and after the knots.
     outside: [Outside; 2],
 }
 
 impl From<Trajectory> for Numbers {
     fn from(trajectory: Trajectory) -> Self {
-        let coast = trajectory.segments.beside();
+        let ends = trajectory.segments.beside();
         Self {
             knots: trajectory.knots.to_vec(),
             segments: trajectory.segments.iter().map(Segment::numbers).collect(),
-            coast: [&coast[0], &coast[1]].map(Segment::numbers),
+            ends: [&ends[0], &ends[1]].map(Segment::numbers),
             outside: [trajectory.before, trajectory.after],
         }
     }
@@ -39,16 +40,14 @@ impl TryFrom<Numbers> for Trajectory {
         let Numbers {
             mut knots,
             segments,
-            coast,
+            ends,
             outside,
         } = numbers;
         let Some(last) = knots.len().checked_sub(1) else {
             return Err(Error::TooFewStates { count: 0 });
         };
         let [rule_before, rule_after] = outside;
-        // Without a cubic there is none to go on.
-        let coasts = rule_before != Outside::Extrapolate && rule_after == Outside::Coast;
-        if segments.len() != last || (last == 0 && !coasts) {
+        if segments.len() != last || (last == 0 && rule_after == Outside::Absent) {
             return Err(Error::SegmentCount {
                 knots: knots.len(),
                 segments: segments.len(),
@@ -63,20 +62,20 @@ impl TryFrom<Numbers> for Trajectory {
             check_number(knot, Quantity::Time, numbers[1])?;
             Segment::from_numbers(numbers, knot)
         };
-        let [before, after] = coast;
+        let [before, after] = ends;
         let segments = (1..).zip(segments).map(segment);
         let segments = segments.collect::<Result<Vec<_>, _>>()?;
-        // Straight motion goes beyond the range of times where its knot is at an end of that.
-        let coast = [
-            Segment::from_numbers(before, 0)?,
-            Segment::from_numbers(after, last)?,
+        // What goes on does so beyond the range of times where its knot is at an end of that.
+        let ends = [
+            Segment::going_on(before, 0)?,
+            Segment::going_on(after, last)?,
         ];
         for (knot, (segment, ends)) in (1..).zip(segments.iter().zip(knots.windows(2))) {
             // A piece may be any part of its cubic, also one beyond it.
             check_reach(segment, (ends[0], ends[1]), knot)?;
         }
         Ok(Self {
-            segments: Roomy::new(&segments, &coast),
+            segments: Roomy::new(&segments, &ends),
             knots: Roomy::new(&knots, &[]),
             before: rule_before,
             after: rule_after,
@@ -86,7 +85,7 @@ impl TryFrom<Numbers> for Trajectory {
 
 impl Segment {
     fn numbers(&self) -> [f64; 16] {
-        let [_, a, b, c] = self.control();
+        let ([a, b, c], error) = self.parts();
         let o = self.origin();
         [
             self.start(),
@@ -104,8 +103,22 @@ impl Segment {
             c.y,
             c.z,
             self.extent(),
-            self.marked_error(),
+            error,
         ]
+    }
+
+    /// How a motion goes on, again: a straight one, with the coefficients of a cubic.
+    fn going_on(mut numbers: [f64; 16], knot: usize) -> Result<Self, Error> {
+        let [bx, by, bz, cx, cy, cz] = numbers[8..14] else {
+            unreachable!("of sixteen")
+        };
+        for (place, value) in numbers[8..14].iter().enumerate() {
+            check_number(knot, Quantity::Position(place % 3), *value)?;
+        }
+        numbers[8..14].fill(0.0);
+        let line = Self::from_numbers(numbers, knot)?;
+        let coefficients = [[bx, by, bz], [cx, cy, cz]].map(DVec3::from_array);
+        Ok(line.with_coefficients(coefficients))
     }
 
     /// The same segment again, if these are the numbers of one; `knot` is that at its end.
@@ -149,18 +162,18 @@ impl Segment {
             });
         }
         let control = [[ax, ay, az], [bx, by, bz], [cx, cy, cz]].map(DVec3::from_array);
-        let farthest = largest_norm(&control);
-        // What bounds the others must do so.
-        let is_line = control[1] == 2.0 * control[0] && control[2] == 3.0 * control[0];
-        if extent < farthest * (1.0 - 8.0 * f64::EPSILON) || (error <= 0.0 && !is_line) {
-            return Err(Error::Contradiction { knot });
-        }
-        Self::from_parts(
+        let segment = Self::from_parts(
             (start, end),
             DVec3::new(ox, oy, oz),
             control,
             (extent, error),
             knot,
-        )
+        )?;
+        // What bounds the others must do so.
+        let farthest = largest_norm(&segment.control());
+        if farthest.is_nan() || extent < farthest * (1.0 - 8.0 * f64::EPSILON) {
+            return Err(Error::Contradiction { knot });
+        }
+        Ok(segment)
     }
 }

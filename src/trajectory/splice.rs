@@ -86,7 +86,7 @@ impl Trajectory {
         let cut = count_at_front(&flown.knots, |knot| knot < from);
         // Cut where it was before, so that what is found there stays the same bits; and so that a cubic
         // that is followed far from its knots is not looked at as a whole.
-        let beyond = (cut > flown.segments.len()).then(|| *flown.carrier_after());
+        let beyond = (cut > flown.segments.len()).then(|| flown.carrier_after());
         let mut cuts_after = DoublingCuts::NONE;
         if let (Some(carrier), Some(&last)) = (&beyond, flown.knots.last()) {
             check_reach(carrier, (last, from), flown.knots.len() - 1)?;
@@ -95,7 +95,7 @@ impl Trajectory {
         let mut cuts_before = DoublingCuts::NONE;
         if let (0, Some(&first)) = (ahead, self.knots.first()) {
             let carrier = self.carrier_before();
-            check_reach(carrier, (from, first), 0)?;
+            check_reach(&carrier, (from, first), 0)?;
             cuts_before = DoublingCuts::of(first, carrier.start() - carrier.end(), from);
         }
         let (cuts_after, cuts_before) = (cuts_after.but_last(), cuts_before.but_last());
@@ -112,24 +112,14 @@ impl Trajectory {
         let own = flown.segments.len();
         let flown_segments = flown.segments[dropped.min(own)..cut.min(own)].iter();
         // To come: the piece of this plan that holds at `from`, and the rest.
-        let present = match ahead {
-            0 => *self.carrier_before(),
-            _ if ahead < self.knots.len() => self.segments[ahead - 1],
-            _ => {
-                // No knot left: the carrier goes on for ever, whatever its rule was called.
-                let after = *self.carrier_after();
-                self.segments.put_beside(1, after);
-                self.after = Outside::Coast;
-                after
-            }
-        };
         let goes_on = ahead < self.knots.len();
-        self.segments.put_beside(0, *flown.carrier_before());
+        let present = match ahead {
+            0 => self.carrier_before(),
+            _ if goes_on => self.segments[ahead - 1],
+            _ => self.carrier_after(),
+        };
+        self.segments.put_beside(0, flown.segments.beside()[0]);
         self.before = flown.before;
-        if cut == 0 && flown.before == Outside::Extrapolate {
-            // Nothing is left of the cubic that went on, but that.
-            self.before = Outside::Coast;
-        }
         if dropped > 0 {
             self.before = Outside::Absent;
         }

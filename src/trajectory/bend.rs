@@ -1,0 +1,274 @@
+//! How the end cubics go on beyond their knots: coefficients around the knot, each good to its own
+//! rounding.
+//!
+//! With T the duration between two states, e = v T - (p1 - p0) at either of them, and s the time since a
+//! knot in units of T, the cubic through both is
+//!
+//! ```text
+//! p0 + v0 T s - (2 e0 + e1) s² + (e0 + e1) s³      around the first knot,
+//! p1 + v1 T s + (e0 + 2 e1) s² + (e0 + e1) s³      around the second one.
+//! ```
+//!
+//! Position and velocity are the user's numbers. So what goes on is as good as the coefficients of s²
+//! and s³. Between straight states e vanishes: taken from rounded control points it would be a rounding
+//! of the way between them, times s³.
+//!
+//! Products and differences of two f64 are sums of two, exactly; a sum of two such pairs is wrong by
+//! 3 u² of itself (u = 2^-53; Joldes, Muller, Popescu, "Tight and rigorous error bounds for basic
+//! building blocks of double-word arithmetic", 2017). T = T' + T'', the second at most u T. So
+//! e = (v T' - (p1 - p0)) + v T'' is wrong by 7 u² |e| + 4 u³ |v T| at most. As e0 and e1 follow from
+//! both coefficients b and c, these are wrong by
+//!
+//! - their own rounding, and that of the powers of the unit: 7 u |b|, 10 u |c|;
+//! - 64 u² (|b| + |c|) + 16 u³ (|a| + 2 |b| + 3 |c|), with a the coefficient of s.
+//!
+//! The second line, times s² and s³, is less than u (|a| s + |b| s² + |c| s³) (1 + 64 u s)² from s = 1
+//! on; before that the error of the first piece holds it. Of a polynomial all coefficients are formed
+//! exactly, and rounded once. With the 12 roundings of what is computed from them, 32 roundings of each
+//! term hold all; 32 of the first piece's extent are added throughout. What underflows is below 2^-1022,
+//! times s³.
+
+use super::State;
+use super::double_double::{DoubleDouble, Expansion};
+use glam::DVec3;
+
+/// Quadratic and cubic coefficient of the cubic through two states around the first one, and around the
+/// second one, in units of the duration between them.
+pub(super) fn of_states(first: &State, second: &State) -> [[DVec3; 2]; 2] {
+    let duration = DoubleDouble::difference(second.time, first.time);
+    let [most, rest] = duration.parts();
+    let (mut leaving, mut arriving, mut cubic) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
+    for axis in 0..3 {
+        let back = DoubleDouble::difference(first.position[axis], second.position[axis]);
+        let [leave, arrive] = [first, second].map(|state| {
+            let velocity = state.velocity[axis];
+            let bend = DoubleDouble::product(velocity, most) + back;
+            if rest.abs() > 0.0 {
+                bend + DoubleDouble::product(velocity, rest)
+            } else {
+                bend
+            }
+        });
+        leaving[axis] = -leave.twice().rounded_sum(arrive);
+        arriving[axis] = arrive.twice().rounded_sum(leave);
+        cubic[axis] = leave.rounded_sum(arrive);
+    }
+    [[leaving, cubic], [arriving, cubic]]
+}
+
+/// Position, velocity, and the coefficients of time squared and cubed of `a t³ + b t² + c t + d` around
+/// an instant t, given as a sum; and how far the position was rounded at most, m.
+pub(super) fn of_polynomial(polynomial: &[DVec3; 4], time: DoubleDouble) -> ([DVec3; 4], f64) {
+    let mut around = [DVec3::ZERO; 4];
+    let mut lost = DVec3::ZERO;
+    for axis in 0..3 {
+        let mut sums = polynomial.map(|coefficient| Expansion::from(coefficient[axis]));
+        // Horner's rule, one coefficient less each time: what is left of each pass is one of the shifted.
+        for last in (1..4).rev() {
+            for power in 1..=last {
+                sums[power] = sums[power].clone() + sums[power - 1].times(time);
+            }
+        }
+        for (power, sum) in sums.iter().enumerate() {
+            around[3 - power][axis] = sum.rounded();
+        }
+        lost[axis] = (sums[3].clone() + Expansion::from(-around[0][axis])).rounded();
+    }
+    (
+        around,
+        lost.abs().element_sum() * (1.0 + f64::EPSILON * 4.0),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::rounding::UNIT_ROUNDOFF;
+    use crate::trajectory::{Outside, Segment, State, TimeBase, Trajectory};
+    use dashu::rational::RBig;
+    use glam::DVec3;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    fn exact(x: f64) -> RBig {
+        RBig::try_from(x).unwrap_or_else(|_| unreachable!("finite"))
+    }
+
+    /// Coefficients of 1, τ, τ², τ³ with τ the time since an instant, by axis.
+    struct Exact {
+        since: RBig,
+        coefficients: [[RBig; 4]; 3],
+    }
+
+    impl Exact {
+        fn of_states(first: &State, second: &State) -> Self {
+            let duration = exact(second.time) - exact(first.time);
+            let coefficients = [0, 1, 2].map(|axis| {
+                let [p, q] = [first, second].map(|state| exact(state.position[axis]));
+                let [v, w] = [first, second].map(|state| exact(state.velocity[axis]));
+                let rate = (q - &p) / &duration;
+                let quadratic = (RBig::from(3) * &rate - RBig::from(2) * &v - &w) / &duration;
+                let cubic = (&v + w - RBig::from(2) * rate) / (&duration * &duration);
+                [p, v, quadratic, cubic]
+            });
+            Self {
+                since: exact(first.time),
+                coefficients,
+            }
+        }
+
+        fn of_polynomial(polynomial: &[DVec3; 4], since: f64) -> Self {
+            let [a, b, c, d] = polynomial;
+            Self {
+                since: exact(since),
+                coefficients: [0, 1, 2].map(|axis| [d, c, b, a].map(|one| exact(one[axis]))),
+            }
+        }
+
+        fn around(&self, time: f64) -> Self {
+            let shift = exact(time) - &self.since;
+            let coefficients = self.coefficients.clone().map(|[p, v, b, a]| {
+                let [two, three] = [2, 3].map(RBig::from);
+                [
+                    ((&a * &shift + &b) * &shift + &v) * &shift + p,
+                    (&three * &a * &shift + two * &b) * &shift + v,
+                    three * &a * &shift + b,
+                    a,
+                ]
+            });
+            Self {
+                since: exact(time),
+                coefficients,
+            }
+        }
+
+        fn straight(mut self) -> Self {
+            for [.., quadratic, cubic] in &mut self.coefficients {
+                (*quadratic, *cubic) = (RBig::ZERO, RBig::ZERO);
+            }
+            self
+        }
+
+        /// Terms after this time (s), without the first: m.
+        fn way(&self, time: f64) -> f64 {
+            let norm = |power: usize| {
+                let of_axis = |axis: usize| self.coefficients[axis][power].to_f64().value();
+                DVec3::from_array([0, 1, 2].map(of_axis)).length()
+            };
+            let time = time.abs();
+            time * (norm(1) + time * (norm(2) + time * norm(3)))
+        }
+
+        /// Distance of the control points over an interval from some that are relative to a place.
+        fn farthest(&self, points: &[DVec3; 4], from: DVec3, interval: (f64, f64)) -> f64 {
+            let [a, b] = [interval.0, interval.1].map(|time| exact(time) - &self.since);
+            let instants = [[&a, &a, &a], [&a, &a, &b], [&a, &b, &b], [&b, &b, &b]];
+            let distances = points.iter().zip(instants).map(|(point, [x, y, z])| {
+                let apart = [0, 1, 2].map(|axis| {
+                    let [p, v, b, c] = &self.coefficients[axis];
+                    let three = RBig::from(3);
+                    let place = p
+                        + v * (x + y + z) / &three
+                        + b * (x * y + y * z + z * x) / &three
+                        + c * (x * y * z);
+                    let apart = place - exact(from[axis]) - exact(point[axis]);
+                    apart.to_f64().value()
+                });
+                DVec3::from_array(apart).length()
+            });
+            distances.fold(0.0, f64::max)
+        }
+    }
+
+    /// Plans with the exact motion of their first and of their last cubic.
+    fn any(rng: &mut ChaCha8Rng) -> (Trajectory, [Exact; 2]) {
+        let mut power = |from: f64, to: f64| 10_f64.powf(rng.random_range(from..to));
+        let (size, duration, bend) = (power(-3.0, 4.0), power(-3.0, 3.0), power(-20.0, 0.0));
+        let far = [0.0, size, 1e3 * size, 1e7][rng.random_range(0..4)];
+        let begin = [0.0, 0.3 * duration, 3.7, -1e5, 1.7e9][rng.random_range(0..5)];
+        let knots = [0.0, 1.0, 2.6].map(|k| begin + k * duration);
+        let bend = [0.0, bend][usize::from(rng.random_bool(0.8))];
+        let (kind, still) = (rng.random_range(0..3), rng.random_bool(0.2));
+        // Often nothing on some axes.
+        let mut vector = |half: f64| {
+            let one = |_| half * rng.random_range(-1.0..1.0) * f64::from(rng.random_bool(0.8));
+            DVec3::from_array([0; 3].map(one))
+        };
+        let speed = if still { 0.0 } else { size / duration };
+        let (place, velocity) = (vector(far), vector(speed));
+        let bend = bend * speed;
+        if kind == 0 {
+            let states = knots.map(|time| {
+                let way = velocity * (time - begin);
+                State::new(time, place + way, velocity + vector(bend))
+            });
+            let [first, middle, last] = &states;
+            let ends = [(first, middle), (middle, last)];
+            let plan = Trajectory::from_states(&states);
+            let plan = plan.unwrap_or_else(|_| unreachable!("the states are in order"));
+            return (plan, ends.map(|(from, to)| Exact::of_states(from, to)));
+        }
+        let base = [TimeBase::Absolute, TimeBase::SegmentLocal][kind - 1];
+        let polynomials = [0; 2].map(|_| {
+            let [b, a] = [duration, duration * duration].map(|unit| vector(bend) / unit);
+            [a, b, velocity, place]
+        });
+        let ends = [0, 1].map(|k| {
+            let since = [0.0, knots[k]][kind - 1];
+            Exact::of_polynomial(&polynomials[k], since)
+        });
+        let plan = Trajectory::from_coefficients(&knots, &polynomials, base);
+        (plan.unwrap_or_else(|_| unreachable!("in order")), ends)
+    }
+
+    /// Against exact arithmetic: what goes on is within its error of where it should be, and that is
+    /// some roundings of its way.
+    #[test]
+    fn what_goes_on_is_as_good_as_its_way() {
+        let mut rng = ChaCha8Rng::seed_from_u64(23);
+        let mut worst = 0.0_f64;
+        for round in 0..300 {
+            let (plan, motions) = any(&mut rng);
+            for outside in [Outside::Extrapolate, Outside::Coast] {
+                let plan = plan.clone().with_outside(outside);
+                let [first, last] = [0, plan.knots().len() - 1].map(|knot| plan.knots()[knot]);
+                let ends = [
+                    (first, plan.carrier_before(), -1.0),
+                    (last, plan.carrier_after(), 1.0),
+                ];
+                for ((knot, carrier, sign), motion) in ends.iter().zip(&motions) {
+                    let motion = motion.around(*knot);
+                    let motion = match outside {
+                        Outside::Coast => motion.straight(),
+                        _ => motion,
+                    };
+                    let unit = carrier.end() - carrier.start();
+                    let lengths = 10_f64.powf(rng.random_range(-1.0..16.0));
+                    let [near, far] = [1.0, 2.0].map(|k| knot + sign * k * lengths * unit);
+                    let first = knot + sign * unit;
+                    for ends in [(near, far), (*knot, first)] {
+                        let interval = (ends.0.min(ends.1), ends.0.max(ends.1));
+                        let part = carrier.restrict(interval.0, interval.1);
+                        let off = motion.farthest(&part.points, carrier.origin(), interval);
+                        assert!(off <= part.error, "{round} {off:e} {part:?} {carrier:?}");
+                        worst = worst.max(off / part.error);
+                        let scale = motion.way(unit) + carrier.origin().length();
+                        let way = motion.way(ends.1 - knot);
+                        let coarse = 1.0 + 128.0 * UNIT_ROUNDOFF * lengths;
+                        let bound = 1e-14 * scale + 40.0 * UNIT_ROUNDOFF * way * coarse * coarse;
+                        let error = part.error;
+                        assert!(error <= bound + 1e-200, "{round} {error:e} {bound:e}");
+                        assert!(is_met(carrier, &motion, ends.1, part.error), "{round}");
+                    }
+                }
+            }
+        }
+        assert!(worst > 0.05, "{worst}");
+    }
+
+    /// Whether the place at an instant is that of the exact motion.
+    fn is_met(carrier: &Segment, motion: &Exact, time: f64, error: f64) -> bool {
+        let place = carrier.motion_at(time).0;
+        let rounding = 2.0 * UNIT_ROUNDOFF * (place.length() + carrier.origin().length());
+        motion.farthest(&[place; 4], DVec3::ZERO, (time, time)) <= error + rounding
+    }
+}
