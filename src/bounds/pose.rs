@@ -201,3 +201,43 @@ impl Cubic for Segment {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hitbox::{Hitbox, Sphere};
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// Offsets, radii and margins, each the largest, and so small that f32 has hardly any digits of
+    /// them: the rounding of a stance holds what f32 makes of a hitbox.
+    #[test]
+    fn hitboxes_are_within_their_rounding() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        for round in 0..3_000 {
+            let unit = [1.0, 1e6, 1e-42][round % 3];
+            let sizes =
+                [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0; 3]][round / 3 % 4];
+            let [offset, radius, margin] =
+                sizes.map(|size| size * unit * rng.random_range(0.5..1.0));
+            let mut lane = || rng.random_range(-1.0..1.0);
+            let offset = DVec3::new(lane(), lane(), lane()) * offset;
+            let Ok(hitbox) = Hitbox::cluster(vec![Sphere { offset, radius }]) else {
+                unreachable!("all is finite")
+            };
+            let frame = Frame::OF_NOTHING;
+            let (spheres, bounding) = (hitbox.spheres(), hitbox.bounding());
+            let inflation = Inflation::of(spheres, bounding, margin, &frame);
+            let stance = Stance::new(frame, 0.0, &inflation, &frame);
+            // In f64 their rounding does not show.
+            let reach = radius + 0.5 * margin;
+            let wide = |lanes: Vec4| lanes.truncate().as_dvec3();
+            let low = wide(stance.low) - f64::from(stance.steady);
+            let high = wide(stance.high) + f64::from(stance.steady);
+            let holds = low.cmple(offset - reach).all() && high.cmpge(offset + reach).all();
+            assert!(holds, "{hitbox:?} {margin}");
+            let far = offset.length() + reach;
+            assert!(f64::from(stance.reach + stance.steady) >= far * (1.0 - 1e-15));
+        }
+    }
+}

@@ -200,7 +200,7 @@ impl Segment {
         ]
     }
 
-    /// No control point is farther from the origin than this, m.
+    /// No control point is farther from the origin than this, m (below 1e-308 m, by more than 1e-323 m).
     #[must_use]
     pub const fn extent(&self) -> f64 {
         self.extent
@@ -413,3 +413,6 @@ impl Weights {
         x * self.first + y * self.second
     }
 }
+
+#[cfg(test)]
+mod tests;
