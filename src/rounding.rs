@@ -44,8 +44,8 @@
 //! | instants of a screening's edges and of a budget's | `monitor/outlook`, `screen/pilot` | `tests/monitor` `budgets` |
 //! | instants of a question, of a bridge, of a slice's ends | `monitor/outlook`, `ask`, `bridge` | count |
 //!
-//! Underflow in squares has no term of its own where they meet F of the enclosures: its factor
-//! 1 + 2^-40 is above 1e-87 m in the cubic's unit, and what underflows is below 1e-124 m.
+//! Squares that meet F of the enclosures need no term against underflow. In the cubic's unit the factor
+//! 1 + 2^-40 adds more than 1e-87 m to F, and what underflows is below 1e-124 m.
 
 use glam::DVec3;
 

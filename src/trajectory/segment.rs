@@ -261,7 +261,7 @@ impl Segment {
         if from <= self.start && to >= self.end && from >= self.start && to <= self.end {
             return Restriction {
                 points: self.control(),
-                error: self.error() + UNIT_ROUNDOFF * self.extent,
+                error: self.error() + UNIT_ROUNDOFF * self.extent + UNDERFLOW,
             };
         }
         self.restrict_part(from, to)
