@@ -1,4 +1,51 @@
 //! The unit roundoff, and norms that neither overflow nor underflow.
+//!
+//! # Error terms and what holds them
+//!
+//! Each term was dropped alone. The test named fails then. `Count` marks a term that the worst case
+//! needs, but that no test shows: larger terms beside it have room in all questions that were asked.
+//!
+//! | term | file | held by |
+//! |---|---|---|
+//! | points of states, lines, polynomials: error, extent, underflow | `trajectory/segment`, `build` | `segment/tests.rs` |
+//! | 2^-100 of what cancels in a polynomial; errors of lines at its ends | `trajectory/build` | count |
+//! | parts: own error, whole (the last point of a line), inside, underflow | `trajectory/segment` | `segment::tests::{points_of_lines, points_of_parts}` |
+//! | origins, offsets, local parts, last sum | `narrow_phase/relative` | `relative::tests::sums_are_within_the_error` |
+//! | errors of both bodies | `narrow_phase/relative` | `relative::tests::errors_of_both_bodies_add_up` |
+//! | 1 + 2^-40 on these: terms of second order | `narrow_phase/relative` | count |
+//! | tolerance: error, evaluation | `narrow_phase/relative` | `relative::tests::distances_are_within_the_tolerance` |
+//! | instants: step, sum | `narrow_phase/relative` | `relative::tests::instants_are_enclosed` |
+//! | clearance of filters: scale, underflow | `narrow_phase/relative` | `relative::tests::filters_keep_clear_of_the_tolerance` |
+//! | squares of filters and of heights, tolerance before roots | `narrow_phase/filter`, `hull`, `stretches` | count |
+//! | differences of heights; tolerance of stretches | `narrow_phase/hull`, `stretches` | `hull::tests`, `filter::tests` |
+//! | threshold, radii, half-width | `narrow_phase/certified` | `certified::tests` |
+//! | f32: size of the polygon, error of f64, cuts of windows | `narrow_phase/fast` | `tests/fast.rs` |
+//! | f32: radius, squares | `narrow_phase/fast` | count |
+//! | chords: clearance; parts of clusters | `narrow_phase/clusters` | `clusters::tests` |
+//! | chords: error of the motion, underflow; blurs; gaps; what is reached | `narrow_phase/clusters`, `contact` | count |
+//! | passing lines: differences | `narrow_phase/approach` | `approach::tests` |
+//! | passing lines: products, ranges, shares of a slice | `narrow_phase/approach` | count |
+//! | coefficients of a minorant | `enclosure/piece`, `kernels/minorant` | `tests::the_minorant_is_below_the_exact_coefficients` of both |
+//! | roundings of a minorant's own sums, ends of its reach | `enclosure/piece`, `kernels/minorant` | count |
+//! | splits and errors of a cubic, scaling, norms, restored lengths | `enclosure/normal` | `normal::tests`, `tests/enclosure` |
+//! | roots and ends of a distance | `enclosure/minimum` | `minimum::tests` |
+//! | twice the error to a minimiser, Markov's 18, its products, 3 h'·h'' | `enclosure/minimum`, `piece` | `tests/enclosure` |
+//! | Markov's 96 and 192, slack of a stationary point, ends of parameters | `enclosure/minimum`, `piece` | count |
+//! | squares of levels | `enclosure/levels` | `levels::tests` |
+//! | patterns of coefficients, crossings, cuts | `enclosure/crossings` | count |
+//! | screens, splits of enclosures, conversion to f32, guesses | `kernels` | `tests/kernels.rs` |
+//! | error of a span; thresholds in f32 | `kernels/spans`, `real` | `spans::what_is_badly_known_is_never_decided`, `real::tests` |
+//! | roundings outward of an enclosure, underflow | `kernels/enclosure`, `screen`, `within` | count |
+//! | points of a sketch, its error, extent | `bounds/points`, `piece` | `points::tests` |
+//! | splits of a sketch | `bounds/piece` | `piece::tests` |
+//! | hitbox and margin, underflow | `bounds/pose` | `pose::tests` |
+//! | line of a bundle; its way in no time | `bounds/trace` | `trace::tests` |
+//! | other sums of a box, a course, a sight | `bounds/trace`, `apart` | count |
+//! | instants of a screening's edges and of a budget's | `monitor/outlook`, `screen/pilot` | `tests/monitor` `budgets` |
+//! | instants of a question, of a bridge, of a slice's ends | `monitor/outlook`, `ask`, `bridge` | count |
+//!
+//! Squares that meet F of the enclosures need no term against underflow. In the cubic's unit the factor
+//! 1 + 2^-40 adds more than 1e-87 m to F, and what underflows is below 1e-124 m.
 
 use glam::DVec3;
 
@@ -84,6 +131,9 @@ pub(crate) fn seen_until(time: f64) -> f64 {
 /// Relative rounding of a reported instant: half a unit of its last place, and some to spare. (What
 /// the solver's own parameter is off by, it is off by in distance: that is [`CLEARANCE`]'s.)
 const INSTANT: f64 = 8.0 * UNIT_ROUNDOFF;
+
+#[cfg(test)]
+pub(crate) mod exact;
 
 #[cfg(test)]
 mod tests {

@@ -113,3 +113,58 @@ impl Piece {
         )
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rounding::exact::{Exact, number};
+    use glam::{DVec3, Vec3};
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    fn wide(point: Vec4) -> DVec3 {
+        point.truncate().as_dvec3()
+    }
+
+    /// Splits alone, one after the other, of a cubic that is small and far away, or through zero: what
+    /// rounding has for them holds what they are off by.
+    #[test]
+    fn splits_are_within_their_rounding() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        for round in 0..600 {
+            let far = [0.0, 1e4][round % 2];
+            let mut vector =
+                |half: f32| Vec3::from_array([0; 3].map(|_| half * rng.random_range(-1.0..1.0)));
+            let place = vector(far);
+            let points = [0; 4].map(|_| (place + vector(1.0)).extend(0.0));
+            let exact = points.map(|point| Exact::of(wide(point)));
+            let near = points.map(|point| wide(point).distance(wide(points[0])));
+            let whole = Piece {
+                points,
+                near: nearest(near.into_iter().fold(0.0, f64::max)),
+                splits: 0.0,
+                from: 0.0,
+                to: 1.0,
+            };
+            let mut rest = whole;
+            for _ in 0..[1, 8, 60][round % 3] {
+                let share = rng.random_range(0.0..1.0) * [1.0, 0.5, 0.02][round % 3];
+                let time = rest.from + (rest.to - rest.from) * share;
+                let ahead = rest.split(time);
+                for piece in [ahead.0, ahead.1] {
+                    let ends = [number(piece.from), number(piece.to)];
+                    let largest = piece.points.map(Vec4::abs).into_iter();
+                    let largest = largest.reduce(Vec4::max).unwrap_or_default();
+                    let all = Piece::roundings(largest, piece.near, piece.splits);
+                    let once = Piece::roundings(largest, piece.near, 0.0);
+                    for (j, point) in piece.points.into_iter().enumerate() {
+                        let off = Exact::of(wide(point)).minus(&Exact::blossom(&exact, j, &ends));
+                        let holds = off.is_within_box(wide(all - once));
+                        assert!(holds, "{round} {piece:?} {off:?}");
+                    }
+                }
+                rest = ahead.1;
+            }
+        }
+    }
+}

@@ -201,3 +201,79 @@ impl Cubic for Segment {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Period;
+    use super::*;
+    use crate::hitbox::{Hitbox, Sphere};
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// Offsets, radii and margins, each the largest, and so small that f32 has hardly any digits of
+    /// them: the rounding of a stance holds what f32 makes of a hitbox.
+    #[test]
+    fn hitboxes_are_within_their_rounding() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        for round in 0..3_000 {
+            let unit = [1.0, 1e6, 1e-42][round % 3];
+            let sizes =
+                [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0; 3]][round / 3 % 4];
+            let [offset, radius, margin] =
+                sizes.map(|size| size * unit * rng.random_range(0.5..1.0));
+            let mut lane = || rng.random_range(-1.0..1.0);
+            let offset = DVec3::new(lane(), lane(), lane()) * offset;
+            let Ok(hitbox) = Hitbox::cluster(vec![Sphere { offset, radius }]) else {
+                unreachable!("all is finite")
+            };
+            let frame = Frame::OF_NOTHING;
+            let (spheres, bounding) = (hitbox.spheres(), hitbox.bounding());
+            let inflation = Inflation::of(spheres, bounding, margin, &frame);
+            let stance = Stance::new(frame, 0.0, &inflation, &frame);
+            // In f64 their rounding does not show.
+            let reach = radius + 0.5 * margin;
+            let wide = |lanes: Vec4| lanes.truncate().as_dvec3();
+            let low = wide(stance.low) - f64::from(stance.steady);
+            let high = wide(stance.high) + f64::from(stance.steady);
+            let holds = low.cmple(offset - reach).all() && high.cmpge(offset + reach).all();
+            assert!(holds, "{hitbox:?} {margin}");
+            let far = offset.length() + reach;
+            assert!(f64::from(stance.reach + stance.steady) >= far * (1.0 - 1e-15));
+        }
+    }
+
+    /// Bodies far from the scene's middle that rest, or fly far: the box holds all places, and the
+    /// course strays by no more than it says.
+    #[test]
+    fn places_far_away_are_within_their_rounding() {
+        let mut rng = ChaCha8Rng::seed_from_u64(2);
+        for round in 0..3_000 {
+            let mut vector =
+                |half: f64| DVec3::from_array([0; 3].map(|_| half * rng.random_range(-1.0..1.0)));
+            let (origin, way) = (vector(1e6), vector([0.0, 1e6][round % 2]));
+            let anchor = Frame {
+                origin,
+                ..Frame::OF_NOTHING
+            };
+            let stance = Stance::new(anchor, 0.0, &Inflation::NONE, &Frame::OF_NOTHING);
+            let way = way.as_vec3();
+            let piece = Piece {
+                points: [0.0, 1.0, 2.0, 3.0].map(|step| (way * (step / 3.0)).extend(0.0)),
+                near: 0.0,
+                splits: 0.0,
+                from: 0.0,
+                to: 1.0,
+            };
+            let (course, aabb) = Trace::alone(&piece, &Period::new(0.0, 1.0)).finish(&stance, 0);
+            let [low, high] = [aabb.mins, aabb.maxs]
+                .map(|edge| DVec3::new(edge.x.into(), edge.y.into(), edge.z.into()));
+            let line = |lanes: [f32; 3]| DVec3::from_array(lanes.map(f64::from));
+            for (share, point) in [(0.0, piece.points[0]), (1.0, piece.points[3])] {
+                let place = origin + point.truncate().as_dvec3();
+                assert!(low.cmple(place).all() && high.cmpge(place).all(), "{round}");
+                let stray = place.distance(line(course.start) + share * line(course.change));
+                assert!(stray <= f64::from(course.slack), "{stray} {course:?}");
+            }
+        }
+    }
+}

@@ -437,4 +437,21 @@ mod tests {
         }
         assert!(lengths[4] > 100 && lengths[16] > 30 && lengths[64] > 5);
     }
+
+    /// In no time a body may be anywhere on its way, and the line as well.
+    #[test]
+    fn bundles_of_no_duration_stray_as_far_as_both_ends() {
+        let points = [0.0, 0.25, 0.5, 1.0].map(|x| Vec4::new(x, 0.0, 0.0, 0.0));
+        let piece = Piece {
+            points,
+            near: 1.0,
+            splits: 0.0,
+            from: 1.0,
+            to: 1.0,
+        };
+        let trace = Trace::between(&piece, &piece, &Period::new(1.0, 1.0));
+        let bundle = trace.sum_up(points[3]).unpack(1.0);
+        let farthest = (bundle.end.x - points[0].x).max(points[3].x - bundle.start.x);
+        assert!(bundle.stray.x >= farthest, "{farthest}");
+    }
 }

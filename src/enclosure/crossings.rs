@@ -201,8 +201,7 @@ impl Question {
         if crossed.inside {
             let (x, rate) = meeting_point(points, self.low - error, None);
             let step = resolution + 12.0 * UNIT * self.low / rate;
-            let is_certain =
-                |s: f64| square_at(s) * (1.0 + 4.0 * UNIT) + TINY < self.computed.inside;
+            let is_certain = |s: f64| square_at(s) * (1.0 + 4.0 * UNIT) < self.computed.inside;
             last_inside =
                 nearest_certain(step, x, |step| at(x - step), is_certain).unwrap_or(origin);
             guess = Some(x + (self.high - self.low + 2.0 * error) / rate);
@@ -210,8 +209,7 @@ impl Question {
         if crossed.outside {
             let (x, rate) = meeting_point(points, self.high + error, guess);
             let step = resolution + 12.0 * UNIT * self.high / rate;
-            let is_certain =
-                |s: f64| square_at(s) * (1.0 - 4.0 * UNIT) - TINY > self.computed.outside;
+            let is_certain = |s: f64| square_at(s) * (1.0 - 4.0 * UNIT) > self.computed.outside;
             first_outside =
                 nearest_certain(step, 1.0 - x, |step| at(x + step), is_certain).unwrap_or(target);
         }

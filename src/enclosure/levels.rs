@@ -93,6 +93,9 @@ impl Course {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rounding::exact::number;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
 
     fn course(coefficients: [f64; 7]) -> Course {
         Course::of(&coefficients, 0.5, 10.0)
@@ -143,5 +146,23 @@ mod tests {
         assert_eq!(nothing_inside.side(9.1, 9.2), Side::Outside);
         let all_outside = Levels::new(-3.0, -3.0, 2.0);
         assert_eq!(all_outside.side(-9.0, 0.0), Side::Outside);
+    }
+
+    /// Also of thresholds that the error nearly cancels.
+    #[test]
+    fn levels_are_rounded_outward() {
+        let mut random = ChaCha8Rng::seed_from_u64(1);
+        for round in 0..5_000 {
+            let size = 10f64.powf(random.random_range(-59.0..59.0));
+            let radius = size * random.random_range(0.5..1.0);
+            let error = radius * [1e-15, 1e-3, 0.999][round % 3];
+            let levels = Levels::new(radius, radius, error);
+            let (near, far) = (
+                number(radius) - number(error),
+                number(radius) + number(error),
+            );
+            assert!(number(levels.inside) <= &near * &near, "{radius} {error}");
+            assert!(number(levels.outside) >= &far * &far, "{radius} {error}");
+        }
     }
 }

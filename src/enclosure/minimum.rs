@@ -138,7 +138,8 @@ pub(super) fn distance_at(given: &UncertainCubic, s: f64) -> DistanceEnclosure {
 
 /// From a lower bound of the computed squared distance, and a computed one that is reached.
 fn enclosure(cubic: &Normal, error: f64, lower: f64, reached: f64) -> DistanceEnclosure {
-    let low = (greater(lower, 0.0).sqrt().next_down() - error).next_down();
+    // One unit of the root is that of the root and of the difference, half of one each.
+    let low = greater(lower, 0.0).sqrt().next_down() - error;
     let high = (root_above(reached) + error).next_up();
     DistanceEnclosure {
         low: cubic.restore_below(greater(low, 0.0)),
@@ -164,7 +165,7 @@ fn target(cubic: &Normal, error: f64, best: f64) -> f64 {
 #[inline]
 fn level(error: f64, best: f64) -> f64 {
     let root = root_above(best) + 2.0 * error;
-    root * root * (1.0 + 8.0 * UNIT) + TINY
+    root * root * (1.0 + 8.0 * UNIT)
 }
 
 /// At least the norm of which this is the computed square.
@@ -311,4 +312,45 @@ fn dividing_point(cubic: &Normal, piece: &Piece, turn: u32) -> f64 {
     };
     let is_useful = NEAR_END < x && x < 1.0 - NEAR_END;
     piece.start + if is_useful { x } else { 0.5 } * width
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rounding::exact::number;
+    use glam::DVec3;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// Whichever of the root and the error is larger, and next to powers of two.
+    #[test]
+    fn distances_are_rounded_outward() {
+        let mut random = ChaCha8Rng::seed_from_u64(1);
+        let cubic = Normal::new(&[DVec3::ONE; 4], 0.0);
+        for round in 0..20_000 {
+            let square = [random.random_range(0.5..2.0), 1.0, 4.0][round % 3];
+            let square = [square, f64::next_down(square), square][round / 3 % 3];
+            let error = 10f64.powf(random.random_range(-17.0..1.0));
+            let found = enclosure(&cubic, error, square, square);
+            let low = number(found.low) + number(error);
+            assert!(
+                found.low <= 0.0 || &low * &low <= number(square),
+                "{square} {error}"
+            );
+            // The computed square may be too small by three roundings.
+            let high = number(found.high) - number(error);
+            let square_above = number(square) * (number(1.0) + number(3.0 * UNIT));
+            assert!(&high * &high >= square_above, "{square} {error}");
+        }
+    }
+
+    /// Also of squares that underflow.
+    #[test]
+    fn roots_are_rounded_up() {
+        let mut random = ChaCha8Rng::seed_from_u64(2);
+        for _ in 0..5_000 {
+            let x = 10f64.powf(random.random_range(-170.0..2.0));
+            assert!(root_above(x * x) >= x, "{x}");
+        }
+    }
 }

@@ -97,7 +97,7 @@
 //!
 //! Where k0 is a minimum up to rounding, c1 is of the order of u m A, so sink is of the order of u² m²:
 //! the lower bound is m² but for a few roundings of m², even for m far below M. The computed
-//! m² has a relative error of 3 u; 4 u m² is subtracted. In c2, 4 u (|bk| + k |b1|) is subtracted from
+//! m² has a relative error of 3 u, and two differences follow; 6 u m² is subtracted. In c2, 4 u (|bk| + k |b1|) is subtracted from
 //! each difference: the roundings of bk, of k b1, and of the difference. The quadratic also tells
 //! beyond which x the distance is certainly above a level.
 //!
@@ -188,6 +188,8 @@ mod normal;
 mod piece;
 mod stretches;
 
+#[cfg(test)]
+pub(crate) use piece::exact_differences;
 pub use stretches::Stretches;
 
 use glam::DVec3;

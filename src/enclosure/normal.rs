@@ -60,7 +60,7 @@ impl Normal {
 
     /// Bound on the distance between any part computed from this cubic and the exact motion (F).
     pub(super) fn part_error(&self) -> f64 {
-        (self.error + 9.0 * UNIT * self.size) * SLACK + TINY
+        (self.error + 9.0 * UNIT * self.size) * SLACK
     }
 
     /// A lower bound of a length, in the caller's unit.
@@ -121,5 +121,80 @@ pub(super) fn norm_above(vector: DVec3) -> f64 {
         square.sqrt() * (1.0 + 4.0 * UNIT)
     } else {
         2.0 * vector.abs().max_element()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rounding::exact::{Exact, number};
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// From the smallest numbers to the largest.
+    fn size(rng: &mut ChaCha8Rng) -> f64 {
+        10f64.powf(rng.random_range(-322.0..300.0))
+    }
+
+    fn vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
+        DVec3::from_array([0; 3].map(|_| half * rng.random_range(-1.0..1.0)))
+    }
+
+    #[test]
+    fn norms_are_rounded_up() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        for _ in 0..5_000 {
+            let size = size(&mut rng).min(1e150);
+            let vector = vector(&mut rng, size);
+            assert!(Exact::of(vector).is_within(norm_above(vector)), "{vector}");
+        }
+    }
+
+    /// What scaling takes from a cubic is in its error, and the error of its parts holds both.
+    #[test]
+    fn scaled_cubics_are_within_their_error() {
+        let mut rng = ChaCha8Rng::seed_from_u64(2);
+        for round in 0..5_000 {
+            let large = size(&mut rng);
+            let small = if round % 2 == 0 {
+                large
+            } else {
+                size(&mut rng).min(large)
+            };
+            let points = [large, small, small, small].map(|size| vector(&mut rng, size));
+            let error = if round % 3 == 0 { 0.0 } else { small };
+            let normal = Normal::new(&points, error);
+            let factor = number(normal.factor);
+            for (point, given) in normal.points.into_iter().zip(points) {
+                let off = Exact::of(point).times(&factor).minus(&Exact::of(given));
+                let room = (number(normal.error) * &factor - number(error)) / &factor;
+                assert!(
+                    off.times(&(number(1.0) / &factor)).is_within_exactly(&room),
+                    "{points:?}"
+                );
+            }
+            let rounding = number(9.0 * UNIT) * number(normal.size);
+            assert!(number(normal.part_error()) >= number(normal.error) + rounding);
+        }
+    }
+
+    /// There and back, lengths that are subnormal in one of the units or in both.
+    #[test]
+    fn lengths_are_rounded_outward() {
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        for _ in 0..5_000 {
+            let size = size(&mut rng);
+            let normal = Normal::new(&[vector(&mut rng, size); 4], 0.0);
+            let factor = number(normal.factor);
+            let length = 10f64.powf(rng.random_range(-320.0..2.0));
+            let given = length.min(1e300 / normal.factor.max(1.0));
+            let exact = number(given) * &factor;
+            assert!(number(normal.restore_below(given)) <= exact);
+            assert!(exact <= number(normal.restore_above(given)));
+            let length = rng.random_range(0.0..1.0) * normal.factor;
+            let exact = number(length) / &factor;
+            assert!(number(normal.bring_below(length)) <= exact);
+            assert!(exact <= number(normal.bring_above(length)));
+        }
     }
 }

@@ -151,7 +151,7 @@ impl Minorant {
         };
         let by_floor = greater(0.0, -self.floor);
         let sink = smaller(by_quadratic, by_floor);
-        self.base - sink * (1.0 + 4.0 * UNIT) - 4.0 * UNIT * self.base - TINY
+        self.base - sink * (1.0 + 4.0 * UNIT) - 6.0 * UNIT * self.base - TINY
     }
 
     /// A lower bound of the squared distance at the base.
@@ -258,29 +258,30 @@ pub(super) fn smaller(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
+/// Ten times the exact coefficients e1..e6, for integer control points below 2^51: all
+/// products are below 2^110.
+#[cfg(test)]
+pub(crate) fn exact_differences(points: &[[i64; 3]; 4]) -> [i128; 6] {
+    let wide = points.map(|point| point.map(i128::from));
+    let dot = |p: [i128; 3], q: [i128; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+    let k0 = wide[0];
+    let [d1, d2, d3] = [1, 2, 3].map(|j| [0, 1, 2].map(|axis| wide[j][axis] - k0[axis]));
+    let (a1, a2, a3) = (dot(k0, d1), dot(k0, d2), dot(k0, d3));
+    [
+        10 * a1,
+        2 * (2 * a2 + 6 * a1 + 3 * dot(d1, d1)),
+        a3 + 9 * (a1 + a2 + dot(d1, d2)),
+        2 * (2 * (a1 + a3 + dot(d1, d3)) + 3 * (2 * a2 + dot(d2, d2))),
+        10 * (a2 + a3 + dot(d2, d3)),
+        10 * (2 * a3 + dot(d3, d3)),
+    ]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use rand::{Rng, RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
-
-    /// Ten times the exact coefficients e1..e6, for integer control points below 2^51: all
-    /// products are below 2^110.
-    fn exact_differences(points: &[[i64; 3]; 4]) -> [i128; 6] {
-        let wide = points.map(|point| point.map(i128::from));
-        let dot = |p: [i128; 3], q: [i128; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
-        let k0 = wide[0];
-        let [d1, d2, d3] = [1, 2, 3].map(|j| [0, 1, 2].map(|axis| wide[j][axis] - k0[axis]));
-        let (a1, a2, a3) = (dot(k0, d1), dot(k0, d2), dot(k0, d3));
-        [
-            10 * a1,
-            2 * (2 * a2 + 6 * a1 + 3 * dot(d1, d1)),
-            a3 + 9 * (a1 + a2 + dot(d1, d2)),
-            2 * (2 * (a1 + a3 + dot(d1, d3)) + 3 * (2 * a2 + dot(d2, d2))),
-            10 * (a2 + a3 + dot(d2, d3)),
-            10 * (2 * a3 + dot(d3, d3)),
-        ]
-    }
 
     fn draw(random: &mut impl Rng) -> [[i64; 3]; 4] {
         // A base and differences of all sizes, also such that cancel in the scalar products.

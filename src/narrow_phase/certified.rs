@@ -303,27 +303,30 @@ fn least_separation(
         )
     };
     let least = cubic.uncertain().least_distance();
-    let (radii, lost) = two_sum(pair.radius_a, pair.radius_b);
-    let minus_radii = |distance: f64, outward: fn(f64) -> f64| {
-        let (separation, rest) = two_sum(distance, -radii);
-        let exact = rest.abs() <= 0.0 && lost.abs() <= 0.0;
-        if exact {
-            separation
-        } else {
-            outward(separation + (rest - lost))
-        }
-    };
+    let radii = (pair.radius_a, pair.radius_b);
     let time = TimeEnclosure {
         earliest: cubic.earliest(least.parameter.first),
         latest: cubic.latest(least.parameter.last),
     };
     Least {
-        low: minus_radii(least.distance.low, f64::next_down),
-        high: minus_radii(least.distance.high, f64::next_up),
+        low: minus_radii(least.distance.low, radii, f64::next_down),
+        high: minus_radii(least.distance.high, radii, f64::next_up),
         time,
         span,
         spheres: (pair.a, pair.b),
         own: time,
+    }
+}
+
+/// A distance less two radii, rounded outward.
+fn minus_radii(distance: f64, (a, b): (f64, f64), outward: fn(f64) -> f64) -> f64 {
+    let (radii, lost) = two_sum(a, b);
+    let (separation, rest) = two_sum(distance, -radii);
+    let exact = rest.abs() <= 0.0 && lost.abs() <= 0.0;
+    if exact {
+        separation
+    } else {
+        outward(separation + (rest - lost))
     }
 }
 
@@ -512,3 +515,6 @@ impl Group<'_> {
             && share.count == self.counts[share.member]
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -263,5 +263,9 @@ pub(crate) fn local_scale(
 
 /// Distance below which a filter must let a pair through, for the threshold `radius`.
 pub(crate) fn filter_threshold(radius: f64, scale: f64) -> f64 {
-    radius + CLEARANCE * (scale + radius.abs()) + UNDERFLOW
+    // Twice the solver's tolerance of what rests, each of it three underflows.
+    radius + CLEARANCE * scale + 8.0 * UNDERFLOW
 }
+
+#[cfg(test)]
+mod tests;

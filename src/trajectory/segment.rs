@@ -240,7 +240,7 @@ impl Segment {
         }
     }
 
-    /// No control point is farther from the origin than this, m.
+    /// No control point is farther from the origin than this, m (below 1e-308 m, by more than 1e-323 m).
     #[must_use]
     pub const fn extent(&self) -> f64 {
         self.extent
@@ -309,7 +309,7 @@ impl Segment {
         if from <= self.start && to >= self.end && from >= self.start && to <= self.end {
             return Restriction {
                 points: self.control(),
-                error: self.error() + UNIT_ROUNDOFF * self.extent,
+                error: self.error() + UNIT_ROUNDOFF * self.extent + UNDERFLOW,
             };
         }
         self.restrict_part(from, to)
@@ -463,3 +463,6 @@ impl Weights {
         x * self.first + y * self.second
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -2,7 +2,7 @@
 
 use nearmiss::glam::DVec3;
 use nearmiss::narrow_phase::kernels::{Level, SpanBatch, Verdict, scalar};
-use nearmiss::{Segment, State, Trajectory};
+use nearmiss::{Segment, State, TimeBase, Trajectory};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -106,4 +106,27 @@ fn what_rounds_is_never_decided() {
         ];
         assert_eq!(verdicts, expected, "{place} {y}");
     }
+}
+
+/// Far from the origin in absolute time a place is known to a rounding of its coordinates, and the
+/// relative cubic, which is small, does not show that.
+#[test]
+fn what_is_badly_known_is_never_decided() {
+    let rest = |x: f64| {
+        let places = [DVec3::ZERO, DVec3::ZERO, DVec3::ZERO, DVec3::X * x];
+        Trajectory::from_coefficients(&[0.0, 1.0], &[places], TimeBase::Absolute).unwrap()
+    };
+    let (a, b) = (rest(1e9), rest(1e9 + 1.0));
+    let (a, b) = (&a.segments()[0], &b.segments()[0]);
+    let mut batch = SpanBatch::<f64>::new();
+    // Both together are known to 2e-7 m.
+    let thresholds = [1.0 - 1e-6, 1.0 - 1e-7, 1.0 + 1e-7, 1.0 + 1e-6];
+    for threshold in thresholds {
+        batch.push(a, b, (0.0, 1.0), DVec3::ZERO, threshold);
+    }
+    let mut verdicts = [Verdict::Inside; 4];
+    batch.verdicts(Level::best(), &mut verdicts);
+    let [outside, one, other, inside] = verdicts;
+    assert_eq!((one, other), (Verdict::Undecided, Verdict::Undecided));
+    assert_eq!((outside, inside), (Verdict::Outside, Verdict::Inside));
 }

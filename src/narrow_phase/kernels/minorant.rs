@@ -35,27 +35,56 @@ fn lerp<R: Real>(t: R, a: Vector<R>, s: R, b: Vector<R>) -> Vector<R> {
     ]
 }
 
+/// What the squared distance on a piece less that at `k0` stays above, x from 0 to 1.
+struct Below<R> {
+    /// The quadratic `slope x + bend x²`.
+    slope: R,
+    bend: R,
+    /// Not above any Bernstein coefficient.
+    lowest: R,
+}
+
 /// A lower bound of the squared distance on a piece, for its points as they are.
 ///
 /// For polygons between 1e-60 and 1e60 (f64): the slack is of fourth degree in lengths before
 /// the division.
 #[inline(always)]
 pub(super) fn lower_bound<R: Real>(points: ControlPoints<R>) -> R {
-    let [k0, k1, k2, k3] = points;
     let (zero, u) = (R::from_f64(0.0), R::ROUNDING);
+    let two = R::from_f64(2.0);
+    let square = dot(points[0], points[0]);
+    let Below {
+        slope: c1,
+        bend: c2,
+        lowest,
+    } = below(points, square);
+    // The least value of c1 x + c2 x² on 0..=1, negated.
+    let vertex = c1 * (c1 / (R::from_f64(4.0) * c2)) * (R::from_f64(1.0) + R::from_f64(16.0) * u);
+    let end = (-(c1 + c2)).or_more(zero) * (R::from_f64(1.0) + R::from_f64(8.0) * u);
+    let inside = (c1 < zero) & (c2 > zero) & (-c1 <= two * c2);
+    let slack = if inside { vertex } else { end };
+    // And the plain convex hull.
+    let slack = slack.or_less((-lowest).or_more(zero));
+    square - R::from_f64(4.0) * u * square - slack * (R::from_f64(1.0) + R::from_f64(4.0) * u)
+}
+
+/// `square` is the squared distance at `k0`.
+#[inline(always)]
+fn below<R: Real>([k0, k1, k2, k3]: ControlPoints<R>, square: R) -> Below<R> {
+    let u = R::ROUNDING;
     let (two, three) = (R::from_f64(2.0), R::from_f64(3.0));
     let (d1, d2, d3) = (subtract(k1, k0), subtract(k2, k0), subtract(k3, k0));
     let (a1, a2, a3) = (dot(k0, d1), dot(k0, d2), dot(k0, d3));
     let (g11, g22, g33) = (dot(d1, d1), dot(d2, d2), dot(d3, d3));
     let (g12, g13, g23) = (dot(d1, d2), dot(d1, d3), dot(d2, d3));
-    let square = dot(k0, k0);
 
-    // Rounding: 4 m |δ1| for the first coefficient, A (19 m + 10 A) for the others, in units; one
-    // more in 20 covers that of these bounds themselves.
+    // Rounding: 4 m |δ1| for the first coefficient, A (19 m + 10 A) for the others, in units; two more
+    // of the first, for the difference and the product below, one of the others: 2 m A + A² at most.
+    // One more in 20 covers that of these bounds themselves.
     let reach = g11.or_more(g22).or_more(g33);
     let product = (square * reach).sqrt();
-    let first_error = R::from_f64(4.2) * u * product + R::UNDERFLOW;
-    let error = u * (R::from_f64(20.0) * product + R::from_f64(10.5) * reach) + R::UNDERFLOW;
+    let first_error = R::from_f64(6.3) * u * product + R::UNDERFLOW;
+    let error = u * (R::from_f64(22.0) * product + R::from_f64(11.5) * reach) + R::UNDERFLOW;
     // The factor of x² below takes at most 15 times that of a coefficient, and 4 roundings of
     // terms of 54 m A + 9 A² in sum.
     let curvature_error = u * (R::from_f64(530.0) * product + R::from_f64(200.0) * reach)
@@ -77,15 +106,11 @@ pub(super) fn lower_bound<R: Real>(points: ControlPoints<R>) -> R {
         .or_less(R::from_f64(1.5) * (e5 - R::from_f64(5.0) * e1))
         .or_less(e6 - c1)
         - curvature_error;
-    // The least value of c1 x + c2 x² on 0..=1, negated.
-    let vertex = c1 * (c1 / (R::from_f64(4.0) * c2)) * (R::from_f64(1.0) + R::from_f64(16.0) * u);
-    let end = (-(c1 + c2)).or_more(zero) * (R::from_f64(1.0) + R::from_f64(8.0) * u);
-    let inside = (c1 < zero) & (c2 > zero) & (-c1 <= two * c2);
-    let slack = if inside { vertex } else { end };
-    // And the plain convex hull.
-    let lowest = (e2.or_less(e3).or_less(e4).or_less(e5).or_less(e6) - error).or_less(e1);
-    let slack = slack.or_less((-lowest).or_more(zero));
-    square - R::from_f64(4.0) * u * square - slack * (R::from_f64(1.0) + R::from_f64(4.0) * u)
+    Below {
+        slope: c1,
+        bend: c2,
+        lowest: (e2.or_less(e3).or_less(e4).or_less(e5).or_less(e6) - error).or_less(e1),
+    }
 }
 
 /// A lower bound of the squared distance on the first half of a piece, from its quarters.
@@ -132,4 +157,48 @@ fn select<R: Real>(first: bool, a: Vector<R>, b: Vector<R>) -> Vector<R> {
         if first { a[1] } else { b[1] },
         if first { a[2] } else { b[2] },
     ]
+}
+
+#[cfg(test)]
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    reason = "integers below 2^53, products below 2^127"
+)]
+mod tests {
+    use super::*;
+    use crate::enclosure::exact_differences;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// Bases and differences of all sizes, as integers: also such that cancel in the products.
+    #[test]
+    fn the_minorant_is_below_the_exact_coefficients() {
+        let mut random = ChaCha8Rng::seed_from_u64(1);
+        for round in 0..200_000 {
+            let bits = [(); 4].map(|()| random.random_range(8..50));
+            let mut points = bits.map(|bits: u32| {
+                let range = 1_i64 << bits;
+                [(); 3].map(|()| random.random_range(-range..=range))
+            });
+            if round % 2 == 0 {
+                let base = points[0];
+                for point in &mut points[1..] {
+                    for (x, b) in point.iter_mut().zip(base) {
+                        *x += b;
+                    }
+                }
+            }
+            let polygon = points.map(|point| point.map(|x| x as f64));
+            let found = below(polygon, dot(polygon[0], polygon[0]));
+            let [slope, bend, lowest] =
+                [found.slope, found.bend, found.lowest].map(|x| x.floor() as i128);
+            for (k, tenfold) in (1..).zip(exact_differences(&points)) {
+                assert!(10 * lowest <= tenfold, "above e{k}: {points:?}");
+                // c1 k/6 + c2 k(k-1)/30 <= ek, times 300.
+                let quadratic = 10 * (5 * k * slope + k * (k - 1) * bend);
+                assert!(quadratic <= 30 * tenfold, "above e{k}: {points:?}");
+            }
+        }
+    }
 }

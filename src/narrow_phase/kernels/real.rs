@@ -165,3 +165,19 @@ fn keep<T>(value: T) -> T {
 
 implement_real!(f32, narrow, keep, 1, 3e-3, 1e-28, 8e18);
 implement_real!(f64, keep, narrow, 2, 5e-6, 1e-270, f32::MAX / 1024.0);
+
+#[cfg(test)]
+mod tests {
+    use super::Real;
+
+    #[test]
+    fn thresholds_are_rounded_down() {
+        for numerator in 1..200 {
+            let value = f64::from(numerator) / 7.0;
+            for value in [value, -value] {
+                assert!(f32::not_above(value).to_f64() <= value, "{value}");
+                assert!(f64::not_above(value).to_bits() == value.to_bits());
+            }
+        }
+    }
+}

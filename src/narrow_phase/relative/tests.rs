@@ -1,0 +1,183 @@
+//! Each error term of a relative motion against exact arithmetic, where it is the largest one.
+
+use super::*;
+use crate::rounding::exact::{Exact, number};
+use crate::trajectory::{Pieces, State, Trajectory};
+use crate::window::Window;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+const ROUNDS: u32 = 3_000;
+
+fn vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
+    DVec3::from_array([0; 3].map(|_| half * rng.random_range(-1.0..1.0)))
+}
+
+/// A cubic whose control points are given, and exact.
+fn motion(apart: DVec3, local: [DVec3; 4], error: f64) -> RelativeMotion {
+    RelativeMotion {
+        start: 0.0,
+        end: 1.0,
+        apart,
+        local,
+        error,
+    }
+}
+
+fn body(states: &[State; 2]) -> Trajectory {
+    Trajectory::from_states(states).unwrap_or_else(|error| unreachable!("{error}"))
+}
+
+/// Whatever is large and cancels: origins, offsets, the cubics' own points, all of them, none.
+#[test]
+fn sums_are_within_the_error() {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    for round in 0..ROUNDS {
+        let [origin, offset, way] = [
+            [1.0, 0.0, 0.0],
+            [1.0, 1.0, 0.0],
+            [1.0, 0.0, 1.0],
+            [1e-3, 0.0, 1.0],
+            [1e-9, 1.0, 1e-3],
+            [1e-3, 1e-9, 1e-9],
+            [1.0, 1.0, 1.0],
+        ][round as usize % 7];
+        let origins = [vector(&mut rng, origin), vector(&mut rng, 1e-3 * origin)];
+        let mut offsets = [vector(&mut rng, offset), vector(&mut rng, 1e-3 * offset)];
+        let mut points = [0; 2].map(|_| [0; 4].map(|_| vector(&mut rng, way)));
+        let apart = origins[0] - origins[1];
+        if offset >= 1.0 {
+            // What is left of both is small.
+            offsets[0] = offsets[1] - apart + vector(&mut rng, 1e-6);
+        } else if way >= 1.0 && round % 2 == 0 {
+            points[0] = points[1].map(|point| point - apart + vector(&mut rng, 1e-6));
+        }
+        let local = [0, 1, 2, 3].map(|j| points[0][j] - points[1][j]);
+        let cubic = motion(apart, local, 0.0).of_spheres(offsets[0] - offsets[1]);
+        let [a, b] = [0, 1].map(|k: usize| Exact::of(origins[k]).plus(&Exact::of(offsets[k])));
+        for (j, point) in cubic.points.into_iter().enumerate() {
+            let exact = Exact::of(points[0][j]).minus(&Exact::of(points[1][j]));
+            let off = Exact::of(point).minus(&a.minus(&b).plus(&exact));
+            assert!(off.is_within(cubic.error), "{round} {cubic:?} {off:?}");
+        }
+    }
+}
+
+/// Both bodies' errors count.
+#[test]
+fn errors_of_both_bodies_add_up() {
+    let states = |size: f64| {
+        [0.0, 1.0].map(|time| State::new(time, DVec3::ZERO, DVec3::X * size * (time - 0.5)))
+    };
+    let (small, large) = (body(&states(1e-9)), body(&states(1.0)));
+    let whole = (0.0, 1.0);
+    let large_error = large.segments()[0].restrict(0.0, 1.0).error;
+    for (a, b) in [(&small, &large), (&large, &small)] {
+        let cubic = RelativeCubic::between(&a.segments()[0], &b.segments()[0], whole, DVec3::ZERO);
+        assert!(cubic.error >= large_error);
+    }
+}
+
+/// What is evaluated is within the tolerance, of cubics that are exact.
+#[test]
+fn distances_are_within_the_tolerance() {
+    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    for round in 0..ROUNDS {
+        let local = [0; 4].map(|_| vector(&mut rng, 1.0));
+        let size = largest_norm(&local);
+        let cubic = RelativeCubic {
+            start: 0.0,
+            end: 1.0,
+            points: local,
+            error: [0.0, 0.5][round as usize % 2],
+            size,
+        };
+        let s: f64 = rng.random_range(0.0..1.0);
+        let shares = [number(s), number(s)];
+        // The exact cubic is off by the error, away from the origin.
+        let (position, _) = cubic.at(s);
+        let off = position.normalize() * cubic.error;
+        let exact = local.map(|point| Exact::of(point).plus(&Exact::of(off)));
+        let exact = Exact::blossom(&exact, 0, &shares);
+        let (distance, tolerance) = (cubic.distance(s), cubic.tolerance());
+        assert!(exact.is_within(distance + tolerance), "{cubic:?} {s}");
+        let inner = distance - tolerance;
+        assert!(inner < 0.0 || !exact.is_within(inner), "{cubic:?} {s}");
+    }
+}
+
+/// Instants near the ends of the span, near zero between both, and beyond a power of two.
+#[test]
+fn instants_are_enclosed() {
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    for round in 0..20_000 {
+        let (start, end) = [(0.0, 1.0), (-0.3, 0.7), (1e9, 1e9 + 3.0), (-1e-3, 5.0)][round % 4];
+        let (start, end) = (
+            start + 1e-3 * rng.random_range(-1.0..1.0),
+            end + 1e-3 * rng.random_range(-1.0..1.0),
+        );
+        let mut cubic = motion(DVec3::X, [DVec3::ZERO; 4], 0.0).of_spheres(DVec3::ZERO);
+        (cubic.start, cubic.end) = (start, end);
+        let mut s = rng.random_range(0.0..1.0);
+        if round % 3 == 0 && start < 0.0 && end > 0.0 {
+            s = -start / (end - start);
+        }
+        let exact = number(start) + number(s) * (number(end) - number(start));
+        let (earliest, latest) = (cubic.earliest(s), cubic.latest(s));
+        assert!(
+            number(earliest) <= exact && exact <= number(latest),
+            "{start} {end} {s}"
+        );
+    }
+}
+
+/// A body at rest, of which everything is exact.
+fn resting(position: DVec3) -> Segment {
+    let window = Window::new(0.0, 1.0);
+    let pieces =
+        Trajectory::at_rest(position).and_then(|body| body.pieces(window?, Pieces::with_capacity));
+    match pieces {
+        Ok(Some(pieces)) => pieces.segments[0],
+        other => unreachable!("{other:?}"),
+    }
+}
+
+/// A filter keeps twice the tolerance of the solver, and a hundred roundings of its own, whatever the
+/// scale is made of: origins, offsets, the way, a motion that is badly known.
+#[test]
+fn filters_keep_clear_of_the_tolerance() {
+    let mut rng = ChaCha8Rng::seed_from_u64(4);
+    for round in 0..ROUNDS {
+        let [far, offset, way] = [
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, 0.0, 1.0],
+            [1.0, 1.0, 1.0],
+            [1e-320, 0.0, 0.0],
+            [0.0, 0.0, 1e-320],
+        ][round as usize % 6];
+        let mut flight = |sign: f64| {
+            let place = vector(&mut rng, far);
+            let states = [0.0, 1.0]
+                .map(|time| State::new(time, place + sign * way * DVec3::X * time, DVec3::X * way));
+            body(&states)
+        };
+        let (a, b) = (flight(1.0), flight(-1.0));
+        let (mut a, mut b) = (a.segments()[0], b.segments()[0]);
+        if way <= 0.0 && round % 4 < 2 {
+            (a, b) = (resting(a.origin()), resting(b.origin()));
+        }
+        let (a, b) = (&a, &b);
+        let offset = vector(&mut rng, offset);
+        for span in [(0.0, 1.0), (0.25, 0.75)] {
+            let cubic = RelativeCubic::between(a, b, span, offset);
+            let scale = local_scale(a, b, span, offset);
+            let size = a.extent() + b.extent() + norm(a.origin() - b.origin()) + norm(offset);
+            let needed = 2.0 * cubic.tolerance() + 100.0 * UNIT_ROUNDOFF * size;
+            assert!(filter_threshold(0.0, scale) >= needed, "{round} {cubic:?}");
+            let radius = cubic.size;
+            let kept = filter_threshold(radius, scale) - radius;
+            assert!(kept >= needed * (1.0 - 1e-3), "{round} {cubic:?}");
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! Exact vectors, for tests of error bounds.
+
+use dashu::rational::RBig;
+use glam::DVec3;
+
+/// A vector without rounding.
+#[derive(Clone, Debug)]
+pub(crate) struct Exact([RBig; 3]);
+
+/// A finite number without rounding.
+pub(crate) fn number(x: f64) -> RBig {
+    RBig::try_from(x).unwrap_or_else(|_| unreachable!("{x} is finite"))
+}
+
+impl Exact {
+    pub(crate) fn of(vector: DVec3) -> Self {
+        Self(vector.to_array().map(number))
+    }
+
+    pub(crate) fn plus(&self, other: &Self) -> Self {
+        Self([0, 1, 2].map(|axis| &self.0[axis] + &other.0[axis]))
+    }
+
+    pub(crate) fn minus(&self, other: &Self) -> Self {
+        Self([0, 1, 2].map(|axis| &self.0[axis] - &other.0[axis]))
+    }
+
+    pub(crate) fn times(&self, factor: &RBig) -> Self {
+        Self(self.0.each_ref().map(|x| x * factor))
+    }
+
+    /// Returns whether it is no longer than a length: compared without rounding.
+    pub(crate) fn is_within(&self, length: f64) -> bool {
+        self.is_within_exactly(&number(length))
+    }
+
+    pub(crate) fn is_within_exactly(&self, length: &RBig) -> bool {
+        let [x, y, z] = &self.0;
+        *length >= RBig::ZERO && x * x + y * y + z * z <= length * length
+    }
+
+    /// Returns whether no coordinate is larger than that of a vector.
+    pub(crate) fn is_within_box(&self, half: DVec3) -> bool {
+        let mut coordinates = self.0.iter().zip(half.to_array());
+        coordinates.all(|(x, half)| -number(half) <= *x && *x <= number(half))
+    }
+
+    /// Returns the control point of the part between two shares: `point` is 0 to 3.
+    pub(crate) fn blossom(points: &[Self; 4], point: usize, ends: &[RBig; 2]) -> Self {
+        let mut points = points.to_vec();
+        for level in 0..3 {
+            let share = &ends[usize::from(level < point)];
+            points = points
+                .windows(2)
+                .map(|two| two[0].plus(&two[1].minus(&two[0]).times(share)))
+                .collect();
+        }
+        points.swap_remove(0)
+    }
+}

@@ -1,0 +1,201 @@
+//! Each error bound of a segment against exact arithmetic, where nothing else is in it.
+
+use super::*;
+use crate::rounding::exact::{Exact, number};
+use crate::trajectory::{TimeBase, Trajectory};
+use dashu::rational::RBig;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+const ROUNDS: u32 = 2_000;
+
+fn vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
+    DVec3::from_array([0; 3].map(|_| half * rng.random_range(-1.0..1.0)))
+}
+
+/// Returns 1, or now and then a factor by which all numbers are below 2^-1022.
+fn unit(round: u32) -> f64 {
+    [1.0, 1.0, 1.0, 1e-318][round as usize % 4]
+}
+
+fn made(segment: Result<Segment, Error>) -> Segment {
+    segment.unwrap_or_else(|error| unreachable!("{error}"))
+}
+
+/// Lengths below 2^-1022 m are rounded to the nearest.
+fn assert_near(point: DVec3, segment: &Segment) {
+    let extent = segment.extent() + f64::from_bits(1);
+    assert!(Exact::of(point).is_within(extent), "{segment:?}");
+}
+
+/// Nothing is claimed of the point at the origin but that it is there.
+fn assert_points(segment: &Segment, exact: &[Exact; 4]) {
+    for (point, exact) in segment.control().into_iter().zip(exact) {
+        let off = Exact::of(point).minus(exact);
+        assert!(off.is_within(segment.error()), "{segment:?} {off:?}");
+        assert_near(point, segment);
+    }
+}
+
+/// Velocities count for as much as the way, for more, for less, and against it.
+#[test]
+fn points_between_states() {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    for round in 0..ROUNDS {
+        let (way, speed) = [(1.0, 1.0), (1e-3, 1.0), (1.0, 0.0)][round as usize % 3];
+        let (begin, lasting) = (rng.random_range(-9.0..9.0), rng.random_range(1.0..3.0));
+        let unit = unit(round);
+        let mut state = |time: f64, way: f64| State {
+            time,
+            position: vector(&mut rng, way * unit),
+            velocity: vector(&mut rng, speed * unit),
+        };
+        let (first, mut second) = (state(begin, way), state(begin + lasting, way));
+        if round % 5 == 0 {
+            second.velocity = -(second.position - first.position);
+        }
+        let segment = made(Segment::hermite(&first, &second, 1));
+        let third = (number(second.time) - number(first.time)) / RBig::from(3);
+        let leave = Exact::of(first.velocity).times(&third);
+        let arrive = Exact::of(second.velocity).times(&third);
+        let end = Exact::of(second.position).minus(&Exact::of(first.position));
+        let exact = [Exact::of(DVec3::ZERO), leave, end.minus(&arrive), end];
+        assert_points(&segment, &exact);
+    }
+}
+
+/// The end of a line may be rounded, and then its unit is no power of two.
+#[test]
+fn points_of_lines() {
+    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    let mut inexact = 0;
+    for round in 0..ROUNDS {
+        let begin = [0.0, 1023.9, -1e9, 1e-3][round as usize % 4];
+        let state = State {
+            time: begin + rng.random_range(0.0..0.1),
+            position: DVec3::ZERO,
+            velocity: vector(&mut rng, unit(round / 4)),
+        };
+        let segment = made(Segment::line(&state, rng.random_range(0.5..2.0), 0.0, 1));
+        let thirds = (number(segment.end()) - number(state.time)) / RBig::from(3);
+        let step = Exact::of(state.velocity).times(&thirds);
+        let exact = [0_u8, 1, 2, 3].map(|count| step.times(&RBig::from(count)));
+        inexact += u32::from(segment.error() > 0.0);
+        if segment.error() > 0.0 {
+            assert_points(&segment, &exact);
+        }
+        // The last point is rounded though the motion is exact: its parts hold that.
+        let whole = segment.restrict(segment.start(), segment.end());
+        for (point, exact) in whole.points.into_iter().zip(&exact) {
+            let off = Exact::of(point).minus(exact);
+            assert!(off.is_within(whole.error), "{segment:?} {off:?}");
+            assert_near(point, &segment);
+        }
+        let shares = [rng.random_range(0.0..0.5), rng.random_range(0.5..1.0)];
+        let ends = shares.map(|share| segment.start() + (segment.end() - segment.start()) * share);
+        let part = segment.restrict(ends[0], ends[1]);
+        let lasting = number(segment.end()) - number(segment.start());
+        let shares = ends.map(|time| (number(time) - number(segment.start())) / &lasting);
+        for (number, point) in part.points.into_iter().enumerate() {
+            let off = Exact::of(point).minus(&Exact::blossom(&exact, number, &shares));
+            assert!(off.is_within(part.error), "{segment:?} {ends:?} {off:?}");
+        }
+    }
+    assert!(inexact > 100, "{inexact}");
+}
+
+/// Parts of a segment that is off by all of an error, or by none.
+#[test]
+fn points_of_parts() {
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    for round in 0..ROUNDS {
+        let unit = unit(round);
+        let begin = [0.0, 1.7e9][round as usize / 4 % 2] + rng.random_range(0.0..1.0);
+        let end = begin + rng.random_range(0.5..2.0);
+        let control = [0; 3].map(|_| vector(&mut rng, unit));
+        let error = [0.0, 1.0][round as usize / 8 % 2] * unit;
+        let segment = made(Segment::from_control(
+            (begin, end),
+            DVec3::ZERO,
+            control,
+            error,
+            1,
+        ));
+        for point in control {
+            assert_near(point, &segment);
+        }
+        // On an axis, where its length is not rounded; all off the same way.
+        let off = Exact::of(DVec3::new(0.0, error, 0.0));
+        let exact = segment.control().map(|point| Exact::of(point).plus(&off));
+        let share = |time: f64| (number(time) - number(begin)) / (number(end) - number(begin));
+        let inside = |rng: &mut ChaCha8Rng| {
+            (begin + (end - begin) * rng.random_range(0.0..1.0)).clamp(begin, end)
+        };
+        let (one, other) = (inside(&mut rng), inside(&mut rng));
+        for (from, to) in [(begin, end), (one.min(other), one.max(other)), (one, one)] {
+            let part = segment.restrict(from, to);
+            let ends = [share(from), share(to)];
+            for (number, point) in part.points.into_iter().enumerate() {
+                let off = Exact::of(point).minus(&Exact::blossom(&exact, number, &ends));
+                assert!(off.is_within(part.error), "{segment:?} {from} {to} {off:?}");
+            }
+        }
+    }
+}
+
+/// Polynomials in absolute time, far from the origin too, and such that all terms cancel.
+#[test]
+fn points_of_polynomials() {
+    let mut rng = ChaCha8Rng::seed_from_u64(4);
+    for round in 0..ROUNDS {
+        let (unit, base) = (
+            unit(round),
+            [TimeBase::Absolute, TimeBase::SegmentLocal][round as usize / 4 % 2],
+        );
+        let far: f64 = [0.0, 1e3, 1e15][round as usize / 8 % 3];
+        let knots = [far, far + rng.random_range(0.5..2.0)];
+        let power = |count: i32| 1.0 / (1.0 + far).powi(count);
+        let mut coefficients = [3, 2, 1, 0].map(|count| {
+            let size = if unit < 1.0 { unit } else { power(count) };
+            vector(&mut rng, size)
+        });
+        if round % 3 == 0 {
+            coefficients = [0.0, 1.0, -2.0 * far, far * far].map(|x| DVec3::splat(x * unit));
+        }
+        let Ok(motion) = Trajectory::from_coefficients(&knots, &[coefficients], base) else {
+            unreachable!("all is finite")
+        };
+        let shift = if base == TimeBase::Absolute { far } else { 0.0 };
+        let at = |share: u8| {
+            let lasting = number(knots[1]) - number(knots[0]);
+            number(shift) + lasting * RBig::from(share) / RBig::from(3)
+        };
+        // The blossom at three instants: products of all, of two, of one, of none.
+        let blossom = |x: &RBig, y: &RBig, z: &RBig| {
+            let three = RBig::from(3);
+            let factors = [
+                x * y * z,
+                (x * y + y * z + z * x) / &three,
+                (x + y + z) / &three,
+                RBig::ONE,
+            ];
+            let terms = coefficients.iter().zip(&factors);
+            terms.fold(Exact::of(DVec3::ZERO), |sum, (coefficient, factor)| {
+                sum.plus(&Exact::of(*coefficient).times(factor))
+            })
+        };
+        let (start, end) = (at(0), at(3));
+        let exact = [
+            blossom(&start, &start, &start),
+            blossom(&start, &start, &end),
+            blossom(&start, &end, &end),
+            blossom(&end, &end, &end),
+        ];
+        let segment = &motion.segments()[0];
+        for (point, exact) in segment.control().into_iter().zip(exact) {
+            let found = Exact::of(segment.origin()).plus(&Exact::of(point));
+            let off = found.minus(&exact);
+            assert!(off.is_within(segment.error()), "{segment:?} {off:?}");
+        }
+    }
+}
