@@ -29,7 +29,7 @@
 /// | candidates | sweep rounds boxes outward to 16 bits and folds them; the tree compares them as they are | overlap is only ever added; every method is tested against brute force |
 /// | courses | f32, the straight line that a body nearly follows through a slice | its slack holds the cubic's largest distance from the line, all roundings, hitbox and half the margin |
 /// | sketches | f32, both bodies' cubics over a part of a span | the same roundings, and those of the relative motion, are added to the radius |
-/// | cheap tests | f64 hulls, a separating direction, Bernstein coefficients of the squared distance, the verdicts of the kernel `within`, wrong by at most 100 u L | they reject only what is beyond the threshold by 512 u L (control heights that the solver looks at itself: by its own rounding once more) |
+/// | cheap tests | f64 hulls, a separating direction, Bernstein coefficients of the squared distance, wrong by at most 100 u L | they reject only what is beyond the threshold by 512 u L (control heights that the solver looks at itself: by its own rounding once more) |
 /// | clusters | the bounding sphere is tested first | its radius is rounded outward; then every pair of spheres is solved, and the results united |
 /// | relative cubic | restriction to the span and difference: a bound on its error is computed with it | handed to the solver |
 /// | threshold | radii and margin are summed exactly | `Certified` takes the two neighbours of the rounded sum where it had to be rounded |

@@ -20,8 +20,7 @@ mod stretches;
 pub(crate) use approach::approaching;
 pub(crate) use certified::{CertifiedContact, Workspace, certified_approach, certified_contacts};
 pub(crate) use contact::{
-    Approach, Contact, Solved, closest_approach, contacts, contacts_of, may_touch, near_motion,
-    solve,
+    Approach, Contact, Solved, closest_approach, contacts, contacts_of, may_touch, solve,
 };
 
 use crate::hitbox::Sphere;
