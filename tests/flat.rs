@@ -11,7 +11,7 @@ mod support;
 use glam::DVec3;
 use nearmiss::{Accuracy, BodyId, Conflict, Query, Scene, State, Window};
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use support::{rng, scene_of, vector};
 
 /// A direction, much shorter than one.

@@ -261,8 +261,8 @@ pub(super) fn smaller(a: f64, b: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::rngs::ChaCha8Rng;
     use rand::{Rng, RngExt, SeedableRng};
-    use rand_chacha::ChaCha8Rng;
 
     /// Ten times the exact coefficients e1..e6, for integer control points below 2^51: all
     /// products are below 2^110.

@@ -44,8 +44,8 @@ use nearmiss::{
     Accuracy, Body, Conflict, Error, Hitbox, Outside, Quantity, Query, Scene, State, Trajectory,
     Window,
 };
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 /// What came out of a row.
 #[derive(Default)]

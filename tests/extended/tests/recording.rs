@@ -6,6 +6,7 @@
     reason = "a monitor that cannot be built or recorded fails the test"
 )]
 
+#[path = "../../support/mod.rs"]
 mod support;
 
 use glam::DVec3;
@@ -14,7 +15,7 @@ use nearmiss::{
     Outside, RecordingError, Replay, Scene, Sphere, State, Trajectory,
 };
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex};
 use support::{rng, vector, wander};
