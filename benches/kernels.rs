@@ -13,7 +13,7 @@
 
 #[path = "kernels/accuracy.rs"]
 mod accuracy;
-#[path = "../tests/kernels/exact.rs"]
+#[path = "../tests/extended/tests/kernels/exact.rs"]
 #[allow(dead_code, reason = "the tests use more of it")]
 mod exact;
 #[path = "kernels/peers.rs"]

@@ -1,4 +1,4 @@
-//! The knob between speed and proof, and what a proof says.
+//! The choice between rounded and proven answers, and the record of a proof.
 
 /// How much an answer promises, and what that costs.
 ///
@@ -6,13 +6,12 @@
 ///
 /// | | promise | cost |
 /// |---|---|---|
-/// | [`Fast`](Self::Fast) | f32, 1e-5 of the local scale; the pairs of `Exact`; conflicts rather too long than too short, or joined | 0.9 to 1.05 |
 /// | [`Exact`](Self::Exact) | f64, good to a few roundings of the local scale; not certified | 1 |
 /// | [`Certified`](Self::Certified) | proven enclosures of separation, enter, exit and closest approach; what f64 cannot decide is marked | 1.0 to 1.4 |
 ///
 /// Costs: `screen --accuracy A --threads 1 --stats json`, `screen_ms` over that of `exact`, medians of
 /// nine runs (of the largest, five) on seven sets of real trajectories. Finding candidates takes the most of
-/// it, and is the same for all: `Fast` pays in dense scenes only, that are screened again and again.
+/// it, and is the same for both.
 ///
 /// The local scale L of two segments is the distance of their origins plus their extents; neither
 /// the absolute position nor the absolute time enters.
@@ -30,7 +29,7 @@
 /// | candidates | sweep rounds boxes outward to 16 bits and folds them; the tree compares them as they are | overlap is only ever added; every method is tested against brute force |
 /// | courses | f32, the straight line that a body nearly follows through a slice | its slack holds the cubic's largest distance from the line, all roundings, hitbox and half the margin |
 /// | sketches | f32, both bodies' cubics over a part of a span | the same roundings, and those of the relative motion, are added to the radius |
-/// | cheap tests | f64 hulls, a separating direction, Bernstein coefficients of the squared distance, the verdicts of the kernel `within`, wrong by at most 100 u L | they reject only what is beyond the threshold by 512 u L (control heights that the solver looks at itself: by its own rounding once more) |
+/// | cheap tests | f64 hulls, a separating direction, Bernstein coefficients of the squared distance, wrong by at most 100 u L | they reject only what is beyond the threshold by 512 u L (control heights that the solver looks at itself: by its own rounding once more) |
 /// | clusters | the bounding sphere is tested first | its radius is rounded outward; then every pair of spheres is solved, and the results united |
 /// | relative cubic | restriction to the span and difference: a bound on its error is computed with it | handed to the solver |
 /// | threshold | radii and margin are summed exactly | `Certified` takes the two neighbours of the rounded sum where it had to be rounded |
@@ -42,14 +41,6 @@ pub enum Accuracy {
     /// worst case of that rounding of the margin is reported, so a touch is never lost.
     #[default]
     Exact,
-    /// f32 from the relative motion on: the separation is good to 1e-5 of the local scale. Where f32
-    /// cannot tell whether two bodies come within the margin, the exact solver does; so the pairs are
-    /// those of [`Exact`](Self::Exact). A conflict may begin earlier or end later by what it takes to
-    /// come 1e-5 of the local scale nearer and by 2^-16 of a span, and conflicts with a gap within one
-    /// span may be reported as one. The same bits on every instruction set and any number of threads; a
-    /// window that cuts a span may change them. Clusters of spheres are solved as in
-    /// [`Exact`](Self::Exact).
-    Fast,
     /// Every conflict carries a [`Certificate`]: enclosures of its separation and of its times,
     /// proven against the exact real-arithmetic motion through the given numbers. What is
     /// certainly outside is not reported; what f64 cannot decide is, marked as unresolved.

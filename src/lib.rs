@@ -37,8 +37,7 @@
 //! ```
 //!
 //! Cheap stages may only reject what is certainly clear, their own rounding accounted for; one
-//! plain f64 solver has the last word, on whole spans ([`Accuracy::Fast`] trades that for speed). So
-//! speed never costs an answer.
+//! plain f64 solver has the last word, on whole spans. So speed never costs an answer.
 //!
 //! # Words
 //!

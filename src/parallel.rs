@@ -49,25 +49,23 @@ where
         .collect()
 }
 
-/// The same where the work has two results, for each of which there is a list.
-pub(crate) fn map_both<S, T: Send, U: Send>(
+/// Returns the two results of `work(index)` in two lists. Up to `few` are worked out on this thread.
+pub(crate) fn map_both<T: Send, U: Send>(
     count: usize,
     few: usize,
-    scratch: impl Fn() -> S + Sync + Send,
-    work: impl Fn(&mut S, usize) -> (T, U) + Sync + Send,
+    work: impl Fn(usize) -> (T, U) + Sync + Send,
 ) -> (Vec<T>, Vec<U>) {
     #[cfg(feature = "parallel")]
     if count > few {
         use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
         let (mut one, mut other) = (Vec::new(), Vec::new());
-        let both = (0..count).into_par_iter().map_init(scratch, work);
+        let both = (0..count).into_par_iter().map(work);
         both.unzip_into_vecs(&mut one, &mut other);
         return (one, other);
     }
     #[cfg(not(feature = "parallel"))]
     let _ = few;
-    let mut scratch = scratch();
-    (0..count).map(|index| work(&mut scratch, index)).unzip()
+    (0..count).map(work).unzip()
 }
 
 /// How many threads share work.

@@ -6,7 +6,7 @@ use crate::rounding::one_zero;
 /// A closed interval of time, s. May be a single instant; may be open-ended (infinite).
 ///
 /// It only clips: what is reported of a window is what is reported of all of time, cut off at its ends
-/// (the closest approach too: where the window ends right at it, it may differ by rounding; with [`Accuracy::Fast`](crate::Accuracy::Fast) to within its error; with
+/// (the closest approach too: where the window ends right at it, it may differ by rounding; with
 /// [`Accuracy::Certified`](crate::Accuracy::Certified), what cannot be told right at its ends is reported as
 /// unresolved, and the proven error of a separation may be another one). A plan that jumps at a knot is in both places at that instant, also where a window begins or
 /// ends there: for bodies that follow one cubic through it, not for those whose own plan begins, ends or jumps

@@ -47,7 +47,7 @@ fn allocations() -> u64 {
 }
 
 /// Bodies that go round and round: after some rounds no buffer has anything new to hold.
-fn circling(outside: Outside, rng: &mut rand_chacha::ChaCha8Rng) -> Trajectory {
+fn circling(outside: Outside, rng: &mut rand::rngs::ChaCha8Rng) -> Trajectory {
     const PERIOD: f64 = 10.0;
     let middle = support::vector(rng, 12.0);
     let (across, along) = (support::vector(rng, 10.0), support::vector(rng, 10.0));
@@ -67,7 +67,7 @@ fn circling(outside: Outside, rng: &mut rand_chacha::ChaCha8Rng) -> Trajectory {
 
 /// A body that drifts on from a knot of its own: where it is cut beyond that comes into sight at any
 /// time. Slowly: it stays among the others.
-fn drifting(_: Outside, rng: &mut rand_chacha::ChaCha8Rng) -> Trajectory {
+fn drifting(_: Outside, rng: &mut rand::rngs::ChaCha8Rng) -> Trajectory {
     let (position, velocity) = (support::vector(rng, 12.0), support::vector(rng, 1e-4));
     let state = State::new(rng.random_range(0.0..110.0), position, velocity);
     Trajectory::coasting(state).unwrap()
@@ -107,7 +107,7 @@ const BODIES: usize = 40;
 #[derive(Clone, Copy)]
 struct Course {
     /// Every second body is one of these; the others circle, and are absent beyond their knots.
-    other: fn(Outside, &mut rand_chacha::ChaCha8Rng) -> Trajectory,
+    other: fn(Outside, &mut rand::rngs::ChaCha8Rng) -> Trajectory,
     /// What those do beyond their knots.
     outside: Outside,
     /// So many bodies, one after the other, are told something every so many ticks.

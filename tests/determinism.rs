@@ -15,7 +15,7 @@ use support::{hash, on_threads, scene_of, sliced, swarm};
 
 #[test]
 fn threads_methods_instructions_and_slices() {
-    for accuracy in [Accuracy::Fast, Accuracy::Exact, Accuracy::Certified] {
+    for accuracy in [Accuracy::Exact, Accuracy::Certified] {
         // One begins and ends before most of the conflicts do: its first and last slices matter.
         for window in [Window::ALL, Window::new(6.0, 12.0).unwrap()] {
             let query = Query::new(window).with_accuracy(accuracy);

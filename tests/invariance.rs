@@ -13,8 +13,8 @@ use nearmiss::{
     AlertLevel, Body, Clip, Conflict, Hitbox, Method, Monitor, Outside, Query, Scene, State,
     Trajectory, Window,
 };
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use std::num::NonZeroU32;
 use support::{bits, line, scene_of, screen, swarm};
 

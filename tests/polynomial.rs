@@ -6,8 +6,8 @@
 )]
 
 use nearmiss::polynomial::{Bernstein, Polynomial, quadratic};
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 /// The isolated roots in an interval, to full precision.
 fn roots<const N: usize>(coefficients: [f64; N], low: f64, high: f64) -> Vec<f64> {

@@ -365,6 +365,11 @@ fn bad_options() {
     refuses_options("radius", &["--radius", "-1"], &["--radius", "-1.0 m"]);
     refuses_options("margin", &["--margin", "NaN"], &["--margin", "NaN m"]);
     refuses_options("accuracy", &["--accuracy", "perfect"], &["perfect"]);
+    refuses_options(
+        "accuracy",
+        &["--accuracy", "fast"],
+        &["--accuracy", "fast is not offered", "exact"],
+    );
     refuses_options("window", &["--window=5..1"], &["--window", "5..1"]);
     refuses_options("radius", &["--radius", "-1e-3"], &["-0.001 m"]);
     refuses_options("margin", &["--margin", "-inf"], &["-inf m"]);

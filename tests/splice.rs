@@ -14,7 +14,7 @@ use nearmiss::{
     Trajectory, Window,
 };
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use support::{line, rng, vector, wander};
 
 const RULES: [Outside; 3] = [Outside::Absent, Outside::Coast, Outside::Extrapolate];

@@ -9,7 +9,7 @@ mod support;
 
 use nearmiss::{Body, BodyId, Conflict, Hitbox, Query, Scene, Trajectory};
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use support::{rng, wander};
 
 /// A plan with any number of cubics, often few, sometimes many.

@@ -1,8 +1,8 @@
 //! Pairs of cubics: random ones, near ones, and ones that are hard.
 
 use nearmiss::narrow_phase::kernels::ControlPoints;
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 /// The kinds of pairs, by the names of the benchmark ids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

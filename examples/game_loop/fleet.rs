@@ -8,8 +8,8 @@ use nearmiss::{
     AlertLevel, Body, BodyId, Command, Error, Event, EventKind, Hitbox, Monitor, Scene, Sphere,
     State, Trajectory,
 };
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 /// Cubics in a plan.
 const SEGMENTS: u32 = 32;

@@ -45,7 +45,7 @@ pub(crate) fn drones(count: usize, seed: u64) -> Generated {
     }
 }
 
-fn ground(rng: &mut rand_chacha::ChaCha8Rng, half: f64) -> DVec3 {
+fn ground(rng: &mut rand::rngs::ChaCha8Rng, half: f64) -> DVec3 {
     DVec3::new(
         rng.random_range(-half..half),
         rng.random_range(-half..half),

@@ -20,8 +20,8 @@ pub(crate) use swarm::{Shape, swarm};
 
 use glam::DVec3;
 use nearmiss::State;
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 /// One body of a generated scene.
 #[derive(Clone, Debug)]

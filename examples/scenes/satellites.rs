@@ -4,7 +4,7 @@ use super::{Actor, Generated, generator, irregular_knots};
 use glam::DVec3;
 use nearmiss::State;
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use std::f64::consts::TAU;
 
 /// Gravitational parameter of the Earth, m³/s².

@@ -3,7 +3,7 @@
 use super::{Actor, Generated, generator, irregular_knots, normal_vector, uniform_vector};
 use glam::DVec3;
 use nearmiss::State;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 
 const DURATION: f64 = 60.0;
 const SEGMENTS: usize = 32;

@@ -75,8 +75,8 @@ mod tests {
     use crate::hitbox::Hitbox;
     use crate::trajectory::{State, Trajectory};
     use glam::DVec3;
+    use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
-    use rand_chacha::ChaCha8Rng;
 
     /// Two bodies are not apart by as little as they come near each other, however far away they
     /// and the scene's middle are; and mostly are by a third of it.

@@ -119,8 +119,8 @@ mod tests {
     use super::*;
     use crate::rounding::exact::{Exact, number};
     use glam::{DVec3, Vec3};
+    use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
-    use rand_chacha::ChaCha8Rng;
 
     fn wide(point: Vec4) -> DVec3 {
         point.truncate().as_dvec3()

@@ -67,12 +67,11 @@ mod tests {
     use crate::broad_phase::fill::{Block, Fill, Slice};
     use crate::hitbox::Hitbox;
     use crate::simd::Level;
-    use crate::trajectory::{Outside, Pieces, State, Trajectory};
+    use crate::trajectory::{DoubleDouble, Outside, Pieces, State, Trajectory};
     use crate::window::Window;
-    use dashu::rational::RBig;
     use glam::DVec3;
+    use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
-    use rand_chacha::ChaCha8Rng;
 
     /// Two states, and what happens before and after them.
     struct Flight {
@@ -125,35 +124,45 @@ mod tests {
             pieces
         }
 
-        /// The exact place, but for a last rounding, in a frame.
+        /// The place in a frame, to twice the precision of f64 and rounded once.
         fn place(&self, time: f64, frame: &Frame) -> DVec3 {
             let [first, last] = &self.states;
-            let exact = |x: f64| RBig::try_from(x).unwrap_or_else(|_| unreachable!("finite"));
-            let since = |state: &State| exact(time) - exact(state.time);
+            let since = |state: &State| DoubleDouble::difference(time, state.time);
+            let exact = DoubleDouble::from;
             let straight = |state: &State, axis: usize| {
                 exact(state.position[axis]) + exact(state.velocity[axis]) * since(state)
             };
-            let duration = exact(last.time) - exact(first.time);
+            let duration = DoubleDouble::difference(last.time, first.time);
             let place = |axis: usize| match self.outside {
                 Outside::Coast if time < first.time => straight(first, axis),
                 Outside::Coast if time > last.time => straight(last, axis),
                 // The straight motion through both, and what both velocities add to it.
                 _ => {
-                    let [from, to] = [first, last].map(|state| exact(state.position[axis]));
-                    let rate = (&to - &from) / &duration;
-                    let (s, r) = (since(first) / &duration, since(last) / &duration);
+                    let [from, to] = [first, last].map(|state| state.position[axis]);
+                    let rate = quotient(DoubleDouble::difference(to, from), duration);
+                    let (s, r) = (
+                        quotient(since(first), duration),
+                        quotient(since(last), duration),
+                    );
                     let [leave, arrive] =
-                        [first, last].map(|state| exact(state.velocity[axis]) - &rate);
-                    let bend = leave * since(first) * &r * &r + arrive * since(last) * &s * &s;
-                    from + rate * since(first) + bend
+                        [first, last].map(|state| exact(state.velocity[axis]) + exact(-1.0) * rate);
+                    let bend = leave * since(first) * r * r + arrive * since(last) * s * s;
+                    exact(from) + rate * since(first) + bend
                 }
             };
             let in_frame = |axis: usize| {
-                let place = place(axis) - exact(frame.origin[axis]);
-                (place * exact(frame.power)).to_f64().value()
+                let place = place(axis) + exact(-frame.origin[axis]);
+                (place * exact(frame.power)).rounded()
             };
             DVec3::from_array([0, 1, 2].map(in_frame))
         }
+    }
+
+    /// The quotient, good to some 2^-100 of itself.
+    fn quotient(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble {
+        let first = DoubleDouble::from(a.rounded() / b.rounded());
+        let rest = a + DoubleDouble::from(-1.0) * first * b;
+        first + DoubleDouble::from(rest.rounded() / b.rounded())
     }
 
     /// A sketch of pieces in a frame around them, and the slices between some instants.

@@ -207,8 +207,8 @@ mod tests {
     use super::super::Period;
     use super::*;
     use crate::hitbox::{Hitbox, Sphere};
+    use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
-    use rand_chacha::ChaCha8Rng;
 
     /// Offsets, radii and margins, each the largest, and so small that f32 has hardly any digits of
     /// them: the rounding of a stance holds what f32 makes of a hitbox.

@@ -336,8 +336,8 @@ mod tests {
     use crate::simd::Level;
     use crate::trajectory::{State, Trajectory};
     use glam::DVec3;
+    use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
-    use rand_chacha::ChaCha8Rng;
 
     /// The course of what bends one way lies in the middle of the bend: it strays half as far as the
     /// line between the ends does.

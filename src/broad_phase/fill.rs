@@ -313,8 +313,8 @@ mod tests {
     use crate::simd::Level;
     use crate::trajectory::{State, Trajectory};
     use glam::DVec3;
+    use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
-    use rand_chacha::ChaCha8Rng;
 
     /// Every box contains its body at every instant of its slice, and is not much larger; so does
     /// every course.

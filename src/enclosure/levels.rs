@@ -94,8 +94,8 @@ impl Course {
 mod tests {
     use super::*;
     use crate::rounding::exact::number;
+    use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
-    use rand_chacha::ChaCha8Rng;
 
     fn course(coefficients: [f64; 7]) -> Course {
         Course::of(&coefficients, 0.5, 10.0)

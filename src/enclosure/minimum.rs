@@ -319,8 +319,8 @@ mod tests {
     use super::*;
     use crate::rounding::exact::number;
     use glam::DVec3;
+    use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
-    use rand_chacha::ChaCha8Rng;
 
     /// Whichever of the root and the error is larger, and next to powers of two.
     #[test]

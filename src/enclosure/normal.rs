@@ -128,8 +128,8 @@ pub(super) fn norm_above(vector: DVec3) -> f64 {
 mod tests {
     use super::*;
     use crate::rounding::exact::{Exact, number};
+    use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
-    use rand_chacha::ChaCha8Rng;
 
     /// From the smallest numbers to the largest.
     fn size(rng: &mut ChaCha8Rng) -> f64 {

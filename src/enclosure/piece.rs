@@ -280,8 +280,8 @@ pub(crate) fn exact_differences(points: &[[i64; 3]; 4]) -> [i128; 6] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::rngs::ChaCha8Rng;
     use rand::{Rng, RngExt, SeedableRng};
-    use rand_chacha::ChaCha8Rng;
 
     fn draw(random: &mut impl Rng) -> [[i64; 3]; 4] {
         // A base and differences of all sizes, also such that cancel in the scalar products.

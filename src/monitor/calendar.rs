@@ -84,8 +84,8 @@ impl Calendar {
 #[cfg(test)]
 mod tests {
     use super::Calendar;
+    use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
-    use rand_chacha::ChaCha8Rng;
 
     #[test]
     fn equals_a_plain_list_whatever_is_put_off_and_brought_forward() {

@@ -130,8 +130,8 @@ impl<K: Copy + Ord, V> Kept<K, V> {
 #[cfg(test)]
 mod tests {
     use super::Kept;
+    use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
-    use rand_chacha::ChaCha8Rng;
 
     #[test]
     fn equals_a_plain_sorted_list_whatever_comes_and_goes() {

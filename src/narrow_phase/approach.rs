@@ -81,8 +81,8 @@ fn lines_apart(a: &Course, b: &Course) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
-    use rand_chacha::ChaCha8Rng;
 
     const SLICE: (f64, f64) = (1_000.0, 1_003.0);
 

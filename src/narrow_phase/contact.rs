@@ -207,21 +207,6 @@ pub(crate) fn may_touch(
     !certainly_beyond(&near_points(a, b, span, interval), threshold)
 }
 
-/// The relative motion of a pair's bounding spheres in the part of a span within `from..=to`, as
-/// control points, and the distance that a filter must see it beyond; none if no distance is small
-/// enough.
-#[inline]
-pub(crate) fn near_motion(
-    a: &Party<'_>,
-    b: &Party<'_>,
-    span: Span,
-    margin: f64,
-    interval: (f64, f64),
-) -> Option<([DVec3; 4], f64)> {
-    let threshold = near_threshold(a, b, span, margin)?;
-    Some((near_points(a, b, span, interval), threshold))
-}
-
 /// The distance beyond which the bounding spheres of a pair are certainly apart in a span; none if
 /// no distance is small enough.
 #[inline]

@@ -74,8 +74,8 @@ mod tests {
     use crate::narrow_phase::relative::{RelativeCubic, filter_threshold, local_scale};
     use crate::narrow_phase::stretches::Profile;
     use crate::trajectory::{State, Trajectory};
+    use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
-    use rand_chacha::ChaCha8Rng;
 
     /// A segment of a random size somewhere, over -1..2 s.
     fn segment(rng: &mut ChaCha8Rng) -> Trajectory {

@@ -70,8 +70,8 @@ pub(super) fn squared_distance(h: [DVec3; 4]) -> [f64; 7] {
 mod tests {
     use super::*;
     use crate::narrow_phase::stationary::stationary_points;
+    use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
-    use rand_chacha::ChaCha8Rng;
 
     fn cubic(points: [DVec3; 4]) -> RelativeCubic {
         RelativeCubic {

@@ -2,7 +2,7 @@
 //!
 //! Works on a body's cubics and spheres, span by span. The flow within a span:
 //! `relative` cubic, `filter` or the `hull`'s control heights, `stationary` points (with the `dips` that
-//! the squared distance hides), `stretches`, joined across spans and spheres by `contact`, with proofs by `certified`, in f32 by `fast`; of two clusters, `clusters` says
+//! the squared distance hides), `stretches`, joined across spans and spheres by `contact`, with proofs by `certified`; of two clusters, `clusters` says
 //! which pairs of spheres to solve. [`kernels`] answers many independent pairs at once.
 
 mod approach;
@@ -10,7 +10,6 @@ mod certified;
 mod clusters;
 mod contact;
 mod dips;
-mod fast;
 mod filter;
 mod hull;
 pub mod kernels;
@@ -21,10 +20,8 @@ mod stretches;
 pub(crate) use approach::approaching;
 pub(crate) use certified::{CertifiedContact, Workspace, certified_approach, certified_contacts};
 pub(crate) use contact::{
-    Approach, Contact, Solved, closest_approach, contacts, contacts_of, may_touch, near_motion,
-    solve,
+    Approach, Contact, Solved, closest_approach, contacts, contacts_of, may_touch, solve,
 };
-pub(crate) use fast::FastBatch;
 
 use crate::hitbox::Sphere;
 use crate::knots::Knots;

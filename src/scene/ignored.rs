@@ -43,8 +43,8 @@ impl IgnoredPairs {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
-    use rand_chacha::ChaCha8Rng;
 
     #[test]
     fn equals_a_plain_set_of_pairs() {

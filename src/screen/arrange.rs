@@ -93,8 +93,8 @@ fn insert(survivors: &mut [Survivor]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
-    use rand_chacha::ChaCha8Rng;
 
     /// The same as by comparison: many and few survivors, spans of a pair in any order.
     #[test]

@@ -1,14 +1,13 @@
 //! The bodies of a scene as the pipeline sees them: by place, in the order of their ids.
 
 use super::scratch::Scratch;
-use super::survey::{Survey, single};
+use super::survey::Survey;
 use crate::accuracy::Accuracy;
 use crate::bounds::{Frame, Inflation, Pose, Stroke};
 use crate::broad_phase::presence::Presence;
 use crate::broad_phase::slices::Traffic;
 use crate::broad_phase::{Level, PairFilter};
 use crate::error::Error;
-use crate::hitbox::Sphere;
 use crate::id::BodyId;
 use crate::knots::Knots;
 use crate::layers::Layers;
@@ -110,36 +109,25 @@ impl<'a> LineUp<'a> {
         /// Fewer are gone through on this thread.
         const FEW: usize = 4096;
         let frame = self.frame;
-        let both = |last: &mut LastInflation, place: usize| self.party(place, &frame, last);
-        parallel::map_both(self.occupants.len(), FEW, LastInflation::none, both)
+        parallel::map_both(self.occupants.len(), FEW, |place| self.party(place, &frame))
     }
 
     /// How the bodies in some places lie in that frame.
     pub(super) fn poses(&self, places: &[usize]) -> Vec<Pose<'_, Stroke>> {
-        let (frame, mut last) = (self.frame, LastInflation::none());
-        let pose = |&place: &usize| self.party(place, &frame, &mut last).1;
+        let frame = self.frame;
+        let pose = |&place: &usize| self.party(place, &frame).1;
         places.iter().map(pose).collect()
     }
 
     /// The body in a place as the narrow phase takes it, and how it lies in a frame.
     #[inline]
-    fn party(
-        &self,
-        place: usize,
-        frame: &Frame,
-        last: &mut LastInflation,
-    ) -> (Party<'_>, Pose<'_, Stroke>) {
+    fn party(&self, place: usize, frame: &Frame) -> (Party<'_>, Pose<'_, Stroke>) {
         let (occupant, beyond) = self.body(place);
         let drawing = beyond.map_or_else(|| occupant.drawing(self.atlas), Beyond::drawing);
         // A screening reads knots next to the sketches.
         let party = party_over(occupant, beyond, drawing.knots);
-        let sphere = single(party.spheres);
-        if sphere.is_none() || sphere != last.sphere {
-            let (spheres, bounding) = (party.spheres, party.bounding);
-            last.sphere = sphere;
-            last.inflation = Inflation::of(spheres, bounding, self.margin, frame);
-        }
-        let pose = Pose::sketched(&drawing, &last.inflation, frame);
+        let inflation = Inflation::of(party.spheres, party.bounding, self.margin, frame);
+        let pose = Pose::sketched(&drawing, &inflation, frame);
         (party, pose)
     }
 
@@ -159,22 +147,6 @@ impl<'a> LineUp<'a> {
     /// How much moves in the window, from what is known of each body as a whole.
     pub(super) fn traffic(&self) -> Traffic {
         self.survey.traffic()
-    }
-}
-
-/// What was worked out for the body before: most scenes have many with the same sphere, one after
-/// the other.
-struct LastInflation {
-    sphere: Option<Sphere>,
-    inflation: Inflation,
-}
-
-impl LastInflation {
-    const fn none() -> Self {
-        Self {
-            sphere: None,
-            inflation: Inflation::NONE,
-        }
     }
 }
 

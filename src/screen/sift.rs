@@ -8,8 +8,7 @@
 use crate::bounds::{Leg, Pose, Sight, Stroke, sight};
 use crate::broad_phase::Candidate;
 use crate::broad_phase::fill::Slice;
-use crate::narrow_phase::kernels::{CubicBatch, Level, Verdict, within};
-use crate::narrow_phase::{Party, approaching, near_motion};
+use crate::narrow_phase::{Party, approaching, may_touch};
 use crate::simd::prefetch;
 use crate::spans::{Span, spans_from};
 use crate::window::Window;
@@ -77,7 +76,6 @@ pub(super) struct Question<'a> {
     pub(super) interval: (f64, f64),
     pub(super) window: Window,
     pub(super) margin: f64,
-    pub(super) level: Level,
     /// With more spans from one slice it is too crowded: no further ones are looked at.
     pub(super) most_spans: usize,
 }
@@ -129,11 +127,6 @@ impl Piece {
 pub(super) struct Sieve {
     near: Vec<Near>,
     pieces: Vec<Piece>,
-    /// Spans whose relative motion is put to the kernel, with the distance that is asked about.
-    asked: Vec<Survivor>,
-    motions: CubicBatch<f64>,
-    thresholds: Vec<f64>,
-    verdicts: Vec<Verdict>,
 }
 
 impl Sieve {
@@ -145,7 +138,7 @@ impl Sieve {
     const AHEAD_OF_CANDIDATES: usize = 4 * Self::AHEAD;
 
     /// Looks at each span of the candidates of a slice; gives how many there are. Those that cheap
-    /// tests cannot rule out are appended, by now or when the sieve is [emptied](Self::empty).
+    /// tests cannot rule out are appended.
     pub(super) fn sift(
         &mut self,
         question: &Question<'_>,
@@ -154,19 +147,16 @@ impl Sieve {
     ) -> u64 {
         let mut looked_at = 0;
         // Of earlier slices.
-        let before = survivors.len() + self.asked.len();
+        let before = survivors.len();
         for batch in candidates.chunks(Self::BATCH) {
-            if survivors.len().saturating_sub(before) > question.most_spans {
+            if survivors.len() - before > question.most_spans {
                 break;
             }
             self.judge(question, batch);
             self.cut(question.poses);
             looked_at += self.pieces.len() as u64;
             self.sketch(question, survivors);
-            self.ask(question.parties, question.margin);
-            if self.asked.len() >= Self::BATCH {
-                self.empty(question.level, survivors);
-            }
+            self.refine(question, survivors);
         }
         looked_at
     }
@@ -248,8 +238,9 @@ impl Sieve {
         self.pieces.truncate(kept);
     }
 
-    /// The relative motions of all that are left.
-    fn ask(&mut self, parties: &[Party<'_>], margin: f64) {
+    /// Those that their segments do not show to be apart either.
+    fn refine(&self, question: &Question<'_>, survivors: &mut Vec<Survivor>) {
+        let (parties, margin) = (question.parties, question.margin);
         for (i, piece) in self.pieces.iter().enumerate() {
             if let Some(later) = self.pieces.get(i + Self::AHEAD) {
                 let (a, b) = (&parties[later.a as usize], &parties[later.b as usize]);
@@ -257,36 +248,10 @@ impl Sieve {
                 prefetch(from_ref(&b.segments[later.span.b as usize]));
             }
             let (a, b) = (&parties[piece.a as usize], &parties[piece.b as usize]);
-            let motion = near_motion(a, b, piece.span, margin, piece.interval);
-            if let Some((points, threshold)) = motion {
-                self.motions.push(points.map(|point| point.to_array()));
-                self.thresholds.push(threshold);
-                self.asked.push(piece.survivor());
+            if may_touch(a, b, piece.span, margin, piece.interval) {
+                survivors.push(piece.survivor());
             }
         }
-    }
-
-    /// Appends those of the spans asked about that are not certainly beyond. (It does not matter
-    /// which of the others are certainly within.)
-    pub(super) fn empty(&mut self, level: Level, survivors: &mut Vec<Survivor>) {
-        if self.asked.is_empty() {
-            return;
-        }
-        self.verdicts.resize(self.asked.len(), Verdict::Undecided);
-        let thresholds = &self.thresholds;
-        let motions = self.motions.lanes();
-        within(level, &motions, thresholds, thresholds, &mut self.verdicts);
-        let judged = self.asked.iter().zip(&self.verdicts);
-        let kept = judged.filter(|(_, verdict)| **verdict != Verdict::Outside);
-        survivors.extend(kept.map(|(survivor, _)| survivor));
-        self.forget();
-    }
-
-    /// Drops what a screening that was given up may have left.
-    pub(super) fn forget(&mut self) {
-        self.asked.clear();
-        self.motions.clear();
-        self.thresholds.clear();
     }
 }
 

@@ -7,12 +7,11 @@ use crate::accuracy::Accuracy;
 use crate::conflict::{Clip, ClosestApproach, Conflict};
 use crate::id::BodyId;
 use crate::narrow_phase::{
-    Approach, CertifiedContact, Contact, FastBatch, Party, Workspace, certified_contacts, contacts,
+    Approach, CertifiedContact, Contact, Party, Workspace, certified_contacts, contacts,
 };
 use crate::parallel;
 use crate::simd::prefetch;
 use crate::spans::Span;
-use std::iter::once;
 use std::slice::from_ref;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -22,7 +21,6 @@ struct Scratch {
     contacts: Vec<Contact>,
     certified: Vec<CertifiedContact>,
     workspace: Workspace,
-    fast: FastBatch,
 }
 
 /// Pairs of bodies that one thread solves at a time.
@@ -50,7 +48,6 @@ impl LineUp<'_> {
             match self.accuracy {
                 Accuracy::Exact => self.exact(parties, chunk, scratch, &mut conflicts),
                 Accuracy::Certified => self.certified(parties, chunk, scratch, &mut conflicts),
-                Accuracy::Fast => self.fast(parties, chunk, scratch, &mut conflicts),
             }
             let done = done_chunks.fetch_add(1, Ordering::Relaxed) + 1;
             if done < chunks.len() {
@@ -69,10 +66,15 @@ impl LineUp<'_> {
         scratch: &mut Scratch,
         conflicts: &mut Vec<Conflict>,
     ) {
+        let found = &mut scratch.contacts;
         for number in 0..pairs.len() {
-            if let Some(pair) = self.pair(parties, pairs, number) {
-                self.contacts(&pair, &mut scratch.contacts, conflicts);
-            }
+            let Some(pair) = self.pair(parties, pairs, number) else {
+                continue;
+            };
+            found.clear();
+            let (a, b) = pair.parties;
+            contacts(a, b, pair.spans(), self.margin, pair.clip, found);
+            conflicts.extend(found.iter().map(|contact| pair.conflict(contact)));
         }
     }
 
@@ -96,58 +98,6 @@ impl LineUp<'_> {
                 ..pair.conflict(&certified.contact)
             }));
         }
-    }
-
-    fn fast(
-        &self,
-        parties: &[Party<'_>],
-        pairs: &[OfPair<'_>],
-        scratch: &mut Scratch,
-        conflicts: &mut Vec<Conflict>,
-    ) {
-        let Scratch {
-            fast,
-            contacts: found,
-            ..
-        } = scratch;
-        let empty = |fast: &mut FastBatch, conflicts: &mut Vec<Conflict>| {
-            let pair = |number| self.pair(parties, pairs, number);
-            let exact = |number, span, found: &mut Vec<Contact>| {
-                if let Some(pair) = pair(number) {
-                    let (a, b) = pair.parties;
-                    contacts(a, b, once(span), self.margin, pair.clip, found);
-                }
-            };
-            fast.solve(self.level, exact, |number, contacts| {
-                if let Some(pair) = pair(number) {
-                    conflicts.extend(contacts.iter().map(|contact| pair.conflict(contact)));
-                }
-            });
-        };
-        for number in 0..pairs.len() {
-            let Some(pair) = self.pair(parties, pairs, number) else {
-                continue;
-            };
-            if !fast.push(number, pair.parties, pair.spans(), self.margin, pair.clip) {
-                // Pairs stay in their order.
-                empty(fast, conflicts);
-                self.contacts(&pair, found, conflicts);
-            }
-        }
-        empty(fast, conflicts);
-    }
-
-    /// The conflicts of a pair, from the exact solver.
-    fn contacts(
-        &self,
-        pair: &PairOfBodies<'_>,
-        found: &mut Vec<Contact>,
-        conflicts: &mut Vec<Conflict>,
-    ) {
-        found.clear();
-        let (a, b) = pair.parties;
-        contacts(a, b, pair.spans(), self.margin, pair.clip, found);
-        conflicts.extend(found.iter().map(|contact| pair.conflict(contact)));
     }
 
     /// A pair of bodies, out of those that are solved one after the other; none if the two do not exist

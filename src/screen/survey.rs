@@ -3,7 +3,6 @@
 
 use crate::bounds::{Extremes, Frame, Inflation};
 use crate::broad_phase::slices::Traffic;
-use crate::hitbox::Sphere;
 use crate::layers::Layers;
 use crate::scene::{Beyond, Occupant, Scene};
 use crate::window::Window;
@@ -25,8 +24,6 @@ pub(super) struct Survey {
     traffic: Traffic,
     /// Largest distance from a body's position that matters, m.
     pub(super) size: f64,
-    /// The body before the one at hand, if that is a single sphere.
-    sphere: Option<Sphere>,
     /// Every body is in all layers.
     pub(super) is_in_all_layers: bool,
 }
@@ -49,7 +46,6 @@ impl Survey {
                 reach: margin.max(0.0),
             },
             size: 0.0,
-            sphere: None,
             is_in_all_layers: true,
         }
     }
@@ -77,14 +73,8 @@ impl Survey {
         }
         self.extremes.include(outline.extremes);
         self.plans.include(plan.extremes);
-        let spheres = body.hitbox.spheres();
-        let sphere = single(spheres);
-        // Most scenes have many bodies with the same sphere, one after the other.
-        if sphere.is_none() || sphere != self.sphere {
-            let size = Inflation::size(spheres, body.hitbox.bounding(), self.margin);
-            self.size = self.size.max(size);
-            self.sphere = sphere;
-        }
+        let size = Inflation::size(body.hitbox.spheres(), body.hitbox.bounding(), self.margin);
+        self.size = self.size.max(size);
         self.count(
             plan.sketch.ends(),
             (plan.path, body.trajectory.segments().len()),
@@ -124,13 +114,5 @@ impl Survey {
             world: (self.plans.high - self.plans.low).to_array(),
             ..self.traffic
         }
-    }
-}
-
-/// The only sphere of a hitbox; none of a cluster.
-pub(super) const fn single(spheres: &[Sphere]) -> Option<Sphere> {
-    match spheres {
-        [sphere] => Some(*sphere),
-        _ => None,
     }
 }

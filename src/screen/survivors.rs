@@ -97,7 +97,6 @@ impl LineUp<'_> {
     ) -> Result<(Vec<Survivor>, Stats), Error> {
         let mut stats = Stats::default();
         let mut survivors = Vec::new();
-        scratch.sieve.forget();
         let begin = Instant::now();
         let ends = slices.ends(range.clone());
         self.presence
@@ -144,7 +143,6 @@ impl LineUp<'_> {
                     interval: slices.interval(number),
                     window: self.window,
                     margin: self.margin,
-                    level: self.level,
                     most_spans: self.most_spans,
                 };
                 stats.spans += scratch.sieve.sift(&question, these, &mut survivors);
@@ -162,7 +160,6 @@ impl LineUp<'_> {
         }
         (scratch.block, scratch.candidates, scratch.counts) = (block, candidates, counts);
         let begin = Instant::now();
-        scratch.sieve.empty(self.level, &mut survivors);
         if survivors.len() > FEW_SURVIVORS {
             scratch.arranger.tidy(&mut survivors, parties.len());
         }

@@ -86,8 +86,8 @@ mod tests {
     use crate::trajectory::{Outside, Segment, State, TimeBase, Trajectory};
     use dashu::rational::RBig;
     use glam::DVec3;
+    use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
-    use rand_chacha::ChaCha8Rng;
 
     fn exact(x: f64) -> RBig {
         RBig::try_from(x).unwrap_or_else(|_| unreachable!("finite"))

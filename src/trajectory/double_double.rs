@@ -8,14 +8,14 @@ use std::ops::{Add, Mul};
 
 /// An unevaluated sum of two f64, the second at most half an ulp of the first.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct DoubleDouble {
+pub(crate) struct DoubleDouble {
     high: f64,
     low: f64,
 }
 
 impl DoubleDouble {
     /// The nearest f64.
-    pub(super) fn rounded(self) -> f64 {
+    pub(crate) fn rounded(self) -> f64 {
         self.high
     }
 
@@ -34,7 +34,7 @@ impl DoubleDouble {
     }
 
     /// `a - b`, exactly.
-    pub(super) fn difference(a: f64, b: f64) -> Self {
+    pub(crate) fn difference(a: f64, b: f64) -> Self {
         Self::sum(a, -b)
     }
 

@@ -14,6 +14,8 @@ mod splice;
 mod state;
 
 pub use build::TimeBase;
+#[cfg(test)]
+pub(crate) use double_double::DoubleDouble;
 pub use outside::Outside;
 pub(crate) use outside::{Pieces, Scope};
 pub use rows::trajectories_from_rows;

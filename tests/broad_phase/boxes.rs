@@ -3,9 +3,9 @@
 use nearmiss::broad_phase::BodyBox;
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
+use rand::rngs::ChaCha8Rng;
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 /// A shape of the world that boxes can be drawn from, in any number.
 #[derive(Clone, Copy, Debug)]

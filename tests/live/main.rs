@@ -16,7 +16,7 @@ use nearmiss::{
     LiveOptions, Monitor, Order, Report, ReportKind, Scene, State, Trajectory, Unsent, Window,
 };
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};

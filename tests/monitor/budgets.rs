@@ -8,7 +8,7 @@ use nearmiss::{
     State, Trajectory, Window,
 };
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use std::time::Duration;
 
 /// A scene's size, and how its bodies fly.

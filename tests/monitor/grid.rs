@@ -106,7 +106,7 @@ fn a_step_over_what_is_known_keeps_it() {
 #[test]
 fn a_scene_that_becomes_another_one_gets_other_slices() {
     const BODIES: usize = 500;
-    let plan = |rng: &mut rand_chacha::ChaCha8Rng, now: f64, speed: f64| {
+    let plan = |rng: &mut rand::rngs::ChaCha8Rng, now: f64, speed: f64| {
         let states = wander(rng, now, 80, 1.0, 200.0, speed);
         Trajectory::from_states(&states).unwrap()
     };

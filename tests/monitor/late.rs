@@ -14,7 +14,7 @@ use nearmiss::{
 #[cfg(feature = "live")]
 use nearmiss::{LiveOptions, Order, ReportKind};
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 #[cfg(feature = "serde")]
 use std::{
     io,

@@ -24,7 +24,7 @@ use nearmiss::{
     Hitbox, Layers, Monitor, Outside, Query, Scene, Sphere, State, Trajectory, Window,
 };
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use reference::{Reference, order, told};
 use scenarios::tick;
 use std::collections::BTreeMap;

@@ -8,7 +8,7 @@ use nearmiss::{
     Window,
 };
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 
 /// A cube (m) and speeds (m/s) with which a body crosses the boxes of most others in every second.
 const CUBE: f64 = 400.0;

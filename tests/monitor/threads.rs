@@ -4,7 +4,7 @@ use super::support::{bits, hash_of, on_threads, rng, wander};
 use super::{LEVELS, is_as_screened};
 use nearmiss::{Body, BodyId, Command, Hitbox, Monitor, Outside, Scene, Trajectory};
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 
 /// So many that threads share the slices, the changed bodies and the reading of what was found.
 const BODIES: usize = 2_000;

@@ -29,13 +29,19 @@ fn build() -> BTreeMap<String, PathBuf> {
         Some(folder) if folder != "debug" => folder.to_str().unwrap(),
         _ => "test",
     };
+    // Also of a test of another member.
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = here
+        .ancestors()
+        .find(|folder| folder.join("Cargo.lock").exists());
+    let root = root.unwrap();
     let built = Command::new(env!("CARGO"))
         .args(["build", "--examples", "--profile", profile])
         .args(["--no-default-features", "--features", &features.join(",")])
         .arg("--target-dir")
         .arg(Path::new(env!("CARGO_TARGET_TMPDIR")).parent().unwrap())
         .arg("--message-format=json-render-diagnostics")
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .current_dir(root)
         .output()
         .unwrap();
     let said = String::from_utf8_lossy(&built.stderr);

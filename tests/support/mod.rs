@@ -8,8 +8,8 @@
 
 use glam::DVec3;
 use nearmiss::{Body, Conflict, Hitbox, Query, Scene, State, Trajectory, Window};
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::num::NonZeroU32;
 

@@ -214,8 +214,8 @@ impl Boxes {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
-    use rand_chacha::ChaCha8Rng;
 
     fn random_box(rng: &mut ChaCha8Rng) -> Aabb {
         let mut corner = || rng.random_range(-100.0..100.0_f32);

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::rounding::exact::number;
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 /// Numbers of very different sizes, so that their sum is rounded, or loses all of one.
 fn any(rng: &mut ChaCha8Rng) -> f64 {

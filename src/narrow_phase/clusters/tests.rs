@@ -13,8 +13,8 @@ use crate::spans::{Span, spans};
 use crate::trajectory::{Outside, Pieces, State, Trajectory};
 use crate::window::Window;
 use glam::DVec3;
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 /// Two bodies and what is asked about them.
 struct Case {

@@ -168,8 +168,8 @@ fn select<R: Real>(first: bool, a: Vector<R>, b: Vector<R>) -> Vector<R> {
 mod tests {
     use super::*;
     use crate::enclosure::exact_differences;
+    use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
-    use rand_chacha::ChaCha8Rng;
 
     /// Bases and differences of all sizes, as integers: also such that cancel in the products.
     #[test]

@@ -5,8 +5,8 @@ use crate::bounds::{Line, Sketch};
 use crate::scene::{Body, Scene};
 use crate::trajectory::{State, Trajectory};
 use glam::DVec3;
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 #[test]
 fn sketches_fill_most_of_their_blocks() {

@@ -4,8 +4,8 @@ use super::*;
 use crate::rounding::exact::{Exact, number};
 use crate::trajectory::{TimeBase, Trajectory};
 use dashu::rational::RBig;
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 const ROUNDS: u32 = 2_000;
 

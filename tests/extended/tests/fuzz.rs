@@ -200,7 +200,7 @@ fn screenings() {
         let Ok(query) = Query::new(window).with_margin(margin) else {
             return;
         };
-        for accuracy in [Accuracy::Fast, Accuracy::Exact, Accuracy::Certified] {
+        for accuracy in [Accuracy::Exact, Accuracy::Certified] {
             let answers = Method::EVERY
                 .map(|method| scene.screen(&query.with_accuracy(accuracy).with_method(method)));
             let [first, rest @ ..] = answers;

@@ -19,7 +19,7 @@ use nearmiss::enclosure::{Effort, OutOfRange, Side, Stretch, Threshold, Uncertai
 use nearmiss::glam::DVec3;
 use oracle_support::{FAMILIES, Polygon};
 use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 
 fn cubic(points: Polygon, error: f64) -> UncertainCubic {
     UncertainCubic::new(points.map(DVec3::from_array), error).unwrap()

@@ -11,7 +11,7 @@
 mod cases;
 #[path = "oracle/check.rs"]
 mod check;
-#[path = "support/example.rs"]
+#[path = "../../support/example.rs"]
 mod example;
 mod oracle_support;
 
@@ -21,7 +21,7 @@ use example::example;
 use glam::DVec3;
 use nearmiss::{BodyId, Certificate, Clip, ClosestApproach, Conflict, Outside, TimeEnclosure};
 use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use std::fmt::Write;
 use std::path::Path;
 

@@ -14,7 +14,7 @@ mod cases;
 mod check;
 #[path = "../oracle_support/mod.rs"]
 mod oracle_support;
-#[path = "../support/mod.rs"]
+#[path = "../../../support/mod.rs"]
 mod support;
 mod together;
 
@@ -22,7 +22,7 @@ use cases::{Case, FAMILIES};
 use check::{Truth, Wrong};
 use indicatif::{ProgressBar, ProgressStyle};
 use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use std::fmt;
 use std::time::{Duration, Instant};
 

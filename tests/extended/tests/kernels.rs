@@ -15,7 +15,7 @@ mod exact;
 mod scales;
 #[path = "kernels/spans.rs"]
 mod spans;
-#[path = "../benches/kernels/workloads.rs"]
+#[path = "../../../benches/kernels/workloads.rs"]
 #[allow(dead_code, reason = "the benchmarks use the names as well")]
 mod workloads;
 
@@ -23,8 +23,8 @@ use exact::Exact;
 use nearmiss::narrow_phase::kernels::{
     ControlPoints, CubicBatch, Enclosure, Level, Verdict, closest_approach, enclose, scalar, within,
 };
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use workloads::Workload;
 
 /// Half the distance from 1 to the next number.

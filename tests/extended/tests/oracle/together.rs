@@ -10,7 +10,7 @@ use crate::support::{bits, on_threads, sliced};
 use glam::DVec3;
 use nearmiss::{Conflict, Method, Scene};
 use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use std::collections::BTreeMap;
 
 /// More bodies than are simply compared with each other, and work for several threads.

@@ -6,6 +6,7 @@
     reason = "a scene that cannot be built or written fails the test"
 )]
 
+#[path = "../../support/mod.rs"]
 mod support;
 
 use glam::DVec3;

@@ -7,7 +7,7 @@
 )]
 
 mod damage;
-#[path = "../support/mod.rs"]
+#[path = "../../../support/mod.rs"]
 mod support;
 mod writers;
 
@@ -17,7 +17,7 @@ use nearmiss::{
     Outside, RecordingError, Replay, Scene, Sphere, State, Trajectory,
 };
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex};
 use support::{rng, vector, wander};

@@ -5,7 +5,7 @@ use crate::oracle_support::FAMILIES;
 use indicatif::{ProgressBar, ProgressStyle};
 use nearmiss::enclosure::Effort;
 use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use std::fmt;
 use std::time::{Duration, Instant};
 

@@ -6,8 +6,8 @@ use crate::oracle_support::{
 };
 use crate::{BITS, rational, state};
 use dashu::rational::RBig;
+use rand::rngs::ChaCha8Rng;
 use rand::{Rng, RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 /// A number with random sign, fraction and an exponent from the range.
 fn number(random: &mut impl Rng, exponents: std::ops::Range<i32>) -> f64 {

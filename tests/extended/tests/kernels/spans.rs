@@ -3,8 +3,8 @@
 use nearmiss::glam::DVec3;
 use nearmiss::narrow_phase::kernels::{Level, SpanBatch, Verdict, scalar};
 use nearmiss::{Segment, State, TimeBase, Trajectory};
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 /// A body near `place` over 100..103 s, with knots at 101 and 102.5.
 fn body(random: &mut ChaCha8Rng, place: DVec3) -> Trajectory {

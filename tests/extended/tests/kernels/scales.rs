@@ -1,8 +1,8 @@
 //! Pairs from rest, at rest, and of every size.
 
 use super::{ControlPoints, Level, approaches, approaches_f32, enclosures, scalar, size};
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 /// From rest: no step downhill is a number where nothing moves.
 #[test]
