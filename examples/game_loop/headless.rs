@@ -29,7 +29,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<String, Failure> {
         if tick % CHECK == 0 {
             game.tally.check(&game.fleet);
         }
-        lag = lag.max(now + LOOKAHEAD - game.fleet.monitor.certified_until());
+        lag = lag.max(now + LOOKAHEAD - game.fleet.monitor.complete_until());
     }
     let Game {
         fleet,
@@ -48,7 +48,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<String, Failure> {
         "{{\"ticks\":{ticks},\"tick_ms_p50\":{:.3},\"tick_ms_p99\":{:.3},\"tick_ms_max\":{:.3},\
          \"replans\":{replans},\"conflicts\":{conflicts},\"events\":{{\"predicted\":{},\
          \"revised\":{},\"withdrawn\":{},\"began\":{},\"ended\":{}}},\"collisions\":{},\
-         \"lost\":{},\"certified_lag_s\":{lag}}}",
+         \"lost\":{},\"lag_s\":{lag}}}",
         percentile(&times, 50),
         percentile(&times, 99),
         percentile(&times, 100),

@@ -9,7 +9,7 @@ use crate::trajectory::Trajectory;
 
 impl Monitor {
     /// Which conflicts at a level the body would have from now to
-    /// [`certified_until`](Self::certified_until) if it followed `plan` from now on. Changes
+    /// [`complete_until`](Self::complete_until) if it followed `plan` from now on. Changes
     /// nothing. The level's margin counts, as for [`conflicts`](Self::conflicts), not its release
     /// margin; so do layers and ignored pairs. A plan that began before now is followed from now on, as one
     /// that is [late](Self::replan) would be. What has changed since the last tick counts; before the

@@ -97,7 +97,7 @@ impl AlertLevel {
 /// Watches a scene as time passes and plans change: a clock, a lookahead, and events, of which none
 /// is lost as long as ticks keep up with the clock. (A body that is put in, taken out or replanned while a
 /// [budget](Self::advance_within) leaves the monitor behind its clock is taken to have been in, gone or so
-/// planned since the last instant of which all was told, [`certified_until`](Self::certified_until).)
+/// planned since the last instant of which all was told, [`complete_until`](Self::complete_until).)
 ///
 /// A monitor owns its [`Scene`]. Between ticks plans change; a tick ([`advance`](Self::advance))
 /// moves the clock and tells what happened. It works with what changes: plans, what comes into the
@@ -112,7 +112,7 @@ impl AlertLevel {
 ///
 /// - After a tick that [has caught up](Self::is_caught_up), [`conflicts`](Self::conflicts) is, bit for bit, what
 ///   [`Scene::screen`] says with the level's margin of the window from now to the end of the
-///   lookahead; else, of the window from now to [`certified_until`](Self::certified_until).
+///   lookahead; else, of the window from now to [`complete_until`](Self::complete_until).
 /// - Every encounter that began has exactly one end, at the latest at [`close`](Self::close).
 ///   [`EventKind`] says what may follow what.
 ///
@@ -345,7 +345,7 @@ impl Monitor {
     /// Before this instant nothing was missing at the last tick, s. The end of the lookahead unless a
     /// budget ran out.
     #[must_use]
-    pub const fn certified_until(&self) -> f64 {
+    pub const fn complete_until(&self) -> f64 {
         self.known
     }
 
@@ -360,7 +360,7 @@ impl Monitor {
         self.known >= self.now + self.lookahead
     }
 
-    /// All conflicts of a level from now to [`certified_until`](Self::certified_until), as of the
+    /// All conflicts of a level from now to [`complete_until`](Self::complete_until), as of the
     /// last tick, sorted by (enter, a, b). None while nothing after now is known, and none for a
     /// level that does not exist.
     #[must_use]

@@ -41,7 +41,7 @@ impl Monitor {
     }
 
     /// The same within a budget, soonest first. When it is spent,
-    /// [`certified_until`](Self::certified_until) says up to when nothing is missing; what happens
+    /// [`complete_until`](Self::complete_until) says up to when nothing is missing; what happens
     /// later waits for later ticks. They go on where this one stopped, also while the clock stands
     /// still, and tell the same events of the clock in the end: but where a plan changes what was at
     /// an instant that one monitor has told and another has not, be it the clock's own, or bodies come and
@@ -61,7 +61,7 @@ impl Monitor {
     ///     ticks += 1;
     /// }
     /// assert!(ticks > 1);
-    /// assert_eq!(monitor.certified_until(), 9.0);
+    /// assert_eq!(monitor.complete_until(), 9.0);
     /// # Ok::<(), nearmiss::Error>(())
     /// ```
     ///

@@ -154,10 +154,10 @@ fn a_flood_and_a_reader_that_sleeps_lose_nothing() {
         let before = memory();
         // The reader sleeps: soon the monitor stands still, and says so.
         std::thread::sleep(duration / 4);
-        let stalled = handle.certified_until();
+        let stalled = handle.complete_until();
         std::thread::sleep(duration / 8);
         assert!(live.reports().is_full());
-        assert_eq!(handle.certified_until().to_bits(), stalled.to_bits());
+        assert_eq!(handle.complete_until().to_bits(), stalled.to_bits());
         read_for(&mut ledger, duration / 4);
         if let (Some(before), Some(after)) = (before, memory()) {
             // Queues of 1,000 plans of 3 kB each, twice, and what the allocator keeps of them.
@@ -180,7 +180,7 @@ fn a_flood_and_a_reader_that_sleeps_lose_nothing() {
             read_for(&mut ledger, Duration::from_millis(5));
             let counts = handle.counts();
             let done = counts.sent == counts.applied + counts.superseded + counts.refused;
-            if done && handle.certified_until() >= handle.now() + LOOKAHEAD {
+            if done && handle.complete_until() >= handle.now() + LOOKAHEAD {
                 break;
             }
             assert!(begin.elapsed() < Duration::from_secs(1), "{counts:?}");
@@ -300,8 +300,8 @@ fn reports_work_in_a_select_and_come_tick_by_tick() {
                     // Of this tick: not before the last one's clock.
                     assert!(event.time >= last);
                 }
-                ReportKind::Ticked { now, certified_until } => {
-                    assert!(now >= last && certified_until <= now + LOOKAHEAD);
+                ReportKind::Ticked { now, complete_until } => {
+                    assert!(now >= last && complete_until <= now + LOOKAHEAD);
                     last = now;
                     ticks += 1;
                 }
@@ -342,7 +342,7 @@ fn a_question_is_answered_in_its_turn() {
     embedded.advance(1.0, &mut Vec::new()).unwrap();
     let _ = handle.advance(1.0).unwrap();
     // Until all is known: an answer before it would be about less.
-    while handle.certified_until() < embedded.certified_until() {
+    while handle.complete_until() < embedded.complete_until() {
         live.reports().recv_timeout(PATIENCE).unwrap();
     }
     let rest = |id| {
@@ -363,12 +363,9 @@ fn a_question_is_answered_in_its_turn() {
             ReportKind::WhatIf {
                 ticket,
                 conflicts,
-                certified_until,
+                complete_until,
             } => {
-                assert_eq!(
-                    (ticket, certified_until),
-                    (asked, embedded.certified_until())
-                );
+                assert_eq!((ticket, complete_until), (asked, embedded.complete_until()));
                 let expected = embedded.what_if(ids[2], &here, 0).unwrap();
                 assert_eq!(bits(&conflicts), bits(&expected));
                 let pair = (ids[1].min(ids[2]), ids[1].max(ids[2]));
@@ -462,9 +459,7 @@ fn the_smallest_budget_gets_there() {
     for now in [1.0, 1.7e9] {
         live.handle().advance(now).unwrap();
         let is_there = |report: &Report| match &report.kind {
-            ReportKind::Ticked {
-                certified_until, ..
-            } => *certified_until >= now + LOOKAHEAD,
+            ReportKind::Ticked { complete_until, .. } => *complete_until >= now + LOOKAHEAD,
             _ => false,
         };
         let mut reports = live.reports().iter().take(100_000);

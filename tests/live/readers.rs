@@ -79,7 +79,7 @@ fn orders_are_stopped_and_reports_read_to_the_end() {
         // Caught up with the last order before it ends.
         let end = ReportKind::Ticked {
             now: 1.0,
-            certified_until: 1.0 + LOOKAHEAD,
+            complete_until: 1.0 + LOOKAHEAD,
         };
         assert_eq!(read.last().map(|report| &report.kind), Some(&end));
         let stopped = live.shutdown().unwrap();
@@ -100,9 +100,7 @@ fn orders_are_stopped_whatever_the_monitor_does() {
     let (monitor, _) = crowd(1, 10);
     let live = monitor.spawn(LiveOptions::default()).unwrap();
     let caught_up = |report: Report| match report.kind {
-        ReportKind::Ticked {
-            certified_until, ..
-        } => certified_until >= LOOKAHEAD,
+        ReportKind::Ticked { complete_until, .. } => complete_until >= LOOKAHEAD,
         _ => false,
     };
     while !caught_up(live.reports().recv_timeout(PATIENCE).unwrap()) {}

@@ -177,14 +177,14 @@ const LEVEL: AlertLevel = AlertLevel {
 fn catch_up(monitor: &mut Monitor, now: f64, time: Duration, told: &mut Vec<Event>) -> u32 {
     let mut calls: u32 = 0;
     loop {
-        let known = monitor.certified_until();
+        let known = monitor.complete_until();
         monitor
             .advance_within(now, Budget::Time(time), told)
             .unwrap();
-        assert!(monitor.certified_until() >= known, "{known} was known");
+        assert!(monitor.complete_until() >= known, "{known} was known");
         calls += 1;
         // Screenings take longer than the ticks.
-        if monitor.certified_until() > now && calls.is_multiple_of(16) {
+        if monitor.complete_until() > now && calls.is_multiple_of(16) {
             is_as_screened(monitor, LEVEL);
         }
         if monitor.is_caught_up() {
@@ -221,10 +221,10 @@ fn a_little_time_again_and_again_is_enough() {
         for step in 1..20 {
             let now = 0.1 * f64::from(step);
             rich.advance(now, &mut events).unwrap();
-            let known = poor.certified_until();
+            let known = poor.complete_until();
             poor.advance_within(now, Budget::Time(time), &mut late)
                 .unwrap();
-            assert!(poor.certified_until() >= known, "{known} was known");
+            assert!(poor.complete_until() >= known, "{known} was known");
         }
         catch_up(&mut poor, rich.now(), time, &mut late);
         assert_eq!(lived(&late), lived(&events));
@@ -267,7 +267,7 @@ fn nothing_is_missing_that_begins_where_a_budget_ends() {
         monitor
             .advance_within(NOW, budget, &mut Vec::new())
             .unwrap();
-        let certain = monitor.certified_until();
+        let certain = monitor.complete_until();
         ends += u32::from(NOW < certain && certain <= cut);
         let query = Query::new(Window::new(NOW, certain).unwrap());
         let query = query.with_margin(1.0).unwrap();

@@ -55,7 +55,7 @@ fn refuse_and_go_on((to, steps): (f64, u32), budget: Budget) {
     let (mut events, mut as_roomy) = (Vec::new(), Vec::new());
     let state = |monitor: &Monitor| {
         let conflicts = bits(monitor.conflicts(0));
-        (monitor.now(), monitor.certified_until(), conflicts)
+        (monitor.now(), monitor.complete_until(), conflicts)
     };
     let mut step = 0;
     let now = loop {

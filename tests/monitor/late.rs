@@ -256,7 +256,7 @@ fn random_late_plans(seed: u64, history: f64, seen: &mut Seen) {
         events.clear();
         monitor.advance_within(now, budget, &mut events).unwrap();
         ledger.read(&events);
-        let known = monitor.certified_until();
+        let known = monitor.complete_until();
         let mut expected = reference.tick(monitor.scene(), now, known);
         expected.sort_by(order);
         let mut found: Vec<_> = events.iter().map(told).collect();
@@ -360,7 +360,7 @@ fn a_backlog_loses_no_late_plan() {
         .iter()
         .map(|order| game.send(order.clone()).unwrap())
         .collect();
-    while game.certified_until() < 4.0 {
+    while game.complete_until() < 4.0 {
         std::thread::yield_now();
     }
     let stopped = live.shutdown().unwrap();

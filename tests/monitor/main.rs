@@ -207,7 +207,7 @@ fn one_shot(monitor: &Monitor, level: AlertLevel, until: f64) -> Vec<Vec<u64>> {
 
 /// The first level's conflicts, as of a tick, against a screening.
 fn is_as_screened(monitor: &Monitor, level: AlertLevel) {
-    let screened = one_shot(monitor, level, monitor.certified_until());
+    let screened = one_shot(monitor, level, monitor.complete_until());
     assert_eq!(bits(monitor.conflicts(0)), screened);
 }
 
@@ -274,7 +274,7 @@ fn long_run(seed: u64, lookahead: f64) {
         ledger.read(&events);
         count += events.len();
         assert!(events.is_sorted_by(|x, y| x.order(y).is_le()));
-        let known = monitor.certified_until();
+        let known = monitor.complete_until();
         // Two encounters of one pair at one level may change in one tick: their order is open.
         let mut expected = reference.tick(monitor.scene(), now, known);
         expected.sort_by(order);
@@ -348,7 +348,7 @@ fn equals_one_shot_screening_with_many_bodies() {
             _ => Budget::Unlimited,
         };
         monitor.advance_within(now, budget, &mut events).unwrap();
-        let known = monitor.certified_until();
+        let known = monitor.complete_until();
         for (index, level) in LEVELS.into_iter().enumerate() {
             let expected = if known > now {
                 one_shot(&monitor, level, known)

@@ -92,7 +92,7 @@ fn change(rng: &mut ChaCha8Rng, monitor: &mut Monitor, ids: &mut [BodyId]) {
 /// Asks about an idea for a body: as many conflicts as a screening finds, and the same.
 fn ask(monitor: &Monitor, id: BodyId, idea: &Trajectory, level: usize) -> usize {
     let would = monitor.what_if(id, idea, level).unwrap();
-    let window = (monitor.now(), monitor.certified_until());
+    let window = (monitor.now(), monitor.complete_until());
     let mut screened = Vec::new();
     if window.0 < window.1 {
         let mut scene = monitor.scene().clone();
@@ -131,7 +131,7 @@ fn what_if_is_as_screened_where_many_slices_are_crossed() {
                 let slices = monitor.stats().slices;
                 assert!(slices > 60, "{slices}");
             }
-            in_part += u32::from(!monitor.is_caught_up() && monitor.certified_until() > now);
+            in_part += u32::from(!monitor.is_caught_up() && monitor.complete_until() > now);
             for question in 0..8 {
                 let id = ids[rng.random_range(0..ids.len())];
                 let own = &monitor.scene().body(id).unwrap().trajectory;
@@ -183,7 +183,7 @@ fn what_if_sees_what_has_changed_since_the_last_tick() {
             let would = monitor.what_if(ids[own], &idea, 0).unwrap();
             let mut changed = monitor.scene().clone();
             changed.set_trajectory(ids[own], idea.clone()).unwrap();
-            let window = Window::new(monitor.now(), monitor.certified_until()).unwrap();
+            let window = Window::new(monitor.now(), monitor.complete_until()).unwrap();
             let query = Query::new(window).with_margin(level.margin).unwrap();
             let mut screened = changed.screen(&query).unwrap().conflicts;
             screened.retain(|one| one.a == ids[own] || one.b == ids[own]);

@@ -67,7 +67,7 @@ pub struct Counts {
 #[derive(Debug)]
 pub(super) struct Shared {
     now: AtomicU64,
-    certified_until: AtomicU64,
+    complete_until: AtomicU64,
     sent: AtomicU64,
     applied: AtomicU64,
     superseded: AtomicU64,
@@ -78,10 +78,10 @@ pub(super) struct Shared {
 }
 
 impl Shared {
-    pub(super) fn publish(&self, now: f64, certified_until: f64) {
+    pub(super) fn publish(&self, now: f64, complete_until: f64) {
         self.now.store(now.to_bits(), Ordering::Release);
-        self.certified_until
-            .store(certified_until.to_bits(), Ordering::Release);
+        self.complete_until
+            .store(complete_until.to_bits(), Ordering::Release);
     }
 
     pub(super) fn applied(&self) {
@@ -114,12 +114,12 @@ pub struct Handle {
 }
 
 impl Handle {
-    pub(super) fn new(orders: Sender<(Ticket, Order)>, now: f64, certified_until: f64) -> Self {
+    pub(super) fn new(orders: Sender<(Ticket, Order)>, now: f64, complete_until: f64) -> Self {
         Self {
             orders,
             shared: Arc::new(Shared {
                 now: AtomicU64::new(now.to_bits()),
-                certified_until: AtomicU64::new(certified_until.to_bits()),
+                complete_until: AtomicU64::new(complete_until.to_bits()),
                 sent: AtomicU64::new(0),
                 applied: AtomicU64::new(0),
                 superseded: AtomicU64::new(0),
@@ -216,8 +216,8 @@ impl Handle {
     /// Before this nothing was missing at the last tick, s (orders applied since are looked at with the
     /// next one), and all events up to the clock have been reported or wait to be read.
     #[must_use]
-    pub fn certified_until(&self) -> f64 {
-        f64::from_bits(self.shared.certified_until.load(Ordering::Acquire))
+    pub fn complete_until(&self) -> f64 {
+        f64::from_bits(self.shared.complete_until.load(Ordering::Acquire))
     }
 
     /// What has become of the orders so far.

@@ -69,7 +69,7 @@ pub enum ReportKind {
         /// The clock, s.
         now: f64,
         /// Before this nothing is missing, s.
-        certified_until: f64,
+        complete_until: f64,
     },
     /// An order put bodies into the scene.
     Inserted {
@@ -93,7 +93,7 @@ pub enum ReportKind {
         /// What the body would meet, as [`Monitor::what_if`] says it.
         conflicts: Vec<Conflict>,
         /// What lies later is not in it, s.
-        certified_until: f64,
+        complete_until: f64,
     },
     /// An order was refused, and changed nothing. (What it had [superseded](super::Order) is gone.)
     Refused {
@@ -126,7 +126,7 @@ pub enum ReportKind {
 ///   applied is not reported on its own: it was, once a later order is. A late plan is, if it is followed
 ///   from later on than it says: [`ReportKind::Late`].
 /// - Reports come in order, [numbered](Report::sequence) without a gap, and each goes to one reader. A reader that
-///   stalls stalls the monitor, not the senders: [`Handle::certified_until`] then stands still.
+///   stalls stalls the monitor, not the senders: [`Handle::complete_until`] then stands still.
 /// - After [`Live::stop_orders`] all that was sent before is carried out, and then [`Live::reports`] ends. One
 ///   reader that goes on to that end, on whatever thread, has every report in order: none is left for `shutdown`.
 /// - A tick works within [`LiveOptions::budget`] at a time; what is left is caught up while no
@@ -225,7 +225,7 @@ impl Monitor {
         let (orders_in, orders) = bounded(options.orders);
         let (reports_in, reports) = bounded(options.reports);
         let (stop, stopped) = bounded(1);
-        let handle = Handle::new(orders_in, self.now(), self.certified_until());
+        let handle = Handle::new(orders_in, self.now(), self.complete_until());
         let interrupt = Arc::new(AtomicBool::new(false));
         self.interrupt = Some(Arc::clone(&interrupt));
         let worker = Worker::new(

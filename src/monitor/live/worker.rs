@@ -181,7 +181,7 @@ impl Worker {
                     Some(ReportKind::WhatIf {
                         ticket,
                         conflicts,
-                        certified_until: self.monitor.certified_until(),
+                        complete_until: self.monitor.complete_until(),
                     })
                 })
             }
@@ -218,7 +218,7 @@ impl Worker {
         self.events.clear();
         let budget = Budget::Time(self.options.budget);
         self.monitor.advance_within(now, budget, &mut self.events)?;
-        let (now, certified_until) = (self.monitor.now(), self.monitor.certified_until());
+        let (now, complete_until) = (self.monitor.now(), self.monitor.complete_until());
         let mut events = std::mem::take(&mut self.events);
         for event in events.drain(..) {
             self.report(ReportKind::Event(event));
@@ -226,9 +226,9 @@ impl Worker {
         self.events = events;
         self.report(ReportKind::Ticked {
             now,
-            certified_until,
+            complete_until,
         });
-        self.shared.publish(now, certified_until);
+        self.shared.publish(now, complete_until);
         Ok(())
     }
 
