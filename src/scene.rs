@@ -312,7 +312,7 @@ impl Scene {
     /// # Errors
     ///
     /// [`Error::UnknownBody`], [`Error::SameBody`].
-    pub fn heed_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
+    pub fn unignore_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
         let pair = self.pair(a, b)?;
         self.ignored.remove(pair);
         Ok(())

@@ -403,6 +403,6 @@ fn layers_and_ignored_pairs() {
     assert_eq!(pairs(&scene), [(0, 1), (0, 2), (0, 3), (1, 2)]);
     scene.ignore_pair(ids[2], ids[0]).unwrap();
     assert_eq!(pairs(&scene), [(0, 1), (0, 3), (1, 2)]);
-    scene.heed_pair(ids[0], ids[2]).unwrap();
+    scene.unignore_pair(ids[0], ids[2]).unwrap();
     assert_eq!(pairs(&scene).len(), 4);
 }

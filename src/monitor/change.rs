@@ -1,7 +1,7 @@
 //! Changes between ticks: each is checked as a whole before any of it takes effect.
 
 use super::Monitor;
-use super::command::{Batch, Command, Heed, Terms};
+use super::command::{Batch, Command, PairRule, Terms};
 use super::event::EndReason;
 use super::flights::Flight;
 use super::grid::{Grid, Review, Signs};
@@ -239,10 +239,10 @@ impl Monitor {
     /// ids were found.
     fn take_over(&mut self, batch: &mut Batch) -> Result<Vec<BodyId>, Error> {
         // Of bodies, some of which may be removed below.
-        for &(a, b, heed) in &batch.pairs {
-            match heed {
-                Heed::Ignored => self.ignore(a, b)?,
-                Heed::Watched => self.heed(a, b)?,
+        for &(a, b, rule) in &batch.pairs {
+            match rule {
+                PairRule::Ignored => self.ignore(a, b)?,
+                PairRule::Unignored => self.unignore(a, b)?,
             }
         }
         for place in 0..batch.changed.len() {
@@ -294,20 +294,20 @@ impl Monitor {
         Ok(())
     }
 
-    /// Watches a pair again.
+    /// Takes a pair in again that was left out.
     ///
     /// # Errors
     ///
     /// [`Error::UnknownBody`], [`Error::SameBody`].
-    pub fn heed_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
-        self.heed(a, b)?;
+    pub fn unignore_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
+        self.unignore(a, b)?;
         #[cfg(feature = "serde")]
-        self.write_down(|| Record::Heed(a, b));
+        self.write_down(|| Record::Unignore(a, b));
         Ok(())
     }
 
-    fn heed(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
-        self.scene.heed_pair(a, b)?;
+    fn unignore(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
+        self.scene.unignore_pair(a, b)?;
         // Either will do: the one that costs less to look for.
         let spheres = |id| self.scene.body(id).map(|body| body.hitbox.spheres().len());
         let simpler = if spheres(a) <= spheres(b) { a } else { b };

@@ -36,8 +36,8 @@ pub enum Command {
     Extend(BodyId, Trajectory),
     /// Leaves a pair out: see [`Monitor::ignore_pair`](crate::Monitor::ignore_pair).
     IgnorePair(BodyId, BodyId),
-    /// Watches a pair again.
-    HeedPair(BodyId, BodyId),
+    /// Takes a pair in again that was left out.
+    UnignorePair(BodyId, BodyId),
 }
 
 /// What all changes are worked out with.
@@ -100,14 +100,14 @@ pub(super) struct Batch {
     place_of: Vec<usize>,
     pub(super) inserted: Vec<(Body, Flight)>,
     /// Pairs that are to be ignored, or no more, in the order of the commands.
-    pub(super) pairs: Vec<(BodyId, BodyId, Heed)>,
+    pub(super) pairs: Vec<(BodyId, BodyId, PairRule)>,
 }
 
-/// What becomes of a pair.
+/// The rule for a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Heed {
+pub(super) enum PairRule {
     Ignored,
-    Watched,
+    Unignored,
 }
 
 /// What of a body is replaced.
@@ -229,10 +229,12 @@ impl Batch {
                 return Ok(());
             }
             Command::IgnorePair(a, b) => {
-                return self.pair(scene, (a, b), Heed::Ignored).map_err(refuse);
+                return self.pair(scene, (a, b), PairRule::Ignored).map_err(refuse);
             }
-            Command::HeedPair(a, b) => {
-                return self.pair(scene, (a, b), Heed::Watched).map_err(refuse);
+            Command::UnignorePair(a, b) => {
+                return self
+                    .pair(scene, (a, b), PairRule::Unignored)
+                    .map_err(refuse);
             }
             Command::Remove(id)
             | Command::SetTrajectory(id, _)
@@ -243,7 +245,7 @@ impl Batch {
         };
         let revision = self.revision(scene, id, number).map_err(refuse)?;
         match command {
-            Command::Insert(_) | Command::IgnorePair(..) | Command::HeedPair(..) => {}
+            Command::Insert(_) | Command::IgnorePair(..) | Command::UnignorePair(..) => {}
             Command::Remove(_) => revision.is_removed = true,
             Command::SetTrajectory(_, trajectory) => {
                 revision.splice(scene, terms)?;
@@ -259,7 +261,12 @@ impl Batch {
     }
 
     /// Notes what becomes of a pair.
-    fn pair(&mut self, scene: &Scene, (a, b): (BodyId, BodyId), heed: Heed) -> Result<(), Error> {
+    fn pair(
+        &mut self,
+        scene: &Scene,
+        (a, b): (BodyId, BodyId),
+        rule: PairRule,
+    ) -> Result<(), Error> {
         for id in [a, b] {
             let place = self.place_of.get(id.slot as usize);
             let known = place.and_then(|&place| self.changed.get(place));
@@ -268,7 +275,7 @@ impl Batch {
             }
         }
         let (a, b) = scene.pair(a, b)?;
-        self.pairs.push((a, b, heed));
+        self.pairs.push((a, b, rule));
         Ok(())
     }
 

@@ -116,9 +116,9 @@ fn change(rng: &mut ChaCha8Rng, monitor: &mut Monitor, ids: &mut Vec<BodyId>, cu
             match rng.random_range(0..4) {
                 _ if a == b => {}
                 0 => monitor.ignore_pair(a, b).unwrap(),
-                1 => monitor.heed_pair(a, b).unwrap(),
+                1 => monitor.unignore_pair(a, b).unwrap(),
                 2 => drop(monitor.apply([Command::IgnorePair(a, b)]).unwrap()),
-                _ => drop(monitor.apply([Command::HeedPair(b, a)]).unwrap()),
+                _ => drop(monitor.apply([Command::UnignorePair(b, a)]).unwrap()),
             }
         }
         5 => {

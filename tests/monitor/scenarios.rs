@@ -285,7 +285,7 @@ fn pairs_are_ignored_with_other_changes_or_not_at_all() {
     for refused in [
         [
             Command::IgnorePair(id, other),
-            Command::HeedPair(other, other),
+            Command::UnignorePair(other, other),
         ],
         [Command::Remove(other), Command::IgnorePair(other, id)],
     ] {
@@ -296,10 +296,13 @@ fn pairs_are_ignored_with_other_changes_or_not_at_all() {
     monitor.apply([Command::IgnorePair(other, id)]).unwrap();
     assert_eq!(kinds(&tick(&mut monitor, 0.0)), ["withdrawn 0"]);
     // In their order; and with a body that goes its pairs go.
-    let twice = [Command::HeedPair(id, other), Command::IgnorePair(id, other)];
+    let twice = [
+        Command::UnignorePair(id, other),
+        Command::IgnorePair(id, other),
+    ];
     monitor.apply(twice).unwrap();
     assert_eq!(kinds(&tick(&mut monitor, 0.0)), [""; 0]);
-    monitor.apply([Command::HeedPair(id, other)]).unwrap();
+    monitor.apply([Command::UnignorePair(id, other)]).unwrap();
     assert_eq!(kinds(&tick(&mut monitor, 0.0)), ["predicted 0"]);
     let both = [Command::IgnorePair(id, other), Command::Remove(other)];
     monitor.apply(both).unwrap();

@@ -24,7 +24,7 @@ pub(in crate::monitor) enum Record {
     Insert(Body),
     Remove(BodyId),
     Ignore(BodyId, BodyId),
-    Heed(BodyId, BodyId),
+    Unignore(BodyId, BodyId),
     LeastChange(LeastChange),
     /// s.
     History(#[serde(with = "super::number")] f64),

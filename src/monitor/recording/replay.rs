@@ -53,7 +53,7 @@ use std::io::{BufRead, Read};
 /// | `begin` | the monitor: scene with its slots, clock, lookahead, levels, encounters; first and only once |
 /// | `apply` | a batch of commands that was applied |
 /// | `insert`, `remove` | a body put in or taken out by itself |
-/// | `ignore`, `heed` | a pair of ids |
+/// | `ignore`, `unignore` | a pair of ids |
 /// | `least_change`, `history`, `most_spans` | settings |
 /// | `tick` | the clock, up to when everything was known after it, and the work done in it (as a [budget](crate::Budget::Work) counts it) |
 /// | `anew` | a tick failed, and all is looked at anew |
@@ -197,7 +197,7 @@ impl<R: BufRead> Replay<R> {
             Record::Insert(body) => drop(monitor.insert(body).map_err(refused)?),
             Record::Remove(id) => drop(monitor.remove(id).map_err(refused)?),
             Record::Ignore(a, b) => monitor.ignore_pair(a, b).map_err(refused)?,
-            Record::Heed(a, b) => monitor.heed_pair(a, b).map_err(refused)?,
+            Record::Unignore(a, b) => monitor.unignore_pair(a, b).map_err(refused)?,
             Record::LeastChange(least) => monitor.set_least_change(least).map_err(refused)?,
             Record::History(history) => monitor.set_history(history).map_err(refused)?,
             Record::MostSpans(limit) => monitor.set_most_spans(limit),

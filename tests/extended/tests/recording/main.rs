@@ -98,7 +98,7 @@ fn live_on(monitor: &mut Monitor, rng: &mut ChaCha8Rng, events: &mut Vec<Event>)
             3 => Command::SetTrajectory(id, plan),
             4 => Command::SetHitbox(id, body(rng, now).hitbox),
             5 if id != ids[0] => Command::IgnorePair(id, ids[0]),
-            6 if id != ids[0] => Command::HeedPair(ids[0], id),
+            6 if id != ids[0] => Command::UnignorePair(ids[0], id),
             _ => Command::SetLayers(id, body(rng, now).layers),
         });
     }
@@ -108,7 +108,7 @@ fn live_on(monitor: &mut Monitor, rng: &mut ChaCha8Rng, events: &mut Vec<Event>)
         0 => drop(monitor.insert(body(rng, now)).unwrap()),
         1 if ids.len() > 6 => drop(monitor.remove(ids[rng.random_range(0..ids.len())]).unwrap()),
         2 if ids.len() > 6 => drop(monitor.ignore_pair(ids[3], ids[4])),
-        3 if ids.len() > 6 => drop(monitor.heed_pair(ids[3], ids[4])),
+        3 if ids.len() > 6 => drop(monitor.unignore_pair(ids[3], ids[4])),
         4 => monitor.set_history(rng.random_range(0.0..3.0)).unwrap(),
         5 => monitor
             .set_least_change(LeastChange {
