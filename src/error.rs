@@ -6,7 +6,7 @@ use std::fmt;
 /// Magnitude beyond which an input, or a quantity that follows from it, is refused (SI units).
 ///
 /// Up to it no linear stage of the pipeline can overflow; squares are taken on scaled numbers.
-pub const LARGEST_MAGNITUDE: f64 = 1e300;
+pub const MAX_MAGNITUDE: f64 = 1e300;
 
 /// Which number of an input an error speaks of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,7 +90,7 @@ pub enum Error {
         /// Its value.
         value: f64,
     },
-    /// A number, or one that follows from it, is larger than [`LARGEST_MAGNITUDE`].
+    /// A number, or one that follows from it, is larger than [`MAX_MAGNITUDE`].
     #[error("knot {knot}: {quantity} reaches {value:e}, beyond ±1e300")]
     OutOfRange {
         /// The knot, counted from 0.
@@ -107,7 +107,7 @@ pub enum Error {
         knot: usize,
     },
     /// A body cannot be followed so far beyond its knots: more than 1e100 times the duration of what
-    /// carries it there, or to times far beyond [`LARGEST_MAGNITUDE`].
+    /// carries it there, or to times far beyond [`MAX_MAGNITUDE`].
     #[error("knot {knot}: {time:?} s is too far from it to follow the body to")]
     TooFar {
         /// The knot that it is followed from, counted from 0.
@@ -179,8 +179,8 @@ pub enum Error {
          (the lookahead) or the margin, or raise the limit"
     )]
     TooCrowded {
-        /// How many were allowed for; see [`Query::with_most_spans`](crate::Query::with_most_spans)
-        /// and [`Monitor::set_most_spans`](crate::Monitor::set_most_spans).
+        /// How many were allowed for; see [`Query::with_max_spans`](crate::Query::with_max_spans)
+        /// and [`Monitor::set_max_spans`](crate::Monitor::set_max_spans).
         limit: usize,
     },
     /// The id names no body of this scene (it may have been removed).

@@ -3,7 +3,7 @@
 //! A hitbox is a sphere, or a cluster of spheres fixed in the body's frame. To the narrow phase
 //! it is a list of spheres on the body's cubic segments, with one bounding sphere tried first.
 
-use crate::error::{Error, LARGEST_MAGNITUDE};
+use crate::error::{Error, MAX_MAGNITUDE};
 use crate::rounding::{UNIT_ROUNDOFF, norm};
 use glam::DVec3;
 
@@ -140,14 +140,14 @@ impl Default for Hitbox {
 
 fn check(index: usize, sphere: &Sphere) -> Result<(), Error> {
     let radius = sphere.radius;
-    if !(0.0..=LARGEST_MAGNITUDE).contains(&radius) {
+    if !(0.0..=MAX_MAGNITUDE).contains(&radius) {
         return Err(Error::Radius {
             sphere: index,
             radius,
         });
     }
     for value in sphere.offset.to_array() {
-        if value.is_nan() || value.abs() > LARGEST_MAGNITUDE {
+        if value.is_nan() || value.abs() > MAX_MAGNITUDE {
             return Err(Error::Offset {
                 sphere: index,
                 value,

@@ -106,7 +106,7 @@ pub use broad_phase::Method;
 pub use conflict::{Clip, ClosestApproach, Conflict};
 #[cfg(feature = "live")]
 pub use crossbeam_channel;
-pub use error::{Error, LARGEST_MAGNITUDE, Quantity};
+pub use error::{Error, MAX_MAGNITUDE, Quantity};
 pub use glam;
 pub use hitbox::{Hitbox, Sphere};
 pub use id::BodyId;

@@ -2,7 +2,7 @@
 
 use crate::accuracy::Accuracy;
 use crate::broad_phase::{Level, Method};
-use crate::error::{Error, LARGEST_MAGNITUDE};
+use crate::error::{Error, MAX_MAGNITUDE};
 use crate::window::Window;
 use std::num::NonZeroU32;
 
@@ -28,7 +28,7 @@ pub struct Query {
     method: Method,
     accuracy: Accuracy,
     slices: Option<NonZeroU32>,
-    most_spans: usize,
+    max_spans: usize,
     level: Level,
 }
 
@@ -42,7 +42,7 @@ impl Default for Query {
             method: Method::default(),
             accuracy: Accuracy::default(),
             slices: None,
-            most_spans: Self::MOST_SPANS,
+            max_spans: Self::MAX_SPANS,
             level: Level::best(),
         }
     }
@@ -51,7 +51,7 @@ impl Default for Query {
 impl Query {
     /// Spans that may hold a conflict, if nothing else is said: 2^24. Their conflicts take up to
     /// 4 GiB, and as much again while they are put in order.
-    pub const MOST_SPANS: usize = 1 << 24;
+    pub const MAX_SPANS: usize = 1 << 24;
 
     /// Conflicts within `window`, margin 0.
     #[must_use]
@@ -69,7 +69,7 @@ impl Query {
     ///
     /// [`Error::Margin`] if it is NaN, infinite or beyond ±1e300.
     pub fn with_margin(mut self, margin: f64) -> Result<Self, Error> {
-        if margin.is_nan() || margin.abs() > LARGEST_MAGNITUDE {
+        if margin.is_nan() || margin.abs() > MAX_MAGNITUDE {
             return Err(Error::Margin { margin });
         }
         self.margin = margin;
@@ -92,7 +92,7 @@ impl Query {
 
     /// The same query with the window cut into this many slices, instead of as many as are
     /// expected to cost least: for measuring how good that choice is. The answer is the same, if
-    /// there is room for the candidates of a slice (2^26, or [`most_spans`](Self::most_spans) if that is more).
+    /// there is room for the candidates of a slice (2^26, or [`max_spans`](Self::max_spans) if that is more).
     /// No more than a million are cut.
     #[must_use]
     pub const fn with_slices(mut self, slices: NonZeroU32) -> Self {
@@ -106,8 +106,8 @@ impl Query {
     /// bodies are in one place they are as many as the pairs; then a screening ends with
     /// [`Error::TooCrowded`] instead of filling the memory.
     #[must_use]
-    pub const fn with_most_spans(mut self, limit: usize) -> Self {
-        self.most_spans = limit;
+    pub const fn with_max_spans(mut self, limit: usize) -> Self {
+        self.max_spans = limit;
         self
     }
 
@@ -139,8 +139,8 @@ impl Query {
 
     /// Room for spans that may hold a conflict.
     #[must_use]
-    pub const fn most_spans(&self) -> usize {
-        self.most_spans
+    pub const fn max_spans(&self) -> usize {
+        self.max_spans
     }
 
     /// Whose instructions are used.

@@ -82,7 +82,7 @@ pub(crate) fn normalising_power(magnitude: f64) -> f64 {
     match exponent {
         // Zero and subnormal: the largest power of two whose inverse is still normal.
         0 => f64::from_bits(0x7fd_u64 << 52),
-        // 2^1023 and above would need a subnormal factor: not reached below `LARGEST_MAGNITUDE`.
+        // 2^1023 and above would need a subnormal factor: not reached below `MAX_MAGNITUDE`.
         0x7fe | 0x7ff => 1.0,
         normal => f64::from_bits((0x7fe - normal) << 52),
     }

@@ -137,7 +137,7 @@ fn a_storm_is_refused_in_little_memory() {
         140.0 * DVec3::new(angle.cos(), angle.sin(), 0.0)
     });
     let mut monitor = monitor(scene, 0.0);
-    monitor.set_most_spans(100_000);
+    monitor.set_max_spans(100_000);
     let mut events = Vec::new();
     for now in [0.0, 0.0, 0.1] {
         let done = monitor.advance(now, &mut events);
@@ -162,13 +162,13 @@ fn at_one_place(count: u32, layers: impl Fn(u32) -> Layers) -> (Scene, Vec<BodyI
 fn one_place_is_refused_in_little_memory() {
     let _one = alone();
     let (scene, _) = at_one_place(100_000, |_| Layers::ALL);
-    let limit = Query::MOST_SPANS;
+    let limit = Query::MAX_SPANS;
     let refused = scene.screen(&Query::default()).unwrap_err();
     assert_eq!(refused, Error::TooCrowded { limit });
     let mut monitor = monitor(scene, 0.0);
     for now in [0.0, 0.0, 0.1] {
         let done = monitor.advance(now, &mut Vec::new());
-        let limit = Monitor::MOST_SPANS;
+        let limit = Monitor::MAX_SPANS;
         assert_eq!(done, Err(Error::TooCrowded { limit }));
     }
     let peak = PEAK.load(Ordering::Relaxed);

@@ -84,7 +84,7 @@ fn compare(name: &str, intervals: &str, threshold: f64, time_tolerance: f64) {
 /// Other methods, slicings and numbers of threads than the defaults', which gave this answer.
 fn check_ways(name: &str, scene: &Scene, query: &Query, answer: &[Conflict]) {
     /// What takes seconds each time is asked once, above.
-    const MOST: usize = 5_000;
+    const MAX: usize = 5_000;
     const WAYS: [(Method, u32, usize); 7] = [
         (Method::Sweep, 0, 1),
         (Method::Sweep, 7, 2),
@@ -94,7 +94,7 @@ fn check_ways(name: &str, scene: &Scene, query: &Query, answer: &[Conflict]) {
         (Method::Tree, 100, 2),
         (Method::BruteForce, 0, 4),
     ];
-    if scene.len() > MOST {
+    if scene.len() > MAX {
         return;
     }
     for way in WAYS {

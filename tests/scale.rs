@@ -210,18 +210,18 @@ fn a_crowd_is_refused_beyond_its_limit() {
         let (found, stats) = screened(&small, &query);
         assert_eq!(found.len(), 199 * 100);
         let spans = usize::try_from(stats.survivors).unwrap();
-        let (again, _) = screened(&small, &query.with_most_spans(spans));
+        let (again, _) = screened(&small, &query.with_max_spans(spans));
         assert_eq!(bits(&again), bits(&found));
         let refused = Error::TooCrowded { limit: spans - 1 };
-        let query = query.with_most_spans(spans - 1);
+        let query = query.with_max_spans(spans - 1);
         assert_eq!(small.screen(&query).err(), Some(refused));
         // Nothing is left of it.
-        let query = query.with_most_spans(spans);
+        let query = query.with_max_spans(spans);
         assert_eq!(bits(&screened(&small, &query).0), bits(&found));
     }
     // Twice as many candidates as there is room for in one slice.
     let refused = Error::TooCrowded {
-        limit: Query::MOST_SPANS,
+        limit: Query::MAX_SPANS,
     };
     assert_eq!(crowd(16_400).screen(&query).err(), Some(refused));
 }

@@ -228,7 +228,7 @@ fn a_short_crowd_is_refused_like_a_long_one() {
     scene
         .insert(Body::new(Trajectory::from_states(&ends).unwrap()))
         .unwrap();
-    let refused = scene.screen(&Query::default().with_most_spans(1_000));
+    let refused = scene.screen(&Query::default().with_max_spans(1_000));
     let refused = refused.map(|screening| screening.conflicts);
     assert_eq!(refused, Err(Error::TooCrowded { limit: 1_000 }));
 }

@@ -26,7 +26,7 @@ pub(crate) const LEVEL_COLOURS: [Color; 3] = [
 ];
 
 /// Labels at most.
-const MOST_LABELS: usize = 16;
+const MAX_LABELS: usize = 16;
 /// Triangles in one draw call.
 const BATCH: usize = 15_000;
 
@@ -271,7 +271,7 @@ fn draw_labels(game: &Game, camera: &Camera3D, encounters: &[Encounter]) {
     // What can still be avoided, and matters most, before what goes on.
     let mut urgent: Vec<&Encounter> = encounters.iter().collect();
     urgent.sort_by_key(|encounter| (encounter.enter <= now, std::cmp::Reverse(encounter.level)));
-    for encounter in urgent.into_iter().take(MOST_LABELS) {
+    for encounter in urgent.into_iter().take(MAX_LABELS) {
         let closest = &encounter.closest;
         let middle = (closest.position_a + closest.position_b) * 0.5;
         let Some(at) = on_screen(camera, vector(middle)) else {

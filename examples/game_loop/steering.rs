@@ -6,7 +6,7 @@ use nearmiss::{BodyId, Conflict, Error, Trajectory};
 use std::collections::BTreeSet;
 
 /// Plans that a body thinks of before it takes the best of them.
-const MOST_IDEAS: u32 = 12;
+const MAX_IDEAS: u32 = 12;
 
 impl Fleet {
     /// Looks over plans that were made on a whim, and makes new ones for bodies whose present plan
@@ -54,12 +54,12 @@ impl Fleet {
         };
         let mut best: Option<(f64, Trajectory)> = None;
         let mut idea = first;
-        for attempt in 0..MOST_IDEAS {
+        for attempt in 0..MAX_IDEAS {
             let plan = match idea.take() {
                 Some(plan) => plan,
                 None => {
                     // The longer nothing is found, the harder the turn.
-                    let strength = SPEED * f64::from(attempt + 1) / f64::from(MOST_IDEAS);
+                    let strength = SPEED * f64::from(attempt + 1) / f64::from(MAX_IDEAS);
                     let push = self.planner().gust(1.0).normalize_or(DVec3::X) * strength;
                     self.planner().plan_with(state, push)?
                 }

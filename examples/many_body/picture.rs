@@ -13,9 +13,9 @@ const NIGHT: RGBColor = RGBColor(12, 16, 28);
 const INK: RGBColor = RGBColor(222, 228, 240);
 const FAINT: RGBColor = RGBColor(120, 132, 156);
 /// Paths drawn, and points on each: more only make the file larger.
-const MOST_PATHS: u32 = 320;
+const MAX_PATHS: u32 = 320;
 const POINTS_PER_PATH: u32 = 90;
-const MOST_DOTS: usize = 4_000;
+const MAX_DOTS: usize = 4_000;
 const SIZE: (u32, u32) = (1500, 960);
 const PANEL: u32 = 380;
 
@@ -145,10 +145,10 @@ fn draw_paths(view: &Area<'_>, camera: &Camera, scene: &Scene) -> Outcome {
 /// Some of the bodies, spread by the golden ratio: no pattern in their order shows.
 fn sample<'a>(bodies: &[&'a Body]) -> Vec<(u32, &'a Body)> {
     let count = u32::try_from(bodies.len()).unwrap_or(u32::MAX);
-    (0..count.min(MOST_PATHS))
+    (0..count.min(MAX_PATHS))
         .map(|k| {
             let share = (f64::from(k) * 0.618_033_988_749_895).fract();
-            let place = if count <= MOST_PATHS {
+            let place = if count <= MAX_PATHS {
                 k
             } else {
                 place(share * f64::from(count))
@@ -212,7 +212,7 @@ fn draw_encounters(
 ) -> Outcome {
     let scale = Scale::of(conflicts, margin);
     // The closest are drawn last, on top.
-    let shown = closest(conflicts, MOST_DOTS);
+    let shown = closest(conflicts, MAX_DOTS);
     for conflict in shown.iter().rev() {
         let middle = (conflict.closest.position_a + conflict.closest.position_b) / 2.0;
         let (place, _) = camera.project(middle);

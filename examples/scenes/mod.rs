@@ -65,7 +65,7 @@ pub(crate) fn uniform_vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
 }
 
 /// Cubics of a whole scene: 1 GiB.
-const MOST_SEGMENTS: usize = 8_000_000;
+const MAX_SEGMENTS: usize = 8_000_000;
 
 /// `count + 1` knots from 0 to `end`: gaps uniform between 0.4 and 1.6 of their mean. Of a scene of
 /// so many bodies that their cubics would not fit into memory, the first part.
@@ -83,6 +83,6 @@ pub(crate) fn irregular_knots(
             time += gap * unit;
             time
         }))
-        .take(1 + (MOST_SEGMENTS / bodies.max(1)).max(1))
+        .take(1 + (MAX_SEGMENTS / bodies.max(1)).max(1))
         .collect()
 }

@@ -29,13 +29,13 @@ pub(crate) fn name(path: &Path) -> String {
 /// Returns a value in quotation marks, escaped; of a long one its beginning and its length.
 pub(crate) fn quoted(value: &[u8]) -> String {
     /// Bytes; more do not help to find the value.
-    const MOST: usize = 80;
-    if value.len() <= MOST {
+    const MAX: usize = 80;
+    if value.len() <= MAX {
         return format!("\"{}\"", escaped(value));
     }
     // A character has up to four bytes.
     let begins = |&end: &usize| value[end] & 0b1100_0000 != 0b1000_0000;
-    let end = (MOST - 3..=MOST).rev().find(begins).unwrap_or(MOST);
+    let end = (MAX - 3..=MAX).rev().find(begins).unwrap_or(MAX);
     let beginning = escaped(&value[..end]);
     format!("\"{beginning}\"... ({} bytes)", value.len())
 }

@@ -13,10 +13,10 @@ use std::fmt::Display;
 use std::ops::RangeInclusive;
 
 /// More threads than any machine has cores help nobody, and far more than that cannot be started.
-const MOST_THREADS: i64 = 1_024;
+const MAX_THREADS: i64 = 1_024;
 
 /// More bodies do not fit into memory.
-const MOST_BODIES: i64 = 100_000_000;
+const MAX_BODIES: i64 = 100_000_000;
 
 /// How many threads an example runs on.
 #[derive(Clone, Copy, Debug, Args)]
@@ -24,7 +24,7 @@ pub(crate) struct Threads {
     /// Threads to run on; all cores if not given, or 0.
     #[arg(
         long,
-        value_parser = whole(0..=MOST_THREADS),
+        value_parser = whole(0..=MAX_THREADS),
         default_value = "0",
         allow_negative_numbers = true
     )]
@@ -45,7 +45,7 @@ impl Threads {
 
 /// A number of bodies in a scene that is made up.
 pub(crate) fn bodies() -> impl TypedValueParser<Value = usize> {
-    whole(1..=MOST_BODIES)
+    whole(1..=MAX_BODIES)
 }
 
 fn whole(range: RangeInclusive<i64>) -> impl TypedValueParser<Value = usize> {

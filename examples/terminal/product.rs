@@ -93,13 +93,13 @@ fn replace(target: &Path, content: impl FnOnce(File) -> Done<()>) -> Done<()> {
 /// A new file in the same folder, under a name that nobody else uses. A process that was killed may
 /// have left one under a number that is used again.
 fn create_beside(target: &Path) -> Done<(PathBuf, File)> {
-    const MOST_TRIES: u32 = 100;
+    const MAX_TRIES: u32 = 100;
     let mut number = 0;
     loop {
         let beside = format!(".nearmiss-{}-{number}.partial", std::process::id());
         let path = target.with_file_name(beside);
         match File::create_new(&path) {
-            Err(error) if error.kind() == ErrorKind::AlreadyExists && number < MOST_TRIES => {
+            Err(error) if error.kind() == ErrorKind::AlreadyExists && number < MAX_TRIES => {
                 number += 1;
             }
             result => return result.map(|file| (path, file)),

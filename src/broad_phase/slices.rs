@@ -66,11 +66,11 @@ impl Slices {
     /// the cube of their size, with shorter ones the boxes themselves are the cost.
     const SPACINGS_PER_SLICE: f64 = 0.5;
     /// A body's box should not hold more segments than this.
-    const MOST_SEGMENTS_PER_SLICE: f64 = 32.0;
+    const MAX_SEGMENTS_PER_SLICE: f64 = 32.0;
     /// However fast the traffic, no more boxes than this in all.
-    const MOST_BOXES: f64 = 5e7;
+    const MAX_BOXES: f64 = 5e7;
     /// Nor slices.
-    const MOST_SLICES: f64 = 1e6;
+    const MAX_SLICES: f64 = 1e6;
 
     /// Slices of `start..=end` (s, finite) by the rule above, from counts alone.
     pub(crate) fn choose((start, end): (f64, f64), traffic: &Traffic) -> Self {
@@ -85,8 +85,8 @@ impl Slices {
             .product();
         let spacing = (volume / present.max(1.0).cbrt()).max(traffic.reach);
         let length = (Self::SPACINGS_PER_SLICE * spacing / speed)
-            .min(Self::MOST_SEGMENTS_PER_SLICE * traffic.body_time / traffic.segments)
-            .max(traffic.body_time / Self::MOST_BOXES);
+            .min(Self::MAX_SEGMENTS_PER_SLICE * traffic.body_time / traffic.segments)
+            .max(traffic.body_time / Self::MAX_BOXES);
         let count = (duration / length).ceil();
         Self::whole(start, end).with_count(count.min(traffic.most_slices((start, end))))
     }
@@ -103,7 +103,7 @@ impl Slices {
     /// The same window cut into about `count` slices; one where that is no number.
     pub(crate) fn with_count(self, count: f64) -> Self {
         let count = if count >= 1.0 && count.is_finite() {
-            whole_number(count.round().min(Self::MOST_SLICES))
+            whole_number(count.round().min(Self::MAX_SLICES))
         } else {
             1
         };
@@ -161,7 +161,7 @@ impl Slices {
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    reason = "a whole number up to MOST_SLICES"
+    reason = "a whole number up to MAX_SLICES"
 )]
 fn whole_number(count: f64) -> u32 {
     count as u32

@@ -9,7 +9,7 @@ use super::stretches::Stretches;
 use super::{Side, Threshold, UncertainCubic};
 
 /// Parts looked at before the rest is left undecided.
-const LARGEST_WORK: u32 = 256;
+const MAX_WORK: u32 = 256;
 
 /// Parts shorter than this are a few roundings long.
 const SHORTEST: f64 = 16.0 * f64::EPSILON;
@@ -227,7 +227,7 @@ impl Search {
     /// Appends what can be said about `start..end`, from left to right.
     fn examine(&mut self, start: f64, end: f64, turn: u32) {
         self.work += 1;
-        if self.work > LARGEST_WORK {
+        if self.work > MAX_WORK {
             self.found.give_up();
             self.found.append(end, Side::Undecided);
             return;

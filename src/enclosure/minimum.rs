@@ -9,8 +9,8 @@ use super::{DistanceEnclosure, Effort, LeastDistance, ParameterEnclosure, Uncert
 
 /// Pieces held at once, and splits made, before the search answers with what it has. Random
 /// input needs 2 pieces, the worst adversarial input met needed fewer than 100 splits.
-const LARGEST_HEAP: usize = 48;
-const LARGEST_WORK: u32 = 160;
+const MAX_HEAP: usize = 48;
+const MAX_WORK: u32 = 160;
 
 /// Pieces shorter than this cannot be split usefully: their ends are a few roundings apart.
 const SHORTEST: f64 = 16.0 * f64::EPSILON;
@@ -237,18 +237,18 @@ impl Found {
 #[cold]
 #[inline(never)]
 fn branch(cubic: &Normal, error: f64, mut best: Best, halves: [Piece; 2]) -> Found {
-    let mut pieces = [halves[0]; LARGEST_HEAP];
+    let mut pieces = [halves[0]; MAX_HEAP];
     pieces[1] = halves[1];
     let mut count = 2;
     let mut effort = Effort::Limited;
-    for work in 0..LARGEST_WORK {
+    for work in 0..MAX_WORK {
         let least = least_index(&pieces[..count]);
         let piece = pieces[least];
         if piece.lower >= target(cubic, error, best.square) {
             effort = Effort::Tight;
             break;
         }
-        if count == LARGEST_HEAP || piece.end - piece.start < SHORTEST {
+        if count == MAX_HEAP || piece.end - piece.start < SHORTEST {
             break;
         }
         let s = dividing_point(cubic, &piece, work);

@@ -4,12 +4,12 @@ use super::{Effort, Side, Stretch};
 use std::fmt;
 
 /// Up to six crossings make seven certain stretches and six undecided ones between them.
-const LARGEST_COUNT: usize = 16;
+const MAX_COUNT: usize = 16;
 
 /// A partition of 0..=1 into stretches, ascending; neighbours share their end and differ in kind.
 #[derive(Clone, Copy)]
 pub struct Stretches {
-    stretches: [Stretch; LARGEST_COUNT],
+    stretches: [Stretch; MAX_COUNT],
     count: usize,
     effort: Effort,
 }
@@ -29,7 +29,7 @@ impl Stretches {
             first: 0.0,
             last: 0.0,
             side: Side::Undecided,
-        }; LARGEST_COUNT],
+        }; MAX_COUNT],
         count: 0,
         effort: Effort::Tight,
     };
@@ -70,7 +70,7 @@ impl Stretches {
         if last <= first {
             return;
         }
-        if self.count == LARGEST_COUNT {
+        if self.count == MAX_COUNT {
             // Undecided is always true.
             self.effort = Effort::Limited;
             let end = &mut self.stretches[self.count - 1];
@@ -95,9 +95,9 @@ mod tests {
             found.append(f64::from(u8::try_from(i).unwrap_or(0)) / 40.0, side);
         }
         let stretches = found.as_slice();
-        assert_eq!(stretches.len(), LARGEST_COUNT);
+        assert_eq!(stretches.len(), MAX_COUNT);
         assert_eq!(found.effort(), Effort::Limited);
-        let last = stretches[LARGEST_COUNT - 1];
+        let last = stretches[MAX_COUNT - 1];
         assert_eq!(last.side, Side::Undecided);
         assert!(last.last >= 1.0);
     }

@@ -164,7 +164,7 @@ struct Stride {
 impl Stride {
     const FACTOR: f64 = 4.0;
     /// Slices of the least length between trials, at most.
-    const MOST_PATIENCE: u32 = 64;
+    const MAX_PATIENCE: u32 = 64;
 
     const fn of(least: f64) -> Self {
         Self {
@@ -220,7 +220,7 @@ impl Stride {
 
     fn shrink(&mut self) {
         self.length = (self.length / Self::FACTOR).max(self.least);
-        self.patience = (2 * self.patience).min(Self::MOST_PATIENCE);
+        self.patience = (2 * self.patience).min(Self::MAX_PATIENCE);
         self.wait = self.patience;
     }
 }

@@ -118,9 +118,9 @@ impl Grid {
     /// and each changed plan is compared in every one of them. (Where a screening would take two or
     /// three, three were measured 10 to 15 % cheaper than four.)
     pub(super) const FEWEST: f64 = 3.0;
-    const MOST: f64 = 2048.0;
+    const MAX: f64 = 2048.0;
     /// Boxes in all of them together: some 130 bytes each.
-    const MOST_BOXES: f64 = 2e6;
+    const MAX_BOXES: f64 = 2e6;
     /// A screening forms a box and compares it for a tenth of what it costs to do that when a plan
     /// changes: a monitor takes this share of the slices that a screening would.
     const SHARE: f64 = 0.5;
@@ -164,7 +164,7 @@ impl Grid {
     /// How many slices there should be where a screening would take so many.
     #[allow(clippy::cast_precision_loss, reason = "a number of bodies")]
     fn number(slices: f64, bodies: usize) -> f64 {
-        let most = (Self::MOST_BOXES / bodies.max(1) as f64).min(Self::MOST);
+        let most = (Self::MAX_BOXES / bodies.max(1) as f64).min(Self::MAX);
         (Self::SHARE * slices).min(most).max(Self::FEWEST)
     }
 
@@ -194,7 +194,7 @@ impl Grid {
     /// Whether it would have far too many boxes for a scene: one that has grown.
     #[allow(clippy::cast_precision_loss, reason = "a number of bodies")]
     pub(super) fn is_too_fine(&self, scene: &Scene) -> bool {
-        self.ahead > Self::FEWEST && self.ahead * scene.len() as f64 > 2.0 * Self::MOST_BOXES
+        self.ahead > Self::FEWEST && self.ahead * scene.len() as f64 > 2.0 * Self::MAX_BOXES
     }
 
     /// Whether its slices can be told apart on a clock that shows `now` (s), with bits to spare; the

@@ -41,7 +41,7 @@ pub use recording::{RecordingError, Replay};
 
 use crate::broad_phase::PairFilter;
 use crate::conflict::Conflict;
-use crate::error::{Error, LARGEST_MAGNITUDE};
+use crate::error::{Error, MAX_MAGNITUDE};
 use crate::id::BodyId;
 use crate::rounding::one_zero;
 use crate::scene::Scene;
@@ -209,10 +209,10 @@ impl PairFilter for Admission<'_> {
 }
 
 impl Monitor {
-    /// Room for spans that may hold an encounter, if [nothing else is said](Self::set_most_spans): 2^20.
+    /// Room for spans that may hold an encounter, if [nothing else is said](Self::set_max_spans): 2^20.
     /// What is known of them takes up to 4 GiB with one alert level, and 2.5 GiB more with each further
     /// one.
-    pub const MOST_SPANS: usize = 1 << 20;
+    pub const MAX_SPANS: usize = 1 << 20;
 
     /// A monitor of `scene` whose clock shows `now` (s) and that looks `lookahead` seconds ahead. Lookahead
     /// and levels stay as they are: for others, [`close`](Self::close) it and make another one.
@@ -230,7 +230,7 @@ impl Monitor {
         levels: &[AlertLevel],
     ) -> Result<Self, Error> {
         let now = one_zero(now);
-        let usable = |value: f64| value.abs() <= LARGEST_MAGNITUDE;
+        let usable = |value: f64| value.abs() <= MAX_MAGNITUDE;
         if !usable(now) {
             return Err(Error::Clock { time: now });
         }
@@ -252,7 +252,7 @@ impl Monitor {
         let widest = widest.reduce(f64::max).ok_or(Error::NoAlertLevel)?;
         let grid = Grid::for_scene(&scene, widest, (now, lookahead), now)?;
         let mut monitor = Self {
-            outlook: Outlook::new(widest, grid, Self::MOST_SPANS),
+            outlook: Outlook::new(widest, grid, Self::MAX_SPANS),
             levels: levels.to_vec(),
             encounters: (0..levels.len()).map(Encounters::of_level).collect(),
             conflicts: vec![Vec::new(); levels.len()],
@@ -314,7 +314,7 @@ impl Monitor {
         Ok(())
     }
 
-    /// Makes room for this many spans that may hold an encounter; [`MOST_SPANS`](Self::MOST_SPANS) at
+    /// Makes room for this many spans that may hold an encounter; [`MAX_SPANS`](Self::MAX_SPANS) at
     /// first. A span is a common interval of a cubic of one body with a cubic of another, in which they
     /// come within the largest release margin in the lookahead; of clusters one for each two spheres that
     /// matter. There is also room, in each slice of time, for eight times as many spans that cheap tests
@@ -324,8 +324,8 @@ impl Monitor {
     ///
     /// The tick after such an error looks at everything anew. Take bodies out, ignore pairs, use layers,
     /// or make more room before it.
-    pub fn set_most_spans(&mut self, limit: usize) {
-        self.outlook.most_spans = limit;
+    pub fn set_max_spans(&mut self, limit: usize) {
+        self.outlook.max_spans = limit;
         #[cfg(feature = "serde")]
         self.write_down(|| Record::MostSpans(limit));
     }

@@ -60,7 +60,7 @@ pub(super) struct Outlook {
     /// Where the lookahead ended when it was last caught up with, s.
     reached: f64,
     /// With more spans it is too crowded.
-    pub(super) most_spans: usize,
+    pub(super) max_spans: usize,
 }
 
 impl Outlook {
@@ -68,7 +68,7 @@ impl Outlook {
     const MANY_CHANGES: usize = 1024;
 
     /// An outlook for pairs within `margin` (m) on a grid, with room for so many spans.
-    pub(super) fn new(margin: f64, grid: Grid, most_spans: usize) -> Self {
+    pub(super) fn new(margin: f64, grid: Grid, max_spans: usize) -> Self {
         Self {
             flights: Flights::default(),
             finds: Finds::default(),
@@ -87,13 +87,13 @@ impl Outlook {
             ends: Vec::new(),
             partners: None,
             reached: grid.origin,
-            most_spans,
+            max_spans,
         }
     }
 
     /// One that knows no body, on another grid maybe.
     pub(super) fn renewed(&self, grid: Grid) -> Self {
-        Self::new(self.margin, grid, self.most_spans)
+        Self::new(self.margin, grid, self.max_spans)
     }
 
     pub(super) const fn grid(&self) -> &Grid {
@@ -236,7 +236,7 @@ impl Outlook {
             let bodies = Bodies::of(scene, &self.flights, (&self.grid.frame, self.margin));
             self.finds.forget_before(from);
             put_in_order(&mut self.survivors);
-            let most = self.most_spans;
+            let most = self.max_spans;
             stats.survivors += self.finds.add(&self.survivors, &bodies, most)?;
             stats.narrow_time += begin.elapsed();
             if is_done {
@@ -255,7 +255,7 @@ impl Outlook {
         meter: &mut Meter,
         stats: &mut Stats,
     ) -> Result<(f64, bool), Crowded> {
-        let limits = Limits::of(self.most_spans);
+        let limits = Limits::of(self.max_spans);
         let present = self.start(self.index(to - self.grid.ahead * self.grid.length));
         let jump = (self.laid_until(from), present);
         if self.bridge.is_needed(jump, self.grid.length) {
@@ -297,7 +297,7 @@ impl Outlook {
             stats.bounds_time += begin.elapsed();
             let (moved, first) = (&self.moved, slices[0].index);
             let boxes = slices.iter().map(|slice| slice.missing(&bodies)).sum();
-            let (found, most, pool) = (AtomicUsize::new(0), self.most_spans, &self.pool);
+            let (found, most, pool) = (AtomicUsize::new(0), self.max_spans, &self.pool);
             parallel::for_each_chunk(slices, 1, (boxes, Bodies::FEW), |slices| {
                 for slice in slices {
                     if found.load(Relaxed) > most {
@@ -316,7 +316,7 @@ impl Outlook {
         } else {
             let mut found = 0;
             for (number, slice) in slices.iter_mut().enumerate() {
-                if found > self.most_spans {
+                if found > self.max_spans {
                     is_done = false;
                     break;
                 }
@@ -345,7 +345,7 @@ impl Outlook {
             }
         }
         // What is found ahead of time must leave room for what is needed.
-        let room = (self.most_spans / 2).saturating_sub(self.finds.len());
+        let room = (self.max_spans / 2).saturating_sub(self.finds.len());
         for (number, slice) in slices.iter_mut().enumerate() {
             let has_room = slice.check_room();
             if number >= needed && (has_room.is_err() || slice.survivors.len() > room) {

@@ -11,7 +11,7 @@ use super::grid::Grid;
 #[cfg(feature = "serde")]
 use super::recording::Record;
 use super::{Admission, Monitor, can_tell_apart};
-use crate::error::{Error, LARGEST_MAGNITUDE};
+use crate::error::{Error, MAX_MAGNITUDE};
 use crate::parallel;
 use crate::rounding::one_zero;
 use crate::scene::Scene;
@@ -34,7 +34,7 @@ impl Monitor {
     ///
     /// [`Error::ClockWentBack`], [`Error::Clock`]; [`Error::InBody`] with [`Error::OutOfRange`] or
     /// [`Error::TooFar`] if a plan cannot be followed through the lookahead; [`Error::TooCrowded`] if more lies ahead than there
-    /// [is room for](Self::set_most_spans). The clock stays where it was, and nothing is told; after the
+    /// [is room for](Self::set_max_spans). The clock stays where it was, and nothing is told; after the
     /// last of these errors all is looked at anew, also what was known before.
     pub fn advance(&mut self, now: f64, events: &mut Vec<Event>) -> Result<(), Error> {
         self.advance_within(now, Budget::Unlimited, events)
@@ -87,9 +87,9 @@ impl Monitor {
     ) -> Result<(), Error> {
         let known = known.clamp(self.told, (now + self.lookahead).max(self.told));
         // There was room for it; but not all was found in the same ticks.
-        let limit = std::mem::replace(&mut self.outlook.most_spans, usize::MAX);
+        let limit = std::mem::replace(&mut self.outlook.max_spans, usize::MAX);
         let done = self.advance_by(now, Meter::up_to(known), events);
-        self.outlook.most_spans = limit;
+        self.outlook.max_spans = limit;
         done
     }
 
@@ -112,7 +112,7 @@ impl Monitor {
             });
         }
         let length = self.lookahead / Grid::FEWEST;
-        if now > LARGEST_MAGNITUDE || !can_tell_apart(now, length) {
+        if now > MAX_MAGNITUDE || !can_tell_apart(now, length) {
             return Err(Error::Clock { time: now });
         }
         if now <= self.now && self.has_told_all() {
@@ -157,7 +157,7 @@ impl Monitor {
             || self.batch.clear(),
         );
         let Ok(known) = known else {
-            let limit = self.outlook.most_spans;
+            let limit = self.outlook.max_spans;
             self.look_anew()?;
             return Err(Error::TooCrowded { limit });
         };

@@ -8,7 +8,7 @@
 
 use super::hull::Heights;
 use super::relative::RelativeCubic;
-use super::stationary::{MOST_STATIONARY, stationary_points};
+use super::stationary::{MAX_STATIONARY, stationary_points};
 use crate::rounding::largest_norm;
 
 /// Of the size of a span or a part: at a larger distance the squared distance shows all dips.
@@ -46,8 +46,8 @@ pub(super) struct Turns {
 
 impl Turns {
     /// What a span can have, and its ends.
-    const MOST: usize = MOST_STATIONARY + 2;
-    const ROOM: usize = 2 * Self::MOST;
+    const MAX: usize = MAX_STATIONARY + 2;
+    const ROOM: usize = 2 * Self::MAX;
 
     /// Of a whole span.
     #[cold]
@@ -60,7 +60,7 @@ impl Turns {
         turns.search(cubic, (0.0, 1.0), 0);
         // The end is one whatever came before.
         turns.push(cubic, 1.0);
-        turns.reduce(Self::MOST);
+        turns.reduce(Self::MAX);
         turns
     }
 
@@ -71,9 +71,9 @@ impl Turns {
     /// Those inside a part of the span; its end is pushed, its start has been.
     fn search(&mut self, cubic: &RelativeCubic, (from, to): (f64, f64), halvings: u32) {
         /// A part of a cubic shrinks at least so often as its size does.
-        const MOST_HALVINGS: u32 = 60;
+        const MAX_HALVINGS: u32 = 60;
         let part = part_of(cubic, (from, to));
-        let is_rounding = part.size <= cubic.tolerance() || halvings == MOST_HALVINGS;
+        let is_rounding = part.size <= cubic.tolerance() || halvings == MAX_HALVINGS;
         if !is_rounding && !Heights::of(&part).are_monotonic() {
             let found = stationary_points(&part);
             let inside = found.as_slice().iter().map(|s| from + s * (to - from));
@@ -109,7 +109,7 @@ impl Turns {
             }
         }
         if self.count == Self::ROOM {
-            self.reduce(Self::MOST);
+            self.reduce(Self::MAX);
         }
         self.places[self.count] = new;
         self.count += 1;
@@ -178,7 +178,7 @@ mod tests {
             let s = f64::from(s);
             *place = Place { s, distance };
         }
-        turns.reduce(Turns::MOST);
+        turns.reduce(Turns::MAX);
         let left: Vec<f64> = turns.as_slice().iter().map(|place| place.s).collect();
         assert_eq!(left, [0.0, 1.0, 4.0, 5.0, 6.0, 9.0, 10.0]);
     }

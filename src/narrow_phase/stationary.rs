@@ -11,12 +11,12 @@ use crate::rounding::normalising_power;
 use glam::DVec3;
 
 /// Most stationary points that a span can have inside.
-pub(crate) const MOST_STATIONARY: usize = 5;
+pub(crate) const MAX_STATIONARY: usize = 5;
 
 /// Local parameters of the stationary points inside a span, increasing.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Stationary {
-    points: [f64; MOST_STATIONARY],
+    points: [f64; MAX_STATIONARY],
     count: usize,
 }
 
@@ -27,7 +27,7 @@ impl Stationary {
 
     fn push(&mut self, s: f64) {
         let distinct = self.count == 0 || s > self.points[self.count - 1];
-        if distinct && self.count < MOST_STATIONARY && s > 0.0 && s < 1.0 {
+        if distinct && self.count < MAX_STATIONARY && s > 0.0 && s < 1.0 {
             self.points[self.count] = s;
             self.count += 1;
         }
@@ -82,13 +82,13 @@ fn squared_distance(cubic: &RelativeCubic) -> Polynomial<7> {
 /// step only halves the error, hence the number of steps. Maxima are left where they are: no
 /// answer depends on their exact place.
 fn polish(cubic: &RelativeCubic, start: f64, (low, high): (f64, f64)) -> f64 {
-    const MOST_STEPS: usize = 60;
+    const MAX_STEPS: usize = 60;
     let power = normalising_power(cubic.size);
     let mut s = start.max(low).min(high);
     let motion = cubic.motion();
     let (mut position, mut rate) = motion(s);
     let mut distance = (position * power).length_squared();
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let (h, h1, h2) = (position * power, rate * power, cubic.curvature(s) * power);
         let slope = h.dot(h1);
         let bend = h1.length_squared() + h.dot(h2);

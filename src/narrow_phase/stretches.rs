@@ -8,7 +8,7 @@
 use super::dips::{Turns, may_be_hidden};
 use super::hull::Heights;
 use super::relative::RelativeCubic;
-use super::stationary::{MOST_STATIONARY, stationary_points};
+use super::stationary::{MAX_STATIONARY, stationary_points};
 use crate::rounding::normalising_power;
 
 /// An instant of a span at which the distance of two sphere centres is known.
@@ -32,7 +32,7 @@ pub(crate) struct Stretch {
 /// The distance at a span's ends and at its stationary points: monotonic in between.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Profile {
-    nodes: [Node; MOST_STATIONARY + 2],
+    nodes: [Node; MAX_STATIONARY + 2],
     count: usize,
     /// See [`Instant::plateau`].
     plateau: f64,
@@ -123,7 +123,7 @@ impl Profile {
 
     const fn from(first: Node) -> Self {
         Self {
-            nodes: [first; MOST_STATIONARY + 2],
+            nodes: [first; MAX_STATIONARY + 2],
             count: 1,
             plateau: 0.0,
         }
@@ -265,7 +265,7 @@ impl Instant {
 fn crossing(cubic: &RelativeCubic, radius: f64, inside: &Node, outside: &Node) -> f64 {
     /// Bisection alone ends after the 1075 binary digits that an f64 can resolve near 0; Newton's
     /// steps end it after half a dozen.
-    const MOST_STEPS: usize = 1100;
+    const MAX_STEPS: usize = 1100;
     /// Steps of the local parameter this small may be nothing but rounding.
     const ROUNDING: f64 = 1e-10;
     if inside.distance >= radius {
@@ -283,7 +283,7 @@ fn crossing(cubic: &RelativeCubic, radius: f64, inside: &Node, outside: &Node) -
     let (mut within, mut beyond) = (inside.s, outside.s);
     let mut s = 0.5 * (within + beyond);
     let mut last_step = f64::INFINITY;
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let (value, slope) = excess(s);
         let step = value / slope;
         if value.abs() <= 0.0 {

@@ -38,7 +38,7 @@ pub(super) struct LineUp<'a> {
     /// How many slices, if that was prescribed.
     pub(super) prescribed: Option<NonZeroU32>,
     /// Room for survivors.
-    pub(super) most_spans: usize,
+    pub(super) max_spans: usize,
     pub(super) pool: &'a Pool<Scratch>,
     atlas: &'a Atlas,
     pub(super) frame: Frame,
@@ -80,7 +80,7 @@ impl<'a> LineUp<'a> {
             accuracy: query.accuracy(),
             level: query.level(),
             prescribed: query.slices(),
-            most_spans: query.most_spans(),
+            max_spans: query.max_spans(),
             pool: scene.pool(),
             atlas: scene.atlas(),
             frame,

@@ -36,17 +36,17 @@ mod cost {
 }
 
 /// Candidates of a trial's slice that are looked at: with more, slices must be shorter anyway.
-const MOST_CANDIDATES: u64 = 1 << 20;
+const MAX_CANDIDATES: u64 = 1 << 20;
 
 /// How near candidates grow with the length of a slice, as a power of it, until two lengths were
 /// tried: in proportion in any case, and courses become less straight.
 const NEAR_GROWTH: f64 = 2.5;
 
 /// No count grows faster: a volume does not.
-const MOST_GROWTH: f64 = 3.0;
+const MAX_GROWTH: f64 = 3.0;
 
 /// Quarters of a power of two by which a trial's length is changed at most, either way.
-const MOST_QUARTERS: i32 = 8;
+const MAX_QUARTERS: i32 = 8;
 
 /// A trial whose length is to be changed by no more than such a factor is good enough.
 const SETTLED: Range<f64> = 0.7..1.5;
@@ -85,7 +85,7 @@ impl Growth {
         let power = |one: f64, other: f64| {
             let power = (other / one).ln() / factor.ln();
             // Where nothing was found there is nothing to tell.
-            power.is_finite().then(|| power.clamp(0.0, MOST_GROWTH))
+            power.is_finite().then(|| power.clamp(0.0, MAX_GROWTH))
         };
         Self {
             candidates: power(first.candidates, second.candidates),
@@ -115,8 +115,8 @@ impl Trial {
     /// Whether comparing is by far the most of the work. Where boxes are so long that nearly all meet,
     /// slices some times shorter show no gain yet: only far shorter ones tell whether they pay.
     fn is_crowded(&self) -> bool {
-        const MOST: f64 = 8.0;
-        self.candidates * cost::CANDIDATE > MOST * self.boxes * cost::BOX
+        const MAX: f64 = 8.0;
+        self.candidates * cost::CANDIDATE > MAX * self.boxes * cost::BOX
     }
 
     /// The volume of a mean box in a slice `factor` times as long.
@@ -131,7 +131,7 @@ impl Trial {
 
     /// The cheapest factor as far as one trial can be trusted.
     fn best_factor(&self, growth: &Growth) -> f64 {
-        let quarters = -MOST_QUARTERS..=MOST_QUARTERS;
+        let quarters = -MAX_QUARTERS..=MAX_QUARTERS;
         let factors = quarters.map(|quarter| 2_f64.powf(f64::from(quarter) / 4.0));
         let cheaper =
             |&one: &f64, &other: &f64| self.cost(one, growth).total_cmp(&self.cost(other, growth));
@@ -151,7 +151,7 @@ impl LineUp<'_> {
         const FEW: usize = 64;
         const FEW_BOXES: f64 = 4096.0;
         /// Each may change the length fourfold, and in a crowd by this factor.
-        const MOST_TRIALS: usize = 6;
+        const MAX_TRIALS: usize = 6;
         const SHORTER: f64 = 8.0;
         let window = (
             seen_from(self.window.start()),
@@ -176,7 +176,7 @@ impl LineUp<'_> {
         let mut last: Option<(Trial, f64)> = None;
         // The cheapest crowded slices.
         let mut crowded: Option<(f64, Slices)> = None;
-        for _ in 0..MOST_TRIALS {
+        for _ in 0..MAX_TRIALS {
             let cubics = 1.0 + traffic.cubics_in(slices.length());
             let trial = self.trial(&presence, &sampled, &slices, whole, cubics);
             let most = traffic.most_slices(window).min(spans / trial.near);
@@ -251,7 +251,7 @@ impl LineUp<'_> {
             });
             let slice = &block.slices[0];
             candidates.clear();
-            let room = Room::new(&Everyone, MOST_CANDIDATES);
+            let room = Room::new(&Everyone, MAX_CANDIDATES);
             sweep.at(self.level).pairs(&slice.boxes, &room, candidates);
             let interval = slices.interval(first);
             for pair in &*candidates {
@@ -301,8 +301,8 @@ fn sample(count: usize, present: f64, slices: u32) -> Vec<usize> {
     const ENOUGH: f64 = 6.0;
     /// Shares of all bodies: per slice of the rest, and at most.
     const AFFORDABLE: f64 = 0.008;
-    const MOST: f64 = 1.0 / 12.0;
-    let affordable = (AFFORDABLE * f64::from(slices)).min(MOST);
+    const MAX: f64 = 1.0 / 12.0;
+    let affordable = (AFFORDABLE * f64::from(slices)).min(MAX);
     let enough = ENOUGH / present.max(1.0).sqrt();
     let size = (count as f64 * enough.max(affordable)) as usize;
     let size = size.clamp(1, count);

@@ -77,7 +77,7 @@ pub(super) struct Question<'a> {
     pub(super) window: Window,
     pub(super) margin: f64,
     /// With more spans from one slice it is too crowded: no further ones are looked at.
-    pub(super) most_spans: usize,
+    pub(super) max_spans: usize,
 }
 
 impl Question<'_> {
@@ -149,7 +149,7 @@ impl Sieve {
         // Of earlier slices.
         let before = survivors.len();
         for batch in candidates.chunks(Self::BATCH) {
-            if survivors.len() - before > question.most_spans {
+            if survivors.len() - before > question.max_spans {
                 break;
             }
             self.judge(question, batch);

@@ -73,7 +73,7 @@ impl LineUp<'_> {
     }
 
     fn check_room(&self, survivors: usize) -> Result<(), Error> {
-        if survivors > self.most_spans {
+        if survivors > self.max_spans {
             return Err(self.too_crowded());
         }
         Ok(())
@@ -81,7 +81,7 @@ impl LineUp<'_> {
 
     fn too_crowded(&self) -> Error {
         Error::TooCrowded {
-            limit: self.most_spans,
+            limit: self.max_spans,
         }
     }
 
@@ -124,7 +124,7 @@ impl LineUp<'_> {
                     bodies: &slice.bodies,
                     filter,
                 };
-                let room = Room::new(&by_place, MOST_CANDIDATES.max(self.most_spans as u64));
+                let room = Room::new(&by_place, MAX_CANDIDATES.max(self.max_spans as u64));
                 method(scratch).pairs(&slice.boxes, &room, &mut candidates);
                 if room.is_short() {
                     return Err(self.too_crowded());
@@ -143,11 +143,11 @@ impl LineUp<'_> {
                     interval: slices.interval(number),
                     window: self.window,
                     margin: self.margin,
-                    most_spans: self.most_spans,
+                    max_spans: self.max_spans,
                 };
                 stats.spans += scratch.sieve.sift(&question, these, &mut survivors);
                 (rest, number) = (others, number + 1);
-                if survivors.len() > self.most_spans {
+                if survivors.len() > self.max_spans {
                     scratch.arranger.tidy(&mut survivors, parties.len());
                     self.check_room(survivors.len())?;
                 }
@@ -195,7 +195,7 @@ impl Blocks {
     const FEW_SLICES: [usize; 2] = [4, 8];
     const CACHED_BOXES: f64 = 2048.0;
     /// Not more boxes in a block, which bounds its memory: 64 bytes each.
-    const MOST_BOXES: usize = 1 << 20;
+    const MAX_BOXES: usize = 1 << 20;
     /// Nor many more boxes in a round.
     const ROUND_BOXES: usize = 1 << 24;
 
@@ -210,7 +210,7 @@ impl Blocks {
         let cached = (Self::CACHED_BOXES / present) as usize;
         let few = Self::FEW_SLICES[usize::from(cubics >= 1.0)];
         let fit = cached.clamp(few, Block::SLICES);
-        let most = (Self::MOST_BOXES / bodies.max(1)).clamp(1, fit);
+        let most = (Self::MAX_BOXES / bodies.max(1)).clamp(1, fit);
         let count = slices.div_ceil(u32::try_from(most).unwrap_or(u32::MAX));
         let threads = u32::try_from(parallel::threads()).unwrap_or(u32::MAX);
         let is_shared = threads > 1 && u64::from(slices) * bodies as u64 > Self::FEW_BOXES;
@@ -240,7 +240,7 @@ impl Blocks {
 const FEW_SURVIVORS: usize = 1 << 12;
 
 /// Room for candidates of a slice, but for what is allowed for spans: half a GiB.
-const MOST_CANDIDATES: u64 = 1 << 26;
+const MAX_CANDIDATES: u64 = 1 << 26;
 
 /// A filter of bodies asked about their places in a slice.
 struct ByPlace<'a, F> {

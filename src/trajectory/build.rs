@@ -3,7 +3,7 @@
 use super::double_double::DoubleDouble;
 use super::roomy::Roomy;
 use super::{Outside, Segment, State, Trajectory, bend};
-use crate::error::{Error, LARGEST_MAGNITUDE, Quantity};
+use crate::error::{Error, MAX_MAGNITUDE, Quantity};
 use crate::rounding::{UNIT_ROUNDOFF, largest_norm, norm, one_zero};
 use glam::DVec3;
 
@@ -112,7 +112,7 @@ impl Trajectory {
         for (knot, state) in states.iter().enumerate() {
             let value = state.velocity.abs().max_element();
             // Nobody gave this velocity: it follows from the positions.
-            if state.velocity.is_nan() || value > LARGEST_MAGNITUDE {
+            if state.velocity.is_nan() || value > MAX_MAGNITUDE {
                 let value = if value.is_nan() { f64::INFINITY } else { value };
                 let quantity = Quantity::Speed;
                 return Err(Error::OutOfRange {
@@ -213,7 +213,7 @@ impl Trajectory {
     /// [`Error::NotFinite`] and [`Error::OutOfRange`] if the position is no position.
     pub fn at_rest(position: DVec3) -> Result<Self, Error> {
         // It lasts as long as times go, so that a window however long needs one piece, or two.
-        Self::line(State::new(0.0, position, DVec3::ZERO), LARGEST_MAGNITUDE)
+        Self::line(State::new(0.0, position, DVec3::ZERO), MAX_MAGNITUDE)
     }
 
     /// A body that keeps its velocity for all time: dead reckoning from one state, of a body that a
@@ -271,7 +271,7 @@ pub(super) fn check_number(knot: usize, quantity: Quantity, value: f64) -> Resul
             value,
         });
     }
-    if value.abs() > LARGEST_MAGNITUDE {
+    if value.abs() > MAX_MAGNITUDE {
         return Err(Error::OutOfRange {
             knot,
             quantity,
@@ -366,7 +366,7 @@ fn polynomial_segment(
     let error = origin_error + 4.0 * UNIT_ROUNDOFF * largest + 2f64.powi(-100) * reached;
     let unusable = [origin, control[0], control[1], control[2]]
         .into_iter()
-        .find(|point| !point.is_finite() || point.abs().max_element() > LARGEST_MAGNITUDE);
+        .find(|point| !point.is_finite() || point.abs().max_element() > MAX_MAGNITUDE);
     if let Some(point) = unusable {
         return Err(Error::OutOfRange {
             knot,

@@ -8,7 +8,7 @@
 
 use super::cuts::DoublingCuts;
 use super::{Segment, Trajectory};
-use crate::error::{Error, LARGEST_MAGNITUDE, Quantity};
+use crate::error::{Error, MAX_MAGNITUDE, Quantity};
 use crate::window::Window;
 use std::iter::repeat_n;
 
@@ -294,18 +294,18 @@ pub(super) fn check_reach(
     knot: usize,
 ) -> Result<(), Error> {
     /// Lengths of it: their third power must stay within the range of numbers.
-    const MOST_LENGTHS: f64 = 1e100;
+    const MAX_LENGTHS: f64 = 1e100;
     /// The last cut before the end of a window may be some times as far as that.
-    const FARTHEST: f64 = 10.0 * LARGEST_MAGNITUDE;
+    const FARTHEST: f64 = 10.0 * MAX_MAGNITUDE;
     let farthest = from.abs().max(to.abs());
-    if segment.lengths_to(from, to) > MOST_LENGTHS || farthest > FARTHEST {
+    if segment.lengths_to(from, to) > MAX_LENGTHS || farthest > FARTHEST {
         let far = (from - segment.start()).abs() > (to - segment.start()).abs();
         let time = if far { from } else { to };
         return Err(Error::TooFar { knot, time });
     }
     // What its rounding amounts to grows as well.
     let reach = segment.rounding_scale(from, to);
-    if reach.is_nan() || reach > LARGEST_MAGNITUDE {
+    if reach.is_nan() || reach > MAX_MAGNITUDE {
         return Err(Error::OutOfRange {
             knot,
             quantity: Quantity::Distance,

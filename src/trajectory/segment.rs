@@ -1,6 +1,6 @@
 //! One cubic between two knots, in local form: what everything downstream computes with.
 
-use crate::error::{Error, LARGEST_MAGNITUDE, Quantity};
+use crate::error::{Error, MAX_MAGNITUDE, Quantity};
 use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, largest_norm, norm, normalising_power, one_zero};
 use crate::trajectory::state::State;
 use glam::DVec3;
@@ -74,7 +74,7 @@ impl Segment {
         let third = (duration / 3.0)
             .max(2.0 * f64::EPSILON * state.time.abs())
             .max(f64::MIN_POSITIVE / f64::EPSILON);
-        let third = 1.0 / normalising_power(third.min(LARGEST_MAGNITUDE));
+        let third = 1.0 / normalising_power(third.min(MAX_MAGNITUDE));
         let end = state.time + 3.0 * third;
         // The parameter runs between the two as they are: beyond a power of two the end was rounded.
         let duration = end - state.time;
@@ -182,19 +182,19 @@ impl Segment {
         if duration.is_infinite() {
             return out_of_range(Quantity::Time, duration);
         }
-        if self.extent.is_nan() || self.extent > LARGEST_MAGNITUDE {
+        if self.extent.is_nan() || self.extent > MAX_MAGNITUDE {
             // Not a number: what it follows from has left the range of f64.
             let reached = Some(self.extent).filter(|extent| !extent.is_nan());
             return out_of_range(Quantity::Distance, reached.unwrap_or(f64::INFINITY));
         }
-        if self.error.is_nan() || self.error() > LARGEST_MAGNITUDE {
+        if self.error.is_nan() || self.error() > MAX_MAGNITUDE {
             // Terms that cancel are larger than that.
             return out_of_range(Quantity::Distance, f64::INFINITY);
         }
-        if self.extent > 0.0 && (acceleration.is_nan() || acceleration > LARGEST_MAGNITUDE) {
+        if self.extent > 0.0 && (acceleration.is_nan() || acceleration > MAX_MAGNITUDE) {
             return out_of_range(Quantity::Acceleration, acceleration);
         }
-        if 6.0 * (self.extent / duration) > LARGEST_MAGNITUDE {
+        if 6.0 * (self.extent / duration) > MAX_MAGNITUDE {
             return out_of_range(Quantity::Speed, 6.0 * (self.extent / duration));
         }
         Ok(self)

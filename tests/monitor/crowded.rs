@@ -31,7 +31,7 @@ fn monitor_of(bodies: &[Body]) -> (Monitor, Vec<BodyId>) {
         scene.insert(Body::new(plan)).unwrap();
     }
     let mut monitor = Monitor::new(scene, 0.0, 6.0, &[LEVEL]).unwrap();
-    monitor.set_most_spans(1_000);
+    monitor.set_max_spans(1_000);
     (monitor, ids)
 }
 
@@ -51,7 +51,7 @@ fn refuse_and_go_on((to, steps): (f64, u32), budget: Budget) {
     let bodies = crowd(60);
     let (mut monitor, ids) = monitor_of(&bodies);
     let (mut roomy, _) = monitor_of(&bodies);
-    roomy.set_most_spans(Monitor::MOST_SPANS);
+    roomy.set_max_spans(Monitor::MAX_SPANS);
     let (mut events, mut as_roomy) = (Vec::new(), Vec::new());
     let state = |monitor: &Monitor| {
         let conflicts = bits(monitor.conflicts(0));
@@ -70,13 +70,13 @@ fn refuse_and_go_on((to, steps): (f64, u32), budget: Budget) {
         step += 1;
     };
     // Still so, however often; and what is asked meanwhile has its answer.
-    monitor.set_most_spans(500);
+    monitor.set_max_spans(500);
     for _ in 0..10 {
         let refused = monitor.advance(now, &mut events);
         assert_eq!(refused, Err(Error::TooCrowded { limit: 500 }));
         assert!(!monitor.is_caught_up());
     }
-    monitor.set_most_spans(1_000);
+    monitor.set_max_spans(1_000);
     let plan = bodies[1].trajectory.clone();
     if plan.domain().contains(now) {
         is_as_screened(&monitor, LEVEL);
@@ -104,7 +104,7 @@ fn refuse_and_go_on((to, steps): (f64, u32), budget: Budget) {
 #[test]
 fn more_room_is_enough() {
     let (mut roomy, _) = monitor_of(&crowd(60));
-    roomy.set_most_spans(Monitor::MOST_SPANS);
+    roomy.set_max_spans(Monitor::MAX_SPANS);
     let (mut monitor, _) = monitor_of(&crowd(60));
     let mut refused = 0;
     for step in 0..300 {
@@ -113,7 +113,7 @@ fn more_room_is_enough() {
         if let Err(error) = monitor.advance(now, &mut events) {
             assert_eq!(error, REFUSED);
             refused += 1;
-            monitor.set_most_spans(2_000);
+            monitor.set_max_spans(2_000);
             events = tick(&mut monitor, now);
         }
         assert_eq!(events, tick(&mut roomy, now));

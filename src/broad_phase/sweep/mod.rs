@@ -53,9 +53,9 @@ impl Sweep {
     /// Fewer boxes are compared directly.
     const FEW: usize = 128;
     /// More boxes are compared directly too: their copies could not be counted in 32 bits.
-    const MOST: usize = 1 << 28;
+    const MAX: usize = 1 << 28;
     /// Dividing makes no more copies in a slice than this many times its boxes.
-    const MOST_COPIES: usize = 8;
+    const MAX_COPIES: usize = 8;
     /// Comparisons a box from which it is asked whether they are in vain: what they cost is then
     /// twice what dividing costs.
     const LONG_RUNS: f64 = 256.0;
@@ -92,7 +92,7 @@ impl Sweep {
         filter: &F,
         candidates: &mut Vec<Candidate>,
     ) {
-        if boxes.len() < Self::FEW || boxes.len() > Self::MOST {
+        if boxes.len() < Self::FEW || boxes.len() > Self::MAX {
             return self.compare_all(boxes, &region, filter, candidates);
         }
         self.survey.take(boxes, &region);
@@ -187,7 +187,7 @@ impl BroadPhase for Sweep {
         filter: &F,
         candidates: &mut Vec<Candidate>,
     ) {
-        self.copies_left = Self::MOST_COPIES * boxes.len();
+        self.copies_left = Self::MAX_COPIES * boxes.len();
         self.find(boxes, Region::EVERYWHERE, 0, filter, candidates);
     }
 }

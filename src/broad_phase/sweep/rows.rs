@@ -10,7 +10,7 @@ use crate::simd::Task;
 pub(super) const STEP: usize = 16;
 
 /// No more further copies than this many times the boxes: it bounds the scratch.
-const MOST_COPIES: u64 = 4;
+const MAX_COPIES: u64 = 4;
 
 /// Copies of boxes in the order of rows and bins, an array for each face.
 ///
@@ -109,7 +109,7 @@ impl Task for Sort<'_> {
             rows,
         } = self;
         pack(boxes, scale, &plan, rows);
-        if further_copies(&plan, rows) > MOST_COPIES * boxes.len() as u64 {
+        if further_copies(&plan, rows) > MAX_COPIES * boxes.len() as u64 {
             // Sizes that the plan did not foresee. One row takes no copies.
             plan = plan.in_one_row();
             pack(boxes, scale, &plan, rows);

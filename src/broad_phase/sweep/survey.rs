@@ -20,7 +20,7 @@ impl Survey {
     /// One in this many boxes is looked at, but not fewer or more than these.
     const STRIDE: usize = 16;
     const FEWEST: usize = 64;
-    const MOST: usize = 256;
+    const MAX: usize = 256;
     /// One in this many of the sample may lie anywhere on either side.
     const STRAYS: usize = 32;
     /// A gap is this many times wider than the mean one. Of 256 places drawn evenly, the widest
@@ -30,7 +30,7 @@ impl Survey {
     /// Looks at a sample of boxes as far as they are in the region.
     pub(super) fn take(&mut self, boxes: &[BodyBox], region: &Region) {
         let size = (boxes.len() / Self::STRIDE)
-            .clamp(Self::FEWEST, Self::MOST)
+            .clamp(Self::FEWEST, Self::MAX)
             .min(boxes.len());
         for axis in 0..3 {
             let lows = &mut self.lows[axis];

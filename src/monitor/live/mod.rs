@@ -23,10 +23,10 @@ use worker::{Outcome, Worker};
 /// How a live monitor runs. What its queues and its budget mean is in the contract at [`Live`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LiveOptions {
-    /// Orders that may wait, 1 to [`MOST`](Self::MOST); 4,096 by default. There is room for all of them from
+    /// Orders that may wait, 1 to [`MAX`](Self::MAX); 4,096 by default. There is room for all of them from
     /// the beginning; as many again may have left the queue and not be applied yet.
     pub orders: usize,
-    /// Reports that may wait to be read, 1 to [`MOST`](Self::MOST); 4,096 by default. There is room for all of
+    /// Reports that may wait to be read, 1 to [`MAX`](Self::MAX); 4,096 by default. There is room for all of
     /// them from the beginning; those of the step at hand wait beside them.
     pub reports: usize,
     /// How long the monitor works at a stretch before it looks for orders again; 10 ms by default.
@@ -35,7 +35,7 @@ pub struct LiveOptions {
 
 impl LiveOptions {
     /// What a queue may hold at most: some hundred megabytes.
-    pub const MOST: usize = 1 << 20;
+    pub const MAX: usize = 1 << 20;
 }
 
 impl Default for LiveOptions {
@@ -214,11 +214,11 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// If the system gives no thread, or a queue is to hold nothing, or more than [`LiveOptions::MOST`].
+    /// If the system gives no thread, or a queue is to hold nothing, or more than [`LiveOptions::MAX`].
     pub fn spawn(mut self, options: LiveOptions) -> io::Result<Live> {
         for (what, room) in [("orders", options.orders), ("reports", options.reports)] {
-            if !(1..=LiveOptions::MOST).contains(&room) {
-                let problem = format!("{room} {what} cannot wait: 1 to {} can", LiveOptions::MOST);
+            if !(1..=LiveOptions::MAX).contains(&room) {
+                let problem = format!("{room} {what} cannot wait: 1 to {} can", LiveOptions::MAX);
                 return Err(io::Error::new(io::ErrorKind::InvalidInput, problem));
             }
         }

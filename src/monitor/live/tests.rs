@@ -196,7 +196,7 @@ fn queues_hold_something_and_not_everything() {
             ..few
         },
         LiveOptions {
-            reports: LiveOptions::MOST + 1,
+            reports: LiveOptions::MAX + 1,
             ..few
         },
     ] {
@@ -211,7 +211,7 @@ fn a_monitor_that_is_stuck_says_so() {
     /// Longer than any report takes.
     const PATIENCE: Duration = Duration::from_secs(10);
     let (mut monitor, _) = monitor();
-    monitor.set_most_spans(0);
+    monitor.set_max_spans(0);
     let options = LiveOptions {
         budget: Duration::ZERO,
         ..LiveOptions::default()

@@ -1,6 +1,6 @@
 //! A monitor as it is written at the beginning of a recording.
 
-use crate::error::{Error, LARGEST_MAGNITUDE};
+use crate::error::{Error, MAX_MAGNITUDE};
 use crate::monitor::encounters::{Encounters, Saved};
 use crate::monitor::{AlertLevel, Event, EventKind, LeastChange, Monitor, check_setting};
 use crate::rounding::one_zero;
@@ -19,7 +19,7 @@ pub(in crate::monitor) struct Begin {
     least_change: LeastChange,
     #[serde(with = "super::number")]
     history: f64,
-    most_spans: usize,
+    max_spans: usize,
     next_id: u64,
     /// By level.
     encounters: Vec<Saved>,
@@ -31,7 +31,7 @@ pub(in crate::monitor) struct Begin {
 }
 
 /// More than there will ever be: what comes after it can be counted.
-const MOST_ENCOUNTERS: u64 = 1 << 62;
+const MAX_ENCOUNTERS: u64 = 1 << 62;
 
 /// Why a monitor that was written cannot be.
 pub(super) enum Flaw {
@@ -55,7 +55,7 @@ impl Begin {
             levels: monitor.levels.clone(),
             least_change: monitor.least_change,
             history: monitor.history,
-            most_spans: monitor.outlook.most_spans,
+            max_spans: monitor.outlook.max_spans,
             next_id: monitor.next_id,
             encounters: monitor
                 .encounters
@@ -78,7 +78,7 @@ impl Begin {
     /// What no monitor writes.
     pub(super) fn monitor(self) -> Result<Monitor, Flaw> {
         let mut monitor = Monitor::new(self.scene, self.told, self.lookahead, &self.levels)?;
-        let is_time = |time: f64| time >= self.told && time <= LARGEST_MAGNITUDE;
+        let is_time = |time: f64| time >= self.told && time <= MAX_MAGNITUDE;
         if !is_time(self.now) {
             return Err(Flaw::Refused(Error::ClockWentBack {
                 now: self.told,
@@ -102,8 +102,7 @@ impl Begin {
         ids.extend(self.encounters.iter().flat_map(Saved::ids));
         ids.sort_unstable();
         let are_new = ids.last().is_none_or(|last| *last < self.next_id);
-        if !are_new || ids.windows(2).any(|ids| ids[0] == ids[1]) || self.next_id > MOST_ENCOUNTERS
-        {
+        if !are_new || ids.windows(2).any(|ids| ids[0] == ids[1]) || self.next_id > MAX_ENCOUNTERS {
             return Err(Flaw::Contradiction("its encounters are not told apart"));
         }
         monitor.now = one_zero(self.now);
@@ -118,7 +117,7 @@ impl Begin {
         }
         monitor.least_change = least;
         monitor.history = self.history;
-        monitor.set_most_spans(self.most_spans);
+        monitor.set_max_spans(self.max_spans);
         monitor.next_id = self.next_id;
         for (number, saved) in self.encounters.into_iter().enumerate() {
             monitor.encounters[number] = Encounters::restored(number, saved);

@@ -38,7 +38,7 @@ impl Line {
 }
 
 impl Chords {
-    const MOST: f64 = 8.0;
+    const MAX: f64 = 8.0;
 
     /// Of the motion in a part of the span (first and last instant, s).
     pub(super) fn of(clusters: &Clusters<'_>, part: (f64, f64), margin: f64) -> Self {
@@ -59,7 +59,7 @@ impl Chords {
         let wanted = 0.25 * power * (largest(a.spheres) + largest(b.spheres));
         let count = (bend(points) / wanted).sqrt().ceil();
         let count = if count > 1.0 {
-            count.min(Self::MOST)
+            count.min(Self::MAX)
         } else {
             1.0
         };

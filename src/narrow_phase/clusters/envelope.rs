@@ -29,7 +29,7 @@ struct Near {
 }
 
 impl<'a> Envelope<'a> {
-    const MOST: f64 = 16.0;
+    const MAX: f64 = 16.0;
 
     /// Of the candidates over the whole span.
     pub(super) fn of(
@@ -47,7 +47,7 @@ impl<'a> Envelope<'a> {
         // No number where nothing moves, or the spheres are points.
         let count = (way.sum::<f64>() / widest).ceil();
         let count = if count >= 1.0 {
-            count.min(Self::MOST)
+            count.min(Self::MAX)
         } else {
             1.0
         };

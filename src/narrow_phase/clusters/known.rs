@@ -68,7 +68,7 @@ impl Direction {
 }
 
 impl<'a> Known<'a> {
-    const MOST_GAPS: usize = 8;
+    const MAX_GAPS: usize = 8;
 
     pub(super) fn new(
         clusters: &'a Clusters<'a>,
@@ -124,7 +124,7 @@ impl<'a> Known<'a> {
         }
         if is_longer {
             self.join();
-            self.is_scattered |= self.stretches.len() >= Self::MOST_GAPS;
+            self.is_scattered |= self.stretches.len() >= Self::MAX_GAPS;
             if !self.is_scattered {
                 self.find_gaps();
             }

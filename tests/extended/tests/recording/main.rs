@@ -116,12 +116,12 @@ fn live_on(monitor: &mut Monitor, rng: &mut ChaCha8Rng, events: &mut Vec<Event>)
                 separation: f64::INFINITY,
             })
             .unwrap(),
-        6 => monitor.set_most_spans(rng.random_range(5_000..9_000)),
+        6 => monitor.set_max_spans(rng.random_range(5_000..9_000)),
         7 => {
             // Refused or not, and if so, it leaves no trace.
-            monitor.set_most_spans(rng.random_range(0..20));
+            monitor.set_max_spans(rng.random_range(0..20));
             let _ = monitor.advance(now, events);
-            monitor.set_most_spans(Monitor::MOST_SPANS);
+            monitor.set_max_spans(Monitor::MAX_SPANS);
         }
         _ => {}
     }
@@ -225,7 +225,7 @@ fn a_limit_that_was_lowered_refuses_no_replay() {
     }
     let mut monitor = Monitor::new(scene, 0.0, 10.0, &[AlertLevel::at(1.0)]).unwrap();
     monitor.advance(0.0, &mut Vec::new()).unwrap();
-    monitor.set_most_spans(1);
+    monitor.set_max_spans(1);
     let file = Memory::default();
     monitor.start_recording(file.clone()).unwrap();
     let mut events = Vec::new();
@@ -260,9 +260,9 @@ fn formations_are_read_again_when_they_were() {
         let (file, mut events) = (Memory::default(), Vec::new());
         monitor.start_recording(file.clone()).unwrap();
         if seed % 2 == 0 {
-            monitor.set_most_spans(0);
+            monitor.set_max_spans(0);
             assert!(monitor.advance(30.0, &mut events).is_err());
-            monitor.set_most_spans(Monitor::MOST_SPANS);
+            monitor.set_max_spans(Monitor::MAX_SPANS);
         }
         monitor.advance(7.0, &mut events).unwrap();
         told += events.len();
