@@ -112,8 +112,8 @@ pub use hitbox::{Hitbox, Sphere};
 pub use id::BodyId;
 pub use layers::Layers;
 pub use monitor::{
-    AlertLevel, Budget, Command, Encounter, EncounterId, EndReason, Event, EventKind, LeastChange,
-    Monitor,
+    AlertLevel, Budget, Command, Encounter, EncounterId, EndReason, Event, EventKind, Monitor,
+    RevisionThreshold,
 };
 #[cfg(feature = "live")]
 pub use monitor::{

@@ -9,8 +9,8 @@ mod support;
 
 use glam::DVec3;
 use nearmiss::{
-    AlertLevel, Body, Error, Hitbox, LeastChange, Monitor, Outside, Quantity, Query, Scene, Sphere,
-    State, TimeBase, Trajectory, Window, trajectories_from_rows,
+    AlertLevel, Body, Error, Hitbox, Monitor, Outside, Quantity, Query, RevisionThreshold, Scene,
+    Sphere, State, TimeBase, Trajectory, Window, trajectories_from_rows,
 };
 
 fn state(time: f64, x: f64) -> State {
@@ -331,11 +331,11 @@ fn what_a_monitor_refuses() {
 
     let mut monitor = Monitor::new(scene, 0.0, 5.0, &levels).unwrap();
     for value in [f64::NAN, -1.0, f64::NEG_INFINITY] {
-        let least = |time, separation| LeastChange { time, separation };
+        let least = |time, separation| RevisionThreshold { time, separation };
         for refused in [
             monitor.set_history(value),
-            monitor.set_least_change(least(value, 0.0)),
-            monitor.set_least_change(least(0.0, value)),
+            monitor.set_revision_threshold(least(value, 0.0)),
+            monitor.set_revision_threshold(least(0.0, value)),
         ] {
             assert!(matches!(refused, Err(Error::Setting { .. })), "{value}");
         }

@@ -18,7 +18,7 @@ use crate::scene::Scene;
 /// it lies at the end of what is known: it is told once a lookahead at most.)
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct LeastChange {
+pub struct RevisionThreshold {
     /// Of enter, exit and the time of closest approach, s; 0 by default.
     #[cfg_attr(feature = "serde", serde(with = "super::recording::number"))]
     pub time: f64,
@@ -118,7 +118,7 @@ pub(super) struct Tick {
     /// The end of what is known, s.
     pub(super) known: f64,
     pub(super) lookahead: f64,
-    pub(super) least_change: LeastChange,
+    pub(super) revision_threshold: RevisionThreshold,
 }
 
 fn lower(x: Option<ClosestApproach>, y: ClosestApproach) -> ClosestApproach {
@@ -442,20 +442,20 @@ fn clock(
 /// Whether the numbers differ by more than the least change, as far as both are known: what lies
 /// beyond the end of what is known, which moves, is no revision.
 fn differs(now: &Encounter, sent: &Encounter, tick: &Tick) -> bool {
-    let least = &tick.least_change;
-    let moved = |x: f64, y: f64| (x - y).abs() > least.time;
+    let threshold = &tick.revision_threshold;
+    let moved = |x: f64, y: f64| (x - y).abs() > threshold.time;
     let exit = match (now.open, sent.open) {
         (false, false) => moved(now.exit, sent.exit),
         (true, true) => false,
         // A budget may have hidden an exit that was known.
-        (true, false) => now.exit > sent.exit + least.time,
+        (true, false) => now.exit > sent.exit + threshold.time,
         (false, true) => true,
     };
     moved(now.enter, sent.enter) || exit || closest_differs(now, sent, tick)
 }
 
 fn closest_differs(now: &Encounter, sent: &Encounter, tick: &Tick) -> bool {
-    let least = &tick.least_change;
+    let threshold = &tick.revision_threshold;
     // At an open end the bodies may still be closing in.
     let is_known =
         |encounter: &Encounter| !(encounter.open && encounter.closest.time >= encounter.exit);
@@ -463,13 +463,13 @@ fn closest_differs(now: &Encounter, sent: &Encounter, tick: &Tick) -> bool {
     if !is_known(sent) {
         // While they close in it is told once a lookahead at most.
         let is_later = x.time >= y.time + tick.lookahead;
-        return is_known(now) || is_later && x.separation < y.separation - least.separation;
+        return is_known(now) || is_later && x.separation < y.separation - threshold.separation;
     }
     let hidden = now.open && y.time > now.exit;
     if hidden {
-        return is_known(now) && x.separation < y.separation - least.separation;
+        return is_known(now) && x.separation < y.separation - threshold.separation;
     }
     !is_known(now)
-        || (x.time - y.time).abs() > least.time
-        || (x.separation - y.separation).abs() > least.separation
+        || (x.time - y.time).abs() > threshold.time
+        || (x.separation - y.separation).abs() > threshold.separation
 }

@@ -29,7 +29,7 @@ mod timed;
 
 pub use budget::Budget;
 pub use command::Command;
-pub use encounters::LeastChange;
+pub use encounters::RevisionThreshold;
 pub use event::{Encounter, EncounterId, EndReason, Event, EventKind};
 #[cfg(feature = "live")]
 pub use live::{
@@ -169,7 +169,7 @@ pub struct Monitor {
     /// Up to where all is known.
     known: f64,
     history: f64,
-    least_change: LeastChange,
+    revision_threshold: RevisionThreshold,
     next_id: u64,
     /// Events of changes before the last tick that could be told.
     waiting: Vec<Event>,
@@ -261,7 +261,7 @@ impl Monitor {
             told: now,
             known: now,
             history: 0.0,
-            least_change: LeastChange::default(),
+            revision_threshold: RevisionThreshold::default(),
             next_id: 0,
             waiting: Vec::new(),
             removed: Vec::new(),
@@ -286,13 +286,16 @@ impl Monitor {
     /// # Errors
     ///
     /// [`Error::Setting`] if one is negative or NaN.
-    pub fn set_least_change(&mut self, least_change: LeastChange) -> Result<(), Error> {
-        for value in [least_change.time, least_change.separation] {
+    pub fn set_revision_threshold(
+        &mut self,
+        revision_threshold: RevisionThreshold,
+    ) -> Result<(), Error> {
+        for value in [revision_threshold.time, revision_threshold.separation] {
             check_setting(value)?;
         }
         #[cfg(feature = "serde")]
-        self.write_down(|| Record::LeastChange(least_change));
-        self.least_change = least_change;
+        self.write_down(|| Record::RevisionThreshold(revision_threshold));
+        self.revision_threshold = revision_threshold;
         self.read_all_plains();
         Ok(())
     }

@@ -167,7 +167,7 @@ impl Monitor {
             before: self.told,
             known,
             lookahead: self.lookahead,
-            least_change: self.least_change,
+            revision_threshold: self.revision_threshold,
         };
         // Nothing below can fail.
         self.end_of_removed();

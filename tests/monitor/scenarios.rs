@@ -3,8 +3,8 @@
 use super::support::{bits, line, rng, wander};
 use glam::DVec3;
 use nearmiss::{
-    AlertLevel, Body, BodyId, Command, Error, Event, EventKind, Hitbox, LeastChange, Monitor,
-    Outside, Query, Scene, State, Trajectory, Window,
+    AlertLevel, Body, BodyId, Command, Error, Event, EventKind, Hitbox, Monitor, Outside, Query,
+    RevisionThreshold, Scene, State, Trajectory, Window,
 };
 use rand::RngExt;
 
@@ -83,11 +83,11 @@ fn how_near_bodies_come_that_close_in_for_long_is_told_once_a_lookahead() {
     let mut revised = Vec::new();
     for now in 1..=120 {
         if now == 81 {
-            let least = LeastChange {
+            let least = RevisionThreshold {
                 separation: 1.5,
-                ..LeastChange::default()
+                ..RevisionThreshold::default()
             };
-            monitor.set_least_change(least).unwrap();
+            monitor.set_revision_threshold(least).unwrap();
         }
         for event in tick(&mut monitor, f64::from(now)) {
             assert!(matches!(event.kind, EventKind::Revised(_)), "{event:?}");
@@ -231,11 +231,11 @@ fn hysteresis_keeps_an_encounter_that_hovers() {
 fn small_changes_are_not_told() {
     let (a, b) = head_on();
     let (mut monitor, id, _) = two(a.clone(), b, &[AlertLevel::at(2.0)]);
-    let least_change = LeastChange {
+    let revision_threshold = RevisionThreshold {
         time: 0.1,
         separation: 0.1,
     };
-    monitor.set_least_change(least_change).unwrap();
+    monitor.set_revision_threshold(revision_threshold).unwrap();
     tick(&mut monitor, 2.0);
     let nudged = |y: f64| line(0.0, 100.0, DVec3::new(0.0, y, 0.0), DVec3::X);
     monitor.set_trajectory(id, nudged(0.05)).unwrap();
@@ -246,7 +246,9 @@ fn small_changes_are_not_told() {
     // What was kept back is told once it is no longer too little.
     monitor.set_trajectory(id, nudged(0.2)).unwrap();
     assert_eq!(kinds(&tick(&mut monitor, 2.3)), [""; 0]);
-    monitor.set_least_change(LeastChange::default()).unwrap();
+    monitor
+        .set_revision_threshold(RevisionThreshold::default())
+        .unwrap();
     assert_eq!(kinds(&tick(&mut monitor, 2.4)), ["revised 0"]);
     assert_eq!(kinds(&tick(&mut monitor, 2.5)), [""; 0]);
 }

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::monitor::encounters::{Encounters, Saved};
-use crate::monitor::{AlertLevel, Event, EventKind, LeastChange, Monitor, check_setting};
+use crate::monitor::{AlertLevel, Event, EventKind, Monitor, RevisionThreshold, check_setting};
 use crate::rounding::one_zero;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -16,7 +16,7 @@ pub(in crate::monitor) struct Begin {
     told: f64,
     lookahead: f64,
     levels: Vec<AlertLevel>,
-    least_change: LeastChange,
+    revision_threshold: RevisionThreshold,
     #[serde(with = "super::number")]
     history: f64,
     max_spans: usize,
@@ -53,7 +53,7 @@ impl Begin {
             told: monitor.told,
             lookahead: monitor.lookahead,
             levels: monitor.levels.clone(),
-            least_change: monitor.least_change,
+            revision_threshold: monitor.revision_threshold,
             history: monitor.history,
             max_spans: monitor.outlook.max_spans,
             next_id: monitor.next_id,
@@ -111,11 +111,11 @@ impl Begin {
             // All of it has been told.
             monitor.advance_to(self.now, self.now + self.lookahead, &mut Vec::new())?;
         }
-        let least = self.least_change;
-        for value in [least.time, least.separation, self.history] {
+        let threshold = self.revision_threshold;
+        for value in [threshold.time, threshold.separation, self.history] {
             check_setting(value)?;
         }
-        monitor.least_change = least;
+        monitor.revision_threshold = threshold;
         monitor.history = self.history;
         monitor.set_max_spans(self.max_spans);
         monitor.next_id = self.next_id;

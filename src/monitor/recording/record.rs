@@ -3,7 +3,7 @@
 use super::begin::Begin;
 use crate::error::Error;
 use crate::id::BodyId;
-use crate::monitor::{Command, LeastChange};
+use crate::monitor::{Command, RevisionThreshold};
 use crate::scene::Body;
 use serde::{Deserialize, Serialize};
 use std::io;
@@ -25,7 +25,7 @@ pub(in crate::monitor) enum Record {
     Remove(BodyId),
     Ignore(BodyId, BodyId),
     Unignore(BodyId, BodyId),
-    LeastChange(LeastChange),
+    RevisionThreshold(RevisionThreshold),
     /// s.
     History(#[serde(with = "super::number")] f64),
     MostSpans(usize),

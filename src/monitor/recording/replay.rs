@@ -54,7 +54,7 @@ use std::io::{BufRead, Read};
 /// | `apply` | a batch of commands that was applied |
 /// | `insert`, `remove` | a body put in or taken out by itself |
 /// | `ignore`, `unignore` | a pair of ids |
-/// | `least_change`, `history`, `max_spans` | settings |
+/// | `revision_threshold`, `history`, `max_spans` | settings |
 /// | `tick` | the clock, up to when everything was known after it, and the work done in it (as a [budget](crate::Budget::Work) counts it) |
 /// | `anew` | a tick failed, and all is looked at anew |
 /// | `close` | the monitor was closed |
@@ -198,7 +198,9 @@ impl<R: BufRead> Replay<R> {
             Record::Remove(id) => drop(monitor.remove(id).map_err(refused)?),
             Record::Ignore(a, b) => monitor.ignore_pair(a, b).map_err(refused)?,
             Record::Unignore(a, b) => monitor.unignore_pair(a, b).map_err(refused)?,
-            Record::LeastChange(least) => monitor.set_least_change(least).map_err(refused)?,
+            Record::RevisionThreshold(threshold) => {
+                monitor.set_revision_threshold(threshold).map_err(refused)?
+            }
             Record::History(history) => monitor.set_history(history).map_err(refused)?,
             Record::MostSpans(limit) => monitor.set_max_spans(limit),
             Record::Tick { now, known, .. } => {

@@ -11,22 +11,28 @@ mod support;
 
 use glam::DVec3;
 use nearmiss::{
-    Accuracy, Body, Conflict, Hitbox, LeastChange, Monitor, Query, Scene, State, Trajectory,
+    Accuracy, Body, Conflict, Hitbox, Monitor, Query, RevisionThreshold, Scene, State, Trajectory,
 };
 use support::{rng, wander};
 
 /// Infinite settings, in text and in other formats.
 #[test]
-fn least_changes_come_back() {
+fn revision_thresholds_come_back() {
     for separation in [0.0, 0.25, f64::INFINITY] {
-        let least = LeastChange {
+        let least = RevisionThreshold {
             time: 1e-9,
             separation,
         };
         let text = serde_json::to_string(&least).unwrap();
-        assert_eq!(serde_json::from_str::<LeastChange>(&text).unwrap(), least);
+        assert_eq!(
+            serde_json::from_str::<RevisionThreshold>(&text).unwrap(),
+            least
+        );
         let bytes = postcard::to_allocvec(&least).unwrap();
-        assert_eq!(postcard::from_bytes::<LeastChange>(&bytes).unwrap(), least);
+        assert_eq!(
+            postcard::from_bytes::<RevisionThreshold>(&bytes).unwrap(),
+            least
+        );
     }
 }
 

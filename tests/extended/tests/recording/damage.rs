@@ -209,7 +209,7 @@ fn contradictions_are_refused() {
         ("history", serde_json::json!(-1.0)),
         ("end_told", serde_json::json!([])),
         (
-            "least_change",
+            "revision_threshold",
             serde_json::json!({"time": -1.0, "separation": 0.0}),
         ),
     ] {

@@ -13,8 +13,8 @@ mod writers;
 
 use glam::DVec3;
 use nearmiss::{
-    AlertLevel, Body, BodyId, Budget, Command, Event, Hitbox, Layers, LeastChange, Monitor,
-    Outside, RecordingError, Replay, Scene, Sphere, State, Trajectory,
+    AlertLevel, Body, BodyId, Budget, Command, Event, Hitbox, Layers, Monitor, Outside,
+    RecordingError, Replay, RevisionThreshold, Scene, Sphere, State, Trajectory,
 };
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
@@ -111,7 +111,7 @@ fn live_on(monitor: &mut Monitor, rng: &mut ChaCha8Rng, events: &mut Vec<Event>)
         3 if ids.len() > 6 => drop(monitor.unignore_pair(ids[3], ids[4])),
         4 => monitor.set_history(rng.random_range(0.0..3.0)).unwrap(),
         5 => monitor
-            .set_least_change(LeastChange {
+            .set_revision_threshold(RevisionThreshold {
                 time: 0.1,
                 separation: f64::INFINITY,
             })
