@@ -13,7 +13,9 @@ use criterion::measurement::WallTime;
 use criterion::{
     BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main,
 };
-use nearmiss::broad_phase::{BodyBox, BroadPhase, BruteForce, Everyone, Level, Sweep, Tree};
+use nearmiss::broad_phase::{
+    BodyBox, BroadPhase, BruteForce, Everyone, InstructionSet, Sweep, Tree,
+};
 
 /// Boxes of the reference swarm are half as long as the mean spacing.
 const NUMBERS: [(&str, usize); 4] = [
@@ -103,9 +105,14 @@ fn levels(criterion: &mut Criterion) {
         .measurement_time(Duration::from_secs(1));
     for name in ["swarm", "fast_few", "many_clusters"] {
         let slices = slices(name, 10_000);
-        for level in Level::available() {
-            let id = BenchmarkId::new(level.name(), name);
-            measure(&mut group, id, Sweep::with_level(level), &slices);
+        for instructions in InstructionSet::available() {
+            let id = BenchmarkId::new(instructions.name(), name);
+            measure(
+                &mut group,
+                id,
+                Sweep::with_instruction_set(instructions),
+                &slices,
+            );
         }
     }
     group.finish();

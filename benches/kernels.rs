@@ -2,7 +2,7 @@
 //!
 //! `cargo bench --bench kernels` prints the accuracy of every method against exact arithmetic, the
 //! ratios of their speeds (taken in turns, so that they hold on a busy machine), and then times
-//! them one by one. `NEARMISS_LEVEL` (`portable`, `avx2`, `avx512`) forces the instruction set;
+//! them one by one. `NEARMISS_INSTRUCTIONS` (`portable`, `avx2`, `avx512`) forces the instruction set;
 //! `NEARMISS_ACCURACY_PAIRS` sets the number of random pairs of the first table (4096; 0 leaves it
 //! out); the other workloads have a tenth as many.
 #![allow(
@@ -25,21 +25,22 @@ mod workloads;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group};
 use nearmiss::narrow_phase::kernels::{
-    ControlPoints, CubicBatch, Enclosure, Level, Verdict, closest_approach, enclose, scalar, within,
+    ControlPoints, CubicBatch, Enclosure, InstructionSet, Verdict, closest_approach, enclose,
+    scalar, within,
 };
 use std::hint::black_box;
 use std::sync::OnceLock;
 use workloads::Workload;
 
-/// The instruction set of the batch kernels: the best, or the one named in `NEARMISS_LEVEL`.
-fn level() -> Level {
-    static LEVEL: OnceLock<Level> = OnceLock::new();
-    *LEVEL.get_or_init(|| {
-        let name = std::env::var("NEARMISS_LEVEL").unwrap_or_default();
-        let named = Level::available()
+/// The instruction set of the batch kernels: the best, or the one named in `NEARMISS_INSTRUCTIONS`.
+fn instructions() -> InstructionSet {
+    static INSTRUCTIONS: OnceLock<InstructionSet> = OnceLock::new();
+    *INSTRUCTIONS.get_or_init(|| {
+        let name = std::env::var("NEARMISS_INSTRUCTIONS").unwrap_or_default();
+        let named = InstructionSet::available()
             .into_iter()
-            .find(|level| level.name() == name);
-        named.unwrap_or_else(Level::best)
+            .find(|instructions| instructions.name() == name);
+        named.unwrap_or_else(InstructionSet::best)
     })
 }
 
@@ -197,13 +198,13 @@ impl Batch {
 
     fn closest_approach(&mut self) {
         let lanes = self.cubics.lanes();
-        closest_approach(level(), &lanes, &mut self.times, &mut self.distances);
+        closest_approach(instructions(), &lanes, &mut self.times, &mut self.distances);
     }
 
     fn closest_approach_f32(&mut self) {
         let lanes = self.cubics_f32.lanes();
         closest_approach(
-            level(),
+            instructions(),
             &lanes,
             &mut self.times_f32,
             &mut self.distances_f32,
@@ -212,7 +213,7 @@ impl Batch {
 
     fn enclose(&mut self) {
         enclose(
-            level(),
+            instructions(),
             &self.cubics.lanes(),
             &self.errors,
             &mut self.enclosures,
@@ -289,7 +290,7 @@ impl Screening {
             each,
             each_f32,
         } = limits;
-        let (level, verdicts) = (level(), &mut work.verdicts);
+        let (instructions, verdicts) = (instructions(), &mut work.verdicts);
         match self {
             Self::Yuksel => {
                 for (verdict, pair) in verdicts.iter_mut().zip(pairs) {
@@ -306,9 +307,9 @@ impl Screening {
                     *verdict = scalar::within(pair, *threshold, *threshold);
                 }
             }
-            Self::BatchF64 => within(level, &work.cubics.lanes(), each, each, verdicts),
+            Self::BatchF64 => within(instructions, &work.cubics.lanes(), each, each, verdicts),
             Self::BatchF32 => within(
-                level,
+                instructions,
                 &work.cubics_f32.lanes(),
                 each_f32,
                 each_f32,
@@ -342,7 +343,7 @@ fn main() {
     // A smoke test (`cargo test --benches`) passes `--test`: the table would only take time.
     let timing = std::env::args().any(|argument| argument == "--bench");
     let count = count.unwrap_or(if timing { PAIRS } else { 16 });
-    println!("Level: {}", level().name());
+    println!("Instruction set: {}", instructions().name());
     if count > 0 {
         accuracy::print_table(count);
     }

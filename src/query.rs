@@ -1,7 +1,7 @@
 //! What is asked of a scene.
 
 use crate::accuracy::Accuracy;
-use crate::broad_phase::{Level, Method};
+use crate::broad_phase::{InstructionSet, Method};
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::window::Window;
 use std::num::NonZeroU32;
@@ -29,7 +29,7 @@ pub struct Query {
     accuracy: Accuracy,
     slices: Option<NonZeroU32>,
     max_spans: usize,
-    level: Level,
+    instructions: InstructionSet,
 }
 
 impl Default for Query {
@@ -43,7 +43,7 @@ impl Default for Query {
             accuracy: Accuracy::default(),
             slices: None,
             max_spans: Self::MAX_SPANS,
-            level: Level::best(),
+            instructions: InstructionSet::best(),
         }
     }
 }
@@ -111,11 +111,11 @@ impl Query {
         self
     }
 
-    /// The same query with another level of instructions, instead of the best of this
+    /// The same query with another instruction set, instead of the best of this
     /// processor: for measuring what they are worth. The answer is the same.
     #[must_use]
-    pub const fn with_level(mut self, level: Level) -> Self {
-        self.level = level;
+    pub const fn with_instruction_set(mut self, instructions: InstructionSet) -> Self {
+        self.instructions = instructions;
         self
     }
 
@@ -145,8 +145,8 @@ impl Query {
 
     /// Whose instructions are used.
     #[must_use]
-    pub const fn level(&self) -> Level {
-        self.level
+    pub const fn instruction_set(&self) -> InstructionSet {
+        self.instructions
     }
 
     /// How candidates are found.

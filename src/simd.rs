@@ -22,41 +22,41 @@ pub(crate) enum Set {
 /// An instruction set that this processor has.
 ///
 /// A value of this type is the proof that the processor has the set: it is only made by asking
-/// the processor. All levels give identical bits, because every operation is correctly rounded and
-/// none is fused; a level only changes the speed.
+/// the processor. All sets give identical bits, because every operation is correctly rounded and
+/// none is fused; the choice only changes the speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Level(Set);
+pub struct InstructionSet(Set);
 
-impl Level {
+impl InstructionSet {
     /// What every processor of the target has; the compiler may still use vectors of its own.
     pub const PORTABLE: Self = Self(Set::Portable);
 
-    /// The fastest level of this processor; asked once.
+    /// The fastest set of this processor; asked once.
     #[must_use]
     pub fn best() -> Self {
-        static BEST: OnceLock<Level> = OnceLock::new();
+        static BEST: OnceLock<InstructionSet> = OnceLock::new();
         *BEST.get_or_init(|| Self::available().pop().unwrap_or(Self::PORTABLE))
     }
 
-    /// The levels of this processor, from the slowest to the fastest.
+    /// The sets of this processor, from the slowest to the fastest.
     #[must_use]
     pub fn available() -> Vec<Self> {
-        let mut levels = vec![Self::PORTABLE];
+        let mut sets = vec![Self::PORTABLE];
         #[cfg(target_arch = "x86_64")]
         if is_x86_feature_detected!("avx2")
             && is_x86_feature_detected!("bmi1")
             && is_x86_feature_detected!("bmi2")
         {
-            levels.push(Self(Set::Avx2));
+            sets.push(Self(Set::Avx2));
             if is_x86_feature_detected!("avx512f")
                 && is_x86_feature_detected!("avx512dq")
                 && is_x86_feature_detected!("avx512bw")
                 && is_x86_feature_detected!("avx512vl")
             {
-                levels.push(Self(Set::Avx512));
+                sets.push(Self(Set::Avx512));
             }
         }
-        levels
+        sets
     }
 
     /// A short name: `portable`, `avx2` or `avx512`.
@@ -75,23 +75,23 @@ impl Level {
         self.0
     }
 
-    /// Runs a task as compiled for this level, but for AVX-512: for tasks it was measured no
+    /// Runs a task as compiled for this set, but for AVX-512: for tasks it was measured no
     /// faster than AVX2, which is what they get there.
     pub(crate) fn run<T: Task>(self, task: T) -> T::Output {
         match self.0 {
             Set::Portable => task.run(),
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: a `Level` of these sets is only made where the processor has AVX2, BMI1 and
+            // SAFETY: a `InstructionSet` of these sets is only made where the processor has AVX2, BMI1 and
             // BMI2.
             Set::Avx2 | Set::Avx512 => unsafe { run_avx2(task) },
         }
     }
 }
 
-/// A piece of work to be compiled once for each level.
+/// A piece of work to be compiled once for each set.
 ///
 /// `run` and what it calls in its loops are `#[inline(always)]`: only so are they compiled with
-/// the level's instructions. They hold no operation whose result differs between levels.
+/// the instructions of the set. They hold no operation whose result differs between sets.
 pub(crate) trait Task {
     type Output;
 
@@ -133,7 +133,7 @@ pub(crate) fn prefetch<T>(values: &[T]) {
 /// The loop is inlined into functions that may use the set, where the compiler makes vectors of
 /// its lanes. The outputs are separate parameters: only so does the compiler know that they do not
 /// overlap the inputs (a [`Task`] cannot say that).
-macro_rules! for_each_level {
+macro_rules! for_each_instruction_set {
     (
         $(#[$documentation:meta])*
         $name:ident<$R:ident: $bound:ident>($($argument:ident: $type:ty),* $(,)?) $(-> $output:ty)?
@@ -141,9 +141,9 @@ macro_rules! for_each_level {
         $(#[$documentation])*
         #[allow(
             unsafe_code,
-            reason = "a level of a set is only made where the processor has the set"
+            reason = "an `InstructionSet` of a set is only made where the processor has the set"
         )]
-        pub(super) fn $name<$R: $bound>(level: Level, $($argument: $type),*) $(-> $output)? {
+        pub(super) fn $name<$R: $bound>(instructions: InstructionSet, $($argument: $type),*) $(-> $output)? {
             #[cfg(target_arch = "x86_64")]
             #[target_feature(enable = "avx2")]
             fn avx2<$R: $bound>($($argument: $type),*) $(-> $output)? {
@@ -156,13 +156,13 @@ macro_rules! for_each_level {
                 loops::$name::<$R>($($argument),*)
             }
 
-            match level.set() {
+            match instructions.set() {
                 $crate::simd::Set::Portable => loops::$name::<$R>($($argument),*),
                 #[cfg(target_arch = "x86_64")]
-                // SAFETY: a `Level` of this set is only made where the processor has AVX2.
+                // SAFETY: a `InstructionSet` of this set is only made where the processor has AVX2.
                 $crate::simd::Set::Avx2 => unsafe { avx2::<$R>($($argument),*) },
                 #[cfg(target_arch = "x86_64")]
-                // SAFETY: a `Level` of this set is only made where the processor has AVX-512 F,
+                // SAFETY: a `InstructionSet` of this set is only made where the processor has AVX-512 F,
                 // DQ, BW and VL.
                 $crate::simd::Set::Avx512 => unsafe { avx512::<$R>($($argument),*) },
             }
@@ -170,4 +170,4 @@ macro_rules! for_each_level {
     };
 }
 
-pub(crate) use for_each_level;
+pub(crate) use for_each_instruction_set;

@@ -9,7 +9,7 @@
 
 mod support;
 
-use nearmiss::broad_phase::Level;
+use nearmiss::broad_phase::InstructionSet;
 use nearmiss::{Accuracy, Method, Query, Window};
 use support::{hash, on_threads, scene_of, sliced, swarm};
 
@@ -30,14 +30,14 @@ fn one_answer_to(query: &Query) {
     for threads in 1..=4 {
         on_threads(threads, || {
             for method in Method::EVERY {
-                for level in Level::available() {
+                for instructions in InstructionSet::available() {
                     for slices in [0, 1, 7, 100] {
-                        let by = query.with_method(method).with_level(level);
+                        let by = query.with_method(method).with_instruction_set(instructions);
                         let answer = scene.screen(&sliced(by, slices)).unwrap();
                         assert!(!answer.conflicts.is_empty());
                         let found = hash(&answer.conflicts);
                         let expected = *reference.get_or_insert(found);
-                        let by = (method, threads, level, slices);
+                        let by = (method, threads, instructions, slices);
                         assert_eq!(found, expected, "{by:?}, {query:?}");
                     }
                 }

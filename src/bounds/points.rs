@@ -66,7 +66,7 @@ mod tests {
     use super::super::{Extremes, Frame, Inflation, Pose, Sketch, Stroke};
     use crate::broad_phase::fill::{Block, Fill, Slice};
     use crate::hitbox::Hitbox;
-    use crate::simd::Level;
+    use crate::simd::InstructionSet;
     use crate::trajectory::{DoubleDouble, Outside, Pieces, State, Trajectory};
     use crate::window::Window;
     use glam::DVec3;
@@ -178,7 +178,7 @@ mod tests {
         let inflation = Inflation::of(point.spheres(), point.bounding(), 0.0, &frame);
         let pose = Pose::sketched(&drawing, &inflation, &frame);
         let mut block = Block::default();
-        Level::best().run(Fill {
+        InstructionSet::best().run(Fill {
             frame: &frame,
             block: &mut block,
             poses: &[pose],

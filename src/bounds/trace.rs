@@ -333,7 +333,7 @@ mod tests {
     use super::*;
     use crate::broad_phase::fill::{Block, Fill};
     use crate::hitbox::Hitbox;
-    use crate::simd::Level;
+    use crate::simd::InstructionSet;
     use crate::trajectory::{State, Trajectory};
     use glam::DVec3;
     use rand::rngs::ChaCha8Rng;
@@ -364,7 +364,7 @@ mod tests {
             let inflation = Inflation::of(hitbox.spheres(), hitbox.bounding(), 0.0, &frame);
             let pose = Pose::sketched(&sketch.on(&lines), &inflation, &frame);
             let mut block = Block::default();
-            Level::best().run(Fill {
+            InstructionSet::best().run(Fill {
                 block: &mut block,
                 frame: &frame,
                 poses: &[pose],

@@ -310,7 +310,7 @@ mod tests {
     use crate::bounds::{Extremes, Frame, Inflation, Sketch};
     use crate::broad_phase::slices::Slices;
     use crate::hitbox::Hitbox;
-    use crate::simd::Level;
+    use crate::simd::InstructionSet;
     use crate::trajectory::{State, Trajectory};
     use glam::DVec3;
     use rand::rngs::ChaCha8Rng;
@@ -361,7 +361,7 @@ mod tests {
             let mut block = Block::default();
             for first in (0..slices.count()).step_by(8) {
                 let range = first..(first + 8).min(slices.count());
-                Level::best().run(Fill {
+                InstructionSet::best().run(Fill {
                     block: &mut block,
                     frame: &frame,
                     poses: &[pose],

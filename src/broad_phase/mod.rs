@@ -15,7 +15,7 @@ mod tree;
 
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
-pub use crate::simd::Level;
+pub use crate::simd::InstructionSet;
 pub use brute_force::BruteForce;
 pub(crate) use room::Room;
 pub use sweep::Sweep;

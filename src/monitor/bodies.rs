@@ -7,7 +7,7 @@ use crate::broad_phase::fill::{Block, Fill};
 use crate::narrow_phase::Party;
 use crate::parallel;
 use crate::scene::Scene;
-use crate::simd::{Level, prefetch};
+use crate::simd::{InstructionSet, prefetch};
 use crate::trajectory::Segment;
 
 /// What slices need to know of the bodies.
@@ -120,7 +120,7 @@ impl<'m> Bodies<'m> {
 
 /// Forms the boxes of bodies in the first slices of `block`.
 pub(super) fn form(frame: &Frame, poses: &[Pose<'_, Segment>], ends: &[f64], block: &mut Block) {
-    Level::best().run(Fill {
+    InstructionSet::best().run(Fill {
         block,
         frame,
         poses,

@@ -6,7 +6,7 @@ use crate::accuracy::Accuracy;
 use crate::bounds::{Frame, Inflation, Pose, Stroke};
 use crate::broad_phase::presence::Presence;
 use crate::broad_phase::slices::Traffic;
-use crate::broad_phase::{Level, PairFilter};
+use crate::broad_phase::{InstructionSet, PairFilter};
 use crate::error::Error;
 use crate::id::BodyId;
 use crate::knots::Knots;
@@ -34,7 +34,7 @@ pub(super) struct LineUp<'a> {
     pub(super) window: Window,
     pub(super) margin: f64,
     pub(super) accuracy: Accuracy,
-    pub(super) level: Level,
+    pub(super) instructions: InstructionSet,
     /// How many slices, if that was prescribed.
     pub(super) prescribed: Option<NonZeroU32>,
     /// Room for survivors.
@@ -78,7 +78,7 @@ impl<'a> LineUp<'a> {
             window: query.window(),
             margin: query.margin(),
             accuracy: query.accuracy(),
-            level: query.level(),
+            instructions: query.instruction_set(),
             prescribed: query.slices(),
             max_spans: query.max_spans(),
             pool: scene.pool(),

@@ -246,7 +246,7 @@ impl LineUp<'_> {
                 &mut stats,
             ),
             Method::Sweep => self.survivors(
-                |scratch| scratch.sweep.at(self.level),
+                |scratch| scratch.sweep.at(self.instructions),
                 bodies,
                 cut,
                 filter,

@@ -242,7 +242,7 @@ impl LineUp<'_> {
             let share = (f64::from(place) + 0.5) / f64::from(places);
             let first = slices.number_at(share);
             presence.list(slices.interval(first), present);
-            self.level.run(Fill {
+            self.instructions.run(Fill {
                 block: &mut *block,
                 frame: &self.frame,
                 poses,
@@ -252,7 +252,9 @@ impl LineUp<'_> {
             let slice = &block.slices[0];
             candidates.clear();
             let room = Room::new(&Everyone, MAX_CANDIDATES);
-            sweep.at(self.level).pairs(&slice.boxes, &room, candidates);
+            sweep
+                .at(self.instructions)
+                .pairs(&slice.boxes, &room, candidates);
             let interval = slices.interval(first);
             for pair in &*candidates {
                 let (a, b) = (pair.a as usize, pair.b as usize);

@@ -101,7 +101,7 @@ impl LineUp<'_> {
         let ends = slices.ends(range.clone());
         self.presence
             .list((ends[0], ends[ends.len() - 1]), &mut scratch.present);
-        self.level.run(Fill {
+        self.instructions.run(Fill {
             block: &mut scratch.block,
             frame: &self.frame,
             poses,

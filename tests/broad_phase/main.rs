@@ -8,12 +8,12 @@ use std::collections::HashSet;
 
 use boxes::{SHAPES, SIDE, SPACING, Shape};
 use nearmiss::broad_phase::{
-    BodyBox, BroadPhase, BruteForce, Candidate, Everyone, Level, PairFilter, Sweep, Tree,
+    BodyBox, BroadPhase, BruteForce, Candidate, Everyone, InstructionSet, PairFilter, Sweep, Tree,
 };
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
 
-/// Everything from the degenerate to several levels of every structure.
+/// Everything from the degenerate to several sets of every structure.
 const COUNTS: [usize; 14] = [0, 1, 2, 3, 4, 15, 16, 17, 127, 128, 200, 500, 1_000, 2_200];
 
 /// The pairs that meet, by comparisons written down once more, and from nothing else.
@@ -159,11 +159,11 @@ fn every_level_gives_the_same_pairs_in_the_same_order() {
     for shape in SHAPES {
         for count in [3, 200, 3_000] {
             let boxes = shape.boxes(count, 11);
-            let runs: Vec<Vec<Candidate>> = Level::available()
+            let runs: Vec<Vec<Candidate>> = InstructionSet::available()
                 .into_iter()
-                .map(|level| {
+                .map(|instructions| {
                     let mut pairs = Vec::new();
-                    Sweep::with_level(level).pairs(&boxes, &Everyone, &mut pairs);
+                    Sweep::with_instruction_set(instructions).pairs(&boxes, &Everyone, &mut pairs);
                     pairs
                 })
                 .collect();

@@ -29,7 +29,7 @@ use self::run::Run;
 use self::scale::Scale;
 use self::survey::Survey;
 use super::{BodyBox, BroadPhase, Candidate, PairFilter};
-use crate::simd::Level;
+use crate::simd::InstructionSet;
 
 /// Sorts boxes on a 16-bit grid into rows and sweeps along them: the method for everything.
 ///
@@ -39,7 +39,7 @@ use crate::simd::Level;
 /// a box of the largest slice so far.
 #[derive(Clone, Debug)]
 pub struct Sweep {
-    level: Level,
+    instructions: InstructionSet,
     survey: Survey,
     rows: Rows,
     faces: Faces,
@@ -64,11 +64,11 @@ impl Sweep {
     /// Crowded if a larger share of all pairs meet: then nothing beats comparing all.
     const CROWDED: f64 = 1.0 / 4.0;
 
-    /// A sweep with the instructions of a level. All levels find the same pairs in the same order.
+    /// A sweep with an instruction set. All sets find the same pairs in the same order.
     #[must_use]
-    pub fn with_level(level: Level) -> Self {
+    pub fn with_instruction_set(instructions: InstructionSet) -> Self {
         Self {
-            level,
+            instructions,
             survey: Survey::default(),
             rows: Rows::default(),
             faces: Faces::default(),
@@ -77,9 +77,9 @@ impl Sweep {
         }
     }
 
-    /// The same, with the instructions of another level.
-    pub(crate) const fn at(&mut self, level: Level) -> &mut Self {
-        self.level = level;
+    /// The same, with another instruction set.
+    pub(crate) const fn at(&mut self, instructions: InstructionSet) -> &mut Self {
+        self.instructions = instructions;
         self
     }
 
@@ -108,7 +108,7 @@ impl Sweep {
             count: boxes.len(),
             extents: self.survey.shares(),
         });
-        let comparisons = self.level.run(Sort {
+        let comparisons = self.instructions.run(Sort {
             boxes,
             scale: &scale,
             plan,
@@ -130,7 +130,7 @@ impl Sweep {
                 }
             }
         }
-        self.level.run(Run {
+        self.instructions.run(Run {
             boxes,
             rows: &self.rows,
             region: (depth > 0).then_some(&region),
@@ -147,7 +147,7 @@ impl Sweep {
         filter: &F,
         candidates: &mut Vec<Candidate>,
     ) {
-        self.level.run(All {
+        self.instructions.run(All {
             boxes,
             region,
             faces: &mut self.faces,
@@ -176,7 +176,7 @@ impl Sweep {
 impl Default for Sweep {
     /// With the instructions of this processor.
     fn default() -> Self {
-        Self::with_level(Level::best())
+        Self::with_instruction_set(InstructionSet::best())
     }
 }
 

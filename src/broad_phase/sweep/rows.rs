@@ -355,7 +355,7 @@ mod tests {
     use parry3d::math::Vector;
 
     use super::*;
-    use crate::simd::Level;
+    use crate::simd::InstructionSet;
 
     const PLAN: Plan = Plan {
         sweep: 1,
@@ -376,7 +376,7 @@ mod tests {
             })
             .collect();
         let mut rows = Rows::default();
-        let comparisons = Level::best().run(Sort {
+        let comparisons = InstructionSet::best().run(Sort {
             boxes: &boxes,
             scale: &Scale::new([(0.0, 64.0); 3]),
             plan: PLAN,

@@ -3,13 +3,13 @@
 use super::node::{Corners, EMPTY, WIDTH, corners, is_inside, merged};
 use super::{Boxes, NOWHERE};
 use crate::broad_phase::BodyBox;
-use crate::simd::{Level, Task, prefetch};
+use crate::simd::{InstructionSet, Task, prefetch};
 use std::slice::from_ref;
 
 impl Boxes {
     /// Replaces the boxes of some bodies, few of all: each finds the best place for it.
     pub(in crate::monitor) fn move_to(&mut self, boxes: &[BodyBox]) {
-        Level::best().run(Move { tree: self, boxes });
+        InstructionSet::best().run(Move { tree: self, boxes });
         if self.wear > self.slot_at.len() {
             self.list_for_order();
             self.put_in_order();

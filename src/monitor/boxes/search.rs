@@ -3,7 +3,7 @@
 use super::node::corners;
 use super::{Boxes, WIDTH};
 use crate::broad_phase::BodyBox;
-use crate::simd::{Level, Task, prefetch};
+use crate::simd::{InstructionSet, Task, prefetch};
 use std::slice::from_ref;
 
 /// Memory for searches: the nodes of one level, and of the next one down, that are to be looked
@@ -31,7 +31,7 @@ impl Boxes {
         visit: impl FnMut(&BodyBox, u32),
     ) {
         debug_assert!(self.is_fitted, "no way down yet");
-        Level::best().run(Meet {
+        InstructionSet::best().run(Meet {
             tree: self,
             boxes,
             search,

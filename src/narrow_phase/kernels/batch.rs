@@ -94,12 +94,12 @@ impl<'a, R: Real> Lanes<'a, R> {
 /// The relative cubics of many pairs, owned and growing; reuse one to avoid allocation.
 ///
 /// ```
-/// use nearmiss::narrow_phase::kernels::{CubicBatch, Level, closest_approach};
+/// use nearmiss::narrow_phase::kernels::{CubicBatch, InstructionSet, closest_approach};
 ///
 /// let mut batch = CubicBatch::<f32>::new();
 /// batch.extend([1.0, 2.0].map(|y| [[-6.0, y, 0.0], [-2.0, y, 0.0], [2.0, y, 0.0], [6.0, y, 0.0]]));
 /// let (mut times, mut distances) = ([0.0; 2], [0.0; 2]);
-/// closest_approach(Level::best(), &batch.lanes(), &mut times, &mut distances);
+/// closest_approach(InstructionSet::best(), &batch.lanes(), &mut times, &mut distances);
 /// assert_eq!(distances, [1.0, 2.0]);
 /// batch.clear(); // for the next pairs
 /// assert!(batch.lanes().is_empty());

@@ -9,7 +9,7 @@ use super::guess::{halley_step, long_step};
 use super::loops::{BLOCK, Block, Bounds, distance, local_time};
 use super::pending::{Pending, Selection, whole_vectors};
 use super::real::Real;
-use crate::simd::Level;
+use crate::simd::InstructionSet;
 
 /// Steps of refinement before a proof is tried, and where none was found: at a root of
 /// multiplicity five a step shortens the error by a third.
@@ -24,7 +24,7 @@ fn is_positive<R: Real>(certificate: R) -> bool {
 
 /// The closest approach of one pair: local time and distance.
 pub(super) fn closest_approach_of<R: Real>(points: &ControlPoints<R>) -> (R, R) {
-    let found = guess_pair(Level::best(), points);
+    let found = guess_pair(InstructionSet::best(), points);
     if is_positive(found.certificate) {
         return (
             local_time(found.settled.time),
@@ -89,7 +89,7 @@ fn allowance<R: Real>(points: &ControlPoints<f64>) -> f64 {
 
 /// The work of one call of [`closest_approach`].
 struct Work<'a, R> {
-    level: Level,
+    instructions: InstructionSet,
     lanes: Lanes<'a, R>,
     times: &'a mut [R],
     distances: &'a mut [R],
@@ -105,13 +105,13 @@ struct Work<'a, R> {
 
 /// The closest approach of each pair, on one thread: local times in 0..=1, distances in metres.
 pub(super) fn closest_approach<R: Real>(
-    level: Level,
+    instructions: InstructionSet,
     lanes: &Lanes<'_, R>,
     times: &mut [R],
     distances: &mut [R],
 ) {
     let mut work = Work {
-        level,
+        instructions,
         lanes: *lanes,
         times,
         distances,
@@ -138,7 +138,7 @@ impl<R: Real> Work<'_, R> {
         let certificates = &mut certificates[..end - start];
         let part = self.lanes.range(start, end);
         guess_block(
-            self.level,
+            self.instructions,
             &mut self.block,
             &part,
             &mut self.times[start..end],
@@ -163,7 +163,13 @@ impl<R: Real> Work<'_, R> {
         let [times, distances] = found.each_mut().map(|slot| &mut slot[..width]);
         let mut certificates = [0.0; BLOCK];
         let certificates = &mut certificates[..width];
-        guess_block_again(self.level, &mut self.second, times, distances, certificates);
+        guess_block_again(
+            self.instructions,
+            &mut self.second,
+            times,
+            distances,
+            certificates,
+        );
         for i in 0..self.count {
             let pair = self.pairs[i];
             if !self.second.stays(i) {
@@ -192,7 +198,7 @@ impl<R: Real> Work<'_, R> {
         let mut bounds = Bounds::new();
         let lanes = self.third.lanes();
         let [times, distances, errors, units] = self.third.extras();
-        enclose_block_finely(self.level, &lanes, errors, times, &mut bounds);
+        enclose_block_finely(self.instructions, &lanes, errors, times, &mut bounds);
         for i in 0..self.third.len() {
             let (time, distance) = if is_positive(bounds.tight[i]) {
                 (times[i], distances[i])

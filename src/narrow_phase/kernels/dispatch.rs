@@ -6,14 +6,14 @@ use super::guess::Guess;
 use super::loops::{self, Block, Bounds};
 use super::real::Real;
 use super::screen::Verdict;
-use crate::simd::{Level, for_each_level};
+use crate::simd::{InstructionSet, for_each_instruction_set};
 
-for_each_level! {
+for_each_instruction_set! {
     /// Guesses the closest approach of one pair.
     guess_pair<R: Real>(points: &ControlPoints<R>) -> Guess<R>
 }
 
-for_each_level! {
+for_each_instruction_set! {
     /// Guesses the closest approach of each pair of a block.
     guess_block<R: Real>(
         block: &mut Block<R>,
@@ -24,7 +24,7 @@ for_each_level! {
     )
 }
 
-for_each_level! {
+for_each_instruction_set! {
     /// Guesses again, for the cubics and from the first guesses of a block, and proves against the
     /// rival.
     guess_block_again<R: Real>(
@@ -35,7 +35,7 @@ for_each_level! {
     )
 }
 
-for_each_level! {
+for_each_instruction_set! {
     /// Encloses the least distance of each pair of a block, from one split at the guess.
     enclose_block<R: Real>(
         block: &mut Block<R>,
@@ -45,7 +45,7 @@ for_each_level! {
     )
 }
 
-for_each_level! {
+for_each_instruction_set! {
     /// Encloses the least distance of each pair of a block, from a split at given times and
     /// quarters of both sides.
     enclose_block_finely<R: Real>(
@@ -56,12 +56,12 @@ for_each_level! {
     )
 }
 
-for_each_level! {
+for_each_instruction_set! {
     /// Screens each pair of a block on the halves of its span.
     screen_block<R: Real>(lanes: &Lanes<'_, R>, inner: &[R], outer: &[R], verdicts: &mut [Verdict])
 }
 
-for_each_level! {
+for_each_instruction_set! {
     /// Screens each pair of a block on the eighths of its span.
     screen_block_finely<R: Real>(lanes: &Lanes<'_, R>, inner: &[R], outer: &[R], verdicts: &mut [Verdict])
 }

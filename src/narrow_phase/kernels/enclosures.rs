@@ -5,11 +5,11 @@ use super::dispatch::{enclose_block, enclose_block_finely};
 use super::enclosure::{Enclosure, enclose_near};
 use super::loops::{BLOCK, Block, Bounds};
 use super::pending::Pending;
-use crate::simd::Level;
+use crate::simd::InstructionSet;
 
 /// The enclosure of the least distance of each pair, on one thread.
 pub(super) fn enclosures(
-    level: Level,
+    instructions: InstructionSet,
     lanes: &Lanes<'_, f64>,
     errors: &[f64],
     enclosures: &mut [Enclosure],
@@ -21,7 +21,7 @@ pub(super) fn enclosures(
     while start < lanes.len() {
         let end = (start + BLOCK).min(lanes.len());
         enclose_block(
-            level,
+            instructions,
             &mut block,
             &lanes.range(start, end),
             &errors[start..end],
@@ -35,24 +35,28 @@ pub(super) fn enclosures(
                 let time = enclosures[pair].time;
                 pending.push(pair, lanes.control_points(pair), [errors[pair], time]);
                 if pending.is_full() {
-                    enclose_again(level, &mut pending, enclosures);
+                    enclose_again(instructions, &mut pending, enclosures);
                 }
             }
         }
         start = end;
     }
-    enclose_again(level, &mut pending, enclosures);
+    enclose_again(instructions, &mut pending, enclosures);
 }
 
 /// Quarters for the pairs that are pending, and branch and bound for those still not tight.
-fn enclose_again(level: Level, pending: &mut Pending<f64, 2>, enclosures: &mut [Enclosure]) {
+fn enclose_again(
+    instructions: InstructionSet,
+    pending: &mut Pending<f64, 2>,
+    enclosures: &mut [Enclosure],
+) {
     if pending.is_empty() {
         return;
     }
     let mut bounds = Bounds::new();
     let lanes = pending.lanes();
     let [errors, times] = pending.extras();
-    enclose_block_finely(level, &lanes, errors, times, &mut bounds);
+    enclose_block_finely(instructions, &lanes, errors, times, &mut bounds);
     for i in 0..pending.len() {
         enclosures[pending.pair(i)] = if bounds.is_tight(i) {
             bounds.enclosure(i)

@@ -13,13 +13,13 @@
 //! those in `parallel` (a feature) on all threads of the current rayon pool.
 //!
 //! ```
-//! use nearmiss::narrow_phase::kernels::{CubicBatch, Level, closest_approach};
+//! use nearmiss::narrow_phase::kernels::{CubicBatch, InstructionSet, closest_approach};
 //!
 //! // One body passes the other on a straight line, 3 m off, nearest in the middle of the span.
 //! let mut batch = CubicBatch::new();
 //! batch.push([[-6.0, 3.0, 0.0], [-2.0, 3.0, 0.0], [2.0, 3.0, 0.0], [6.0, 3.0, 0.0]]);
 //! let (mut times, mut distances) = ([0.0_f64], [0.0]);
-//! closest_approach(Level::best(), &batch.lanes(), &mut times, &mut distances);
+//! closest_approach(InstructionSet::best(), &batch.lanes(), &mut times, &mut distances);
 //! assert_eq!((times[0], distances[0]), (0.5, 3.0));
 //! ```
 //!
@@ -43,7 +43,7 @@
 //!
 //! Each stage is a plain function of one lane, without branches. A loop over it is compiled for
 //! each instruction set (`simd.rs`, the only file with `unsafe`), and the compiler makes the
-//! vectors. No operation is fused or reordered, so all [`Level`]s give the same bits, and a pair
+//! vectors. No operation is fused or reordered, so all [`InstructionSet`]s give the same bits, and a pair
 //! has the same result in any batch, at any place of it, and on any thread.
 //!
 //! # Rounding
@@ -101,7 +101,7 @@ mod screen;
 mod spans;
 mod within;
 
-pub use crate::simd::Level;
+pub use crate::simd::InstructionSet;
 pub use batch::{CubicBatch, Lanes};
 pub use cubic::ControlPoints;
 pub use enclosure::Enclosure;
@@ -114,20 +114,20 @@ pub use spans::SpanBatch;
 /// The distance is the global minimum over the span up to rounding: some 1e-15 (f64) or 1e-6
 /// (f32) of the size of the polygon. Of several equal minima, or where the distance is constant,
 /// any one of the times may be reported. Where the minimum is flat the time is less certain than
-/// the distance: to the square root of the rounding. Both are the same bits at every level.
+/// the distance: to the square root of the rounding. Both are the same bits with every instruction set.
 ///
 /// # Panics
 ///
 /// If the slices do not have one entry for each pair.
 pub fn closest_approach<R: Real>(
-    level: Level,
+    instructions: InstructionSet,
     lanes: &Lanes<'_, R>,
     times: &mut [R],
     distances: &mut [R],
 ) {
     assert_eq!(lanes.len(), times.len(), "one time for each pair");
     assert_eq!(lanes.len(), distances.len(), "one distance for each pair");
-    closest::closest_approach(level, lanes, times, distances);
+    closest::closest_approach(instructions, lanes, times, distances);
 }
 
 /// Proven bounds of the least distance of each pair, metres.
@@ -139,12 +139,12 @@ pub fn closest_approach<R: Real>(
 /// does the enclosure then.
 ///
 /// ```
-/// use nearmiss::narrow_phase::kernels::{CubicBatch, Enclosure, Level, enclose};
+/// use nearmiss::narrow_phase::kernels::{CubicBatch, Enclosure, InstructionSet, enclose};
 ///
 /// let mut batch = CubicBatch::new();
 /// batch.push([[-6.0, 3.0, 0.0], [-2.0, 3.0, 0.0], [2.0, 3.0, 0.0], [6.0, 3.0, 0.0]]);
 /// let mut found = [Enclosure { low: 0.0, high: 0.0, time: 0.0 }];
-/// enclose(Level::best(), &batch.lanes(), &[1e-9], &mut found);
+/// enclose(InstructionSet::best(), &batch.lanes(), &[1e-9], &mut found);
 /// assert!(found[0].low <= 3.0 && 3.0 <= found[0].high);
 /// assert!(found[0].high - found[0].low < 3e-9);
 /// ```
@@ -152,10 +152,15 @@ pub fn closest_approach<R: Real>(
 /// # Panics
 ///
 /// If the slices do not have one entry for each pair.
-pub fn enclose(level: Level, lanes: &Lanes<'_, f64>, errors: &[f64], enclosures: &mut [Enclosure]) {
+pub fn enclose(
+    instructions: InstructionSet,
+    lanes: &Lanes<'_, f64>,
+    errors: &[f64],
+    enclosures: &mut [Enclosure],
+) {
     assert_eq!(lanes.len(), errors.len(), "one error for each pair");
     assert_eq!(lanes.len(), enclosures.len(), "one enclosure for each pair");
-    enclosures::enclosures(level, lanes, errors, enclosures);
+    enclosures::enclosures(instructions, lanes, errors, enclosures);
 }
 
 /// Whether each pair comes near: certainly nearer than `inner` at some instant, or certainly
@@ -167,14 +172,14 @@ pub fn enclose(level: Level, lanes: &Lanes<'_, f64>, errors: &[f64], enclosures:
 /// the verdict holds for the points before. A negative `inner` is never reached.
 ///
 /// ```
-/// use nearmiss::narrow_phase::kernels::{CubicBatch, Level, Verdict, within};
+/// use nearmiss::narrow_phase::kernels::{CubicBatch, InstructionSet, Verdict, within};
 ///
 /// // 3 m off; are these within 2.9 m, 3.1 m, and 3 m?
 /// let pass = [[-6.0, 3.0, 0.0], [-2.0, 3.0, 0.0], [2.0, 3.0, 0.0], [6.0, 3.0, 0.0]];
 /// let mut batch = CubicBatch::<f32>::new();
 /// batch.extend([pass; 3]);
 /// let (thresholds, mut verdicts) = ([2.9, 3.1, 3.0], [Verdict::Undecided; 3]);
-/// within(Level::best(), &batch.lanes(), &thresholds, &thresholds, &mut verdicts);
+/// within(InstructionSet::best(), &batch.lanes(), &thresholds, &thresholds, &mut verdicts);
 /// assert_eq!(verdicts, [Verdict::Outside, Verdict::Inside, Verdict::Undecided]);
 /// ```
 ///
@@ -182,7 +187,7 @@ pub fn enclose(level: Level, lanes: &Lanes<'_, f64>, errors: &[f64], enclosures:
 ///
 /// If the slices do not have one entry for each pair.
 pub fn within<R: Real>(
-    level: Level,
+    instructions: InstructionSet,
     lanes: &Lanes<'_, R>,
     inner: &[R],
     outer: &[R],
@@ -199,5 +204,5 @@ pub fn within<R: Real>(
         "one outer threshold for each pair"
     );
     assert_eq!(lanes.len(), verdicts.len(), "one verdict for each pair");
-    within::within(level, lanes, inner, outer, verdicts);
+    within::within(instructions, lanes, inner, outer, verdicts);
 }

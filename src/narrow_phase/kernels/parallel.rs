@@ -2,7 +2,7 @@
 //!
 //! Small batches stay on the caller's thread.
 
-use super::{Enclosure, Lanes, Level, Real, Verdict};
+use super::{Enclosure, InstructionSet, Lanes, Real, Verdict};
 
 /// Pairs that are not worth handing to another thread: 47 microseconds of work on the processor in
 /// `benches/results` with AVX-512, in `f64`.
@@ -14,20 +14,20 @@ const CHUNK: usize = 4096;
 ///
 /// If the slices do not have one entry for each pair.
 pub fn closest_approach<R: Real>(
-    level: Level,
+    instructions: InstructionSet,
     lanes: &Lanes<'_, R>,
     times: &mut [R],
     distances: &mut [R],
 ) {
     let Some((left, right)) = halves(lanes) else {
-        super::closest_approach(level, lanes, times, distances);
+        super::closest_approach(instructions, lanes, times, distances);
         return;
     };
     let (times_a, times_b) = times.split_at_mut(left.len());
     let (distances_a, distances_b) = distances.split_at_mut(left.len());
     rayon::join(
-        || closest_approach(level, &left, times_a, distances_a),
-        || closest_approach(level, &right, times_b, distances_b),
+        || closest_approach(instructions, &left, times_a, distances_a),
+        || closest_approach(instructions, &right, times_b, distances_b),
     );
 }
 
@@ -36,16 +36,21 @@ pub fn closest_approach<R: Real>(
 /// # Panics
 ///
 /// If the slices do not have one entry for each pair.
-pub fn enclose(level: Level, lanes: &Lanes<'_, f64>, errors: &[f64], enclosures: &mut [Enclosure]) {
+pub fn enclose(
+    instructions: InstructionSet,
+    lanes: &Lanes<'_, f64>,
+    errors: &[f64],
+    enclosures: &mut [Enclosure],
+) {
     let Some((left, right)) = halves(lanes) else {
-        super::enclose(level, lanes, errors, enclosures);
+        super::enclose(instructions, lanes, errors, enclosures);
         return;
     };
     let (errors_a, errors_b) = errors.split_at(left.len());
     let (enclosures_a, enclosures_b) = enclosures.split_at_mut(left.len());
     rayon::join(
-        || enclose(level, &left, errors_a, enclosures_a),
-        || enclose(level, &right, errors_b, enclosures_b),
+        || enclose(instructions, &left, errors_a, enclosures_a),
+        || enclose(instructions, &right, errors_b, enclosures_b),
     );
 }
 
@@ -55,22 +60,22 @@ pub fn enclose(level: Level, lanes: &Lanes<'_, f64>, errors: &[f64], enclosures:
 ///
 /// If the slices do not have one entry for each pair.
 pub fn within<R: Real>(
-    level: Level,
+    instructions: InstructionSet,
     lanes: &Lanes<'_, R>,
     inner: &[R],
     outer: &[R],
     verdicts: &mut [Verdict],
 ) {
     let Some((left, right)) = halves(lanes) else {
-        super::within(level, lanes, inner, outer, verdicts);
+        super::within(instructions, lanes, inner, outer, verdicts);
         return;
     };
     let (inner_a, inner_b) = inner.split_at(left.len());
     let (outer_a, outer_b) = outer.split_at(left.len());
     let (verdicts_a, verdicts_b) = verdicts.split_at_mut(left.len());
     rayon::join(
-        || within(level, &left, inner_a, outer_a, verdicts_a),
-        || within(level, &right, inner_b, outer_b, verdicts_b),
+        || within(instructions, &left, inner_a, outer_a, verdicts_a),
+        || within(instructions, &right, inner_b, outer_b, verdicts_b),
     );
 }
 

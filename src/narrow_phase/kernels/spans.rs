@@ -7,7 +7,7 @@ use super::real::Real;
 use super::screen::Verdict;
 use super::within::within;
 use crate::narrow_phase::relative::RelativeCubic;
-use crate::simd::Level;
+use crate::simd::InstructionSet;
 use crate::trajectory::Segment;
 
 /// Pairs of segments over spans, each with a threshold: which of them come within it?
@@ -20,7 +20,7 @@ use crate::trajectory::Segment;
 ///
 /// ```
 /// use glam::DVec3;
-/// use nearmiss::narrow_phase::kernels::{Level, SpanBatch, Verdict};
+/// use nearmiss::narrow_phase::kernels::{InstructionSet, SpanBatch, Verdict};
 /// use nearmiss::{State, Trajectory};
 ///
 /// // Two bodies on straight lines, 3 m apart when they pass each other after one second.
@@ -36,7 +36,7 @@ use crate::trajectory::Segment;
 ///     batch.push(&a.segments()[0], &b.segments()[0], (0.0, 2.0), DVec3::ZERO, threshold);
 /// }
 /// let mut verdicts = [Verdict::Undecided; 2];
-/// batch.verdicts(Level::best(), &mut verdicts);
+/// batch.verdicts(InstructionSet::best(), &mut verdicts);
 /// assert_eq!(verdicts, [Verdict::Outside, Verdict::Inside]);
 /// # Ok::<(), nearmiss::Error>(())
 /// ```
@@ -112,8 +112,14 @@ impl<R: Real> SpanBatch<R> {
     /// # Panics
     ///
     /// If there is not one verdict for each pair.
-    pub fn verdicts(&self, level: Level, verdicts: &mut [Verdict]) {
+    pub fn verdicts(&self, instructions: InstructionSet, verdicts: &mut [Verdict]) {
         assert_eq!(self.len(), verdicts.len(), "one verdict for each pair");
-        within(level, &self.lanes(), &self.inner, &self.outer, verdicts);
+        within(
+            instructions,
+            &self.lanes(),
+            &self.inner,
+            &self.outer,
+            verdicts,
+        );
     }
 }

@@ -8,7 +8,7 @@ use super::loops::{BLOCK, Block, Bounds};
 use super::pending::{FLAGS, Pending, Selection};
 use super::real::Real;
 use super::screen::{Verdict, screen_eighths, screen_halves};
-use crate::simd::Level;
+use crate::simd::InstructionSet;
 
 /// The verdict on one pair.
 pub(super) fn within_of<R: Real>(points: &ControlPoints<R>, inner: R, outer: R) -> Verdict {
@@ -60,7 +60,7 @@ fn conversion_error<R: Real>(points: &ControlPoints<f64>) -> f64 {
 
 /// The work of one call of [`within`].
 struct Screening<'a, R> {
-    level: Level,
+    instructions: InstructionSet,
     verdicts: &'a mut [Verdict],
     /// Undecided after the first screen: with the thresholds.
     second: Pending<R, 2>,
@@ -70,14 +70,14 @@ struct Screening<'a, R> {
 
 /// The verdict on each pair, on one thread.
 pub(super) fn within<R: Real>(
-    level: Level,
+    instructions: InstructionSet,
     lanes: &Lanes<'_, R>,
     inner: &[R],
     outer: &[R],
     verdicts: &mut [Verdict],
 ) {
     let mut screening = Screening {
-        level,
+        instructions,
         verdicts,
         second: Pending::new(),
         third: Pending::new(),
@@ -87,7 +87,13 @@ pub(super) fn within<R: Real>(
         let end = (start + BLOCK).min(lanes.len());
         let block = lanes.range(start, end);
         let found = &mut screening.verdicts[start..end];
-        screen_block(level, &block, &inner[start..end], &outer[start..end], found);
+        screen_block(
+            instructions,
+            &block,
+            &inner[start..end],
+            &outer[start..end],
+            found,
+        );
         let mut left = undecided(found);
         let thresholds = [&inner[start..end], &outer[start..end]];
         while !left.is_empty() {
@@ -117,7 +123,13 @@ impl<R: Real> Screening<'_, R> {
         let mut verdicts = [Verdict::Undecided; BLOCK];
         let verdicts = &mut verdicts[..self.second.width()];
         let [inner, outer] = self.second.extras();
-        screen_block_finely(self.level, &self.second.lanes(), inner, outer, verdicts);
+        screen_block_finely(
+            self.instructions,
+            &self.second.lanes(),
+            inner,
+            outer,
+            verdicts,
+        );
         for (i, found) in verdicts[..self.second.len()].iter().enumerate() {
             let pair = self.second.pair(i);
             self.verdicts[pair] = *found;
@@ -127,7 +139,7 @@ impl<R: Real> Screening<'_, R> {
                 self.third
                     .push(pair, wide, [inner[i].to_f64(), outer[i].to_f64(), error]);
                 if self.third.is_full() {
-                    Self::enclose_pending(self.level, &mut self.third, self.verdicts);
+                    Self::enclose_pending(self.instructions, &mut self.third, self.verdicts);
                 }
             }
         }
@@ -136,17 +148,21 @@ impl<R: Real> Screening<'_, R> {
 
     /// Enclosures for the pairs that wait for them.
     fn enclose(&mut self) {
-        Self::enclose_pending(self.level, &mut self.third, self.verdicts);
+        Self::enclose_pending(self.instructions, &mut self.third, self.verdicts);
     }
 
-    fn enclose_pending(level: Level, third: &mut Pending<f64, 3>, verdicts: &mut [Verdict]) {
+    fn enclose_pending(
+        instructions: InstructionSet,
+        third: &mut Pending<f64, 3>,
+        verdicts: &mut [Verdict],
+    ) {
         if third.is_empty() {
             return;
         }
         let mut bounds = Bounds::new();
         let lanes = third.lanes();
         let [inner, outer, errors] = third.extras();
-        enclose_block(level, &mut Block::new(), &lanes, errors, &mut bounds);
+        enclose_block(instructions, &mut Block::new(), &lanes, errors, &mut bounds);
         for i in 0..third.len() {
             let tight = bounds.tight[i];
             let mut found = Verdict::Undecided;

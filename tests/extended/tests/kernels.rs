@@ -1,4 +1,4 @@
-//! The batch kernels against exact arithmetic, and against themselves at every level.
+//! The batch kernels against exact arithmetic, and against themselves with every instruction set.
 //!
 //! `NEARMISS_KERNEL_PAIRS` sets the number of random pairs of the long comparison (a tenth of it
 //! adversarial); 20,000 if it is not set.
@@ -21,7 +21,8 @@ mod workloads;
 
 use exact::Exact;
 use nearmiss::narrow_phase::kernels::{
-    ControlPoints, CubicBatch, Enclosure, Level, Verdict, closest_approach, enclose, scalar, within,
+    ControlPoints, CubicBatch, Enclosure, InstructionSet, Verdict, closest_approach, enclose,
+    scalar, within,
 };
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -52,26 +53,43 @@ fn size(points: &ControlPoints<f64>) -> f64 {
     points.iter().map(square).fold(0.0, f64::max).sqrt()
 }
 
-fn approaches(level: Level, pairs: &[ControlPoints<f64>]) -> (Vec<f64>, Vec<f64>) {
+fn approaches(instructions: InstructionSet, pairs: &[ControlPoints<f64>]) -> (Vec<f64>, Vec<f64>) {
     let (mut times, mut distances) = (vec![0.0; pairs.len()], vec![0.0; pairs.len()]);
-    closest_approach(level, &batch(pairs).lanes(), &mut times, &mut distances);
+    closest_approach(
+        instructions,
+        &batch(pairs).lanes(),
+        &mut times,
+        &mut distances,
+    );
     (times, distances)
 }
 
-fn approaches_f32(level: Level, pairs: &[ControlPoints<f64>]) -> (Vec<f32>, Vec<f32>) {
+fn approaches_f32(
+    instructions: InstructionSet,
+    pairs: &[ControlPoints<f64>],
+) -> (Vec<f32>, Vec<f32>) {
     let (mut times, mut distances) = (vec![0.0; pairs.len()], vec![0.0; pairs.len()]);
-    closest_approach(level, &batch_f32(pairs).lanes(), &mut times, &mut distances);
+    closest_approach(
+        instructions,
+        &batch_f32(pairs).lanes(),
+        &mut times,
+        &mut distances,
+    );
     (times, distances)
 }
 
-fn enclosures(level: Level, pairs: &[ControlPoints<f64>], errors: &[f64]) -> Vec<Enclosure> {
+fn enclosures(
+    instructions: InstructionSet,
+    pairs: &[ControlPoints<f64>],
+    errors: &[f64],
+) -> Vec<Enclosure> {
     let nowhere = Enclosure {
         low: 0.0,
         high: 0.0,
         time: 0.0,
     };
     let mut enclosures = vec![nowhere; pairs.len()];
-    enclose(level, &batch(pairs).lanes(), errors, &mut enclosures);
+    enclose(instructions, &batch(pairs).lanes(), errors, &mut enclosures);
     enclosures
 }
 
@@ -106,8 +124,8 @@ fn oracle_agrees_with_geometry() {
 fn distances_agree_with_the_exact_oracle() {
     for workload in Workload::ALL {
         let pairs = workload.pairs(1_200, 11);
-        let (times, distances) = approaches(Level::best(), &pairs);
-        let (times_f32, distances_f32) = approaches_f32(Level::best(), &pairs);
+        let (times, distances) = approaches(InstructionSet::best(), &pairs);
+        let (times_f32, distances_f32) = approaches_f32(InstructionSet::best(), &pairs);
         for (i, pair) in pairs.iter().enumerate() {
             let exact = Exact::new(pair);
             let error = exact.excess(distances[i]).abs();
@@ -137,7 +155,7 @@ fn distances_agree_with_the_exact_oracle() {
 fn enclosures_contain_the_exact_distance_and_are_narrow() {
     for workload in Workload::ALL {
         let pairs = workload.pairs(1_200, 12);
-        let batch = enclosures(Level::best(), &pairs, &vec![0.0; pairs.len()]);
+        let batch = enclosures(InstructionSet::best(), &pairs, &vec![0.0; pairs.len()]);
         for (i, pair) in pairs.iter().enumerate() {
             let exact = Exact::new(pair);
             for found in [batch[i], scalar::enclose(pair, 0.0)] {
@@ -169,7 +187,7 @@ fn enclosures_hold_for_every_cubic_within_the_error() {
             .iter()
             .map(|_| 10.0_f64.powf(random.random_range(-17.0..0.0)))
             .collect();
-        let found = enclosures(Level::best(), &pairs, &errors);
+        let found = enclosures(InstructionSet::best(), &pairs, &errors);
         for (i, pair) in pairs.iter().enumerate() {
             // A shift by less than the error, since the control points move alike.
             let direction: [f64; 3] = std::array::from_fn(|_| random.random_range(-0.57..0.57));
@@ -223,14 +241,14 @@ fn verdicts_are_never_wrong_and_rarely_undecided() {
         let mut verdicts = vec![Verdict::Undecided; pairs.len()];
         let mut verdicts_f32 = verdicts.clone();
         within(
-            Level::best(),
+            InstructionSet::best(),
             &batch(&pairs).lanes(),
             &limits,
             &limits,
             &mut verdicts,
         );
         within(
-            Level::best(),
+            InstructionSet::best(),
             &batch_f32(&pairs).lanes(),
             &limits_f32,
             &limits_f32,
@@ -294,8 +312,8 @@ fn long_comparison_finds_no_wrong_basin() {
 /// Every distance against its enclosure, which is proven.
 fn compare_with_enclosures(workload: Workload, count: usize, seed: u64) {
     let pairs = workload.pairs(count, seed);
-    let (_, distances) = approaches(Level::best(), &pairs);
-    let (_, distances_f32) = approaches_f32(Level::best(), &pairs);
+    let (_, distances) = approaches(InstructionSet::best(), &pairs);
+    let (_, distances_f32) = approaches_f32(InstructionSet::best(), &pairs);
     for (i, pair) in pairs.iter().enumerate() {
         let found = scalar::enclose(pair, 0.0);
         // As against the oracle; the enclosure is wider than that.
@@ -316,21 +334,21 @@ fn compare_with_enclosures(workload: Workload, count: usize, seed: u64) {
     }
 }
 
-/// A hash of everything the kernels say at a level (FNV-1a over the bits).
-fn hash(level: Level, pairs: &[ControlPoints<f64>]) -> u64 {
+/// A hash of everything the kernels say with an instruction set (FNV-1a over the bits).
+fn hash(instructions: InstructionSet, pairs: &[ControlPoints<f64>]) -> u64 {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     let mut add = |bits: u64| hash = (hash ^ bits).wrapping_mul(0x0100_0000_01b3);
-    let (times, distances) = approaches(level, pairs);
+    let (times, distances) = approaches(instructions, pairs);
     times
         .iter()
         .chain(&distances)
         .for_each(|x| add(x.to_bits()));
-    let (times, distances_f32) = approaches_f32(level, pairs);
+    let (times, distances_f32) = approaches_f32(instructions, pairs);
     times
         .iter()
         .chain(&distances_f32)
         .for_each(|x| add(u64::from(x.to_bits())));
-    for found in enclosures(level, pairs, &vec![1e-13; pairs.len()]) {
+    for found in enclosures(instructions, pairs, &vec![1e-13; pairs.len()]) {
         for x in [found.low, found.high, found.time] {
             add(x.to_bits());
         }
@@ -339,11 +357,17 @@ fn hash(level: Level, pairs: &[ControlPoints<f64>]) -> u64 {
     // Thresholds on both sides of the distances, and very close.
     let inner: Vec<f64> = distances.iter().map(|d| d * (1.0 - 1e-9)).collect();
     let outer: Vec<f64> = distances.iter().rev().copied().collect();
-    within(level, &batch(pairs).lanes(), &inner, &outer, &mut verdicts);
+    within(
+        instructions,
+        &batch(pairs).lanes(),
+        &inner,
+        &outer,
+        &mut verdicts,
+    );
     verdicts.iter().for_each(|v| add(*v as u64));
     let outer: Vec<f32> = distances_f32.iter().rev().copied().collect();
     within(
-        level,
+        instructions,
         &batch_f32(pairs).lanes(),
         &distances_f32,
         &outer,
@@ -357,24 +381,24 @@ fn hash(level: Level, pairs: &[ControlPoints<f64>]) -> u64 {
 fn every_level_gives_the_same_bits() {
     for workload in Workload::ALL {
         let pairs = workload.pairs(5_003, 17);
-        let portable = hash(Level::PORTABLE, &pairs);
-        for level in Level::available() {
+        let portable = hash(InstructionSet::PORTABLE, &pairs);
+        for instructions in InstructionSet::available() {
             assert_eq!(
-                hash(level, &pairs),
+                hash(instructions, &pairs),
                 portable,
                 "{} {workload:?}",
-                level.name()
+                instructions.name()
             );
         }
     }
-    assert!(Level::available().contains(&Level::best()));
+    assert!(InstructionSet::available().contains(&InstructionSet::best()));
 }
 
 #[test]
 fn a_pair_has_the_same_bits_alone_and_anywhere_in_a_batch() {
     let pairs = Workload::Near.pairs(300, 18);
-    let (times, distances) = approaches(Level::best(), &pairs);
-    let (times_f32, distances_f32) = approaches_f32(Level::best(), &pairs);
+    let (times, distances) = approaches(InstructionSet::best(), &pairs);
+    let (times_f32, distances_f32) = approaches_f32(InstructionSet::best(), &pairs);
     for (i, pair) in pairs.iter().enumerate() {
         assert_eq!(scalar::closest_approach(pair), (times[i], distances[i]));
         let single = scalar::closest_approach(&rounded(pair));
@@ -382,10 +406,10 @@ fn a_pair_has_the_same_bits_alone_and_anywhere_in_a_batch() {
     }
     for count in [0, 1, 2, 7, 8, 9, 95, 96, 97, 193] {
         assert_eq!(
-            approaches(Level::best(), &pairs[..count]).1,
+            approaches(InstructionSet::best(), &pairs[..count]).1,
             distances[..count]
         );
-        let shifted = approaches(Level::best(), &pairs[300 - count..]).1;
+        let shifted = approaches(InstructionSet::best(), &pairs[300 - count..]).1;
         assert_eq!(shifted, distances[300 - count..]);
     }
 }
@@ -396,13 +420,13 @@ fn threads_do_not_change_the_bits() {
     use nearmiss::narrow_phase::kernels::parallel;
 
     let pairs = Workload::Near.pairs(20_001, 19);
-    let (times, distances) = approaches(Level::best(), &pairs);
-    let found = enclosures(Level::best(), &pairs, &vec![1e-12; pairs.len()]);
+    let (times, distances) = approaches(InstructionSet::best(), &pairs);
+    let found = enclosures(InstructionSet::best(), &pairs, &vec![1e-12; pairs.len()]);
     let lanes = batch(&pairs);
     let limits = vec![1.0; pairs.len()];
     let mut verdicts = vec![Verdict::Undecided; pairs.len()];
     within(
-        Level::best(),
+        InstructionSet::best(),
         &lanes.lanes(),
         &limits,
         &limits,
@@ -415,19 +439,25 @@ fn threads_do_not_change_the_bits() {
             .unwrap();
         pool.install(|| {
             let (mut t, mut d) = (vec![0.0; pairs.len()], vec![0.0; pairs.len()]);
-            parallel::closest_approach(Level::best(), &lanes.lanes(), &mut t, &mut d);
+            parallel::closest_approach(InstructionSet::best(), &lanes.lanes(), &mut t, &mut d);
             assert_eq!((&t, &d), (&times, &distances));
             let mut e = found.clone();
             e.reverse();
             parallel::enclose(
-                Level::best(),
+                InstructionSet::best(),
                 &lanes.lanes(),
                 &vec![1e-12; pairs.len()],
                 &mut e,
             );
             assert_eq!(e, found);
             let mut v = vec![Verdict::Undecided; pairs.len()];
-            parallel::within(Level::best(), &lanes.lanes(), &limits, &limits, &mut v);
+            parallel::within(
+                InstructionSet::best(),
+                &lanes.lanes(),
+                &limits,
+                &limits,
+                &mut v,
+            );
             assert_eq!(v, verdicts);
         });
     }
@@ -468,7 +498,7 @@ fn extremes_have_answers() {
             let exact = Exact::new(&pair);
             let found = scalar::enclose(&pair, 0.0);
             assert!(!exact.is_certainly_below(found.low) && !exact.is_certainly_above(found.high));
-            let all = enclosures(Level::best(), &[pair], &[0.0]);
+            let all = enclosures(InstructionSet::best(), &[pair], &[0.0]);
             assert!(
                 !exact.is_certainly_below(all[0].low) && !exact.is_certainly_above(all[0].high)
             );
@@ -523,9 +553,9 @@ fn nothing_is_claimed_of_what_is_not_finite() {
             time: 0.0,
         },
     );
-    for level in Level::available() {
+    for instructions in InstructionSet::available() {
         let mut enclosures = vec![unbounded; 100];
-        enclose(level, &batch.lanes(), &errors, &mut enclosures);
+        enclose(instructions, &batch.lanes(), &errors, &mut enclosures);
         for (number, found) in enclosures.iter().enumerate() {
             let holds = (found.low, found.high) == (0.0, f64::INFINITY);
             assert!(holds != is_plain(number), "{found:?}");
@@ -535,7 +565,7 @@ fn nothing_is_claimed_of_what_is_not_finite() {
             let thresholds = vec![threshold; 100];
             let mut verdicts = vec![Verdict::Undecided; 100];
             within(
-                level,
+                instructions,
                 &batch.lanes(),
                 &thresholds,
                 &thresholds,
@@ -556,7 +586,7 @@ fn nothing_is_claimed_of_what_is_not_finite() {
         }
         // Errors that bound nothing.
         for error in [-1.0, -1e308, f64::NAN, f64::INFINITY] {
-            enclose(level, &batch.lanes(), &[error; 100], &mut enclosures);
+            enclose(instructions, &batch.lanes(), &[error; 100], &mut enclosures);
             assert!(
                 enclosures
                     .iter()

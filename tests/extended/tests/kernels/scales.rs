@@ -1,6 +1,6 @@
 //! Pairs from rest, at rest, and of every size.
 
-use super::{ControlPoints, Level, approaches, approaches_f32, enclosures, scalar, size};
+use super::{ControlPoints, InstructionSet, approaches, approaches_f32, enclosures, scalar, size};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 
@@ -22,9 +22,9 @@ fn launches_and_stops() {
             }
         })
         .collect();
-    let exact = enclosures(Level::best(), &pairs, &vec![0.0; pairs.len()]);
-    let (_, distances) = approaches(Level::best(), &pairs);
-    let (_, rough) = approaches_f32(Level::best(), &pairs);
+    let exact = enclosures(InstructionSet::best(), &pairs, &vec![0.0; pairs.len()]);
+    let (_, distances) = approaches(InstructionSet::best(), &pairs);
+    let (_, rough) = approaches_f32(InstructionSet::best(), &pairs);
     for (i, exact) in exact.iter().enumerate() {
         assert!((distances[i] - exact.high).abs() <= 1e-13, "{:?}", pairs[i]);
         let off = (f64::from(rough[i]) - exact.high).abs();
@@ -46,8 +46,8 @@ fn launches_of_any_size_in_single_precision() {
                 points.map(|point| point.map(|x| f64::from(x as f32)))
             })
             .collect();
-        let exact = enclosures(Level::best(), &pairs, &vec![0.0; pairs.len()]);
-        let (_, rough) = approaches_f32(Level::best(), &pairs);
+        let exact = enclosures(InstructionSet::best(), &pairs, &vec![0.0; pairs.len()]);
+        let (_, rough) = approaches_f32(InstructionSet::best(), &pairs);
         for ((pair, rough), exact) in pairs.iter().zip(rough).zip(exact) {
             let off = (f64::from(rough) - exact.high).abs();
             assert!(off <= 4e-6 * size(pair), "2^{exponent}: {off:e} {pair:?}");
@@ -61,7 +61,7 @@ fn pairs_at_rest() {
     for unit in [1e-9, 1.0, 1e6, 1e12] {
         let rests = [[unit, -2.0 * unit, 0.5 * unit]; 4];
         let pairs = vec![rests; 9];
-        let (times, distances) = approaches(Level::best(), &pairs);
+        let (times, distances) = approaches(InstructionSet::best(), &pairs);
         let alone = scalar::closest_approach(&rests);
         for found in times.into_iter().zip(distances) {
             assert_eq!(found, alone, "{unit:e}");
@@ -86,14 +86,14 @@ fn the_same_at_every_scale() {
         })
         .collect();
     let errors = vec![0.0; pairs.len()];
-    let exact = enclosures(Level::best(), &pairs, &errors);
+    let exact = enclosures(InstructionSet::best(), &pairs, &errors);
     for exponent in [-990, -700, -500, -70, -60, 55, 64, 70, 110, 300, 520, 980] {
         let unit = 2_f64.powi(exponent);
         let scaled: Vec<_> = pairs
             .iter()
             .map(|points| points.map(|point| point.map(|x| x * unit)))
             .collect();
-        let (_, distances) = approaches(Level::best(), &scaled);
+        let (_, distances) = approaches(InstructionSet::best(), &scaled);
         for ((points, distance), exact) in scaled.iter().zip(distances).zip(&exact) {
             let off = (distance / unit - exact.low).max(exact.high - distance / unit);
             assert!(

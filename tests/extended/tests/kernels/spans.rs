@@ -1,7 +1,7 @@
 //! Segments gathered into batches: verdicts against the motion of the segments themselves.
 
 use nearmiss::glam::DVec3;
-use nearmiss::narrow_phase::kernels::{Level, SpanBatch, Verdict, scalar};
+use nearmiss::narrow_phase::kernels::{InstructionSet, SpanBatch, Verdict, scalar};
 use nearmiss::{Segment, State, TimeBase, Trajectory};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -42,8 +42,8 @@ fn verdicts_on_segments_hold_for_their_motion() {
     }
     let mut verdicts = vec![Verdict::Undecided; batch.len()];
     let mut verdicts_f32 = verdicts.clone();
-    batch.verdicts(Level::best(), &mut verdicts);
-    batch_f32.verdicts(Level::best(), &mut verdicts_f32);
+    batch.verdicts(InstructionSet::best(), &mut verdicts);
+    batch_f32.verdicts(InstructionSet::best(), &mut verdicts_f32);
     let mut decided = [0, 0];
     for (i, (a, b, span, offset, threshold)) in cases.iter().enumerate() {
         let samples = sampled(a, b, *span, *offset);
@@ -97,7 +97,7 @@ fn what_rounds_is_never_decided() {
             );
         }
         let mut verdicts = [Verdict::Inside; 4];
-        batch.verdicts(Level::best(), &mut verdicts);
+        batch.verdicts(InstructionSet::best(), &mut verdicts);
         let expected = [
             Verdict::Outside,
             Verdict::Undecided,
@@ -125,7 +125,7 @@ fn what_is_badly_known_is_never_decided() {
         batch.push(a, b, (0.0, 1.0), DVec3::ZERO, threshold);
     }
     let mut verdicts = [Verdict::Inside; 4];
-    batch.verdicts(Level::best(), &mut verdicts);
+    batch.verdicts(InstructionSet::best(), &mut verdicts);
     let [outside, one, other, inside] = verdicts;
     assert_eq!((one, other), (Verdict::Undecided, Verdict::Undecided));
     assert_eq!((outside, inside), (Verdict::Outside, Verdict::Inside));
