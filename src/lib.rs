@@ -117,7 +117,8 @@ pub use monitor::{
 };
 #[cfg(feature = "live")]
 pub use monitor::{
-    Counts, Handle, Live, LiveOptions, Order, Panicked, Report, ReportKind, Stopped, Ticket, Unsent,
+    Counts, Handle, Live, LiveOptions, Panicked, Report, ReportKind, Request, Stopped, Ticket,
+    Unsent,
 };
 #[cfg(feature = "serde")]
 pub use monitor::{RecordingError, Replay};

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 /// How much work a call of [`Monitor::advance_within`](super::Monitor::advance_within) may do
-/// before it returns with what it has. (What orders take, one by one or as a
+/// before it returns with what it has. (What requests take, one by one or as a
 /// [batch](super::Monitor::apply), is not in it.)
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Budget {

@@ -33,7 +33,8 @@ pub use encounters::RevisionThreshold;
 pub use event::{Encounter, EncounterId, EndReason, Event, EventKind};
 #[cfg(feature = "live")]
 pub use live::{
-    Counts, Handle, Live, LiveOptions, Order, Panicked, Report, ReportKind, Stopped, Ticket, Unsent,
+    Counts, Handle, Live, LiveOptions, Panicked, Report, ReportKind, Request, Stopped, Ticket,
+    Unsent,
 };
 
 #[cfg(feature = "serde")]

@@ -2,10 +2,10 @@
 
 #![allow(
     clippy::result_large_err,
-    reason = "an order that is not sent is handed back as it is, without an allocation"
+    reason = "a request that is not sent is handed back as it is, without an allocation"
 )]
 
-use super::order::Order;
+use super::request::Request;
 use crate::id::BodyId;
 use crate::trajectory::Trajectory;
 use crossbeam_channel::{Sender, TrySendError};
@@ -13,25 +13,25 @@ use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
 
-/// Names one order: reports about it carry the same ticket.
+/// Names one request: reports about it carry the same ticket.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Ticket(pub(super) u64);
 
-/// An order that was not sent, handed back.
+/// A request that was not sent, handed back.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Unsent {
-    /// As many orders wait as may: try again later, or leave it.
-    Busy(Order),
-    /// The monitor takes no more orders, was shut down, or panicked.
-    Closed(Order),
+    /// As many requests wait as may: try again later, or leave it.
+    Busy(Request),
+    /// The monitor takes no more requests, was shut down, or panicked.
+    Closed(Request),
 }
 
 impl Unsent {
-    /// The order.
+    /// The request.
     #[must_use]
-    pub fn into_order(self) -> Order {
+    pub fn into_request(self) -> Request {
         match self {
-            Self::Busy(order) | Self::Closed(order) => order,
+            Self::Busy(request) | Self::Closed(request) => request,
         }
     }
 }
@@ -39,15 +39,15 @@ impl Unsent {
 impl fmt::Display for Unsent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Busy(_) => write!(f, "the live monitor has as many orders as may wait"),
-            Self::Closed(_) => write!(f, "the live monitor takes no more orders"),
+            Self::Busy(_) => write!(f, "the live monitor has as many requests as may wait"),
+            Self::Closed(_) => write!(f, "the live monitor takes no more requests"),
         }
     }
 }
 
 impl std::error::Error for Unsent {}
 
-/// How many orders came to what end.
+/// How many requests came to what end.
 ///
 /// `sent = applied + superseded + refused + waiting`, and nothing waits after a shutdown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -57,7 +57,7 @@ pub struct Counts {
     pub sent: u64,
     /// Taken effect.
     pub applied: u64,
-    /// Left out because a later order replaces it.
+    /// Left out because a later request replaces it.
     pub superseded: u64,
     /// Refused with an error, or not applied before the shutdown.
     pub refused: u64,
@@ -73,7 +73,7 @@ pub(super) struct Shared {
     superseded: AtomicU64,
     refused: AtomicU64,
     tickets: AtomicU64,
-    /// Written at the end alone: after it no order slips into a queue nobody reads.
+    /// Written at the end alone: after it no request slips into a queue nobody reads.
     closed: RwLock<bool>,
 }
 
@@ -105,18 +105,18 @@ impl Shared {
     }
 }
 
-/// Sends orders to a live monitor, under the contract written at [`Live`](super::Live). Cheap to
+/// Sends requests to a live monitor, under the contract written at [`Live`](super::Live). Cheap to
 /// clone; usable from any thread.
 #[derive(Clone, Debug)]
 pub struct Handle {
-    orders: Sender<(Ticket, Order)>,
+    requests: Sender<(Ticket, Request)>,
     shared: Arc<Shared>,
 }
 
 impl Handle {
-    pub(super) fn new(orders: Sender<(Ticket, Order)>, now: f64, complete_until: f64) -> Self {
+    pub(super) fn new(requests: Sender<(Ticket, Request)>, now: f64, complete_until: f64) -> Self {
         Self {
-            orders,
+            requests,
             shared: Arc::new(Shared {
                 now: AtomicU64::new(now.to_bits()),
                 complete_until: AtomicU64::new(complete_until.to_bits()),
@@ -134,21 +134,21 @@ impl Handle {
         &self.shared
     }
 
-    /// Sends one change, a batch, or a clock order. Never blocks.
+    /// Sends one change, a batch, or a clock request. Never blocks.
     ///
     /// # Errors
     ///
-    /// [`Unsent`], with the order: [`Busy`](Unsent::Busy) if the queue is full,
+    /// [`Unsent`], with the request: [`Busy`](Unsent::Busy) if the queue is full,
     /// [`Closed`](Unsent::Closed) if nobody reads it any more.
-    pub fn send(&self, order: impl Into<Order>) -> Result<Ticket, Unsent> {
-        let order = order.into();
+    pub fn send(&self, request: impl Into<Request>) -> Result<Ticket, Unsent> {
+        let request = request.into();
         let closed = self.shared.closed.read();
         let closed = closed.unwrap_or_else(PoisonError::into_inner);
         if *closed {
-            return Err(Unsent::Closed(order));
+            return Err(Unsent::Closed(request));
         }
         // Still held: the thread does not empty the queue for the last time before this is in it.
-        self.try_send(order)
+        self.try_send(request)
     }
 
     /// Moves the clock to `now` (s). Never blocks.
@@ -157,7 +157,7 @@ impl Handle {
     ///
     /// As [`send`](Self::send).
     pub fn advance(&self, now: f64) -> Result<Ticket, Unsent> {
-        self.send(Order::Clock(now))
+        self.send(Request::Clock(now))
     }
 
     /// Asks which conflicts a body would have, at an alert level, if it followed `plan` from now on: the
@@ -188,20 +188,20 @@ impl Handle {
     /// As [`send`](Self::send). What [`Monitor::what_if`](crate::Monitor::what_if) refuses comes as
     /// [`ReportKind::Refused`](super::ReportKind::Refused).
     pub fn what_if(&self, id: BodyId, plan: Trajectory, level: usize) -> Result<Ticket, Unsent> {
-        self.send(Order::WhatIf(id, plan, level))
+        self.send(Request::WhatIf(id, plan, level))
     }
 
-    fn try_send(&self, order: Order) -> Result<Ticket, Unsent> {
+    fn try_send(&self, request: Request) -> Result<Ticket, Unsent> {
         let ticket = Ticket(self.shared.tickets.fetch_add(1, Ordering::Relaxed));
         // Counted before it can be applied, so that the sum is never short.
         self.shared.sent.fetch_add(1, Ordering::Relaxed);
-        match self.orders.try_send((ticket, order)) {
+        match self.requests.try_send((ticket, request)) {
             Ok(()) => Ok(ticket),
             Err(error) => {
                 self.shared.sent.fetch_sub(1, Ordering::Relaxed);
                 Err(match error {
-                    TrySendError::Full((_, order)) => Unsent::Busy(order),
-                    TrySendError::Disconnected((_, order)) => Unsent::Closed(order),
+                    TrySendError::Full((_, request)) => Unsent::Busy(request),
+                    TrySendError::Disconnected((_, request)) => Unsent::Closed(request),
                 })
             }
         }
@@ -213,14 +213,14 @@ impl Handle {
         f64::from_bits(self.shared.now.load(Ordering::Acquire))
     }
 
-    /// Before this nothing was missing at the last tick, s (orders applied since are looked at with the
+    /// Before this nothing was missing at the last tick, s (requests applied since are looked at with the
     /// next one), and all events up to the clock have been reported or wait to be read.
     #[must_use]
     pub fn complete_until(&self) -> f64 {
         f64::from_bits(self.shared.complete_until.load(Ordering::Acquire))
     }
 
-    /// What has become of the orders so far.
+    /// What has become of the requests so far.
     #[must_use]
     pub fn counts(&self) -> Counts {
         // The ends before the beginning: what is added in between makes `sent` larger, not smaller, and

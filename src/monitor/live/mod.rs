@@ -1,11 +1,11 @@
 //! A monitor on a thread of its own. Its contract is written at [`Live`].
 
 mod handle;
-mod order;
+mod request;
 mod worker;
 
 pub use handle::{Counts, Handle, Ticket, Unsent};
-pub use order::Order;
+pub use request::Request;
 
 use super::{Event, Monitor};
 use crate::conflict::Conflict;
@@ -23,13 +23,13 @@ use worker::{Outcome, Worker};
 /// How a live monitor runs. What its queues and its budget mean is in the contract at [`Live`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LiveOptions {
-    /// Orders that may wait, 1 to [`MAX`](Self::MAX); 4,096 by default. There is room for all of them from
+    /// Requests that may wait, 1 to [`MAX`](Self::MAX); 4,096 by default. There is room for all of them from
     /// the beginning; as many again may have left the queue and not be applied yet.
-    pub orders: usize,
+    pub requests: usize,
     /// Reports that may wait to be read, 1 to [`MAX`](Self::MAX); 4,096 by default. There is room for all of
     /// them from the beginning; those of the step at hand wait beside them.
     pub reports: usize,
-    /// How long the monitor works at a stretch before it looks for orders again; 10 ms by default.
+    /// How long the monitor works at a stretch before it looks for requests again; 10 ms by default.
     pub budget: Duration,
 }
 
@@ -39,10 +39,10 @@ impl LiveOptions {
 }
 
 impl Default for LiveOptions {
-    /// 4,096 orders, 4,096 reports, 10 ms.
+    /// 4,096 requests, 4,096 reports, 10 ms.
     fn default() -> Self {
         Self {
-            orders: 4_096,
+            requests: 4_096,
             reports: 4_096,
             budget: Duration::from_millis(10),
         }
@@ -71,73 +71,73 @@ pub enum ReportKind {
         /// Before this nothing is missing, s.
         complete_until: f64,
     },
-    /// An order put bodies into the scene.
+    /// A request put bodies into the scene.
     Inserted {
-        /// The order.
+        /// The request.
         ticket: Ticket,
         /// The bodies' ids, in the order in which they were given.
         ids: Vec<BodyId>,
     },
-    /// Plans of an order were [late](Monitor::replan): they are followed from later instants than it says.
+    /// Plans of a request were [late](Monitor::replan): they are followed from later instants than it says.
     Late {
-        /// The order.
+        /// The request.
         ticket: Ticket,
         /// The bodies, and the instants from which they follow their last plans, s.
         plans: Vec<(BodyId, f64)>,
     },
-    /// The answer to [`Handle::what_if`], worked out after all orders before it, and as far as the
+    /// The answer to [`Handle::what_if`], worked out after all requests before it, and as far as the
     /// last tick had looked ahead.
     WhatIf {
-        /// The order.
+        /// The request.
         ticket: Ticket,
         /// What the body would meet, as [`Monitor::what_if`] says it.
         conflicts: Vec<Conflict>,
         /// What lies later is not in it, s.
         complete_until: f64,
     },
-    /// An order was refused, and changed nothing. (What it had [superseded](super::Order) is gone.)
+    /// A request was refused, and changed nothing. (What it had [superseded](super::Request) is gone.)
     Refused {
-        /// The order.
+        /// The request.
         ticket: Ticket,
         /// Why.
         error: Error,
     },
     /// What was left of a tick cannot be caught up with: there is [too little
-    /// room](Error::TooCrowded), say. It is tried again after the next order.
+    /// room](Error::TooCrowded), say. It is tried again after the next request.
     Stuck {
         /// Why.
         error: Error,
     },
 }
 
-/// A monitor at work on its own thread: orders go in, reports come out, nobody blocks the game.
+/// A monitor at work on its own thread: requests go in, reports come out, nobody blocks the game.
 /// Dropping it stops the thread.
 ///
 /// # Contract
 ///
-/// - Both queues are bounded. When the one for orders is full, [`Handle::send`] returns
-///   [`Unsent::Busy`] with the order handed back: it never blocks and never drops.
-/// - Between two clock orders the latest plan for a body wins: a plan that the next one for that body
-///   replaces altogether (see [`Order`]) is superseded without being tried. Clock orders merge only where
+/// - Both queues are bounded. When the one for requests is full, [`Handle::send`] returns
+///   [`Unsent::Busy`] with the request handed back: it never blocks and never drops.
+/// - Between two clock requests the latest plan for a body wins: a plan that the next one for that body
+///   replaces altogether (see [`Request`]) is superseded without being tried. Clock requests merge only where
 ///   nothing lies between them. Batches are never taken apart, and nothing is merged across them, nor
-///   across a question ([`Handle::what_if`]), whose answer is about all that was ordered before: send what need not go together
+///   across a question ([`Handle::what_if`]), whose answer is about all that was requested before: send what need not go together
 ///   plan by plan, or what is superseded has to be worked out as well.
-/// - Every order sent is in the end applied, superseded or refused: [`Counts`] adds up. A change that is
-///   applied is not reported on its own: it was, once a later order is. A late plan is, if it is followed
+/// - Every request sent is in the end applied, superseded or refused: [`Counts`] adds up. A change that is
+///   applied is not reported on its own: it was, once a later request is. A late plan is, if it is followed
 ///   from later on than it says: [`ReportKind::Late`].
 /// - Reports come in order, [numbered](Report::sequence) without a gap, and each goes to one reader. A reader that
 ///   stalls stalls the monitor, not the senders: [`Handle::complete_until`] then stands still.
 /// - After [`Live::stop_orders`] all that was sent before is carried out, and then [`Live::reports`] ends. One
 ///   reader that goes on to that end, on whatever thread, has every report in order: none is left for `shutdown`.
 /// - A tick works within [`LiveOptions::budget`] at a time; what is left is caught up while no
-///   orders wait. If that fails, [`ReportKind::Stuck`] says why.
-/// - [`Live::shutdown`] returns the monitor, every report that was not read and every order that was not
-///   applied. It takes under 100 ms, the step at hand (one budget and one order's work); longer where
+///   requests wait. If that fails, [`ReportKind::Stuck`] says why.
+/// - [`Live::shutdown`] returns the monitor, every report that was not read and every request that was not
+///   applied. It takes under 100 ms, the step at hand (one budget and one request's work); longer where
 ///   hundreds of thousands of pairs stay near each other, which the budget
 ///   [does not count](super::Budget::Time). `shutdown` reads as well: another reader that goes on meanwhile takes
 ///   a part of the last reports. Each of the two has its part in order; only the numbers put them together.
 /// - A panic inside the thread comes back as an error, with the
-///   monitor as the last whole order left it.
+///   monitor as the last whole request left it.
 ///
 /// ```
 /// use nearmiss::glam::DVec3;
@@ -166,7 +166,7 @@ pub enum ReportKind {
 pub struct Live {
     handle: Handle,
     reports: Receiver<Report>,
-    /// Dropped to stop the thread; a message has it look whether orders were stopped.
+    /// Dropped to stop the thread; a message has it look whether requests were stopped.
     stop: Option<Sender<()>>,
     /// Set to have it break off what it is at.
     interrupt: Arc<AtomicBool>,
@@ -176,13 +176,13 @@ pub struct Live {
 /// What a live monitor leaves.
 #[derive(Debug)]
 pub struct Stopped {
-    /// As the last order left it.
+    /// As the last request left it.
     pub monitor: Monitor,
     /// Reports that no other reader has taken, in order.
     pub reports: Vec<Report>,
-    /// Orders that were not applied, in order; counted as refused.
-    pub unapplied: Vec<(Ticket, Order)>,
-    /// All orders, by what became of them.
+    /// Requests that were not applied, in order; counted as refused.
+    pub unapplied: Vec<(Ticket, Request)>,
+    /// All requests, by what became of them.
     pub counts: Counts,
 }
 
@@ -191,12 +191,12 @@ pub struct Stopped {
 pub struct Panicked {
     /// What the panic said.
     pub message: String,
-    /// The monitor as the last whole order left it; none if even that cannot be made of it.
+    /// The monitor as the last whole request left it; none if even that cannot be made of it.
     pub monitor: Option<Box<Monitor>>,
     /// As in [`Stopped`].
     pub reports: Vec<Report>,
-    /// As in [`Stopped`]; the order that panicked is counted as refused, and not among these.
-    pub unapplied: Vec<(Ticket, Order)>,
+    /// As in [`Stopped`]; the request that panicked is counted as refused, and not among these.
+    pub unapplied: Vec<(Ticket, Request)>,
     /// As in [`Stopped`].
     pub counts: Counts,
 }
@@ -216,21 +216,21 @@ impl Monitor {
     ///
     /// If the system gives no thread, or a queue is to hold nothing, or more than [`LiveOptions::MAX`].
     pub fn spawn(mut self, options: LiveOptions) -> io::Result<Live> {
-        for (what, room) in [("orders", options.orders), ("reports", options.reports)] {
+        for (what, room) in [("requests", options.requests), ("reports", options.reports)] {
             if !(1..=LiveOptions::MAX).contains(&room) {
                 let problem = format!("{room} {what} cannot wait: 1 to {} can", LiveOptions::MAX);
                 return Err(io::Error::new(io::ErrorKind::InvalidInput, problem));
             }
         }
-        let (orders_in, orders) = bounded(options.orders);
+        let (requests_in, requests) = bounded(options.requests);
         let (reports_in, reports) = bounded(options.reports);
         let (stop, stopped) = bounded(1);
-        let handle = Handle::new(orders_in, self.now(), self.complete_until());
+        let handle = Handle::new(requests_in, self.now(), self.complete_until());
         let interrupt = Arc::new(AtomicBool::new(false));
         self.interrupt = Some(Arc::clone(&interrupt));
         let worker = Worker::new(
             self,
-            (orders, reports_in, stopped),
+            (requests, reports_in, stopped),
             Arc::clone(handle.shared()),
             options,
         );
@@ -248,7 +248,7 @@ impl Monitor {
 }
 
 impl Live {
-    /// A handle to send orders with; cheap to clone, usable from any thread.
+    /// A handle to send requests with; cheap to clone, usable from any thread.
     #[must_use]
     pub fn handle(&self) -> Handle {
         self.handle.clone()
@@ -261,9 +261,9 @@ impl Live {
         &self.reports
     }
 
-    /// Takes no more orders, and returns at once: what is sent from now on comes back as [`Unsent::Closed`].
+    /// Takes no more requests, and returns at once: what is sent from now on comes back as [`Unsent::Closed`].
     ///
-    /// All orders sent before are carried out, and the last tick is caught up with. Then the thread ends, and
+    /// All requests sent before are carried out, and the last tick is caught up with. Then the thread ends, and
     /// [`reports`](Self::reports) with its last report.
     pub fn stop_orders(&self) {
         self.handle.shared().close();

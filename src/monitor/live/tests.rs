@@ -1,4 +1,4 @@
-//! What needs the inside: a panic, and how orders wait.
+//! What needs the inside: a panic, and how requests wait.
 
 #![allow(
     clippy::unwrap_used,
@@ -6,7 +6,7 @@
     reason = "times are handed on unchanged; a monitor that cannot be built fails the test"
 )]
 
-use super::order::Waiting;
+use super::request::Waiting;
 use super::*;
 use crate::layers::Layers;
 use crate::monitor::{AlertLevel, Command, EndReason, EventKind};
@@ -34,15 +34,17 @@ fn a_panic_comes_back_with_the_monitor() {
     let live = monitor.spawn(LiveOptions::default()).unwrap();
     let handle = live.handle();
     handle.advance(1.0).unwrap();
-    handle.send(Order::Panic).unwrap();
+    handle.send(Request::Panic).unwrap();
     // The reports end where the thread does.
     let seen: Vec<Report> = live.reports().iter().collect();
     assert!(
         matches!(seen[0].kind, ReportKind::Event(event) if matches!(event.kind, EventKind::Began(_)))
     );
-    assert!(matches!(handle.advance(2.0), Err(Unsent::Closed(Order::Clock(time))) if time == 2.0));
+    assert!(
+        matches!(handle.advance(2.0), Err(Unsent::Closed(Request::Clock(time))) if time == 2.0)
+    );
     let panicked = live.shutdown().unwrap_err();
-    assert_eq!(panicked.message, "ordered to");
+    assert_eq!(panicked.message, "requested to");
     let counts = panicked.counts;
     assert_eq!((counts.sent, counts.applied, counts.refused), (2, 1, 1));
     // It goes on where it was: the encounter that began is known and ends once.
@@ -90,13 +92,13 @@ fn waiting_orders_coalesce_as_the_contract_says() {
     let (_, [a, b]) = monitor();
     let mut waiting = Waiting::default();
     let mut number = 0;
-    let mut push = |waiting: &mut Waiting, order: Order| {
+    let mut push = |waiting: &mut Waiting, request: Request| {
         number += 1;
-        waiting.push(Ticket(number), order)
+        waiting.push(Ticket(number), request)
     };
-    let plan = |id, from| Order::Change(Command::Replan(id, from, rest(0.0)));
-    let set = |id| Order::Change(Command::SetTrajectory(id, rest(0.0)));
-    let layers = |id| Order::Change(Command::SetLayers(id, Layers::NONE));
+    let plan = |id, from| Request::Change(Command::Replan(id, from, rest(0.0)));
+    let set = |id| Request::Change(Command::SetTrajectory(id, rest(0.0)));
+    let layers = |id| Request::Change(Command::SetLayers(id, Layers::NONE));
     // The latest plan wins, whatever else lies between.
     assert_eq!(push(&mut waiting, plan(a, 5.0)), 0);
     assert_eq!(push(&mut waiting, plan(b, 5.0)), 0);
@@ -105,22 +107,22 @@ fn waiting_orders_coalesce_as_the_contract_says() {
     // A later beginning leaves a part of the earlier plan: both are needed.
     assert_eq!(push(&mut waiting, plan(a, 6.0)), 0);
     assert_eq!(push(&mut waiting, set(a)), 2);
-    // Not across a clock order; clock orders merge only side by side, and only forwards.
-    assert_eq!(push(&mut waiting, Order::Clock(1.0)), 0);
-    assert_eq!(push(&mut waiting, Order::Clock(2.0)), 1);
-    assert_eq!(push(&mut waiting, Order::Clock(1.5)), 0);
+    // Not across a clock request; clock requests merge only side by side, and only forwards.
+    assert_eq!(push(&mut waiting, Request::Clock(1.0)), 0);
+    assert_eq!(push(&mut waiting, Request::Clock(2.0)), 1);
+    assert_eq!(push(&mut waiting, Request::Clock(1.5)), 0);
     assert_eq!(push(&mut waiting, set(a)), 0);
-    assert_eq!(push(&mut waiting, Order::Clock(3.0)), 0);
+    assert_eq!(push(&mut waiting, Request::Clock(3.0)), 0);
     // Nor across a batch.
     assert_eq!(push(&mut waiting, set(b)), 0);
-    assert_eq!(push(&mut waiting, Order::Batch(vec![])), 0);
+    assert_eq!(push(&mut waiting, Request::Batch(vec![])), 0);
     assert_eq!(push(&mut waiting, set(b)), 0);
     // Nor across a question.
-    let question = || Order::WhatIf(a, rest(0.0), 0);
+    let question = || Request::WhatIf(a, rest(0.0), 0);
     assert_eq!(push(&mut waiting, question()), 0);
     assert_eq!(push(&mut waiting, set(b)), 0);
-    let left: Vec<Order> = std::iter::from_fn(|| waiting.pop())
-        .map(|(_, order)| order)
+    let left: Vec<Request> = std::iter::from_fn(|| waiting.pop())
+        .map(|(_, request)| request)
         .collect();
     assert_eq!(
         left,
@@ -128,25 +130,25 @@ fn waiting_orders_coalesce_as_the_contract_says() {
             plan(b, 5.0),
             layers(a),
             set(a),
-            Order::Clock(2.0),
-            Order::Clock(1.5),
+            Request::Clock(2.0),
+            Request::Clock(1.5),
             set(a),
-            Order::Clock(3.0),
+            Request::Clock(3.0),
             set(b),
-            Order::Batch(vec![]),
+            Request::Batch(vec![]),
             set(b),
             question(),
             set(b),
         ]
     );
-    // Numbers go on after orders were taken.
+    // Numbers go on after requests were taken.
     assert_eq!(push(&mut waiting, set(a)), 0);
     assert_eq!(push(&mut waiting, set(a)), 1);
-    assert_eq!(waiting.pop().map(|(_, order)| order), Some(set(a)));
+    assert_eq!(waiting.pop().map(|(_, request)| request), Some(set(a)));
     // A plan that will be refused replaces nothing: it ends before it is to begin.
     let over = |id, from| {
         let states = [0.0, 1.0].map(|time| State::new(time, DVec3::ZERO, DVec3::ZERO));
-        Order::Change(Command::Replan(
+        Request::Change(Command::Replan(
             id,
             from,
             Trajectory::from_states(&states).unwrap(),
@@ -155,19 +157,19 @@ fn waiting_orders_coalesce_as_the_contract_says() {
     assert_eq!(push(&mut waiting, plan(a, 5.0)), 0);
     assert_eq!(push(&mut waiting, over(a, 4.0)), 0);
     // Or before the clock by then.
-    assert_eq!(push(&mut waiting, Order::Clock(4.0)), 0);
+    assert_eq!(push(&mut waiting, Request::Clock(4.0)), 0);
     assert_eq!(push(&mut waiting, plan(a, 3.0)), 0);
     assert_eq!(push(&mut waiting, over(a, 0.5)), 0);
     assert_eq!(push(&mut waiting, plan(a, 0.5)), 2);
     // Nor does one replace what another one may rest on.
-    let extend = |id| Order::Change(Command::Extend(id, rest(1.0)));
+    let extend = |id| Request::Change(Command::Extend(id, rest(1.0)));
     assert_eq!(push(&mut waiting, plan(b, 5.0)), 0);
     assert_eq!(push(&mut waiting, extend(b)), 0);
     assert_eq!(push(&mut waiting, plan(b, 5.0)), 0);
     assert_eq!(push(&mut waiting, set(b)), 3);
 }
 
-/// Nothing is remembered of orders that were taken, however long others wait.
+/// Nothing is remembered of requests that were taken, however long others wait.
 #[test]
 fn orders_that_were_taken_leave_nothing() {
     let mut waiting = Waiting::default();
@@ -176,8 +178,8 @@ fn orders_that_were_taken_leave_nothing() {
             slot: number % 90,
             generation: number,
         };
-        let order = Command::SetTrajectory(id, rest(0.0)).into();
-        waiting.push(Ticket(number.into()), order);
+        let request = Command::SetTrajectory(id, rest(0.0)).into();
+        waiting.push(Ticket(number.into()), request);
         if number >= 10 {
             assert!(waiting.pop().is_some());
         }
@@ -189,10 +191,10 @@ fn orders_that_were_taken_leave_nothing() {
 fn queues_hold_something_and_not_everything() {
     let few = LiveOptions::default();
     for options in [
-        LiveOptions { orders: 0, ..few },
+        LiveOptions { requests: 0, ..few },
         LiveOptions { reports: 0, ..few },
         LiveOptions {
-            orders: usize::MAX,
+            requests: usize::MAX,
             ..few
         },
         LiveOptions {
@@ -205,7 +207,7 @@ fn queues_hold_something_and_not_everything() {
     }
 }
 
-/// What cannot be caught up with is told, and again after each order.
+/// What cannot be caught up with is told, and again after each request.
 #[test]
 fn a_monitor_that_is_stuck_says_so() {
     /// Longer than any report takes.

@@ -1,7 +1,7 @@
 //! The thread of a live monitor.
 
 use super::handle::{Shared, Ticket};
-use super::order::{Order, Waiting};
+use super::request::{Request, Waiting};
 use super::{LiveOptions, Report, ReportKind};
 use crate::error::Error;
 use crate::monitor::{Budget, Command, Event, Monitor};
@@ -17,13 +17,13 @@ pub(super) enum Outcome {
     Stopped {
         monitor: Box<Monitor>,
         undelivered: VecDeque<Report>,
-        unapplied: Vec<(Ticket, Order)>,
+        unapplied: Vec<(Ticket, Request)>,
     },
     Panicked {
         message: String,
         monitor: Option<Box<Monitor>>,
         undelivered: VecDeque<Report>,
-        unapplied: Vec<(Ticket, Order)>,
+        unapplied: Vec<(Ticket, Request)>,
     },
 }
 
@@ -46,9 +46,9 @@ struct Stop;
 #[derive(Debug)]
 pub(super) struct Worker {
     monitor: Monitor,
-    orders: Receiver<(Ticket, Order)>,
+    requests: Receiver<(Ticket, Request)>,
     reports: Sender<Report>,
-    /// Disconnects when the thread is to stop. A message wakes it, to see that orders were stopped.
+    /// Disconnects when the thread is to stop. A message wakes it, to see that requests were stopped.
     stop: Receiver<()>,
     shared: Arc<Shared>,
     options: LiveOptions,
@@ -58,21 +58,21 @@ pub(super) struct Worker {
     /// How many reports there have been.
     reported: u64,
     events: Vec<Event>,
-    /// Catching up was refused: it is not tried again before something is ordered.
+    /// Catching up was refused: it is not tried again before something is requested.
     stuck: bool,
 }
 
 impl Worker {
     pub(super) fn new(
         monitor: Monitor,
-        (orders, reports, stop): (Receiver<(Ticket, Order)>, Sender<Report>, Receiver<()>),
+        (requests, reports, stop): (Receiver<(Ticket, Request)>, Sender<Report>, Receiver<()>),
         shared: Arc<Shared>,
         options: LiveOptions,
     ) -> Self {
         Self {
             waiting: Waiting::at(monitor.now()),
             monitor,
-            orders,
+            requests,
             reports,
             stop,
             shared,
@@ -107,7 +107,7 @@ impl Worker {
         self.monitor.interrupt = None;
         let mut unapplied = Vec::new();
         unapplied.extend(std::iter::from_fn(|| self.waiting.pop()));
-        unapplied.extend(self.orders.try_iter());
+        unapplied.extend(self.requests.try_iter());
         self.shared.refused(unapplied.len() as u64);
         match panic {
             None => Outcome::Stopped {
@@ -116,7 +116,7 @@ impl Worker {
                 unapplied,
             },
             Some(message) => {
-                // The order that panicked has come to no other end.
+                // The request that panicked has come to no other end.
                 self.shared.refused(in_hand);
                 Outcome::Panicked {
                     message,
@@ -134,36 +134,36 @@ impl Worker {
             return Err(Stop);
         }
         while self.waiting.len() == 0 && (self.monitor.is_known() || self.stuck) {
-            // In this order: none is added once they are stopped.
-            if self.shared.is_closed() && self.orders.is_empty() {
+            // In this request: none is added once they are stopped.
+            if self.shared.is_closed() && self.requests.is_empty() {
                 return Err(Stop);
             }
             select! {
-                recv(self.orders) -> order => match order {
-                    Ok((ticket, order)) => self.take(ticket, order),
+                recv(self.requests) -> request => match request {
+                    Ok((ticket, request)) => self.take(ticket, request),
                     Err(_) => return Err(Stop),
                 },
                 recv(self.stop) -> message => message.map_err(|_| Stop)?,
             }
         }
-        while self.waiting.len() < self.options.orders {
-            match self.orders.try_recv() {
-                Ok((ticket, order)) => self.take(ticket, order),
+        while self.waiting.len() < self.options.requests {
+            match self.requests.try_recv() {
+                Ok((ticket, request)) => self.take(ticket, request),
                 Err(_) => break,
             }
         }
         Ok(())
     }
 
-    fn take(&mut self, ticket: Ticket, order: Order) {
+    fn take(&mut self, ticket: Ticket, request: Request) {
         self.stuck = false;
-        let superseded = self.waiting.push(ticket, order);
+        let superseded = self.waiting.push(ticket, request);
         self.shared.superseded(superseded);
     }
 
-    /// Carries out one order, or catches up if there is none.
-    fn step(&mut self, next: Option<(Ticket, Order)>) {
-        let Some((ticket, order)) = next else {
+    /// Carries out one request, or catches up if there is none.
+    fn step(&mut self, next: Option<(Ticket, Request)>) {
+        let Some((ticket, request)) = next else {
             // Time stands still.
             if let Err(error) = self.tick(self.monitor.now()) {
                 self.stuck = true;
@@ -171,11 +171,11 @@ impl Worker {
             }
             return;
         };
-        let outcome = match order {
-            Order::Change(command) => self.apply(ticket, [command]),
-            Order::Batch(commands) => self.apply(ticket, commands),
-            Order::Clock(now) => self.tick(now).map(|()| None),
-            Order::WhatIf(id, plan, level) => {
+        let outcome = match request {
+            Request::Change(command) => self.apply(ticket, [command]),
+            Request::Batch(commands) => self.apply(ticket, commands),
+            Request::Clock(now) => self.tick(now).map(|()| None),
+            Request::WhatIf(id, plan, level) => {
                 let conflicts = self.monitor.what_if(id, &plan, level);
                 conflicts.map(|conflicts| {
                     Some(ReportKind::WhatIf {
@@ -186,7 +186,7 @@ impl Worker {
                 })
             }
             #[cfg(test)]
-            Order::Panic => panic!("ordered to"),
+            Request::Panic => panic!("requested to"),
         };
         match outcome {
             Ok(report) => {

@@ -21,7 +21,7 @@ impl Monitor {
     /// is given up. (Feature `serde`.)
     ///
     /// First comes the monitor as it is, then everything that changes it, as it is applied (a live
-    /// monitor's orders after they were coalesced), and for each tick how far it came.
+    /// monitor's requests after they were coalesced), and for each tick how far it came.
     ///
     /// # Errors
     ///

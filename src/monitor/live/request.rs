@@ -18,10 +18,10 @@ use std::collections::{BTreeMap, VecDeque};
 #[derive(Clone, Debug, PartialEq)]
 #[allow(
     clippy::large_enum_variant,
-    reason = "nearly all orders are changes; a box for each would cost more than the room"
+    reason = "nearly all requests are changes; a box for each would cost more than the room"
 )]
 #[non_exhaustive]
-pub enum Order {
+pub enum Request {
     /// One change.
     Change(Command),
     /// Several changes that take effect together, or not at all.
@@ -37,22 +37,22 @@ pub enum Order {
     Panic,
 }
 
-impl From<Command> for Order {
+impl From<Command> for Request {
     fn from(command: Command) -> Self {
         Self::Change(command)
     }
 }
 
-impl From<Vec<Command>> for Order {
+impl From<Vec<Command>> for Request {
     fn from(commands: Vec<Command>) -> Self {
         Self::Batch(commands)
     }
 }
 
-/// The plan of a body that an order sets.
-fn plan_of(order: &Order) -> Option<BodyId> {
-    match order {
-        Order::Change(
+/// The plan of a body that a request sets.
+fn plan_of(request: &Request) -> Option<BodyId> {
+    match request {
+        Request::Change(
             Command::SetTrajectory(id, _) | Command::Replan(id, ..) | Command::Extend(id, _),
         ) => Some(*id),
         _ => None,
@@ -61,12 +61,12 @@ fn plan_of(order: &Order) -> Option<BodyId> {
 
 /// Whether the later of two plans for one body leaves nothing of the earlier, when the clock (s) has been
 /// moved.
-fn replaces(later: &Order, earlier: &Order, clock: f64) -> bool {
+fn replaces(later: &Request, earlier: &Request, clock: f64) -> bool {
     match (later, earlier) {
-        (Order::Change(Command::SetTrajectory(..)), _) => true,
+        (Request::Change(Command::SetTrajectory(..)), _) => true,
         (
-            Order::Change(Command::Replan(_, from, plan)),
-            Order::Change(Command::Replan(_, earlier_from, _)),
+            Request::Change(Command::Replan(_, from, plan)),
+            Request::Change(Command::Replan(_, earlier_from, _)),
         ) => {
             let is_taken = plan.goes_on_from(*from) && plan.goes_on_from(from.max(clock));
             from <= earlier_from && is_taken
@@ -75,15 +75,15 @@ fn replaces(later: &Order, earlier: &Order, clock: f64) -> bool {
     }
 }
 
-/// Orders received and not yet applied, superseded ones taken out.
+/// Requests received and not yet applied, superseded ones taken out.
 #[derive(Debug, Default)]
 pub(super) struct Waiting {
-    /// As the last clock order leaves it, s.
+    /// As the last clock request leaves it, s.
     clock: f64,
-    orders: VecDeque<Option<(Ticket, Order)>>,
-    /// How many have been taken from the front: the number of the first in `orders`.
+    requests: VecDeque<Option<(Ticket, Request)>>,
+    /// How many have been taken from the front: the number of the first in `requests`.
     taken: usize,
-    /// Numbers of the plans of each body that wait and are not superseded, since the last clock order,
+    /// Numbers of the plans of each body that wait and are not superseded, since the last clock request,
     /// batch or question, in order.
     plans: BTreeMap<BodyId, VecDeque<usize>>,
 }
@@ -97,9 +97,9 @@ impl Waiting {
         }
     }
 
-    /// How much room the orders take, superseded ones included.
+    /// How much room the requests take, superseded ones included.
     pub(super) fn len(&self) -> usize {
-        self.orders.len()
+        self.requests.len()
     }
 
     /// How many plans it remembers.
@@ -108,17 +108,17 @@ impl Waiting {
         self.plans.values().map(VecDeque::len).sum()
     }
 
-    /// Adds an order; returns how many were superseded by it.
-    pub(super) fn push(&mut self, ticket: Ticket, order: Order) -> u64 {
+    /// Adds a request; returns how many were superseded by it.
+    pub(super) fn push(&mut self, ticket: Ticket, request: Request) -> u64 {
         let mut superseded = 0;
-        match (&order, plan_of(&order)) {
+        match (&request, plan_of(&request)) {
             (_, Some(body)) => {
                 let plans = self.plans.entry(body).or_default();
                 // The last first: one that stays may rest on those before it.
                 while let Some(&number) = plans.back() {
-                    let earlier = &mut self.orders[number - self.taken];
+                    let earlier = &mut self.requests[number - self.taken];
                     let is_replaced =
-                        |(_, earlier): &(_, Order)| replaces(&order, earlier, self.clock);
+                        |(_, earlier): &(_, Request)| replaces(&request, earlier, self.clock);
                     if !earlier.as_ref().is_some_and(is_replaced) {
                         break;
                     }
@@ -126,42 +126,42 @@ impl Waiting {
                     superseded += 1;
                     plans.pop_back();
                 }
-                plans.push_back(self.taken + self.orders.len());
+                plans.push_back(self.taken + self.requests.len());
             }
-            (Order::Clock(time), _) => {
+            (Request::Clock(time), _) => {
                 self.clock = *time;
-                if let Some(Some((_, Order::Clock(before)))) = self.orders.back()
+                if let Some(Some((_, Request::Clock(before)))) = self.requests.back()
                     && before <= time
                 {
-                    self.orders.pop_back();
+                    self.requests.pop_back();
                     superseded += 1;
                 }
                 self.plans.clear();
             }
-            // What is asked is about all that was ordered before.
-            (Order::Batch(_) | Order::WhatIf(..), _) => self.plans.clear(),
+            // What is asked is about all that was requested before.
+            (Request::Batch(_) | Request::WhatIf(..), _) => self.plans.clear(),
             _ => {}
         }
-        self.orders.push_back(Some((ticket, order)));
+        self.requests.push_back(Some((ticket, request)));
         superseded
     }
 
-    /// The next order.
-    pub(super) fn pop(&mut self) -> Option<(Ticket, Order)> {
-        while let Some(next) = self.orders.pop_front() {
+    /// The next request.
+    pub(super) fn pop(&mut self) -> Option<(Ticket, Request)> {
+        while let Some(next) = self.requests.pop_front() {
             let number = self.taken;
             self.taken += 1;
-            if let Some((_, order)) = &next {
-                self.forget(number, order);
+            if let Some((_, request)) = &next {
+                self.forget(number, request);
                 return next;
             }
         }
         None
     }
 
-    /// An order no longer waits.
-    fn forget(&mut self, number: usize, order: &Order) {
-        let Some(body) = plan_of(order) else { return };
+    /// A request no longer waits.
+    fn forget(&mut self, number: usize, request: &Request) {
+        let Some(body) = plan_of(request) else { return };
         if let Entry::Occupied(mut plans) = self.plans.entry(body) {
             if plans.get().front() == Some(&number) {
                 plans.get_mut().pop_front();
