@@ -375,7 +375,7 @@ fn both_sides_of_a_jump_count() {
             let plan = at(after).with_outside(outside);
             // In the middle, at the first knot that is left, and after the last one.
             let joined = flown.spliced(5.0, &plan).unwrap();
-            let mut jumps = vec![joined.clone().since(5.0), joined];
+            let mut jumps = vec![joined.clone().trimmed_before(5.0), joined];
             if outside == Outside::Coast {
                 let begins = line(5.0, 10.0, DVec3::new(5.0, after, 0.0), DVec3::X);
                 let coasts = line(7.0, 10.0, DVec3::new(7.0, before, 0.0), DVec3::X);

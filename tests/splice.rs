@@ -83,7 +83,7 @@ fn what_has_been_flown_stays() {
 fn what_is_forgotten_is_not_asked() {
     let mut rng = rng(42);
     for plan in plans(&mut rng, 0.0) {
-        let late = plan.clone().since(2.5);
+        let late = plan.clone().trimmed_before(2.5);
         for step in 25..200 {
             let time = f64::from(step) * 0.1;
             assert_eq!(late.position(time), plan.position(time));

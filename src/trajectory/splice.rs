@@ -55,7 +55,7 @@ impl Trajectory {
     /// is kept. If any are dropped the body does not exist before the first one that is kept, whatever it
     /// did before all of them.
     #[must_use]
-    pub fn since(mut self, time: f64) -> Self {
+    pub fn trimmed_before(mut self, time: f64) -> Self {
         self.forget(self.past(time));
         self
     }
@@ -69,7 +69,7 @@ impl Trajectory {
         }
     }
 
-    /// Makes it `flown` up to `from` (s), then this plan; of `flown` only what [`since`](Self::since) would
+    /// Makes it `flown` up to `from` (s), then this plan; of `flown` only what [`trimmed_before`](Self::trimmed_before) would
     /// keep at `since`. In place: this plan's own memory is used.
     ///
     /// # Errors
@@ -212,7 +212,7 @@ mod tests {
                         for &since in &instants {
                             let mut spliced = plan.clone();
                             assert!(spliced.precede_by(&flown, from, since).is_ok());
-                            let since = whole.clone().since(since);
+                            let since = whole.clone().trimmed_before(since);
                             assert_eq!(spliced, since, "{flown:?} {plan:?} {from}");
                             let has_dropped = since.knots().len() < whole.knots().len();
                             seen[usize::from(has_dropped)] += 1;

@@ -330,7 +330,7 @@ fn a_splice_keeps_what_was_flown() {
                 "{time} {from}"
             );
         }
-        let late = both.clone().since(from);
+        let late = both.clone().trimmed_before(from);
         assert_eq!(late.position(from + 0.5), both.position(from + 0.5));
         assert!(late.knots().len() < both.knots().len() || from < old.knots()[1]);
     }
