@@ -126,7 +126,7 @@ pub use query::Query;
 pub use scene::{Body, Scene};
 pub use screen::{CertifiedApproach, Screening};
 pub use stats::Stats;
-pub use trajectory::{Outside, Segment, State, TimeBase, Trajectory, trajectories_from_rows};
+pub use trajectory::{Outside, Segment, State, TimeBase, Trajectory};
 pub use window::Window;
 
 /// The README's examples, compiled.

@@ -12,9 +12,7 @@ mod support;
 
 use flate2::read::MultiGzDecoder;
 use glam::DVec3;
-use nearmiss::{
-    Accuracy, Body, Conflict, Method, Query, Scene, State, Window, trajectories_from_rows,
-};
+use nearmiss::{Accuracy, Body, Conflict, Method, Query, Scene, State, Trajectory, Window};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::PathBuf;
@@ -189,7 +187,7 @@ fn load(path: &PathBuf) -> Scene {
             (body, State::new(t, position, DVec3::new(vx, vy, vz)))
         });
     let mut scene = Scene::new();
-    for (tag, trajectory) in trajectories_from_rows(rows).unwrap() {
+    for (tag, trajectory) in Trajectory::group_rows(rows).unwrap() {
         scene.insert(Body::new(trajectory).with_tag(tag)).unwrap();
     }
     scene

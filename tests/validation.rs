@@ -10,7 +10,7 @@ mod support;
 use glam::DVec3;
 use nearmiss::{
     AlertLevel, Body, Error, Hitbox, Monitor, Outside, Quantity, Query, RevisionThreshold, Scene,
-    Sphere, State, TimeBase, Trajectory, Window, trajectories_from_rows,
+    Sphere, State, TimeBase, Trajectory, Window,
 };
 
 fn state(time: f64, x: f64) -> State {
@@ -108,7 +108,7 @@ fn positions_and_coefficients() {
 
 #[test]
 fn rows() {
-    let rows = |rows: Vec<(u64, State)>| trajectories_from_rows(rows).unwrap_err();
+    let rows = |rows: Vec<(u64, State)>| Trajectory::group_rows(rows).unwrap_err();
     assert_eq!(
         rows(vec![
             (7, state(0.0, 0.0)),
@@ -151,7 +151,7 @@ fn rows() {
         rows(vec![(1, state(1.0, 0.0)), (2, state(0.0, 0.0))]),
         Error::TooFewStates { count: 1 }.in_body(1)
     );
-    assert_eq!(trajectories_from_rows([]).unwrap(), []);
+    assert_eq!(Trajectory::group_rows([]).unwrap(), []);
 }
 
 #[test]

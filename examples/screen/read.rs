@@ -7,7 +7,7 @@ use crate::terminal::{self, quoted};
 use csv::ByteRecord;
 use flate2::read::MultiGzDecoder;
 use glam::DVec3;
-use nearmiss::{Error, Quantity, State, Trajectory, trajectories_from_rows};
+use nearmiss::{Error, Quantity, State, Trajectory};
 use std::fs::File;
 use std::io::{BufReader, Cursor, Read};
 use std::path::Path;
@@ -27,7 +27,7 @@ pub(crate) fn trajectories(path: &Path) -> Result<Vec<(u64, Trajectory)>, String
     if table.rows.is_empty() {
         return Err(format!("{}: row 2: no states after the header", table.name));
     }
-    trajectories_from_rows(table.rows.iter().map(|row| (row.body, row.state)))
+    Trajectory::group_rows(table.rows.iter().map(|row| (row.body, row.state)))
         .map_err(|error| table.complain(&error))
 }
 

@@ -18,7 +18,6 @@ pub use build::TimeBase;
 pub(crate) use double_double::DoubleDouble;
 pub use outside::Outside;
 pub(crate) use outside::{Pieces, Scope};
-pub use rows::trajectories_from_rows;
 pub(crate) use segment::Restriction;
 pub use segment::Segment;
 pub use state::State;

@@ -4,56 +4,58 @@ use super::{State, Trajectory};
 use crate::error::Error;
 use std::collections::HashSet;
 
-/// Builds one trajectory from each body's rows: `(body, state)`, a body's rows together and in
-/// the order of time, as in the files that the `screen` example reads.
-///
-/// The result is in the order of the rows.
-///
-/// ```
-/// use nearmiss::glam::DVec3;
-/// use nearmiss::{State, trajectories_from_rows};
-///
-/// let row = |body, time, x| (body, State::new(time, x * DVec3::X, DVec3::X));
-/// let rows = [row(7, 0.0, 0.0), row(7, 1.0, 1.0), row(3, 0.0, 5.0), row(3, 2.0, 7.0)];
-/// let bodies = trajectories_from_rows(rows)?;
-/// assert_eq!((bodies[0].0, bodies[0].1.knots()), (7, &[0.0, 1.0][..]));
-/// assert_eq!((bodies[1].0, bodies[1].1.knots()), (3, &[0.0, 2.0][..]));
-/// # Ok::<(), nearmiss::Error>(())
-/// ```
-///
-/// # Errors
-///
-/// [`Error::InBody`] with the body and, within, [`Error::RowsApart`] or what
-/// [`Trajectory::from_states`] says of its states. A body with a single row that comes again later,
-/// as in a table in the order of time, has its rows apart; it is not too short.
-pub fn trajectories_from_rows(
-    rows: impl IntoIterator<Item = (u64, State)>,
-) -> Result<Vec<(u64, Trajectory)>, Error> {
-    let mut bodies = Vec::new();
-    let mut seen = HashSet::new();
-    let mut states: Vec<State> = Vec::new();
-    let mut current: Option<u64> = None;
-    let mut rows = rows.into_iter().enumerate();
-    while let Some((row, (body, state))) = rows.next() {
-        if current != Some(body) {
-            if !seen.insert(body) {
-                return Err(Error::RowsApart { row }.in_body(body));
-            }
-            if let Some(previous) = current.replace(body) {
-                if states.len() < 2
-                    && let Some((row, _)) = rows.find(|&(_, (later, _))| later == previous)
-                {
-                    return Err(Error::RowsApart { row }.in_body(previous));
+impl Trajectory {
+    /// Builds one trajectory from each body's rows: `(body, state)`, a body's rows together and in
+    /// the order of time, as in the files that the `screen` example reads.
+    ///
+    /// The result is in the order of the rows.
+    ///
+    /// ```
+    /// use nearmiss::glam::DVec3;
+    /// use nearmiss::{State, Trajectory};
+    ///
+    /// let row = |body, time, x| (body, State::new(time, x * DVec3::X, DVec3::X));
+    /// let rows = [row(7, 0.0, 0.0), row(7, 1.0, 1.0), row(3, 0.0, 5.0), row(3, 2.0, 7.0)];
+    /// let bodies = Trajectory::group_rows(rows)?;
+    /// assert_eq!((bodies[0].0, bodies[0].1.knots()), (7, &[0.0, 1.0][..]));
+    /// assert_eq!((bodies[1].0, bodies[1].1.knots()), (3, &[0.0, 2.0][..]));
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InBody`] with the body and, within, [`Error::RowsApart`] or what
+    /// [`Trajectory::from_states`] says of its states. A body with a single row that comes again later,
+    /// as in a table in the order of time, has its rows apart; it is not too short.
+    pub fn group_rows(
+        rows: impl IntoIterator<Item = (u64, State)>,
+    ) -> Result<Vec<(u64, Trajectory)>, Error> {
+        let mut bodies = Vec::new();
+        let mut seen = HashSet::new();
+        let mut states: Vec<State> = Vec::new();
+        let mut current: Option<u64> = None;
+        let mut rows = rows.into_iter().enumerate();
+        while let Some((row, (body, state))) = rows.next() {
+            if current != Some(body) {
+                if !seen.insert(body) {
+                    return Err(Error::RowsApart { row }.in_body(body));
                 }
-                bodies.push(finish(previous, &mut states)?);
+                if let Some(previous) = current.replace(body) {
+                    if states.len() < 2
+                        && let Some((row, _)) = rows.find(|&(_, (later, _))| later == previous)
+                    {
+                        return Err(Error::RowsApart { row }.in_body(previous));
+                    }
+                    bodies.push(finish(previous, &mut states)?);
+                }
             }
+            states.push(state);
         }
-        states.push(state);
+        if let Some(last) = current {
+            bodies.push(finish(last, &mut states)?);
+        }
+        Ok(bodies)
     }
-    if let Some(last) = current {
-        bodies.push(finish(last, &mut states)?);
-    }
-    Ok(bodies)
 }
 
 fn finish(body: u64, states: &mut Vec<State>) -> Result<(u64, Trajectory), Error> {
