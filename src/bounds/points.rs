@@ -39,7 +39,7 @@ impl Points {
             // The first point is the origin, and what the others are rounded by is below the f32
             // roundings that a box has to spare for the extent.
             return Self {
-                points: segment.control(),
+                points: segment.control_points(),
                 extent: segment.extent(),
                 error: segment.error(),
             };

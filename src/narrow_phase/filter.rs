@@ -26,7 +26,7 @@ pub(crate) fn certainly_beyond(points: &[DVec3; 4], threshold: f64) -> bool {
 /// axis: nothing is restricted to a common interval. Both must be used within their own knots.
 pub(crate) fn segments_apart(a: &Segment, b: &Segment, offset: DVec3, threshold: f64) -> bool {
     let hull = |segment: &Segment| {
-        let [_, p1, p2, p3] = segment.control();
+        let [_, p1, p2, p3] = segment.control_points();
         let low = p1.min(p2).min(p3).min(DVec3::ZERO);
         let high = p1.max(p2).max(p3).max(DVec3::ZERO);
         (low, high)

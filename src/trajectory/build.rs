@@ -332,7 +332,7 @@ fn polynomial_segment(
         TimeBase::SegmentLocal => 0.0,
     };
     let mut origin = DVec3::ZERO;
-    let mut control = [DVec3::ZERO; 3];
+    let mut control_points = [DVec3::ZERO; 3];
     for axis in 0..3 {
         let [a, b, c, d] = polynomial.map(|coefficient| DoubleDouble::from(coefficient[axis]));
         let [shift, two, three] = [shift, 2.0, 3.0].map(DoubleDouble::from);
@@ -343,9 +343,9 @@ fn polynomial_segment(
         let quadratic = (three * a * shift + b) * duration * duration;
         let cubic = a * duration * duration * duration;
         origin[axis] = position.rounded();
-        control[0][axis] = linear.rounded() / 3.0;
-        control[1][axis] = (two * linear + quadratic).rounded() / 3.0;
-        control[2][axis] = (linear + quadratic + cubic).rounded();
+        control_points[0][axis] = linear.rounded() / 3.0;
+        control_points[1][axis] = (two * linear + quadratic).rounded() / 3.0;
+        control_points[2][axis] = (linear + quadratic + cubic).rounded();
     }
     let size = |time: f64| {
         let [a, b, c, d] = polynomial.map(norm);
@@ -362,11 +362,16 @@ fn polynomial_segment(
         TimeBase::Absolute => UNIT_ROUNDOFF * norm(origin),
         TimeBase::SegmentLocal => 0.0,
     };
-    let largest = largest_norm(&control);
+    let largest = largest_norm(&control_points);
     let error = origin_error + 4.0 * UNIT_ROUNDOFF * largest + 2f64.powi(-100) * reached;
-    let unusable = [origin, control[0], control[1], control[2]]
-        .into_iter()
-        .find(|point| !point.is_finite() || point.abs().max_element() > MAX_MAGNITUDE);
+    let unusable = [
+        origin,
+        control_points[0],
+        control_points[1],
+        control_points[2],
+    ]
+    .into_iter()
+    .find(|point| !point.is_finite() || point.abs().max_element() > MAX_MAGNITUDE);
     if let Some(point) = unusable {
         return Err(Error::OutOfRange {
             knot,
@@ -374,5 +379,5 @@ fn polynomial_segment(
             value: point.abs().max_element(),
         });
     }
-    Segment::from_control((start, end), origin, control, error, knot)
+    Segment::from_control_points((start, end), origin, control_points, error, knot)
 }

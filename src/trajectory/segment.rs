@@ -19,7 +19,7 @@ pub struct Segment {
     /// Bézier control points 1, 2, 3 relative to `origin` (point 0 is zero). Of what
     /// [goes on from a knot](Self::goes_on), the coefficients of x, x², x³, with x the time since `start` in
     /// thirds of the duration.
-    control: [DVec3; 3],
+    control_points: [DVec3; 3],
     /// No control point is farther from the origin than this, m.
     extent: f64,
     /// Bound on the error of each point `origin + control`, m; negative (or -0) where the motion
@@ -50,7 +50,7 @@ impl Segment {
             start: first.time,
             end: second.time,
             origin: first.position,
-            control: [leave, end - arrive, end],
+            control_points: [leave, end - arrive, end],
             extent,
             // numerics: u S for point 3, 3 u W for point 1, u (2 S + 4 W) for point 2.
             error: 4.0 * UNIT_ROUNDOFF * extent + UNDERFLOW,
@@ -86,7 +86,7 @@ impl Segment {
             start: state.time,
             end,
             origin: state.position,
-            control: [step, DVec3::ZERO, DVec3::ZERO],
+            control_points: [step, DVec3::ZERO, DVec3::ZERO],
             extent,
             // A third of the duration, and its products.
             error: if is_exact {
@@ -107,8 +107,8 @@ impl Segment {
 
     /// The same in its own unit.
     pub(super) const fn with_coefficients(mut self, [quadratic, cubic]: [DVec3; 2]) -> Self {
-        self.control[1] = quadratic;
-        self.control[2] = cubic;
+        self.control_points[1] = quadratic;
+        self.control_points[2] = cubic;
         self
     }
 
@@ -127,19 +127,19 @@ impl Segment {
 
     /// The segment with these Bézier points relative to `origin`, each good to `error`;
     /// `knot` is the number of the knot at its end.
-    pub(super) fn from_control(
+    pub(super) fn from_control_points(
         (start, end): (f64, f64),
         origin: DVec3,
-        control: [DVec3; 3],
+        control_points: [DVec3; 3],
         error: f64,
         knot: usize,
     ) -> Result<Self, Error> {
-        let extent = largest_norm(&control) * (1.0 + 8.0 * UNIT_ROUNDOFF);
+        let extent = largest_norm(&control_points) * (1.0 + 8.0 * UNIT_ROUNDOFF);
         Self {
             start,
             end,
             origin,
-            control,
+            control_points,
             extent,
             error: error + UNDERFLOW,
         }
@@ -151,7 +151,7 @@ impl Segment {
     pub(super) fn from_parts(
         (start, end): (f64, f64),
         origin: DVec3,
-        control: [DVec3; 3],
+        control_points: [DVec3; 3],
         (extent, error): (f64, f64),
         knot: usize,
     ) -> Result<Self, Error> {
@@ -159,7 +159,7 @@ impl Segment {
             start,
             end,
             origin,
-            control,
+            control_points,
             extent,
             error,
         }
@@ -220,8 +220,8 @@ impl Segment {
 
     /// The four Bézier control points relative to [`origin`](Self::origin), m.
     #[must_use]
-    pub fn control(&self) -> [DVec3; 4] {
-        let [first, second, third] = self.control;
+    pub fn control_points(&self) -> [DVec3; 4] {
+        let [first, second, third] = self.control_points;
         if self.goes_on() {
             let end = 3.0 * first + (9.0 * second + 27.0 * third);
             [DVec3::ZERO, first, 2.0 * first + 3.0 * second, end]
@@ -232,7 +232,7 @@ impl Segment {
 
     /// Coefficients of s, s², s³ around its start.
     fn powers(&self) -> [DVec3; 3] {
-        let [first, second, third] = self.control;
+        let [first, second, third] = self.control_points;
         if self.goes_on() {
             [3.0 * first, 9.0 * second, 27.0 * third]
         } else {
@@ -254,7 +254,7 @@ impl Segment {
     /// The numbers from which its points follow, and the error with the mark of what goes on.
     #[cfg(feature = "serde")]
     pub(super) const fn parts(&self) -> ([DVec3; 3], f64) {
-        (self.control, self.error)
+        (self.control_points, self.error)
     }
 
     /// Position, velocity and acceleration at `time` (m, m/s, m/s²), also outside its knots: the
@@ -268,7 +268,7 @@ impl Segment {
             // A power of two.
             let unit = duration / 3.0;
             let x = (time - self.start) / unit;
-            let [linear, quadratic, cubic] = self.control;
+            let [linear, quadratic, cubic] = self.control_points;
             let offset = x * (linear + x * (quadratic + x * cubic));
             let rate = linear + x * (2.0 * quadratic + x * 3.0 * cubic);
             let curve = 2.0 * quadratic + x * 6.0 * cubic;
@@ -286,7 +286,7 @@ impl Segment {
             )
         } else {
             let s = (self.end - time) / duration;
-            let [first, second, third] = self.control;
+            let [first, second, third] = self.control_points;
             let [linear, quadratic, cubic] =
                 power_form(second - third, first - third, DVec3::ZERO - third);
             let offset = third + s * (linear + s * (quadratic + s * cubic));
@@ -308,7 +308,7 @@ impl Segment {
     pub(crate) fn restrict(&self, from: f64, to: f64) -> Restriction {
         if from <= self.start && to >= self.end && from >= self.start && to <= self.end {
             return Restriction {
-                points: self.control(),
+                points: self.control_points(),
                 error: self.error() + UNIT_ROUNDOFF * self.extent + UNDERFLOW,
             };
         }
@@ -330,7 +330,7 @@ impl Segment {
             first: (self.end - time) / duration,
             second: (time - self.start) / duration,
         };
-        let [b0, b1, b2, b3] = self.control();
+        let [b0, b1, b2, b3] = self.control_points();
         let (low, high) = (weights(from), weights(to));
         let (l0, l1, l2) = (low.mix(b0, b1), low.mix(b1, b2), low.mix(b2, b3));
         let (ll0, ll1) = (low.mix(l0, l1), low.mix(l1, l2));
@@ -438,7 +438,9 @@ impl Segment {
 
     /// What goes on as a cubic that is not straight.
     fn is_bent(&self) -> bool {
-        let bend = self.control[1].abs().max(self.control[2].abs());
+        let bend = self.control_points[1]
+            .abs()
+            .max(self.control_points[2].abs());
         self.goes_on() && bend.max_element() > 0.0
     }
 }

@@ -161,16 +161,16 @@ impl Segment {
                 time: end,
             });
         }
-        let control = [[ax, ay, az], [bx, by, bz], [cx, cy, cz]].map(DVec3::from_array);
+        let control_points = [[ax, ay, az], [bx, by, bz], [cx, cy, cz]].map(DVec3::from_array);
         let segment = Self::from_parts(
             (start, end),
             DVec3::new(ox, oy, oz),
-            control,
+            control_points,
             (extent, error),
             knot,
         )?;
         // What bounds the others must do so.
-        let farthest = largest_norm(&segment.control());
+        let farthest = largest_norm(&segment.control_points());
         if farthest.is_nan() || extent < farthest * (1.0 - 8.0 * f64::EPSILON) {
             return Err(Error::Contradiction { knot });
         }

@@ -30,7 +30,7 @@ fn assert_near(point: DVec3, segment: &Segment) {
 
 /// Nothing is claimed of the point at the origin but that it is there.
 fn assert_points(segment: &Segment, exact: &[Exact; 4]) {
-    for (point, exact) in segment.control().into_iter().zip(exact) {
+    for (point, exact) in segment.control_points().into_iter().zip(exact) {
         let off = Exact::of(point).minus(exact);
         assert!(off.is_within(segment.error()), "{segment:?} {off:?}");
         assert_near(point, segment);
@@ -114,7 +114,7 @@ fn points_of_parts() {
         let end = begin + rng.random_range(0.5..2.0);
         let control = [0; 3].map(|_| vector(&mut rng, unit));
         let error = [0.0, 1.0][round as usize / 8 % 2] * unit;
-        let segment = made(Segment::from_control(
+        let segment = made(Segment::from_control_points(
             (begin, end),
             DVec3::ZERO,
             control,
@@ -126,7 +126,9 @@ fn points_of_parts() {
         }
         // On an axis, where its length is not rounded; all off the same way.
         let off = Exact::of(DVec3::new(0.0, error, 0.0));
-        let exact = segment.control().map(|point| Exact::of(point).plus(&off));
+        let exact = segment
+            .control_points()
+            .map(|point| Exact::of(point).plus(&off));
         let share = |time: f64| (number(time) - number(begin)) / (number(end) - number(begin));
         let inside = |rng: &mut ChaCha8Rng| {
             (begin + (end - begin) * rng.random_range(0.0..1.0)).clamp(begin, end)
@@ -192,7 +194,7 @@ fn points_of_polynomials() {
             blossom(&end, &end, &end),
         ];
         let segment = &motion.segments()[0];
-        for (point, exact) in segment.control().into_iter().zip(exact) {
+        for (point, exact) in segment.control_points().into_iter().zip(exact) {
             let found = Exact::of(segment.origin()).plus(&Exact::of(point));
             let off = found.minus(&exact);
             assert!(off.is_within(segment.error()), "{segment:?} {off:?}");
