@@ -13,7 +13,7 @@ mod support;
 use nearmiss::crossbeam_channel::{RecvTimeoutError, bounded, select};
 use nearmiss::{
     AlertLevel, Body, BodyId, Command, EncounterId, Error, Event, EventKind, Handle, Hitbox,
-    LiveOptions, Monitor, Order, Report, ReportKind, Scene, State, Trajectory, Unsent, Window,
+    LiveOptions, Monitor, Report, ReportKind, Request, Scene, State, Trajectory, Unsent, Window,
 };
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
@@ -134,7 +134,7 @@ fn flood(handle: &Handle, ids: &[BodyId], until: &AtomicBool) -> (u64, u64) {
 fn a_flood_and_a_reader_that_sleeps_lose_nothing() {
     let (monitor, ids) = crowd(1, 300);
     let options = LiveOptions {
-        orders: 1_000,
+        requests: 1_000,
         reports: 200,
         ..LiveOptions::default()
     };
@@ -208,7 +208,7 @@ fn a_flood_and_a_reader_that_sleeps_lose_nothing() {
 fn shutdown_is_quick_and_hands_everything_back() {
     let (monitor, ids) = crowd(2, 1_000);
     let options = LiveOptions {
-        orders: 500,
+        requests: 500,
         reports: 3,
         ..LiveOptions::default()
     };
@@ -242,16 +242,16 @@ fn shutdown_is_quick_and_hands_everything_back() {
     ledger.read_all(&stopped.reports);
     assert!(stopped.reports.len() > 3);
     ledger.finish(stopped.monitor);
-    let refused = handle.send(Order::Clock(9.0)).unwrap_err();
-    assert_eq!(refused, Unsent::Closed(Order::Clock(9.0)));
-    assert_eq!(refused.into_order(), Order::Clock(9.0));
+    let refused = handle.send(Request::Clock(9.0)).unwrap_err();
+    assert_eq!(refused, Unsent::Closed(Request::Clock(9.0)));
+    assert_eq!(refused.into_request(), Request::Clock(9.0));
 }
 
 #[test]
 fn a_full_queue_hands_the_order_back() {
     let (monitor, _) = crowd(3, 50);
     let options = LiveOptions {
-        orders: 2,
+        requests: 2,
         reports: 1,
         ..LiveOptions::default()
     };
@@ -265,7 +265,7 @@ fn a_full_queue_hands_the_order_back() {
         }
         assert!(time < 10.0);
     };
-    assert_eq!(busy, Unsent::Busy(Order::Clock(time)));
+    assert_eq!(busy, Unsent::Busy(Request::Clock(time)));
     drop(live);
     assert!(matches!(handle.advance(time), Err(Unsent::Closed(_))));
 }
@@ -472,7 +472,7 @@ fn the_smallest_budget_gets_there() {
 fn queues_hold_at_least_one() {
     for (orders, reports) in [(0, 1), (1, 0)] {
         let options = LiveOptions {
-            orders,
+            requests: orders,
             reports,
             ..LiveOptions::default()
         };

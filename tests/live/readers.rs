@@ -69,7 +69,10 @@ fn orders_are_stopped_and_reports_read_to_the_end() {
         }
         live.stop_orders();
         live.stop_orders();
-        assert_eq!(handle.advance(2.0), Err(Unsent::Closed(Order::Clock(2.0))));
+        assert_eq!(
+            handle.advance(2.0),
+            Err(Unsent::Closed(Request::Clock(2.0)))
+        );
         let reader = std::thread::spawn(move || reader.iter().collect::<Vec<Report>>());
         let read = reader.join().unwrap();
         assert!(

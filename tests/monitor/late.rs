@@ -12,7 +12,7 @@ use nearmiss::{
     State, Trajectory,
 };
 #[cfg(feature = "live")]
-use nearmiss::{LiveOptions, Order, ReportKind};
+use nearmiss::{LiveOptions, ReportKind, Request};
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 #[cfg(feature = "serde")]
@@ -340,7 +340,7 @@ fn a_backlog_loses_no_late_plan() {
     let mut orders = Vec::new();
     for frame in 1..=60_u32 {
         let clock = f64::from(frame) / 60.0;
-        orders.push(Order::Clock(clock));
+        orders.push(Request::Clock(clock));
         for (number, last) in (0_u32..).zip(&mut last) {
             let delay = f64::from((frame * 37 + number * 11) % 60) / 120.0;
             let from = (clock - delay).max(0.0);
@@ -348,9 +348,9 @@ fn a_backlog_loses_no_late_plan() {
             orders.push(Command::Replan(ids[number as usize], from, last.clone()).into());
         }
     }
-    orders.push(Order::Clock(1.0));
+    orders.push(Request::Clock(1.0));
     let options = LiveOptions {
-        orders: 8_192,
+        requests: 8_192,
         reports: 1 << 16,
         ..LiveOptions::default()
     };
@@ -370,7 +370,7 @@ fn a_backlog_loses_no_late_plan() {
         match &report.kind {
             ReportKind::Late { ticket, plans } => {
                 let number = tickets.binary_search(ticket).unwrap();
-                let Order::Change(Command::Replan(id, from, _)) = &orders[number] else {
+                let Request::Change(Command::Replan(id, from, _)) = &orders[number] else {
                     panic!("{report:?}");
                 };
                 let [(late, used)] = plans[..] else {
