@@ -16,7 +16,7 @@ use nearmiss::{
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use std::num::NonZeroU32;
-use support::{bits, line, scene_of, screen, swarm};
+use support::{bits, line, scene_of, screen, swarm, with_every_change};
 
 const MARGIN: f64 = 1.5;
 
@@ -336,7 +336,7 @@ fn told_at_zero(zero: impl Fn(u64) -> f64) -> (String, String) {
     }
     let conflicts = screen(&scene, Window::new(zero(7), 2.0).unwrap(), 0.0);
     let levels = [AlertLevel::at(0.0)];
-    let mut monitor = Monitor::new(scene, zero(8), 0.5, &levels).unwrap();
+    let mut monitor = with_every_change(Monitor::new(scene, zero(8), 0.5, &levels).unwrap());
     let mut events = Vec::new();
     for now in [zero(9), 0.5, 1.0] {
         monitor.advance(now, &mut events).unwrap();

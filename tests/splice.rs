@@ -15,7 +15,7 @@ use nearmiss::{
 };
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
-use support::{line, rng, vector, wander};
+use support::{line, rng, vector, wander, with_every_change};
 
 const RULES: [Outside; 3] = [Outside::Absent, Outside::Coast, Outside::Extrapolate];
 
@@ -106,7 +106,8 @@ fn monitor(plans: &[Trajectory]) -> (Monitor, Vec<nearmiss::BodyId>) {
         .iter()
         .map(|plan| scene.insert(Body::new(plan.clone()).with_hitbox(hitbox.clone())));
     let bodies = bodies.map(Result::unwrap).collect();
-    let monitor = Monitor::new(scene, -4.0, 8.0, &[AlertLevel::at(3.0)]).unwrap();
+    let monitor =
+        with_every_change(Monitor::new(scene, -4.0, 8.0, &[AlertLevel::at(3.0)]).unwrap());
     (monitor, bodies)
 }
 

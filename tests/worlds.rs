@@ -13,7 +13,7 @@ use nearmiss::{
     TimeBase, Trajectory, Window,
 };
 use std::num::NonZeroU32;
-use support::{bits, rng, vector};
+use support::{bits, rng, vector, with_every_change};
 
 fn line(from: DVec3, to: DVec3) -> Trajectory {
     let states = [(0.0, from), (1.0, to)].map(|(time, place)| State::new(time, place, to - from));
@@ -76,7 +76,8 @@ fn what_is_parked_far_away_costs_the_others_nothing() {
             scene.insert(body).unwrap();
         }
         let screening = scene.screen(&query).unwrap();
-        let mut monitor = Monitor::new(scene, 0.0, 1.0, &[AlertLevel::at(1.0)]).unwrap();
+        let mut monitor =
+            with_every_change(Monitor::new(scene, 0.0, 1.0, &[AlertLevel::at(1.0)]).unwrap());
         monitor.advance(0.0, &mut Vec::new()).unwrap();
         let counts = [screening.stats.candidates, monitor.stats().candidates];
         assert_eq!(bits(monitor.conflicts(0)), bits(&screening.conflicts));
@@ -312,7 +313,8 @@ fn debris_that_ignores_itself() {
         let body = Body::new(rest(f64::from(number) * 1e-3)).with_layers(layers);
         ids.push(scene.insert(body).unwrap());
     }
-    let mut monitor = Monitor::new(scene, 0.0, 3.0, &[AlertLevel::at(5.0)]).unwrap();
+    let mut monitor =
+        with_every_change(Monitor::new(scene, 0.0, 3.0, &[AlertLevel::at(5.0)]).unwrap());
     let mut candidates = 0;
     // None, few, and many of them are replanned.
     for (tick, changed) in (0..100).zip([0, 20, 500].into_iter().cycle()) {

@@ -12,19 +12,31 @@ use crate::id::BodyId;
 #[cfg(feature = "serde")]
 use crate::scene::Scene;
 
-/// Changes up to this are not told; measured from what was last told. By default all are, also those of
-/// rounding: where a distance hardly changes, or as the clock passes an instant that was worked out.
-/// 1e-9 s and 1e-9 m keep these back. (The nearest point of an open encounter is another one each tick as long as
-/// it lies at the end of what is known: it is told once a lookahead at most.)
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// The largest change of an encounter that is not reported, measured from the last report.
+///
+/// The default keeps back what rounding changes: where a distance hardly changes, or as the clock passes
+/// an instant that was worked out. With 0 every change is reported. (The nearest point of an open
+/// encounter is another one each tick as long as it lies at the end of what is known: it is told once a
+/// lookahead at most.)
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RevisionThreshold {
-    /// Of enter, exit and the time of closest approach, s; 0 by default.
+    /// Of enter, exit and the time of closest approach, s; 1e-9 by default.
     #[cfg_attr(feature = "serde", serde(with = "super::recording::number"))]
     pub time: f64,
-    /// Of the least separation, m; 0 by default.
+    /// Of the least separation, m; 1e-9 by default.
     #[cfg_attr(feature = "serde", serde(with = "super::recording::number"))]
     pub separation: f64,
+}
+
+impl Default for RevisionThreshold {
+    /// 1e-9 s and 1e-9 m.
+    fn default() -> Self {
+        Self {
+            time: 1e-9,
+            separation: 1e-9,
+        }
+    }
 }
 
 /// An encounter as the plans have it now.

@@ -20,7 +20,7 @@ use rand::rngs::ChaCha8Rng;
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use support::{bits, rng, screen, wander};
+use support::{bits, rng, screen, wander, with_every_change};
 
 const MARGIN: f64 = 3.0;
 const LOOKAHEAD: f64 = 5.0;
@@ -39,7 +39,8 @@ fn crowd(seed: u64, count: u32) -> (Monitor, Vec<BodyId>) {
             scene.insert(body).unwrap()
         })
         .collect();
-    let monitor = Monitor::new(scene, 0.0, LOOKAHEAD, &[AlertLevel::at(MARGIN)]).unwrap();
+    let monitor =
+        with_every_change(Monitor::new(scene, 0.0, LOOKAHEAD, &[AlertLevel::at(MARGIN)]).unwrap());
     (monitor, ids)
 }
 
@@ -435,7 +436,8 @@ fn a_crowd_does_not_hold_up_a_shutdown() {
         let rest = Body::new(Trajectory::at_rest(glam::DVec3::ZERO).unwrap());
         scene.insert(rest).unwrap();
     }
-    let monitor = Monitor::new(scene, 0.0, 10.0, &[AlertLevel::at(1.0)]).unwrap();
+    let monitor =
+        with_every_change(Monitor::new(scene, 0.0, 10.0, &[AlertLevel::at(1.0)]).unwrap());
     let live = monitor.spawn(LiveOptions::default()).unwrap();
     live.handle().advance(0.1).unwrap();
     std::thread::sleep(Duration::from_millis(100));

@@ -1,7 +1,7 @@
 //! A monitor that always has too little time tells, in the end, what one with all the time tells.
 
 use super::is_as_screened;
-use super::support::{line, rng, vector, wander};
+use super::support::{line, rng, vector, wander, with_every_change};
 use glam::DVec3;
 use nearmiss::{
     AlertLevel, Body, BodyId, Budget, Event, EventKind, Hitbox, Monitor, Outside, Query, Scene,
@@ -133,7 +133,9 @@ fn a_budget_delays_what_is_told_and_changes_none_of_it() {
         let release = margin + rng.random_range(0.0..2.0);
         let levels = [AlertLevel { margin, release }, AlertLevel::at(0.0)];
         let lookahead = [0.05, 0.5, 1.0, 3.0][rng.random_range(0..4)];
-        let monitor_of = |scene| Monitor::new(scene, world.start, lookahead, &levels).unwrap();
+        let monitor_of = |scene| {
+            with_every_change(Monitor::new(scene, world.start, lookahead, &levels).unwrap())
+        };
         let (mut rich, mut poor) = (monitor_of(scene.clone()), monitor_of(scene));
         let (mut events, mut late) = (Vec::new(), Vec::new());
         let mut now = world.start;
@@ -211,7 +213,8 @@ fn a_little_time_again_and_again_is_enough() {
         for _ in 0..5_000 {
             ids.push(scene.insert(Body::new(any_plan(-1.0))).unwrap());
         }
-        let monitor_of = |scene| Monitor::new(scene, 0.0, 2.0, &[LEVEL]).unwrap();
+        let monitor_of =
+            |scene| with_every_change(Monitor::new(scene, 0.0, 2.0, &[LEVEL]).unwrap());
         let (mut rich, mut poor) = (monitor_of(scene.clone()), monitor_of(scene));
         let (mut events, mut late) = (Vec::new(), Vec::new());
         rich.advance(0.0, &mut events).unwrap();
@@ -262,7 +265,8 @@ fn nothing_is_missing_that_begins_where_a_budget_ends() {
         for plan in [&still, &comes] {
             scene.insert(Body::new(plan.clone())).unwrap();
         }
-        let mut monitor = Monitor::new(scene, NOW, LOOKAHEAD, &[AlertLevel::at(1.0)]).unwrap();
+        let mut monitor =
+            with_every_change(Monitor::new(scene, NOW, LOOKAHEAD, &[AlertLevel::at(1.0)]).unwrap());
         let budget = Budget::Work(work);
         monitor
             .advance_within(NOW, budget, &mut Vec::new())

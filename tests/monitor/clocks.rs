@@ -1,7 +1,7 @@
 //! Clocks that jump, and ticks that are refused.
 
 use super::scenarios::{head_on, kinds, tick, two};
-use super::support::{line, rng, wander};
+use super::support::{line, rng, wander, with_every_change};
 use glam::DVec3;
 use nearmiss::{AlertLevel, Body, Budget, Error, Monitor, Query, Scene, State, Trajectory};
 use std::time::Duration;
@@ -57,7 +57,9 @@ fn the_clock_may_jump_as_far_as_it_can_show() {
                 let late = line(7e8, 7e8 + 500.0, DVec3::new(-10.0, 50.5, 0.0), DVec3::X);
                 scene.insert(Body::new(late)).unwrap();
             }
-            let mut monitor = Monitor::new(scene, 0.0, lookahead, &[AlertLevel::at(1.0)]).unwrap();
+            let mut monitor = with_every_change(
+                Monitor::new(scene, 0.0, lookahead, &[AlertLevel::at(1.0)]).unwrap(),
+            );
             let mut events = tick(&mut monitor, 0.0);
             let mut ticks = 0;
             loop {
@@ -122,7 +124,8 @@ fn a_jump_over_nothing_and_then_a_crowd() {
     }
     let all = Query::default().with_margin(1.0).unwrap();
     let expected = scene.screen(&all).unwrap().conflicts.len();
-    let mut monitor = Monitor::new(scene, 0.0, 10.0, &[AlertLevel::at(1.0)]).unwrap();
+    let mut monitor =
+        with_every_change(Monitor::new(scene, 0.0, 10.0, &[AlertLevel::at(1.0)]).unwrap());
     let names = kinds(&tick(&mut monitor, 3e6));
     let number = |name: &str| names.iter().filter(|kind| kind.starts_with(name)).count();
     assert!(expected > 500, "{expected}");

@@ -2,7 +2,7 @@
 
 use super::is_as_screened;
 use super::scenarios::tick;
-use super::support::{bits, line, rng, vector};
+use super::support::{bits, line, rng, vector, with_every_change};
 use glam::DVec3;
 use nearmiss::{AlertLevel, Body, BodyId, Budget, Error, Monitor, Scene};
 
@@ -30,7 +30,7 @@ fn monitor_of(bodies: &[Body]) -> (Monitor, Vec<BodyId>) {
         let plan = line(0.0, 9.0, DVec3::new(x, 0.0, 0.0), velocity);
         scene.insert(Body::new(plan)).unwrap();
     }
-    let mut monitor = Monitor::new(scene, 0.0, 6.0, &[LEVEL]).unwrap();
+    let mut monitor = with_every_change(Monitor::new(scene, 0.0, 6.0, &[LEVEL]).unwrap());
     monitor.set_max_spans(1_000);
     (monitor, ids)
 }

@@ -3,7 +3,7 @@
 
 use super::is_as_screened;
 use super::scenarios::tick;
-use super::support::{rng, vector, wander};
+use super::support::{rng, vector, wander, with_every_change};
 use glam::DVec3;
 use nearmiss::{AlertLevel, Body, Monitor, Query, Scene, State, Trajectory, Window};
 
@@ -32,7 +32,7 @@ fn bodies_that_are_put_in_later_and_far_away_cost_no_more() {
                 scene.insert(body).unwrap();
             }
         }
-        let mut monitor = Monitor::new(scene, 0.0, 10.0, &[LEVEL]).unwrap();
+        let mut monitor = with_every_change(Monitor::new(scene, 0.0, 10.0, &[LEVEL]).unwrap());
         // Nor does an empty tick before.
         tick(&mut monitor, 0.0);
         for body in later {
@@ -68,7 +68,7 @@ fn a_long_lookahead_is_cut_into_as_many_slices_as_suit_it() {
     let query = Query::new(Window::new(0.0, 3_000.0).unwrap());
     let query = query.with_margin(LEVEL.margin).unwrap();
     let screened = scene.screen(&query).unwrap().stats;
-    let mut monitor = Monitor::new(scene, 0.0, 3_000.0, &[LEVEL]).unwrap();
+    let mut monitor = with_every_change(Monitor::new(scene, 0.0, 3_000.0, &[LEVEL]).unwrap());
     tick(&mut monitor, 0.0);
     is_as_screened(&monitor, LEVEL);
     let found = monitor.stats().spans;
@@ -85,7 +85,7 @@ fn a_step_over_what_is_known_keeps_it() {
         let plan = Trajectory::from_states(&states).unwrap();
         scene.insert(Body::new(plan)).unwrap();
     }
-    let mut monitor = Monitor::new(scene, 0.0, 60.0, &[LEVEL]).unwrap();
+    let mut monitor = with_every_change(Monitor::new(scene, 0.0, 60.0, &[LEVEL]).unwrap());
     tick(&mut monitor, 0.0);
     let (all, slices) = (monitor.stats().boxes, monitor.stats().slices);
     assert!(slices > 85, "{slices}");
@@ -122,7 +122,7 @@ fn a_scene_that_becomes_another_one_gets_other_slices() {
                 let body = Body::new(plan(&mut rng, 0.0, slow));
                 ids.push(scene.insert(body).unwrap());
             }
-            let mut monitor = Monitor::new(scene, 0.0, 60.0, &[LEVEL]).unwrap();
+            let mut monitor = with_every_change(Monitor::new(scene, 0.0, 60.0, &[LEVEL]).unwrap());
             let mut now = 0.0;
             for number in 0..BODIES {
                 now += 1e-3;
@@ -135,7 +135,7 @@ fn a_scene_that_becomes_another_one_gets_other_slices() {
                 tick(&mut monitor, now);
             }
             let scene = monitor.scene().clone();
-            let mut fresh = Monitor::new(scene, now, 60.0, &[LEVEL]).unwrap();
+            let mut fresh = with_every_change(Monitor::new(scene, now, 60.0, &[LEVEL]).unwrap());
             tick(&mut fresh, now);
             let mut done = [0; 2];
             for number in 0..100 {
@@ -164,7 +164,7 @@ fn no_tick_stands_out() {
         let plan = Trajectory::from_states(&states).unwrap();
         scene.insert(Body::new(plan)).unwrap();
     }
-    let mut monitor = Monitor::new(scene, 0.0, 5.0, &[LEVEL]).unwrap();
+    let mut monitor = with_every_change(Monitor::new(scene, 0.0, 5.0, &[LEVEL]).unwrap());
     tick(&mut monitor, 0.0);
     for from in [0.0, 33.3] {
         // With the next one the slice ahead is as far as it is to be by then.

@@ -28,7 +28,7 @@ use rand::rngs::ChaCha8Rng;
 use reference::{Reference, order, told};
 use scenarios::tick;
 use std::collections::BTreeMap;
-use support::{bits, rng, vector, wander};
+use support::{bits, rng, vector, wander, with_every_change};
 
 const LEVELS: [AlertLevel; 3] = [
     AlertLevel::at(4.0),
@@ -239,7 +239,7 @@ fn long_run(seed: u64, lookahead: f64) {
     let mut ids: Vec<BodyId> = (0..24)
         .map(|_| scene.insert(body(&mut rng, -1.0, CUBE)).unwrap())
         .collect();
-    let mut monitor = Monitor::new(scene, 0.0, lookahead, &LEVELS).unwrap();
+    let mut monitor = with_every_change(Monitor::new(scene, 0.0, lookahead, &LEVELS).unwrap());
     let mut ledger = Ledger::default();
     let mut reference = Reference::new(&LEVELS, 0.0, lookahead);
     let (mut conflicts, mut events) = (0, Vec::new());
@@ -336,7 +336,7 @@ fn equals_one_shot_screening_with_many_bodies() {
     let mut ids: Vec<BodyId> = (0..1500)
         .map(|_| scene.insert(body(&mut rng, -1.0, CUBE)).unwrap())
         .collect();
-    let mut monitor = Monitor::new(scene, 0.0, 2.0, &LEVELS).unwrap();
+    let mut monitor = with_every_change(Monitor::new(scene, 0.0, 2.0, &LEVELS).unwrap());
     let (mut conflicts, mut events) = (0, Vec::new());
     for tick in 0..60 {
         for _ in 0..[0, 5, 60, 300, 2000][tick % 5] {
@@ -373,7 +373,7 @@ fn boxes_formed(share: f64) -> (Vec<(u64, u64)>, u64) {
         let plan = Trajectory::from_states(&states).unwrap();
         ids.push(scene.insert(Body::new(plan)).unwrap());
     }
-    let mut monitor = Monitor::new(scene, 0.0, 6.0, &LEVELS).unwrap();
+    let mut monitor = with_every_change(Monitor::new(scene, 0.0, 6.0, &LEVELS).unwrap());
     tick(&mut monitor, 0.0);
     let slices = monitor.stats().slices;
     let ticks = (1..=120).map(|number| {

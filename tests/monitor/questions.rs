@@ -2,7 +2,7 @@
 
 use super::hitbox;
 use super::scenarios::tick;
-use super::support::{bits, rng, vector, wander};
+use super::support::{bits, rng, vector, wander, with_every_change};
 use nearmiss::{
     AlertLevel, Body, BodyId, Budget, Layers, Monitor, Outside, Query, Scene, State, Trajectory,
     Window,
@@ -119,7 +119,7 @@ fn what_if_is_as_screened_where_many_slices_are_crossed() {
         let mut ids: Vec<BodyId> = (0..120)
             .map(|_| scene.insert(body(&mut rng, 0.0)).unwrap())
             .collect();
-        let mut monitor = Monitor::new(scene, 0.0, LOOKAHEAD, &LEVELS).unwrap();
+        let mut monitor = with_every_change(Monitor::new(scene, 0.0, LOOKAHEAD, &LEVELS).unwrap());
         let (mut now, mut events) = (0.0, Vec::new());
         for step in 0..30 {
             let budget = match step % 4 {
@@ -172,7 +172,7 @@ fn what_if_sees_what_has_changed_since_the_last_tick() {
     let mut ids: Vec<BodyId> = (0..50)
         .map(|_| scene.insert(Body::new(plan(-1.0))).unwrap())
         .collect();
-    let mut monitor = Monitor::new(scene, 0.0, 5.0, &[level]).unwrap();
+    let mut monitor = with_every_change(Monitor::new(scene, 0.0, 5.0, &[level]).unwrap());
     let mut found = 0;
     for step in 0..60_usize {
         let now = 0.1 * f64::from(u32::try_from(step).unwrap());

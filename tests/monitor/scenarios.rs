@@ -1,6 +1,6 @@
 //! What a monitor of two bodies tells, event by event: one scenario a test.
 
-use super::support::{bits, line, rng, wander};
+use super::support::{bits, line, rng, wander, with_every_change};
 use glam::DVec3;
 use nearmiss::{
     AlertLevel, Body, BodyId, Command, Error, Event, EventKind, Hitbox, Monitor, Outside, Query,
@@ -17,7 +17,11 @@ pub(crate) fn two(
     let mut scene = Scene::new();
     let a = scene.insert(Body::new(a)).unwrap();
     let b = scene.insert(Body::new(b)).unwrap();
-    (Monitor::new(scene, 0.0, 10.0, levels).unwrap(), a, b)
+    (
+        with_every_change(Monitor::new(scene, 0.0, 10.0, levels).unwrap()),
+        a,
+        b,
+    )
 }
 
 pub(crate) fn tick(monitor: &mut Monitor, now: f64) -> Vec<Event> {
@@ -253,6 +257,23 @@ fn small_changes_are_not_told() {
     assert_eq!(kinds(&tick(&mut monitor, 2.5)), [""; 0]);
 }
 
+/// A distance that changes by less than a billionth of a metre: told by a monitor that tells all.
+#[test]
+fn rounding_is_not_told() {
+    let (a, b) = head_on();
+    let nudged = line(0.0, 100.0, DVec3::Y * 1e-10, DVec3::X);
+    for threshold in [None, Some(RevisionThreshold::default())] {
+        let (mut monitor, id, _) = two(a.clone(), b.clone(), &[AlertLevel::at(2.0)]);
+        if let Some(threshold) = threshold {
+            monitor.set_revision_threshold(threshold).unwrap();
+        }
+        tick(&mut monitor, 2.0);
+        monitor.set_trajectory(id, nudged.clone()).unwrap();
+        let told = kinds(&tick(&mut monitor, 2.1)).len();
+        assert_eq!(told, usize::from(threshold.is_none()), "{threshold:?}");
+    }
+}
+
 #[test]
 fn a_batch_is_all_or_nothing() {
     let (a, b) = head_on();
@@ -347,7 +368,7 @@ fn a_plan_that_goes_on_does_not_cut_an_encounter() {
     let levels = [AlertLevel::at(1.5)];
     let mut scene = Scene::new();
     let bodies = [still, comes].map(|plan| scene.insert(Body::new(plan)).unwrap());
-    let mut monitor = Monitor::new(scene, 0.0, 1.5, &levels).unwrap();
+    let mut monitor = with_every_change(Monitor::new(scene, 0.0, 1.5, &levels).unwrap());
     for now in [0.0, 1.4, 2.55] {
         tick(&mut monitor, now);
         let window = Window::new(now, now + 1.5).unwrap();
@@ -378,7 +399,8 @@ fn a_release_margin_next_to_the_margin_loses_no_encounter() {
     let margin = 0.3;
     for release in [margin, 0.1 + 0.2, margin * (1.0 + 1e-15)] {
         let level = AlertLevel { margin, release };
-        let mut monitor = Monitor::new(scene.clone(), 0.0, 10.0, &[level]).unwrap();
+        let mut monitor =
+            with_every_change(Monitor::new(scene.clone(), 0.0, 10.0, &[level]).unwrap());
         let told = tick(&mut monitor, 0.0);
         let conflicts = monitor.conflicts(0);
         assert!(conflicts.len() > 200, "{}", conflicts.len());

@@ -1,6 +1,6 @@
 //! Any number of threads: the same conflicts and events, while few and many plans change.
 
-use super::support::{bits, hash_of, on_threads, rng, wander};
+use super::support::{bits, hash_of, on_threads, rng, wander, with_every_change};
 use super::{LEVELS, is_as_screened};
 use nearmiss::{Body, BodyId, Command, Hitbox, Monitor, Outside, Scene, Trajectory};
 use rand::RngExt;
@@ -29,7 +29,7 @@ fn flown(threads: usize) -> (Vec<u64>, usize, usize) {
         })
         .collect();
     on_threads(threads, || {
-        let mut monitor = Monitor::new(scene, 0.0, 2.0, &LEVELS).unwrap();
+        let mut monitor = with_every_change(Monitor::new(scene, 0.0, 2.0, &LEVELS).unwrap());
         let (mut told, mut conflicts, mut events) = (Vec::new(), 0, 0);
         for tick in 0..24 {
             let now = monitor.now();

@@ -7,7 +7,9 @@
 )]
 
 use glam::DVec3;
-use nearmiss::{Body, Conflict, Hitbox, Query, Scene, State, Trajectory, Window};
+use nearmiss::{
+    Body, Conflict, Hitbox, Monitor, Query, RevisionThreshold, Scene, State, Trajectory, Window,
+};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -23,6 +25,16 @@ pub(crate) fn vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
         rng.random_range(-half..half),
         rng.random_range(-half..half),
     )
+}
+
+/// A monitor that reports every change of an encounter, those of rounding included.
+pub(crate) fn with_every_change(mut monitor: Monitor) -> Monitor {
+    let every = RevisionThreshold {
+        time: 0.0,
+        separation: 0.0,
+    };
+    monitor.set_revision_threshold(every).unwrap();
+    monitor
 }
 
 /// Straight motion at constant velocity from `start` to `end` seconds.

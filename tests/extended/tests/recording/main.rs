@@ -20,7 +20,7 @@ use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex};
-use support::{rng, vector, wander};
+use support::{rng, vector, wander, with_every_change};
 
 /// A file in memory that can be looked into.
 #[derive(Clone, Default)]
@@ -80,7 +80,7 @@ fn monitor(rng: &mut ChaCha8Rng, count: usize, lookahead: f64) -> Monitor {
         },
         AlertLevel::at(0.0),
     ];
-    Monitor::new(scene, 0.0, lookahead, &levels).unwrap()
+    with_every_change(Monitor::new(scene, 0.0, lookahead, &levels).unwrap())
 }
 
 /// One tick with whatever comes to mind.
@@ -223,7 +223,8 @@ fn a_limit_that_was_lowered_refuses_no_replay() {
         let plan = Trajectory::at_rest(0.1 * f64::from(place) * DVec3::X).unwrap();
         scene.insert(Body::new(plan)).unwrap();
     }
-    let mut monitor = Monitor::new(scene, 0.0, 10.0, &[AlertLevel::at(1.0)]).unwrap();
+    let mut monitor =
+        with_every_change(Monitor::new(scene, 0.0, 10.0, &[AlertLevel::at(1.0)]).unwrap());
     monitor.advance(0.0, &mut Vec::new()).unwrap();
     monitor.set_max_spans(1);
     let file = Memory::default();
@@ -253,7 +254,8 @@ fn formations_are_read_again_when_they_were() {
             let body = Body::new(plan.unwrap()).with_hitbox(Hitbox::sphere(0.5).unwrap());
             scene.insert(body).unwrap();
         }
-        let mut monitor = Monitor::new(scene, 0.0, 10.0, &[AlertLevel::at(0.0)]).unwrap();
+        let mut monitor =
+            with_every_change(Monitor::new(scene, 0.0, 10.0, &[AlertLevel::at(0.0)]).unwrap());
         let mut before = Vec::new();
         monitor.advance(0.0, &mut before).unwrap();
         monitor.advance(7.0, &mut before).unwrap();
