@@ -5,17 +5,13 @@
     reason = "a request that is not sent is handed back as it is, without an allocation"
 )]
 
-use super::request::Request;
+use super::request::{Request, Ticket};
 use crate::id::BodyId;
 use crate::trajectory::Trajectory;
 use crossbeam_channel::{Sender, TrySendError};
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
-
-/// Names one request: reports about it carry the same ticket.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Ticket(pub(super) u64);
 
 /// A request that was not sent, handed back.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,8 +4,8 @@ mod handle;
 mod request;
 mod worker;
 
-pub use handle::{Counts, Handle, Ticket, Unsent};
-pub use request::Request;
+pub use handle::{Counts, Handle, Unsent};
+pub use request::{Request, Ticket};
 
 use super::{Event, Monitor};
 use crate::conflict::Conflict;

@@ -1,11 +1,14 @@
 //! What is sent to a live monitor, and how it waits there.
 
-use super::handle::Ticket;
 use crate::id::BodyId;
 use crate::monitor::Command;
 use crate::trajectory::Trajectory;
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, VecDeque};
+
+/// Names one request: reports about it carry the same ticket.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Ticket(pub(super) u64);
 
 /// What is sent to a live monitor.
 ///

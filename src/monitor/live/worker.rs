@@ -1,7 +1,7 @@
 //! The thread of a live monitor.
 
-use super::handle::{Shared, Ticket};
-use super::request::{Request, Waiting};
+use super::handle::Shared;
+use super::request::{Request, Ticket, Waiting};
 use super::{LiveOptions, Report, ReportKind};
 use crate::error::Error;
 use crate::monitor::{Budget, Command, Event, Monitor};
