@@ -1,20 +1,14 @@
 //! The closest approach of many pairs: guess, prove, try again, and at last branch and bound.
 
 use super::batch::Lanes;
-use super::cubic::{CentredCubic, ControlPoints, largest_coordinate, widened};
+use super::cubic::{ControlPoints, distance, largest_coordinate, local_time, widened};
 use super::dispatch::{enclose_block_finely, guess_block, guess_block_again, guess_pair};
 use super::enclosure::{bounds_of_halves, is_nearest_at, nearest_from};
-use super::exhaustive::{normalised, square_at};
-use super::guess::{halley_step, long_step};
-use super::loops::{BLOCK, Block, Bounds, distance, local_time};
+use super::loops::{BLOCK, Block, Bounds};
 use super::pending::{Pending, Selection, whole_vectors};
 use super::real::Real;
+use super::refine::{QUICK, THOROUGH, normalised, refined};
 use crate::simd::InstructionSet;
-
-/// Steps of refinement before a proof is tried, and where none was found: at a root of
-/// multiplicity five a step shortens the error by a third.
-pub(super) const QUICK: u32 = 6;
-const THOROUGH: u32 = 10;
 
 /// Whether a certificate is one: not if it is not a number.
 #[inline]
@@ -39,29 +33,6 @@ pub(super) fn closest_approach_of<R: Real>(points: &ControlPoints<R>) -> (R, R) 
         nearest = searched(&wide, nearest.0, &halves, allowance);
     }
     (R::from_f64(nearest.0), R::from_f64(nearest.1 * unit))
-}
-
-/// A guess in local time refined until the distance shrinks no more; time and distance.
-pub(super) fn refined(points: &ControlPoints<f64>, time: f64, steps: u32) -> (f64, f64) {
-    let (points, unit) = normalised(points);
-    let cubic = CentredCubic::new(points);
-    let mut u = 2.0 * time - 1.0;
-    let mut square = square_at(&cubic, u);
-    for _ in 0..steps {
-        let derivatives = cubic.derivatives(u);
-        let steps = [long_step(&derivatives), halley_step(&derivatives).step];
-        let better = steps.into_iter().find_map(|step| {
-            let next = (u - step).clamp(-1.0, 1.0);
-            let there = square_at(&cubic, next);
-            // Not where the step is not a number.
-            (there < square).then_some((next, there))
-        });
-        let Some(better) = better else {
-            break;
-        };
-        (u, square) = better;
-    }
-    (local_time(u), distance(square) * unit)
 }
 
 /// The closest approach by branch and bound from a good time on, and the bounds on the halves of

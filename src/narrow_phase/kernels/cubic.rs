@@ -147,3 +147,15 @@ pub(super) fn largest_coordinate(points: &ControlPoints<f64>) -> f64 {
 pub(super) fn power_of_two(number: f64) -> f64 {
     f64::from_bits((number.to_bits() & (0x7ff << 52)).max(1 << 52))
 }
+
+/// The local time 0..=1 of a centred time -1..=1.
+#[inline(always)]
+pub(super) fn local_time<R: Real>(centred: R) -> R {
+    R::from_f64(0.5) * (centred + R::from_f64(1.0))
+}
+
+/// The distance from 64 times its square.
+#[inline(always)]
+pub(super) fn distance<R: Real>(square: R) -> R {
+    R::from_f64(0.125) * square.sqrt()
+}

@@ -1,13 +1,13 @@
 //! Enclosures of the least distance: proven bounds, for a given error of the cubic.
 
-use super::closest::{QUICK, refined};
 use super::cubic::{
-    CentredCubic, ControlPoints, Vector, dot, largest_coordinate, largest_of, power_of_two,
+    CentredCubic, ControlPoints, Vector, dot, largest_coordinate, largest_of, local_time,
+    power_of_two,
 };
 use super::guess::{descend, lowest_sample, outline, polish, settle};
-use super::loops::local_time;
 use super::minorant::{from_nearer, lower_bound, lower_bound_far, lower_bound_near, split};
 use super::real::Real;
+use super::refine::{QUICK, refined};
 
 /// Units of rounding of a split of the span at any time, and of two halvings after it.
 pub(super) const SPLIT: f64 = 9.0;

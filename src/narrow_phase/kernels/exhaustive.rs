@@ -1,7 +1,7 @@
 //! The textbook method: all roots of the slope of the squared distance.
 
-use super::cubic::{CentredCubic, ControlPoints, dot, largest_coordinate, power_of_two};
-use super::loops::{distance, local_time};
+use super::cubic::{CentredCubic, ControlPoints, distance, local_time};
+use super::refine::{normalised, square_at};
 use crate::polynomial::{Polynomial, Roots};
 
 /// The global minimum over the ends and all stationary points: time and distance.
@@ -31,23 +31,4 @@ pub(super) fn all_roots(points: &ControlPoints<f64>, tolerance: f64) -> (f64, f6
     consider(1.0);
     let (u, square) = best;
     (local_time(u), distance(square) * unit)
-}
-
-/// 64 times the squared distance, formed from the position.
-#[inline]
-pub(super) fn square_at(cubic: &CentredCubic<f64>, u: f64) -> f64 {
-    let position = cubic.position(u);
-    dot(position, position)
-}
-
-/// The polygon divided by a power of two (exactly, but for underflow) if its squares could leave
-/// the range, and that power.
-#[inline]
-pub(super) fn normalised(points: &ControlPoints<f64>) -> (ControlPoints<f64>, f64) {
-    let largest = largest_coordinate(points);
-    if (1e-60..=1e60).contains(&largest) {
-        return (*points, 1.0);
-    }
-    let unit = power_of_two(largest);
-    (points.map(|point| point.map(|x| x / unit)), unit)
 }

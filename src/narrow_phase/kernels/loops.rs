@@ -10,7 +10,7 @@
 )]
 
 use super::batch::Lanes;
-use super::cubic::{CentredCubic, ControlPoints, Vector, dot};
+use super::cubic::{CentredCubic, ControlPoints, Vector, distance, dot, local_time};
 use super::enclosure::{SPLIT, SPLIT_AND_HALVED, enclose_between};
 use super::guess::{
     Guess, HalleyStep, Outline, arrive, certify, descend, descend_safely, guess, halley_step,
@@ -264,18 +264,6 @@ fn control_points<R: Real>(lanes: &Lanes<'_, R>, i: usize) -> ControlPoints<R> {
         [x[2][i], y[2][i], z[2][i]],
         [x[3][i], y[3][i], z[3][i]],
     ]
-}
-
-/// The local time 0..=1 of a centred time -1..=1.
-#[inline(always)]
-pub(super) fn local_time<R: Real>(centred: R) -> R {
-    R::from_f64(0.5) * (centred + R::from_f64(1.0))
-}
-
-/// The distance from 64 times its square.
-#[inline(always)]
-pub(super) fn distance<R: Real>(square: R) -> R {
-    R::from_f64(0.125) * square.sqrt()
 }
 
 /// Both tries for one pair.

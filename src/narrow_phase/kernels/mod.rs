@@ -95,6 +95,7 @@ mod minorant;
 pub mod parallel;
 mod pending;
 mod real;
+mod refine;
 mod rival;
 pub mod scalar;
 mod screen;
