@@ -84,6 +84,8 @@ pub mod enclosure;
 mod error;
 mod hitbox;
 mod id;
+#[cfg(feature = "serde")]
+mod json_number;
 mod knots;
 mod layers;
 mod monitor;

@@ -22,10 +22,10 @@ use crate::scene::Scene;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RevisionThreshold {
     /// Of enter, exit and the time of closest approach, s; 1e-9 by default.
-    #[cfg_attr(feature = "serde", serde(with = "super::recording::number"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::json_number"))]
     pub time: f64,
     /// Of the least separation, m; 1e-9 by default.
-    #[cfg_attr(feature = "serde", serde(with = "super::recording::number"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::json_number"))]
     pub separation: f64,
 }
 

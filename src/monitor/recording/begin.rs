@@ -17,7 +17,7 @@ pub(in crate::monitor) struct Begin {
     lookahead: f64,
     levels: Vec<AlertLevel>,
     revision_threshold: RevisionThreshold,
-    #[serde(with = "super::number")]
+    #[serde(with = "crate::json_number")]
     history: f64,
     max_spans: usize,
     next_id: u64,

@@ -2,7 +2,6 @@
 //! said at [`Monitor::start_recording`], its format at [`Replay`].
 
 mod begin;
-pub(in crate::monitor) mod number;
 mod record;
 mod replay;
 mod tape;

@@ -27,7 +27,7 @@ pub(in crate::monitor) enum Record {
     Unignore(BodyId, BodyId),
     RevisionThreshold(RevisionThreshold),
     /// s.
-    History(#[serde(with = "super::number")] f64),
+    History(#[serde(with = "crate::json_number")] f64),
     MostSpans(usize),
     Tick {
         now: f64,

@@ -15,10 +15,7 @@ enum Number {
     clippy::trivially_copy_pass_by_ref,
     reason = "the signature that serde asks for"
 )]
-pub(in crate::monitor) fn serialize<S: Serializer>(
-    value: &f64,
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
+pub(crate) fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
     if value.is_finite() || !serializer.is_human_readable() {
         serializer.serialize_f64(*value)
     } else {
@@ -26,9 +23,7 @@ pub(in crate::monitor) fn serialize<S: Serializer>(
     }
 }
 
-pub(in crate::monitor) fn deserialize<'d, D: Deserializer<'d>>(
-    deserializer: D,
-) -> Result<f64, D::Error> {
+pub(crate) fn deserialize<'d, D: Deserializer<'d>>(deserializer: D) -> Result<f64, D::Error> {
     if !deserializer.is_human_readable() {
         return f64::deserialize(deserializer);
     }
