@@ -1,6 +1,5 @@
 //! Where a monitor measures from, and how it cuts time into slices: as suits its scene.
 
-use super::can_tell_apart;
 use crate::bounds::{Extremes, Frame};
 use crate::error::Error;
 use crate::query::Query;
@@ -202,4 +201,9 @@ impl Grid {
     pub(super) fn has_room(&self, now: f64) -> bool {
         self.ahead <= Self::FEWEST || can_tell_apart(now, self.length / 1024.0)
     }
+}
+
+/// Whether slices of this length (s) can be told apart on a clock that shows `time` (s).
+pub(super) fn can_tell_apart(time: f64, length: f64) -> bool {
+    length > 4.0 * f64::EPSILON * time.abs()
 }

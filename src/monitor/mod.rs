@@ -1,5 +1,6 @@
 //! A clock, a lookahead, plans that change, and events. What is promised is said at [`Monitor`].
 
+mod alert_level;
 mod bodies;
 mod boxes;
 mod bridge;
@@ -27,6 +28,7 @@ mod spare;
 mod tick;
 mod timed;
 
+pub use alert_level::AlertLevel;
 pub use budget::Budget;
 pub use command::Command;
 pub use encounters::RevisionThreshold;
@@ -50,50 +52,13 @@ use crate::stats::Stats;
 use calendar::Calendar;
 use command::Batch;
 use encounters::Encounters;
-use grid::{Grid, Review};
+use grid::{Grid, Review, can_tell_apart};
 use outlook::Outlook;
 use read::Readings;
 #[cfg(feature = "serde")]
 use recording::Record;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-
-/// A margin that is watched, and when to let go.
-///
-/// ```
-/// use nearmiss::glam::DVec3;
-/// use nearmiss::{AlertLevel, Body, Monitor, Scene, Trajectory};
-///
-/// // A caution at 50 m; an alarm at 10 m, which is over beyond 12 m.
-/// let levels = [AlertLevel::at(50.0), AlertLevel { margin: 10.0, release: 12.0 }];
-/// let mut monitor = Monitor::new(Scene::new(), 0.0, 10.0, &levels)?;
-/// for x in [0.0, 30.0] {
-///     monitor.insert(Body::new(Trajectory::at_rest(x * DVec3::X)?))?;
-/// }
-/// monitor.advance(0.0, &mut Vec::new())?;
-/// assert_eq!((monitor.conflicts(0).len(), monitor.conflicts(1).len()), (1, 0));
-/// # Ok::<(), nearmiss::Error>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct AlertLevel {
-    /// An encounter begins when the separation falls to this, m.
-    pub margin: f64,
-    /// It ends when the separation exceeds this, m; at least the margin. More than the margin is
-    /// hysteresis: an encounter that hovers at its margin does not flicker.
-    pub release: f64,
-}
-
-impl AlertLevel {
-    /// A level that lets go where it begins.
-    #[must_use]
-    pub const fn at(margin: f64) -> Self {
-        Self {
-            margin,
-            release: margin,
-        }
-    }
-}
 
 /// Watches a scene as time passes and plans change: a clock, a lookahead, and events, of which none
 /// is lost as long as ticks keep up with the clock. (A body that is put in, taken out or replanned while a
@@ -396,11 +361,6 @@ impl Monitor {
     pub const fn stats(&self) -> &Stats {
         &self.stats
     }
-}
-
-/// Whether slices of this length (s) can be told apart on a clock that shows `time` (s).
-fn can_tell_apart(time: f64, length: f64) -> bool {
-    length > 4.0 * f64::EPSILON * time.abs()
 }
 
 fn check_setting(value: f64) -> Result<(), Error> {

@@ -5,15 +5,13 @@
 //! read once, when its spans have changed, as if the window were endless. Only what an edge of the
 //! window, or the clock, touches is read again: conflicts one by one, encounters pair by pair.
 
+use super::alert_level::AlertLevel;
 use super::encounters::{Plain, Tick};
-use super::event::Event;
 use super::finds::Slots;
 use super::outlook::Outlook;
-use super::reading::{Conflicts, Edges, Plains};
-use super::{AlertLevel, Monitor};
+use super::reading::{Conflicts, Plains};
 use crate::conflict::{ClosestApproach, Conflict};
 use crate::narrow_phase::Contact;
-use crate::parallel;
 use crate::scene::Scene;
 use crate::screen::conflict;
 use crate::simd::prefetch;
@@ -22,98 +20,27 @@ use std::slice::from_ref;
 /// What each alert level has of every pair.
 #[derive(Debug)]
 pub(super) struct Readings {
-    conflicts: Vec<Conflicts>,
-    plains: Vec<Plains>,
+    pub(super) conflicts: Vec<Conflicts>,
+    pub(super) plains: Vec<Plains>,
     /// Pairs to be read.
-    changed: Vec<Slots>,
+    pub(super) changed: Vec<Slots>,
     /// Of two threads.
-    scratch: [Scratch; 2],
+    pub(super) scratch: [Scratch; 2],
 }
 
 /// What reading reuses.
 #[derive(Debug, Default)]
-struct Scratch {
-    contacts: Vec<Contact>,
+pub(super) struct Scratch {
+    pub(super) contacts: Vec<Contact>,
     released: Vec<Contact>,
     passed: Vec<Contact>,
 }
 
 /// What is read.
 #[derive(Clone, Copy)]
-struct Source<'m> {
-    outlook: &'m Outlook,
-    scene: &'m Scene,
-}
-
-impl Monitor {
-    /// Reads the pairs that have changed.
-    pub(super) fn read_changed_pairs(&mut self) {
-        self.outlook.take_changed(&mut self.readings.changed);
-        let source = Source {
-            outlook: &self.outlook,
-            scene: &self.scene,
-        };
-        self.readings.update(source, &self.levels, self.told);
-    }
-
-    /// Reads the conflicts from now to the end of what is known; and the plain encounters from the
-    /// last tick's clock on, and works out what they come to.
-    pub(super) fn read(&mut self, tick: &Tick, next_id: &mut u64, events: &mut Vec<Event>) {
-        /// Spans of pairs that are sooner read than another thread wakes up.
-        const FEW: usize = 1024;
-        let source = Source {
-            outlook: &self.outlook,
-            scene: &self.scene,
-        };
-        let Readings {
-            conflicts,
-            plains,
-            scratch: [scratch, other_scratch],
-            ..
-        } = &mut self.readings;
-        let (levels, reported) = (&self.levels, &mut self.conflicts);
-        let read_conflicts = || {
-            for ((conflicts, reported), alert) in conflicts.iter_mut().zip(reported).zip(levels) {
-                reported.clear();
-                if tick.now < tick.known {
-                    let window = (tick.now, tick.known);
-                    let fetch = |pairs: &[Slots]| source.fetch(pairs);
-                    reported.extend(conflicts.list(window, fetch, |pair, lasts, found| {
-                        let period = (lasts, window);
-                        source.clipped(pair, alert.margin, period, &mut scratch.contacts, found);
-                    }));
-                }
-            }
-        };
-        let encounters = &mut self.encounters;
-        let read_plains = || {
-            // Up to an instant that was reached before, nothing new is known.
-            if tick.before < tick.known {
-                for ((plains, encounters), alert) in plains.iter_mut().zip(encounters).zip(levels) {
-                    let edges = Edges {
-                        // What the clock has reached must say how close it came.
-                        within: (tick.told, tick.known),
-                        around: (tick.before, tick.known),
-                    };
-                    if plains.lists_all() {
-                        encounters.wait_for_all();
-                    }
-                    let fetch = |pairs: &[Slots]| source.fetch(pairs);
-                    plains.list(edges, encounters.waiting(), fetch, |pair, found| {
-                        source.plains(pair, alert, tick, other_scratch, found);
-                    });
-                    encounters.work_out(plains.listed(), tick, next_id, events);
-                }
-            }
-        };
-        let count = self.outlook.finds().len();
-        parallel::join(count, FEW, read_plains, read_conflicts);
-    }
-
-    /// Tells of all encounters whatever a least change that was set before has kept back.
-    pub(super) fn read_all_plains(&mut self) {
-        self.readings.plains.iter_mut().for_each(Plains::list_all);
-    }
+pub(super) struct Source<'m> {
+    pub(super) outlook: &'m Outlook,
+    pub(super) scene: &'m Scene,
 }
 
 impl Readings {
@@ -134,7 +61,7 @@ impl Readings {
 
     /// Takes over what is known of pairs that have not changed, unless it has ended before an
     /// instant, and reads the others.
-    fn update(&mut self, source: Source<'_>, levels: &[AlertLevel], before: f64) {
+    pub(super) fn update(&mut self, source: Source<'_>, levels: &[AlertLevel], before: f64) {
         let (changed, [scratch, _]) = (&self.changed, &mut self.scratch);
         let readings = self.conflicts.iter_mut().zip(&mut self.plains);
         for ((conflicts, plains), alert) in readings.zip(levels) {
@@ -151,7 +78,7 @@ impl Readings {
 
 impl Source<'_> {
     /// Fetches what reading these pairs reads. What each loop reads was fetched by the one before.
-    fn fetch(&self, pairs: &[Slots]) {
+    pub(super) fn fetch(&self, pairs: &[Slots]) {
         for slot in pairs.iter().flat_map(|&(a, b)| [a, b]) {
             self.scene.prefetch(slot);
             self.outlook.prefetch(slot);
@@ -208,7 +135,7 @@ impl Source<'_> {
     }
 
     /// What a window has of the conflict of a pair that lasts for some time whatever the window.
-    fn clipped(
+    pub(super) fn clipped(
         &self,
         slots: Slots,
         margin: f64,
@@ -226,7 +153,7 @@ impl Source<'_> {
     }
 
     /// The plain encounters of a pair as a tick sees them.
-    fn plains(
+    pub(super) fn plains(
         &self,
         slots: Slots,
         alert: &AlertLevel,

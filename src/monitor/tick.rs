@@ -7,10 +7,13 @@ use super::budget::{Budget, Meter};
 use super::command::Batch;
 use super::encounters::{Encounters, Tick};
 use super::event::{EndReason, Event, EventKind};
-use super::grid::Grid;
+use super::finds::Slots;
+use super::grid::{Grid, can_tell_apart};
+use super::read::{Readings, Source};
+use super::reading::{Edges, Plains};
 #[cfg(feature = "serde")]
 use super::recording::Record;
-use super::{Admission, Monitor, can_tell_apart};
+use super::{Admission, Monitor};
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::parallel;
 use crate::rounding::one_zero;
@@ -246,4 +249,75 @@ impl Monitor {
 pub(super) fn plan_end(trajectory: &Trajectory) -> Option<f64> {
     let last = trajectory.knots().last().copied();
     last.filter(|_| trajectory.outside_after() == Outside::Absent)
+}
+
+impl Monitor {
+    /// Reads the pairs that have changed.
+    pub(super) fn read_changed_pairs(&mut self) {
+        self.outlook.take_changed(&mut self.readings.changed);
+        let source = Source {
+            outlook: &self.outlook,
+            scene: &self.scene,
+        };
+        self.readings.update(source, &self.levels, self.told);
+    }
+
+    /// Reads the conflicts from now to the end of what is known; and the plain encounters from the
+    /// last tick's clock on, and works out what they come to.
+    pub(super) fn read(&mut self, tick: &Tick, next_id: &mut u64, events: &mut Vec<Event>) {
+        /// Spans of pairs that are sooner read than another thread wakes up.
+        const FEW: usize = 1024;
+        let source = Source {
+            outlook: &self.outlook,
+            scene: &self.scene,
+        };
+        let Readings {
+            conflicts,
+            plains,
+            scratch: [scratch, other_scratch],
+            ..
+        } = &mut self.readings;
+        let (levels, reported) = (&self.levels, &mut self.conflicts);
+        let read_conflicts = || {
+            for ((conflicts, reported), alert) in conflicts.iter_mut().zip(reported).zip(levels) {
+                reported.clear();
+                if tick.now < tick.known {
+                    let window = (tick.now, tick.known);
+                    let fetch = |pairs: &[Slots]| source.fetch(pairs);
+                    reported.extend(conflicts.list(window, fetch, |pair, lasts, found| {
+                        let period = (lasts, window);
+                        source.clipped(pair, alert.margin, period, &mut scratch.contacts, found);
+                    }));
+                }
+            }
+        };
+        let encounters = &mut self.encounters;
+        let read_plains = || {
+            // Up to an instant that was reached before, nothing new is known.
+            if tick.before < tick.known {
+                for ((plains, encounters), alert) in plains.iter_mut().zip(encounters).zip(levels) {
+                    let edges = Edges {
+                        // What the clock has reached must say how close it came.
+                        within: (tick.told, tick.known),
+                        around: (tick.before, tick.known),
+                    };
+                    if plains.lists_all() {
+                        encounters.wait_for_all();
+                    }
+                    let fetch = |pairs: &[Slots]| source.fetch(pairs);
+                    plains.list(edges, encounters.waiting(), fetch, |pair, found| {
+                        source.plains(pair, alert, tick, other_scratch, found);
+                    });
+                    encounters.work_out(plains.listed(), tick, next_id, events);
+                }
+            }
+        };
+        let count = self.outlook.finds().len();
+        parallel::join(count, FEW, read_plains, read_conflicts);
+    }
+
+    /// Tells of all encounters whatever a least change that was set before has kept back.
+    pub(super) fn read_all_plains(&mut self) {
+        self.readings.plains.iter_mut().for_each(Plains::list_all);
+    }
 }

@@ -1,34 +1,10 @@
 //! A monitor as it is written at the beginning of a recording.
 
+use super::record::Begin;
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::monitor::encounters::{Encounters, Saved};
-use crate::monitor::{AlertLevel, Event, EventKind, Monitor, RevisionThreshold, check_setting};
+use crate::monitor::{EventKind, Monitor, check_setting};
 use crate::rounding::one_zero;
-use crate::scene::Scene;
-use serde::{Deserialize, Serialize};
-
-/// What a monitor cannot work out from the rest.
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(in crate::monitor) struct Begin {
-    scene: Scene,
-    now: f64,
-    told: f64,
-    lookahead: f64,
-    levels: Vec<AlertLevel>,
-    revision_threshold: RevisionThreshold,
-    #[serde(with = "crate::json_number")]
-    history: f64,
-    max_spans: usize,
-    next_id: u64,
-    /// By level.
-    encounters: Vec<Saved>,
-    waiting: Vec<Event>,
-    /// By slot: whether the end of its plan, if it has one, has been told.
-    end_told: Vec<bool>,
-    /// Another tick at the same time would find everything as it is.
-    settled: bool,
-}
 
 /// More than there will ever be: what comes after it can be counted.
 const MAX_ENCOUNTERS: u64 = 1 << 62;

@@ -12,7 +12,7 @@ pub use replay::Replay;
 pub(in crate::monitor) use tape::Tape;
 
 use super::Monitor;
-use begin::Begin;
+use record::Begin;
 use std::io::{self, Write};
 
 impl Monitor {

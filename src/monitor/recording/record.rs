@@ -1,10 +1,10 @@
 //! One record of a recording, as a line.
 
-use super::begin::Begin;
 use crate::error::Error;
 use crate::id::BodyId;
-use crate::monitor::{Command, RevisionThreshold};
-use crate::scene::Body;
+use crate::monitor::encounters::Saved;
+use crate::monitor::{AlertLevel, Command, Event, RevisionThreshold};
+use crate::scene::{Body, Scene};
 use serde::{Deserialize, Serialize};
 use std::io;
 
@@ -38,6 +38,29 @@ pub(in crate::monitor) enum Record {
     Anew,
     Close,
     End,
+}
+
+/// What a monitor cannot work out from the rest.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(in crate::monitor) struct Begin {
+    pub(super) scene: Scene,
+    pub(super) now: f64,
+    pub(super) told: f64,
+    pub(super) lookahead: f64,
+    pub(super) levels: Vec<AlertLevel>,
+    pub(super) revision_threshold: RevisionThreshold,
+    #[serde(with = "crate::json_number")]
+    pub(super) history: f64,
+    pub(super) max_spans: usize,
+    pub(super) next_id: u64,
+    /// By level.
+    pub(super) encounters: Vec<Saved>,
+    pub(super) waiting: Vec<Event>,
+    /// By slot: whether the end of its plan, if it has one, has been told.
+    pub(super) end_told: Vec<bool>,
+    /// Another tick at the same time would find everything as it is.
+    pub(super) settled: bool,
 }
 
 /// Why a recording cannot be replayed, or not to its end. Offsets are in bytes from the beginning
