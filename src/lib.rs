@@ -97,6 +97,7 @@ mod query;
 mod rounding;
 mod scene;
 mod screen;
+mod search;
 mod simd;
 mod spans;
 mod stats;

@@ -20,7 +20,7 @@ use crate::hitbox::Hitbox;
 use crate::id::BodyId;
 use crate::layers::Layers;
 use crate::pool::Pool;
-use crate::screen::Scratch;
+use crate::search::Scratch;
 use crate::simd::prefetch;
 use crate::trajectory::Trajectory;
 use crate::window::Window;

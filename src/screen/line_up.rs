@@ -1,6 +1,5 @@
 //! The bodies of a scene as the pipeline sees them: by place, in the order of their ids.
 
-use super::scratch::Scratch;
 use super::survey::Survey;
 use crate::accuracy::Accuracy;
 use crate::bounds::{Frame, Inflation, Pose, Stroke};
@@ -16,6 +15,7 @@ use crate::parallel;
 use crate::pool::Pool;
 use crate::query::Query;
 use crate::scene::{Atlas, Beyond, Body, IgnoredPairs, Occupant, Scene, can_reach, radius};
+use crate::search::Scratch;
 use crate::spans::common_domain;
 use crate::window::Window;
 use std::num::NonZeroU32;

@@ -5,16 +5,12 @@
 //! on which thread, is forgotten before the solver sees it: hence the same bits whatever the
 //! slicing and the number of threads.
 
-mod arrange;
 mod line_up;
 mod pilot;
-mod scratch;
-mod sift;
 mod solve;
 mod survey;
 mod survivors;
 
-pub(crate) use scratch::Scratch;
 pub(crate) use solve::conflict;
 
 use crate::accuracy::TimeEnclosure;
@@ -189,9 +185,6 @@ impl Scene {
         Ok(answer(&party_a, &party_b, met, clip))
     }
 }
-
-/// How much of the work going through the slices is taken to be, when progress is told.
-const SHARE_OF_SLICES: f64 = 0.9;
 
 impl LineUp<'_> {
     /// All bodies, and the window in slices: both at the same time where there are many bodies.

@@ -7,7 +7,6 @@
 //! tried in turn.
 
 use super::line_up::LineUp;
-use super::scratch::Scratch;
 use crate::bounds::{Pose, Stroke};
 use crate::broad_phase::fill::Fill;
 use crate::broad_phase::presence::Presence;
@@ -15,6 +14,7 @@ use crate::broad_phase::slices::{Slices, Traffic};
 use crate::broad_phase::{BroadPhase, Everyone, Room};
 use crate::narrow_phase::approaching;
 use crate::rounding::{seen_from, seen_until};
+use crate::search::Scratch;
 use std::ops::Range;
 
 /// Nanoseconds of each kind of work, one thread, measured on the reference swarm; only their

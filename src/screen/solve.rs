@@ -1,8 +1,7 @@
 //! The exact answer for the survivors, and how it is reported.
 
-use super::SHARE_OF_SLICES;
 use super::line_up::{LineUp, clip_of};
-use super::sift::Survivor;
+use super::survivors::SHARE_OF_SLICES;
 use crate::accuracy::Accuracy;
 use crate::conflict::{Clip, ClosestApproach, Conflict};
 use crate::id::BodyId;
@@ -10,6 +9,7 @@ use crate::narrow_phase::{
     Approach, CertifiedContact, Contact, Party, Workspace, certified_contacts, contacts,
 };
 use crate::parallel;
+use crate::search::Survivor;
 use crate::simd::prefetch;
 use crate::spans::Span;
 use std::slice::from_ref;

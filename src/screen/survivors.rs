@@ -1,10 +1,6 @@
 //! From slices to survivors: boxes, candidates, and cheap tests of their spans.
 
-use super::SHARE_OF_SLICES;
-use super::arrange::Arranger;
 use super::line_up::LineUp;
-use super::scratch::Scratch;
-use super::sift::{Question, Survivor};
 use crate::bounds::{Pose, Stroke};
 use crate::broad_phase::fill::{Block, Fill};
 use crate::broad_phase::slices::{Slices, Traffic};
@@ -12,10 +8,14 @@ use crate::broad_phase::{BroadPhase, PairFilter, Room};
 use crate::error::Error;
 use crate::narrow_phase::Party;
 use crate::parallel;
+use crate::search::{Arranger, Question, Scratch, Survivor};
 use crate::stats::Stats;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
+
+/// How much of the work going through the slices is taken to be, when progress is told.
+pub(super) const SHARE_OF_SLICES: f64 = 0.9;
 
 /// Each body as the narrow phase takes it, and how it lies in the frame.
 pub(super) type Bodies<'a> = (&'a [Party<'a>], &'a [Pose<'a, Stroke>]);

@@ -11,17 +11,17 @@ use crate::broad_phase::{BruteForce, Candidate, Sweep, Tree};
 /// to 130 a box of one slice.
 #[derive(Debug, Default)]
 pub(crate) struct Scratch {
-    pub(super) brute_force: BruteForce,
-    pub(super) tree: Tree,
-    pub(super) sweep: Sweep,
+    pub(crate) brute_force: BruteForce,
+    pub(crate) tree: Tree,
+    pub(crate) sweep: Sweep,
     /// Places of the bodies that exist in the block.
-    pub(super) present: Vec<u32>,
-    pub(super) block: Block,
-    pub(super) candidates: Vec<Candidate>,
+    pub(crate) present: Vec<u32>,
+    pub(crate) block: Block,
+    pub(crate) candidates: Vec<Candidate>,
     /// How many of them each slice has.
-    pub(super) counts: Vec<usize>,
-    pub(super) sieve: Sieve,
-    pub(super) arranger: Arranger,
+    pub(crate) counts: Vec<usize>,
+    pub(crate) sieve: Sieve,
+    pub(crate) arranger: Arranger,
 }
 
 #[cfg(test)]
@@ -30,7 +30,7 @@ mod tests {
     use crate::broad_phase::{BodyBox, Candidate};
     use crate::narrow_phase::Party;
     use crate::scene::Occupant;
-    use crate::screen::sift::Survivor;
+    use crate::search::Survivor;
     use crate::trajectory::Segment;
 
     /// The parts of the figures of the documentation of `Scene`, whose sums are counted in `tests/memory.rs`.

@@ -17,15 +17,15 @@ use std::slice::from_ref;
 
 /// A pair's span that cheap tests could not rule out; bodies by their place in the line-up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Survivor {
-    pub(super) a: u32,
-    pub(super) b: u32,
+pub(crate) struct Survivor {
+    pub(crate) a: u32,
+    pub(crate) b: u32,
     span_a: u32,
     span_b: u32,
 }
 
 impl Survivor {
-    pub(super) const fn new((a, b): (u32, u32), (span_a, span_b): (u32, u32)) -> Self {
+    pub(crate) const fn new((a, b): (u32, u32), (span_a, span_b): (u32, u32)) -> Self {
         Self {
             a,
             b,
@@ -35,12 +35,12 @@ impl Survivor {
     }
 
     /// The two bodies, and which cubic each follows.
-    pub(super) fn cubics<'p>(&self, parties: &'p [Party<'p>]) -> [(&'p Party<'p>, usize); 2] {
+    pub(crate) fn cubics<'p>(&self, parties: &'p [Party<'p>]) -> [(&'p Party<'p>, usize); 2] {
         [(self.a, self.span_a), (self.b, self.span_b)]
             .map(|(place, cubic)| (&parties[place as usize], cubic as usize))
     }
 
-    pub(super) fn span(&self, a: &Party<'_>, b: &Party<'_>) -> Span {
+    pub(crate) fn span(&self, a: &Party<'_>, b: &Party<'_>) -> Span {
         let (i, j) = (self.span_a as usize, self.span_b as usize);
         Span {
             start: a.knots[i].max(b.knots[j]),
@@ -68,16 +68,16 @@ impl PartialOrd for Survivor {
 
 /// What is asked of the candidates of a slice.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Question<'a> {
-    pub(super) parties: &'a [Party<'a>],
-    pub(super) poses: &'a [Pose<'a, Stroke>],
-    pub(super) slice: &'a Slice,
+pub(crate) struct Question<'a> {
+    pub(crate) parties: &'a [Party<'a>],
+    pub(crate) poses: &'a [Pose<'a, Stroke>],
+    pub(crate) slice: &'a Slice,
     /// The slice's, s.
-    pub(super) interval: (f64, f64),
-    pub(super) window: Window,
-    pub(super) margin: f64,
+    pub(crate) interval: (f64, f64),
+    pub(crate) window: Window,
+    pub(crate) margin: f64,
     /// With more spans from one slice it is too crowded: no further ones are looked at.
-    pub(super) max_spans: usize,
+    pub(crate) max_spans: usize,
 }
 
 impl Question<'_> {
@@ -124,7 +124,7 @@ impl Piece {
 
 /// Sifts candidates; owns the batches between its stages.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Sieve {
+pub(crate) struct Sieve {
     near: Vec<Near>,
     pieces: Vec<Piece>,
 }
@@ -139,7 +139,7 @@ impl Sieve {
 
     /// Looks at each span of the candidates of a slice; gives how many there are. Those that cheap
     /// tests cannot rule out are appended.
-    pub(super) fn sift(
+    pub(crate) fn sift(
         &mut self,
         question: &Question<'_>,
         candidates: &[Candidate],

@@ -4,7 +4,7 @@ use super::sift::Survivor;
 
 /// Sorts survivors; owns what that takes.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Arranger {
+pub(crate) struct Arranger {
     other: Vec<Survivor>,
     /// Where the next survivor of each body goes.
     places: Vec<usize>,
@@ -20,7 +20,7 @@ impl Arranger {
     /// Dealt out by their second body and then by their first, in as many steps as there are
     /// survivors and bodies, each is nearly in its place: the spans of a pair come in the order of
     /// the slices, where only those of neighbouring ones overlap.
-    pub(super) fn tidy(&mut self, survivors: &mut Vec<Survivor>, bodies: usize) {
+    pub(crate) fn tidy(&mut self, survivors: &mut Vec<Survivor>, bodies: usize) {
         if survivors.len() < bodies / Self::BODIES_EACH {
             survivors.sort_unstable();
         } else {
