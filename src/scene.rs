@@ -1,6 +1,7 @@
 //! Bodies under ids: what is screened.
 
 mod atlas;
+mod body;
 mod ignored;
 mod occupant;
 mod partners;
@@ -9,9 +10,10 @@ mod sample;
 mod serial;
 
 pub(crate) use atlas::Atlas;
+pub use body::Body;
 pub(crate) use ignored::IgnoredPairs;
 pub(crate) use occupant::{Beyond, Occupant};
-use partners::Kinds;
+use partners::{Kinds, Partners};
 pub(crate) use partners::{can_reach, radius};
 
 use crate::bounds::Extremes;
@@ -25,54 +27,6 @@ use crate::simd::prefetch;
 use crate::trajectory::Trajectory;
 use crate::window::Window;
 use std::slice::from_ref;
-
-/// A trajectory with a hitbox around it.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Body {
-    /// Where it goes.
-    pub trajectory: Trajectory,
-    /// What it occupies; a point by default.
-    pub hitbox: Hitbox,
-    /// Which bodies it is screened against; all by default.
-    pub layers: Layers,
-    /// The user's own name for it; 0 by default. Errors speak of bodies by their tag.
-    pub tag: u64,
-}
-
-impl Body {
-    /// A point that follows `trajectory`, in all layers, with tag 0.
-    #[must_use]
-    pub fn new(trajectory: Trajectory) -> Self {
-        Self {
-            trajectory,
-            hitbox: Hitbox::POINT,
-            layers: Layers::ALL,
-            tag: 0,
-        }
-    }
-
-    /// The same body with this hitbox.
-    #[must_use]
-    pub fn with_hitbox(mut self, hitbox: Hitbox) -> Self {
-        self.hitbox = hitbox;
-        self
-    }
-
-    /// The same body in these layers.
-    #[must_use]
-    pub const fn with_layers(mut self, layers: Layers) -> Self {
-        self.layers = layers;
-        self
-    }
-
-    /// The same body with this tag.
-    #[must_use]
-    pub const fn with_tag(mut self, tag: u64) -> Self {
-        self.tag = tag;
-        self
-    }
-}
 
 #[derive(Debug, Default)]
 struct Slot {
@@ -159,6 +113,11 @@ impl Scene {
 
     pub(crate) const fn pool(&self) -> &Pool<Scratch> {
         &self.pool
+    }
+
+    /// Returns which bodies may be part of a pair with a margin (m).
+    pub(crate) const fn partners(&self, margin: f64) -> Partners<'_> {
+        Partners::of(&self.kinds, margin)
     }
 
     pub(crate) const fn atlas(&self) -> &Atlas {

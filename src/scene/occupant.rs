@@ -1,7 +1,7 @@
 //! A body in a scene, with what screenings work out of its motion: once, and kept for the next one.
 
-use super::Body;
 use super::atlas::{Atlas, Block};
+use super::body::Body;
 use crate::bounds::{Drawing, Extremes, Line, Sketch};
 use crate::error::Error;
 use crate::trajectory::{Pieces, Scope, Segment, Trajectory};

@@ -1,6 +1,6 @@
 //! Bodies that are part of no pair, whatever they do: no boxes are formed for them.
 
-use super::{Body, Scene};
+use super::body::Body;
 use crate::hitbox::Hitbox;
 use crate::layers::Layers;
 use crate::rounding::UNIT_ROUNDOFF;
@@ -78,17 +78,12 @@ pub(crate) struct Partners<'s> {
     margin: f64,
 }
 
-impl Scene {
-    /// Returns which bodies may be part of a pair with a margin (m).
-    pub(crate) const fn partners(&self, margin: f64) -> Partners<'_> {
-        Partners {
-            kinds: &self.kinds,
-            margin,
-        }
+impl<'s> Partners<'s> {
+    /// Returns which bodies of these kinds may be part of a pair with a margin (m).
+    pub(super) const fn of(kinds: &'s Kinds, margin: f64) -> Self {
+        Self { kinds, margin }
     }
-}
 
-impl Partners<'_> {
     /// Returns false if the body is part of no pair: by its layers, or since the margin is so far below zero.
     pub(crate) fn has(&self, body: &Body) -> bool {
         let key = (body.layers.membership, body.layers.filter);
