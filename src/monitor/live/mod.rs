@@ -1,114 +1,22 @@
 //! A monitor on a thread of its own. Its contract is written at [`Live`].
 
 mod handle;
+mod report;
 mod request;
 mod worker;
 
 pub use handle::{Counts, Handle, Unsent};
+pub use report::{LiveOptions, Report, ReportKind};
 pub use request::{Request, Ticket};
 
-use super::{Event, Monitor};
-use crate::conflict::Conflict;
-use crate::error::Error;
-use crate::id::BodyId;
+use super::Monitor;
 use crossbeam_channel::{Receiver, Sender, bounded};
 use std::fmt;
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
-use std::time::Duration;
 use worker::{Outcome, Worker};
-
-/// How a live monitor runs. What its queues and its budget mean is in the contract at [`Live`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct LiveOptions {
-    /// Requests that may wait, 1 to [`MAX`](Self::MAX); 4,096 by default. There is room for all of them from
-    /// the beginning; as many again may have left the queue and not be applied yet.
-    pub requests: usize,
-    /// Reports that may wait to be read, 1 to [`MAX`](Self::MAX); 4,096 by default. There is room for all of
-    /// them from the beginning; those of the step at hand wait beside them.
-    pub reports: usize,
-    /// How long the monitor works at a stretch before it looks for requests again; 10 ms by default.
-    pub budget: Duration,
-}
-
-impl LiveOptions {
-    /// What a queue may hold at most: some hundred megabytes.
-    pub const MAX: usize = 1 << 20;
-}
-
-impl Default for LiveOptions {
-    /// 4,096 requests, 4,096 reports, 10 ms.
-    fn default() -> Self {
-        Self {
-            requests: 4_096,
-            reports: 4_096,
-            budget: Duration::from_millis(10),
-        }
-    }
-}
-
-/// A report of a live monitor, with its number.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Report {
-    /// Number of reports before this one. None is missing, and none comes twice.
-    pub sequence: u64,
-    /// Content.
-    pub kind: ReportKind,
-}
-
-/// Content of a report.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum ReportKind {
-    /// Something happened.
-    Event(Event),
-    /// The clock was moved, or more was caught up; all events of it have come before this.
-    Ticked {
-        /// The clock, s.
-        now: f64,
-        /// Before this nothing is missing, s.
-        complete_until: f64,
-    },
-    /// A request put bodies into the scene.
-    Inserted {
-        /// The request.
-        ticket: Ticket,
-        /// The bodies' ids, in the order in which they were given.
-        ids: Vec<BodyId>,
-    },
-    /// Plans of a request were [late](Monitor::replan): they are followed from later instants than it says.
-    Late {
-        /// The request.
-        ticket: Ticket,
-        /// The bodies, and the instants from which they follow their last plans, s.
-        plans: Vec<(BodyId, f64)>,
-    },
-    /// The answer to [`Handle::what_if`], worked out after all requests before it, and as far as the
-    /// last tick had looked ahead.
-    WhatIf {
-        /// The request.
-        ticket: Ticket,
-        /// What the body would meet, as [`Monitor::what_if`] says it.
-        conflicts: Vec<Conflict>,
-        /// What lies later is not in it, s.
-        complete_until: f64,
-    },
-    /// A request was refused, and changed nothing. (What it had [superseded](super::Request) is gone.)
-    Refused {
-        /// The request.
-        ticket: Ticket,
-        /// Why.
-        error: Error,
-    },
-    /// What was left of a tick cannot be caught up with: there is [too little
-    /// room](Error::TooCrowded), say. It is tried again after the next request.
-    Stuck {
-        /// Why.
-        error: Error,
-    },
-}
 
 /// A monitor at work on its own thread: requests go in, reports come out, nobody blocks the game.
 /// Dropping it stops the thread.

@@ -8,11 +8,14 @@
 
 use super::request::Waiting;
 use super::*;
+use crate::error::Error;
+use crate::id::BodyId;
 use crate::layers::Layers;
-use crate::monitor::{AlertLevel, Command, EndReason, EventKind};
+use crate::monitor::{AlertLevel, Command, EndReason, Event, EventKind};
 use crate::scene::{Body, Scene};
 use crate::trajectory::{State, Trajectory};
 use glam::DVec3;
+use std::time::Duration;
 
 fn rest(x: f64) -> Trajectory {
     Trajectory::at_rest(DVec3::new(x, 0.0, 0.0)).unwrap()

@@ -1,8 +1,8 @@
 //! The thread of a live monitor.
 
 use super::handle::Shared;
+use super::report::{LiveOptions, Report, ReportKind};
 use super::request::{Request, Ticket, Waiting};
-use super::{LiveOptions, Report, ReportKind};
 use crate::error::Error;
 use crate::monitor::{Budget, Command, Event, Monitor};
 use crossbeam_channel::{Receiver, Sender, TryRecvError, TrySendError, select};
