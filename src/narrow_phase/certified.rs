@@ -9,8 +9,9 @@
 //! its rounding left them outside.
 
 use super::clusters::{Clusters, Shown};
-use super::contact::{Approach, Contact, Nearest, SpherePair, each_for_nearest, lone_pair};
+use super::contact::{Nearest, each_for_nearest, lone_pair};
 use super::relative::RelativeCubic;
+use super::sphere_pair::{Approach, Contact, SpherePair};
 use super::stretches::Profile;
 use super::{Party, contact_radius, two_sum};
 use crate::accuracy::{Certificate, TimeEnclosure};

@@ -14,14 +14,14 @@ mod filter;
 mod hull;
 pub mod kernels;
 mod relative;
+mod sphere_pair;
 mod stationary;
 mod stretches;
 
 pub(crate) use approach::approaching;
 pub(crate) use certified::{CertifiedContact, Workspace, certified_approach, certified_contacts};
-pub(crate) use contact::{
-    Approach, Contact, Solved, closest_approach, contacts, contacts_of, may_touch, solve,
-};
+pub(crate) use contact::{Solved, closest_approach, contacts, contacts_of, may_touch, solve};
+pub(crate) use sphere_pair::{Approach, Contact};
 
 use crate::hitbox::Sphere;
 use crate::knots::Knots;

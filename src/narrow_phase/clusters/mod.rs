@@ -18,63 +18,20 @@
 mod chords;
 mod envelope;
 mod known;
+mod sphere_pairs;
 #[cfg(test)]
 mod tests;
 
-use super::Party;
-use super::contact::{SpherePair, spheres_beyond};
-use super::relative::{RelativeMotion, local_scale};
-use crate::hitbox::Sphere;
-use crate::rounding::{seen_from, seen_until};
-use crate::spans::Span;
+use super::sphere_pair::SpherePair;
 use chords::Chords;
 use envelope::Envelope;
-use glam::DVec3;
 use known::Known;
+use sphere_pairs::{Candidate, short};
+pub(super) use sphere_pairs::{Clusters, Shown};
 use std::collections::HashMap;
 use std::ops::Range;
 
-/// Two clusters over a span.
-pub(super) struct Clusters<'a> {
-    a: &'a Party<'a>,
-    b: &'a Party<'a>,
-    span: Span,
-    motion: RelativeMotion,
-    /// What the rounding of the motion is relative to, m.
-    scale: f64,
-}
-
-/// What a pair of spheres that was solved shows: that the bodies are within the margin from one
-/// instant to another one (s), and then as near as this (m) at some time.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Shown {
-    pub(super) enter: f64,
-    pub(super) exit: f64,
-    pub(super) separation: f64,
-}
-
-/// A pair of spheres, and a bound on how near it comes.
-#[derive(Clone, Copy, Debug)]
-struct Candidate {
-    a: u32,
-    b: u32,
-    /// Not above the least separation, m, but for [`Chords::slack`].
-    low: f64,
-}
-
-impl<'a> Clusters<'a> {
-    pub(super) fn of(a: &'a Party<'a>, b: &'a Party<'a>, span: Span) -> Self {
-        let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
-        let interval = (span.start, span.end);
-        Self {
-            a,
-            b,
-            span,
-            motion: RelativeMotion::between(segment_a, segment_b, interval),
-            scale: local_scale(segment_a, segment_b, interval, DVec3::ZERO),
-        }
-    }
-
+impl Clusters<'_> {
     /// Up to so many pairs of spheres are solved as they come: nothing else would be faster.
     const FEW: usize = 9;
     /// Pairs of spheres that are listed at a time, at least a sphere of a with all of b.
@@ -209,51 +166,6 @@ impl<'a> Clusters<'a> {
             }
         }
     }
-
-    /// When to look at the motion for all that is reported of a window (s): instants that are reported
-    /// are rounded.
-    fn part(&self, (from, to): (f64, f64)) -> (f64, f64) {
-        let (start, end) = (self.span.start, self.span.end);
-        (start.max(seen_from(from)), end.min(seen_until(to)))
-    }
-
-    /// Control points of the bodies' relative motion between two instants of the span (s).
-    fn points_between(&self, interval: (f64, f64)) -> [DVec3; 4] {
-        let Self { a, b, span, .. } = self;
-        let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
-        RelativeMotion::between(segment_a, segment_b, interval).points(DVec3::ZERO)
-    }
-
-    fn spheres(&self, candidate: &Candidate) -> (&'a Sphere, &'a Sphere) {
-        (
-            &self.a.spheres[candidate.a as usize],
-            &self.b.spheres[candidate.b as usize],
-        )
-    }
-
-    fn offset(&self, candidate: &Candidate) -> DVec3 {
-        let (a, b) = self.spheres(candidate);
-        a.offset - b.offset
-    }
-
-    fn pair(&self, candidate: &Candidate) -> SpherePair {
-        let (a, b) = self.spheres(candidate);
-        SpherePair {
-            a: candidate.a,
-            b: candidate.b,
-            radius_a: a.radius,
-            radius_b: b.radius,
-            cubic: self.motion.of_spheres(a.offset - b.offset),
-        }
-    }
-
-    /// Whether cheap tests show that the separation of two spheres stays above `margin` on the part
-    /// of the span with these control points of theirs.
-    fn is_beyond(&self, points: &[DVec3; 4], candidate: &Candidate, margin: f64) -> bool {
-        let (a, b) = self.spheres(candidate);
-        let scale = self.scale + (a.offset - b.offset).abs().element_sum();
-        spheres_beyond(points, (a.radius, b.radius), margin, scale)
-    }
 }
 
 /// Pairs of spheres that were solved.
@@ -287,12 +199,6 @@ impl Seen {
         let first = self.0.get(&Self::motion(clusters, candidate));
         first.is_some_and(|&first| first <= (candidate.a, candidate.b))
     }
-}
-
-/// Spheres are counted in 32 bits; more of them do not fit into memory.
-#[allow(clippy::cast_possible_truncation, reason = "see above")]
-const fn short(number: usize) -> u32 {
-    number as u32
 }
 
 fn nearest(candidates: &[Candidate]) -> Option<&Candidate> {

@@ -1,13 +1,12 @@
 //! What is left out changes nothing: against all pairs of spheres, solved one by one.
 
 use super::super::certified::{Workspace, certified_approach, certified_contacts};
-use super::super::contact::{
-    Contact, Nearest, closest_approach, contacts, contacts_of, join, solve,
-};
+use super::super::contact::{Nearest, closest_approach, contacts, contacts_of, join, solve};
 use super::super::stretches::Profile;
 use super::{Candidate, Clusters};
 use crate::hitbox::{Hitbox, Sphere};
 use crate::knots::Knots;
+use crate::narrow_phase::Contact;
 use crate::narrow_phase::Party;
 use crate::spans::{Span, spans};
 use crate::trajectory::{Outside, Pieces, State, Trajectory};

@@ -1,0 +1,160 @@
+//! Two spheres over one span, and what is told of them.
+
+use super::filter::certainly_beyond;
+use super::relative::{RelativeCubic, filter_threshold, local_scale};
+use super::stretches::{Instant, Profile};
+use super::{Party, contact_radius};
+use crate::spans::Span;
+use glam::DVec3;
+
+/// The closest instant of a pair, with what is needed to describe it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Approach {
+    pub(crate) time: f64,
+    /// Between the surfaces of the two spheres, m.
+    pub(crate) separation: f64,
+    /// Rounding of a constant distance, m; else 0.
+    plateau: f64,
+    pub(crate) sphere_a: u32,
+    pub(crate) sphere_b: u32,
+    pub(crate) span: Span,
+}
+
+/// A maximal interval in which a pair is within the margin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Contact {
+    pub(crate) enter: f64,
+    pub(crate) exit: f64,
+    pub(crate) closest: Approach,
+}
+
+impl Approach {
+    /// An approach at an instant that is no plateau.
+    pub(super) const fn at(
+        time: f64,
+        separation: f64,
+        (sphere_a, sphere_b): (u32, u32),
+        span: Span,
+    ) -> Self {
+        Self {
+            time,
+            separation,
+            plateau: 0.0,
+            sphere_a,
+            sphere_b,
+            span,
+        }
+    }
+
+    /// The earlier and the later of two approaches as instants; the lower one.
+    pub(super) fn or_lower(self, other: Self) -> Self {
+        let (first, second) = if other.time < self.time {
+            (other, self)
+        } else {
+            (self, other)
+        };
+        let tie = first.plateau.min(second.plateau);
+        if second.separation < first.separation - tie {
+            second
+        } else {
+            first
+        }
+    }
+
+    /// Positions of both bodies (m) and the velocity of a relative to b (m/s) at this instant, from this
+    /// instant on.
+    pub(crate) fn kinematics(&self, a: &Party<'_>, b: &Party<'_>) -> (DVec3, DVec3, DVec3) {
+        let motion = |party: &Party<'_>, cubic: u32| {
+            let cubic = cubic as usize;
+            let (position, velocity, _) = party.segments[cubic].motion_at(self.time);
+            let has_ended = party.knots[cubic + 1] <= self.time;
+            let next = party.segments.get(cubic + 1).filter(|_| has_ended);
+            (
+                position,
+                next.map_or(velocity, |next| next.motion_at(self.time).1),
+            )
+        };
+        let (position_a, velocity_a) = motion(a, self.span.a);
+        let (position_b, velocity_b) = motion(b, self.span.b);
+        (position_a, position_b, velocity_a - velocity_b)
+    }
+}
+
+/// One sphere of each body over one span.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SpherePair {
+    pub(super) a: u32,
+    pub(super) b: u32,
+    pub(super) radius_a: f64,
+    pub(super) radius_b: f64,
+    pub(super) cubic: RelativeCubic,
+}
+
+impl SpherePair {
+    pub(super) fn approach(&self, span: Span, instant: Instant) -> Approach {
+        Approach {
+            time: instant.time,
+            separation: instant.distance - (self.radius_a + self.radius_b),
+            plateau: instant.plateau,
+            sphere_a: self.a,
+            sphere_b: self.b,
+            span,
+        }
+    }
+
+    /// The distance of the centres at which the separation is `margin`, m.
+    pub(super) fn radius(&self, margin: f64) -> f64 {
+        contact_radius(self.radius_a, self.radius_b, margin)
+    }
+
+    /// Appends the contacts of the two spheres within `margin`, clipped to `clip`.
+    pub(super) fn contacts(
+        &self,
+        profile: &Profile,
+        span: Span,
+        margin: f64,
+        clip: (f64, f64),
+        found: &mut Vec<Contact>,
+    ) {
+        let radius = self.radius(margin);
+        if radius < 0.0 {
+            return;
+        }
+        profile.stretches(&self.cubic, radius, clip, |stretch| {
+            found.push(Contact {
+                enter: stretch.enter,
+                exit: stretch.exit,
+                closest: self.approach(span, stretch.closest),
+            });
+        });
+    }
+
+    /// A separation (m) that is reached between two instants of a span, rounding included.
+    pub(super) fn reaches(&self, span: Span, (from, to): (f64, f64)) -> f64 {
+        let instant = Profile::of(&self.cubic).closest(&self.cubic, from, to);
+        self.approach(span, instant).separation + self.cubic.tolerance() + self.cubic.blur()
+    }
+
+    /// Whether cheap tests show that the separation stays above `margin` all along the span of
+    /// these two bodies.
+    pub(super) fn is_beyond(&self, a: &Party<'_>, b: &Party<'_>, span: Span, margin: f64) -> bool {
+        let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
+        let offset = a.spheres[self.a as usize].offset - b.spheres[self.b as usize].offset;
+        let scale = local_scale(segment_a, segment_b, (span.start, span.end), offset);
+        let radii = (self.radius_a, self.radius_b);
+        spheres_beyond(&self.cubic.points, radii, margin, scale)
+    }
+}
+
+/// Whether cheap tests show that the separation of two spheres with these radii stays above `margin`
+/// all along the cubic with these control points; `scale` is what their rounding is relative to (m).
+pub(super) fn spheres_beyond(
+    points: &[DVec3; 4],
+    (radius_a, radius_b): (f64, f64),
+    margin: f64,
+    scale: f64,
+) -> bool {
+    let radius = contact_radius(radius_a, radius_b, margin);
+    // Below zero no distance is small enough, whatever the rounding.
+    radius < 0.0 || certainly_beyond(points, filter_threshold(radius, scale))
+}
