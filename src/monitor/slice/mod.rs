@@ -4,114 +4,17 @@ mod ask;
 mod changes;
 mod parts;
 mod sift;
+mod state;
 
 use super::bodies::{Bodies, Moved};
-use super::boxes::{Boxes, Search};
 use super::finds::Crowded;
 use crate::bounds::Course;
 use crate::broad_phase::fill::Block;
-use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter, Room, Sweep};
-use crate::spans::{Span, SpanKey};
-use crate::stats::Stats;
+use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter, Room};
 pub(super) use ask::{Answer, Neighbour};
-use parts::Part;
-use sift::Near;
+pub(super) use state::{Limits, Scratch, Slice};
+use state::{Part, Stage};
 use std::time::Instant;
-
-/// See the module.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Slice {
-    /// Place on the monitor's grid of time.
-    pub(super) index: i64,
-    interval: (f64, f64),
-    boxes: Boxes,
-    stage: Stage,
-    /// What share of the slice is to be compared now, 0 to 1: all of it if it is needed.
-    due: f64,
-    /// By slot: nearer to the body than its box, as long as it has one.
-    courses: Vec<Course>,
-    /// Bodies that changed since they were boxed.
-    changed: Vec<u32>,
-    is_changed: Vec<bool>,
-    /// Boxes, until all are there.
-    boxed: Vec<BodyBox>,
-    candidates: Vec<Candidate>,
-    /// Candidates before this one have been looked at.
-    sifted: usize,
-    /// What was found and not taken yet.
-    pub(super) survivors: Vec<SpanKey>,
-    /// Parts of its time in which pairs are still to be looked for: boxes of the whole slice meet too
-    /// many others.
-    parts: Vec<Part>,
-    /// There was too little room for what is in it: it was given up.
-    is_crowded: bool,
-    /// Nothing is done for it before it is needed.
-    is_put_off: bool,
-    pub(super) stats: Stats,
-}
-
-/// What one thread reuses from slice to slice.
-#[derive(Debug, Default)]
-pub(super) struct Scratch {
-    /// Boxes of some bodies.
-    listed: Vec<BodyBox>,
-    block: Block,
-    search: Search,
-    /// Candidates that may be near from their courses.
-    near: Vec<Near>,
-    /// Spans of some of them, these by number.
-    pieces: Vec<(usize, Span)>,
-    sweep: Sweep,
-}
-
-/// What there is room for in a slice.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Limits {
-    /// Candidates at a time. With more, the slice is divided.
-    pub(super) candidates: u64,
-    /// Spans that cheap tests cannot rule out, before they are solved.
-    pub(super) survivors: usize,
-}
-
-impl Limits {
-    /// 32 MiB of candidates, unless there is room for more spans.
-    const CANDIDATES: u64 = 1 << 22;
-
-    /// Survivors for each span that there is room for: they take a fiftieth of what is kept of it.
-    const SURVIVORS: usize = 8;
-
-    /// Where there is room for so many spans in all.
-    pub(super) const fn of(spans: usize) -> Self {
-        Self {
-            candidates: if spans as u64 > Self::CANDIDATES {
-                spans as u64
-            } else {
-                Self::CANDIDATES
-            },
-            survivors: spans.saturating_mul(Self::SURVIVORS),
-        }
-    }
-}
-
-/// How far a slice is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Stage {
-    /// Slots below this have their boxes in `listed`.
-    Listing(usize),
-    /// Slots below this have their boxes in `boxes`, in the order of the slice before.
-    Placing(usize),
-    /// All boxes are there. The bodies in leaves below this were compared with all others; leaves
-    /// are counted in this order of the tree.
-    Joining(usize, u32),
-    /// All were compared with each other, but for those that have changed.
-    Built,
-}
-
-impl Default for Stage {
-    fn default() -> Self {
-        Self::Listing(0)
-    }
-}
 
 impl Slice {
     /// Boxes formed, or candidates looked at, before a budget is looked at: some tenths of a

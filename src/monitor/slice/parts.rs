@@ -4,36 +4,9 @@
 //! ones, and candidates shrink with the volume of boxes; until those are as large as hitboxes and the
 //! margin: what meets then is a crowd.
 
-use super::{Scratch, Slice, Stage};
+use super::state::{Part, Scratch, Slice, Stage};
 use crate::broad_phase::{BodyBox, BroadPhase, PairFilter};
 use crate::monitor::bodies::Bodies;
-
-/// A part of a slice's time in which all bodies are to be compared.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Part {
-    /// First and last instant, s.
-    interval: (f64, f64),
-    /// Extent and volume of a mean box in the part that it is a half of, in the frame's unit.
-    mean: (f64, f64),
-    /// It is compared as a whole, as long as there is room for its candidates.
-    is_whole: bool,
-}
-
-impl Part {
-    /// More candidates a box cost more than the boxes of two halves, if those have few.
-    const CANDIDATES_PER_BOX: u64 = 32;
-
-    /// How many candidates there may be at a time: so many, or fewer if halves may be cheaper.
-    pub(super) fn room(part: Option<&Self>, bodies: usize, most: u64) -> u64 {
-        /// Fewer are not worth a division.
-        const FEW: u64 = 1 << 16;
-        if part.is_some_and(|part| part.is_whole) {
-            most
-        } else {
-            (Self::CANDIDATES_PER_BOX * bodies as u64).clamp(FEW.min(most), most)
-        }
-    }
-}
 
 impl Slice {
     /// Compares all bodies in a part of the slice; returns how many boxes were formed.

@@ -1,21 +1,13 @@
 //! From a slice's candidates to spans that may hold a contact, in the order of what a test costs.
 
-use super::{Scratch, Slice};
-use crate::broad_phase::{Candidate, PairFilter};
+use super::state::{Near, Scratch, Slice};
+use crate::broad_phase::PairFilter;
 use crate::monitor::bodies::Bodies;
 use crate::narrow_phase::{Party, approaching, may_touch};
 use crate::simd::prefetch;
 use crate::spans::{SpanKey, spans_from};
 use std::ops::Range;
 use std::slice::from_ref;
-
-/// When two bodies may be near each other, and a cubic of each that is not later.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Near {
-    pair: Candidate,
-    interval: (f64, f64),
-    hints: (u32, u32),
-}
 
 impl Slice {
     /// Candidates looked at together.
