@@ -2,7 +2,7 @@
 
 use super::ROUNDING;
 use super::pose::Pose;
-use super::sketch::Stroke;
+use super::stroke::Stroke;
 use glam::Vec3A;
 
 /// One body on one of its cubics.

@@ -1,14 +1,11 @@
 //! Runs of consecutive cubics summed up: a box that holds many of them need not look at each.
 
-use super::piece::Piece;
-use super::sketch::Stroke;
-use super::trace::{Period, Trace};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec4;
 
 /// Four consecutive cubics, or four bundles of them, as one: 64 bytes.
 ///
-/// Coordinates are as in a [`Stroke`]. A path that strays some way from a line strays from any other
+/// Coordinates are as in a [`Stroke`](super::Stroke). A path that strays some way from a line strays from any other
 /// one (each gone along in proportion to time), to either side, at most by that and what the end of
 /// the line that is farther on that side does. The line lies midway between how far the path strays to
 /// either side of the line between its ends.
@@ -61,33 +58,6 @@ impl Bundle {
             stray: Vec4::new(end.w, low.w, high.w, 0.0),
         }
     }
-
-    /// Of four cubics, between five knots.
-    fn of_cubics(strokes: &[Stroke], knots: &[f64]) -> Self {
-        let piece = |number: usize| {
-            let ends = (knots[number], knots[number + 1]);
-            Piece::whole(&strokes[number], ends, 1.0)
-        };
-        let (head, tail) = (piece(0), piece(Self::SIZE - 1));
-        let period = Period::new(knots[0], knots[Self::SIZE]);
-        let mut trace = Trace::between(&head, &tail, &period);
-        for number in 1..Self::SIZE {
-            trace.follow_from_start(&piece(number));
-        }
-        trace.sum_up(tail.points[3])
-    }
-
-    /// Of four bundles, with as many cubics each between these knots.
-    fn of_bundles(bundles: &[Self], knots: &[f64]) -> Self {
-        let [first, last] = [0, Self::SIZE - 1].map(|number| bundles[number].unpack(1.0));
-        let step = (knots.len() - 1) / Self::SIZE;
-        let period = Period::new(knots[0], knots[knots.len() - 1]);
-        let mut trace = Trace::between_bundles(&first, &last, &period);
-        for (bundle, number) in bundles.iter().zip(1..) {
-            trace.pass(&bundle.unpack(1.0), knots[number * step]);
-        }
-        trace.sum_up(last.end)
-    }
 }
 
 /// How many complete bundles there are of some cubics: of 4, of 16, and so on.
@@ -98,25 +68,6 @@ pub(super) const fn count_of_bundles(mut cubics: usize) -> usize {
         count += cubics;
     }
     count
-}
-
-/// Draws all complete bundles of some cubics: those of 4 cubics, then those of 16, and so on.
-pub(super) fn bundle_up(knots: &[f64], strokes: &[Stroke], bundles: &mut [Bundle]) {
-    let (mut span, mut below, mut level) = (Bundle::SIZE, 0, 0);
-    while strokes.len() >= span {
-        let count = strokes.len() / span;
-        let (smaller, these) = bundles.split_at_mut(level);
-        for (number, bundle) in these[..count].iter_mut().enumerate() {
-            let knots = &knots[number * span..=(number + 1) * span];
-            let four = number * Bundle::SIZE..(number + 1) * Bundle::SIZE;
-            *bundle = if span == Bundle::SIZE {
-                Bundle::of_cubics(&strokes[four], knots)
-            } else {
-                Bundle::of_bundles(&smaller[below..][four], knots)
-            };
-        }
-        (below, level, span) = (level, level + count, span * Bundle::SIZE);
-    }
 }
 
 /// The largest bundle that begins with cubic `first` and ends before cubic `end`, out of all of

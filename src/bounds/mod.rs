@@ -16,248 +16,34 @@
 
 mod apart;
 mod bundle;
+mod bundling;
 mod course;
+mod frame;
+mod period;
 mod piece;
 mod points;
 mod pose;
 mod sketch;
+mod stance;
+mod stroke;
 mod trace;
 
 pub(crate) use apart::{Leg, Sight, sight};
 pub(crate) use bundle::Bundle;
 pub(crate) use course::Course;
+pub(crate) use frame::{Extremes, Frame, Inflation};
+pub(crate) use period::Period;
 pub(crate) use piece::Piece;
 pub(crate) use pose::{Cubic, Pose};
-pub(crate) use sketch::{Drawing, Line, Sketch, Stroke};
-pub(crate) use trace::{Period, Trace};
-
-use crate::hitbox::Sphere;
-
-use crate::rounding::{norm, normalising_power};
-use glam::{DVec3, Vec4};
-
-/// Where f32 coordinates are measured from, in which unit, and how boxes move.
-///
-/// Far from the origin f32 boxes go blind, and beyond 3e38 they overflow; relative to the middle
-/// of the scene, in a power of two that suits its size, they do neither.
-///
-/// Only relative motion matters to a pair. In a slice, a box holds its body relative to a point that
-/// moves with the velocity that the bodies have in common, from the slice's beginning on.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Frame {
-    origin: DVec3,
-    power: f64,
-    /// The common velocity, m/s.
-    velocity: DVec3,
-}
-
-/// A box in f64, in the scene's own coordinates.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Extremes {
-    pub(crate) low: DVec3,
-    pub(crate) high: DVec3,
-}
-
-impl Extremes {
-    pub(crate) const NOTHING: Self = Self {
-        low: DVec3::INFINITY,
-        high: DVec3::NEG_INFINITY,
-    };
-
-    pub(crate) fn include(&mut self, other: Self) {
-        self.low = self.low.min(other.low);
-        self.high = self.high.max(other.high);
-    }
-
-    /// Where the middle half of some places is on each axis: a few that are far off all others make no
-    /// difference.
-    pub(crate) fn of_middle_half(places: &mut [DVec3]) -> Self {
-        let mut middle = Self::NOTHING;
-        let Some(last) = places.len().checked_sub(1) else {
-            return middle;
-        };
-        let quarter = places.len() / 4;
-        for axis in 0..3 {
-            places.sort_unstable_by(|x, y| x[axis].total_cmp(&y[axis]));
-            middle.low[axis] = places[quarter][axis];
-            middle.high[axis] = places[last - quarter][axis];
-        }
-        middle
-    }
-
-    fn is_finite(&self) -> bool {
-        self.low.is_finite() && self.high.is_finite()
-    }
-
-    pub(crate) fn middle(&self) -> DVec3 {
-        self.low * 0.5 + self.high * 0.5
-    }
-
-    /// Of all that is within `reach` of a place (m), for choosing a frame: no rounding is accounted for.
-    fn about(place: DVec3, reach: f64) -> Self {
-        Self {
-            low: place - reach,
-            high: place + reach,
-        }
-    }
-}
-
-impl Frame {
-    const OF_NOTHING: Self = Self {
-        origin: DVec3::ZERO,
-        power: 1.0,
-        velocity: DVec3::ZERO,
-    };
-
-    /// A frame for coordinates within `extremes` and inflations up to `inflation` (m).
-    pub(crate) fn around(extremes: Extremes, inflation: f64) -> Self {
-        Self::amid(extremes, extremes, inflation)
-    }
-
-    /// The same where `most` of what is within `world` is: f32 is fine next to where it is measured
-    /// from, and coarse far away. A few bodies that are far off all others cost these nothing.
-    pub(crate) fn amid(world: Extremes, most: Extremes, inflation: f64) -> Self {
-        if !world.is_finite() {
-            return Self::OF_NOTHING;
-        }
-        let (origin, _) = middle(world, most, inflation);
-        let half = (world.high - origin).max(origin - world.low);
-        let half = half.max_element() + inflation;
-        let power = if half <= 0.0 || (1e-10..1e30).contains(&half) {
-            1.0
-        } else {
-            normalising_power(half)
-        };
-        Self {
-            origin,
-            power,
-            velocity: DVec3::ZERO,
-        }
-    }
-
-    /// The frame whose boxes move with a velocity (m/s).
-    pub(crate) const fn moving(self, velocity: DVec3) -> Self {
-        Self { velocity, ..self }
-    }
-
-    /// The common velocity, m/s.
-    pub(crate) const fn velocity(&self) -> DVec3 {
-        self.velocity
-    }
-
-    /// Returns a slice of time, and how far the frame moves in it.
-    pub(crate) fn period(&self, from: f64, to: f64) -> Period {
-        let way = self.velocity * ((to - from) * self.power);
-        Period::new(from, to).moving(way)
-    }
-
-    /// Whether it serves coordinates within a world, and inflations up to `inflation` (m), about as
-    /// well as one [amid](Self::amid) them.
-    pub(crate) fn suits(&self, world: Extremes, most: Extremes, inflation: f64) -> bool {
-        /// How much larger or smaller the unit may be: f32 has room to spare.
-        const MANY: f64 = 65536.0;
-        if !world.is_finite() {
-            return true;
-        }
-        let best = Self::amid(world, most, inflation);
-        let (_, half) = middle(world, most, inflation);
-        let away = (best.origin - self.origin).abs().max_element();
-        (1.0 / MANY..=MANY).contains(&(self.power / best.power)) && away <= FEW * half
-    }
-}
-
-/// Halves of what is measured that the origin may lie away from its middle: sixteen cost f32 four bits.
-const FEW: f64 = 16.0;
-
-/// Where a world is measured from, and how far from there most of it is, m.
-fn middle(world: Extremes, most: Extremes, inflation: f64) -> (DVec3, f64) {
-    let origin = world.middle();
-    let half_of = |part: &Extremes| (part.high - part.middle()).max_element() + inflation;
-    let (half, half_of_most) = (half_of(&world), half_of(&most));
-    let away = (origin - most.middle()).abs().max_element();
-    // Nothing is gained where most are in one place, and that is the middle.
-    if most.is_finite() && away > FEW * half_of_most {
-        (most.middle(), half_of_most)
-    } else {
-        (origin, half)
-    }
-}
-
-/// How much larger than its hull a body's box is, in the frame's unit. (Of four lanes, the last
-/// holds nothing of use, here and in what follows.)
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Inflation {
-    /// Extremes of the hitbox in the body's frame, half the margin included.
-    low: Vec4,
-    high: Vec4,
-    /// Largest distance from the body's position that the bounding sphere and half the margin
-    /// reach.
-    reach: f32,
-    /// What the rounding of these is relative to.
-    size: f32,
-}
-
-impl Inflation {
-    pub(crate) const NONE: Self = Self {
-        low: Vec4::ZERO,
-        high: Vec4::ZERO,
-        reach: 0.0,
-        size: 0.0,
-    };
-
-    /// Of a hitbox and its bounding sphere (m).
-    pub(crate) fn of(spheres: &[Sphere], bounding: Sphere, margin: f64, frame: &Frame) -> Self {
-        let mut hitbox = Extremes::NOTHING;
-        for sphere in spheres {
-            let reach = half_size(sphere, margin);
-            hitbox.include(Extremes {
-                low: sphere.offset - reach,
-                high: sphere.offset + reach,
-            });
-        }
-        let lanes = |DVec3 { x, y, z }: DVec3| scaled([x, y, z, 0.0], frame.power);
-        let reach = norm(bounding.offset) + half_size(&bounding, margin);
-        Self {
-            low: lanes(hitbox.low),
-            high: lanes(hitbox.high),
-            reach: nearest(reach * frame.power),
-            size: nearest(Self::size(spheres, bounding, margin) * frame.power),
-        }
-    }
-
-    /// Largest distance from the body's position that it adds, and more where numbers cancel, m.
-    pub(crate) fn size(spheres: &[Sphere], bounding: Sphere, margin: f64) -> f64 {
-        let largest = |sphere: &Sphere| norm(sphere.offset) + sphere.radius;
-        spheres
-            .iter()
-            .map(largest)
-            .fold(largest(&bounding), f64::max)
-            + margin.abs()
-    }
-}
-
-/// The radius and half the margin. Never negative: a margin that swallows one body's radius leaves
-/// a point, and the other body's box is then at worst too large.
-fn half_size(sphere: &Sphere, margin: f64) -> f64 {
-    (sphere.radius + 0.5 * margin).max(0.0)
-}
+pub(crate) use sketch::{Drawing, Line, Sketch};
+pub(crate) use stroke::Stroke;
+pub(crate) use trace::Trace;
 
 /// Coordinates beyond this are not served: in the frame's unit, below the largest f32.
 const FAR: f64 = 1e37;
 
 /// Half a unit in the last place of f32, relative.
 const ROUNDING: f32 = 0.5 * f32::EPSILON;
-
-/// The nearest f32 vector in another unit.
-#[inline(always)]
-fn scaled(vector: [f64; 4], power: f64) -> Vec4 {
-    Vec4::new(
-        nearest(vector[0] * power),
-        nearest(vector[1] * power),
-        nearest(vector[2] * power),
-        nearest(vector[3] * power),
-    )
-}
 
 #[allow(
     clippy::cast_possible_truncation,

@@ -1,6 +1,7 @@
 //! Parts of a sketch's cubics.
 
-use super::sketch::Stroke;
+use super::period::Period;
+use super::stroke::Stroke;
 use super::{ROUNDING, nearest};
 use glam::Vec4;
 
@@ -60,6 +61,12 @@ impl Piece {
     #[inline(always)]
     pub(crate) const fn end(&self) -> f64 {
         self.to
+    }
+
+    /// Whether it lasts from a slice's beginning to its end, and some time.
+    #[inline(always)]
+    pub(crate) fn fills(&self, period: &Period) -> bool {
+        period.rate > 0.0 && self.from <= period.from && self.to >= period.to
     }
 
     /// The part from an instant to another one (s).

@@ -1,14 +1,15 @@
 //! How a body lies in the frame: its cubics, and what is the same for all its boxes.
 
 use super::bundle::{Bundle, largest};
+use super::frame::{Frame, Inflation};
 use super::piece::Piece;
-use super::sketch::{Drawing, Stroke};
+use super::sketch::Drawing;
+use super::stance::Stance;
+use super::stroke::Stroke;
 use super::trace::Trace;
-use super::{FAR, Frame, Inflation, ROUNDING, nearest};
 use crate::knots::Knots;
 use crate::simd::prefetch;
 use crate::trajectory::Segment;
-use glam::{DVec3, Vec4};
 use std::slice::from_ref;
 
 /// A cubic that boxes are formed from.
@@ -25,24 +26,6 @@ pub(crate) struct Pose<'a, C> {
     /// Those of the cubics that were summed up.
     bundles: &'a [Bundle],
     pub(crate) stance: Stance,
-}
-
-/// Where a body's cubics are measured from, and how much larger than their hull its boxes are.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Stance {
-    /// What the cubics are relative to.
-    anchor: Frame,
-    /// From their unit to the frame's.
-    factor: f32,
-    /// Of the anchor in the frame.
-    pub(super) place: Vec4,
-    /// The same with the extremes of the hitbox.
-    pub(super) low: Vec4,
-    pub(super) high: Vec4,
-    pub(super) reach: f32,
-    /// Rounding that is the same for all boxes, in the frame's unit; infinite where the frame does
-    /// not serve the body's coordinates. (It always does where it was chosen for all bodies.)
-    pub(super) steady: f32,
 }
 
 impl<C> Pose<'_, C> {
@@ -135,56 +118,6 @@ impl<'a> Pose<'a, Segment> {
     }
 }
 
-impl Stance {
-    const NONE: Self = Self {
-        anchor: Frame::OF_NOTHING,
-        factor: 1.0,
-        place: Vec4::ZERO,
-        low: Vec4::ZERO,
-        high: Vec4::ZERO,
-        reach: 0.0,
-        steady: 0.0,
-    };
-
-    /// Of a body whose coordinates the frame does not serve. Nothing overflows on the way to a box
-    /// that is everywhere.
-    const ANYWHERE: Self = Self {
-        factor: 0.0,
-        steady: f32::INFINITY,
-        ..Self::NONE
-    };
-
-    /// Of cubics no coordinate of which is larger than `size`, as far as that is known.
-    fn new(anchor: Frame, size: f64, inflation: &Inflation, frame: &Frame) -> Self {
-        let lanes = |DVec3 { x, y, z }: DVec3| Vec4::new(nearest(x), nearest(y), nearest(z), 0.0);
-        let place = lanes((anchor.origin - frame.origin) * frame.power);
-        let factor = frame.power / anchor.power;
-        let largest =
-            f64::from(place.abs().max_element()) + size * factor + f64::from(inflation.size);
-        if largest.is_nan() || largest >= FAR {
-            return Self::ANYWHERE;
-        }
-        // Too large only where all coordinates are zero.
-        let factor = nearest(factor).min(f32::MAX);
-        Self {
-            anchor,
-            factor,
-            place,
-            low: place + inflation.low,
-            high: place + inflation.high,
-            reach: inflation.reach,
-            // What underflows on either side of the factor is below a smallest normal number.
-            steady: 8.0 * ROUNDING * inflation.size + f32::MIN_POSITIVE * factor.max(1.0),
-        }
-    }
-
-    /// Largest distance from the body's position that its hitbox and half the margin reach, in the
-    /// frame's unit.
-    pub(crate) fn reach(&self) -> f64 {
-        f64::from(self.reach)
-    }
-}
-
 impl Cubic for Stroke {
     #[inline(always)]
     fn piece(&self, knots: (f64, f64), stance: &Stance) -> Piece {
@@ -207,6 +140,7 @@ mod tests {
     use super::super::Period;
     use super::*;
     use crate::hitbox::{Hitbox, Sphere};
+    use glam::{DVec3, Vec4};
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 

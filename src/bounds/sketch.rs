@@ -1,54 +1,14 @@
 //! Trajectories in f32: of a motion, the part that a screening reads most.
 
-use super::bundle::{Bundle, bundle_up, count_of_bundles};
+use super::bundle::{Bundle, count_of_bundles};
+use super::bundling::bundle_up;
+use super::frame::{Extremes, Frame};
 use super::points::Points;
-use super::{Extremes, FAR, Frame, nearest};
+use super::stroke::Stroke;
 use crate::knots::Knots;
 use crate::rounding::normalising_power;
 use crate::trajectory::Segment;
 use bytemuck::{Pod, Zeroable, cast_slice, cast_slice_mut};
-use glam::{DVec3, Vec4};
-
-/// One cubic of a sketch, 64 bytes: its Bézier points, relative to the sketch's frame.
-///
-/// Each coordinate is rounded once from f64. The fourth lane of the first point is what all other
-/// rounding of the cubic is relative to: no point is farther from the first one; more where the
-/// segment itself is known less well than f32 could tell.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C, align(64))]
-pub(crate) struct Stroke([Vec4; 4]);
-
-impl Stroke {
-    /// None where `f32` does not serve its coordinates.
-    #[inline(always)]
-    pub(super) fn of(segment: &Segment, ends: (f64, f64), frame: &Frame) -> Option<Self> {
-        let part = Points::of(segment, ends);
-        let (offset, near) = (segment.origin() - frame.origin, part.spread() * frame.power);
-        let lanes = |point: DVec3, last: f64| {
-            let DVec3 { x, y, z } = (offset + point) * frame.power;
-            Vec4::new(nearest(x), nearest(y), nearest(z), nearest(last))
-        };
-        let [p0, p1, p2, p3] = part.points;
-        let is_served = (offset + p0).abs().max_element() * frame.power + near < FAR;
-        is_served.then(|| {
-            Self([
-                lanes(p0, near),
-                lanes(p1, 0.0),
-                lanes(p2, 0.0),
-                lanes(p3, 0.0),
-            ])
-        })
-    }
-
-    const NONE: Self = Self([Vec4::ZERO; 4]);
-
-    /// The points in another unit, and what their rounding is relative to.
-    #[inline(always)]
-    pub(super) fn points(&self, factor: f32) -> ([Vec4; 4], f32) {
-        let points = self.0.map(|point| point * factor);
-        (points, points[0].w)
-    }
-}
 
 /// Memory that is drawn on: as long as a line of the caches.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

@@ -272,7 +272,7 @@ impl<C: Cubic> Walk<'_, C> {
             let trace = if number == begin {
                 let (piece, after) = rest.split(period.to.min(rest.end()));
                 rest = after;
-                if period.is_filled_by(&piece) {
+                if piece.fills(period) {
                     Trace::alone(&piece, period)
                 } else {
                     Trace::between(&piece, &piece, period)

@@ -1,0 +1,75 @@
+//! The time of a slice.
+
+use super::{FAR, nearest};
+use glam::{DVec3, Vec4};
+
+/// The time of a slice.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Period {
+    /// First and last instant, s.
+    pub(crate) from: f64,
+    pub(crate) to: f64,
+    /// The inverse of its duration; 0 if that is too short to be divided.
+    pub(super) rate: f64,
+    /// How far boxes move in it, in the frame's unit.
+    pub(super) way: Vec4,
+    pub(super) is_moving: bool,
+}
+
+impl Period {
+    pub(crate) fn new(from: f64, to: f64) -> Self {
+        let duration = to - from;
+        let rate = if duration >= f64::MIN_POSITIVE {
+            1.0 / duration
+        } else {
+            0.0
+        };
+        Self {
+            from,
+            to,
+            rate,
+            way: Vec4::ZERO,
+            is_moving: false,
+        }
+    }
+
+    /// The slice with boxes that move so far in it, in the frame's unit. Any way serves that is the same
+    /// for all bodies: one beyond f32 is none.
+    pub(super) fn moving(self, way: DVec3) -> Self {
+        let DVec3 { x, y, z } = way;
+        let is_moving = way != DVec3::ZERO && way.abs().max_element() < FAR && self.rate > 0.0;
+        let way = if is_moving {
+            Vec4::new(nearest(x), nearest(y), nearest(z), 0.0)
+        } else {
+            Vec4::ZERO
+        };
+        Self {
+            way,
+            is_moving,
+            ..self
+        }
+    }
+
+    /// Returns where some control points lie in moving boxes, from one share of the slice to another.
+    #[inline(always)]
+    pub(super) fn relative(&self, points: [Vec4; 4], first: f32, last: f32) -> [Vec4; 4] {
+        if !self.is_moving {
+            return points;
+        }
+        let (start, end) = (self.way * first, self.way * last);
+        let third = (end - start) * (1.0 / 3.0);
+        let [p0, p1, p2, p3] = points;
+        [
+            p0 - start,
+            p1 - (start + third),
+            p2 - (end - third),
+            p3 - end,
+        ]
+    }
+
+    /// Which share of it has passed at an instant.
+    #[inline(always)]
+    pub(super) fn share(&self, time: f64) -> f32 {
+        nearest((time - self.from) * self.rate)
+    }
+}
