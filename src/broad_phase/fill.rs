@@ -300,7 +300,7 @@ impl<C: Cubic> Walk<'_, C> {
 /// Bodies, and the segments of one, are counted in 32 bits; a longer list does not fit into memory.
 #[inline(always)]
 #[allow(clippy::cast_possible_truncation, reason = "see above")]
-fn short(count: usize) -> u32 {
+pub(crate) fn short(count: usize) -> u32 {
     count as u32
 }
 

@@ -3,19 +3,20 @@
 mod ask;
 mod changes;
 mod parts;
+mod room;
 mod sift;
 
 use super::bodies::{Bodies, Moved};
-use super::boxes::{Boxes, Search};
+use super::boxes::Boxes;
 use super::finds::Crowded;
 use crate::bounds::Course;
 use crate::broad_phase::fill::Block;
-use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter, Room, Sweep};
-use crate::spans::{Span, SpanKey};
+use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter, Room};
+use crate::spans::SpanKey;
 use crate::stats::Stats;
 pub(super) use ask::{Answer, Neighbour};
 use parts::Part;
-use sift::Near;
+pub(super) use room::{Limits, Scratch};
 use std::time::Instant;
 
 /// See the module.
@@ -48,49 +49,6 @@ pub(super) struct Slice {
     /// Nothing is done for it before it is needed.
     is_put_off: bool,
     pub(super) stats: Stats,
-}
-
-/// What one thread reuses from slice to slice.
-#[derive(Debug, Default)]
-pub(super) struct Scratch {
-    /// Boxes of some bodies.
-    listed: Vec<BodyBox>,
-    block: Block,
-    search: Search,
-    /// Candidates that may be near from their courses.
-    near: Vec<Near>,
-    /// Spans of some of them, these by number.
-    pieces: Vec<(usize, Span)>,
-    sweep: Sweep,
-}
-
-/// What there is room for in a slice.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Limits {
-    /// Candidates at a time. With more, the slice is divided.
-    pub(super) candidates: u64,
-    /// Spans that cheap tests cannot rule out, before they are solved.
-    pub(super) survivors: usize,
-}
-
-impl Limits {
-    /// 32 MiB of candidates, unless there is room for more spans.
-    const CANDIDATES: u64 = 1 << 22;
-
-    /// Survivors for each span that there is room for: they take a fiftieth of what is kept of it.
-    const SURVIVORS: usize = 8;
-
-    /// Where there is room for so many spans in all.
-    pub(super) const fn of(spans: usize) -> Self {
-        Self {
-            candidates: if spans as u64 > Self::CANDIDATES {
-                spans as u64
-            } else {
-                Self::CANDIDATES
-            },
-            survivors: spans.saturating_mul(Self::SURVIVORS),
-        }
-    }
 }
 
 /// How far a slice is.

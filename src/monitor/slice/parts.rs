@@ -5,7 +5,7 @@
 //! margin: what meets then is a crowd.
 
 use super::{Scratch, Slice, Stage};
-use crate::broad_phase::{BodyBox, BroadPhase, PairFilter};
+use crate::broad_phase::{BroadPhase, PairFilter, mean_size};
 use crate::monitor::bodies::Bodies;
 
 /// A part of a slice's time in which all bodies are to be compared.
@@ -77,7 +77,7 @@ impl Slice {
             self.halve((from, middle, to), (f64::INFINITY, f64::INFINITY));
             return;
         };
-        let mean = mean_of(&scratch.listed);
+        let mean = mean_size(&scratch.listed);
         if can_be_halved && mean.1 < PAYS * part.mean.1 {
             self.halve((from, middle, to), mean);
         } else if !part.is_whole {
@@ -100,21 +100,4 @@ impl Slice {
             });
         }
     }
-}
-
-/// Returns the mean extent and volume of some boxes.
-fn mean_of(boxes: &[BodyBox]) -> (f64, f64) {
-    let (mut extent, mut volume) = (0.0, 0.0);
-    for one in boxes {
-        let size = (one.aabb.maxs - one.aabb.mins).to_array().map(f64::from);
-        extent += size.iter().sum::<f64>();
-        // Flat boxes are compared as well.
-        volume += size
-            .iter()
-            .map(|side| side.max(f64::MIN_POSITIVE.cbrt()))
-            .product::<f64>();
-    }
-    #[allow(clippy::cast_precision_loss, reason = "a number of bodies")]
-    let count = boxes.len() as f64;
-    (extent / count, volume / count)
 }
