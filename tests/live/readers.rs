@@ -67,8 +67,8 @@ fn orders_are_stopped_and_reports_read_to_the_end() {
             let _ = handle.send(Command::SetTrajectory(ids[3], plan)).unwrap();
             let _ = handle.advance(f64::from(tick) / 10.0).unwrap();
         }
-        live.stop_orders();
-        live.stop_orders();
+        live.stop_requests();
+        live.stop_requests();
         assert_eq!(
             handle.advance(2.0),
             Err(Unsent::Closed(Request::Clock(2.0)))
@@ -109,7 +109,7 @@ fn orders_are_stopped_whatever_the_monitor_does() {
     while !caught_up(live.reports().recv_timeout(PATIENCE).unwrap()) {}
     // It has nothing to do, and soon sleeps.
     std::thread::sleep(Duration::from_millis(20));
-    live.stop_orders();
+    live.stop_requests();
     // Not even another tick is told.
     assert_eq!(
         live.reports().recv_timeout(PATIENCE),
@@ -126,7 +126,7 @@ fn orders_are_stopped_whatever_the_monitor_does() {
     for tick in 1..=10 {
         let _ = live.handle().advance(f64::from(tick)).unwrap();
     }
-    live.stop_orders();
+    live.stop_requests();
     while live.reports().is_empty() {
         std::thread::yield_now();
     }
