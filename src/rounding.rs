@@ -40,6 +40,8 @@
 //! | splits of a sketch | `bounds/piece` | `piece::tests` |
 //! | hitbox and margin, underflow | `bounds/pose` | `pose::tests` |
 //! | line of a bundle; its way in no time | `bounds/trace` | `trace::tests` |
+//! | places far from the middle, in boxes and courses | `bounds/trace` | `pose::tests` |
+//! | differences and places of a sight | `bounds/apart` | `apart::tests` |
 //! | other sums of a box, a course, a sight | `bounds/trace`, `apart` | count |
 //! | instants of a screening's edges and of a budget's | `monitor/outlook`, `screen/pilot` | `tests/monitor` `budgets` |
 //! | instants of a question, of a bridge, of a slice's ends | `monitor/outlook`, `ask`, `bridge` | count |
