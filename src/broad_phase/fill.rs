@@ -1,7 +1,7 @@
 //! One box and one course for each body in each of a few slices.
 
 use super::BodyBox;
-use crate::bounds::{Bundle, Course, Cubic, Frame, Period, Piece, Pose, Trace};
+use crate::bounds::{Bundle, Course, Cubic, MovingFrame, Period, Piece, Pose, Trace};
 use crate::simd::{Task, prefetch};
 
 /// One slice: a box and a course for each body that exists in it, side by side.
@@ -33,7 +33,7 @@ impl Block {
 /// Forms the boxes and courses of some slices (at most [`Block::SLICES`]).
 pub(crate) struct Fill<'a, C> {
     pub(crate) block: &'a mut Block,
-    pub(crate) frame: &'a Frame,
+    pub(crate) frame: &'a MovingFrame,
     pub(crate) poses: &'a [Pose<'a, C>],
     /// Places of those to look at, ascending: each that exists in one of the slices is among them.
     pub(crate) present: &'a [u32],

@@ -1,7 +1,7 @@
 //! Where a monitor measures from, and how it cuts time into slices: as suits its scene.
 
 use super::can_tell_apart;
-use crate::bounds::{Extremes, Frame};
+use crate::bounds::{Extremes, Frame, MovingFrame};
 use crate::error::Error;
 use crate::query::Query;
 use crate::scene::Scene;
@@ -11,7 +11,7 @@ use glam::DVec3;
 /// See the module. What is found does not depend on it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid {
-    pub(super) frame: Frame,
+    pub(super) frame: MovingFrame,
     /// Where slices begin to be counted, s.
     pub(super) origin: f64,
     /// How long they are, s.

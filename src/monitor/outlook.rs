@@ -113,7 +113,7 @@ impl Outlook {
     }
 
     /// Within what pairs are looked for (m), and where their boxes are measured from.
-    pub(super) const fn reach(&self) -> (f64, &Frame) {
+    pub(super) fn reach(&self) -> (f64, &Frame) {
         (self.margin, &self.grid.frame)
     }
 

@@ -3,7 +3,7 @@
 use super::scratch::Scratch;
 use super::survey::Survey;
 use crate::accuracy::Accuracy;
-use crate::bounds::{Frame, Inflation, Pose, Stroke};
+use crate::bounds::{Frame, Inflation, MovingFrame, Pose, Stroke};
 use crate::broad_phase::presence::Presence;
 use crate::broad_phase::slices::Traffic;
 use crate::broad_phase::{InstructionSet, PairFilter};
@@ -41,7 +41,7 @@ pub(super) struct LineUp<'a> {
     pub(super) max_spans: usize,
     pub(super) pool: &'a Pool<Scratch>,
     atlas: &'a Atlas,
-    pub(super) frame: Frame,
+    pub(super) frame: MovingFrame,
     survey: Survey,
 }
 

@@ -54,6 +54,7 @@ impl Slice {
         let (from, to) = part.interval;
         let slots = (0..bodies.flights.len()).filter_map(|slot| u32::try_from(slot).ok());
         bodies.boxes(slots, &[from, to], block, |_, boxed, _| listed.push(boxed));
+        self.stats.boxes += listed.len() as u64;
         sweep.pairs(listed, filter, &mut self.candidates);
         listed.len()
     }
