@@ -73,7 +73,7 @@ pub struct TimeEnclosure {
 ///     let states = [-9.0, 9.0].map(|t| State::new(t, t * velocity, velocity));
 ///     scene.insert(Body::new(Trajectory::from_states(&states)?))?;
 /// }
-/// let query = Query::default().with_margin(2.0)?.with_accuracy(Accuracy::Certified);
+/// let query = Query::default().with_margin(2.0).with_accuracy(Accuracy::Certified);
 /// let conflict = scene.screen(&query)?.conflicts[0];
 /// assert!(conflict.certificate.is_some_and(|proof| {
 ///     // A proof to the last digits: it is one conflict, and contains the instant 0 s.

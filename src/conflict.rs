@@ -39,7 +39,7 @@ pub struct ClosestApproach {
 /// let mut scene = Scene::new();
 /// scene.insert(Body::new(Trajectory::from_states(&fly)?))?;
 /// scene.insert(Body::new(Trajectory::at_rest(DVec3::ZERO)?))?;
-/// let query = Query::new(Window::new(-10.0, 10.0)?).with_margin(5.0)?;
+/// let query = Query::new(Window::new(-10.0, 10.0)?).with_margin(5.0);
 /// let conflict = scene.screen(&query)?.conflicts[0];
 /// assert!((conflict.enter + 4.0).abs() < 1e-9 && (conflict.exit - 4.0).abs() < 1e-9);
 /// assert!((conflict.closest.separation - 3.0).abs() < 1e-9);

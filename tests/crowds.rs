@@ -72,7 +72,7 @@ fn formation(scene: &mut Scene, count: u32, height: f64, velocity: impl FnMut() 
 const FAST: DVec3 = DVec3::new(100.0, 100.0, 0.0);
 
 fn screen(scene: &Scene, margin: f64) -> (Stats, usize) {
-    let query = Query::default().with_margin(margin).unwrap();
+    let query = Query::default().with_margin(margin);
     let screening = scene.screen(&query).unwrap();
     (screening.stats, screening.conflicts.len())
 }
@@ -242,7 +242,7 @@ fn partners_that_come_later_are_found() {
     monitor.advance(1.0, &mut events).unwrap();
     assert_eq!(monitor.conflicts(0).len(), 1);
     let query = Query::new(nearmiss::Window::new(1.0, 61.0).unwrap()).with_margin(0.25);
-    let screened = monitor.scene().screen(&query.unwrap()).unwrap();
+    let screened = monitor.scene().screen(&query).unwrap();
     assert_eq!(screened.conflicts.len(), 1);
 }
 
@@ -292,7 +292,7 @@ fn a_common_velocity_changes_no_bit() {
             Body::new(plan).with_hitbox(Hitbox::sphere(0.5).unwrap())
         })
         .collect();
-    let query = Query::default().with_margin(2.0).unwrap();
+    let query = Query::default().with_margin(2.0);
     let all = |bodies: &[&Body]| {
         let mut scene = Scene::new();
         for &body in bodies {

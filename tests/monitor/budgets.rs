@@ -274,7 +274,7 @@ fn nothing_is_missing_that_begins_where_a_budget_ends() {
         let certain = monitor.complete_until();
         ends += u32::from(NOW < certain && certain <= cut);
         let query = Query::new(Window::new(NOW, certain).unwrap());
-        let query = query.with_margin(1.0).unwrap();
+        let query = query.with_margin(1.0);
         let screened = monitor.scene().screen(&query).unwrap().conflicts;
         assert_eq!(monitor.conflicts(0), screened, "{work} {certain}");
     }
@@ -284,6 +284,6 @@ fn nothing_is_missing_that_begins_where_a_budget_ends() {
         scene.insert(Body::new(plan)).unwrap();
     }
     let query = Query::new(Window::new(NOW, cut).unwrap());
-    let found = scene.screen(&query.with_margin(1.0).unwrap()).unwrap();
+    let found = scene.screen(&query.with_margin(1.0)).unwrap();
     assert_eq!(found.conflicts.len(), 1, "it is reported at the cut");
 }

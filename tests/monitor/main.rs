@@ -201,7 +201,7 @@ impl Ledger {
 
 fn one_shot(monitor: &Monitor, level: AlertLevel, until: f64) -> Vec<Vec<u64>> {
     let window = Window::new(monitor.now(), until).unwrap();
-    let query = Query::new(window).with_margin(level.margin).unwrap();
+    let query = Query::new(window).with_margin(level.margin);
     bits(&monitor.scene().screen(&query).unwrap().conflicts)
 }
 

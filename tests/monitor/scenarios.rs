@@ -372,7 +372,7 @@ fn a_plan_that_goes_on_does_not_cut_an_encounter() {
     for now in [0.0, 1.4, 2.55] {
         tick(&mut monitor, now);
         let window = Window::new(now, now + 1.5).unwrap();
-        let query = Query::new(window).with_margin(1.5).unwrap();
+        let query = Query::new(window).with_margin(1.5);
         let screened = monitor.scene().screen(&query).unwrap().conflicts;
         assert_eq!(monitor.conflicts(0), screened, "{now}");
     }

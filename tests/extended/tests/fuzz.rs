@@ -197,9 +197,7 @@ fn screenings() {
     let question = (vec(body(), 0..5), window(), number());
     run(2_000, question, |(bodies, window, margin)| {
         let scene = scene_of(bodies);
-        let Ok(query) = Query::new(window).with_margin(margin) else {
-            return;
-        };
+        let query = Query::new(window).with_margin(margin);
         for accuracy in [Accuracy::Exact, Accuracy::Certified] {
             let answers = Method::EVERY
                 .map(|method| scene.screen(&query.with_accuracy(accuracy).with_method(method)));

@@ -61,7 +61,7 @@ fn states_and_conflicts_come_back() {
         let plan = Trajectory::from_states(&states).unwrap();
         scene.insert(Body::new(plan)).unwrap();
     }
-    let query = Query::default().with_margin(1.0).unwrap();
+    let query = Query::default().with_margin(1.0);
     let query = query.with_accuracy(Accuracy::Certified);
     let conflicts = scene.screen(&query).unwrap().conflicts;
     assert!(!conflicts.is_empty());
