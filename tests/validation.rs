@@ -341,11 +341,20 @@ fn what_a_monitor_refuses() {
             assert!(matches!(refused, Err(Error::Setting { .. })), "{value}");
         }
     }
+    let default = RevisionThreshold::default();
+    assert_eq!(
+        (monitor.history(), monitor.revision_threshold()),
+        (0.0, default)
+    );
     monitor.set_history(f64::INFINITY).unwrap();
 
     monitor.advance(1.0, &mut Vec::new()).unwrap();
     let missing = Error::UnknownAlertLevel { level: 1 };
     assert_eq!(monitor.what_if(id, &line(0.0), 1).unwrap_err(), missing);
+    assert_eq!(monitor.conflicts(1).unwrap_err(), missing);
+    assert_eq!(monitor.conflicts_of(id, 1).err(), Some(missing.clone()));
+    assert_eq!(monitor.next_conflict(id, 1).unwrap_err(), missing);
+    assert_eq!(monitor.conflicts(0), Ok(&[][..]));
     // Over, or not begun: no plan to follow from now on, as a replan would say.
     for start in [-20.0, 1.5] {
         let refused = monitor.what_if(id, &line(start), 0).unwrap_err();

@@ -262,7 +262,11 @@ fn monitors() {
             let budget = Budget::Work(u64::from(choice) * 20);
             let _ = monitor.advance_within(monitor.now() + step, budget, &mut events);
             for level in 0..levels.len() {
-                monitor.conflicts(level).iter().for_each(assert_sound);
+                monitor
+                    .conflicts(level)
+                    .unwrap()
+                    .iter()
+                    .for_each(assert_sound);
             }
         }
         assert!(events.iter().all(|event| event.time.is_finite()));
