@@ -2,8 +2,10 @@
 
 use crate::accuracy::Certificate;
 use crate::id::BodyId;
+use crate::readable::Readable;
 use glam::DVec3;
 use std::cmp::Ordering;
+use std::fmt;
 
 /// The instant of least separation of two bodies, within a window or a conflict.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,4 +95,38 @@ impl Conflict {
             .then_with(|| self.a.cmp(&other.a))
             .then_with(|| self.b.cmp(&other.b))
     }
+}
+
+impl fmt::Display for Conflict {
+    /// One line: the bodies, the interval, the closest approach, and which ends are cut off. With a precision
+    /// (`{:.6}`), so many decimals.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} and {} ", self.a, self.b)?;
+        write_course(f, (self.enter, self.exit), &self.closest)?;
+        let certificate = self.certificate.as_ref();
+        if certificate.is_some_and(|certificate| !certificate.resolved) {
+            f.write_str(", unresolved")?;
+        }
+        f.write_str(match (self.clip.at_enter, self.clip.at_exit) {
+            (false, false) => "",
+            (true, false) => ", cut off at enter",
+            (false, true) => ", cut off at exit",
+            (true, true) => ", cut off at both ends",
+        })
+    }
+}
+
+/// Writes from when to when (s) two bodies are too close, and the closest approach.
+pub(crate) fn write_course(
+    f: &mut fmt::Formatter<'_>,
+    (enter, exit): (f64, f64),
+    closest: &ClosestApproach,
+) -> fmt::Result {
+    let decimals = f.precision().unwrap_or(3);
+    let [enter, exit, least, time] = [enter, exit, closest.separation, closest.time].map(Readable);
+    write!(
+        f,
+        "from {enter:.decimals$} s to {exit:.decimals$} s, \
+         closest {least:.decimals$} m at {time:.decimals$} s"
+    )
 }

@@ -92,6 +92,7 @@ mod parallel;
 pub mod polynomial;
 mod pool;
 mod query;
+mod readable;
 mod rounding;
 mod scene;
 mod screen;

@@ -1,7 +1,9 @@
 //! The closed time interval a question is about.
 
 use crate::error::Error;
+use crate::readable::Readable;
 use crate::rounding::one_zero;
+use std::fmt;
 
 /// A closed interval of time, s. May be a single instant; may be open-ended (infinite).
 ///
@@ -84,6 +86,20 @@ impl Window {
         let start = self.start.max(other.start);
         let end = self.end.min(other.end);
         (start <= end).then_some(Self { start, end })
+    }
+}
+
+impl fmt::Display for Window {
+    /// `0.000..60.000 s`; an open end is left out. With a precision (`{:.6}`), so many decimals.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let decimals = f.precision().unwrap_or(3);
+        for (end, before) in [(self.start, ""), (self.end, "..")] {
+            f.write_str(before)?;
+            if end.is_finite() {
+                write!(f, "{:.decimals$}", Readable(end))?;
+            }
+        }
+        f.write_str(" s")
     }
 }
 

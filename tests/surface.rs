@@ -10,7 +10,8 @@ mod support;
 
 use nearmiss::glam::{DVec3, Vec3};
 use nearmiss::{
-    AlertLevel, Body, Error, Monitor, Outside, RevisionThreshold, Scene, State, Trajectory,
+    AlertLevel, Body, BodyId, EncounterId, Error, Monitor, Outside, Query, RevisionThreshold,
+    Scene, State, Stats, Trajectory, Window,
 };
 
 #[test]
@@ -81,5 +82,95 @@ fn what_a_monitor_was_told() -> Result<(), Error> {
         monitor.advance(6.0 + f64::from(tick), &mut Vec::new())?;
     }
     assert_eq!((monitor.lookahead(), monitor.levels()), (7.5, &levels[..]));
+    Ok(())
+}
+
+/// One passes the other 3 m off, at 1 m/s: closest at 10 s. Its plan ends at 12 s.
+fn passing() -> Result<Scene, Error> {
+    let mut scene = Scene::new();
+    scene.insert(Body::new(Trajectory::at_rest(DVec3::ZERO)?))?;
+    let flown = [0.0, 12.0].map(|t| State::new(t, [t - 10.0, 3.0, 0.0], [1.0, 0.0, 0.0]));
+    scene.insert(Body::new(Trajectory::from_states(&flown)?))?;
+    Ok(scene)
+}
+
+#[test]
+fn windows_in_a_line() -> Result<(), Error> {
+    let line = |start, end| Window::new(start, end).map(|window| window.to_string());
+    assert_eq!(line(0.0, 60.0)?, "0.000..60.000 s");
+    assert_eq!(line(f64::NEG_INFINITY, -2.5)?, "..-2.500 s");
+    assert_eq!(line(1e-7, f64::INFINITY)?, "1.000e-7.. s");
+    assert_eq!(Window::ALL.to_string(), ".. s");
+    // No number takes a line of its own.
+    assert_eq!(line(-1e300, 1e300)?, "-1.000e300..1.000e300 s");
+    assert_eq!(format!("{:.1}", Window::new(0.25, 1.0)?), "0.2..1.0 s");
+    Ok(())
+}
+
+#[test]
+fn conflicts_and_stats_in_a_line() -> Result<(), Error> {
+    let screening = passing()?.screen(&Query::default().with_margin(5.0))?;
+    let conflict = screening.conflicts[0];
+    assert_eq!(
+        conflict.to_string(),
+        "body 0v0 and body 1v0 from 6.000 s to 12.000 s, closest 3.000 m at 10.000 s, cut off at exit"
+    );
+    assert!(format!("{conflict:.1}").contains("closest 3.0 m at 10.0 s"));
+    let line = screening.stats.to_string();
+    assert!(line.starts_with("2 bodies, 0 changed, "), "{line}");
+    assert!(
+        line.contains(" 1 conflicts, bounds ") && !line.contains('\n'),
+        "{line}"
+    );
+    let none = "0 bodies, 0 changed, 0 segments, 0 slices, 0 boxes, 0 candidates, 0 spans, \
+                0 survivors, 0 conflicts, bounds 0.0ns, broad phase 0.0ns, narrow phase 0.0ns, \
+                total 0.0ns";
+    assert_eq!(Stats::default().to_string(), none);
+    Ok(())
+}
+
+#[test]
+fn events_in_a_line() -> Result<(), Error> {
+    let mut monitor = Monitor::new(passing()?, 0.0, 10.5, &[AlertLevel::at(5.0)])?;
+    let mut events = Vec::new();
+    for now in [0.0, 2.0, 7.0, 13.0] {
+        monitor.advance(now, &mut events)?;
+    }
+    let lines: Vec<String> = events.iter().map(ToString::to_string).collect();
+    let pair = "encounter 0, level 0: body 0v0 and body 1v0 from 6.000 s to";
+    let closest = "closest 3.000 m at 10.000 s";
+    assert_eq!(
+        lines,
+        [
+            format!("at 0.000 s predicted: {pair} 10.500 s, {closest} so far"),
+            format!("at 2.000 s revised: {pair} 12.000 s, {closest}"),
+            "at 12.000 s the plan of body 1v0 ends".to_owned(),
+            format!("at 6.000 s began: {pair} 12.000 s, {closest}"),
+            format!("at 12.000 s ended (trajectory ended): {pair} 12.000 s, {closest}"),
+        ]
+    );
+    assert!(format!("{:.0}", events[0]).ends_with("closest 3 m at 10 s so far"));
+    Ok(())
+}
+
+#[test]
+fn ids_as_numbers() -> Result<(), Error> {
+    let mut scene = passing()?;
+    let (first, _) = scene.bodies().next().unwrap();
+    let body = scene.remove(first)?;
+    let again = scene.insert(body)?;
+    assert_eq!((first.to_bits(), again.to_bits()), (0, 1 << 32));
+    for bits in [0, 1, u64::MAX, 0x0123_4567_89ab_cdef] {
+        let id = BodyId::from_bits(bits);
+        assert_eq!(id.to_bits(), bits);
+        let halves = (u64::from(id.generation()), u64::from(id.slot()));
+        assert_eq!(halves, (bits >> 32, bits & 0xffff_ffff));
+        assert_eq!(EncounterId::from_bits(bits).to_bits(), bits);
+    }
+    // The number of a body that is gone, or never was, names none.
+    for gone in [first.to_bits(), 77] {
+        assert!(scene.body(BodyId::from_bits(gone)).is_none());
+    }
+    assert!(scene.body(BodyId::from_bits(again.to_bits())).is_some());
     Ok(())
 }
