@@ -10,6 +10,7 @@ use std::fmt;
 /// The instant of least separation of two bodies, within a window or a conflict.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct ClosestApproach {
     /// When, s. The first such instant where there are several, or a stretch of them.
     pub time: f64,
@@ -50,6 +51,7 @@ pub struct ClosestApproach {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Conflict {
     /// The body with the smaller id.
     pub a: BodyId,

@@ -129,6 +129,7 @@ pub enum Error {
         /// The body's tag.
         body: u64,
         /// What is wrong with it.
+        #[source]
         error: Box<Error>,
     },
     /// A radius is negative, NaN, infinite or too large.

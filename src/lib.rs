@@ -72,7 +72,8 @@
 //!   with the same answers.
 //! - `live` (default): `Monitor::spawn` runs a monitor on a thread of its own, behind the bounded
 //!   channels of `Live`.
-//! - `serde`: scenes, states, commands, events, conflicts and their parts implement `Serialize` and `Deserialize`;
+//! - `serde`: scenes, states, queries, screenings, options, commands, events, conflicts and their parts implement
+//!   `Serialize` and `Deserialize`;
 //!   `Monitor::start_recording` writes down what a monitor is told, and `Replay` goes through it
 //!   again, bit for bit.
 

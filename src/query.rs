@@ -7,7 +7,8 @@ use std::num::NonZeroU32;
 
 /// A question to a scene: when, and how close is too close.
 ///
-/// A query can hold any values: [`Scene::screen`](crate::Scene::screen) checks them.
+/// A query can hold any values: [`Scene::screen`](crate::Scene::screen) checks them. With the feature `serde`
+/// it is written without method, slices and instruction set, which are no part of the question.
 ///
 /// ```
 /// use nearmiss::glam::DVec3;
@@ -23,14 +24,19 @@ use std::num::NonZeroU32;
 /// # Ok::<(), nearmiss::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct Query {
     /// None: the time that the scene's plans cover.
     window: Option<Window>,
     margin: f64,
+    #[cfg_attr(feature = "serde", serde(skip))]
     method: Method,
     accuracy: Accuracy,
+    #[cfg_attr(feature = "serde", serde(skip))]
     slices: Option<NonZeroU32>,
     max_spans: usize,
+    #[cfg_attr(feature = "serde", serde(skip))]
     instructions: InstructionSet,
 }
 

@@ -29,6 +29,7 @@ use std::slice::from_ref;
 /// A trajectory with a hitbox around it.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Body {
     /// Where it goes.
     pub trajectory: Trajectory,

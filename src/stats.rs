@@ -13,6 +13,7 @@ use std::time::Duration;
 /// of it: taking over plans, and following encounters, have no stage of their own.
 #[derive(Clone, Copy, Debug, Default)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stats {
     /// Bodies in the scene.
     pub bodies: u64,

@@ -24,6 +24,8 @@ use std::fmt;
 /// # Ok::<(), nearmiss::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "Ends", into = "Ends"))]
 pub struct Window {
     start: f64,
     end: f64,
@@ -107,5 +109,35 @@ impl Default for Window {
     /// [`Window::ALL`].
     fn default() -> Self {
         Self::ALL
+    }
+}
+
+/// A window in files: an open end is none, as not each format has infinities.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Ends {
+    /// s.
+    start: Option<f64>,
+    /// s.
+    end: Option<f64>,
+}
+
+#[cfg(feature = "serde")]
+impl From<Window> for Ends {
+    fn from(window: Window) -> Self {
+        let [start, end] =
+            [window.start, window.end].map(|end| Some(end).filter(|end| end.is_finite()));
+        Self { start, end }
+    }
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Ends> for Window {
+    type Error = Error;
+
+    fn try_from(ends: Ends) -> Result<Self, Error> {
+        let all = Self::ALL;
+        Self::new(ends.start.unwrap_or(all.start), ends.end.unwrap_or(all.end))
     }
 }

@@ -13,6 +13,7 @@ use nearmiss::{
     AlertLevel, Body, BodyId, EncounterId, Error, Monitor, Outside, Query, RevisionThreshold,
     Scene, State, Stats, Trajectory, Window,
 };
+use std::error::Error as _;
 
 #[test]
 fn states_from_what_a_program_has() {
@@ -173,4 +174,19 @@ fn ids_as_numbers() -> Result<(), Error> {
     }
     assert!(scene.body(BodyId::from_bits(again.to_bits())).is_some());
     Ok(())
+}
+
+/// An error that wraps one says which.
+#[test]
+fn sources_of_errors() {
+    let inner = Error::Clock { time: 1.0 };
+    assert!(inner.source().is_none());
+    let outer = inner.clone().in_body(7);
+    let source = outer.source().map(ToString::to_string);
+    assert_eq!(source, Some(inner.to_string()));
+    assert!(
+        outer
+            .source()
+            .is_some_and(|source| source.source().is_none())
+    );
 }

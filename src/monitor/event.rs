@@ -40,6 +40,7 @@ impl fmt::Display for EncounterId {
 /// finds no match is withdrawn, or ended if it had begun; what is new has a new id.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Encounter {
     /// Stays the same from the first event to the last.
     pub id: EncounterId,
@@ -146,6 +147,7 @@ pub enum EventKind {
 /// Something that happened, and when.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Event {
     /// s: the enter of what began, the exit of what ended, the end of the plan that ends; else the
     /// monitor's clock (of what a removal withdraws, that of the tick before it).

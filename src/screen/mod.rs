@@ -37,6 +37,7 @@ use std::time::Instant;
 /// The answer to a [`Query`].
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Screening {
     /// All conflicts, sorted by (enter, a, b).
     pub conflicts: Vec<Conflict>,
@@ -49,6 +50,7 @@ pub struct Screening {
 /// A closest approach with what is proven of it, as in [`Certificate`](crate::Certificate).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CertifiedApproach {
     /// When, how close, and where.
     pub approach: ClosestApproach,

@@ -349,11 +349,9 @@ fn a_backlog_loses_no_late_plan() {
         }
     }
     orders.push(Request::Clock(1.0));
-    let options = LiveOptions {
-        requests: 8_192,
-        reports: 1 << 16,
-        ..LiveOptions::default()
-    };
+    let options = LiveOptions::default()
+        .with_requests(8_192)
+        .with_reports(1 << 16);
     let live = monitor.spawn(options).unwrap();
     let game = live.handle();
     let tickets: Vec<_> = orders
