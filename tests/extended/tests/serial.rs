@@ -119,7 +119,7 @@ fn answers_come_back() {
         let plan = Trajectory::from_states(&states).unwrap();
         scene.insert(Body::new(plan)).unwrap()
     });
-    let query = Query::default().with_margin(2.0);
+    let query = Query::default().with_margin(10.0);
     let screening = scene.screen(&query).unwrap();
     let read: Screening = back(&screening);
     assert!(!read.conflicts.is_empty() && read.stats.survivors > 0);
