@@ -124,7 +124,8 @@ impl Trajectory {
     ///
     /// let states = [0.0, 10.0].map(|t| State::new(t, [t, 0.0, 0.0], [1.0, 0.0, 0.0]));
     /// let plan = Trajectory::from_states(&states)?;
-    /// assert_eq!(plan.state(10.0), Some(states[1]));
+    /// let middle = plan.state(5.0).map(|state| state.position.to_array());
+    /// assert_eq!(middle, Some([5.0, 0.0, 0.0]));
     /// assert_eq!(plan.state(10.1), None);
     /// # Ok::<(), nearmiss::Error>(())
     /// ```
