@@ -137,7 +137,7 @@ impl Grid {
         (origin, lookahead): (f64, f64),
         now: f64,
     ) -> Result<Self, Error> {
-        let query = Query::new(Window::new(origin, origin + lookahead)?).with_margin(margin)?;
+        let query = Query::new(Window::new(origin, origin + lookahead)?).with_margin(margin);
         let cheapest = f64::from(scene.cheapest_slices(&query)?);
         // Whole: else part of the next one would be due with the first tick.
         let ahead = Self::number(cheapest, scene.len()).round();

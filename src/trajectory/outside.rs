@@ -43,6 +43,7 @@ use std::iter::repeat_n;
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Outside {
     /// It does not exist there.
     #[default]

@@ -22,6 +22,8 @@ use worker::{Outcome, Worker};
 
 /// How a live monitor runs. What its queues and its budget mean is in the contract at [`Live`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct LiveOptions {
     /// Requests that may wait, 1 to [`MAX`](Self::MAX); 4,096 by default. There is room for all of them from
     /// the beginning; as many again may have left the queue and not be applied yet.
@@ -36,6 +38,27 @@ pub struct LiveOptions {
 impl LiveOptions {
     /// What a queue may hold at most: some hundred megabytes.
     pub const MAX: usize = 1 << 20;
+
+    /// The same options with room for this many requests.
+    #[must_use]
+    pub const fn with_requests(mut self, requests: usize) -> Self {
+        self.requests = requests;
+        self
+    }
+
+    /// The same options with room for this many reports.
+    #[must_use]
+    pub const fn with_reports(mut self, reports: usize) -> Self {
+        self.reports = reports;
+        self
+    }
+
+    /// The same options with this budget.
+    #[must_use]
+    pub const fn with_budget(mut self, budget: Duration) -> Self {
+        self.budget = budget;
+        self
+    }
 }
 
 impl Default for LiveOptions {
@@ -51,6 +74,7 @@ impl Default for LiveOptions {
 
 /// A report of a live monitor, with its number.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Report {
     /// Number of reports before this one. None is missing, and none comes twice.
     pub sequence: u64,
@@ -175,6 +199,7 @@ pub struct Live {
 
 /// What a live monitor leaves.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct Stopped {
     /// As the last request left it.
     pub monitor: Monitor,
@@ -188,6 +213,7 @@ pub struct Stopped {
 
 /// The thread panicked.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct Panicked {
     /// What the panic said.
     pub message: String,
