@@ -329,7 +329,11 @@ mod tests {
         for seed in 0..200 {
             let far = if seed % 2 == 0 { 10.0 } else { 1e6 };
             // Boxes stay, or move with some of the bodies' velocity, or faster.
-            let common = [0.0, 20.0, 300.0][seed as usize % 3];
+            let common = match seed % 3 {
+                0 => 0.0,
+                1 => 20.0,
+                _ => 300.0,
+            };
             let mut vector =
                 |half: f64| DVec3::from_array([0; 3].map(|_| rng.random_range(-half..half)));
             let base = vector(far);

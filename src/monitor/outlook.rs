@@ -309,9 +309,8 @@ impl Outlook {
                     let number = usize::try_from(slice.index - first).unwrap_or(usize::MAX);
                     let moved = (number < needed).then_some((moved, number));
                     slice.refresh(&bodies, filter, moved, limits, &mut pool.take(), |_| true);
-                    let is_crowded = slice.check_room().is_err();
-                    let more = if is_crowded { most } else { 0 } + slice.survivors.len();
-                    found.fetch_add(more, Relaxed);
+                    let crowd = slice.check_room().map_or(most, |()| 0);
+                    found.fetch_add(crowd + slice.survivors.len(), Relaxed);
                 }
             });
             is_done = found.into_inner() <= most;
