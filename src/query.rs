@@ -104,9 +104,9 @@ impl Query {
 
     /// The same query with room for this many spans that may hold a conflict: common intervals of
     /// a cubic of one body with a cubic of another that cheap tests cannot rule out; and for as
-    /// many pairs whose boxes meet in one slice of time, but at least 2^26. Where all
+    /// many pairs whose boxes meet in a part of a time slice, but at least 2^22. Where all
     /// bodies are in one place they are as many as the pairs; then a screening ends with
-    /// [`Error::TooCrowded`] instead of filling the memory.
+    /// [`Error::TooCrowded`](crate::Error::TooCrowded) instead of filling the memory.
     #[must_use]
     pub const fn with_max_spans(mut self, limit: usize) -> Self {
         self.max_spans = limit;
