@@ -82,7 +82,7 @@ fn rescreen(
     let plans: Vec<(BodyId, Trajectory)> = commands.iter().filter_map(plan_of).collect();
     advance(fleet, commands, now, &mut Vec::new());
     let window = Window::new(now, now + LOOKAHEAD).unwrap();
-    let query = Query::new(window).with_margin(3.0).unwrap();
+    let query = Query::new(window).with_margin(3.0);
     // Whoever has no monitor has the scene in the caches, not the monitor.
     black_box(scene.screen(&query).unwrap());
     let begin = Instant::now();

@@ -63,10 +63,7 @@ fn build(generated: &Generated) -> (Scene, Query) {
         inserted.unwrap_or_else(|error| panic!("a generated body is refused: {error}"));
     }
     let query = Query::default().with_margin(generated.margin);
-    (
-        scene,
-        query.unwrap_or_else(|error| panic!("a generated margin is refused: {error}")),
-    )
+    (scene, query)
 }
 
 /// The recordings of the folder in `NEARMISS_DATA`, if that is set; each must be there.
@@ -81,7 +78,6 @@ fn recordings() -> impl Iterator<Item = (&'static str, Scene, Query)> {
                 inserted.unwrap_or_else(|error| panic!("{name}: {error}"));
             }
             let query = Query::default().with_margin(margin);
-            let query = query.unwrap_or_else(|error| panic!("{name}: {error}"));
             (name, scene, query)
         })
     })
@@ -175,7 +171,6 @@ fn spheres(criterion: &mut Criterion) {
             replaced.unwrap_or_else(|error| panic!("{error}"));
         }
         let query = query.with_margin(0.0);
-        let query = query.unwrap_or_else(|error| panic!("no margin is refused: {error}"));
         for (accuracy, title) in [
             (Accuracy::Exact, "exact"),
             (Accuracy::Certified, "certified"),

@@ -17,7 +17,7 @@ fn main() -> Result<(), Error> {
         let body = Body::new(Trajectory::from_states(&plan)?).with_hitbox(Hitbox::sphere(0.5)?);
         scene.insert(body)?;
     }
-    for conflict in scene.screen(&Query::default().with_margin(2.0)?)?.conflicts {
+    for conflict in scene.screen(&Query::default().with_margin(2.0))?.conflicts {
         println!(
             "within 2 m from {:.3} s to {:.3} s, closest {:.3} m at {:.3} s",
             conflict.enter, conflict.exit, conflict.closest.separation, conflict.closest.time

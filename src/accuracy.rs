@@ -36,6 +36,8 @@
 /// | solver | `Exact` counts as contact what comes within its worst-case rounding of the threshold | `Certified` proves each part of a span inside or outside ([`enclosure`](crate::enclosure)); what is neither is reported, and what it separates is joined, as unresolved |
 /// | times | the local parameter is exact, its instant is rounded | outward in `Certified`; knots are met exactly |
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Accuracy {
     /// f64, good to a few roundings of the local scale, not certified. What comes within the
     /// worst case of that rounding of the margin is reported, so a touch is never lost.
@@ -73,7 +75,7 @@ pub struct TimeEnclosure {
 ///     let states = [-9.0, 9.0].map(|t| State::new(t, t * velocity, velocity));
 ///     scene.insert(Body::new(Trajectory::from_states(&states)?))?;
 /// }
-/// let query = Query::default().with_margin(2.0)?.with_accuracy(Accuracy::Certified);
+/// let query = Query::default().with_margin(2.0).with_accuracy(Accuracy::Certified);
 /// let conflict = scene.screen(&query)?.conflicts[0];
 /// assert!(conflict.certificate.is_some_and(|proof| {
 ///     // A proof to the last digits: it is one conflict, and contains the instant 0 s.
@@ -87,6 +89,7 @@ pub struct TimeEnclosure {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Certificate {
     /// The least separation within the conflict lies in `closest.separation ± error` (m).
     pub error: f64,

@@ -2,12 +2,15 @@
 
 use crate::accuracy::Certificate;
 use crate::id::BodyId;
+use crate::readable::Readable;
 use glam::DVec3;
 use std::cmp::Ordering;
+use std::fmt;
 
 /// The instant of least separation of two bodies, within a window or a conflict.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct ClosestApproach {
     /// When, s. The first such instant where there are several, or a stretch of them.
     pub time: f64,
@@ -39,7 +42,7 @@ pub struct ClosestApproach {
 /// let mut scene = Scene::new();
 /// scene.insert(Body::new(Trajectory::from_states(&fly)?))?;
 /// scene.insert(Body::new(Trajectory::at_rest(DVec3::ZERO)?))?;
-/// let query = Query::new(Window::new(-10.0, 10.0)?).with_margin(5.0)?;
+/// let query = Query::new(Window::new(-10.0, 10.0)?).with_margin(5.0);
 /// let conflict = scene.screen(&query)?.conflicts[0];
 /// assert!((conflict.enter + 4.0).abs() < 1e-9 && (conflict.exit - 4.0).abs() < 1e-9);
 /// assert!((conflict.closest.separation - 3.0).abs() < 1e-9);
@@ -48,6 +51,7 @@ pub struct ClosestApproach {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Conflict {
     /// The body with the smaller id.
     pub a: BodyId,
@@ -93,4 +97,38 @@ impl Conflict {
             .then_with(|| self.a.cmp(&other.a))
             .then_with(|| self.b.cmp(&other.b))
     }
+}
+
+impl fmt::Display for Conflict {
+    /// One line: the bodies, the interval, the closest approach, and which ends are cut off. With a precision
+    /// (`{:.6}`), so many decimals.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} and {} ", self.a, self.b)?;
+        write_course(f, (self.enter, self.exit), &self.closest)?;
+        let certificate = self.certificate.as_ref();
+        if certificate.is_some_and(|certificate| !certificate.resolved) {
+            f.write_str(", unresolved")?;
+        }
+        f.write_str(match (self.clip.at_enter, self.clip.at_exit) {
+            (false, false) => "",
+            (true, false) => ", cut off at enter",
+            (false, true) => ", cut off at exit",
+            (true, true) => ", cut off at both ends",
+        })
+    }
+}
+
+/// Writes from when to when (s) two bodies are too close, and the closest approach.
+pub(crate) fn write_course(
+    f: &mut fmt::Formatter<'_>,
+    (enter, exit): (f64, f64),
+    closest: &ClosestApproach,
+) -> fmt::Result {
+    let decimals = f.precision().unwrap_or(3);
+    let [enter, exit, least, time] = [enter, exit, closest.separation, closest.time].map(Readable);
+    write!(
+        f,
+        "from {enter:.decimals$} s to {exit:.decimals$} s, \
+         closest {least:.decimals$} m at {time:.decimals$} s"
+    )
 }

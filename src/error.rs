@@ -129,6 +129,7 @@ pub enum Error {
         /// The body's tag.
         body: u64,
         /// What is wrong with it.
+        #[source]
         error: Box<Error>,
     },
     /// A radius is negative, NaN, infinite or too large.
@@ -165,6 +166,10 @@ pub enum Error {
         /// End, s.
         end: f64,
     },
+    /// A query names no window, and the scene has no plan to take one from: it is empty, or its bodies are at
+    /// rest or coast from single states.
+    #[error("no body has a plan that says which time to look at: name a window, with Query::new")]
+    NoPlan,
     /// A body that exists at all times cannot be screened over a window without end: see
     /// [`Scene::planned`](crate::Scene::planned).
     #[error("body {body} exists beyond its knots: the window must be closed on both sides")]

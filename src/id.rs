@@ -30,6 +30,26 @@ impl BodyId {
         self.slot
     }
 
+    /// Returns the id as one number: the generation in the upper 32 bits, the slot in the lower ones.
+    ///
+    /// [`from_bits`](Self::from_bits) returns the same id again. Like the id, the number is of use with its own
+    /// scene, copies of that, and what `serde` restores of it. The numbers are not in the order of the ids.
+    #[must_use]
+    pub const fn to_bits(self) -> u64 {
+        (self.generation as u64) << 32 | self.slot as u64
+    }
+
+    /// Returns the id whose [`to_bits`](Self::to_bits) is this number. Each number is that of one id; of which
+    /// there is no body in a scene, the scene says so ([`Error::UnknownBody`](crate::Error::UnknownBody)).
+    #[must_use]
+    #[allow(clippy::cast_possible_truncation, reason = "the lower half is meant")]
+    pub const fn from_bits(bits: u64) -> Self {
+        Self {
+            slot: bits as u32,
+            generation: (bits >> 32) as u32,
+        }
+    }
+
     /// How often the slot had been used before this body.
     #[must_use]
     pub const fn generation(self) -> u32 {

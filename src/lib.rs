@@ -14,7 +14,7 @@
 //!     let body = Body::new(Trajectory::from_states(&plan)?).with_hitbox(Hitbox::sphere(0.5)?);
 //!     scene.insert(body)?;
 //! }
-//! for conflict in scene.screen(&Query::default().with_margin(2.0)?)?.conflicts {
+//! for conflict in scene.screen(&Query::default().with_margin(2.0))?.conflicts {
 //!     println!(
 //!         "within 2 m from {:.3} s to {:.3} s, closest {:.3} m at {:.3} s",
 //!         conflict.enter, conflict.exit, conflict.closest.separation, conflict.closest.time
@@ -72,7 +72,8 @@
 //!   with the same answers.
 //! - `live` (default): `Monitor::spawn` runs a monitor on a thread of its own, behind the bounded
 //!   channels of `Live`.
-//! - `serde`: scenes, states, commands, events, conflicts and their parts implement `Serialize` and `Deserialize`;
+//! - `serde`: scenes, states, queries, screenings, options, commands, events, conflicts and their parts implement
+//!   `Serialize` and `Deserialize`;
 //!   `Monitor::start_recording` writes down what a monitor is told, and `Replay` goes through it
 //!   again, bit for bit.
 
@@ -94,6 +95,7 @@ mod parallel;
 pub mod polynomial;
 mod pool;
 mod query;
+mod readable;
 mod rounding;
 mod scene;
 mod screen;

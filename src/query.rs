@@ -2,11 +2,13 @@
 
 use crate::accuracy::Accuracy;
 use crate::broad_phase::{InstructionSet, Method};
-use crate::error::{Error, MAX_MAGNITUDE};
 use crate::window::Window;
 use std::num::NonZeroU32;
 
 /// A question to a scene: when, and how close is too close.
+///
+/// A query can hold any values: [`Scene::screen`](crate::Scene::screen) checks them. With the feature `serde`
+/// it is written without method, slices and instruction set, which are no part of the question.
 ///
 /// ```
 /// use nearmiss::glam::DVec3;
@@ -18,26 +20,32 @@ use std::num::NonZeroU32;
 /// }
 /// let query = Query::new(Window::new(0.0, 60.0)?);
 /// assert_eq!(scene.screen(&query)?.conflicts.len(), 0);
-/// assert_eq!(scene.screen(&query.with_margin(3.0)?)?.conflicts.len(), 1);
+/// assert_eq!(scene.screen(&query.with_margin(3.0))?.conflicts.len(), 1);
 /// # Ok::<(), nearmiss::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct Query {
-    window: Window,
+    /// None: the time that the scene's plans cover.
+    window: Option<Window>,
     margin: f64,
+    #[cfg_attr(feature = "serde", serde(skip))]
     method: Method,
     accuracy: Accuracy,
+    #[cfg_attr(feature = "serde", serde(skip))]
     slices: Option<NonZeroU32>,
     max_spans: usize,
+    #[cfg_attr(feature = "serde", serde(skip))]
     instructions: InstructionSet,
 }
 
 impl Default for Query {
-    /// Overlaps (margin 0) at all times ([`Window::ALL`]): refused with [`Error::WindowNotClosed`]
-    /// if a body goes on beyond its knots, or is at rest.
+    /// Overlaps (margin 0) in the time that the scene's plans cover:
+    /// [`Scene::planned`](crate::Scene::planned).
     fn default() -> Self {
         Self {
-            window: Window::default(),
+            window: None,
             margin: 0.0,
             method: Method::default(),
             accuracy: Accuracy::default(),
@@ -57,23 +65,17 @@ impl Query {
     #[must_use]
     pub fn new(window: Window) -> Self {
         Self {
-            window,
+            window: Some(window),
             ..Self::default()
         }
     }
 
     /// The same query with a margin: bodies are in conflict while their separation is at most
     /// this (m; negative asks for overlaps of at least that depth).
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Margin`] if it is NaN, infinite or beyond ±1e300.
-    pub fn with_margin(mut self, margin: f64) -> Result<Self, Error> {
-        if margin.is_nan() || margin.abs() > MAX_MAGNITUDE {
-            return Err(Error::Margin { margin });
-        }
+    #[must_use]
+    pub const fn with_margin(mut self, margin: f64) -> Self {
         self.margin = margin;
-        Ok(self)
+        self
     }
 
     /// The same query by another broad-phase method. The answer is the same.
@@ -102,9 +104,9 @@ impl Query {
 
     /// The same query with room for this many spans that may hold a conflict: common intervals of
     /// a cubic of one body with a cubic of another that cheap tests cannot rule out; and for as
-    /// many pairs whose boxes meet in one slice of time, but at least 2^26. Where all
+    /// many pairs whose boxes meet in a part of a time slice, but at least 2^22. Where all
     /// bodies are in one place they are as many as the pairs; then a screening ends with
-    /// [`Error::TooCrowded`] instead of filling the memory.
+    /// [`Error::TooCrowded`](crate::Error::TooCrowded) instead of filling the memory.
     #[must_use]
     pub const fn with_max_spans(mut self, limit: usize) -> Self {
         self.max_spans = limit;
@@ -119,9 +121,9 @@ impl Query {
         self
     }
 
-    /// The time asked about.
+    /// The window asked about; none stands for [`Scene::planned`](crate::Scene::planned).
     #[must_use]
-    pub const fn window(&self) -> Window {
+    pub const fn window(&self) -> Option<Window> {
         self.window
     }
 

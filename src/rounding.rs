@@ -31,8 +31,9 @@
 //! | roots and ends of a distance | `enclosure/minimum` | `minimum::tests` |
 //! | twice the error to a minimiser, Markov's 18, its products, 3 h'·h'' | `enclosure/minimum`, `piece` | `tests/enclosure` |
 //! | Markov's 96 and 192, slack of a stationary point, ends of parameters | `enclosure/minimum`, `piece` | count |
-//! | squares of levels | `enclosure/levels` | `levels::tests` |
-//! | patterns of coefficients, crossings, cuts | `enclosure/crossings` | count |
+//! | squares of levels; underflow of the outer one | `enclosure/levels` | `levels::tests`; `tests/enclosure` |
+//! | own error of a cubic, control points of a part | `enclosure/crossings` | `tests/enclosure` |
+//! | squares of a part, crossings, cuts | `enclosure/crossings` | count |
 //! | screens, splits of enclosures, conversion to f32, guesses | `kernels` | `tests/kernels.rs` |
 //! | error of a span; thresholds in f32 | `kernels/spans`, `real` | `spans::what_is_badly_known_is_never_decided`, `real::tests` |
 //! | roundings outward of an enclosure, underflow | `kernels/enclosure`, `screen`, `within` | count |
@@ -40,6 +41,8 @@
 //! | splits of a sketch | `bounds/piece` | `piece::tests` |
 //! | hitbox and margin, underflow | `bounds/pose` | `pose::tests` |
 //! | line of a bundle; its way in no time | `bounds/trace` | `trace::tests` |
+//! | places far from the middle, in boxes and courses | `bounds/trace` | `pose::tests` |
+//! | differences and places of a sight | `bounds/apart` | `apart::tests` |
 //! | other sums of a box, a course, a sight | `bounds/trace`, `apart` | count |
 //! | instants of a screening's edges and of a budget's | `monitor/outlook`, `screen/pilot` | `tests/monitor` `budgets` |
 //! | instants of a question, of a bridge, of a slice's ends | `monitor/outlook`, `ask`, `bridge` | count |

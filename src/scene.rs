@@ -309,9 +309,11 @@ impl Scene {
         })
     }
 
-    /// From the earliest first knot to the latest last one: the time that plans cover, whatever the bodies do
-    /// beyond. None if there is no body. Bodies [at rest](Trajectory::at_rest) have no plan that matters
-    /// here, nor have those that [coast](Trajectory::coasting) from a single state, unless there are no others.
+    /// Returns the time that plans cover, from the earliest first knot to the latest last one, whatever the
+    /// bodies do beyond. A [query without a window](crate::Query::default) looks at this time.
+    ///
+    /// Bodies [at rest](Trajectory::at_rest) and bodies that [coast](Trajectory::coasting) from a single state
+    /// do not count. None if there are no others.
     ///
     /// ```
     /// use nearmiss::glam::DVec3;
@@ -319,28 +321,20 @@ impl Scene {
     ///
     /// let mut scene = Scene::new();
     /// scene.insert(Body::new(Trajectory::at_rest(DVec3::ONE)?))?;
+    /// assert_eq!(scene.planned(), None);
     /// let states = [5.0, 9.0].map(|time| State::new(time, time * DVec3::X, DVec3::X));
     /// let plan = Trajectory::from_states(&states)?.with_outside(Outside::Coast);
     /// scene.insert(Body::new(plan))?;
-    /// // Both exist at all times: `Query::default()` would be refused.
-    /// let planned = scene.planned().unwrap_or(Window::new(0.0, 0.0)?);
-    /// assert_eq!(planned, Window::new(5.0, 9.0)?);
-    /// scene.screen(&Query::new(planned))?;
+    /// // Both exist at all times; the screening looks at what is planned.
+    /// assert_eq!(scene.planned(), Some(Window::new(5.0, 9.0)?));
+    /// assert_eq!(scene.screen(&Query::default())?.window, Window::new(5.0, 9.0)?);
     /// # Ok::<(), nearmiss::Error>(())
     /// ```
     #[must_use]
     pub fn planned(&self) -> Option<Window> {
-        // Of plans with cubics, and of all.
-        let [mut moving, mut any] = [None; 2];
-        for (_, occupant) in self.occupants() {
-            let trajectory = &occupant.body.trajectory;
-            let window = trajectory.planned();
-            any = Some(hull(any, window));
-            if !trajectory.segments().is_empty() {
-                moving = Some(hull(moving, window));
-            }
-        }
-        moving.or(any)
+        let trajectories = self.bodies().map(|(_, body)| &body.trajectory);
+        let plans = trajectories.filter(|trajectory| !trajectory.segments().is_empty());
+        plans.map(Trajectory::planned).reduce(hull)
     }
 
     /// Rough extremes of all plans of bodies that may be part of a pair, m.
@@ -436,9 +430,8 @@ impl Clone for Scene {
     }
 }
 
-/// The least window that holds another one, and the one there is.
-fn hull(so_far: Option<Window>, other: Window) -> Window {
-    let Some(one) = so_far else { return other };
+/// The least window that holds both.
+fn hull(one: Window, other: Window) -> Window {
     let (start, end) = (one.start().min(other.start()), one.end().max(other.end()));
     Window::new(start, end).unwrap_or(Window::ALL)
 }

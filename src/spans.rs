@@ -26,6 +26,11 @@ pub(crate) struct SpanKey {
 }
 
 impl SpanKey {
+    /// Returns the two bodies, and which cubic each follows.
+    pub(crate) const fn cubics(&self) -> [(u32, u32); 2] {
+        [(self.a, self.cubic_a), (self.b, self.cubic_b)]
+    }
+
     /// Returns the span, from the knots of both bodies.
     pub(crate) fn span(&self, a: &Knots<'_>, b: &Knots<'_>) -> Span {
         let (i, j) = (self.cubic_a as usize, self.cubic_b as usize);

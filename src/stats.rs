@@ -1,5 +1,6 @@
 //! How many entered and left each stage of the funnel, and how long each took.
 
+use std::fmt;
 use std::ops::AddAssign;
 use std::time::Duration;
 
@@ -12,6 +13,7 @@ use std::time::Duration;
 /// of it: taking over plans, and following encounters, have no stage of their own.
 #[derive(Clone, Copy, Debug, Default)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stats {
     /// Bodies in the scene.
     pub bodies: u64,
@@ -57,5 +59,30 @@ impl AddAssign for Stats {
         self.broad_time += other.broad_time;
         self.narrow_time += other.narrow_time;
         self.total_time += other.total_time;
+    }
+}
+
+impl fmt::Display for Stats {
+    /// One line: the funnel from bodies to conflicts, and the times.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let counts = [
+            (self.bodies, "bodies"),
+            (self.changed, "changed"),
+            (self.segments, "segments"),
+            (self.slices, "slices"),
+            (self.boxes, "boxes"),
+            (self.candidates, "candidates"),
+            (self.spans, "spans"),
+            (self.survivors, "survivors"),
+            (self.conflicts, "conflicts"),
+        ];
+        for (count, what) in counts {
+            write!(f, "{count} {what}, ")?;
+        }
+        write!(
+            f,
+            "bounds {:.1?}, broad phase {:.1?}, narrow phase {:.1?}, total {:.1?}",
+            self.bounds_time, self.broad_time, self.narrow_time, self.total_time
+        )
     }
 }

@@ -1,7 +1,9 @@
 //! The closed time interval a question is about.
 
 use crate::error::Error;
+use crate::readable::Readable;
 use crate::rounding::one_zero;
+use std::fmt;
 
 /// A closed interval of time, s. May be a single instant; may be open-ended (infinite).
 ///
@@ -22,6 +24,8 @@ use crate::rounding::one_zero;
 /// # Ok::<(), nearmiss::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "Ends", into = "Ends"))]
 pub struct Window {
     start: f64,
     end: f64,
@@ -87,9 +91,53 @@ impl Window {
     }
 }
 
+impl fmt::Display for Window {
+    /// `0.000..60.000 s`; an open end is left out. With a precision (`{:.6}`), so many decimals.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let decimals = f.precision().unwrap_or(3);
+        for (end, before) in [(self.start, ""), (self.end, "..")] {
+            f.write_str(before)?;
+            if end.is_finite() {
+                write!(f, "{:.decimals$}", Readable(end))?;
+            }
+        }
+        f.write_str(" s")
+    }
+}
+
 impl Default for Window {
     /// [`Window::ALL`].
     fn default() -> Self {
         Self::ALL
+    }
+}
+
+/// A window in files: an open end is none, as not each format has infinities.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Ends {
+    /// s.
+    start: Option<f64>,
+    /// s.
+    end: Option<f64>,
+}
+
+#[cfg(feature = "serde")]
+impl From<Window> for Ends {
+    fn from(window: Window) -> Self {
+        let [start, end] =
+            [window.start, window.end].map(|end| Some(end).filter(|end| end.is_finite()));
+        Self { start, end }
+    }
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Ends> for Window {
+    type Error = Error;
+
+    fn try_from(ends: Ends) -> Result<Self, Error> {
+        let all = Self::ALL;
+        Self::new(ends.start.unwrap_or(all.start), ends.end.unwrap_or(all.end))
     }
 }

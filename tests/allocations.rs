@@ -240,7 +240,7 @@ fn a_second_screening_works_in_the_memory_of_the_first() {
     let scene = support::scene_of(&support::swarm(3, 300, 60.0));
     support::on_threads(1, || {
         for method in Method::EVERY {
-            let query = Query::default().with_margin(1.0).unwrap();
+            let query = Query::default().with_margin(1.0);
             let query = query.with_method(method);
             let of_screening = |scene: &Scene| {
                 let before = (allocations(), BYTES.get());

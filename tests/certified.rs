@@ -31,7 +31,6 @@ fn scene(bodies: impl IntoIterator<Item = (Trajectory, Hitbox)>) -> Scene {
 fn certified(scene: &Scene, margin: f64, window: Window) -> Vec<(Conflict, Certificate)> {
     let query = Query::new(window)
         .with_margin(margin)
-        .unwrap()
         .with_accuracy(Accuracy::Certified);
     let conflicts = scene.screen(&query).unwrap().conflicts;
     conflicts
@@ -203,7 +202,7 @@ fn what_is_known_less_well_is_not_lost() {
 fn certified_and_exact_agree() {
     let scene = scene_of(&swarm(23, 150, 60.0));
     for window in [Window::ALL, Window::new(10.0, 31.0).unwrap()] {
-        let query = Query::new(window).with_margin(1.5).unwrap();
+        let query = Query::new(window).with_margin(1.5);
         let exact = scene.screen(&query).unwrap().conflicts;
         let found = certified(&scene, 1.5, window);
         assert!(exact.len() > 20);

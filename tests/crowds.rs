@@ -72,7 +72,7 @@ fn formation(scene: &mut Scene, count: u32, height: f64, velocity: impl FnMut() 
 const FAST: DVec3 = DVec3::new(100.0, 100.0, 0.0);
 
 fn screen(scene: &Scene, margin: f64) -> (Stats, usize) {
-    let query = Query::default().with_margin(margin).unwrap();
+    let query = Query::default().with_margin(margin);
     let screening = scene.screen(&query).unwrap();
     (screening.stats, screening.conflicts.len())
 }
@@ -107,21 +107,30 @@ fn a_formation_has_no_candidates() {
     assert_eq!(screen(monitor.scene(), 0.6).1, 2 * 20_000 - 200 - 100);
 }
 
-/// No frame serves two fleets; short slices do.
+/// No frame serves two fleets; short slices do. A monitor has fewer: those with too many candidates are
+/// divided.
 #[test]
 fn fleets_that_pass_each_other_have_few_candidates() {
     let _one = alone();
     for other in [-FAST, DVec3::ZERO] {
         let mut scene = Scene::new();
-        formation(&mut scene, 6_000, 0.0, || FAST);
-        formation(&mut scene, 6_000, 10.0, || other);
+        for (height, velocity) in [(0.0, FAST), (10.0, other)] {
+            // 10 m apart.
+            for number in 0..4_000 {
+                let place = DVec3::new(f64::from(number % 100), f64::from(number / 100), 0.0);
+                let from = 10.0 * place + height * DVec3::Z;
+                let plan = line(0.0, 60.0, from, velocity);
+                let body = Body::new(plan).with_hitbox(Hitbox::sphere(0.2).unwrap());
+                scene.insert(body).unwrap();
+            }
+        }
         let (stats, conflicts) = screen(&scene, 0.0);
         assert_eq!(conflicts, 0);
-        assert!(stats.candidates < 48 * stats.boxes, "{stats:?}");
+        assert!(stats.candidates < 120 * stats.boxes, "{stats:?}");
         let mut monitor = monitor(scene, 0.0);
         monitor.advance(0.0, &mut Vec::new()).unwrap();
         let stats = monitor.stats();
-        assert!(stats.candidates < 48 * stats.boxes, "{stats:?}");
+        assert!(stats.candidates < 40 * stats.boxes, "{stats:?}");
     }
 }
 
@@ -184,7 +193,7 @@ fn in_a_circle(number: u32) -> Layers {
 fn bodies_that_see_nobody_cost_nothing() {
     let _one = alone();
     for layers in [|_| Layers::NONE, |_| Layers::new(1, 2), in_a_circle] {
-        let (scene, ids) = at_one_place(100_000, layers);
+        let (scene, ids) = at_one_place(20_000, layers);
         let (stats, conflicts) = screen(&scene, 0.0);
         assert_eq!((stats.candidates, conflicts), (0, 0));
         let mut monitor = monitor(scene, 0.0);
@@ -201,20 +210,19 @@ fn bodies_that_see_nobody_cost_nothing() {
         assert_eq!(monitor.what_if(ids[0], &plan, 0).unwrap().len(), 0);
         assert_eq!(monitor.what_if(ids[0], &meets(0.0), 0).unwrap().len(), 1);
         monitor.advance(1.0, &mut events).unwrap();
-        let is_predicted = |kind: &EventKind| matches!(kind, EventKind::Predicted(_));
-        assert_eq!(
-            events.iter().filter(|one| is_predicted(&one.kind)).count(),
-            1
-        );
+        assert_eq!(monitor.encounters().count(), 1, "{events:?}");
         assert!(counts(&monitor).0 < 1_000);
         // And no more when one of them is gone; its partner is alone.
         monitor.remove(ids[0]).unwrap();
         events.clear();
         monitor.advance(2.0, &mut events).unwrap();
-        let ended = events
-            .iter()
-            .filter(|one| matches!(one.kind, EventKind::Ended { .. }));
-        assert_eq!(ended.count(), 1);
+        let is_over =
+            |kind: &EventKind| matches!(kind, EventKind::Ended(..) | EventKind::Withdrawn(_));
+        assert_eq!(
+            events.iter().filter(|one| is_over(&one.kind)).count(),
+            1,
+            "{events:?}"
+        );
         assert!(monitor.encounters().next().is_none());
     }
 }
@@ -240,9 +248,9 @@ fn partners_that_come_later_are_found() {
     let far = Trajectory::at_rest(70.1 * DVec3::X).unwrap();
     assert_eq!(monitor.what_if(late, &far, 0).unwrap().len(), 1);
     monitor.advance(1.0, &mut events).unwrap();
-    assert_eq!(monitor.conflicts(0).len(), 1);
+    assert_eq!(monitor.conflicts(0).unwrap().len(), 1);
     let query = Query::new(nearmiss::Window::new(1.0, 61.0).unwrap()).with_margin(0.25);
-    let screened = monitor.scene().screen(&query.unwrap()).unwrap();
+    let screened = monitor.scene().screen(&query).unwrap();
     assert_eq!(screened.conflicts.len(), 1);
 }
 
@@ -250,15 +258,16 @@ fn partners_that_come_later_are_found() {
 #[test]
 fn what_no_distance_can_reach_is_no_pair() {
     let _one = alone();
-    let (mut scene, _) = at_one_place(100_000, |_| Layers::ALL);
+    let (scene, _) = at_one_place(100_000, |_| Layers::ALL);
     assert_eq!(screen(&scene, -1.0).1, 0);
     let ball = |radius: f64| {
         let plan = line(0.0, 60.0, DVec3::ZERO, DVec3::ZERO);
         Body::new(plan).with_hitbox(Hitbox::sphere(radius).unwrap())
     };
     // One that is just large enough for all others, at their centre.
+    let (mut scene, _) = at_one_place(3_000, |_| Layers::ALL);
     scene.insert(ball(1.0)).unwrap();
-    assert_eq!(screen(&scene, -1.0).1, 100_000);
+    assert_eq!(screen(&scene, -1.0).1, 3_000);
     // None is large enough for another one of its kind.
     let mut scene = Scene::new();
     for _ in 0..1_000 {
@@ -267,12 +276,12 @@ fn what_no_distance_can_reach_is_no_pair() {
     assert_eq!(screen(&scene, -1.0).1, 0);
     let mut monitor = monitor(scene, -1.0);
     monitor.advance(0.0, &mut Vec::new()).unwrap();
-    assert_eq!(monitor.conflicts(0).len(), 0);
+    assert_eq!(monitor.conflicts(0).unwrap().len(), 0);
     for _ in 0..2 {
         monitor.insert(ball(0.5)).unwrap();
     }
     monitor.advance(1.0, &mut Vec::new()).unwrap();
-    assert_eq!(monitor.conflicts(0).len(), 1);
+    assert_eq!(monitor.conflicts(0).unwrap().len(), 1);
 }
 
 /// Answers are the same bits in a frame that moves: each pair by itself, which has a frame of its own.
@@ -292,7 +301,7 @@ fn a_common_velocity_changes_no_bit() {
             Body::new(plan).with_hitbox(Hitbox::sphere(0.5).unwrap())
         })
         .collect();
-    let query = Query::default().with_margin(2.0).unwrap();
+    let query = Query::default().with_margin(2.0);
     let all = |bodies: &[&Body]| {
         let mut scene = Scene::new();
         for &body in bodies {

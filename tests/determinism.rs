@@ -19,7 +19,7 @@ fn threads_methods_instructions_and_slices() {
         // One begins and ends before most of the conflicts do: its first and last slices matter.
         for window in [Window::ALL, Window::new(6.0, 12.0).unwrap()] {
             let query = Query::new(window).with_accuracy(accuracy);
-            one_answer_to(&query.with_margin(1.0).unwrap());
+            one_answer_to(&query.with_margin(1.0));
         }
     }
 }
@@ -53,7 +53,7 @@ fn progress_ends_with_one() {
     for count in [0, 1, 200] {
         let scene = scene_of(&bodies[..count]);
         let told = std::sync::Mutex::new(Vec::new());
-        let query = Query::default().with_margin(1.0).unwrap();
+        let query = Query::default().with_margin(1.0);
         let tell = |share: f64| told.lock().unwrap().push(share);
         scene.screen_with_progress(&query, tell).unwrap();
         let told = told.into_inner().unwrap();

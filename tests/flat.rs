@@ -72,7 +72,7 @@ fn what_is_proven_is_found() {
         let factor = [1.000_001, 1.01, 1.5, 4.0][rng.random_range(0..4)];
         let margin = least.approach.separation * factor + least.error + 400.0 * rounding;
         let screen = |scene: &Scene, accuracy: Accuracy| {
-            let query = Query::default().with_margin(margin).unwrap();
+            let query = Query::default().with_margin(margin);
             let found = scene.screen(&query.with_accuracy(accuracy));
             found.unwrap().conflicts
         };

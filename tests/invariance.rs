@@ -273,9 +273,8 @@ fn a_window_may_begin_or_end_at_a_reported_instant() {
                 (one.enter - 1.0, one.enter.next_down()),
             ] {
                 for slices in [None, NonZeroU32::new(7)] {
-                    let mut query = Query::new(Window::new(window.0, window.1).unwrap())
-                        .with_margin(MARGIN)
-                        .unwrap();
+                    let mut query =
+                        Query::new(Window::new(window.0, window.1).unwrap()).with_margin(MARGIN);
                     if let Some(slices) = slices {
                         query = query.with_slices(slices);
                     }
@@ -484,7 +483,7 @@ fn earlier_screenings_do_not_matter() {
         for (_, body) in scene.bodies() {
             fresh.insert(body.clone()).unwrap();
         }
-        let query = Query::new(window).with_margin(MARGIN).unwrap();
+        let query = Query::new(window).with_margin(MARGIN);
         let [kept, new] = [&scene.clone(), &fresh].map(|scene| scene.screen(&query).unwrap());
         assert_eq!(bits(&kept.conflicts), bits(&new.conflicts));
         assert_eq!(

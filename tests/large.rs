@@ -50,7 +50,7 @@ fn scene_of<'a>(actors: impl IntoIterator<Item = &'a Actor>) -> Scene {
 }
 
 fn query() -> Query {
-    Query::default().with_margin(MARGIN).unwrap()
+    Query::default().with_margin(MARGIN)
 }
 
 /// What is said of two bodies is about these two: they are asked again by themselves.

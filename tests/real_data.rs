@@ -39,7 +39,7 @@ fn compare(name: &str, intervals: &str, threshold: f64, time_tolerance: f64) {
         return;
     };
     let scene = load(&folder.join(format!("{name}.csv.gz")));
-    let query = Query::new(Window::ALL).with_margin(threshold).unwrap();
+    let query = Query::new(Window::ALL).with_margin(threshold);
     let conflicts = scene.screen(&query).unwrap().conflicts;
     let oracle = load_oracle(&folder.join(format!("{intervals}.intervals.csv")));
     let mut found: BTreeMap<(u64, u64), Vec<&Conflict>> = BTreeMap::new();

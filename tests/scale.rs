@@ -74,10 +74,7 @@ fn scene(generated: &Generated) -> (Scene, Query) {
         let hitbox = Hitbox::sphere(actor.radius).unwrap();
         scene.insert(Body::new(plan).with_hitbox(hitbox)).unwrap();
     }
-    (
-        scene,
-        Query::default().with_margin(generated.margin).unwrap(),
-    )
+    (scene, Query::default().with_margin(generated.margin))
 }
 
 fn screened(scene: &Scene, query: &Query) -> (Vec<Conflict>, Stats) {

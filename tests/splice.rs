@@ -148,7 +148,7 @@ fn a_plan_for_later_leaves_what_comes_before() {
             changed.advance(now, &mut events).unwrap();
             twin.advance(now, &mut others).unwrap();
             let early = |monitor: &Monitor| -> Vec<Conflict> {
-                let mut found = monitor.conflicts(0).to_vec();
+                let mut found = monitor.conflicts(0).unwrap().to_vec();
                 found.retain(|conflict| conflict.exit < from);
                 found
             };
@@ -199,7 +199,7 @@ fn an_encounter_before_the_first_knot_goes_on() {
         // Its end is told once it is in sight.
         let is_revised = |event: &Event| matches!(event.kind, EventKind::Revised(_));
         assert!(events.iter().all(is_revised), "{events:?}");
-        assert!((monitor.conflicts(0)[0].exit - 5.0).abs() < 1e-12);
+        assert!((monitor.conflicts(0).unwrap()[0].exit - 5.0).abs() < 1e-12);
     }
 }
 

@@ -37,7 +37,7 @@ fn body(rng: &mut ChaCha8Rng) -> Body {
 
 /// The conflicts, bodies by their order in the scene: no two bits differ.
 fn found(scene: &Scene) -> Vec<[u64; 6]> {
-    let query = Query::default().with_margin(1.0).unwrap();
+    let query = Query::default().with_margin(1.0);
     let ids: Vec<BodyId> = scene.bodies().map(|(id, _)| id).collect();
     let place = |id: BodyId| ids.binary_search(&id).unwrap() as u64;
     let conflicts = scene.screen(&query).unwrap().conflicts;

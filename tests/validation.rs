@@ -176,11 +176,14 @@ fn windows_and_margins() {
     assert!(Window::new(f64::NAN, 1.0).is_err());
     assert!(Window::new(f64::INFINITY, f64::INFINITY).is_err());
     assert!(Window::new(1.0, 1.0).is_ok());
+    // A query takes any margin; a screening checks it first of all, with or without bodies.
+    let scene = support::scene_of(&support::swarm(1, 3, 20.0));
     for margin in [f64::NAN, f64::INFINITY, -1e301] {
-        assert!(matches!(
-            Query::default().with_margin(margin),
-            Err(Error::Margin { .. })
-        ));
+        for scene in [&scene, &Scene::new()] {
+            let refused = scene.screen(&Query::default().with_margin(margin));
+            let bits = margin.to_bits();
+            assert!(matches!(refused, Err(Error::Margin { margin }) if margin.to_bits() == bits));
+        }
     }
 }
 
@@ -212,9 +215,7 @@ fn splices_along_too_short_a_carrier() {
             .unwrap();
         let rest = Trajectory::at_rest(5.0 * DVec3::X).unwrap();
         scene.insert(Body::new(rest)).unwrap();
-        let query = Query::new(Window::new(0.0, 10.0).unwrap())
-            .with_margin(1.0)
-            .unwrap();
+        let query = Query::new(Window::new(0.0, 10.0).unwrap()).with_margin(1.0);
         let found = scene.screen(&query).unwrap().conflicts;
         assert_eq!(found.len(), 1);
         assert!((found[0].enter - 3.0).abs() < 1e-9 && (found[0].exit - 5.0).abs() < 1e-9);
@@ -281,12 +282,12 @@ fn endless_bodies_need_a_closed_window() {
     let mut scene = Scene::new();
     let plan = support::line(0.0, 1.0, DVec3::ZERO, DVec3::X).with_outside(Outside::Coast);
     scene.insert(Body::new(plan).with_tag(77)).unwrap();
-    assert_eq!(
-        scene.screen(&Query::default()).unwrap_err(),
-        Error::WindowNotClosed { body: 77 }
-    );
-    let half_open = Query::new(Window::new(0.0, f64::INFINITY).unwrap());
-    assert!(scene.screen(&half_open).is_err());
+    for window in [Window::ALL, Window::new(0.0, f64::INFINITY).unwrap()] {
+        assert_eq!(
+            scene.screen(&Query::new(window)).unwrap_err(),
+            Error::WindowNotClosed { body: 77 }
+        );
+    }
     let closed = Query::new(Window::new(0.0, 1e9).unwrap());
     assert!(scene.screen(&closed).is_ok());
 }
@@ -340,11 +341,20 @@ fn what_a_monitor_refuses() {
             assert!(matches!(refused, Err(Error::Setting { .. })), "{value}");
         }
     }
+    let default = RevisionThreshold::default();
+    assert_eq!(
+        (monitor.history(), monitor.revision_threshold()),
+        (0.0, default)
+    );
     monitor.set_history(f64::INFINITY).unwrap();
 
     monitor.advance(1.0, &mut Vec::new()).unwrap();
     let missing = Error::UnknownAlertLevel { level: 1 };
     assert_eq!(monitor.what_if(id, &line(0.0), 1).unwrap_err(), missing);
+    assert_eq!(monitor.conflicts(1).unwrap_err(), missing);
+    assert_eq!(monitor.conflicts_of(id, 1).err(), Some(missing.clone()));
+    assert_eq!(monitor.next_conflict(id, 1).unwrap_err(), missing);
+    assert_eq!(monitor.conflicts(0), Ok(&[][..]));
     // Over, or not begun: no plan to follow from now on, as a replan would say.
     for start in [-20.0, 1.5] {
         let refused = monitor.what_if(id, &line(start), 0).unwrap_err();

@@ -150,13 +150,8 @@ impl Fleet {
 
     /// Where a body is at the monitor's clock.
     pub(crate) fn state(&self, id: BodyId) -> Option<State> {
-        let now = self.monitor.now();
-        let trajectory = &self.monitor.scene().body(id)?.trajectory;
-        Some(State::new(
-            now,
-            trajectory.position(now)?,
-            trajectory.velocity(now)?,
-        ))
+        let body = self.monitor.scene().body(id)?;
+        body.trajectory.state(self.monitor.now())
     }
 
     /// New plans from now on for a share of the bodies, picked at random, as a whim would.

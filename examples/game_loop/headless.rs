@@ -27,7 +27,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<String, Failure> {
         let now = f64::from(tick) / RATE;
         times.push(game.tick(now)?.as_secs_f64() * 1e3);
         if tick % CHECK == 0 {
-            game.tally.check(&game.fleet);
+            game.tally.check(&game.fleet)?;
         }
         lag = lag.max(now + LOOKAHEAD - game.fleet.monitor.complete_until());
     }
@@ -38,7 +38,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<String, Failure> {
         replans,
         ..
     } = game;
-    let conflicts = fleet.monitor.conflicts(fleet.setting.warning).len();
+    let conflicts = fleet.monitor.conflicts(fleet.setting.warning)?.len();
     events.clear();
     fleet.monitor.close(&mut events);
     tally.read(fleet.setting.contact, &events);

@@ -25,7 +25,7 @@ impl Fleet {
         let now = self.monitor.now();
         let ahead: Vec<(BodyId, BodyId)> = self
             .monitor
-            .conflicts(self.setting.warning)
+            .conflicts(self.setting.warning)?
             .iter()
             .filter(|conflict| conflict.enter > now)
             .map(|conflict| (conflict.a, conflict.b))

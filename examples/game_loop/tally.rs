@@ -2,7 +2,7 @@
 
 use crate::fleet::{Fleet, RADIUS};
 use glam::DVec3;
-use nearmiss::{BodyId, EncounterId, Event, EventKind};
+use nearmiss::{BodyId, EncounterId, Error, Event, EventKind};
 use std::collections::BTreeSet;
 
 /// Counters of a run.
@@ -45,11 +45,11 @@ impl Tally {
     }
 
     /// Every pair that overlaps at this moment must be known as a contact under way.
-    pub(crate) fn check(&mut self, fleet: &Fleet) {
+    pub(crate) fn check(&mut self, fleet: &Fleet) -> Result<(), Error> {
         let now = fleet.monitor.now();
         let known: BTreeSet<(BodyId, BodyId)> = fleet
             .monitor
-            .conflicts(fleet.setting.contact)
+            .conflicts(fleet.setting.contact)?
             .iter()
             .filter(|conflict| conflict.enter <= now)
             .map(|conflict| (conflict.a, conflict.b))
@@ -71,6 +71,7 @@ impl Tally {
                 }
             }
         }
+        Ok(())
     }
 
     /// After the monitor is closed nothing may be under way.

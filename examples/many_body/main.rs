@@ -102,7 +102,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         "screening {} bodies",
         HumanCount(scene.len() as u64)
     ));
-    let query = Query::default().with_margin(margin)?;
+    let query = Query::default().with_margin(margin);
     let screening =
         pool.install(|| scene.screen_with_progress(&query, |share| progress.show(share)))?;
     progress.finish();

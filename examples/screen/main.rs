@@ -133,7 +133,6 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     let scene = build_scene(arguments)?;
     let query = Query::new(arguments.window)
         .with_margin(arguments.margin)
-        .map_err(|error| error.to_string())?
         .with_accuracy(accuracy);
     progress.begin(format!("screening {} bodies", scene.len()));
     let screening = pool

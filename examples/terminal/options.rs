@@ -7,7 +7,7 @@ use super::speech::complain;
 use clap::builder::TypedValueParser;
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Parser, value_parser};
-use nearmiss::Query;
+use nearmiss::{Error, MAX_MAGNITUDE};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
@@ -72,9 +72,10 @@ pub(crate) fn within(
 /// A margin that a query takes, m.
 pub(crate) fn margin(text: &str) -> Result<f64, String> {
     let margin = number(text)?;
-    match Query::default().with_margin(margin) {
-        Ok(_) => Ok(margin),
-        Err(error) => Err(error.to_string()),
+    if margin.abs() <= MAX_MAGNITUDE {
+        Ok(margin)
+    } else {
+        Err(Error::Margin { margin }.to_string())
     }
 }
 

@@ -5,20 +5,47 @@ use super::period::Period;
 use crate::hitbox::Sphere;
 use crate::rounding::{norm, normalising_power};
 use glam::{DVec3, Vec4};
+use std::ops::Deref;
 
-/// Where f32 coordinates are measured from, in which unit, and how boxes move.
+/// Where f32 coordinates are measured from, and in which unit.
 ///
 /// Far from the origin f32 boxes go blind, and beyond 3e38 they overflow; relative to the middle
 /// of the scene, in a power of two that suits its size, they do neither.
-///
-/// Only relative motion matters to a pair. In a slice, a box holds its body relative to a point that
-/// moves with the velocity that the bodies have in common, from the slice's beginning on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Frame {
     pub(super) origin: DVec3,
     pub(super) power: f64,
+}
+
+/// A frame whose boxes move. Only relative motion matters to a pair: in a slice, a box holds its body
+/// relative to a point that moves with the velocity that bodies have in common, from the slice's
+/// beginning on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MovingFrame {
+    frame: Frame,
+    /// m/s.
+    velocity: DVec3,
+}
+
+impl MovingFrame {
     /// The common velocity, m/s.
-    pub(super) velocity: DVec3,
+    pub(crate) const fn velocity(&self) -> DVec3 {
+        self.velocity
+    }
+
+    /// Returns a slice of time, and how far boxes move in it.
+    pub(crate) fn period(&self, from: f64, to: f64) -> Period {
+        let way = self.velocity * ((to - from) * self.frame.power);
+        Period::new(from, to).moving(way)
+    }
+}
+
+impl Deref for MovingFrame {
+    type Target = Frame;
+
+    fn deref(&self) -> &Frame {
+        &self.frame
+    }
 }
 
 /// A box in f64, in the scene's own coordinates.
@@ -76,7 +103,6 @@ impl Frame {
     pub(super) const OF_NOTHING: Self = Self {
         origin: DVec3::ZERO,
         power: 1.0,
-        velocity: DVec3::ZERO,
     };
 
     /// A frame for coordinates within `extremes` and inflations up to `inflation` (m).
@@ -98,27 +124,15 @@ impl Frame {
         } else {
             normalising_power(half)
         };
-        Self {
-            origin,
-            power,
-            velocity: DVec3::ZERO,
+        Self { origin, power }
+    }
+
+    /// The frame with boxes that move with a velocity (m/s).
+    pub(crate) const fn moving(self, velocity: DVec3) -> MovingFrame {
+        MovingFrame {
+            frame: self,
+            velocity,
         }
-    }
-
-    /// The frame whose boxes move with a velocity (m/s).
-    pub(crate) const fn moving(self, velocity: DVec3) -> Self {
-        Self { velocity, ..self }
-    }
-
-    /// The common velocity, m/s.
-    pub(crate) const fn velocity(&self) -> DVec3 {
-        self.velocity
-    }
-
-    /// Returns a slice of time, and how far the frame moves in it.
-    pub(crate) fn period(&self, from: f64, to: f64) -> Period {
-        let way = self.velocity * ((to - from) * self.power);
-        Period::new(from, to).moving(way)
     }
 
     /// Whether it serves coordinates within a world, and inflations up to `inflation` (m), about as

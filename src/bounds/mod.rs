@@ -31,7 +31,7 @@ mod trace;
 pub(crate) use apart::{Leg, Sight, sight};
 pub(crate) use bundle::Bundle;
 pub(crate) use course::Course;
-pub(crate) use frame::{Extremes, Frame, Inflation};
+pub(crate) use frame::{Extremes, Frame, Inflation, MovingFrame};
 pub(crate) use period::Period;
 pub(crate) use piece::Piece;
 pub(crate) use pose::{Cubic, Pose};

@@ -179,7 +179,7 @@ mod tests {
         let pose = Pose::sketched(&drawing, &inflation, &frame);
         let mut block = Block::default();
         InstructionSet::best().run(Fill {
-            frame: &frame,
+            frame: &frame.moving(DVec3::ZERO),
             block: &mut block,
             poses: &[pose],
             present: &[0],

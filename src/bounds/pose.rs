@@ -107,7 +107,7 @@ impl<'a> Pose<'a, Segment> {
     ) -> Self {
         let anchor = Frame {
             origin: segments.first().map_or(frame.origin, Segment::origin),
-            ..*frame
+            power: frame.power,
         };
         Self {
             knots,

@@ -290,7 +290,7 @@ mod tests {
             let mut block = Block::default();
             InstructionSet::best().run(Fill {
                 block: &mut block,
-                frame: &frame,
+                frame: &frame.moving(DVec3::ZERO),
                 poses: &[pose],
                 present: &[0],
                 ends: &[0.0, 2.0],

@@ -1,7 +1,7 @@
 //! One box and one course for each body in each of a few slices.
 
 use super::BodyBox;
-use crate::bounds::{Bundle, Course, Cubic, Frame, Period, Piece, Pose, Trace};
+use crate::bounds::{Bundle, Course, Cubic, MovingFrame, Period, Piece, Pose, Trace};
 use crate::simd::{Task, prefetch};
 
 /// One slice: a box and a course for each body that exists in it, side by side.
@@ -33,7 +33,7 @@ impl Block {
 /// Forms the boxes and courses of some slices (at most [`Block::SLICES`]).
 pub(crate) struct Fill<'a, C> {
     pub(crate) block: &'a mut Block,
-    pub(crate) frame: &'a Frame,
+    pub(crate) frame: &'a MovingFrame,
     pub(crate) poses: &'a [Pose<'a, C>],
     /// Places of those to look at, ascending: each that exists in one of the slices is among them.
     pub(crate) present: &'a [u32],
@@ -300,7 +300,7 @@ impl<C: Cubic> Walk<'_, C> {
 /// Bodies, and the segments of one, are counted in 32 bits; a longer list does not fit into memory.
 #[inline(always)]
 #[allow(clippy::cast_possible_truncation, reason = "see above")]
-fn short(count: usize) -> u32 {
+pub(crate) fn short(count: usize) -> u32 {
     count as u32
 }
 
@@ -329,7 +329,11 @@ mod tests {
         for seed in 0..200 {
             let far = if seed % 2 == 0 { 10.0 } else { 1e6 };
             // Boxes stay, or move with some of the bodies' velocity, or faster.
-            let common = [0.0, 20.0, 300.0][seed as usize % 3];
+            let common = match seed % 3 {
+                0 => 0.0,
+                1 => 20.0,
+                _ => 300.0,
+            };
             let mut vector =
                 |half: f64| DVec3::from_array([0; 3].map(|_| rng.random_range(-half..half)));
             let base = vector(far);

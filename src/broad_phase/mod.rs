@@ -126,3 +126,20 @@ fn emit<F: PairFilter>(one: u32, other: u32, filter: &F, candidates: &mut Vec<Ca
         candidates.push(pair);
     }
 }
+
+/// Returns the mean extent of some boxes, summed up over the axes, and their mean volume.
+pub(crate) fn mean_size(boxes: &[BodyBox]) -> (f64, f64) {
+    let (mut extent, mut volume) = (0.0, 0.0);
+    for one in boxes {
+        let size = (one.aabb.maxs - one.aabb.mins).to_array().map(f64::from);
+        extent += size.iter().sum::<f64>();
+        // Flat boxes are compared as well.
+        volume += size
+            .iter()
+            .map(|side| side.max(f64::MIN_POSITIVE.cbrt()))
+            .product::<f64>();
+    }
+    #[allow(clippy::cast_precision_loss, reason = "a number of bodies")]
+    let count = boxes.len() as f64;
+    (extent / count, volume / count)
+}

@@ -132,7 +132,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
 
     /// From the smallest numbers to the largest.
-    fn size(rng: &mut ChaCha8Rng) -> f64 {
+    fn size_of(rng: &mut ChaCha8Rng) -> f64 {
         10f64.powf(rng.random_range(-322.0..300.0))
     }
 
@@ -144,7 +144,7 @@ mod tests {
     fn norms_are_rounded_up() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         for _ in 0..5_000 {
-            let size = size(&mut rng).min(1e150);
+            let size = size_of(&mut rng).min(1e150);
             let vector = vector(&mut rng, size);
             assert!(Exact::of(vector).is_within(norm_above(vector)), "{vector}");
         }
@@ -155,11 +155,11 @@ mod tests {
     fn scaled_cubics_are_within_their_error() {
         let mut rng = ChaCha8Rng::seed_from_u64(2);
         for round in 0..5_000 {
-            let large = size(&mut rng);
+            let large = size_of(&mut rng);
             let small = if round % 2 == 0 {
                 large
             } else {
-                size(&mut rng).min(large)
+                size_of(&mut rng).min(large)
             };
             let points = [large, small, small, small].map(|size| vector(&mut rng, size));
             let error = if round % 3 == 0 { 0.0 } else { small };
@@ -183,7 +183,7 @@ mod tests {
     fn lengths_are_rounded_outward() {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         for _ in 0..5_000 {
-            let size = size(&mut rng);
+            let size = size_of(&mut rng);
             let normal = Normal::new(&[vector(&mut rng, size); 4], 0.0);
             let factor = number(normal.factor);
             let length = 10f64.powf(rng.random_range(-320.0..2.0));
@@ -191,7 +191,7 @@ mod tests {
             let exact = number(given) * &factor;
             assert!(number(normal.restore_below(given)) <= exact);
             assert!(exact <= number(normal.restore_above(given)));
-            let length = rng.random_range(0.0..1.0) * normal.factor;
+            let length = size_of(&mut rng).min(1e300 * normal.factor.min(1.0));
             let exact = number(length) / &factor;
             assert!(number(normal.bring_below(length)) <= exact);
             assert!(exact <= number(normal.bring_above(length)));

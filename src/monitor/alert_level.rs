@@ -13,7 +13,7 @@
 ///     monitor.insert(Body::new(Trajectory::at_rest(x * DVec3::X)?))?;
 /// }
 /// monitor.advance(0.0, &mut Vec::new())?;
-/// assert_eq!((monitor.conflicts(0).len(), monitor.conflicts(1).len()), (1, 0));
+/// assert_eq!((monitor.conflicts(0)?.len(), monitor.conflicts(1)?.len()), (1, 0));
 /// # Ok::<(), nearmiss::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! The bodies as slices see them, and their boxes.
 
 use super::flights::Flights;
-use crate::bounds::{Course, Frame, Inflation, Pose};
+use crate::bounds::{Course, Inflation, MovingFrame, Pose};
 use crate::broad_phase::BodyBox;
 use crate::broad_phase::fill::{Block, Fill};
 use crate::narrow_phase::Party;
@@ -15,7 +15,7 @@ use crate::trajectory::Segment;
 pub(super) struct Bodies<'m> {
     pub(super) scene: &'m Scene,
     pub(super) flights: &'m Flights,
-    pub(super) frame: &'m Frame,
+    pub(super) frame: &'m MovingFrame,
     /// Pairs within this are looked for, m.
     pub(super) margin: f64,
 }
@@ -39,7 +39,7 @@ impl<'m> Bodies<'m> {
     pub(super) const fn of(
         scene: &'m Scene,
         flights: &'m Flights,
-        (frame, margin): (&'m Frame, f64),
+        (frame, margin): (&'m MovingFrame, f64),
     ) -> Self {
         Self {
             scene,
@@ -119,7 +119,12 @@ impl<'m> Bodies<'m> {
 }
 
 /// Forms the boxes of bodies in the first slices of `block`.
-pub(super) fn form(frame: &Frame, poses: &[Pose<'_, Segment>], ends: &[f64], block: &mut Block) {
+pub(super) fn form(
+    frame: &MovingFrame,
+    poses: &[Pose<'_, Segment>],
+    ends: &[f64],
+    block: &mut Block,
+) {
     InstructionSet::best().run(Fill {
         block,
         frame,

@@ -6,6 +6,8 @@ use std::time::{Duration, Instant};
 /// before it returns with what it has. (What requests take, one by one or as a
 /// [batch](super::Monitor::apply), is not in it.)
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Budget {
     /// As much as there is.
     Unlimited,

@@ -1,7 +1,8 @@
 //! What a monitor tells: encounters and what happens to them.
 
-use crate::conflict::ClosestApproach;
+use crate::conflict::{ClosestApproach, write_course};
 use crate::id::BodyId;
+use crate::readable::Readable;
 use std::cmp::Ordering;
 use std::fmt;
 
@@ -9,6 +10,21 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EncounterId(pub(super) u64);
+
+impl EncounterId {
+    /// Returns the id as one number. [`from_bits`](Self::from_bits) returns the same id again. Like the id, the
+    /// number is of use with its own monitor, and a replay of that; the numbers are in the order of the ids.
+    #[must_use]
+    pub const fn to_bits(self) -> u64 {
+        self.0
+    }
+
+    /// Returns the id whose [`to_bits`](Self::to_bits) is this number. Each number is that of one id.
+    #[must_use]
+    pub const fn from_bits(bits: u64) -> Self {
+        Self(bits)
+    }
+}
 
 impl fmt::Display for EncounterId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -24,6 +40,7 @@ impl fmt::Display for EncounterId {
 /// finds no match is withdrawn, or ended if it had begun; what is new has a new id.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Encounter {
     /// Stays the same from the first event to the last.
     pub id: EncounterId,
@@ -48,6 +65,20 @@ pub struct Encounter {
     pub closest: ClosestApproach,
 }
 
+impl fmt::Display for Encounter {
+    /// One line: id, level, bodies, the interval, and the closest approach. With a precision (`{:.6}`), so many
+    /// decimals.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{}, level {}: {} and {} ",
+            self.id, self.level, self.a, self.b
+        )?;
+        write_course(f, (self.enter, self.exit), &self.closest)?;
+        f.write_str(if self.open { " so far" } else { "" })
+    }
+}
+
 /// Why an encounter that had begun is over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
@@ -63,6 +94,18 @@ pub enum EndReason {
     BodyRemoved,
     /// The monitor was closed.
     MonitorClosed,
+}
+
+impl fmt::Display for EndReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Separated => "separated",
+            Self::TrajectoryEnded => "trajectory ended",
+            Self::PlanChanged => "plan changed",
+            Self::BodyRemoved => "body removed",
+            Self::MonitorClosed => "monitor closed",
+        })
+    }
 }
 
 /// What happened.
@@ -104,6 +147,7 @@ pub enum EventKind {
 /// Something that happened, and when.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Event {
     /// s: the enter of what began, the exit of what ended, the end of the plan that ends; else the
     /// monitor's clock (of what a removal withdraws, that of the tick before it).
@@ -164,5 +208,33 @@ impl Event {
             .total_cmp(&other.time)
             .then_with(|| self.kind.rank().cmp(&other.kind.rank()))
             .then_with(|| place(self).cmp(&place(other)))
+    }
+}
+
+impl fmt::Display for EventKind {
+    /// One line: what happened, and the encounter. With a precision (`{:.6}`), so many decimals.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (what, encounter) = match self {
+            Self::Predicted(encounter) => ("predicted", encounter),
+            Self::Revised(encounter) => ("revised", encounter),
+            Self::Withdrawn(encounter) => ("withdrawn", encounter),
+            Self::Began(encounter) => ("began", encounter),
+            Self::Ended(encounter, reason) => {
+                write!(f, "ended ({reason}): ")?;
+                return encounter.fmt(f);
+            }
+            Self::PlanEnds(body) => return write!(f, "the plan of {body} ends"),
+        };
+        write!(f, "{what}: ")?;
+        encounter.fmt(f)
+    }
+}
+
+impl fmt::Display for Event {
+    /// One line: when, what happened, and the encounter. With a precision (`{:.6}`), so many decimals.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let decimals = f.precision().unwrap_or(3);
+        write!(f, "at {:.decimals$} s ", Readable(self.time))?;
+        self.kind.fmt(f)
     }
 }

@@ -1,6 +1,6 @@
 //! Where a monitor measures from, and how it cuts time into slices: as suits its scene.
 
-use crate::bounds::{Extremes, Frame};
+use crate::bounds::{Extremes, Frame, MovingFrame};
 use crate::error::Error;
 use crate::query::Query;
 use crate::scene::Scene;
@@ -10,7 +10,7 @@ use glam::DVec3;
 /// See the module. What is found does not depend on it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid {
-    pub(super) frame: Frame,
+    pub(super) frame: MovingFrame,
     /// Where slices begin to be counted, s.
     pub(super) origin: f64,
     /// How long they are, s.
@@ -136,7 +136,7 @@ impl Grid {
         (origin, lookahead): (f64, f64),
         now: f64,
     ) -> Result<Self, Error> {
-        let query = Query::new(Window::new(origin, origin + lookahead)?).with_margin(margin)?;
+        let query = Query::new(Window::new(origin, origin + lookahead)?).with_margin(margin);
         let cheapest = f64::from(scene.cheapest_slices(&query)?);
         // Whole: else part of the next one would be due with the first tick.
         let ahead = Self::number(cheapest, scene.len()).round();

@@ -266,6 +266,12 @@ impl Monitor {
         Ok(())
     }
 
+    /// Returns the largest change that is not told.
+    #[must_use]
+    pub const fn revision_threshold(&self) -> RevisionThreshold {
+        self.revision_threshold
+    }
+
     /// Keeps plans this many seconds back, from the clock of the last tick, when bodies are
     /// [replanned](Self::replan) or [extended](Self::extend); 0 at first, and infinity keeps all.
     /// What is older is forgotten then, but for the cubic that holds at that instant. What is kept is
@@ -283,6 +289,12 @@ impl Monitor {
         Ok(())
     }
 
+    /// Returns for how long plans are kept after they were followed, s.
+    #[must_use]
+    pub const fn history(&self) -> f64 {
+        self.history
+    }
+
     /// Makes room for this many spans that may hold an encounter; [`MAX_SPANS`](Self::MAX_SPANS) at
     /// first. A span is a common interval of a cubic of one body with a cubic of another, in which they
     /// come within the largest release margin in the lookahead; of clusters one for each two spheres that
@@ -297,6 +309,24 @@ impl Monitor {
         self.outlook.max_spans = limit;
         #[cfg(feature = "serde")]
         self.write_down(|| Record::MostSpans(limit));
+    }
+
+    /// Returns the number of spans that may hold an encounter for which there is room.
+    #[must_use]
+    pub const fn max_spans(&self) -> usize {
+        self.outlook.max_spans
+    }
+
+    /// Returns how far the monitor looks ahead of its clock, s.
+    #[must_use]
+    pub const fn lookahead(&self) -> f64 {
+        self.lookahead
+    }
+
+    /// Returns the alert levels, in the order of their numbers.
+    #[must_use]
+    pub fn levels(&self) -> &[AlertLevel] {
+        &self.levels
     }
 
     /// The bodies and their plans.
@@ -330,23 +360,37 @@ impl Monitor {
     }
 
     /// All conflicts of a level from now to [`complete_until`](Self::complete_until), as of the
-    /// last tick, sorted by (enter, a, b). None while nothing after now is known, and none for a
-    /// level that does not exist.
-    #[must_use]
-    pub fn conflicts(&self, level: usize) -> &[Conflict] {
-        self.conflicts.get(level).map_or(&[], Vec::as_slice)
+    /// last tick, sorted by (enter, a, b). None while nothing after now is known.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownAlertLevel`].
+    pub fn conflicts(&self, level: usize) -> Result<&[Conflict], Error> {
+        let conflicts = self.conflicts.get(level).map(Vec::as_slice);
+        conflicts.ok_or(Error::UnknownAlertLevel { level })
     }
 
     /// The conflicts of one body at a level, soonest first: goes through all of the level.
-    pub fn conflicts_of(&self, id: BodyId, level: usize) -> impl Iterator<Item = &Conflict> {
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownAlertLevel`].
+    pub fn conflicts_of(
+        &self,
+        id: BodyId,
+        level: usize,
+    ) -> Result<impl Iterator<Item = &Conflict>, Error> {
         let concerns = move |conflict: &&Conflict| conflict.a == id || conflict.b == id;
-        self.conflicts(level).iter().filter(concerns)
+        Ok(self.conflicts(level)?.iter().filter(concerns))
     }
 
     /// The soonest conflict of one body at a level.
-    #[must_use]
-    pub fn next_conflict(&self, id: BodyId, level: usize) -> Option<&Conflict> {
-        self.conflicts_of(id, level).next()
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownAlertLevel`].
+    pub fn next_conflict(&self, id: BodyId, level: usize) -> Result<Option<&Conflict>, Error> {
+        Ok(self.conflicts_of(id, level)?.next())
     }
 
     /// Encounters under way and ahead, level by level.

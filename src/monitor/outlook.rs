@@ -7,6 +7,7 @@
 //! and in fewer ticks, where many plans change: see [`due_ahead`].) Where the clock has jumped far, what
 //! it passed over is [bridged](Bridge).
 
+mod ahead;
 mod ask;
 
 use super::bodies::{Bodies, Moved};
@@ -28,6 +29,7 @@ use crate::rounding::{seen_from, seen_until};
 use crate::scene::Scene;
 use crate::spans::SpanKey;
 use crate::stats::Stats;
+use ahead::due_ahead;
 use std::collections::VecDeque;
 use std::sync::atomic::AtomicUsize;
 use std::sync::atomic::Ordering::Relaxed;
@@ -111,7 +113,7 @@ impl Outlook {
     }
 
     /// Within what pairs are looked for (m), and where their boxes are measured from.
-    pub(super) const fn reach(&self) -> (f64, &Frame) {
+    pub(super) fn reach(&self) -> (f64, &Frame) {
         (self.margin, &self.grid.frame)
     }
 
@@ -307,9 +309,8 @@ impl Outlook {
                     let number = usize::try_from(slice.index - first).unwrap_or(usize::MAX);
                     let moved = (number < needed).then_some((moved, number));
                     slice.refresh(&bodies, filter, moved, limits, &mut pool.take(), |_| true);
-                    let is_crowded = slice.check_room().is_err();
-                    let more = if is_crowded { most } else { 0 } + slice.survivors.len();
-                    found.fetch_add(more, Relaxed);
+                    let crowd = slice.check_room().map_or(most, |()| 0);
+                    found.fetch_add(crowd + slice.survivors.len(), Relaxed);
                 }
             });
             is_done = found.into_inner() <= most;
@@ -465,44 +466,4 @@ pub(super) fn push_once<T: Ord>(list: &mut Vec<T>, value: T) {
 )]
 fn as_number(index: i64) -> f64 {
     index as f64
-}
-
-/// What share of the slice that comes next is due when `share` of the time until it is needed has
-/// passed, the last `step` of it since the tick before, in which so many out of all bodies changed.
-///
-/// What is done ahead is done again for whoever changes after. So where many do, work begins late,
-/// but not so late that it stands out: a tick takes on half as many bodies as have changed.
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "numbers of bodies, of which a rough share is wanted"
-)]
-fn due_ahead(share: f64, step: f64, (changed, all): (usize, usize)) -> f64 {
-    let in_all = 1.0 / step.max(f64::MIN_POSITIVE);
-    // Not a number, or infinite, if nobody has changed: then all the ticks that there are.
-    let ticks = (2.0 * all as f64 / changed as f64).min(in_all);
-    (1.0 - (1.0 - share) * in_all / ticks).clamp(0.0, 1.0)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::due_ahead;
-
-    #[test]
-    fn work_ahead_is_even_where_few_change_and_late_where_many_do() {
-        let ahead = |tick: f64, changed| due_ahead(tick / 60.0, 1.0 / 60.0, (changed, 1000));
-        for tick in 0..=60 {
-            let tick = f64::from(tick);
-            // Too few to be in the way, or nobody.
-            for changed in [0, 33] {
-                assert!((ahead(tick, changed) - tick / 60.0).abs() < 1e-12);
-            }
-            // In the last twenty ticks.
-            let late = ((tick - 40.0) / 20.0).max(0.0);
-            assert!((ahead(tick, 100) - late).abs() < 1e-12, "{tick}");
-        }
-        assert!(ahead(58.0, 1000) < 1e-12 && ahead(59.0, 1000) > 0.4 && ahead(60.0, 1000) >= 1.0);
-        // Nothing comes nearer while the clock stands.
-        assert!(due_ahead(0.5, 0.0, (1, 1000)) <= 0.0);
-        assert!((due_ahead(0.5, 0.0, (0, 0)) - 0.5).abs() < 1e-12);
-    }
 }

@@ -234,9 +234,10 @@ impl RelativeMotion {
         let points = self.points(offset);
         let (size, spread) = (largest_norm(&points), largest_norm(&self.local));
         // One rounding each of the origins' difference, of the offset's (and the sum with it), of
-        // the local difference and of the last sum. Second-order terms are covered by the 2^-40.
+        // the local difference and of the last sum. Second-order terms are covered by the 2^-40. Sums do
+        // not underflow, and what does in the bound is in both parts' errors.
         let roundings = 2.0 * norm(apart) + 2.0 * norm(offset) + spread + size;
-        let error = (self.error + UNIT_ROUNDOFF * roundings) * (1.0 + 2f64.powi(-40)) + UNDERFLOW;
+        let error = (self.error + UNIT_ROUNDOFF * roundings) * (1.0 + 2f64.powi(-40));
         RelativeCubic {
             start: self.start,
             end: self.end,
@@ -263,7 +264,7 @@ pub(crate) fn local_scale(
 
 /// Distance below which a filter must let a pair through, for the threshold `radius`.
 pub(crate) fn filter_threshold(radius: f64, scale: f64) -> f64 {
-    // Twice the solver's tolerance of what rests, each of it three underflows.
+    // Twice the solver's tolerance, in which each body has one.
     radius + CLEARANCE * scale + 8.0 * UNDERFLOW
 }
 

@@ -7,6 +7,7 @@ use crate::trajectory::Trajectory;
 /// A trajectory with a hitbox around it.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Body {
     /// Where it goes.
     pub trajectory: Trajectory,

@@ -2,11 +2,11 @@
 
 use super::survey::Survey;
 use crate::accuracy::Accuracy;
-use crate::bounds::{Frame, Inflation, Pose, Stroke};
+use crate::bounds::{Frame, Inflation, MovingFrame, Pose, Stroke};
 use crate::broad_phase::presence::Presence;
 use crate::broad_phase::slices::Traffic;
 use crate::broad_phase::{InstructionSet, PairFilter};
-use crate::error::Error;
+use crate::error::{Error, MAX_MAGNITUDE};
 use crate::id::BodyId;
 use crate::knots::Knots;
 use crate::layers::Layers;
@@ -31,6 +31,9 @@ pub(super) struct LineUp<'a> {
     pub(super) presence: Presence,
     /// Those that go on beyond their knots in the window, by ascending place, and how.
     beyond: Vec<(usize, Arc<Beyond>)>,
+    /// The window of the answer.
+    pub(super) asked: Window,
+    /// The same, but open ends are closed where no body exists beyond them.
     pub(super) window: Window,
     pub(super) margin: f64,
     pub(super) accuracy: Accuracy,
@@ -41,14 +44,20 @@ pub(super) struct LineUp<'a> {
     pub(super) max_spans: usize,
     pub(super) pool: &'a Pool<Scratch>,
     atlas: &'a Atlas,
-    pub(super) frame: Frame,
+    pub(super) frame: MovingFrame,
     survey: Survey,
 }
 
 impl<'a> LineUp<'a> {
     pub(super) fn new(scene: &'a Scene, query: &Query) -> Result<Self, Error> {
-        let partners = scene.partners(query.margin());
-        let mut survey = Survey::of(scene.len(), query.window(), query.margin());
+        let margin = query.margin();
+        if margin.is_nan() || margin.abs() > MAX_MAGNITUDE {
+            return Err(Error::Margin { margin });
+        }
+        let asked = query.window().or_else(|| scene.planned());
+        let asked = asked.ok_or(Error::NoPlan)?;
+        let partners = scene.partners(margin);
+        let mut survey = Survey::of(scene.len(), asked, margin);
         let mut ids = Vec::with_capacity(scene.len());
         let mut occupants = Vec::with_capacity(scene.len());
         let mut going_on = Vec::new();
@@ -61,7 +70,7 @@ impl<'a> LineUp<'a> {
                 survey.include(place, (occupant, None), partners.has(&occupant.body));
             }
         }
-        let beyond = lay_out(&occupants, &going_on, query.window())?;
+        let beyond = lay_out(&occupants, &going_on, asked)?;
         let mut laid_out = beyond.iter().peekable();
         for place in going_on {
             let beyond = laid_out.next_if(|(beyond, _)| *beyond == place);
@@ -75,8 +84,9 @@ impl<'a> LineUp<'a> {
             occupants,
             presence: Presence::default(),
             beyond,
-            window: query.window(),
-            margin: query.margin(),
+            asked,
+            window: asked,
+            margin,
             accuracy: query.accuracy(),
             instructions: query.instruction_set(),
             prescribed: query.slices(),
@@ -86,10 +96,9 @@ impl<'a> LineUp<'a> {
             frame,
             survey,
         };
-        // Open ends are closed where no body exists beyond them.
         let (start, end) = line_up.survey.existence;
         let existence = Window::new(start, end).ok();
-        match existence.and_then(|existence| existence.intersection(query.window())) {
+        match existence.and_then(|existence| existence.intersection(asked)) {
             Some(window) => {
                 line_up.window = window;
                 line_up.presence = Presence::of(std::mem::take(&mut line_up.survey.lives));

@@ -33,9 +33,12 @@ use std::time::Instant;
 /// The answer to a [`Query`].
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Screening {
     /// All conflicts, sorted by (enter, a, b).
     pub conflicts: Vec<Conflict>,
+    /// The window that was looked at: that of the query, or [`Scene::planned`] if it names none.
+    pub window: Window,
     /// The funnel they came through.
     pub stats: Stats,
 }
@@ -43,6 +46,7 @@ pub struct Screening {
 /// A closest approach with what is proven of it, as in [`Certificate`](crate::Certificate).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CertifiedApproach {
     /// When, how close, and where.
     pub approach: ClosestApproach,
@@ -60,6 +64,8 @@ impl Scene {
     ///
     /// # Errors
     ///
+    /// [`Error::Margin`] if the margin is NaN, infinite or beyond ±1e300; [`Error::NoPlan`] if the query names
+    /// no window and [`planned`](Self::planned) is none;
     /// [`Error::WindowNotClosed`] if a body exists beyond its knots and the window has no end;
     /// [`Error::InBody`] with [`Error::OutOfRange`] if an extrapolated cubic leaves the range of
     /// numbers within the window, or with [`Error::TooFar`]; [`Error::TooCrowded`] if more spans may hold a conflict than the
@@ -213,6 +219,7 @@ impl LineUp<'_> {
             let (parties, _) = self.parties();
             return Ok(Screening {
                 conflicts: Vec::new(),
+                window: self.asked,
                 stats: counted(&parties),
             });
         }
@@ -252,7 +259,11 @@ impl LineUp<'_> {
         stats.narrow_time += begin.elapsed();
         stats.survivors = survivors.len() as u64;
         stats.conflicts = conflicts.len() as u64;
-        Ok(Screening { conflicts, stats })
+        Ok(Screening {
+            conflicts,
+            window: self.asked,
+            stats,
+        })
     }
 }
 

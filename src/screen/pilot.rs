@@ -317,3 +317,35 @@ fn sample(count: usize, present: f64, slices: u32) -> Vec<usize> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::hitbox::Hitbox;
+    use crate::query::Query;
+    use crate::scene::{Body, Scene};
+    use crate::trajectory::{State, Trajectory};
+    use glam::DVec3;
+
+    /// Two fleets that fly opposite ways, each 1 m apart: a box of some metres meets nearly all of its fleet, and
+    /// slices some times shorter save nothing. Far shorter ones save all.
+    #[test]
+    fn far_shorter_slices_are_tried_in_a_crowd() {
+        let mut scene = Scene::new();
+        let hitbox = Hitbox::sphere(0.2);
+        for (height, speed) in [(0.0, 100.0), (10.0, -100.0)] {
+            let velocity = DVec3::new(speed, speed, 0.0);
+            for number in 0..10_000 {
+                let from = DVec3::new(f64::from(number % 100), f64::from(number / 100), height);
+                let states =
+                    [0.0, 60.0].map(|time| State::new(time, from + time * velocity, velocity));
+                let (Ok(plan), Ok(hitbox)) = (Trajectory::from_states(&states), &hitbox) else {
+                    unreachable!("the states are in order")
+                };
+                let body = Body::new(plan).with_hitbox(hitbox.clone());
+                assert!(scene.insert(body).is_ok());
+            }
+        }
+        let slices = scene.cheapest_slices(&Query::default());
+        assert!(slices.is_ok_and(|count| count > 1_000));
+    }
+}

@@ -9,9 +9,9 @@ use crate::narrow_phase::{
     Approach, CertifiedContact, Contact, Party, Workspace, certified_contacts, contacts,
 };
 use crate::parallel;
-use crate::search::Survivor;
 use crate::simd::prefetch;
 use crate::spans::Span;
+use crate::spans::SpanKey;
 use std::slice::from_ref;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -27,14 +27,14 @@ struct Scratch {
 const CHUNK: usize = 64;
 
 /// The survivors of one pair of bodies.
-type OfPair<'s> = &'s [Survivor];
+type OfPair<'s> = &'s [SpanKey];
 
 impl LineUp<'_> {
     /// The answer for the survivors (sorted), in the order of reports.
     pub(super) fn solve(
         &self,
         parties: &[Party<'_>],
-        survivors: &[Survivor],
+        survivors: &[SpanKey],
         progress: &(impl Fn(f64) + Sync),
     ) -> Vec<Conflict> {
         let pairs: Vec<OfPair<'_>> = survivors
@@ -139,7 +139,8 @@ fn fetch(parties: &[Party<'_>], pairs: &[OfPair<'_>], number: usize) {
     }
     if let Some(later) = pairs.get(number + AHEAD) {
         for survivor in later.iter().take(SPANS) {
-            for (party, cubic) in survivor.cubics(parties) {
+            for (place, cubic) in survivor.cubics() {
+                let (party, cubic) = (&parties[place as usize], cubic as usize);
                 prefetch(&party.knots[cubic..cubic + 2]);
                 prefetch(from_ref(&party.segments[cubic]));
             }
@@ -182,7 +183,9 @@ struct PairOfBodies<'p> {
 impl PairOfBodies<'_> {
     fn spans(&self) -> impl Iterator<Item = Span> {
         let (a, b) = self.parties;
-        self.survivors.iter().map(|survivor| survivor.span(a, b))
+        self.survivors
+            .iter()
+            .map(|survivor| survivor.span(&a.knots, &b.knots))
     }
 
     fn conflict(&self, contact: &Contact) -> Conflict {

@@ -1,7 +1,7 @@
 //! What there is to know of all bodies before any of them is looked at closely, from one pass: they
 //! lie next to each other in memory, but are larger together than the caches.
 
-use crate::bounds::{Extremes, Frame, Inflation};
+use crate::bounds::{Extremes, Frame, Inflation, MovingFrame};
 use crate::broad_phase::slices::Traffic;
 use crate::layers::Layers;
 use crate::scene::{Beyond, Occupant, Scene};
@@ -100,7 +100,7 @@ impl Survey {
     }
 
     /// A frame for all bodies that exist in the window, where most of them are.
-    pub(super) fn frame(&self, scene: &Scene) -> Frame {
+    pub(super) fn frame(&self, scene: &Scene) -> MovingFrame {
         let window = (self.window.start(), self.window.end());
         let some = scene.sample(window);
         let mut places: Vec<DVec3> = some.map(|one| one.outline().extremes.middle()).collect();

@@ -2,13 +2,14 @@
 
 use super::line_up::LineUp;
 use crate::bounds::{Pose, Stroke};
-use crate::broad_phase::fill::{Block, Fill};
+use crate::broad_phase::fill::{Block, Fill, Slice, short};
 use crate::broad_phase::slices::{Slices, Traffic};
-use crate::broad_phase::{BroadPhase, PairFilter, Room};
+use crate::broad_phase::{BroadPhase, PairFilter, Room, mean_size};
 use crate::error::Error;
 use crate::narrow_phase::Party;
 use crate::parallel;
-use crate::search::{Arranger, Question, Scratch, Survivor};
+use crate::search::{Arranger, Question, Scratch};
+use crate::spans::SpanKey;
 use crate::stats::Stats;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -34,7 +35,7 @@ impl LineUp<'_> {
         filter: &F,
         progress: &(impl Fn(f64) + Sync),
         stats: &mut Stats,
-    ) -> Result<Vec<Survivor>, Error> {
+    ) -> Result<Vec<SpanKey>, Error> {
         let (parties, _) = bodies;
         stats.slices = u64::from(slices.count());
         let done_blocks = AtomicU32::new(0);
@@ -94,7 +95,7 @@ impl LineUp<'_> {
         range: Range<u32>,
         filter: &F,
         scratch: &mut Scratch,
-    ) -> Result<(Vec<Survivor>, Stats), Error> {
+    ) -> Result<(Vec<SpanKey>, Stats), Error> {
         let mut stats = Stats::default();
         let mut survivors = Vec::new();
         let begin = Instant::now();
@@ -115,6 +116,7 @@ impl LineUp<'_> {
         let mut counts = std::mem::take(&mut scratch.counts);
         let mut begin = Instant::now();
         let mut number = range.start;
+        let mut crowded = Vec::new();
         for run in block.slices[..range.len()].chunks(slices_in_a_run(&block, range.len())) {
             candidates.clear();
             counts.clear();
@@ -124,10 +126,11 @@ impl LineUp<'_> {
                     bodies: &slice.bodies,
                     filter,
                 };
-                let room = Room::new(&by_place, MAX_CANDIDATES.max(self.max_spans as u64));
+                let room = Room::new(&by_place, self.room());
                 method(scratch).pairs(&slice.boxes, &room, &mut candidates);
                 if room.is_short() {
-                    return Err(self.too_crowded());
+                    candidates.truncate(first);
+                    crowded.push(number + short(counts.len()));
                 }
                 counts.push(candidates.len() - first);
                 stats.boxes += slice.boxes.len() as u64;
@@ -136,27 +139,22 @@ impl LineUp<'_> {
             let mut rest = &candidates[..];
             for (slice, &count) in run.iter().zip(&counts) {
                 let (these, others) = rest.split_at(count);
-                let question = Question {
-                    parties,
-                    poses,
-                    slice,
-                    interval: slices.interval(number),
-                    window: self.window,
-                    margin: self.margin,
-                    max_spans: self.max_spans,
-                };
+                let question = self.question((parties, poses), slice, slices.interval(number));
                 stats.spans += scratch.sieve.sift(&question, these, &mut survivors);
                 (rest, number) = (others, number + 1);
-                if survivors.len() > self.max_spans {
-                    scratch.arranger.tidy(&mut survivors, parties.len());
-                    self.check_room(survivors.len())?;
-                }
+                self.make_room(&mut survivors, scratch)?;
             }
             stats.candidates += candidates.len() as u64;
             let sifted = Instant::now();
             stats.broad_time += found - begin;
             stats.narrow_time += sifted - found;
             begin = sifted;
+        }
+        for number in crowded {
+            let halves = self.halves(slices.interval(number))?;
+            let part = (halves, f64::INFINITY);
+            let found = (&mut survivors, &mut stats);
+            self.divide(&method, (parties, poses), part, filter, scratch, found)?;
         }
         (scratch.block, scratch.candidates, scratch.counts) = (block, candidates, counts);
         let begin = Instant::now();
@@ -165,6 +163,102 @@ impl LineUp<'_> {
         }
         stats.narrow_time += begin.elapsed();
         Ok((survivors, stats))
+    }
+}
+
+impl LineUp<'_> {
+    /// Candidates of a slice for which there is room: 32 MiB, unless more spans are allowed for.
+    fn room(&self) -> u64 {
+        const MAX_CANDIDATES: u64 = 1 << 22;
+        MAX_CANDIDATES.max(self.max_spans as u64)
+    }
+
+    /// What is asked of the candidates of a slice.
+    const fn question<'q>(
+        &self,
+        (parties, poses): Bodies<'q>,
+        slice: &'q Slice,
+        interval: (f64, f64),
+    ) -> Question<'q> {
+        Question {
+            parties,
+            poses,
+            slice,
+            interval,
+            window: self.window,
+            margin: self.margin,
+            max_spans: self.max_spans,
+        }
+    }
+
+    /// Keeps each survivor once where there are too many.
+    fn make_room(&self, survivors: &mut Vec<SpanKey>, scratch: &mut Scratch) -> Result<(), Error> {
+        if survivors.len() > self.max_spans {
+            scratch.arranger.tidy(survivors, self.ids.len());
+            self.check_room(survivors.len())?;
+        }
+        Ok(())
+    }
+
+    /// The ends of both halves of a part of a slice (s); an instant has none.
+    fn halves(&self, (from, to): (f64, f64)) -> Result<[f64; 3], Error> {
+        let middle = 0.5 * from + 0.5 * to;
+        if from < middle && middle < to {
+            Ok([from, middle, to])
+        } else {
+            Err(self.too_crowded())
+        }
+    }
+
+    /// Looks at both halves of a part of a slice in which there are too many candidates, and in turn at
+    /// theirs: candidates shrink with boxes, until these are as large as hitboxes and the margin. What meets
+    /// then is a crowd. `before` is the mean extent of the boxes of the whole part.
+    fn divide<B: BroadPhase, F: PairFilter>(
+        &self,
+        method: &impl Fn(&mut Scratch) -> &mut B,
+        (parties, poses): Bodies<'_>,
+        (ends, before): ([f64; 3], f64),
+        filter: &F,
+        scratch: &mut Scratch,
+        (survivors, stats): (&mut Vec<SpanKey>, &mut Stats),
+    ) -> Result<(), Error> {
+        /// Boxes of halves that are nearly as large have as many candidates.
+        const LESS: f64 = 0.875;
+        let mut block = Block::default();
+        self.instructions.run(Fill {
+            block: &mut block,
+            frame: &self.frame,
+            poses,
+            present: &scratch.present,
+            ends: &ends,
+        });
+        for (slice, ends) in block.slices.iter().zip(ends.windows(2)) {
+            let mut candidates = Vec::new();
+            let by_place = ByPlace {
+                bodies: &slice.bodies,
+                filter,
+            };
+            let room = Room::new(&by_place, self.room());
+            method(scratch).pairs(&slice.boxes, &room, &mut candidates);
+            stats.boxes += slice.boxes.len() as u64;
+            let interval = (ends[0], ends[1]);
+            if room.is_short() {
+                drop(candidates);
+                let (extent, _) = mean_size(&slice.boxes);
+                if extent >= LESS * before {
+                    return Err(self.too_crowded());
+                }
+                let part = (self.halves(interval)?, extent);
+                let found = (&mut *survivors, &mut *stats);
+                self.divide(method, (parties, poses), part, filter, scratch, found)?;
+                continue;
+            }
+            stats.candidates += candidates.len() as u64;
+            let question = self.question((parties, poses), slice, interval);
+            stats.spans += scratch.sieve.sift(&question, &candidates, survivors);
+            self.make_room(survivors, scratch)?;
+        }
+        Ok(())
     }
 }
 
@@ -238,9 +332,6 @@ impl Blocks {
 
 /// Not more of a block are left untidied until all blocks' are put together: 64 KiB.
 const FEW_SURVIVORS: usize = 1 << 12;
-
-/// Room for candidates of a slice, but for what is allowed for spans: half a GiB.
-const MAX_CANDIDATES: u64 = 1 << 26;
 
 /// A filter of bodies asked about their places in a slice.
 struct ByPlace<'a, F> {

@@ -1,11 +1,11 @@
 //! Bringing survivors into order: they come by slice, and are solved by pair.
 
-use super::sift::Survivor;
+use crate::spans::SpanKey;
 
 /// Sorts survivors; owns what that takes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Arranger {
-    other: Vec<Survivor>,
+    other: Vec<SpanKey>,
     /// Where the next survivor of each body goes.
     places: Vec<usize>,
 }
@@ -20,7 +20,7 @@ impl Arranger {
     /// Dealt out by their second body and then by their first, in as many steps as there are
     /// survivors and bodies, each is nearly in its place: the spans of a pair come in the order of
     /// the slices, where only those of neighbouring ones overlap.
-    pub(crate) fn tidy(&mut self, survivors: &mut Vec<Survivor>, bodies: usize) {
+    pub(crate) fn tidy(&mut self, survivors: &mut Vec<SpanKey>, bodies: usize) {
         if survivors.len() < bodies / Self::BODIES_EACH {
             survivors.sort_unstable();
         } else {
@@ -34,9 +34,9 @@ impl Arranger {
     /// Sorts by a body of each survivor; what has the same body stays in its order.
     fn deal(
         &mut self,
-        survivors: &mut Vec<Survivor>,
+        survivors: &mut Vec<SpanKey>,
         bodies: usize,
-        body: impl Fn(&Survivor) -> usize,
+        body: impl Fn(&SpanKey) -> usize,
     ) {
         let Some(&any) = survivors.first() else {
             return;
@@ -66,7 +66,7 @@ impl Arranger {
 /// Spans that are appended later than others may come in two long runs: where one of a pair has far to
 /// go, the pair is sorted by comparison instead. So no survivor moves farther than `FAR`, and no pair is
 /// sorted twice: at most n log n steps.
-fn insert(survivors: &mut [Survivor]) {
+fn insert(survivors: &mut [SpanKey]) {
     /// Places. Moving as far takes as long as sorting some few dozen.
     const FAR: usize = 32;
     let mut next = 1;
@@ -80,7 +80,7 @@ fn insert(survivors: &mut [Survivor]) {
         survivors[place] = one;
         next += 1;
         if place > 0 && one < survivors[place - 1] {
-            let is_other = |other: &Survivor| (other.a, other.b) != (one.a, one.b);
+            let is_other = |other: &SpanKey| (other.a, other.b) != (one.a, one.b);
             // Those before it are sorted by pair, and it is of the last one.
             let from = survivors[..place].partition_point(is_other);
             let rest = survivors[next..].iter().position(is_other);
@@ -96,6 +96,15 @@ mod tests {
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 
+    fn key((a, b): (u32, u32), (cubic_a, cubic_b): (u32, u32)) -> SpanKey {
+        SpanKey {
+            a,
+            b,
+            cubic_a,
+            cubic_b,
+        }
+    }
+
     /// The same as by comparison: many and few survivors, spans of a pair in any order.
     #[test]
     fn survivors_are_sorted_and_kept_once() {
@@ -106,8 +115,8 @@ mod tests {
             let bodies: u32 = [2, 20, 300][round % 3];
             let count = rng.random_range(0..400);
             let mut any = |most: u32| rng.random_range(0..most);
-            let mut survivors: Vec<Survivor> = (0..count)
-                .map(|_| Survivor::new((any(bodies), any(bodies)), (any(3), any(3))))
+            let mut survivors: Vec<SpanKey> = (0..count)
+                .map(|_| key((any(bodies), any(bodies)), (any(3), any(3))))
                 .collect();
             let mut expected = survivors.clone();
             expected.sort_unstable();
@@ -124,12 +133,12 @@ mod tests {
     #[test]
     fn two_runs_of_a_pair_take_no_longer_than_sorting() {
         const LENGTH: u32 = 1_000_000;
-        let span = |pair: (u32, u32), number: u32| Survivor::new(pair, (number, number));
+        let span = |pair: (u32, u32), number: u32| key(pair, (number, number));
         let even = (0..LENGTH).map(|k| span((1, 2), 2 * k));
         let odd = (0..LENGTH).map(|k| span((1, 2), 2 * k + 1));
         let others = [((0, 1), 7), ((0, 2), 5), ((1, 3), 3), ((2, 3), 1)];
         let others = others.map(|(pair, number)| span(pair, number));
-        let mut survivors: Vec<Survivor> = even.chain(others).chain(odd).collect();
+        let mut survivors: Vec<SpanKey> = even.chain(others).chain(odd).collect();
         Arranger::default().tidy(&mut survivors, 4);
         assert_eq!(survivors.len(), 2 * LENGTH as usize + others.len());
         assert!(survivors.is_sorted());

@@ -6,4 +6,4 @@ mod sift;
 
 pub(crate) use arrange::Arranger;
 pub(crate) use scratch::Scratch;
-pub(crate) use sift::{Question, Survivor};
+pub(crate) use sift::Question;

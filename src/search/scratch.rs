@@ -30,7 +30,7 @@ mod tests {
     use crate::broad_phase::{BodyBox, Candidate};
     use crate::narrow_phase::Party;
     use crate::scene::Occupant;
-    use crate::search::Survivor;
+    use crate::spans::SpanKey;
     use crate::trajectory::Segment;
 
     /// The parts of the figures of the documentation of `Scene`, whose sums are counted in `tests/memory.rs`.
@@ -47,6 +47,6 @@ mod tests {
         let boxed = size_of::<BodyBox>() + size_of::<Course>() + size_of::<u32>();
         assert_eq!(boxed, 64);
         assert_eq!(size_of::<Candidate>(), 8);
-        assert_eq!(size_of::<Survivor>(), 16);
+        assert_eq!(size_of::<SpanKey>(), 16);
     }
 }

@@ -10,61 +10,9 @@ use crate::broad_phase::Candidate;
 use crate::broad_phase::fill::Slice;
 use crate::narrow_phase::{Party, approaching, may_touch};
 use crate::simd::prefetch;
-use crate::spans::{Span, spans_from};
+use crate::spans::{Span, SpanKey, spans_from};
 use crate::window::Window;
-use std::cmp::Ordering;
 use std::slice::from_ref;
-
-/// A pair's span that cheap tests could not rule out; bodies by their place in the line-up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Survivor {
-    pub(crate) a: u32,
-    pub(crate) b: u32,
-    span_a: u32,
-    span_b: u32,
-}
-
-impl Survivor {
-    pub(crate) const fn new((a, b): (u32, u32), (span_a, span_b): (u32, u32)) -> Self {
-        Self {
-            a,
-            b,
-            span_a,
-            span_b,
-        }
-    }
-
-    /// The two bodies, and which cubic each follows.
-    pub(crate) fn cubics<'p>(&self, parties: &'p [Party<'p>]) -> [(&'p Party<'p>, usize); 2] {
-        [(self.a, self.span_a), (self.b, self.span_b)]
-            .map(|(place, cubic)| (&parties[place as usize], cubic as usize))
-    }
-
-    pub(crate) fn span(&self, a: &Party<'_>, b: &Party<'_>) -> Span {
-        let (i, j) = (self.span_a as usize, self.span_b as usize);
-        Span {
-            start: a.knots[i].max(b.knots[j]),
-            end: a.knots[i + 1].min(b.knots[j + 1]),
-            a: self.span_a,
-            b: self.span_b,
-        }
-    }
-}
-
-impl Ord for Survivor {
-    /// By the bodies, then by the span. Two numbers instead of four: lists are sorted often.
-    fn cmp(&self, other: &Self) -> Ordering {
-        let both = |first: u32, second: u32| u64::from(first) << 32 | u64::from(second);
-        let key = |one: &Self| (both(one.a, one.b), both(one.span_a, one.span_b));
-        key(self).cmp(&key(other))
-    }
-}
-
-impl PartialOrd for Survivor {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
 
 /// What is asked of the candidates of a slice.
 #[derive(Clone, Copy, Debug)]
@@ -116,9 +64,14 @@ impl Piece {
         (self.span.start.max(from), self.span.end.min(to))
     }
 
-    const fn survivor(&self) -> Survivor {
+    const fn survivor(&self) -> SpanKey {
         let Self { a, b, span, .. } = *self;
-        Survivor::new((a, b), (span.a, span.b))
+        SpanKey {
+            a,
+            b,
+            cubic_a: span.a,
+            cubic_b: span.b,
+        }
     }
 }
 
@@ -143,7 +96,7 @@ impl Sieve {
         &mut self,
         question: &Question<'_>,
         candidates: &[Candidate],
-        survivors: &mut Vec<Survivor>,
+        survivors: &mut Vec<SpanKey>,
     ) -> u64 {
         let mut looked_at = 0;
         // Of earlier slices.
@@ -212,7 +165,7 @@ impl Sieve {
 
     /// Those that their sketches do not show to be apart: the ones that are solved at once are appended
     /// to the survivors, the ones that are asked about first stay.
-    fn sketch(&mut self, question: &Question<'_>, survivors: &mut Vec<Survivor>) {
+    fn sketch(&mut self, question: &Question<'_>, survivors: &mut Vec<SpanKey>) {
         let poses = question.poses;
         let leg = |body: u32, cubic: u32| Leg {
             pose: &poses[body as usize],
@@ -239,7 +192,7 @@ impl Sieve {
     }
 
     /// Those that their segments do not show to be apart either.
-    fn refine(&self, question: &Question<'_>, survivors: &mut Vec<Survivor>) {
+    fn refine(&self, question: &Question<'_>, survivors: &mut Vec<SpanKey>) {
         let (parties, margin) = (question.parties, question.margin);
         for (i, piece) in self.pieces.iter().enumerate() {
             if let Some(later) = self.pieces.get(i + Self::AHEAD) {

@@ -88,6 +88,7 @@ pub struct Trajectory {
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Outside {
     /// It does not exist there.
     #[default]
@@ -158,6 +159,25 @@ impl Trajectory {
         let start = or_ever(self.before, planned.start(), all.start());
         let end = or_ever(self.after, planned.end(), all.end());
         Window::new(start, end).unwrap_or(all)
+    }
+
+    /// Returns time, position and velocity at `time` (s, m, m/s): [`position`](Self::position) and
+    /// [`velocity`](Self::velocity) at once; none where there is no position.
+    ///
+    /// ```
+    /// use nearmiss::{State, Trajectory};
+    ///
+    /// let states = [0.0, 10.0].map(|t| State::new(t, [t, 0.0, 0.0], [1.0, 0.0, 0.0]));
+    /// let plan = Trajectory::from_states(&states)?;
+    /// let middle = plan.state(5.0).map(|state| state.position.to_array());
+    /// assert_eq!(middle, Some([5.0, 0.0, 0.0]));
+    /// assert_eq!(plan.state(10.1), None);
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
+    #[must_use]
+    pub fn state(&self, time: f64) -> Option<State> {
+        self.motion_at(time)
+            .map(|(position, velocity, _)| State::new(time, position, velocity))
     }
 
     /// Position at `time`, m; none where the body does not exist, or its motion, extrapolated, has left

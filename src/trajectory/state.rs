@@ -16,12 +16,22 @@ pub struct State {
 
 impl State {
     /// A state from its parts (s, m, m/s); validation happens where a trajectory is built from it.
+    ///
+    /// Position and velocity can be vectors of f64 or f32, arrays or tuples.
+    ///
+    /// ```
+    /// use nearmiss::State;
+    /// use nearmiss::glam::{DVec3, Vec3};
+    ///
+    /// let state = State::new(0.0, [1.0, 2.0, 3.0], (0.0, 0.0, 4.0));
+    /// assert_eq!(state, State::new(0.0, Vec3::new(1.0, 2.0, 3.0), 4.0 * DVec3::Z));
+    /// ```
     #[must_use]
-    pub const fn new(time: f64, position: DVec3, velocity: DVec3) -> Self {
+    pub fn new(time: f64, position: impl Into<DVec3>, velocity: impl Into<DVec3>) -> Self {
         Self {
             time,
-            position,
-            velocity,
+            position: position.into(),
+            velocity: velocity.into(),
         }
     }
 }

@@ -14,10 +14,7 @@ fn two_readers_at_a_shutdown_share_the_reports() {
     let mut both = 0;
     for seed in 0..60 {
         let (monitor, _) = crowd(seed, 60);
-        let options = LiveOptions {
-            reports: 64,
-            ..LiveOptions::default()
-        };
+        let options = LiveOptions::default().with_reports(64);
         let live = monitor.spawn(options).unwrap();
         let reader = live.reports().clone();
         let reader = std::thread::spawn(move || reader.iter().collect::<Vec<Report>>());
@@ -49,11 +46,7 @@ fn orders_are_stopped_and_reports_read_to_the_end() {
     // All of a tick at once, or as little as can be: then much is left after the last order.
     for (seed, budget) in (0..20).zip([Duration::MAX, Duration::ZERO].into_iter().cycle()) {
         let (monitor, ids) = crowd(seed, 60);
-        let options = LiveOptions {
-            reports: 1,
-            budget,
-            ..LiveOptions::default()
-        };
+        let options = LiveOptions::default().with_reports(1).with_budget(budget);
         let live = monitor.spawn(options).unwrap();
         let (handle, reader) = (live.handle(), live.reports().clone());
         let mut rng = rng(seed);
@@ -67,8 +60,8 @@ fn orders_are_stopped_and_reports_read_to_the_end() {
             let _ = handle.send(Command::SetTrajectory(ids[3], plan)).unwrap();
             let _ = handle.advance(f64::from(tick) / 10.0).unwrap();
         }
-        live.stop_orders();
-        live.stop_orders();
+        live.stop_requests();
+        live.stop_requests();
         assert_eq!(
             handle.advance(2.0),
             Err(Unsent::Closed(Request::Clock(2.0)))
@@ -109,7 +102,7 @@ fn orders_are_stopped_whatever_the_monitor_does() {
     while !caught_up(live.reports().recv_timeout(PATIENCE).unwrap()) {}
     // It has nothing to do, and soon sleeps.
     std::thread::sleep(Duration::from_millis(20));
-    live.stop_orders();
+    live.stop_requests();
     // Not even another tick is told.
     assert_eq!(
         live.reports().recv_timeout(PATIENCE),
@@ -118,15 +111,12 @@ fn orders_are_stopped_whatever_the_monitor_does() {
     drop(live);
     // Nobody reads: what the reader had no room for comes back.
     let (monitor, _) = crowd(2, 60);
-    let options = LiveOptions {
-        reports: 1,
-        ..LiveOptions::default()
-    };
+    let options = LiveOptions::default().with_reports(1);
     let live = monitor.spawn(options).unwrap();
     for tick in 1..=10 {
         let _ = live.handle().advance(f64::from(tick)).unwrap();
     }
-    live.stop_orders();
+    live.stop_requests();
     while live.reports().is_empty() {
         std::thread::yield_now();
     }

@@ -122,7 +122,7 @@ fn a_jump_over_nothing_and_then_a_crowd() {
         let plan = Trajectory::from_states(&states).unwrap();
         scene.insert(Body::new(plan)).unwrap();
     }
-    let all = Query::default().with_margin(1.0).unwrap();
+    let all = Query::default().with_margin(1.0);
     let expected = scene.screen(&all).unwrap().conflicts.len();
     let mut monitor =
         with_every_change(Monitor::new(scene, 0.0, 10.0, &[AlertLevel::at(1.0)]).unwrap());

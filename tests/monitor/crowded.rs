@@ -54,7 +54,7 @@ fn refuse_and_go_on((to, steps): (f64, u32), budget: Budget) {
     roomy.set_max_spans(Monitor::MAX_SPANS);
     let (mut events, mut as_roomy) = (Vec::new(), Vec::new());
     let state = |monitor: &Monitor| {
-        let conflicts = bits(monitor.conflicts(0));
+        let conflicts = bits(monitor.conflicts(0).unwrap());
         (monitor.now(), monitor.complete_until(), conflicts)
     };
     let mut step = 0;

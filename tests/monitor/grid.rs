@@ -66,7 +66,7 @@ fn a_long_lookahead_is_cut_into_as_many_slices_as_suit_it() {
         scene.insert(Body::new(plan)).unwrap();
     }
     let query = Query::new(Window::new(0.0, 3_000.0).unwrap());
-    let query = query.with_margin(LEVEL.margin).unwrap();
+    let query = query.with_margin(LEVEL.margin);
     let screened = scene.screen(&query).unwrap().stats;
     let mut monitor = with_every_change(Monitor::new(scene, 0.0, 3_000.0, &[LEVEL]).unwrap());
     tick(&mut monitor, 0.0);

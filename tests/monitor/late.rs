@@ -137,7 +137,7 @@ fn the_velocity_at_the_instant_of_a_replan_is_the_new_one() {
         let trajectory = &monitor.scene().body(id).unwrap().trajectory;
         assert_eq!(trajectory.velocity(now), Some(DVec3::X));
         tick(&mut monitor, now);
-        assert_eq!(monitor.conflicts(0)[0].closest, would);
+        assert_eq!(monitor.conflicts(0).unwrap()[0].closest, would);
         is_as_screened(&monitor, LEVEL);
     }
 }
@@ -349,11 +349,9 @@ fn a_backlog_loses_no_late_plan() {
         }
     }
     orders.push(Request::Clock(1.0));
-    let options = LiveOptions {
-        requests: 8_192,
-        reports: 1 << 16,
-        ..LiveOptions::default()
-    };
+    let options = LiveOptions::default()
+        .with_requests(8_192)
+        .with_reports(1 << 16);
     let live = monitor.spawn(options).unwrap();
     let game = live.handle();
     let tickets: Vec<_> = orders

@@ -201,14 +201,14 @@ impl Ledger {
 
 fn one_shot(monitor: &Monitor, level: AlertLevel, until: f64) -> Vec<Vec<u64>> {
     let window = Window::new(monitor.now(), until).unwrap();
-    let query = Query::new(window).with_margin(level.margin).unwrap();
+    let query = Query::new(window).with_margin(level.margin);
     bits(&monitor.scene().screen(&query).unwrap().conflicts)
 }
 
 /// The first level's conflicts, as of a tick, against a screening.
 fn is_as_screened(monitor: &Monitor, level: AlertLevel) {
     let screened = one_shot(monitor, level, monitor.complete_until());
-    assert_eq!(bits(monitor.conflicts(0)), screened);
+    assert_eq!(bits(monitor.conflicts(0).unwrap()), screened);
 }
 
 /// Ticks of a long random run; `NEARMISS_TICKS` asks for more.
@@ -293,7 +293,7 @@ fn long_run(seed: u64, lookahead: f64) {
             } else {
                 vec![]
             };
-            let found = bits(monitor.conflicts(index));
+            let found = bits(monitor.conflicts(index).unwrap());
             for (found, expected) in found.iter().zip(&expected) {
                 assert_eq!(found, expected, "seed {seed}, tick {tick}, level {index}");
             }
@@ -355,7 +355,11 @@ fn equals_one_shot_screening_with_many_bodies() {
             } else {
                 vec![]
             };
-            assert_eq!(bits(monitor.conflicts(index)), expected, "tick {tick}");
+            assert_eq!(
+                bits(monitor.conflicts(index).unwrap()),
+                expected,
+                "tick {tick}"
+            );
             conflicts += expected.len();
         }
     }

@@ -98,9 +98,7 @@ fn ask(monitor: &Monitor, id: BodyId, idea: &Trajectory, level: usize) -> usize 
         let mut scene = monitor.scene().clone();
         scene.set_trajectory(id, idea.clone()).unwrap();
         let window = Window::new(window.0, window.1).unwrap();
-        let query = Query::new(window)
-            .with_margin(LEVELS[level].margin)
-            .unwrap();
+        let query = Query::new(window).with_margin(LEVELS[level].margin);
         screened = scene.screen(&query).unwrap().conflicts;
         screened.retain(|one| one.a == id || one.b == id);
     }
@@ -184,7 +182,7 @@ fn what_if_sees_what_has_changed_since_the_last_tick() {
             let mut changed = monitor.scene().clone();
             changed.set_trajectory(ids[own], idea.clone()).unwrap();
             let window = Window::new(monitor.now(), monitor.complete_until()).unwrap();
-            let query = Query::new(window).with_margin(level.margin).unwrap();
+            let query = Query::new(window).with_margin(level.margin);
             let mut screened = changed.screen(&query).unwrap().conflicts;
             screened.retain(|one| one.a == ids[own] || one.b == ids[own]);
             assert_eq!(bits(&would), bits(&screened), "{step} {ask}");

@@ -137,7 +137,7 @@ fn planned(
     }
     let window = Window::new(tick.before, tick.known).unwrap();
     let screen = |margin: f64| -> Vec<Conflict> {
-        let query = Query::new(window).with_margin(margin).unwrap();
+        let query = Query::new(window).with_margin(margin);
         scene.screen(&query).unwrap().conflicts
     };
     let within = screen(level.margin);

@@ -96,7 +96,7 @@ pub(crate) fn scene_of(bodies: &[(Vec<State>, f64)]) -> Scene {
 }
 
 pub(crate) fn screen(scene: &Scene, window: Window, margin: f64) -> Vec<Conflict> {
-    let query = Query::new(window).with_margin(margin).unwrap();
+    let query = Query::new(window).with_margin(margin);
     scene.screen(&query).unwrap().conflicts
 }
 

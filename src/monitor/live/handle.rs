@@ -48,6 +48,7 @@ impl std::error::Error for Unsent {}
 /// `sent = applied + superseded + refused + waiting`, and nothing waits after a shutdown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Counts {
     /// Accepted by [`Handle::send`].
     pub sent: u64,

@@ -35,7 +35,7 @@ use worker::{Outcome, Worker};
 ///   from later on than it says: [`ReportKind::Late`].
 /// - Reports come in order, [numbered](Report::sequence) without a gap, and each goes to one reader. A reader that
 ///   stalls stalls the monitor, not the senders: [`Handle::complete_until`] then stands still.
-/// - After [`Live::stop_orders`] all that was sent before is carried out, and then [`Live::reports`] ends. One
+/// - After [`Live::stop_requests`] all that was sent before is carried out, and then [`Live::reports`] ends. One
 ///   reader that goes on to that end, on whatever thread, has every report in order: none is left for `shutdown`.
 /// - A tick works within [`LiveOptions::budget`] at a time; what is left is caught up while no
 ///   requests wait. If that fails, [`ReportKind::Stuck`] says why.
@@ -60,7 +60,7 @@ use worker::{Outcome, Worker};
 /// game.advance(0.5)?;
 /// while !matches!(live.reports().recv()?.kind, ReportKind::Ticked { now, .. } if now == 0.5) {}
 /// // In the end: all that is left, to the last report.
-/// live.stop_orders();
+/// live.stop_requests();
 /// for report in live.reports() {
 ///     println!("{report:?}");
 /// }
@@ -83,6 +83,7 @@ pub struct Live {
 
 /// What a live monitor leaves.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct Stopped {
     /// As the last request left it.
     pub monitor: Monitor,
@@ -96,6 +97,7 @@ pub struct Stopped {
 
 /// The thread panicked.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct Panicked {
     /// What the panic said.
     pub message: String,
@@ -163,7 +165,7 @@ impl Live {
     }
 
     /// Returns the queue of reports, also for a `select!`. Its clones share the reports: each goes to one. The
-    /// queue ends when the thread has ended and all is read: after [`stop_orders`](Self::stop_orders), say.
+    /// queue ends when the thread has ended and all is read: after [`stop_requests`](Self::stop_requests), say.
     #[must_use]
     pub const fn reports(&self) -> &Receiver<Report> {
         &self.reports
@@ -173,7 +175,7 @@ impl Live {
     ///
     /// All requests sent before are carried out, and the last tick is caught up with. Then the thread ends, and
     /// [`reports`](Self::reports) with its last report.
-    pub fn stop_orders(&self) {
+    pub fn stop_requests(&self) {
         self.handle.shared().close();
         if let Some(stop) = &self.stop {
             // If there is no room, a message is waiting already.

@@ -9,6 +9,8 @@ use std::time::Duration;
 
 /// How a live monitor runs. What its queues and its budget mean is in the contract at [`Live`](super::Live).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct LiveOptions {
     /// Requests that may wait, 1 to [`MAX`](Self::MAX); 4,096 by default. There is room for all of them from
     /// the beginning; as many again may have left the queue and not be applied yet.
@@ -23,6 +25,27 @@ pub struct LiveOptions {
 impl LiveOptions {
     /// What a queue may hold at most: some hundred megabytes.
     pub const MAX: usize = 1 << 20;
+
+    /// The same options with room for this many requests.
+    #[must_use]
+    pub const fn with_requests(mut self, requests: usize) -> Self {
+        self.requests = requests;
+        self
+    }
+
+    /// The same options with room for this many reports.
+    #[must_use]
+    pub const fn with_reports(mut self, reports: usize) -> Self {
+        self.reports = reports;
+        self
+    }
+
+    /// The same options with this budget.
+    #[must_use]
+    pub const fn with_budget(mut self, budget: Duration) -> Self {
+        self.budget = budget;
+        self
+    }
 }
 
 impl Default for LiveOptions {
@@ -38,6 +61,7 @@ impl Default for LiveOptions {
 
 /// A report of a live monitor, with its number.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Report {
     /// Number of reports before this one. None is missing, and none comes twice.
     pub sequence: u64,

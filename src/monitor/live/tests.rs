@@ -76,14 +76,14 @@ fn after_a_panic_only_what_is_planned_is_reported() {
     let mut monitor = Monitor::new(scene, 0.0, 10.0, &[AlertLevel::at(1.0)]).unwrap();
     let mut events = Vec::new();
     monitor.advance(0.0, &mut events).unwrap();
-    assert_eq!((monitor.conflicts(0).len(), events.len()), (2, 2));
+    assert_eq!((monitor.conflicts(0).unwrap().len(), events.len()), (2, 2));
     monitor.set_trajectory(a, fly(-50.0, 0.0)).unwrap();
     monitor.remove(c).unwrap();
     monitor.look_anew().unwrap();
     events.clear();
     monitor.advance(0.0, &mut events).unwrap();
     assert_eq!(
-        (monitor.conflicts(0), monitor.encounters().count()),
+        (monitor.conflicts(0).unwrap(), monitor.encounters().count()),
         (&[][..], 0)
     );
     let is_withdrawn = |event: &Event| matches!(event.kind, EventKind::Withdrawn(_));

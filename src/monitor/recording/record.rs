@@ -94,6 +94,7 @@ pub enum RecordingError {
         /// Where the line begins.
         offset: u64,
         /// Why.
+        #[source]
         error: Error,
     },
     /// The file cannot be read.

@@ -1,7 +1,7 @@
 //! Who may come near a plan that is not in place.
 
 use super::Slice;
-use crate::bounds::{Frame, Pose};
+use crate::bounds::{MovingFrame, Pose};
 use crate::broad_phase::fill::Block;
 use crate::monitor::bodies::form;
 use crate::monitor::boxes::Search;
@@ -33,7 +33,7 @@ impl Slice {
     /// was boxed here may be anywhere.
     pub(in crate::monitor) fn neighbours(
         &self,
-        frame: &Frame,
+        frame: &MovingFrame,
         pose: &Pose<'_, Segment>,
         answer: &mut Answer,
     ) {

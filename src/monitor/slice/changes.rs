@@ -91,6 +91,7 @@ impl Slice {
                 });
             }
         }
+        self.stats.boxes += listed.len() as u64;
         // In the order of `changed`, but for those that are missing.
         let mut boxed = listed.iter().map(|boxed| boxed.body).peekable();
         for &slot in &self.changed {

@@ -280,7 +280,6 @@ impl Slice {
             self.candidates.clear();
             self.parts.extend(part);
         }
-        self.stats.boxes += boxes as u64;
         self.stats.candidates += self.candidates.len() as u64;
         boxes
     }
@@ -349,10 +348,12 @@ impl Slice {
         let ends = self.ends();
         let courses = &mut self.courses;
         courses.resize(bodies.flights.len(), Self::NO_COURSE);
+        let before = listed.len();
         bodies.boxes(slots, &ends, block, |_, boxed, course| {
             courses[boxed.body as usize] = *course;
             listed.push(boxed);
         });
+        self.stats.boxes += (listed.len() - before) as u64;
         until
     }
 

@@ -5,7 +5,7 @@
 //! margin: what meets then is a crowd.
 
 use super::state::{Part, Scratch, Slice, Stage};
-use crate::broad_phase::{BodyBox, BroadPhase, PairFilter};
+use crate::broad_phase::{BroadPhase, PairFilter, mean_size};
 use crate::monitor::bodies::Bodies;
 
 impl Slice {
@@ -27,6 +27,7 @@ impl Slice {
         let (from, to) = part.interval;
         let slots = (0..bodies.flights.len()).filter_map(|slot| u32::try_from(slot).ok());
         bodies.boxes(slots, &[from, to], block, |_, boxed, _| listed.push(boxed));
+        self.stats.boxes += listed.len() as u64;
         sweep.pairs(listed, filter, &mut self.candidates);
         listed.len()
     }
@@ -50,7 +51,7 @@ impl Slice {
             self.halve((from, middle, to), (f64::INFINITY, f64::INFINITY));
             return;
         };
-        let mean = mean_of(&scratch.listed);
+        let mean = mean_size(&scratch.listed);
         if can_be_halved && mean.1 < PAYS * part.mean.1 {
             self.halve((from, middle, to), mean);
         } else if !part.is_whole {
@@ -73,21 +74,4 @@ impl Slice {
             });
         }
     }
-}
-
-/// Returns the mean extent and volume of some boxes.
-fn mean_of(boxes: &[BodyBox]) -> (f64, f64) {
-    let (mut extent, mut volume) = (0.0, 0.0);
-    for one in boxes {
-        let size = (one.aabb.maxs - one.aabb.mins).to_array().map(f64::from);
-        extent += size.iter().sum::<f64>();
-        // Flat boxes are compared as well.
-        volume += size
-            .iter()
-            .map(|side| side.max(f64::MIN_POSITIVE.cbrt()))
-            .product::<f64>();
-    }
-    #[allow(clippy::cast_precision_loss, reason = "a number of bodies")]
-    let count = boxes.len() as f64;
-    (extent / count, volume / count)
 }

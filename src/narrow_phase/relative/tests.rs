@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::rounding::exact::{Exact, number};
-use crate::trajectory::{Pieces, State, Trajectory};
+use crate::trajectory::{Pieces, State, TimeBase, Trajectory};
 use crate::window::Window;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -168,6 +168,17 @@ fn filters_keep_clear_of_the_tolerance() {
             (a, b) = (resting(a.origin()), resting(b.origin()));
         }
         let (a, b) = (&a, &b);
+        let known = |x: f64| {
+            let places = [DVec3::ZERO, DVec3::ZERO, DVec3::ZERO, DVec3::X * x];
+            let motion = Trajectory::from_coefficients(&[0.0, 1.0], &[places], TimeBase::Absolute);
+            motion.unwrap_or_else(|error| unreachable!("{error}"))
+        };
+        let (far_a, far_b) = (known(1e9), known(1e9 + 1.0));
+        let (a, b) = if round % 5 == 0 {
+            (&far_a.segments()[0], &far_b.segments()[0])
+        } else {
+            (a, b)
+        };
         let offset = vector(&mut rng, offset);
         for span in [(0.0, 1.0), (0.25, 0.75)] {
             let cubic = RelativeCubic::between(a, b, span, offset);

@@ -71,7 +71,7 @@ fn screen(
         scene.insert(body.clone()).unwrap();
     }
     let window = Window::new(window.0, window.1).unwrap();
-    let query = Query::new(window).with_margin(margin).unwrap();
+    let query = Query::new(window).with_margin(margin);
     scene
         .screen(&query.with_accuracy(accuracy))
         .unwrap()
@@ -178,9 +178,7 @@ fn screening_and_closest_approach_agree_at_the_end_of_time() {
             .unwrap()
             .unwrap();
         for share in [0.97, 0.99, 0.999, 1.0, 1.5] {
-            let query = Query::new(window)
-                .with_margin(share * nearest.separation)
-                .unwrap();
+            let query = Query::new(window).with_margin(share * nearest.separation);
             let found = scene.screen(&query).unwrap().conflicts;
             let least = found.iter().map(|conflict| conflict.closest.separation);
             let Some(least) = least.reduce(f64::min) else {

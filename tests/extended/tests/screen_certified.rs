@@ -19,7 +19,10 @@ use cases::{Case, FAMILIES};
 use check::Truth;
 use example::example;
 use glam::DVec3;
-use nearmiss::{BodyId, Certificate, Clip, ClosestApproach, Conflict, Outside, TimeEnclosure};
+use nearmiss::{
+    Accuracy, Body, BodyId, Clip, Conflict, Outside, Query, Scene, TimeEnclosure, Trajectory,
+    Window,
+};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use std::fmt::Write;
@@ -38,8 +41,20 @@ fn write_states(case: &Case, path: &Path) {
     std::fs::write(path, text).unwrap();
 }
 
+/// A certified conflict of two points that rest at the origin.
+fn at_the_origin() -> Conflict {
+    let mut scene = Scene::new();
+    for _ in 0..2 {
+        let rest = Trajectory::at_rest(DVec3::ZERO).unwrap();
+        scene.insert(Body::new(rest)).unwrap();
+    }
+    let query = Query::new(Window::new(0.0, 1.0).unwrap()).with_accuracy(Accuracy::Certified);
+    scene.screen(&query).unwrap().conflicts[0]
+}
+
 /// The rows as conflicts of the two bodies; what the table does not say is zero.
 fn read_rows(path: &Path, ids: [BodyId; 2]) -> Vec<Conflict> {
+    let any = at_the_origin();
     let mut table = csv::Reader::from_path(path).unwrap();
     table
         .deserialize::<Vec<f64>>()
@@ -49,29 +64,15 @@ fn read_rows(path: &Path, ids: [BodyId; 2]) -> Vec<Conflict> {
                 earliest: row[first],
                 latest: row[first + 1],
             };
-            Conflict {
-                a: ids[0],
-                b: ids[1],
-                enter: row[2],
-                exit: row[3],
-                closest: ClosestApproach {
-                    time: row[4],
-                    separation: row[5],
-                    position_a: DVec3::ZERO,
-                    position_b: DVec3::ZERO,
-                    relative_velocity: DVec3::ZERO,
-                    sphere_a: 0,
-                    sphere_b: 0,
-                },
-                clip: Clip::default(),
-                certificate: Some(Certificate {
-                    error: row[6],
-                    resolved: row[8] > 0.5,
-                    enter: times(9),
-                    exit: times(11),
-                    closest: times(13),
-                }),
-            }
+            let mut conflict = any;
+            (conflict.a, conflict.b) = (ids[0], ids[1]);
+            (conflict.enter, conflict.exit) = (row[2], row[3]);
+            (conflict.closest.time, conflict.closest.separation) = (row[4], row[5]);
+            conflict.clip = Clip::default();
+            let proof = conflict.certificate.as_mut().unwrap();
+            (proof.error, proof.resolved) = (row[6], row[8] > 0.5);
+            (proof.enter, proof.exit, proof.closest) = (times(9), times(11), times(13));
+            conflict
         })
         .collect()
 }
@@ -94,6 +95,7 @@ fn files_are_answered_exactly() {
                 Outside::Absent => "absent",
                 Outside::Extrapolate => "extrapolate",
                 Outside::Coast => "coast",
+                other => panic!("no option for {other:?}"),
             };
             let result = example("screen")
                 .arg(&states)

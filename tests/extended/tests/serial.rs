@@ -11,8 +11,11 @@ mod support;
 
 use glam::DVec3;
 use nearmiss::{
-    Accuracy, Body, Conflict, Hitbox, Monitor, Query, RevisionThreshold, Scene, State, Trajectory,
+    Accuracy, Body, Budget, CertifiedApproach, Conflict, Hitbox, Method, Monitor, Query,
+    RevisionThreshold, Scene, Screening, State, Trajectory, Window,
 };
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use support::{rng, wander};
 
 /// Infinite settings, in text and in other formats.
@@ -61,7 +64,7 @@ fn states_and_conflicts_come_back() {
         let plan = Trajectory::from_states(&states).unwrap();
         scene.insert(Body::new(plan)).unwrap();
     }
-    let query = Query::default().with_margin(1.0).unwrap();
+    let query = Query::default().with_margin(1.0);
     let query = query.with_accuracy(Accuracy::Certified);
     let conflicts = scene.screen(&query).unwrap().conflicts;
     assert!(!conflicts.is_empty());
@@ -70,6 +73,93 @@ fn states_and_conflicts_come_back() {
         serde_json::from_str::<Vec<Conflict>>(&json).unwrap(),
         conflicts
     );
+}
+
+/// What is read of what was written, in text and in another format, which must be the same.
+fn back<T: Serialize + DeserializeOwned + std::fmt::Debug>(value: &T) -> T {
+    let text = serde_json::to_string(value).unwrap();
+    let bytes = postcard::to_allocvec(value).unwrap();
+    let read: T = serde_json::from_str(&text).unwrap();
+    let other: T = postcard::from_bytes(&bytes).unwrap();
+    assert_eq!(format!("{read:?}"), format!("{other:?}"));
+    read
+}
+
+#[test]
+fn questions_come_back() {
+    let half_open = Window::new(-0.1, f64::INFINITY).unwrap();
+    for window in [Window::ALL, half_open, Window::new(1.0, 1.0).unwrap()] {
+        assert_eq!(back(&window), window);
+        let query = Query::new(window)
+            .with_margin(-0.3)
+            .with_accuracy(Accuracy::Certified)
+            .with_max_spans(77);
+        assert_eq!(back(&query), query);
+        // How the answer is found is no part of the question.
+        assert_eq!(back(&query.with_method(Method::BruteForce)), query);
+    }
+    let silent = Query::default();
+    assert_eq!(back(&silent), silent);
+    assert_eq!(back(&silent).window(), None);
+    let read = serde_json::from_str::<Query>;
+    assert_eq!(read(r#"{"margin":2.0}"#).unwrap(), silent.with_margin(2.0));
+    assert!(read(r#"{"margins":2.0}"#).is_err());
+    assert!(read(r#"{"window":{"start":2.0,"end":1.0}}"#).is_err());
+    assert!(serde_json::from_str::<Window>(r#"{"start":0.0,"end":1.0,"stop":1.0}"#).is_err());
+    for budget in [Budget::Unlimited, Budget::Work(7)] {
+        assert_eq!(back(&budget), budget);
+    }
+}
+
+#[test]
+fn answers_come_back() {
+    let mut scene = Scene::new();
+    let ids = [3, 5].map(|seed| {
+        let states = wander(&mut rng(seed), 0.0, 12, 1.0, 4.0, 4.0);
+        let plan = Trajectory::from_states(&states).unwrap();
+        scene.insert(Body::new(plan)).unwrap()
+    });
+    let query = Query::default().with_margin(10.0);
+    let screening = scene.screen(&query).unwrap();
+    let read: Screening = back(&screening);
+    assert!(!read.conflicts.is_empty() && read.stats.survivors > 0);
+    assert_eq!(
+        (read.conflicts, read.window),
+        (screening.conflicts, screening.window)
+    );
+    assert_eq!(
+        format!("{:?}", read.stats),
+        format!("{:?}", screening.stats)
+    );
+    let nearest = scene.certified_closest_approach(ids[0], ids[1], Window::ALL);
+    let nearest: CertifiedApproach = nearest.unwrap().unwrap();
+    assert_eq!(back(&nearest), nearest);
+}
+
+#[cfg(feature = "live")]
+#[test]
+fn options_come_back() {
+    let options = nearmiss::LiveOptions::default()
+        .with_requests(3)
+        .with_reports(4)
+        .with_budget(std::time::Duration::from_micros(5));
+    let fields = (
+        options.requests,
+        options.reports,
+        options.budget.as_micros(),
+    );
+    assert_eq!(fields, (3, 4, 5));
+    assert_eq!(back(&options), options);
+}
+
+/// An error that wraps one says which.
+#[test]
+fn a_refused_record_says_why() {
+    use std::error::Error as _;
+    let error = nearmiss::Error::NoPlan;
+    let why = error.to_string();
+    let refused = nearmiss::RecordingError::Refused { offset: 20, error };
+    assert_eq!(refused.source().map(ToString::to_string), Some(why));
 }
 
 #[test]

@@ -131,7 +131,6 @@ impl Case {
     pub(crate) fn query(&self) -> Query {
         Query::new(self.window())
             .with_margin(self.margin)
-            .unwrap()
             .with_accuracy(Accuracy::Certified)
     }
 

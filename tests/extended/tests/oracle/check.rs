@@ -53,6 +53,7 @@ impl Truth {
             nearmiss::Outside::Absent => Outside::Absent,
             nearmiss::Outside::Extrapolate => Outside::Extrapolate,
             nearmiss::Outside::Coast => Outside::Coast,
+            other => panic!("no exact motion of {other:?}"),
         };
         if outside != Outside::Absent {
             (from, to) = window;

@@ -311,10 +311,7 @@ fn a_live_monitor_is_recorded_as_it_was_applied() {
     let file = Memory::default();
     monitor.start_recording(file.clone()).unwrap();
     let ids: Vec<BodyId> = monitor.scene().bodies().map(|(id, _)| id).collect();
-    let options = LiveOptions {
-        budget: std::time::Duration::from_micros(200),
-        ..LiveOptions::default()
-    };
+    let options = LiveOptions::default().with_budget(std::time::Duration::from_micros(200));
     let live = monitor.spawn(options).unwrap();
     let handle = live.handle();
     for tick in 1..=120 {

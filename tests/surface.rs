@@ -1,0 +1,192 @@
+//! What a user makes, reads back and prints.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "what was set is what is read; a plan that cannot be built fails the test"
+)]
+
+mod support;
+
+use nearmiss::glam::{DVec3, Vec3};
+use nearmiss::{
+    AlertLevel, Body, BodyId, EncounterId, Error, Monitor, Outside, Query, RevisionThreshold,
+    Scene, State, Stats, Trajectory, Window,
+};
+use std::error::Error as _;
+
+#[test]
+fn states_from_what_a_program_has() {
+    let state = State::new(1.0, DVec3::new(0.5, 2.0, -3.0), DVec3::X);
+    assert_eq!(State::new(1.0, [0.5, 2.0, -3.0], [1.0, 0.0, 0.0]), state);
+    assert_eq!(State::new(1.0, (0.5, 2.0, -3.0), (1.0, 0.0, 0.0)), state);
+    assert_eq!(State::new(1.0, Vec3::new(0.5, 2.0, -3.0), Vec3::X), state);
+    // Each f32 is taken exactly, not by its decimals.
+    let tenth = State::new(0.0, Vec3::splat(0.1), Vec3::ZERO);
+    assert_eq!(tenth.position, DVec3::splat(f64::from(0.1_f32)));
+}
+
+/// The state is what position and velocity are, and there is one where they are.
+#[test]
+fn a_state_of_a_trajectory() {
+    let states = support::wander(&mut support::rng(4), 0.0, 6, 1.5, 20.0, 5.0);
+    let plan = Trajectory::from_states(&states).unwrap();
+    let last = plan.knots()[plan.knots().len() - 1];
+    for outside in [Outside::Absent, Outside::Coast, Outside::Extrapolate] {
+        let plan = plan.clone().with_outside(outside);
+        for state in &states {
+            let found = plan.state(state.time).unwrap();
+            assert_eq!((found.time, found.position), (state.time, state.position));
+            // A velocity is good to some roundings.
+            assert!(found.velocity.distance(state.velocity) < 1e-14);
+        }
+        for step in -10..40 {
+            let time = 0.25 * f64::from(step);
+            let state = plan.state(time);
+            let exists = outside != Outside::Absent || (0.0..=last).contains(&time);
+            assert_eq!(state.is_some(), exists, "{time} {outside:?}");
+            assert_eq!(state.map(|it| it.position), plan.position(time));
+            assert_eq!(state.map(|it| it.velocity), plan.velocity(time));
+            assert!(state.is_none_or(|it| it.time == time));
+        }
+        for time in [f64::NAN, f64::INFINITY] {
+            assert_eq!(plan.state(time), None);
+        }
+    }
+}
+
+#[test]
+fn what_a_monitor_was_told() -> Result<(), Error> {
+    let levels = [
+        AlertLevel::at(3.0),
+        AlertLevel {
+            margin: 1.0,
+            release: 2.0,
+        },
+    ];
+    let mut scene = Scene::new();
+    scene.insert(Body::new(Trajectory::at_rest(DVec3::ZERO)?))?;
+    let mut monitor = Monitor::new(scene, 5.0, 7.5, &levels)?;
+    assert_eq!((monitor.lookahead(), monitor.levels()), (7.5, &levels[..]));
+    assert_eq!(monitor.max_spans(), Monitor::MAX_SPANS);
+    let revision_threshold = RevisionThreshold {
+        time: 0.25,
+        separation: 0.5,
+    };
+    monitor.set_history(3.0)?;
+    monitor.set_max_spans(77);
+    monitor.set_revision_threshold(revision_threshold)?;
+    for tick in 0..3 {
+        let told = (monitor.history(), monitor.max_spans());
+        assert_eq!(told, (3.0, 77));
+        assert_eq!(monitor.revision_threshold(), revision_threshold);
+        monitor.advance(6.0 + f64::from(tick), &mut Vec::new())?;
+    }
+    assert_eq!((monitor.lookahead(), monitor.levels()), (7.5, &levels[..]));
+    Ok(())
+}
+
+/// One passes the other 3 m off, at 1 m/s: closest at 10 s. Its plan ends at 12 s.
+fn passing() -> Result<Scene, Error> {
+    let mut scene = Scene::new();
+    scene.insert(Body::new(Trajectory::at_rest(DVec3::ZERO)?))?;
+    let flown = [0.0, 12.0].map(|t| State::new(t, [t - 10.0, 3.0, 0.0], [1.0, 0.0, 0.0]));
+    scene.insert(Body::new(Trajectory::from_states(&flown)?))?;
+    Ok(scene)
+}
+
+#[test]
+fn windows_in_a_line() -> Result<(), Error> {
+    let line = |start, end| Window::new(start, end).map(|window| window.to_string());
+    assert_eq!(line(0.0, 60.0)?, "0.000..60.000 s");
+    assert_eq!(line(f64::NEG_INFINITY, -2.5)?, "..-2.500 s");
+    assert_eq!(line(1e-7, f64::INFINITY)?, "1.000e-7.. s");
+    assert_eq!(Window::ALL.to_string(), ".. s");
+    // No number takes a line of its own.
+    assert_eq!(line(-1e300, 1e300)?, "-1.000e300..1.000e300 s");
+    assert_eq!(format!("{:.1}", Window::new(0.25, 1.0)?), "0.2..1.0 s");
+    Ok(())
+}
+
+#[test]
+fn conflicts_and_stats_in_a_line() -> Result<(), Error> {
+    let screening = passing()?.screen(&Query::default().with_margin(5.0))?;
+    let conflict = screening.conflicts[0];
+    assert_eq!(
+        conflict.to_string(),
+        "body 0v0 and body 1v0 from 6.000 s to 12.000 s, closest 3.000 m at 10.000 s, cut off at exit"
+    );
+    assert!(format!("{conflict:.1}").contains("closest 3.0 m at 10.0 s"));
+    let line = screening.stats.to_string();
+    assert!(line.starts_with("2 bodies, 0 changed, "), "{line}");
+    assert!(
+        line.contains(" 1 conflicts, bounds ") && !line.contains('\n'),
+        "{line}"
+    );
+    let none = "0 bodies, 0 changed, 0 segments, 0 slices, 0 boxes, 0 candidates, 0 spans, \
+                0 survivors, 0 conflicts, bounds 0.0ns, broad phase 0.0ns, narrow phase 0.0ns, \
+                total 0.0ns";
+    assert_eq!(Stats::default().to_string(), none);
+    Ok(())
+}
+
+#[test]
+fn events_in_a_line() -> Result<(), Error> {
+    let mut monitor = Monitor::new(passing()?, 0.0, 10.5, &[AlertLevel::at(5.0)])?;
+    let mut events = Vec::new();
+    for now in [0.0, 2.0, 7.0, 13.0] {
+        monitor.advance(now, &mut events)?;
+    }
+    let lines: Vec<String> = events.iter().map(ToString::to_string).collect();
+    let pair = "encounter 0, level 0: body 0v0 and body 1v0 from 6.000 s to";
+    let closest = "closest 3.000 m at 10.000 s";
+    assert_eq!(
+        lines,
+        [
+            format!("at 0.000 s predicted: {pair} 10.500 s, {closest} so far"),
+            format!("at 2.000 s revised: {pair} 12.000 s, {closest}"),
+            "at 12.000 s the plan of body 1v0 ends".to_owned(),
+            format!("at 6.000 s began: {pair} 12.000 s, {closest}"),
+            format!("at 12.000 s ended (trajectory ended): {pair} 12.000 s, {closest}"),
+        ]
+    );
+    assert!(format!("{:.0}", events[0]).ends_with("closest 3 m at 10 s so far"));
+    Ok(())
+}
+
+#[test]
+fn ids_as_numbers() -> Result<(), Error> {
+    let mut scene = passing()?;
+    let (first, _) = scene.bodies().next().unwrap();
+    let body = scene.remove(first)?;
+    let again = scene.insert(body)?;
+    assert_eq!((first.to_bits(), again.to_bits()), (0, 1 << 32));
+    for bits in [0, 1, u64::MAX, 0x0123_4567_89ab_cdef] {
+        let id = BodyId::from_bits(bits);
+        assert_eq!(id.to_bits(), bits);
+        let halves = (u64::from(id.generation()), u64::from(id.slot()));
+        assert_eq!(halves, (bits >> 32, bits & 0xffff_ffff));
+        assert_eq!(EncounterId::from_bits(bits).to_bits(), bits);
+    }
+    // The number of a body that is gone, or never was, names none.
+    for gone in [first.to_bits(), 77] {
+        assert!(scene.body(BodyId::from_bits(gone)).is_none());
+    }
+    assert!(scene.body(BodyId::from_bits(again.to_bits())).is_some());
+    Ok(())
+}
+
+/// An error that wraps one says which.
+#[test]
+fn sources_of_errors() {
+    let inner = Error::Clock { time: 1.0 };
+    assert!(inner.source().is_none());
+    let outer = inner.clone().in_body(7);
+    let source = outer.source().map(ToString::to_string);
+    assert_eq!(source, Some(inner.to_string()));
+    assert!(
+        outer
+            .source()
+            .is_some_and(|source| source.source().is_none())
+    );
+}
