@@ -26,11 +26,11 @@
 /// | beyond the knots | position, velocity and the two other coefficients around the knot are those of the numbers given, or rounded once from exact sums: 32 u of each term, so in proportion to the way | the same |
 /// | window | it clips answers, it never cuts what is solved | two exact comparisons |
 /// | boxes | f32, relative to the middle of the scene and in a power of two that suits its size, so that no range overflows | enlarged by all roundings of f32, next to whose spare ones what filters keep clear is nothing; they contain hitbox and half the margin |
-/// | candidates | sweep rounds boxes outward to 16 bits and folds them; the tree compares them as they are | overlap is only ever added; every method is tested against brute force |
+/// | candidates | the sweep maps boxes to 16 bits by a monotone rounding, clamped at the ends; the tree compares them as they are | overlap is only ever added; every method is tested against brute force |
 /// | courses | f32, the straight line that a body nearly follows through a slice | its slack holds the cubic's largest distance from the line, all roundings, hitbox and half the margin |
 /// | sketches | f32, both bodies' cubics over a part of a span | the same roundings, and those of the relative motion, are added to the radius |
 /// | cheap tests | f64 hulls, a separating direction, Bernstein coefficients of the squared distance, wrong by at most 100 u L | they reject only what is beyond the threshold by 512 u L (control heights that the solver looks at itself: by its own rounding once more) |
-/// | clusters | the bounding sphere is tested first | its radius is rounded outward; then every pair of spheres is solved, and the results united |
+/// | clusters | the bounding sphere is tested first | its radius is rounded outward; then the pairs of spheres that bounds cannot rule out are solved, and the results united |
 /// | relative cubic | restriction to the span and difference: a bound on its error is computed with it | handed to the solver |
 /// | threshold | radii and margin are summed exactly | `Certified` takes the two neighbours of the rounded sum where it had to be rounded |
 /// | solver | `Exact` counts as contact what comes within its worst-case rounding of the threshold | `Certified` proves each part of a span inside or outside ([`enclosure`](crate::enclosure)); what is neither is reported, and what it separates is joined, as unresolved |

@@ -19,25 +19,24 @@
 //! | squares of filters and of heights, tolerance before roots | `narrow_phase/filter`, `hull`, `stretches` | count |
 //! | differences of heights; tolerance of stretches | `narrow_phase/hull`, `stretches` | `hull::tests`, `filter::tests` |
 //! | threshold, radii, half-width | `narrow_phase/certified` | `certified::tests` |
-//! | f32: size of the polygon, error of f64, cuts of windows | `narrow_phase/fast` | `tests/fast.rs` |
-//! | f32: radius, squares | `narrow_phase/fast` | count |
 //! | chords: clearance; parts of clusters | `narrow_phase/clusters` | `clusters::tests` |
 //! | chords: error of the motion, underflow; blurs; gaps; what is reached | `narrow_phase/clusters`, `contact` | count |
 //! | passing lines: differences | `narrow_phase/approach` | `approach::tests` |
 //! | passing lines: products, ranges, shares of a slice | `narrow_phase/approach` | count |
 //! | coefficients of a minorant | `enclosure/piece`, `kernels/minorant` | `tests::the_minorant_is_below_the_exact_coefficients` of both |
 //! | roundings of a minorant's own sums, ends of its reach | `enclosure/piece`, `kernels/minorant` | count |
-//! | splits and errors of a cubic, scaling, norms, restored lengths | `enclosure/normal` | `normal::tests`, `tests/enclosure` |
+//! | splits and errors of a cubic, scaling, norms, restored lengths | `enclosure/normal` | `normal::tests`, `tests/extended/tests/enclosure` |
 //! | roots and ends of a distance | `enclosure/minimum` | `minimum::tests` |
-//! | twice the error to a minimiser, Markov's 18, its products, 3 h'·h'' | `enclosure/minimum`, `piece` | `tests/enclosure` |
+//! | twice the error to a minimiser, Markov's 18, its products, 3 h'·h'' | `enclosure/minimum`, `piece` | `tests/extended/tests/enclosure` |
 //! | Markov's 96 and 192, slack of a stationary point, ends of parameters | `enclosure/minimum`, `piece` | count |
-//! | squares of levels; underflow of the outer one | `enclosure/levels` | `levels::tests`; `tests/enclosure` |
-//! | own error of a cubic, control points of a part | `enclosure/crossings` | `tests/enclosure` |
+//! | squares of levels; underflow of the outer one | `enclosure/levels` | `levels::tests`; `tests/extended/tests/enclosure` |
+//! | own error of a cubic, control points of a part | `enclosure/crossings` | `tests/extended/tests/enclosure` |
 //! | squares of a part, crossings, cuts | `enclosure/crossings` | count |
-//! | screens, splits of enclosures, conversion to f32, guesses | `kernels` | `tests/kernels.rs` |
+//! | screens, splits of enclosures, conversion to f32, guesses | `kernels` | `tests/extended/tests/kernels.rs` |
 //! | error of a span; thresholds in f32 | `kernels/spans`, `real` | `spans::what_is_badly_known_is_never_decided`, `real::tests` |
 //! | roundings outward of an enclosure, underflow | `kernels/enclosure`, `screen`, `within` | count |
-//! | points of a sketch, its error, extent | `bounds/points`, `piece` | `points::tests` |
+//! | points of a sketch beyond the knots, extent | `bounds/points`, `piece` | `points::tests` |
+//! | own error of a whole segment, clearance of a part | `bounds/points` | count |
 //! | splits of a sketch | `bounds/piece` | `piece::tests` |
 //! | hitbox and margin, underflow | `bounds/pose` | `pose::tests` |
 //! | line of a bundle; its way in no time | `bounds/trace` | `trace::tests` |
