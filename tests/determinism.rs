@@ -53,9 +53,7 @@ fn progress_ends_with_one() {
     for count in [0, 1, 200] {
         let scene = scene_of(&bodies[..count]);
         let told = std::sync::Mutex::new(Vec::new());
-        // Named: of an empty scene there is no plan to look at.
-        let window = Window::new(0.0, 60.0).unwrap();
-        let query = Query::new(window).with_margin(1.0);
+        let query = Query::default().with_margin(1.0);
         let tell = |share: f64| told.lock().unwrap().push(share);
         scene.screen_with_progress(&query, tell).unwrap();
         let told = told.into_inner().unwrap();
