@@ -166,8 +166,8 @@ pub enum Error {
         /// End, s.
         end: f64,
     },
-    /// A query names no window, and the scene has no plan to take one from: it is empty, or its bodies are at
-    /// rest or coast from single states.
+    /// A query names no window, and the scene has no plan to take one from: all its bodies are at rest or coast
+    /// from single states.
     #[error("no body has a plan that says which time to look at: name a window, with Query::new")]
     NoPlan,
     /// A body that exists at all times cannot be screened over a window without end: see

@@ -117,10 +117,10 @@ fn figures_are_as_documented() {
             of_screening(segments, Outside::Coast) - of_screening(segments, Outside::Absent);
         is("beyond its knots", beyond, 1450.0 + 260.0 * many);
     }
-    is("monitored", of_monitor(8, Outside::Absent), 1900.0);
+    is("monitored", of_monitor(8, Outside::Absent), 1100.0);
     is(
         "monitored and coasting",
         of_monitor(8, Outside::Coast),
-        6800.0,
+        6000.0,
     );
 }

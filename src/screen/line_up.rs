@@ -54,7 +54,9 @@ impl<'a> LineUp<'a> {
         if margin.is_nan() || margin.abs() > MAX_MAGNITUDE {
             return Err(Error::Margin { margin });
         }
-        let asked = query.window().or_else(|| scene.planned());
+        // In an empty scene there is nothing to see at any time.
+        let nothing = scene.is_empty().then_some(Window::ALL);
+        let asked = query.window().or_else(|| scene.planned()).or(nothing);
         let asked = asked.ok_or(Error::NoPlan)?;
         let partners = scene.partners(margin);
         let mut survey = Survey::of(scene.len(), asked, margin);
