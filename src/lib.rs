@@ -68,7 +68,7 @@
 //! # Features
 //!
 //! - `parallel` (default): screenings and a monitor's ticks run on the threads of the current rayon
-//!   pool, and `narrow_phase::kernels::parallel` exists. Without it they run on the caller's thread,
+//!   pool, and `kernels::parallel` exists. Without it they run on the caller's thread,
 //!   with the same answers.
 //! - `live` (default): `Monitor::spawn` runs a monitor on a thread of its own, behind the bounded
 //!   channels of `Live`.
@@ -79,20 +79,22 @@
 
 mod accuracy;
 mod bounds;
-pub mod broad_phase;
+mod broad_phase;
 mod conflict;
-pub mod enclosure;
+mod enclosure;
 mod error;
 mod hitbox;
 mod id;
+#[doc(hidden)]
+pub mod internals;
 #[cfg(feature = "serde")]
 mod json_number;
 mod knots;
 mod layers;
 mod monitor;
-pub mod narrow_phase;
+mod narrow_phase;
 mod parallel;
-pub mod polynomial;
+mod polynomial;
 mod pool;
 mod query;
 mod readable;
@@ -107,7 +109,6 @@ mod trajectory;
 mod window;
 
 pub use accuracy::{Accuracy, Certificate, TimeEnclosure};
-pub use broad_phase::Method;
 pub use conflict::{Clip, ClosestApproach, Conflict};
 #[cfg(feature = "live")]
 pub use crossbeam_channel;
@@ -127,6 +128,7 @@ pub use monitor::{
 };
 #[cfg(feature = "serde")]
 pub use monitor::{RecordingError, Replay};
+pub use narrow_phase::kernels;
 pub use query::Query;
 pub use scene::{Body, Scene};
 pub use screen::{CertifiedApproach, Screening};

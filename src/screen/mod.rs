@@ -89,9 +89,9 @@ impl Scene {
         let begin = Instant::now();
         let line_up = LineUp::new(self, query)?;
         let mut screening = if line_up.is_unfiltered(self) {
-            line_up.screen(query.method(), &Everyone, &progress)?
+            line_up.screen(query.method, &Everyone, &progress)?
         } else {
-            line_up.screen(query.method(), &Admission::new(self, &line_up), &progress)?
+            line_up.screen(query.method, &Admission::new(self, &line_up), &progress)?
         };
         screening.stats.bodies = self.len() as u64;
         screening.stats.total_time = begin.elapsed();

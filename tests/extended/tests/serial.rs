@@ -10,9 +10,10 @@
 mod support;
 
 use glam::DVec3;
+use nearmiss::internals::{Method, QueryInternals};
 use nearmiss::{
-    Accuracy, Body, Budget, CertifiedApproach, Conflict, Hitbox, Method, Monitor, Query,
-    RevisionThreshold, Scene, Screening, State, Trajectory, Window,
+    Accuracy, Body, Budget, CertifiedApproach, Conflict, Hitbox, Monitor, Query, RevisionThreshold,
+    Scene, Screening, State, Trajectory, Window,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
