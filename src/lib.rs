@@ -110,8 +110,6 @@ mod window;
 
 pub use accuracy::{Accuracy, Certificate, TimeEnclosure};
 pub use conflict::{Clip, ClosestApproach, Conflict};
-#[cfg(feature = "live")]
-pub use crossbeam_channel;
 pub use error::{Error, MAX_MAGNITUDE, Quantity};
 pub use glam;
 pub use hitbox::{Hitbox, Sphere};
@@ -119,15 +117,8 @@ pub use id::BodyId;
 pub use layers::Layers;
 pub use monitor::{
     AlertLevel, Budget, Command, Encounter, EncounterId, EndReason, Event, EventKind, Monitor,
-    RevisionThreshold,
+    RevisionThreshold, Snapshot,
 };
-#[cfg(feature = "live")]
-pub use monitor::{
-    Counts, Handle, Live, LiveOptions, Panicked, Report, ReportKind, Request, Stopped, Ticket,
-    Unsent,
-};
-#[cfg(feature = "serde")]
-pub use monitor::{RecordingError, Replay};
 pub use narrow_phase::kernels;
 pub use query::Query;
 pub use scene::{Body, Scene};
@@ -135,6 +126,22 @@ pub use screen::{CertifiedApproach, Screening};
 pub use stats::Stats;
 pub use trajectory::{Outside, Segment, State, TimeBase, Trajectory};
 pub use window::Window;
+
+/// A monitor on a thread of its own, behind bounded channels.
+#[cfg(feature = "live")]
+pub mod live {
+    pub use crate::monitor::live::{
+        Counts, Handle, Live, LiveOptions, Panicked, Report, ReportKind, Request, Stopped, Ticket,
+        Unsent,
+    };
+    pub use crossbeam_channel;
+}
+
+/// Recordings of what a monitor is told, and their replay.
+#[cfg(feature = "recording")]
+pub mod recording {
+    pub use crate::monitor::recording::{RecordingError, Replay};
+}
 
 /// The README's examples, compiled.
 #[cfg(doctest)]

@@ -51,7 +51,6 @@ impl Meter {
     }
 
     /// Of a tick that is to know everything up to `until` (s), and no more.
-    #[cfg(feature = "serde")]
     pub(super) fn up_to(until: f64) -> Self {
         Self {
             deadline: None,

@@ -210,6 +210,7 @@ impl Source<'_> {
             visit(Plain {
                 a: closest.a,
                 b: closest.b,
+                tags: [closest.tag_a, closest.tag_b],
                 enter: first.map(|contact| contact.enter),
                 start,
                 exit,
@@ -242,11 +243,15 @@ impl Source<'_> {
     }
 
     fn report(&self, (a, b): Slots, clip: (f64, f64), contact: &Contact) -> Option<Conflict> {
-        let ids = (self.scene.in_slot(a)?.0, self.scene.in_slot(b)?.0);
+        let name = |slot| {
+            let (id, occupant) = self.scene.in_slot(slot)?;
+            Some((id, occupant.body.tag))
+        };
+        let names = [name(a)?, name(b)?];
         let parties = (
             self.outlook.party(self.scene, a)?,
             self.outlook.party(self.scene, b)?,
         );
-        Some(conflict(contact, ids, (&parties.0, &parties.1), clip))
+        Some(conflict(contact, names, (&parties.0, &parties.1), clip))
     }
 }
