@@ -76,7 +76,11 @@ impl<C: Cubic> Pose<'_, C> {
     /// Has a trace go on with the largest bundle of cubics from `first` to before `end`; gives the
     /// one after it, or none if there is no such bundle.
     #[inline(always)]
-    pub(crate) fn pass(&self, trace: &mut Trace, (first, end): (usize, usize)) -> Option<usize> {
+    pub(crate) fn pass<const MOVES: bool>(
+        &self,
+        trace: &mut Trace<MOVES>,
+        (first, end): (usize, usize),
+    ) -> Option<usize> {
         let (bundle, count) = largest(self.bundles, self.cubics.len(), first, end)?;
         trace.pass(
             &bundle.unpack(self.stance.factor),
@@ -161,8 +165,7 @@ mod tests {
                 unreachable!("all is finite")
             };
             let frame = Frame::OF_NOTHING;
-            let (spheres, bounding) = (hitbox.spheres(), hitbox.bounding());
-            let inflation = Inflation::of(spheres, bounding, margin, &frame);
+            let inflation = Inflation::of(&hitbox, margin, &frame);
             let stance = Stance::new(frame, 0.0, &inflation, &frame);
             // In f64 their rounding does not show.
             let reach = radius + 0.5 * margin;

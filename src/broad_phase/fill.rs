@@ -45,7 +45,23 @@ impl<C: Cubic> Task for Fill<'_, C> {
     type Output = ();
 
     #[inline(always)]
-    fn run(mut self) {
+    fn run(self) {
+        let frame = self.frame;
+        if frame.moves() {
+            self.form(|from, to| frame.period(from, to));
+        } else {
+            self.form(Period::new);
+        }
+    }
+}
+
+impl<'a, C: Cubic> Fill<'a, C> {
+    /// How many bodies ahead segments are brought into the caches. They are what there is most of,
+    /// and each body's lie somewhere else: without it, half of the time is waiting.
+    const AHEAD: usize = 4;
+
+    #[inline(always)]
+    fn form<const MOVES: bool>(mut self, period: impl Fn(f64, f64) -> Period<MOVES>) {
         let Self { ends, present, .. } = self;
         let count = ends.len() - 1;
         if self.block.slices.len() < count {
@@ -61,9 +77,9 @@ impl<C: Cubic> Task for Fill<'_, C> {
             slice.courses.reserve(present.len());
             slice.bodies.reserve(present.len());
         }
-        let mut periods = [Period::new(0.0, 0.0); Block::SLICES];
-        for (period, ends) in periods.iter_mut().zip(ends.windows(2)) {
-            *period = self.frame.period(ends[0], ends[1]);
+        let mut periods = [period(0.0, 0.0); Block::SLICES];
+        for (place, ends) in periods.iter_mut().zip(ends.windows(2)) {
+            *place = period(ends[0], ends[1]);
         }
         let periods = &periods[..count];
         self.block.pieces.resize(self.poses.len(), 0);
@@ -89,12 +105,6 @@ impl<C: Cubic> Task for Fill<'_, C> {
             self.block.pieces[body] = short(end);
         }
     }
-}
-
-impl<'a, C: Cubic> Fill<'a, C> {
-    /// How many bodies ahead segments are brought into the caches. They are what there is most of,
-    /// and each body's lie somewhere else: without it, half of the time is waiting.
-    const AHEAD: usize = 4;
 
     /// Fetches the knots of a body, given its number among those present.
     #[inline(always)]
@@ -110,7 +120,11 @@ impl<'a, C: Cubic> Fill<'a, C> {
     /// will be read one by one, fetches what will be; else gives what is to be fetched on the way of
     /// another body.
     #[inline(always)]
-    fn look_up(&mut self, number: usize, periods: &[Period]) -> Ahead<'a, C> {
+    fn look_up<const MOVES: bool>(
+        &mut self,
+        number: usize,
+        periods: &[Period<MOVES>],
+    ) -> Ahead<'a, C> {
         let Some(&place) = self.present.get(number) else {
             return Ahead::Own;
         };
@@ -130,13 +144,13 @@ impl<'a, C: Cubic> Fill<'a, C> {
 
 /// When a block begins and ends, s.
 #[inline(always)]
-fn ends_of(periods: &[Period]) -> (f64, f64) {
+fn ends_of<const MOVES: bool>(periods: &[Period<MOVES>]) -> (f64, f64) {
     (periods[0].from, periods[periods.len() - 1].to)
 }
 
 /// Whether a body exists in a block.
 #[inline(always)]
-fn exists<C>(pose: &Pose<'_, C>, periods: &[Period]) -> bool {
+fn exists<C, const MOVES: bool>(pose: &Pose<'_, C>, periods: &[Period<MOVES>]) -> bool {
     let (first, last) = pose.knots.ends();
     let (from, to) = ends_of(periods);
     first <= to && last >= from
@@ -144,7 +158,10 @@ fn exists<C>(pose: &Pose<'_, C>, periods: &[Period]) -> bool {
 
 /// Whether a body mostly goes through so many cubics in a slice that there are bundles of them.
 #[inline(always)]
-fn goes_in_bundles<C: Cubic>(pose: &Pose<'_, C>, periods: &[Period]) -> bool {
+fn goes_in_bundles<C: Cubic, const MOVES: bool>(
+    pose: &Pose<'_, C>,
+    periods: &[Period<MOVES>],
+) -> bool {
     let (first, last) = pose.knots.ends();
     let (from, to) = ends_of(periods);
     #[allow(clippy::cast_precision_loss, reason = "an estimate")]
@@ -155,7 +172,11 @@ fn goes_in_bundles<C: Cubic>(pose: &Pose<'_, C>, periods: &[Period]) -> bool {
 
 /// Fetches what a walk through the slices will read, from a cubic on.
 #[inline(always)]
-fn fetch_route<C: Cubic>(pose: &Pose<'_, C>, periods: &[Period], mut number: usize) {
+fn fetch_route<C: Cubic, const MOVES: bool>(
+    pose: &Pose<'_, C>,
+    periods: &[Period<MOVES>],
+    mut number: usize,
+) {
     pose.fetch(number);
     for period in periods {
         let end = cubic_at(&pose.knots, period.to, number);
@@ -202,9 +223,9 @@ fn cubic_at(knots: &[f64], time: f64, number: usize) -> usize {
 }
 
 /// One body's way through the slices of a block.
-struct Walk<'a, C> {
+struct Walk<'a, C, const MOVES: bool> {
     pose: &'a Pose<'a, C>,
-    periods: &'a [Period],
+    periods: &'a [Period<MOVES>],
     ahead: Ahead<'a, C>,
     begin: usize,
 }
@@ -219,7 +240,7 @@ enum Ahead<'a, C> {
     Nothing,
 }
 
-impl<C: Cubic> Walk<'_, C> {
+impl<C: Cubic, const MOVES: bool> Walk<'_, C, MOVES> {
     /// How many of a body's own cubics ahead the next one is fetched.
     const AHEAD: usize = 8;
 
@@ -241,7 +262,7 @@ impl<C: Cubic> Walk<'_, C> {
 
     /// Has a trace follow the cubics from `next` to before `end`.
     #[inline(always)]
-    fn follow_whole(&self, trace: &mut Trace, mut next: usize, end: usize) {
+    fn follow_whole(&self, trace: &mut Trace<MOVES>, mut next: usize, end: usize) {
         while next < end {
             if let Some(after) = self.pose.pass(trace, (next, end)) {
                 next = after;
@@ -325,7 +346,7 @@ mod tests {
         let still = Frame::around(Extremes::NOTHING, 0.0);
         let slices = Slices::whole(-1.0, 12.0).with_count(19.0);
         let hitbox = Hitbox::POINT;
-        let inflation = Inflation::of(hitbox.spheres(), hitbox.bounding(), 0.0, &still);
+        let inflation = Inflation::of(&hitbox, 0.0, &still);
         for seed in 0..200 {
             let far = if seed % 2 == 0 { 10.0 } else { 1e6 };
             // Boxes stay, or move with some of the bodies' velocity, or faster.

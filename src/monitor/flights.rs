@@ -41,7 +41,7 @@ impl Flight {
         spare: &Spare,
     ) -> Result<Self, Error> {
         let mut flight = Self {
-            inflation: Inflation::of(hitbox.spheres(), hitbox.bounding(), margin, frame),
+            inflation: Inflation::of(hitbox, margin, frame),
             beyond: None,
             begin: window.start(),
             ends: Knots::of(trajectory.knots()).ends(),

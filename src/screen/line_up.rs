@@ -137,7 +137,7 @@ impl<'a> LineUp<'a> {
         let drawing = beyond.map_or_else(|| occupant.drawing(self.atlas), Beyond::drawing);
         // A screening reads knots next to the sketches.
         let party = party_over(occupant, beyond, drawing.knots);
-        let inflation = Inflation::of(party.spheres, party.bounding, self.margin, frame);
+        let inflation = Inflation::of(&occupant.body.hitbox, self.margin, frame);
         let pose = Pose::sketched(&drawing, &inflation, frame);
         (party, pose)
     }

@@ -73,7 +73,7 @@ impl Survey {
         }
         self.extremes.include(outline.extremes);
         self.plans.include(plan.extremes);
-        let size = Inflation::size(body.hitbox.spheres(), body.hitbox.bounding(), self.margin);
+        let size = Inflation::size(&body.hitbox, self.margin);
         self.size = self.size.max(size);
         self.count(
             plan.sketch.ends(),
