@@ -1,14 +1,13 @@
 //! Whether two bodies stay apart while each follows one cubic: in f32, from their sketches.
 
 use super::ROUNDING;
-use super::pose::Pose;
-use super::stroke::Stroke;
+use super::pose::{Cubic, Pose};
 use glam::Vec3A;
 
 /// One body on one of its cubics.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Leg<'a> {
-    pub(crate) pose: &'a Pose<'a, Stroke>,
+pub(crate) struct Leg<'a, C> {
+    pub(crate) pose: &'a Pose<'a, C>,
     pub(crate) cubic: usize,
 }
 
@@ -26,10 +25,11 @@ pub(crate) enum Sight {
 /// What can be told of two bodies from `from` to `to` (s), within one cubic of each. They are apart
 /// if all control points of the relative motion lie beyond the margin on an axis or in the direction
 /// of their sum.
-pub(crate) fn sight(a: &Leg<'_>, b: &Leg<'_>, (from, to): (f64, f64)) -> Sight {
+#[inline]
+pub(crate) fn sight<C: Cubic>(a: &Leg<'_, C>, b: &Leg<'_, C>, (from, to): (f64, f64)) -> Sight {
     /// Of the distance that is asked about, what rounding may blur.
     const BLUR: f32 = 0.25;
-    let part = |leg: &Leg<'_>| {
+    let part = |leg: &Leg<'_, C>| {
         let piece = leg.pose.piece(leg.cubic);
         let stance = &leg.pose.stance;
         let piece = piece.part(from, to);

@@ -64,8 +64,8 @@ impl Points {
 #[cfg(test)]
 mod tests {
     use super::super::{Extremes, Frame, Inflation, Pose, Sketch, Stroke};
-    use crate::broad_phase::fill::{Block, Fill, Slice};
     use crate::hitbox::Hitbox;
+    use crate::search::{Block, Fill, Slice};
     use crate::simd::InstructionSet;
     use crate::trajectory::{DoubleDouble, Outside, Pieces, State, Trajectory};
     use crate::window::Window;

@@ -14,6 +14,9 @@ use std::slice::from_ref;
 
 /// A cubic that boxes are formed from.
 pub(crate) trait Cubic {
+    /// It is so cheap to read that two bodies are compared by it.
+    const IS_COMPACT: bool;
+
     /// The whole of it between two knots, relative to the body's place, in the frame's unit.
     fn piece(&self, knots: (f64, f64), stance: &Stance) -> Piece;
 }
@@ -123,6 +126,8 @@ impl<'a> Pose<'a, Segment> {
 }
 
 impl Cubic for Stroke {
+    const IS_COMPACT: bool = true;
+
     #[inline(always)]
     fn piece(&self, knots: (f64, f64), stance: &Stance) -> Piece {
         Piece::whole(self, knots, stance.factor)
@@ -130,6 +135,8 @@ impl Cubic for Stroke {
 }
 
 impl Cubic for Segment {
+    const IS_COMPACT: bool = false;
+
     #[inline(always)]
     fn piece(&self, knots: (f64, f64), stance: &Stance) -> Piece {
         match Stroke::of(self, knots, &stance.anchor) {

@@ -259,8 +259,8 @@ mod tests {
     use super::super::sketch::Sketch;
     use super::super::{Extremes, Frame, Inflation, Pose};
     use super::*;
-    use crate::broad_phase::fill::{Block, Fill};
     use crate::hitbox::Hitbox;
+    use crate::search::{Block, Fill};
     use crate::simd::InstructionSet;
     use crate::trajectory::{State, Trajectory};
     use glam::DVec3;

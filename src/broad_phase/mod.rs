@@ -6,10 +6,7 @@
 //! checked against. The crate cuts the window into slices and forms the boxes.
 
 mod brute_force;
-pub(crate) mod fill;
-pub(crate) mod presence;
 mod room;
-pub(crate) mod slices;
 mod sweep;
 mod tree;
 

@@ -3,10 +3,10 @@
 use super::flights::Flights;
 use crate::bounds::{Course, Inflation, MovingFrame, Pose};
 use crate::broad_phase::BodyBox;
-use crate::broad_phase::fill::{Block, Fill};
 use crate::narrow_phase::Party;
 use crate::parallel;
 use crate::scene::Scene;
+use crate::search::{Block, Fill};
 use crate::simd::{InstructionSet, prefetch};
 use crate::trajectory::Segment;
 

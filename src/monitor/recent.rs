@@ -3,7 +3,7 @@
 
 use super::bodies::Bodies;
 use crate::broad_phase::BodyBox;
-use crate::broad_phase::fill::Block;
+use crate::search::Block;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use std::sync::{Mutex, PoisonError};
 

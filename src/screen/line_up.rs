@@ -3,8 +3,6 @@
 use super::survey::Survey;
 use crate::accuracy::Accuracy;
 use crate::bounds::{Frame, Inflation, MovingFrame, Pose, Stroke};
-use crate::broad_phase::presence::Presence;
-use crate::broad_phase::slices::Traffic;
 use crate::broad_phase::{InstructionSet, PairFilter};
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::id::BodyId;
@@ -15,7 +13,7 @@ use crate::parallel;
 use crate::pool::Pool;
 use crate::query::Query;
 use crate::scene::{Atlas, Beyond, Body, IgnoredPairs, Occupant, Scene, can_reach, radius};
-use crate::search::Scratch;
+use crate::search::{Limits, Presence, Scratch, Traffic};
 use crate::spans::common_domain;
 use crate::window::Window;
 use std::num::NonZeroU32;
@@ -40,8 +38,7 @@ pub(super) struct LineUp<'a> {
     pub(super) instructions: InstructionSet,
     /// How many slices, if that was prescribed.
     pub(super) prescribed: Option<NonZeroU32>,
-    /// Room for survivors.
-    pub(super) max_spans: usize,
+    pub(super) limits: Limits,
     pub(super) pool: &'a Pool<Scratch>,
     atlas: &'a Atlas,
     pub(super) frame: MovingFrame,
@@ -92,7 +89,7 @@ impl<'a> LineUp<'a> {
             accuracy: query.accuracy(),
             instructions: query.instructions,
             prescribed: query.slices,
-            max_spans: query.max_spans(),
+            limits: Limits::of_spans(query.max_spans()),
             pool: scene.pool(),
             atlas: scene.atlas(),
             frame,

@@ -6,15 +6,13 @@
 //! slicing and the number of threads.
 
 mod line_up;
-mod pilot;
 mod solve;
 mod survey;
-mod survivors;
 
 pub(crate) use solve::conflict;
 
 use crate::accuracy::TimeEnclosure;
-use crate::broad_phase::slices::{Slices, Traffic};
+use crate::bounds::{Pose, Stroke};
 use crate::broad_phase::{Everyone, Method, PairFilter};
 use crate::conflict::{ClosestApproach, Conflict};
 use crate::error::Error;
@@ -22,13 +20,18 @@ use crate::id::BodyId;
 use crate::narrow_phase::{Party, certified_approach, closest_approach};
 use crate::parallel;
 use crate::query::Query;
+use crate::rounding::{seen_from, seen_until};
 use crate::scene::Scene;
+use crate::search::{BodyLists, SliceTrials, Slices, Traffic, WindowSearch};
 use crate::spans::{Spans, spans};
 use crate::stats::Stats;
 use crate::window::Window;
 use line_up::{Admission, LineUp, Lists, clip_of, lone_party};
 use solve::describe;
 use std::time::Instant;
+
+/// How much of the work going through the slices is taken to be, when progress is told.
+const SHARE_OF_SLICES: f64 = 0.9;
 
 /// The answer to a [`Query`].
 #[derive(Clone, Debug, Default)]
@@ -193,6 +196,30 @@ impl Scene {
 }
 
 impl LineUp<'_> {
+    /// The window, and no less than all that is reported of it, cut into slices of the length that is
+    /// expected to cost least. `poses` gives those of the bodies in some places.
+    fn slices<'p>(
+        &self,
+        traffic: &Traffic,
+        poses: impl FnOnce(&[usize]) -> Vec<Pose<'p, Stroke>>,
+    ) -> Slices {
+        let window = (
+            seen_from(self.window.start()),
+            seen_until(self.window.end()),
+        );
+        let slices = Slices::choose(window, traffic);
+        if let Some(count) = self.prescribed {
+            return slices.with_count(f64::from(count.get()));
+        }
+        let trials = SliceTrials {
+            presence: &self.presence,
+            frame: &self.frame,
+            instructions: self.instructions,
+            pool: self.pool,
+        };
+        trials.cheapest(slices, traffic, poses)
+    }
+
     /// All bodies, and the window in slices: both at the same time where there are many bodies.
     fn prepared(&self, traffic: &Traffic) -> (Lists<'_>, Slices) {
         /// Fewer are sooner lined up than another thread wakes up.
@@ -225,35 +252,50 @@ impl LineUp<'_> {
         }
         let traffic = self.traffic();
         let ((parties, poses), slices) = self.prepared(&traffic);
+        let search = WindowSearch {
+            bodies: BodyLists {
+                parties: &parties,
+                poses: &poses,
+            },
+            presence: &self.presence,
+            frame: &self.frame,
+            window: self.window,
+            margin: self.margin,
+            limits: self.limits,
+            instructions: self.instructions,
+            pool: self.pool,
+        };
         let mut stats = counted(&parties);
-        let bodies = (&parties[..], &poses[..]);
-        let cut = (&slices, &self.blocks(&traffic, &slices));
-        let survivors = match method {
-            Method::BruteForce => self.survivors(
+        stats.slices = u64::from(slices.count());
+        let mut survivors = Vec::new();
+        let (cut, found) = ((&slices, &traffic), (&mut survivors, &mut stats));
+        let progress_of_slices = |share: f64| progress(SHARE_OF_SLICES * share);
+        let progress_of_slices = &progress_of_slices;
+        let done = match method {
+            Method::BruteForce => search.spans(
                 |scratch| &mut scratch.brute_force,
-                bodies,
                 cut,
                 filter,
-                progress,
-                &mut stats,
+                progress_of_slices,
+                found,
             ),
-            Method::Tree => self.survivors(
+            Method::Tree => search.spans(
                 |scratch| &mut scratch.tree,
-                bodies,
                 cut,
                 filter,
-                progress,
-                &mut stats,
+                progress_of_slices,
+                found,
             ),
-            Method::Sweep => self.survivors(
+            Method::Sweep => search.spans(
                 |scratch| scratch.sweep.at(self.instructions),
-                bodies,
                 cut,
                 filter,
-                progress,
-                &mut stats,
+                progress_of_slices,
+                found,
             ),
-        }?;
+        };
+        let limit = self.limits.spans;
+        done.map_err(|_| Error::TooCrowded { limit })?;
         let begin = Instant::now();
         let conflicts = self.solve(&parties, &survivors, progress);
         stats.narrow_time += begin.elapsed();
@@ -273,5 +315,37 @@ fn counted(parties: &[Party<'_>]) -> Stats {
     Stats {
         segments: segments.sum(),
         ..Stats::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::hitbox::Hitbox;
+    use crate::query::Query;
+    use crate::scene::{Body, Scene};
+    use crate::trajectory::{State, Trajectory};
+    use glam::DVec3;
+
+    /// Two fleets that fly opposite ways, each 1 m apart: a box of some metres meets nearly all of its fleet, and
+    /// slices some times shorter save nothing. Far shorter ones save all.
+    #[test]
+    fn far_shorter_slices_are_tried_in_a_crowd() {
+        let mut scene = Scene::new();
+        let hitbox = Hitbox::sphere(0.2);
+        for (height, speed) in [(0.0, 100.0), (10.0, -100.0)] {
+            let velocity = DVec3::new(speed, speed, 0.0);
+            for number in 0..10_000 {
+                let from = DVec3::new(f64::from(number % 100), f64::from(number / 100), height);
+                let states =
+                    [0.0, 60.0].map(|time| State::new(time, from + time * velocity, velocity));
+                let (Ok(plan), Ok(hitbox)) = (Trajectory::from_states(&states), &hitbox) else {
+                    unreachable!("the states are in order")
+                };
+                let body = Body::new(plan).with_hitbox(hitbox.clone());
+                assert!(scene.insert(body).is_ok());
+            }
+        }
+        let slices = scene.cheapest_slices(&Query::default());
+        assert!(slices.is_ok_and(|count| count > 1_000));
     }
 }

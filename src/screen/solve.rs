@@ -1,7 +1,7 @@
 //! The exact answer for the survivors, and how it is reported.
 
+use super::SHARE_OF_SLICES;
 use super::line_up::{LineUp, clip_of};
-use super::survivors::SHARE_OF_SLICES;
 use crate::accuracy::Accuracy;
 use crate::conflict::{Clip, ClosestApproach, Conflict};
 use crate::id::BodyId;

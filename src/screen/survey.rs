@@ -2,9 +2,9 @@
 //! lie next to each other in memory, but are larger together than the caches.
 
 use crate::bounds::{Extremes, Frame, Inflation, MovingFrame};
-use crate::broad_phase::slices::Traffic;
 use crate::layers::Layers;
 use crate::scene::{Beyond, Occupant, Scene};
+use crate::search::Traffic;
 use crate::window::Window;
 use glam::DVec3;
 

@@ -1,9 +1,31 @@
-//! From candidates of a slice to spans that are solved, in memory that stays from one run to the next.
+//! The one funnel from bodies to spans, for screenings and monitors.
+//!
+//! Time is cut into slices. In each slice every body has a box and a fat line; pairs of boxes that
+//! overlap are candidates, and the spans of candidates that cheap tests cannot rule out are found.
+//! Bodies are known by dense numbers only ([`Bodies`]). [`WindowSearch`] goes through a window from
+//! nothing; [`CandidateRefiner`] is its last part, which a monitor also uses for the few pairs of a
+//! slice that changed.
 
-mod arrange;
+mod bodies;
+mod form;
+mod limits;
+mod presence;
+mod refine;
 mod scratch;
-mod sift;
+mod slice_length;
+mod slices;
+mod sort;
+mod window;
 
-pub(crate) use arrange::Arranger;
+pub(crate) use bodies::{Bodies, BodyLists};
+#[cfg(test)]
+pub(crate) use form::Slice;
+pub(crate) use form::{Block, Fill};
+pub(crate) use limits::{LimitExceeded, Limits};
+pub(crate) use presence::Presence;
+pub(crate) use refine::{CandidateRefiner, Question};
 pub(crate) use scratch::Scratch;
-pub(crate) use sift::Question;
+pub(crate) use slice_length::SliceTrials;
+pub(crate) use slices::{Slices, Traffic};
+pub(crate) use sort::Arranger;
+pub(crate) use window::WindowSearch;

@@ -1,9 +1,8 @@
 //! Memory that one screening leaves to the next.
 
-use super::arrange::Arranger;
-use super::sift::Sieve;
-use crate::broad_phase::fill::Block;
+use super::{Arranger, Block, CandidateRefiner};
 use crate::broad_phase::{BruteForce, Candidate, Sweep, Tree};
+use crate::spans::SpanKey;
 
 /// What one thread reuses from slice to slice.
 ///
@@ -20,7 +19,10 @@ pub(crate) struct Scratch {
     pub(crate) candidates: Vec<Candidate>,
     /// How many of them each slice has.
     pub(crate) counts: Vec<usize>,
-    pub(crate) sieve: Sieve,
+    /// Where they begin and end, s.
+    pub(crate) ends: Vec<f64>,
+    pub(crate) refiner: CandidateRefiner,
+    pub(crate) found: Vec<SpanKey>,
     pub(crate) arranger: Arranger,
 }
 

@@ -2,10 +2,10 @@
 
 use super::Slice;
 use crate::bounds::{MovingFrame, Pose};
-use crate::broad_phase::fill::Block;
 use crate::monitor::bodies::form;
 use crate::monitor::boxes::Search;
 use crate::narrow_phase::approaching;
+use crate::search::Block;
 use crate::simd::prefetch;
 use crate::trajectory::Segment;
 use std::slice::from_ref;

@@ -1,9 +1,9 @@
 //! What is known of one slice, and how far it is.
 
 use crate::bounds::Course;
-use crate::broad_phase::fill::Block;
 use crate::broad_phase::{BodyBox, Candidate, Sweep};
 use crate::monitor::boxes::{Boxes, Search};
+use crate::search::Block;
 use crate::spans::{Span, SpanKey};
 use crate::stats::Stats;
 

@@ -6,15 +6,12 @@
 //! candidates found, and from how boxes grow with time, the cheapest length is extrapolated, and
 //! tried in turn.
 
-use super::line_up::LineUp;
-use crate::bounds::{Pose, Stroke};
-use crate::broad_phase::fill::Fill;
-use crate::broad_phase::presence::Presence;
-use crate::broad_phase::slices::{Slices, Traffic};
+use super::{Fill, Presence, Scratch, Slices, Traffic};
+use crate::bounds::{Cubic, MovingFrame, Pose};
 use crate::broad_phase::{BroadPhase, Everyone, Room};
 use crate::narrow_phase::approaching;
-use crate::rounding::{seen_from, seen_until};
-use crate::search::Scratch;
+use crate::pool::Pool;
+use crate::simd::InstructionSet;
 use std::ops::Range;
 
 /// Nanoseconds of each kind of work, one thread, measured on the reference swarm; only their
@@ -139,13 +136,24 @@ impl Trial {
     }
 }
 
-impl LineUp<'_> {
-    /// The window, and no less than all that is reported of it, cut into slices of the length that is
-    /// expected to cost least. `poses` gives those of the bodies in some places.
-    pub(super) fn slices<'p>(
+/// Bodies of which some are put through slices.
+#[derive(Debug)]
+pub(crate) struct SliceTrials<'a> {
+    /// Of all bodies.
+    pub(crate) presence: &'a Presence,
+    pub(crate) frame: &'a MovingFrame,
+    pub(crate) instructions: InstructionSet,
+    pub(crate) pool: &'a Pool<Scratch>,
+}
+
+impl SliceTrials<'_> {
+    /// Returns the same window cut into slices of the length that is expected to cost least, searched from
+    /// the length given. `poses` gives those of the bodies in some places.
+    pub(crate) fn cheapest<'p, C: Cubic + 'p>(
         &self,
+        mut slices: Slices,
         traffic: &Traffic,
-        poses: impl FnOnce(&[usize]) -> Vec<Pose<'p, Stroke>>,
+        poses: impl FnOnce(&[usize]) -> Vec<Pose<'p, C>>,
     ) -> Slices {
         /// Fewer bodies are not worth a trial, unless they would have more boxes than these.
         const FEW: usize = 64;
@@ -153,16 +161,10 @@ impl LineUp<'_> {
         /// Each may change the length fourfold, and in a crowd by this factor.
         const MAX_TRIALS: usize = 6;
         const SHORTER: f64 = 8.0;
-        let window = (
-            seen_from(self.window.start()),
-            seen_until(self.window.end()),
-        );
-        let mut slices = Slices::choose(window, traffic);
-        if let Some(count) = self.prescribed {
-            return slices.with_count(f64::from(count.get()));
-        }
+        let window = slices.window();
+        let bodies = self.presence.len();
         let present = traffic.present(window);
-        let sample = sample(self.ids.len(), present, slices.count());
+        let sample = sample(bodies, present, slices.count());
         // Where everybody is near everybody all the time slices save nothing.
         let spans = traffic.spans(window);
         let boxes = present * f64::from(slices.count());
@@ -172,7 +174,7 @@ impl LineUp<'_> {
         }
         let sampled = poses(&sample);
         let presence = self.presence.of_some(&sample);
-        let whole = self.ids.len() as f64 / sample.len() as f64;
+        let whole = bodies as f64 / sample.len() as f64;
         let mut last: Option<(Trial, f64)> = None;
         // The cheapest crowded slices.
         let mut crowded: Option<(f64, Slices)> = None;
@@ -218,10 +220,10 @@ impl LineUp<'_> {
     }
 
     /// Counts in a few slices of a length, scaled from the sample to all bodies.
-    fn trial(
+    fn trial<C: Cubic>(
         &self,
         presence: &Presence,
-        poses: &[Pose<'_, Stroke>],
+        poses: &[Pose<'_, C>],
         slices: &Slices,
         whole: f64,
         cubics: f64,
@@ -234,6 +236,7 @@ impl LineUp<'_> {
             block,
             sweep,
             candidates,
+            ends,
             ..
         } = &mut *scratch;
         let (mut boxes, mut found, mut near, mut shares) = (0.0, 0.0, 0.0, 0.0);
@@ -242,12 +245,13 @@ impl LineUp<'_> {
             let share = (f64::from(place) + 0.5) / f64::from(places);
             let first = slices.number_at(share);
             presence.list(slices.interval(first), present);
+            slices.ends(first..first + 1, ends);
             self.instructions.run(Fill {
                 block: &mut *block,
-                frame: &self.frame,
+                frame: self.frame,
                 poses,
                 present: &*present,
-                ends: &slices.ends(first..first + 1),
+                ends: &*ends,
             });
             let slice = &block.slices[0];
             candidates.clear();
@@ -316,36 +320,4 @@ fn sample(count: usize, present: f64, slices: u32) -> Vec<usize> {
             k * count / size + ((turn * stride as u64) >> 32) as usize
         })
         .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use crate::hitbox::Hitbox;
-    use crate::query::Query;
-    use crate::scene::{Body, Scene};
-    use crate::trajectory::{State, Trajectory};
-    use glam::DVec3;
-
-    /// Two fleets that fly opposite ways, each 1 m apart: a box of some metres meets nearly all of its fleet, and
-    /// slices some times shorter save nothing. Far shorter ones save all.
-    #[test]
-    fn far_shorter_slices_are_tried_in_a_crowd() {
-        let mut scene = Scene::new();
-        let hitbox = Hitbox::sphere(0.2);
-        for (height, speed) in [(0.0, 100.0), (10.0, -100.0)] {
-            let velocity = DVec3::new(speed, speed, 0.0);
-            for number in 0..10_000 {
-                let from = DVec3::new(f64::from(number % 100), f64::from(number / 100), height);
-                let states =
-                    [0.0, 60.0].map(|time| State::new(time, from + time * velocity, velocity));
-                let (Ok(plan), Ok(hitbox)) = (Trajectory::from_states(&states), &hitbox) else {
-                    unreachable!("the states are in order")
-                };
-                let body = Body::new(plan).with_hitbox(hitbox.clone());
-                assert!(scene.insert(body).is_ok());
-            }
-        }
-        let slices = scene.cheapest_slices(&Query::default());
-        assert!(slices.is_ok_and(|count| count > 1_000));
-    }
 }

@@ -143,9 +143,16 @@ impl Slices {
     }
 
     /// Where some slices begin and end, s: one more than there are slices.
-    pub(crate) fn ends(&self, slices: Range<u32>) -> Vec<f64> {
+    /// Replaces what `ends` held.
+    pub(crate) fn ends(&self, slices: Range<u32>, ends: &mut Vec<f64>) {
         let cuts = slices.start..=slices.end;
-        cuts.map(|index| self.cut(index)).collect()
+        ends.clear();
+        ends.extend(cuts.map(|index| self.cut(index)));
+    }
+
+    /// When all of them begin and end, s.
+    pub(crate) const fn window(&self) -> (f64, f64) {
+        (self.start, self.end)
     }
 
     fn cut(&self, index: u32) -> f64 {

@@ -10,6 +10,11 @@ impl Presence {
         Self(lives)
     }
 
+    /// Returns the number of bodies.
+    pub(crate) const fn len(&self) -> usize {
+        self.0.len()
+    }
+
     /// That of some of the bodies.
     pub(crate) fn of_some(&self, places: &[usize]) -> Self {
         Self(places.iter().map(|&place| self.0[place]).collect())

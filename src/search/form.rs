@@ -1,7 +1,7 @@
 //! One box and one course for each body in each of a few slices.
 
-use super::BodyBox;
 use crate::bounds::{Bundle, Course, Cubic, MovingFrame, Period, Piece, Pose, Trace};
+use crate::broad_phase::BodyBox;
 use crate::simd::{Task, prefetch};
 
 /// One slice: a box and a course for each body that exists in it, side by side.
@@ -329,8 +329,8 @@ pub(crate) fn short(count: usize) -> u32 {
 mod tests {
     use super::*;
     use crate::bounds::{Extremes, Frame, Inflation, Sketch};
-    use crate::broad_phase::slices::Slices;
     use crate::hitbox::Hitbox;
+    use crate::search::Slices;
     use crate::simd::InstructionSet;
     use crate::trajectory::{State, Trajectory};
     use glam::DVec3;
@@ -384,14 +384,16 @@ mod tests {
             let (sketch, lines) = Sketch::of(trajectory.knots(), trajectory.segments());
             let pose = Pose::sketched(&sketch.on(&lines), &inflation, &frame);
             let mut block = Block::default();
+            let mut ends = Vec::new();
             for first in (0..slices.count()).step_by(8) {
                 let range = first..(first + 8).min(slices.count());
+                slices.ends(range.clone(), &mut ends);
                 InstructionSet::best().run(Fill {
                     block: &mut block,
                     frame: &frame,
                     poses: &[pose],
                     present: &[0],
-                    ends: &slices.ends(range.clone()),
+                    ends: &ends,
                 });
                 for (slice, found) in range.zip(&block.slices) {
                     let boxes = &found.boxes;

@@ -1,0 +1,225 @@
+//! From candidates to the spans of a pair that may hold a contact.
+//!
+//! Tests in the order of their cost: fat lines, then knots, compact cubics, and segments. Each stage goes
+//! through a batch of what the one before left, and what it reads is fetched a few entries ahead:
+//! the bodies of neighbouring candidates lie anywhere in memory, and waiting for them would be most
+//! of the time.
+
+use super::Bodies;
+use crate::bounds::{Course, Sight};
+use crate::broad_phase::Candidate;
+use crate::narrow_phase::{approaching, may_touch};
+use crate::simd::prefetch;
+use crate::spans::{Span, SpanKey, spans_from};
+use crate::window::Window;
+use std::slice::from_ref;
+
+/// What is asked of the candidates of a slice.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Question<'a, B> {
+    pub(crate) bodies: &'a B,
+    /// Fat lines of the slice, by the numbers in its candidates.
+    pub(crate) courses: &'a [Course],
+    /// The slice's, s.
+    pub(crate) interval: (f64, f64),
+    pub(crate) window: Window,
+    pub(crate) margin: f64,
+    /// With more spans from one slice no further ones are looked at.
+    pub(crate) max_spans: usize,
+}
+
+impl<B> Question<'_, B> {
+    /// Returns true if a span that may hold a contact is solved without another test.
+    ///
+    /// Few of them hold none, and the solver sees that at once; a proof of it takes longer. One that the
+    /// window cuts is always asked about: what is beyond there, the solver could take for a contact of
+    /// no duration, and then it would matter what else is in the scene.
+    fn solves_at_once(&self, span: Span) -> bool {
+        span.start >= self.window.start() && span.end <= self.window.end()
+    }
+}
+
+/// A pair that may be near from its fat lines: when, and a cubic of each body that is not later.
+#[derive(Clone, Copy, Debug)]
+struct NearPair {
+    bodies: [u32; 2],
+    hints: [u32; 2],
+    interval: (f64, f64),
+}
+
+impl NearPair {
+    const fn cubics(&self) -> [(u32, u32); 2] {
+        let ([a, b], [first_a, first_b]) = (self.bodies, self.hints);
+        [(a, first_a), (b, first_b)]
+    }
+}
+
+/// A span of such a pair, and the part of it to look at.
+#[derive(Clone, Copy, Debug)]
+struct PairSpan {
+    a: u32,
+    b: u32,
+    span: Span,
+    interval: (f64, f64),
+}
+
+impl PairSpan {
+    /// Returns when it is looked at, s.
+    fn part(&self) -> (f64, f64) {
+        let (from, to) = self.interval;
+        (self.span.start.max(from), self.span.end.min(to))
+    }
+
+    const fn key(&self) -> SpanKey {
+        let Self { a, b, span, .. } = *self;
+        SpanKey {
+            a,
+            b,
+            cubic_a: span.a,
+            cubic_b: span.b,
+        }
+    }
+}
+
+/// Refines candidates to spans; owns the batches between its stages.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct CandidateRefiner {
+    near: Vec<NearPair>,
+    spans: Vec<PairSpan>,
+}
+
+impl CandidateRefiner {
+    /// Candidates in a batch: its lists stay in the second-level cache.
+    const BATCH: usize = 1024;
+    /// Entries that are fetched ahead of the one at hand.
+    const AHEAD: usize = 8;
+    /// Candidates: there are many of them, and little is done with each.
+    const AHEAD_OF_CANDIDATES: usize = 4 * Self::AHEAD;
+
+    /// Looks at each span of the candidates of a slice; returns how many there are. Those that cheap
+    /// tests cannot rule out are appended. `pair` gives the bodies of a candidate, if they are wanted;
+    /// it is asked only about those that may be near.
+    pub(crate) fn refine<B: Bodies>(
+        &mut self,
+        question: &Question<'_, B>,
+        candidates: &[Candidate],
+        pair: impl Fn(Candidate) -> Option<[u32; 2]>,
+        found: &mut Vec<SpanKey>,
+    ) -> u64 {
+        let mut looked_at = 0;
+        // Of earlier slices.
+        let before = found.len();
+        for batch in candidates.chunks(Self::BATCH) {
+            if found.len() - before > question.max_spans {
+                break;
+            }
+            self.judge(question, batch, &pair);
+            self.list_spans(question.bodies);
+            looked_at += self.spans.len() as u64;
+            self.compare_compact(question, found);
+            self.compare(question, found);
+        }
+        looked_at
+    }
+
+    /// The candidates that may be near from their fat lines.
+    fn judge<B>(
+        &mut self,
+        question: &Question<'_, B>,
+        batch: &[Candidate],
+        pair: impl Fn(Candidate) -> Option<[u32; 2]>,
+    ) {
+        let Question {
+            courses, interval, ..
+        } = *question;
+        self.near.clear();
+        for (i, &candidate) in batch.iter().enumerate() {
+            if let Some(later) = batch.get(i + Self::AHEAD_OF_CANDIDATES) {
+                prefetch(from_ref(&courses[later.a as usize]));
+                prefetch(from_ref(&courses[later.b as usize]));
+            }
+            let (a, b) = (candidate.a as usize, candidate.b as usize);
+            let Some(interval) = approaching(&courses[a], &courses[b], interval) else {
+                continue;
+            };
+            if let Some(bodies) = pair(candidate) {
+                self.near.push(NearPair {
+                    bodies,
+                    hints: [courses[a].first, courses[b].first],
+                    interval,
+                });
+            }
+        }
+    }
+
+    /// Their spans.
+    fn list_spans(&mut self, bodies: &impl Bodies) {
+        self.spans.clear();
+        for (i, near) in self.near.iter().enumerate() {
+            if let Some(later) = self.near.get(i + 2 * Self::AHEAD) {
+                later.bodies.into_iter().for_each(|body| bodies.fetch(body));
+            }
+            if let Some(later) = self.near.get(i + Self::AHEAD) {
+                later
+                    .cubics()
+                    .into_iter()
+                    .for_each(|cubic| bodies.fetch_knots(cubic));
+            }
+            let ([a, b], [first_a, first_b]) = (near.bodies, near.hints);
+            let (from, to) = near.interval;
+            let knots = (bodies.knots(a), bodies.knots(b));
+            for span in spans_from(&knots.0, &knots.1, (first_a, first_b), from, to) {
+                self.spans.push(PairSpan {
+                    a,
+                    b,
+                    span,
+                    interval: near.interval,
+                });
+            }
+        }
+    }
+
+    /// Those that compact cubics do not show to be apart: the ones that are solved at once are appended
+    /// to what was found, the ones that are asked about first stay.
+    fn compare_compact<B: Bodies>(&mut self, question: &Question<'_, B>, found: &mut Vec<SpanKey>) {
+        let bodies = question.bodies;
+        let mut kept = 0;
+        for number in 0..self.spans.len() {
+            if let Some(later) = self.spans.get(number + Self::AHEAD) {
+                later
+                    .key()
+                    .cubics()
+                    .into_iter()
+                    .for_each(|cubic| bodies.fetch_cubic(cubic));
+            }
+            let one = self.spans[number];
+            match bodies.sight(one.key().cubics(), one.part()) {
+                Sight::Apart => {}
+                Sight::Near if question.solves_at_once(one.span) => found.push(one.key()),
+                Sight::Near | Sight::Blurred => {
+                    self.spans[kept] = one;
+                    kept += 1;
+                }
+            }
+        }
+        self.spans.truncate(kept);
+    }
+
+    /// Those that their segments do not show to be apart either.
+    fn compare<B: Bodies>(&self, question: &Question<'_, B>, found: &mut Vec<SpanKey>) {
+        let bodies = question.bodies;
+        for (i, one) in self.spans.iter().enumerate() {
+            if let Some(later) = self.spans.get(i + Self::AHEAD) {
+                later
+                    .key()
+                    .cubics()
+                    .into_iter()
+                    .for_each(|cubic| bodies.fetch_segment(cubic));
+            }
+            let (a, b) = (bodies.party(one.a), bodies.party(one.b));
+            if may_touch(&a, &b, one.span, question.margin, one.interval) {
+                found.push(one.key());
+            }
+        }
+    }
+}

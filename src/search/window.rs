@@ -1,0 +1,403 @@
+//! Everything in a window, from nothing: boxes, candidates, and the spans that cheap tests leave.
+
+use super::form::{Block, Fill, Slice, short};
+use super::{BodyLists, LimitExceeded, Limits, Presence, Question, Scratch, Slices, Traffic};
+use crate::bounds::{Cubic, MovingFrame};
+use crate::broad_phase::{BroadPhase, Candidate, PairFilter, Room, mean_size};
+use crate::parallel;
+use crate::pool::Pool;
+use crate::simd::InstructionSet;
+use crate::spans::SpanKey;
+use crate::stats::Stats;
+use crate::window::Window;
+use std::ops::Range;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Instant;
+
+/// Bodies side by side, and what is asked about them in a window.
+#[derive(Debug)]
+pub(crate) struct WindowSearch<'a, C> {
+    pub(crate) bodies: BodyLists<'a, C>,
+    pub(crate) presence: &'a Presence,
+    pub(crate) frame: &'a MovingFrame,
+    pub(crate) window: Window,
+    pub(crate) margin: f64,
+    pub(crate) limits: Limits,
+    pub(crate) instructions: InstructionSet,
+    pub(crate) pool: &'a Pool<Scratch>,
+}
+
+impl<C: Cubic + Sync> WindowSearch<'_, C> {
+    /// Appends every span of every pair in which they may touch within some slices to `found`, which is
+    /// sorted then and holds each once. `progress` is told the share of the slices that are done.
+    /// If the filter gives up, not all are found.
+    ///
+    /// # Errors
+    ///
+    /// If there are more spans, or more candidates at an instant, than there is room for.
+    pub(crate) fn spans<B: BroadPhase, F: PairFilter>(
+        &self,
+        method: impl Fn(&mut Scratch) -> &mut B + Sync + Send,
+        (slices, traffic): (&Slices, &Traffic),
+        filter: &F,
+        progress: &(impl Fn(f64) + Sync),
+        (found, stats): (&mut Vec<SpanKey>, &mut Stats),
+    ) -> Result<(), LimitExceeded> {
+        let bodies = self.bodies.parties.len();
+        let blocks = Blocks::of(slices, traffic, bodies);
+        let done_blocks = AtomicU32::new(0);
+        let search = |scratch: &mut Scratch, block: u32| {
+            let range = blocks.range(block);
+            let counted = self.block(&method, slices, range, filter, scratch);
+            let done = done_blocks.fetch_add(1, Ordering::Relaxed) + 1;
+            progress(f64::from(done) / f64::from(blocks.count));
+            counted
+        };
+        let mut own = self.pool.take();
+        let mut first = 0;
+        while first < blocks.count {
+            let round = blocks.round.min(blocks.count - first);
+            if blocks.is_shared {
+                let take = || self.pool.take();
+                let results = parallel::map(round, 1, take, |scratch, block| {
+                    let counted = search(scratch, first + block)?;
+                    Ok((scratch.found.clone(), counted))
+                });
+                for result in results {
+                    let (keys, counted) = result?;
+                    found.extend(keys);
+                    *stats += counted;
+                }
+            } else {
+                for block in first..first + round {
+                    *stats += search(&mut own, block)?;
+                    found.extend_from_slice(&own.found);
+                }
+            }
+            let begin = Instant::now();
+            own.arranger.tidy(found, bodies);
+            self.limits.check(found.len())?;
+            stats.narrow_time += begin.elapsed();
+            first += round;
+        }
+        Ok(())
+    }
+
+    /// Lists the spans of a few slices in `scratch.found`; returns how much was looked at.
+    fn block<B: BroadPhase, F: PairFilter>(
+        &self,
+        method: impl Fn(&mut Scratch) -> &mut B,
+        slices: &Slices,
+        range: Range<u32>,
+        filter: &F,
+        scratch: &mut Scratch,
+    ) -> Result<Stats, LimitExceeded> {
+        let mut stats = Stats::default();
+        let begin = Instant::now();
+        let mut ends = std::mem::take(&mut scratch.ends);
+        slices.ends(range.clone(), &mut ends);
+        self.presence
+            .list((ends[0], ends[ends.len() - 1]), &mut scratch.present);
+        // Taken out meanwhile, so that the method can be borrowed beside them.
+        let mut block = std::mem::take(&mut scratch.block);
+        self.form(&ends, &scratch.present, &mut block);
+        scratch.ends = ends;
+        stats.bounds_time += begin.elapsed();
+        let mut candidates = std::mem::take(&mut scratch.candidates);
+        let mut counts = std::mem::take(&mut scratch.counts);
+        scratch.found.clear();
+        let mut begin = Instant::now();
+        let mut number = range.start;
+        let mut crowded = Vec::new();
+        let count = range.len();
+        for run in block.slices[..count].chunks(slices_in_a_run(&block, count)) {
+            candidates.clear();
+            counts.clear();
+            for slice in run {
+                let first = candidates.len();
+                let room = self.limits.candidates_of_slice(slice.boxes.len());
+                if !list_pairs(method(scratch), slice, room, filter, &mut candidates) {
+                    crowded.push(number + short(counts.len()));
+                }
+                counts.push(candidates.len() - first);
+                stats.boxes += slice.boxes.len() as u64;
+            }
+            let found = Instant::now();
+            let mut rest = &candidates[..];
+            for (slice, &count) in run.iter().zip(&counts) {
+                let (these, others) = rest.split_at(count);
+                stats.spans += self.refine(slice, slices.interval(number), these, scratch)?;
+                (rest, number) = (others, number + 1);
+            }
+            stats.candidates += candidates.len() as u64;
+            let sifted = Instant::now();
+            stats.broad_time += found - begin;
+            stats.narrow_time += sifted - found;
+            begin = sifted;
+        }
+        for number in crowded {
+            let slice = &block.slices[(number - range.start) as usize];
+            let part = (slices.interval(number), slice);
+            self.divide(&method, part, filter, &mut stats, scratch)?;
+        }
+        (scratch.block, scratch.candidates, scratch.counts) = (block, candidates, counts);
+        let begin = Instant::now();
+        if scratch.found.len() > FEW_FOUND {
+            let Scratch {
+                arranger, found, ..
+            } = scratch;
+            arranger.tidy(found, self.bodies.parties.len());
+        }
+        stats.narrow_time += begin.elapsed();
+        Ok(stats)
+    }
+
+    fn form(&self, ends: &[f64], present: &[u32], block: &mut Block) {
+        self.instructions.run(Fill {
+            block,
+            frame: self.frame,
+            poses: self.bodies.poses,
+            present,
+            ends,
+        });
+    }
+
+    /// Adds the spans of a slice's candidates to those found; returns how many were looked at.
+    fn refine(
+        &self,
+        slice: &Slice,
+        interval: (f64, f64),
+        candidates: &[Candidate],
+        scratch: &mut Scratch,
+    ) -> Result<u64, LimitExceeded> {
+        let Scratch {
+            refiner,
+            found,
+            arranger,
+            ..
+        } = scratch;
+        let question = Question {
+            bodies: &self.bodies,
+            courses: &slice.courses,
+            interval,
+            window: self.window,
+            margin: self.margin,
+            max_spans: self.limits.spans,
+        };
+        let pair = |pair: Candidate| Some([pair.a, pair.b].map(|at| slice.bodies[at as usize]));
+        let looked_at = refiner.refine(&question, candidates, pair, found);
+        if found.len() > self.limits.spans {
+            // A span that lasts for several slices is found in each.
+            arranger.tidy(found, self.bodies.parties.len());
+            self.limits.check(found.len())?;
+        }
+        Ok(looked_at)
+    }
+
+    /// Searches a slice, or a part of one, with many candidates a box: in halves where these have fewer in
+    /// all, and in turn in theirs. Candidates shrink with boxes, until these are as large as hitboxes and
+    /// the margin: what overlaps then is a crowd, for which there may be room as a whole.
+    fn divide<B: BroadPhase, F: PairFilter>(
+        &self,
+        method: &impl Fn(&mut Scratch) -> &mut B,
+        ((from, to), slice): ((f64, f64), &Slice),
+        filter: &F,
+        stats: &mut Stats,
+        scratch: &mut Scratch,
+    ) -> Result<(), LimitExceeded> {
+        /// Boxes of halves that are nearly as large have as many candidates.
+        const LESS: f64 = 0.875;
+        let middle = 0.5 * from + 0.5 * to;
+        let mut halves = Block::default();
+        if from < middle && middle < to {
+            self.form(&[from, middle, to], &slice.bodies, &mut halves);
+        }
+        let whole = Size::of(slice);
+        let sizes = halves.slices.iter().map(Size::of);
+        let both = sizes.fold(Size::default(), Size::and);
+        let pays = both.pairs < whole.pairs || both.boxes <= whole.boxes;
+        if halves.slices.is_empty() || !pays {
+            let mut candidates = Vec::new();
+            let room = self.limits.candidates;
+            if list_pairs(method(scratch), slice, room, filter, &mut candidates) {
+                stats.candidates += candidates.len() as u64;
+                stats.spans += self.refine(slice, (from, to), &candidates, scratch)?;
+                return Ok(());
+            }
+            if halves.slices.is_empty() || both.extent >= 2.0 * LESS * whole.extent {
+                return Err(LimitExceeded);
+            }
+        }
+        for (half, interval) in halves.slices.iter().zip([(from, middle), (middle, to)]) {
+            if filter.gives_up() {
+                break;
+            }
+            stats.boxes += half.boxes.len() as u64;
+            let mut candidates = Vec::new();
+            let room = self.limits.candidates_of_slice(half.boxes.len());
+            if list_pairs(method(scratch), half, room, filter, &mut candidates) {
+                stats.candidates += candidates.len() as u64;
+                stats.spans += self.refine(half, interval, &candidates, scratch)?;
+            } else {
+                drop(candidates);
+                self.divide(method, (interval, half), filter, stats, scratch)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Appends the candidates of a slice, numbered by place in it; returns false, and appends none, if there
+/// are more than there is room for.
+fn list_pairs<B: BroadPhase, F: PairFilter>(
+    method: &mut B,
+    slice: &Slice,
+    room: u64,
+    filter: &F,
+    candidates: &mut Vec<Candidate>,
+) -> bool {
+    let by_place = ByPlace {
+        bodies: &slice.bodies,
+        filter,
+    };
+    let first = candidates.len();
+    let room = Room::new(&by_place, room);
+    method.pairs(&slice.boxes, &room, candidates);
+    if room.is_short() {
+        candidates.truncate(first);
+    }
+    !room.is_short()
+}
+
+/// How large the boxes of a slice are.
+#[derive(Clone, Copy, Debug, Default)]
+struct Size {
+    boxes: usize,
+    /// Of a mean box, summed up over the axes.
+    extent: f64,
+    /// In proportion to the candidates of bodies that are anywhere.
+    pairs: f64,
+}
+
+impl Size {
+    #[allow(clippy::cast_precision_loss, reason = "a number of bodies")]
+    fn of(slice: &Slice) -> Self {
+        let boxes = slice.boxes.len();
+        if boxes == 0 {
+            return Self::default();
+        }
+        let (extent, volume) = mean_size(&slice.boxes);
+        let pairs = volume * (boxes as f64).powi(2);
+        Self {
+            boxes,
+            extent,
+            pairs,
+        }
+    }
+
+    fn and(self, other: Self) -> Self {
+        Self {
+            boxes: self.boxes + other.boxes,
+            extent: self.extent + other.extent,
+            pairs: self.pairs + other.pairs,
+        }
+    }
+}
+
+/// How many of a block's slices are compared before what was found in them is refined: as many as have
+/// few boxes. Reading the clock takes as long as a few boxes.
+fn slices_in_a_run(block: &Block, count: usize) -> usize {
+    const BOXES: usize = 1024;
+    let boxes = block.slices[..count].iter().map(|slice| slice.boxes.len());
+    (BOXES * count / boxes.sum::<usize>().max(1)).max(1)
+}
+
+/// Slices dealt out in blocks of about equal size. What is found does not depend on it.
+struct Blocks {
+    slices: u32,
+    count: u32,
+    /// Blocks after which what was found is put together: a span that lasts for many slices is then
+    /// kept once.
+    round: u32,
+    /// Several threads share them.
+    is_shared: bool,
+}
+
+impl Blocks {
+    /// At least this many for each of several threads to share.
+    const FEWEST: u32 = 2;
+    /// With more slices in a block, a body's cubics are read less often, but the lists of boxes leave
+    /// the caches: so many where slices hold less than one cubic of a body, and where they hold more.
+    const FEW_SLICES: [usize; 2] = [4, 8];
+    const CACHED_BOXES: f64 = 2048.0;
+    /// Not more boxes in a block, which bounds its memory: 64 bytes each.
+    const MAX_BOXES: usize = 1 << 20;
+    /// Nor many more boxes in a round.
+    const ROUND_BOXES: usize = 1 << 24;
+
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "rounds towards zero, saturates"
+    )]
+    fn of(slices: &Slices, traffic: &Traffic, bodies: usize) -> Self {
+        let present = traffic.present(slices.window());
+        let cubics = traffic.cubics_in(slices.length());
+        let slices = slices.count();
+        let cached = (Self::CACHED_BOXES / present) as usize;
+        let few = Self::FEW_SLICES[usize::from(cubics >= 1.0)];
+        let fit = cached.clamp(few, Block::SLICES);
+        let most = (Self::MAX_BOXES / bodies.max(1)).clamp(1, fit);
+        let count = slices.div_ceil(u32::try_from(most).unwrap_or(u32::MAX));
+        let threads = u32::try_from(parallel::threads()).unwrap_or(u32::MAX);
+        let is_shared = threads > 1 && u64::from(slices) * bodies as u64 > FEW_BOXES;
+        let fewest = if is_shared {
+            Self::FEWEST.saturating_mul(threads)
+        } else {
+            1
+        };
+        let round = Self::ROUND_BOXES / (most * bodies.max(1));
+        Self {
+            slices,
+            count: count.max(fewest).min(slices),
+            round: u32::try_from(round).unwrap_or(u32::MAX).max(16),
+            is_shared,
+        }
+    }
+
+    fn range(&self, block: u32) -> Range<u32> {
+        let cut = |block: u32| {
+            let slice = u64::from(self.slices) * u64::from(block) / u64::from(self.count);
+            u32::try_from(slice).unwrap_or(self.slices)
+        };
+        cut(block)..cut(block + 1)
+    }
+}
+
+/// Not more of a block are left untidied until all blocks' are put together: 64 KiB.
+const FEW_FOUND: usize = 1 << 12;
+
+/// Boxes that are sooner formed and compared than another thread wakes up on a busy machine. (Two cores
+/// with 17 ready threads, 200 bodies all told a plan, medians of 400 ticks: with 1,204 boxes a tick
+/// 0.9 ms on the caller's thread, 3.2 ms on two; with 3,805 boxes 1.7 ms, and 1.9 to 7.6 ms.)
+pub(crate) const FEW_BOXES: u64 = 4096;
+
+/// A filter of bodies asked about their places in a slice.
+struct ByPlace<'a, F> {
+    bodies: &'a [u32],
+    filter: &'a F,
+}
+
+impl<F: PairFilter> PairFilter for ByPlace<'_, F> {
+    #[inline]
+    fn admits(&self, a: u32, b: u32) -> bool {
+        // Bodies ascend with places: they are in the same order.
+        self.filter
+            .admits(self.bodies[a as usize], self.bodies[b as usize])
+    }
+
+    #[inline]
+    fn gives_up(&self) -> bool {
+        self.filter.gives_up()
+    }
+}
