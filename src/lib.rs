@@ -106,6 +106,7 @@ mod simd;
 mod spans;
 mod stats;
 mod trajectory;
+mod wall_clock;
 mod window;
 
 pub use accuracy::{Accuracy, Certificate, TimeEnclosure};

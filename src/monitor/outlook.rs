@@ -29,11 +29,11 @@ use crate::rounding::{seen_from, seen_until};
 use crate::scene::Scene;
 use crate::spans::SpanKey;
 use crate::stats::Stats;
+use crate::wall_clock::Instant;
 use ahead::due_ahead;
 use std::collections::VecDeque;
 use std::sync::atomic::AtomicUsize;
 use std::sync::atomic::Ordering::Relaxed;
-use std::time::Instant;
 
 /// See the module.
 #[derive(Debug)]

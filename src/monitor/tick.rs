@@ -20,7 +20,7 @@ use crate::rounding::one_zero;
 use crate::scene::Scene;
 use crate::stats::Stats;
 use crate::trajectory::{Outside, Trajectory};
-use std::time::Instant;
+use crate::wall_clock::Instant;
 
 impl Monitor {
     /// Moves the clock to `now` (s) and appends what happened to `events`, in their order. The

@@ -25,10 +25,10 @@ use crate::scene::Scene;
 use crate::search::{BodyLists, SliceTrials, Slices, Traffic, WindowSearch};
 use crate::spans::{Spans, spans};
 use crate::stats::Stats;
+use crate::wall_clock::Instant;
 use crate::window::Window;
 use line_up::{Admission, LineUp, Lists, clip_of, lone_party};
 use solve::describe;
-use std::time::Instant;
 
 /// How much of the work going through the slices is taken to be, when progress is told.
 const SHARE_OF_SLICES: f64 = 0.9;

@@ -11,10 +11,10 @@ use super::finds::Crowded;
 use crate::bounds::Course;
 use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter, Room};
 use crate::search::Block;
+use crate::wall_clock::Instant;
 pub(super) use ask::{Answer, Neighbour};
 pub(super) use state::{Limits, Scratch, Slice};
 use state::{Part, Stage};
-use std::time::Instant;
 
 impl Slice {
     /// Boxes formed, or candidates looked at, before a budget is looked at: some tenths of a

@@ -85,8 +85,8 @@ fn monitor(rng: &mut ChaCha8Rng, count: usize, lookahead: f64) -> Monitor {
     with_every_change(Monitor::new(scene, 0.0, lookahead, &levels).unwrap())
 }
 
-/// Whatever comes to mind between two ticks.
-fn change(monitor: &mut Monitor, rng: &mut ChaCha8Rng) {
+/// Whatever comes to mind between two ticks; returns true if a limit is to be tried next.
+fn change(monitor: &mut Monitor, rng: &mut ChaCha8Rng) -> bool {
     let now = monitor.now();
     let ids: Vec<BodyId> = monitor.scene().bodies().map(|(id, _)| id).collect();
     let mut commands = Vec::new();
@@ -119,15 +119,16 @@ fn change(monitor: &mut Monitor, rng: &mut ChaCha8Rng) {
             })
             .unwrap(),
         6 => monitor.set_max_spans(rng.random_range(5_000..9_000)),
+        7 => return true,
         _ => {}
     }
+    false
 }
 
 /// One tick with whatever comes to mind.
 fn live_on(monitor: &mut Monitor, rng: &mut ChaCha8Rng, events: &mut Vec<Event>) {
     let now = monitor.now();
-    change(monitor, rng);
-    if rng.random_range(0..14) == 0 {
+    if change(monitor, rng) {
         // Refused or not, and if so, it leaves no trace.
         monitor.set_max_spans(rng.random_range(0..20));
         let _ = monitor.advance(now, events);
