@@ -261,6 +261,7 @@ mod tests {
     use super::*;
     use crate::broad_phase::fill::{Block, Fill};
     use crate::hitbox::Hitbox;
+    use crate::knots::Knots;
     use crate::simd::InstructionSet;
     use crate::trajectory::{State, Trajectory};
     use glam::DVec3;
@@ -290,7 +291,12 @@ mod tests {
             let frame = Frame::around(Extremes::NOTHING, 0.0);
             let hitbox = Hitbox::POINT;
             let inflation = Inflation::of(&hitbox, 0.0, &frame);
-            let pose = Pose::sketched(&sketch.on(&lines), &inflation, &frame);
+            let pose = Pose::sketched(
+                Knots::of(flight.knots()),
+                &sketch.on(&lines),
+                &inflation,
+                &frame,
+            );
             let mut block = Block::default();
             InstructionSet::best().run(Fill {
                 block: &mut block,

@@ -24,7 +24,6 @@ mod recent;
 #[cfg(feature = "serde")]
 mod recording;
 mod slice;
-mod spare;
 mod tick;
 mod timed;
 

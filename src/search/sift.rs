@@ -10,7 +10,7 @@ use crate::broad_phase::Candidate;
 use crate::broad_phase::fill::Slice;
 use crate::narrow_phase::{Party, approaching, may_touch};
 use crate::simd::prefetch;
-use crate::spans::{Span, SpanKey, spans_from};
+use crate::spans::{Span, SpanKey, each_span};
 use crate::window::Window;
 use std::slice::from_ref;
 
@@ -87,6 +87,8 @@ impl Sieve {
     const BATCH: usize = 1024;
     /// Entries that are fetched ahead of the one at hand.
     const AHEAD: usize = 8;
+    /// Knots that are fetched: two lines.
+    const KNOTS: usize = 16;
     /// Candidates: there are many of them, and little is done with each.
     const AHEAD_OF_CANDIDATES: usize = 4 * Self::AHEAD;
 
@@ -147,19 +149,19 @@ impl Sieve {
                 prefetch(from_ref(&poses[later.b as usize]));
             }
             if let Some(later) = self.near.get(i + Self::AHEAD) {
-                fetch_knots(&poses[later.a as usize], later.hints.0);
-                fetch_knots(&poses[later.b as usize], later.hints.1);
+                let (a, b) = (&poses[later.a as usize], &poses[later.b as usize]);
+                a.knots.prefetch(later.hints.0 as usize, Self::KNOTS);
+                b.knots.prefetch(later.hints.1 as usize, Self::KNOTS);
             }
             let (a, b) = (&poses[near.a as usize], &poses[near.b as usize]);
-            let (from, to) = near.interval;
-            for span in spans_from(&a.knots, &b.knots, near.hints, from, to) {
+            each_span((&a.knots, &b.knots), near.hints, near.interval, |span| {
                 self.pieces.push(Piece {
                     a: near.a,
                     b: near.b,
                     span,
                     interval: near.interval,
                 });
-            }
+            });
         }
     }
 
@@ -174,8 +176,8 @@ impl Sieve {
         let mut kept = 0;
         for number in 0..self.pieces.len() {
             if let Some(Piece { a, b, span, .. }) = self.pieces.get(number + Self::AHEAD) {
-                prefetch(from_ref(&poses[*a as usize].cubics[span.a as usize]));
-                prefetch(from_ref(&poses[*b as usize].cubics[span.b as usize]));
+                poses[*a as usize].fetch(span.a as usize);
+                poses[*b as usize].fetch(span.b as usize);
             }
             let piece = self.pieces[number];
             let Piece { a, b, span, .. } = piece;
@@ -196,9 +198,8 @@ impl Sieve {
         let (parties, margin) = (question.parties, question.margin);
         for (i, piece) in self.pieces.iter().enumerate() {
             if let Some(later) = self.pieces.get(i + Self::AHEAD) {
-                let (a, b) = (&parties[later.a as usize], &parties[later.b as usize]);
-                prefetch(from_ref(&a.segments[later.span.a as usize]));
-                prefetch(from_ref(&b.segments[later.span.b as usize]));
+                parties[later.a as usize].prefetch(later.span.a as usize);
+                parties[later.b as usize].prefetch(later.span.b as usize);
             }
             let (a, b) = (&parties[piece.a as usize], &parties[piece.b as usize]);
             if may_touch(a, b, piece.span, margin, piece.interval) {
@@ -206,11 +207,4 @@ impl Sieve {
             }
         }
     }
-}
-
-fn fetch_knots(pose: &Pose<'_, Stroke>, first: u32) {
-    /// Two lines.
-    const KNOTS: usize = 16;
-    let first = (first as usize).min(pose.knots.len());
-    prefetch(&pose.knots[first..(first + KNOTS).min(pose.knots.len())]);
 }
