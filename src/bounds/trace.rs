@@ -260,6 +260,7 @@ mod tests {
     use super::super::{Extremes, Frame, Inflation, Pose};
     use super::*;
     use crate::hitbox::Hitbox;
+    use crate::knots::Knots;
     use crate::search::{Block, Fill};
     use crate::simd::InstructionSet;
     use crate::trajectory::{State, Trajectory};
@@ -290,7 +291,12 @@ mod tests {
             let frame = Frame::around(Extremes::NOTHING, 0.0);
             let hitbox = Hitbox::POINT;
             let inflation = Inflation::of(&hitbox, 0.0, &frame);
-            let pose = Pose::sketched(&sketch.on(&lines), &inflation, &frame);
+            let pose = Pose::sketched(
+                Knots::of(flight.knots()),
+                &sketch.on(&lines),
+                &inflation,
+                &frame,
+            );
             let mut block = Block::default();
             InstructionSet::best().run(Fill {
                 block: &mut block,

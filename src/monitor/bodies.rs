@@ -7,7 +7,7 @@ use crate::narrow_phase::Party;
 use crate::parallel;
 use crate::scene::Scene;
 use crate::search::{Block, Fill};
-use crate::simd::{InstructionSet, prefetch};
+use crate::simd::InstructionSet;
 use crate::trajectory::Segment;
 
 /// What slices need to know of the bodies.
@@ -95,8 +95,8 @@ impl<'m> Bodies<'m> {
                 let Some((flight, party)) = flight.filter(|(flight, _)| flight.has_partner) else {
                     continue;
                 };
-                prefetch(&party.segments[..party.segments.len().min(1)]);
-                prefetch(&party.knots[..party.knots.len().min(Self::KNOTS)]);
+                party.prefetch(party.knots.before());
+                party.knots.prefetch(0, Self::KNOTS);
                 batch[count] = slot;
                 parties[count] = party;
                 inflations[count] = &flight.inflation;

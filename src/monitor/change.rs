@@ -322,7 +322,6 @@ impl Monitor {
             reach: self.outlook.reach(),
             window: Window::new(self.told, end)?,
             now: self.now,
-            spare: self.outlook.memory(),
             forget_before: self.told - self.history,
         })
     }

@@ -25,7 +25,6 @@ mod recent;
 pub(crate) mod recording;
 mod slice;
 mod snapshot;
-mod spare;
 mod tick;
 mod timed;
 

@@ -18,7 +18,6 @@ use super::flights::{Flight, Flights};
 use super::grid::Grid;
 use super::recent::Recent;
 use super::slice::{Limits, Scratch, Slice};
-use super::spare::Spare;
 use crate::bounds::Frame;
 use crate::broad_phase::PairFilter;
 use crate::error::Error;
@@ -115,11 +114,6 @@ impl Outlook {
     /// Within what pairs are looked for (m), and where their boxes are measured from.
     pub(super) fn reach(&self) -> (f64, &Frame) {
         (self.margin, &self.grid.frame)
-    }
-
-    /// Memory for flights to be set.
-    pub(super) const fn memory(&self) -> &Spare {
-        self.flights.spare()
     }
 
     pub(super) fn party<'s>(&'s self, scene: &'s Scene, slot: u32) -> Option<Party<'s>> {

@@ -14,8 +14,6 @@ use crate::conflict::{ClosestApproach, Conflict};
 use crate::narrow_phase::Contact;
 use crate::scene::Scene;
 use crate::screen::conflict;
-use crate::simd::prefetch;
-use std::slice::from_ref;
 
 /// What each alert level has of every pair.
 #[derive(Debug)]
@@ -90,8 +88,8 @@ impl Source<'_> {
             let parties = [pair.0, pair.1].map(|slot| self.outlook.party(self.scene, slot));
             if let [Some(a), Some(b)] = parties {
                 for (span_a, span_b) in self.outlook.finds().spans_fetched(pair) {
-                    prefetch(from_ref(&a.segments[span_a as usize]));
-                    prefetch(from_ref(&b.segments[span_b as usize]));
+                    a.prefetch(span_a as usize);
+                    b.prefetch(span_b as usize);
                 }
             }
         }

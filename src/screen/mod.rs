@@ -182,11 +182,7 @@ impl Scene {
         self.pair(a, b)?;
         let occupant = |id| self.occupant(id).ok_or(Error::UnknownBody { id });
         let (a, b) = (occupant(a)?, occupant(b)?);
-        let (beyond_a, beyond_b) = (a.beyond(window)?, b.beyond(window)?);
-        let (party_a, party_b) = (
-            lone_party(a, beyond_a.as_deref()),
-            lone_party(b, beyond_b.as_deref()),
-        );
+        let [party_a, party_b] = [lone_party(a, window)?, lone_party(b, window)?];
         let Some(clip) = clip_of(&party_a, &party_b, window) else {
             return Ok(None);
         };
@@ -311,7 +307,7 @@ impl LineUp<'_> {
 
 /// The beginning of the funnel.
 fn counted(parties: &[Party<'_>]) -> Stats {
-    let segments = parties.iter().map(|party| party.segments.len() as u64);
+    let segments = parties.iter().map(|party| party.knots.cubics() as u64);
     Stats {
         segments: segments.sum(),
         ..Stats::default()

@@ -142,8 +142,8 @@ fn fetch(parties: &[Party<'_>], pairs: &[OfPair<'_>], number: usize) {
         for survivor in later.iter().take(SPANS) {
             for (place, cubic) in survivor.cubics() {
                 let (party, cubic) = (&parties[place as usize], cubic as usize);
-                prefetch(&party.knots[cubic..cubic + 2]);
-                prefetch(from_ref(&party.segments[cubic]));
+                party.knots.prefetch(cubic, 2);
+                party.prefetch(cubic);
             }
         }
     }

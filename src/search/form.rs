@@ -2,7 +2,8 @@
 
 use crate::bounds::{Bundle, Course, Cubic, MovingFrame, Period, Piece, Pose, Trace};
 use crate::broad_phase::BodyBox;
-use crate::simd::{Task, prefetch};
+use crate::knots::Knots;
+use crate::simd::Task;
 
 /// One slice: a box and a course for each body that exists in it, side by side.
 #[derive(Clone, Debug, Default)]
@@ -95,13 +96,14 @@ impl<'a, C: Cubic> Fill<'a, C> {
                 continue;
             }
             let piece = self.block.pieces[body] as usize;
-            let end = Walk {
-                pose,
-                periods,
-                ahead,
-                begin: piece,
-            }
-            .through(piece, place, &mut self.block.slices[..count]);
+            let slices = &mut self.block.slices[..count];
+            let end = if pose.knots.are_extended() {
+                let walk = Walk::<_, _, true>::new(pose, periods, ahead, piece);
+                walk.through_extended(piece, place, slices)
+            } else {
+                let walk = Walk::<_, _, false>::new(pose, periods, ahead, piece);
+                walk.through(piece, place, slices)
+            };
             self.block.pieces[body] = short(end);
         }
     }
@@ -110,9 +112,8 @@ impl<'a, C: Cubic> Fill<'a, C> {
     #[inline(always)]
     fn prefetch_knots(&self, number: usize) {
         if let Some(&place) = self.present.get(number) {
-            let knots = &self.poses[place as usize].knots;
-            let first = (self.block.pieces[place as usize] as usize).min(knots.len());
-            prefetch(&knots[first..(first + 8).min(knots.len())]);
+            let first = self.block.pieces[place as usize] as usize;
+            self.poses[place as usize].knots.prefetch(first, 8);
         }
     }
 
@@ -166,8 +167,8 @@ fn goes_in_bundles<C: Cubic, const MOVES: bool>(
     let (from, to) = ends_of(periods);
     #[allow(clippy::cast_precision_loss, reason = "an estimate")]
     let [cubics, bundles] =
-        [pose.cubics.len(), 2 * Bundle::SIZE * periods.len()].map(|count| count as f64);
-    pose.has_bundles() && cubics * (to - from) > bundles * (last - first)
+        [pose.knots.cubics(), 2 * Bundle::SIZE * periods.len()].map(|count| count as f64);
+    pose.is_in_bundles() && cubics * (to - from) > bundles * (last - first)
 }
 
 /// Fetches what a walk through the slices will read, from a cubic on.
@@ -179,7 +180,7 @@ fn fetch_route<C: Cubic, const MOVES: bool>(
 ) {
     pose.fetch(number);
     for period in periods {
-        let end = cubic_at(&pose.knots, period.to, number);
+        let end = cubic_at::<false>(&pose.knots, period.to, number);
         let mut next = number + 1;
         while next < end {
             next = pose.fetch_first(next, end);
@@ -191,10 +192,14 @@ fn fetch_route<C: Cubic, const MOVES: bool>(
 
 /// The last cubic that begins before `time` (the first one if none does), searched from a guess.
 #[inline(always)]
-fn cubic_before(knots: &[f64], time: f64, guess: u32) -> usize {
+fn cubic_before(knots: &Knots<'_>, time: f64, guess: u32) -> usize {
     /// Steps to the next cubic before the rest is halved.
     const STEPS: usize = 8;
     let guess = guess as usize;
+    if knots.are_extended() {
+        return knots.count(|knot| knot < time).max(1) - 1;
+    }
+    let knots = knots.own();
     let known = guess < knots.len() && knots[guess] < time;
     let mut piece = if known { guess } else { 0 };
     for _ in 0..STEPS {
@@ -209,9 +214,14 @@ fn cubic_before(knots: &[f64], time: f64, guess: u32) -> usize {
 /// The last cubic that begins by `time`, from one that begins before it. (Slices are closed: one that
 /// begins where the slice ends counts with its first point.)
 #[inline(always)]
-fn cubic_at(knots: &[f64], time: f64, number: usize) -> usize {
+fn cubic_at<const EXTENDED: bool>(knots: &Knots<'_>, time: f64, number: usize) -> usize {
     /// Knots that are passed at once.
     const STEP: usize = 4;
+    if EXTENDED {
+        let later = (number + 1..knots.cubics()).take_while(|&next| knots.at(next) <= time);
+        return number + later.count();
+    }
+    let knots = knots.own();
     let mut rest = &knots[number + 1..knots.len() - 1];
     while let Some((step, further)) = rest.split_first_chunk::<STEP>()
         && step[STEP - 1] <= time
@@ -223,7 +233,7 @@ fn cubic_at(knots: &[f64], time: f64, number: usize) -> usize {
 }
 
 /// One body's way through the slices of a block.
-struct Walk<'a, C, const MOVES: bool> {
+struct Walk<'a, C, const MOVES: bool, const EXTENDED: bool> {
     pose: &'a Pose<'a, C>,
     periods: &'a [Period<MOVES>],
     ahead: Ahead<'a, C>,
@@ -240,9 +250,24 @@ enum Ahead<'a, C> {
     Nothing,
 }
 
-impl<C: Cubic, const MOVES: bool> Walk<'_, C, MOVES> {
+impl<'a, C: Cubic, const MOVES: bool, const EXTENDED: bool> Walk<'a, C, MOVES, EXTENDED> {
     /// How many of a body's own cubics ahead the next one is fetched.
     const AHEAD: usize = 8;
+
+    #[inline(always)]
+    const fn new(
+        pose: &'a Pose<'a, C>,
+        periods: &'a [Period<MOVES>],
+        ahead: Ahead<'a, C>,
+        begin: usize,
+    ) -> Self {
+        Self {
+            pose,
+            periods,
+            ahead,
+            begin,
+        }
+    }
 
     #[inline(always)]
     fn piece(&self, number: usize) -> Piece {
@@ -257,20 +282,25 @@ impl<C: Cubic, const MOVES: bool> Walk<'_, C, MOVES> {
             Ahead::Own => self.pose.fetch(number + Self::AHEAD),
             Ahead::Nothing => {}
         }
-        self.pose.piece(number)
+        self.pose.piece::<EXTENDED>(number)
     }
 
     /// Has a trace follow the cubics from `next` to before `end`.
     #[inline(always)]
     fn follow_whole(&self, trace: &mut Trace<MOVES>, mut next: usize, end: usize) {
         while next < end {
-            if let Some(after) = self.pose.pass(trace, (next, end)) {
+            if let Some(after) = self.pose.pass::<MOVES, EXTENDED>(trace, (next, end)) {
                 next = after;
             } else {
                 trace.follow_from_start(&self.piece(next));
                 next += 1;
             }
         }
+    }
+
+    #[inline(never)]
+    fn through_extended(&self, number: usize, body: u32, slices: &mut [Slice]) -> usize {
+        self.through(number, body, slices)
     }
 
     /// Appends the body's box and course to each slice in which it exists; gives the cubic that it
@@ -281,7 +311,7 @@ impl<C: Cubic, const MOVES: bool> Walk<'_, C, MOVES> {
         let knots = &pose.knots;
         let (first, last) = knots.ends();
         let mut rest = self.piece(number);
-        if knots[number] < periods[0].from {
+        if knots.at(number) < periods[0].from {
             rest = rest.split(periods[0].from).1;
         }
         for (slice, period) in slices.iter_mut().zip(periods) {
@@ -289,7 +319,7 @@ impl<C: Cubic, const MOVES: bool> Walk<'_, C, MOVES> {
                 continue;
             }
             let begin = number;
-            number = cubic_at(knots, period.to, number);
+            number = cubic_at::<EXTENDED>(knots, period.to, number);
             let trace = if number == begin {
                 let (piece, after) = rest.split(period.to.min(rest.end()));
                 rest = after;
@@ -330,6 +360,7 @@ mod tests {
     use super::*;
     use crate::bounds::{Extremes, Frame, Inflation, Sketch};
     use crate::hitbox::Hitbox;
+    use crate::knots::Knots;
     use crate::search::Slices;
     use crate::simd::InstructionSet;
     use crate::trajectory::{State, Trajectory};
@@ -382,7 +413,12 @@ mod tests {
                 unreachable!("the states are in order")
             };
             let (sketch, lines) = Sketch::of(trajectory.knots(), trajectory.segments());
-            let pose = Pose::sketched(&sketch.on(&lines), &inflation, &frame);
+            let pose = Pose::sketched(
+                Knots::of(trajectory.knots()),
+                &sketch.on(&lines),
+                &inflation,
+                &frame,
+            );
             let mut block = Block::default();
             let mut ends = Vec::new();
             for first in (0..slices.count()).step_by(8) {

@@ -5,7 +5,7 @@ use crate::broad_phase::PairFilter;
 use crate::monitor::bodies::Bodies;
 use crate::narrow_phase::{Party, approaching, may_touch};
 use crate::simd::prefetch;
-use crate::spans::{SpanKey, spans_from};
+use crate::spans::{SpanKey, each_span};
 use std::ops::Range;
 use std::slice::from_ref;
 
@@ -41,17 +41,16 @@ impl Slice {
                 }
                 *pair = slots.map(|slot| bodies.party(slot).unwrap_or(Party::NONE));
                 for party in &*pair {
-                    prefetch(&party.knots[..party.knots.len().min(Self::KNOTS)]);
+                    party.knots.prefetch(0, Self::KNOTS);
                 }
             }
             pieces.clear();
             for (number, ([a, b], near)) in pairs.iter().zip(batch).enumerate() {
-                let (from, to) = near.interval;
-                for span in spans_from(&a.knots, &b.knots, near.hints, from, to) {
-                    prefetch(from_ref(&a.segments[span.a as usize]));
-                    prefetch(from_ref(&b.segments[span.b as usize]));
+                each_span((&a.knots, &b.knots), near.hints, near.interval, |span| {
+                    a.prefetch(span.a as usize);
+                    b.prefetch(span.b as usize);
                     pieces.push((number, span));
-                }
+                });
             }
             self.stats.spans += pieces.len() as u64;
             for &(number, span) in &*pieces {
