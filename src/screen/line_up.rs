@@ -14,7 +14,7 @@ use crate::narrow_phase::Party;
 use crate::parallel;
 use crate::pool::Pool;
 use crate::query::Query;
-use crate::scene::{Atlas, Body, IgnoredPairs, Occupant, Scene, can_reach, radius};
+use crate::scene::{Body, CubicArena, IgnoredPairs, Occupant, Scene, can_reach, radius};
 use crate::search::Scratch;
 use crate::spans::common_domain;
 use crate::trajectory::Extension;
@@ -43,7 +43,7 @@ pub(super) struct LineUp<'a> {
     /// Room for survivors.
     pub(super) max_spans: usize,
     pub(super) pool: &'a Pool<Scratch>,
-    atlas: &'a Atlas,
+    arena: &'a CubicArena,
     pub(super) frame: MovingFrame,
     survey: Survey,
 }
@@ -85,7 +85,7 @@ impl<'a> LineUp<'a> {
             prescribed: query.slices(),
             max_spans: query.max_spans(),
             pool: scene.pool(),
-            atlas: scene.atlas(),
+            arena: scene.arena(),
             frame,
             survey,
         };
@@ -128,7 +128,7 @@ impl<'a> LineUp<'a> {
         let of_place = |(other, _): &(usize, Extension)| other.cmp(&place);
         let extension = self.extensions.binary_search_by(of_place);
         let extension = extension.ok().map(|number| &self.extensions[number].1);
-        let drawing = occupant.drawing(self.atlas);
+        let drawing = occupant.drawing(self.arena);
         // A screening reads knots next to the sketches.
         let knots = drawing.knots.extended(&occupant.body.trajectory, extension);
         let inflation = Inflation::of(&occupant.body.hitbox, self.margin, frame);
