@@ -3,7 +3,6 @@
 mod alert_level;
 mod bodies;
 mod boxes;
-mod bridge;
 mod budget;
 mod calendar;
 mod change;
@@ -14,10 +13,12 @@ mod finds;
 mod flights;
 mod foresight;
 mod grid;
+mod jump;
 mod kept;
 #[cfg(feature = "live")]
 mod live;
 mod outlook;
+mod prepared;
 mod read;
 mod reading;
 mod recent;

@@ -117,7 +117,11 @@ impl<'a> LineUp<'a> {
         /// Fewer are gone through on this thread.
         const FEW: usize = 4096;
         let frame = self.frame;
-        parallel::map_both(self.occupants.len(), FEW, |place| self.party(place, &frame))
+        let count = self.occupants.len();
+        let (mut parties, mut poses) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let lists = (&mut parties, &mut poses);
+        parallel::map_both(count, FEW, lists, |place| self.party(place, &frame));
+        (parties, poses)
     }
 
     /// How the bodies in some places lie in that frame.

@@ -264,6 +264,7 @@ impl LineUp<'_> {
             limits: self.limits,
             instructions: self.instructions,
             pool: self.pool,
+            threads: parallel::threads(),
         };
         let mut stats = counted(&parties);
         stats.slices = u64::from(slices.count());
