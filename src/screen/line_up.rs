@@ -152,10 +152,6 @@ impl<'a> LineUp<'a> {
         (self.occupants[place], beyond)
     }
 
-    pub(super) fn is_unfiltered(&self, scene: &Scene) -> bool {
-        scene.ignored().is_empty() && self.survey.is_in_all_layers && self.margin >= 0.0
-    }
-
     /// How much moves in the window, from what is known of each body as a whole.
     pub(super) fn traffic(&self) -> Traffic {
         self.survey.traffic()

@@ -2,7 +2,6 @@
 //! lie next to each other in memory, but are larger together than the caches.
 
 use crate::bounds::{Extremes, Frame, Inflation, MovingFrame};
-use crate::layers::Layers;
 use crate::scene::{Beyond, Occupant, Scene};
 use crate::search::Traffic;
 use crate::window::Window;
@@ -24,8 +23,6 @@ pub(super) struct Survey {
     traffic: Traffic,
     /// Largest distance from a body's position that matters, m.
     pub(super) size: f64,
-    /// Every body is in all layers.
-    pub(super) is_in_all_layers: bool,
 }
 
 impl Survey {
@@ -46,7 +43,6 @@ impl Survey {
                 reach: margin.max(0.0),
             },
             size: 0.0,
-            is_in_all_layers: true,
         }
     }
 
@@ -60,7 +56,6 @@ impl Survey {
     ) {
         let (body, plan) = (&occupant.body, occupant.outline());
         let outline = beyond.map_or(plan, |beyond| &beyond.outline);
-        self.is_in_all_layers &= body.layers == Layers::ALL;
         let (first, last) = outline.sketch.ends();
         if !has_partner {
             self.lives[place] = (f64::INFINITY, f64::NEG_INFINITY);
