@@ -49,23 +49,29 @@ where
         .collect()
 }
 
-/// Returns the two results of `work(index)` in two lists. Up to `few` are worked out on this thread.
+/// Replaces what two lists hold by the two results of `work(index)` for each index below `count`. Up to
+/// `few` are worked out on this thread.
 pub(crate) fn map_both<T: Send, U: Send>(
     count: usize,
     few: usize,
+    (one, other): (&mut Vec<T>, &mut Vec<U>),
     work: impl Fn(usize) -> (T, U) + Sync + Send,
-) -> (Vec<T>, Vec<U>) {
+) {
     #[cfg(feature = "parallel")]
     if count > few {
         use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
-        let (mut one, mut other) = (Vec::new(), Vec::new());
         let both = (0..count).into_par_iter().map(work);
-        both.unzip_into_vecs(&mut one, &mut other);
-        return (one, other);
+        both.unzip_into_vecs(one, other);
+        return;
     }
     #[cfg(not(feature = "parallel"))]
     let _ = few;
-    (0..count).map(work).unzip()
+    one.clear();
+    other.clear();
+    for both in (0..count).map(work) {
+        one.push(both.0);
+        other.push(both.1);
+    }
 }
 
 /// How many threads share work.

@@ -369,6 +369,11 @@ impl Scene {
         Some((id, place.occupant.as_ref()?))
     }
 
+    /// Returns true if each two bodies may be a pair with a margin (m).
+    pub(crate) fn admits_all(&self, margin: f64) -> bool {
+        margin >= 0.0 && self.ignored.is_empty() && self.kinds.admit_all()
+    }
+
     /// Returns true if two slots' bodies may be a pair with a margin (m): by layers, ignored pairs, and
     /// radii that a negative margin does not swallow.
     pub(crate) fn admits(&self, a: u32, b: u32, margin: f64) -> bool {

@@ -1,23 +1,37 @@
-//! The bodies as slices see them, and their boxes.
+//! The bodies as searches see them, and their boxes.
 
 use super::flights::Flights;
+use super::grid::Grid;
 use crate::bounds::{Course, Inflation, MovingFrame, Pose};
 use crate::broad_phase::BodyBox;
 use crate::narrow_phase::Party;
 use crate::parallel;
 use crate::scene::Scene;
-use crate::search::{Block, Fill};
+use crate::search::{Block, Bodies, FEW_BOXES, Fill};
 use crate::simd::InstructionSet;
 use crate::trajectory::Segment;
 
-/// What slices need to know of the bodies.
+/// The bodies of a monitor, by slot.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Bodies<'m> {
+pub(super) struct BodyTable<'m> {
     pub(super) scene: &'m Scene,
     pub(super) flights: &'m Flights,
     pub(super) frame: &'m MovingFrame,
+    /// Slices in which all bodies are searched from nothing are so long, s.
+    pub(super) search_length: f64,
     /// Pairs within this are looked for, m.
     pub(super) margin: f64,
+}
+
+impl Bodies for BodyTable<'_> {
+    fn party(&self, body: u32) -> Party<'_> {
+        self.get(body).unwrap_or(Party::NONE)
+    }
+
+    fn fetch(&self, body: u32) {
+        self.scene.prefetch(body);
+        self.flights.prefetch(body);
+    }
 }
 
 /// Bodies whose boxes are formed at a time: what is known of them stays in the caches.
@@ -34,32 +48,30 @@ const PLACES: [u32; BATCH] = {
     places
 };
 
-impl<'m> Bodies<'m> {
-    /// Those of a scene, as they lie in a frame; pairs within a margin (m) are looked for.
+impl<'m> BodyTable<'m> {
+    /// Those of a scene, as they lie in the frame of a grid; pairs within a margin (m) are looked for.
     pub(super) const fn of(
         scene: &'m Scene,
         flights: &'m Flights,
-        (frame, margin): (&'m MovingFrame, f64),
+        grid: &'m Grid,
+        margin: f64,
     ) -> Self {
         Self {
             scene,
             flights,
-            frame,
+            frame: &grid.frame,
+            search_length: grid.search_length,
             margin,
         }
     }
-
-    /// Boxes that are sooner formed and compared than another thread wakes up on a busy machine. (Two cores
-    /// with 17 ready threads, 200 bodies all told a plan, medians of 400 ticks: with 1,204 boxes a tick
-    /// 0.9 ms on the caller's thread, 3.2 ms on two; with 3,805 boxes 1.7 ms, and 1.9 to 7.6 ms.)
-    pub(super) const FEW: usize = 4096;
 
     /// How many bodies ahead they are fetched.
     const AHEAD: usize = 4;
     /// Knots that are fetched: two lines.
     const KNOTS: usize = 16;
 
-    pub(super) fn party(&self, slot: u32) -> Option<Party<'m>> {
+    /// Returns the body in a slot.
+    pub(super) fn get(&self, slot: u32) -> Option<Party<'m>> {
         self.flights.party(self.scene, slot)
     }
 
@@ -157,7 +169,7 @@ impl Moved {
     const CHUNK: usize = BATCH;
 
     /// Forms those of these bodies in all slices.
-    pub(super) fn form(&mut self, bodies: &Bodies<'_>, slots: &[u32], ends: &[f64]) {
+    pub(super) fn form(&mut self, bodies: &BodyTable<'_>, slots: &[u32], ends: &[f64]) {
         self.slots.clear();
         self.slots.extend_from_slice(slots);
         let count = slots.len().div_ceil(Self::CHUNK);
@@ -167,7 +179,7 @@ impl Moved {
                 ..Chunk::default()
             });
         }
-        let few = (slots.len() * (ends.len() - 1), Bodies::FEW);
+        let few = (slots.len() * (ends.len() - 1), FEW_BOXES);
         parallel::for_each_chunk(&mut self.chunks[..count], 1, few, |chunks| {
             for chunk in chunks {
                 let end = slots.len().min(chunk.first + Self::CHUNK);
@@ -190,7 +202,7 @@ impl Moved {
 }
 
 impl Chunk {
-    fn form(&mut self, bodies: &Bodies<'_>, slots: &[u32], ends: &[f64]) {
+    fn form(&mut self, bodies: &BodyTable<'_>, slots: &[u32], ends: &[f64]) {
         let slices = ends.len() - 1;
         if self.boxes.len() < slices {
             self.boxes.resize_with(slices, Vec::new);

@@ -1,24 +1,15 @@
 //! Every span in which a pair comes within the largest margin, solved once and kept.
 
-use super::bodies::Bodies;
+use super::bodies::BodyTable;
 use super::kept::{Entry, Kept};
 use crate::narrow_phase::{Contact, Solved, contacts_of, solve};
+use crate::search::LimitExceeded;
 use crate::simd::prefetch;
 use crate::spans::SpanKey;
 use std::slice::from_ref;
 
 /// Two bodies, the smaller slot first.
 pub(super) type Slots = (u32, u32);
-
-/// There is too little room.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Crowded;
-
-/// Sorts survivors; each stays once.
-pub(super) fn put_in_order(survivors: &mut Vec<SpanKey>) {
-    survivors.sort_unstable();
-    survivors.dedup();
-}
 
 fn pair_of(key: &SpanKey) -> Slots {
     (key.a, key.b)
@@ -67,16 +58,16 @@ impl Finds {
     pub(super) fn add(
         &mut self,
         survivors: &[SpanKey],
-        bodies: &Bodies<'_>,
+        bodies: &BodyTable<'_>,
         most: usize,
-    ) -> Result<u64, Crowded> {
+    ) -> Result<u64, LimitExceeded> {
         let room = most.saturating_sub(self.len());
         let (mut count, mut added) = (0, 0);
         for &key in survivors {
             if self.finds.has(&key) {
                 continue;
             }
-            let parties = [key.a, key.b].map(|slot| bodies.party(slot));
+            let parties = [key.a, key.b].map(|slot| bodies.get(slot));
             let [Some(a), Some(b)] = parties else {
                 continue;
             };
@@ -92,7 +83,7 @@ impl Finds {
             }
             if added > room {
                 self.finds.settle();
-                return Err(Crowded);
+                return Err(LimitExceeded);
             }
         }
         self.finds.settle();

@@ -40,11 +40,8 @@ impl Monitor {
         if window.1 < window.0 {
             return Ok(Vec::new());
         }
-        let filter = Admission {
-            scene: &self.scene,
-            margin: self.outlook.reach().0,
-            interrupt: None,
-        };
+        let (margin, _) = self.outlook.reach();
+        let filter = Admission::of(&self.scene, margin, None);
         let mut conflicts = Vec::new();
         self.outlook.contacts_with(
             &self.scene,

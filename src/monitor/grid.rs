@@ -15,6 +15,8 @@ pub(super) struct Grid {
     pub(super) origin: f64,
     /// How long they are, s.
     pub(super) length: f64,
+    /// How long those are in which all bodies are searched from nothing, s.
+    pub(super) search_length: f64,
     /// How many of them make up the lookahead.
     pub(super) ahead: f64,
     /// What the scene looked like when that was chosen.
@@ -146,6 +148,7 @@ impl Grid {
             frame: Frame::amid(scene.extremes(), signs.middle, margin.abs()).moving(velocity),
             origin,
             length: lookahead / ahead,
+            search_length: lookahead / cheapest.max(Self::FEWEST),
             ahead,
             signs,
         };

@@ -3,7 +3,6 @@
 mod alert_level;
 mod bodies;
 mod boxes;
-mod bridge;
 mod budget;
 mod calendar;
 mod change;
@@ -14,10 +13,12 @@ mod finds;
 mod flights;
 mod foresight;
 mod grid;
+mod jump;
 mod kept;
 #[cfg(feature = "live")]
 pub(crate) mod live;
 mod outlook;
+mod prepared;
 mod read;
 mod reading;
 mod recent;
@@ -152,13 +153,26 @@ struct Admission<'s> {
     scene: &'s Scene,
     /// The widest margin, m.
     margin: f64,
+    /// Each two bodies may be a pair.
+    admits_all: bool,
     /// Set when nobody waits for the answer any more.
     interrupt: Option<&'s AtomicBool>,
 }
 
+impl<'s> Admission<'s> {
+    fn of(scene: &'s Scene, margin: f64, interrupt: Option<&'s AtomicBool>) -> Self {
+        Self {
+            scene,
+            margin,
+            admits_all: scene.admits_all(margin),
+            interrupt,
+        }
+    }
+}
+
 impl PairFilter for Admission<'_> {
     fn admits(&self, a: u32, b: u32) -> bool {
-        self.scene.admits(a, b, self.margin)
+        self.admits_all || self.scene.admits(a, b, self.margin)
     }
 
     fn gives_up(&self) -> bool {

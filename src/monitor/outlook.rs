@@ -5,19 +5,21 @@
 //! slices in the order of time, so that what is known is always complete up to some instant. The
 //! slice that comes next is compared as time passes, a share with each tick: none stands out. (Later,
 //! and in fewer ticks, where many plans change: see [`due_ahead`].) Where the clock has jumped far, what
-//! it passed over is [bridged](Bridge).
+//! it passed over is [searched](JumpSearch) once. Where most is to be compared with most, all of the lookahead
+//! is searched from nothing, and slices have no boxes until few bodies change.
 
 mod ahead;
 mod ask;
 
-use super::bodies::{Bodies, Moved};
-use super::bridge::Bridge;
+use super::bodies::{BodyTable, Moved};
 use super::budget::Meter;
-use super::finds::{Crowded, Finds, Slots, put_in_order};
+use super::finds::{Finds, Slots};
 use super::flights::{Flight, Flights};
 use super::grid::Grid;
+use super::jump::JumpSearch;
+use super::prepared::{ListMemory, PreparedBodies};
 use super::recent::Recent;
-use super::slice::{Limits, Scratch, Slice};
+use super::slice::{Scratch, Slice};
 use crate::bounds::Frame;
 use crate::broad_phase::PairFilter;
 use crate::error::Error;
@@ -26,9 +28,11 @@ use crate::parallel;
 use crate::pool::Pool;
 use crate::rounding::{seen_from, seen_until};
 use crate::scene::Scene;
+use crate::search::{self, Arranger, FEW_BOXES, LimitExceeded, Limits};
 use crate::spans::SpanKey;
 use crate::stats::Stats;
 use crate::wall_clock::Instant;
+use crate::window::Window;
 use ahead::due_ahead;
 use std::collections::VecDeque;
 use std::sync::atomic::AtomicUsize;
@@ -44,9 +48,12 @@ pub(super) struct Outlook {
     /// Those of the lookahead, and the next one.
     slices: VecDeque<Slice>,
     spare: Vec<Slice>,
-    bridge: Bridge,
+    jump: JumpSearch,
     survivors: Vec<SpanKey>,
+    arranger: Arranger,
     pool: Pool<Scratch>,
+    search_pool: Pool<search::Scratch>,
+    lists: ListMemory,
     /// Bodies that changed since the last catching up, each once.
     dirty: Vec<u32>,
     is_dirty: Vec<bool>,
@@ -77,9 +84,12 @@ impl Outlook {
             grid,
             slices: VecDeque::new(),
             spare: Vec::new(),
-            bridge: Bridge::default(),
+            jump: JumpSearch::default(),
             survivors: Vec::new(),
+            arranger: Arranger::default(),
             pool: Pool::default(),
+            search_pool: Pool::default(),
+            lists: ListMemory::default(),
             dirty: Vec::new(),
             is_dirty: Vec::new(),
             recent: Recent::default(),
@@ -174,7 +184,7 @@ impl Outlook {
         }
     }
 
-    /// Drops what was found of changed bodies, and marks them in each slice: once for all of them.
+    /// Drops what was found of changed bodies: once for all of them.
     fn spread_changes(&mut self) {
         if !self.has_changed() {
             return;
@@ -187,10 +197,6 @@ impl Outlook {
             is_dirty(pair.0) || is_dirty(pair.1) || is_left_out
         });
         left_out.clear();
-        for slice in &mut self.slices {
-            slice.note(&self.dirty);
-        }
-        self.bridge.note(&self.dirty);
         self.recent.reset(&[]);
         for &slot in &self.dirty {
             self.is_dirty[slot as usize] = false;
@@ -222,22 +228,37 @@ impl Outlook {
         filter: &F,
         meter: &mut Meter,
         stats: &mut Stats,
-    ) -> Result<f64, Crowded> {
+    ) -> Result<f64, LimitExceeded> {
         self.spread_changes();
         loop {
             self.survivors.clear();
             let (reached, is_done) = self.look(scene, (from, to), filter, meter, stats)?;
             self.dirty.clear();
             let begin = Instant::now();
-            let bodies = Bodies::of(scene, &self.flights, (&self.grid.frame, self.margin));
+            let bodies = BodyTable::of(scene, &self.flights, &self.grid, self.margin);
             self.finds.forget_before(from);
-            put_in_order(&mut self.survivors);
+            self.arranger.tidy(&mut self.survivors, self.flights.len());
             let most = self.max_spans;
             stats.survivors += self.finds.add(&self.survivors, &bodies, most)?;
             stats.narrow_time += begin.elapsed();
             if is_done {
                 return Ok(meter.until().unwrap_or(reached));
             }
+        }
+    }
+
+    fn bodies<'s>(&'s self, scene: &'s Scene) -> BodyTable<'s> {
+        BodyTable::of(scene, &self.flights, &self.grid, self.margin)
+    }
+
+    /// Survivors for each span that there is room for: they take a fiftieth of what is kept of it.
+    const SURVIVORS: usize = 8;
+
+    /// Room for what is found before it is solved.
+    const fn limits(&self) -> Limits {
+        Limits {
+            spans: self.max_spans.saturating_mul(Self::SURVIVORS),
+            ..Limits::of_spans(self.max_spans)
         }
     }
 
@@ -250,33 +271,121 @@ impl Outlook {
         filter: &F,
         meter: &mut Meter,
         stats: &mut Stats,
-    ) -> Result<(f64, bool), Crowded> {
-        let limits = Limits::of(self.max_spans);
+    ) -> Result<(f64, bool), LimitExceeded> {
         let present = self.start(self.index(to - self.grid.ahead * self.grid.length));
         let jump = (self.laid_until(from), present);
-        if self.bridge.is_needed(jump, self.grid.length) {
+        if self.jump.is_needed(jump, self.grid.length) {
             // They lie behind, or not yet ahead.
             self.spare.extend(self.slices.drain(..));
-            let bodies = Bodies::of(scene, &self.flights, (&self.grid.frame, self.margin));
-            let jump = (from, present, self.grid.length);
-            let found = (&mut self.survivors, &mut *stats);
-            let crossed = self
-                .bridge
-                .cross(jump, (&bodies, filter), limits, meter, found);
-            if let Some(stop) = crossed? {
+            let jump = (from, present);
+            if let Some(stop) = self.cross(scene, jump, filter, meter, stats)? {
                 return Ok((stop, true));
             }
             from = present;
         }
         self.drop_before(from);
         let needed = self.lay_slices(from, to);
-        let bodies = Bodies::of(scene, &self.flights, (&self.grid.frame, self.margin));
+        if meter.is_unlimited() && self.is_mostly_unknown(needed) {
+            self.screen(scene, (from, needed), filter, (&mut *meter, &mut *stats))?;
+            if !filter.gives_up() {
+                self.reached = to;
+                return Ok((to, true));
+            }
+        }
+        for slice in &mut self.slices {
+            slice.note(&self.dirty);
+        }
+        self.refresh(scene, (from, to), needed, filter, meter, stats)
+    }
+
+    /// Searches what the clock passed over; returns where that had to stop, none if it is done.
+    fn cross<F: PairFilter>(
+        &mut self,
+        scene: &Scene,
+        (from, to): (f64, f64),
+        filter: &F,
+        meter: &mut Meter,
+        stats: &mut Stats,
+    ) -> Result<Option<f64>, LimitExceeded> {
+        let limits = self.limits();
+        let table = BodyTable::of(scene, &self.flights, &self.grid, self.margin);
+        let bodies = PreparedBodies::of(table, &mut self.lists);
+        let stop = self.jump.cross(
+            (from, to, self.grid.length),
+            (&bodies, filter),
+            (limits, &self.search_pool),
+            meter,
+            (&mut self.survivors, stats),
+        );
+        bodies.forget(&mut self.lists);
+        stop
+    }
+
+    /// Returns true if more than half of the bodies are to be compared with all others in more than half of
+    /// the slices that are needed, or so.
+    fn is_mostly_unknown(&self, needed: usize) -> bool {
+        let (changed, all) = (self.dirty.len(), self.flights.len());
+        let needed = self.slices.iter().take(needed);
+        let unknown = needed.clone().map(|slice| slice.unknown(changed, all));
+        2 * unknown.sum::<usize>() > all * needed.count()
+    }
+
+    /// Searches the slices that are needed from nothing, from an instant (s) on.
+    fn screen<F: PairFilter>(
+        &mut self,
+        scene: &Scene,
+        (from, needed): (f64, usize),
+        filter: &F,
+        (meter, stats): (&mut Meter, &mut Stats),
+    ) -> Result<(), LimitExceeded> {
+        let limits = self.limits();
+        let window = (seen_from(from).max(self.ends[0]), self.ends[needed]);
+        let table = BodyTable::of(scene, &self.flights, &self.grid, self.margin);
+        let begin = Instant::now();
+        let bodies = PreparedBodies::of(table, &mut self.lists);
+        let cut = (&bodies.usual_slices(window), &bodies.traffic(window));
+        stats.bounds_time += begin.elapsed();
+        let threads = (&self.search_pool, parallel::threads());
+        let search = bodies.search(Window::ALL, limits, threads);
+        let mut counted = Stats::default();
+        let found = (&mut self.survivors, &mut counted);
+        let done = search.spans(|scratch| &mut scratch.sweep, cut, filter, &|_| {}, found);
+        bodies.forget(&mut self.lists);
+        done?;
+        meter.count(usize::try_from(counted.boxes + counted.candidates).unwrap_or(0));
+        *stats += counted;
+        if !filter.gives_up() {
+            for (number, slice) in self.slices.iter_mut().enumerate() {
+                if number < needed {
+                    slice.set_compared();
+                    *stats += std::mem::take(&mut slice.stats);
+                } else {
+                    slice.note(&self.dirty);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Compares what has not been compared in each slice from `from` to `to`, and what is due of the next
+    /// one.
+    fn refresh<F: PairFilter>(
+        &mut self,
+        scene: &Scene,
+        (from, to): (f64, f64),
+        needed: usize,
+        filter: &F,
+        meter: &mut Meter,
+        stats: &mut Stats,
+    ) -> Result<(f64, bool), LimitExceeded> {
+        let limits = self.limits();
+        let bodies = BodyTable::of(scene, &self.flights, &self.grid, self.margin);
         let slices = self.slices.make_contiguous();
         let (mut known, mut is_done) = (to, true);
         slices[..needed].iter_mut().for_each(Slice::need);
         if let [.., last, next] = slices {
             // It is due when the lookahead's end has passed through the last one.
-            let start = self.grid.origin + self.grid.length * as_number(last.index);
+            let start = self.grid.origin + self.grid.length * as_number(last.number);
             let share = ((to - start) / self.grid.length).clamp(0.0, 1.0);
             let step = (to - self.reached) / self.grid.length;
             let changed = (self.dirty.len(), self.flights.len());
@@ -291,16 +400,16 @@ impl Outlook {
             let dirty = if is_boxed { &self.dirty[..] } else { &[] };
             self.moved.form(&bodies, dirty, &self.ends);
             stats.bounds_time += begin.elapsed();
-            let (moved, first) = (&self.moved, slices[0].index);
+            let (moved, first) = (&self.moved, slices[0].number);
             let boxes = slices.iter().map(|slice| slice.missing(&bodies)).sum();
             let (found, most, pool) = (AtomicUsize::new(0), self.max_spans, &self.pool);
-            parallel::for_each_chunk(slices, 1, (boxes, Bodies::FEW), |slices| {
+            parallel::for_each_chunk(slices, 1, (boxes, FEW_BOXES), |slices| {
                 for slice in slices {
                     if found.load(Relaxed) > most {
                         // These are solved first: there may be no room for more.
                         return;
                     }
-                    let number = usize::try_from(slice.index - first).unwrap_or(usize::MAX);
+                    let number = usize::try_from(slice.number - first).unwrap_or(usize::MAX);
                     let moved = (number < needed).then_some((moved, number));
                     slice.refresh(&bodies, filter, moved, limits, &mut pool.take(), |_| true);
                     let crowd = slice.check_room().map_or(most, |()| 0);
@@ -315,7 +424,7 @@ impl Outlook {
                     is_done = false;
                     break;
                 }
-                let start = self.grid.origin + self.grid.length * as_number(slice.index);
+                let start = self.grid.origin + self.grid.length * as_number(slice.number);
                 let start = start.max(from);
                 let is_needed = number < needed;
                 if is_needed && meter.until().is_some_and(|until| start >= until) {
@@ -361,7 +470,7 @@ impl Outlook {
     /// Up to where slices are there already, from `from` on, s.
     fn laid_until(&self, from: f64) -> f64 {
         let (first, last) = (self.slices.front(), self.slices.back());
-        let is_there = first.is_some_and(|first| first.index <= self.index(from));
+        let is_there = first.is_some_and(|first| first.number <= self.index(from));
         last.filter(|_| is_there)
             .map_or(from, |last| last.end().max(from))
     }
@@ -419,7 +528,11 @@ impl Outlook {
 
     fn drop_before(&mut self, from: f64) {
         let first = self.index(from);
-        while self.slices.front().is_some_and(|slice| slice.index < first) {
+        while self
+            .slices
+            .front()
+            .is_some_and(|slice| slice.number < first)
+        {
             self.spare.extend(self.slices.pop_front());
         }
     }

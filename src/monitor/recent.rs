@@ -1,7 +1,7 @@
 //! Where bodies are that have changed since the last tick: what slices know of them is out of date, and
 //! a question between ticks is not to go through all that they might meet.
 
-use super::bodies::Bodies;
+use super::bodies::BodyTable;
 use crate::broad_phase::BodyBox;
 use crate::search::Block;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
@@ -48,7 +48,7 @@ impl Recent {
     /// Appends the bodies whose boxes over a window (s) meet one of the same window.
     pub(super) fn meeting(
         &self,
-        bodies: &Bodies<'_>,
+        bodies: &BodyTable<'_>,
         window: (f64, f64),
         own: &Aabb,
         near: &mut Vec<u32>,

@@ -142,11 +142,8 @@ impl Monitor {
             changed: self.changed_bodies,
             ..Stats::default()
         };
-        let admission = Admission {
-            scene: &self.scene,
-            margin: self.outlook.reach().0,
-            interrupt: self.interrupt.as_deref(),
-        };
+        let (margin, _) = self.outlook.reach();
+        let admission = Admission::of(&self.scene, margin, self.interrupt.as_deref());
         let (known, ()) = parallel::join(
             self.batch.changed.len(),
             Batch::FEW,

@@ -52,6 +52,16 @@ impl Kinds {
         }
     }
 
+    /// Returns true if all bodies have the same layers, and these admit each other.
+    pub(super) fn admit_all(&self) -> bool {
+        let mut kinds = self.layers.keys();
+        let (Some(&(membership, filter)), None) = (kinds.next(), kinds.next()) else {
+            return false;
+        };
+        let layers = Layers::new(membership, filter);
+        layers.admits(layers)
+    }
+
     /// Finds which layers have a partner; one body is none of itself.
     fn find_partners(&mut self) {
         let are_many = self.layers.len() > Self::MANY;

@@ -108,7 +108,11 @@ impl<'a> LineUp<'a> {
         /// Fewer are gone through on this thread.
         const FEW: usize = 4096;
         let frame = self.frame;
-        parallel::map_both(self.occupants.len(), FEW, |place| self.party(place, &frame))
+        let count = self.occupants.len();
+        let (mut parties, mut poses) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let lists = (&mut parties, &mut poses);
+        parallel::map_both(count, FEW, lists, |place| self.party(place, &frame));
+        (parties, poses)
     }
 
     /// How the bodies in some places lie in that frame.
@@ -131,10 +135,6 @@ impl<'a> LineUp<'a> {
         let inflation = Inflation::of(&occupant.body.hitbox, self.margin, frame);
         let pose = Pose::sketched(knots, &drawing, &inflation, frame);
         (party_of(&occupant.body, knots), pose)
-    }
-
-    pub(super) fn is_unfiltered(&self, scene: &Scene) -> bool {
-        scene.ignored().is_empty() && self.survey.is_in_all_layers && self.margin >= 0.0
     }
 
     /// How much moves in the window, from what is known of each body as a whole.

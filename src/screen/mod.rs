@@ -91,7 +91,7 @@ impl Scene {
     ) -> Result<Screening, Error> {
         let begin = Instant::now();
         let line_up = LineUp::new(self, query)?;
-        let mut screening = if line_up.is_unfiltered(self) {
+        let mut screening = if self.admits_all(query.margin()) {
             line_up.screen(query.method, &Everyone, &progress)?
         } else {
             line_up.screen(query.method, &Admission::new(self, &line_up), &progress)?
@@ -260,6 +260,7 @@ impl LineUp<'_> {
             limits: self.limits,
             instructions: self.instructions,
             pool: self.pool,
+            threads: parallel::threads(),
         };
         let mut stats = counted(&parties);
         stats.slices = u64::from(slices.count());

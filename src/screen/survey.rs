@@ -2,7 +2,6 @@
 //! lie next to each other in memory, but are larger together than the caches.
 
 use crate::bounds::{Extremes, Frame, Inflation, MovingFrame};
-use crate::layers::Layers;
 use crate::scene::{Occupant, Scene};
 use crate::search::Traffic;
 use crate::trajectory::{Extension, Segment};
@@ -25,8 +24,6 @@ pub(super) struct Survey {
     traffic: Traffic,
     /// Largest distance from a body's position that matters, m.
     pub(super) size: f64,
-    /// Every body is in all layers.
-    pub(super) is_in_all_layers: bool,
 }
 
 impl Survey {
@@ -47,7 +44,6 @@ impl Survey {
                 reach: margin.max(0.0),
             },
             size: 0.0,
-            is_in_all_layers: true,
         }
     }
 
@@ -60,7 +56,6 @@ impl Survey {
         has_partner: bool,
     ) {
         let (body, plan) = (&occupant.body, occupant.outline());
-        self.is_in_all_layers &= body.layers == Layers::ALL;
         let own = plan.sketch.ends();
         let (first, last) = extension.map_or(own, |extension| extension.domain);
         if !has_partner {

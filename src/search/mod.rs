@@ -28,4 +28,4 @@ pub(crate) use scratch::Scratch;
 pub(crate) use slice_length::SliceTrials;
 pub(crate) use slices::{Slices, Traffic};
 pub(crate) use sort::Arranger;
-pub(crate) use window::WindowSearch;
+pub(crate) use window::{FEW_BOXES, WindowSearch};

@@ -10,6 +10,17 @@ impl Presence {
         Self(lives)
     }
 
+    /// Replaces what is known by when each body exists.
+    pub(crate) fn fill(&mut self, lives: impl Iterator<Item = (f64, f64)>) {
+        self.0.clear();
+        self.0.extend(lives);
+    }
+
+    /// Returns when each body exists, by number.
+    pub(crate) fn lives(&self) -> &[(f64, f64)] {
+        &self.0
+    }
+
     /// Returns the number of bodies.
     pub(crate) const fn len(&self) -> usize {
         self.0.len()

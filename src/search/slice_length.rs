@@ -163,6 +163,9 @@ impl SliceTrials<'_> {
         const SHORTER: f64 = 8.0;
         let window = slices.window();
         let bodies = self.presence.len();
+        if bodies == 0 {
+            return slices;
+        }
         let present = traffic.present(window);
         let sample = sample(bodies, present, slices.count());
         // Where everybody is near everybody all the time slices save nothing.

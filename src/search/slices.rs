@@ -11,7 +11,7 @@ pub(crate) struct Slices {
 }
 
 /// What the choice of a slice length rests on.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Traffic {
     /// Seconds of existence within the window, added up over bodies.
     pub(crate) body_time: f64,

@@ -12,7 +12,7 @@ use crate::stats::Stats;
 use crate::wall_clock::Instant;
 use crate::window::Window;
 use std::ops::Range;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 /// Bodies side by side, and what is asked about them in a window.
 #[derive(Debug)]
@@ -25,6 +25,8 @@ pub(crate) struct WindowSearch<'a, C> {
     pub(crate) limits: Limits,
     pub(crate) instructions: InstructionSet,
     pub(crate) pool: &'a Pool<Scratch>,
+    /// Threads that share the work.
+    pub(crate) threads: usize,
 }
 
 impl<C: Cubic + Sync> WindowSearch<'_, C> {
@@ -44,11 +46,16 @@ impl<C: Cubic + Sync> WindowSearch<'_, C> {
         (found, stats): (&mut Vec<SpanKey>, &mut Stats),
     ) -> Result<(), LimitExceeded> {
         let bodies = self.bodies.parties.len();
-        let blocks = Blocks::of(slices, traffic, bodies);
+        let blocks = Blocks::of(slices, traffic, (bodies, self.threads));
         let done_blocks = AtomicU32::new(0);
+        let is_given_up = AtomicBool::new(false);
         let search = |scratch: &mut Scratch, block: u32| {
+            if is_given_up.load(Ordering::Relaxed) || filter.gives_up() {
+                return Err(LimitExceeded);
+            }
             let range = blocks.range(block);
             let counted = self.block(&method, slices, range, filter, scratch);
+            is_given_up.fetch_or(counted.is_err(), Ordering::Relaxed);
             let done = done_blocks.fetch_add(1, Ordering::Relaxed) + 1;
             progress(f64::from(done) / f64::from(blocks.count));
             counted
@@ -200,13 +207,22 @@ impl<C: Cubic + Sync> WindowSearch<'_, C> {
     fn divide<B: BroadPhase, F: PairFilter>(
         &self,
         method: &impl Fn(&mut Scratch) -> &mut B,
-        ((from, to), slice): ((f64, f64), &Slice),
+        (interval, slice): ((f64, f64), &Slice),
         filter: &F,
         stats: &mut Stats,
         scratch: &mut Scratch,
     ) -> Result<(), LimitExceeded> {
         /// Boxes of halves that are nearly as large have as many candidates.
         const LESS: f64 = 0.875;
+        // Halves of the time in which any of them exists.
+        let ends = slice
+            .bodies
+            .iter()
+            .map(|&body| self.presence.lives()[body as usize]);
+        let (first, last) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |hull, (first, last)| {
+            (hull.0.min(first), hull.1.max(last))
+        });
+        let (from, to) = (interval.0.max(first), interval.1.min(last));
         let middle = 0.5 * from + 0.5 * to;
         let mut halves = Block::default();
         if from < middle && middle < to {
@@ -215,13 +231,12 @@ impl<C: Cubic + Sync> WindowSearch<'_, C> {
         let whole = Size::of(slice);
         let sizes = halves.slices.iter().map(Size::of);
         let both = sizes.fold(Size::default(), Size::and);
-        let pays = both.pairs < whole.pairs || both.boxes <= whole.boxes;
-        if halves.slices.is_empty() || !pays {
+        if halves.slices.is_empty() || both.pairs >= whole.pairs {
             let mut candidates = Vec::new();
             let room = self.limits.candidates;
             if list_pairs(method(scratch), slice, room, filter, &mut candidates) {
                 stats.candidates += candidates.len() as u64;
-                stats.spans += self.refine(slice, (from, to), &candidates, scratch)?;
+                stats.spans += self.refine(slice, interval, &candidates, scratch)?;
                 return Ok(());
             }
             if halves.slices.is_empty() || both.extent >= 2.0 * LESS * whole.extent {
@@ -272,7 +287,6 @@ fn list_pairs<B: BroadPhase, F: PairFilter>(
 /// How large the boxes of a slice are.
 #[derive(Clone, Copy, Debug, Default)]
 struct Size {
-    boxes: usize,
     /// Of a mean box, summed up over the axes.
     extent: f64,
     /// In proportion to the candidates of bodies that are anywhere.
@@ -288,16 +302,11 @@ impl Size {
         }
         let (extent, volume) = mean_size(&slice.boxes);
         let pairs = volume * (boxes as f64).powi(2);
-        Self {
-            boxes,
-            extent,
-            pairs,
-        }
+        Self { extent, pairs }
     }
 
     fn and(self, other: Self) -> Self {
         Self {
-            boxes: self.boxes + other.boxes,
             extent: self.extent + other.extent,
             pairs: self.pairs + other.pairs,
         }
@@ -340,7 +349,7 @@ impl Blocks {
         clippy::cast_sign_loss,
         reason = "rounds towards zero, saturates"
     )]
-    fn of(slices: &Slices, traffic: &Traffic, bodies: usize) -> Self {
+    fn of(slices: &Slices, traffic: &Traffic, (bodies, threads): (usize, usize)) -> Self {
         let present = traffic.present(slices.window());
         let cubics = traffic.cubics_in(slices.length());
         let slices = slices.count();
@@ -349,8 +358,8 @@ impl Blocks {
         let fit = cached.clamp(few, Block::SLICES);
         let most = (Self::MAX_BOXES / bodies.max(1)).clamp(1, fit);
         let count = slices.div_ceil(u32::try_from(most).unwrap_or(u32::MAX));
-        let threads = u32::try_from(parallel::threads()).unwrap_or(u32::MAX);
-        let is_shared = threads > 1 && u64::from(slices) * bodies as u64 > FEW_BOXES;
+        let threads = u32::try_from(threads).unwrap_or(u32::MAX);
+        let is_shared = threads > 1 && u64::from(slices) * bodies as u64 > FEW_BOXES as u64;
         let fewest = if is_shared {
             Self::FEWEST.saturating_mul(threads)
         } else {
@@ -380,7 +389,7 @@ const FEW_FOUND: usize = 1 << 12;
 /// Boxes that are sooner formed and compared than another thread wakes up on a busy machine. (Two cores
 /// with 17 ready threads, 200 bodies all told a plan, medians of 400 ticks: with 1,204 boxes a tick
 /// 0.9 ms on the caller's thread, 3.2 ms on two; with 3,805 boxes 1.7 ms, and 1.9 to 7.6 ms.)
-pub(crate) const FEW_BOXES: u64 = 4096;
+pub(crate) const FEW_BOXES: usize = 4096;
 
 /// A filter of bodies asked about their places in a slice.
 struct ByPlace<'a, F> {

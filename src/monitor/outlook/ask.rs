@@ -1,6 +1,6 @@
 //! Contacts of a plan that is not in place.
 
-use super::super::bodies::{Bodies, form};
+use super::super::bodies::form;
 use super::super::flights::Flight;
 use super::super::slice::{Answer, Neighbour};
 use super::Outlook;
@@ -77,10 +77,10 @@ impl Outlook {
         let knots = (own.knots, own.segments);
         let pose = Pose::plain(knots, &flight.inflation, &self.grid.frame);
         let mut answer = Answer::default();
+        let bodies = self.bodies(scene);
         if self.recent.len() > 0 {
             // What slices know of these is out of date, wherever it is.
             let mut met = Vec::new();
-            let bodies = Bodies::of(scene, &self.flights, (&self.grid.frame, self.margin));
             let ends = [window.0, window.1];
             form(&self.grid.frame, &[pose], &ends, &mut answer.block);
             for own in &answer.block.slices[0].boxes {
@@ -92,7 +92,7 @@ impl Outlook {
         }
         for slice in &self.slices {
             if slice.covers_some_of(window) {
-                slice.neighbours(&self.grid.frame, &pose, &mut answer);
+                slice.neighbours(&bodies, &pose, &mut answer);
             }
         }
         answer.neighbours

@@ -1,8 +1,9 @@
 //! Who may come near a plan that is not in place.
 
 use super::Slice;
-use crate::bounds::{MovingFrame, Pose};
-use crate::monitor::bodies::form;
+use super::state::Index;
+use crate::bounds::Pose;
+use crate::monitor::bodies::{BodyTable, form};
 use crate::monitor::boxes::Search;
 use crate::narrow_phase::approaching;
 use crate::search::Block;
@@ -33,7 +34,7 @@ impl Slice {
     /// was boxed here may be anywhere.
     pub(in crate::monitor) fn neighbours(
         &self,
-        frame: &MovingFrame,
+        bodies: &BodyTable<'_>,
         pose: &Pose<'_, Segment>,
         answer: &mut Answer,
     ) {
@@ -43,17 +44,22 @@ impl Slice {
             search,
             met,
         } = answer;
-        form(frame, from_ref(pose), &self.ends(), block);
+        let index = if self.is_placed() {
+            &self.index
+        } else {
+            self.asked.get_or_init(|| self.index_of(bodies))
+        };
+        form(bodies.frame, from_ref(pose), &self.ends(), block);
         let own = &block.slices[0];
         met.clear();
-        self.boxes.meeting(&own.boxes, search, |_, slot| {
+        index.boxes.meeting(&own.boxes, search, |_, slot| {
             // They lie anywhere in memory, and are read when all are known.
-            prefetch(from_ref(&self.courses[slot as usize]));
+            prefetch(from_ref(&index.courses[slot as usize]));
             met.push(slot);
         });
         for course in &own.courses {
             neighbours.extend(met.iter().filter_map(|&slot| {
-                let theirs = &self.courses[slot as usize];
+                let theirs = &index.courses[slot as usize];
                 let (from, to) = approaching(course, theirs, self.interval)?;
                 Some(Neighbour { slot, from, to })
             }));
@@ -63,8 +69,30 @@ impl Slice {
         neighbours.extend(changed.map(|&slot| Neighbour { slot, from, to }));
     }
 
-    /// Whether the slice has all boxes, and a time in common with an interval.
+    /// Returns the boxes of all bodies.
+    fn index_of(&self, bodies: &BodyTable<'_>) -> Index {
+        let mut index = Index::default();
+        index.courses.resize(bodies.flights.len(), Self::NO_COURSE);
+        let (mut listed, courses) = (Vec::new(), &mut index.courses);
+        let slots = (0_u32..).take(bodies.flights.len());
+        bodies.boxes(
+            slots,
+            &self.ends(),
+            &mut Block::default(),
+            |_, boxed, course| {
+                courses[boxed.body as usize] = *course;
+                listed.push(boxed);
+            },
+        );
+        index.boxes.build(&listed);
+        index
+    }
+
+    /// Returns true if all bodies were boxed or compared in the slice, and it has a time in common with an
+    /// interval.
     pub(in crate::monitor) fn covers_some_of(&self, (from, to): (f64, f64)) -> bool {
-        self.is_placed() && self.interval.0 <= to && self.interval.1 >= from
+        (self.is_placed() || self.stage.is_compared())
+            && self.interval.0 <= to
+            && self.interval.1 >= from
     }
 }

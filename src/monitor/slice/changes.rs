@@ -3,7 +3,7 @@
 use super::{Scratch, Slice, Stage};
 use crate::bounds::Course;
 use crate::broad_phase::{BodyBox, BroadPhase, PairFilter};
-use crate::monitor::bodies::{Bodies, Moved};
+use crate::monitor::bodies::{BodyTable, Moved};
 
 impl Slice {
     /// Sweeping over all boxes costs as much as asking for what meets the boxes of a tenth of the
@@ -14,7 +14,7 @@ impl Slice {
     pub(in crate::monitor) fn note(&mut self, slots: &[u32]) {
         let boxed = match self.stage {
             Stage::Listing(slots) | Stage::Placing(slots) => slots,
-            Stage::Joining(..) | Stage::Built => usize::MAX,
+            Stage::Compared(_) | Stage::Joining(..) | Stage::Built => usize::MAX,
         };
         for &slot in slots {
             let place = slot as usize;
@@ -39,15 +39,15 @@ impl Slice {
     /// Changed bodies against all.
     pub(super) fn compare_changed<F: PairFilter>(
         &mut self,
-        bodies: &Bodies<'_>,
+        bodies: &BodyTable<'_>,
         filter: &F,
         moved: Option<(&Moved, usize)>,
         scratch: &mut Scratch,
     ) -> usize {
         let changed = self.changed.len();
         self.box_changed(bodies, moved, scratch);
-        if changed > self.boxes.capacity() / Self::FEW_CHANGED {
-            self.boxes.replace(&scratch.listed);
+        if changed > self.index.boxes.capacity() / Self::FEW_CHANGED {
+            self.index.boxes.replace(&scratch.listed);
             self.list_all(&mut scratch.listed);
             let concerns = Concerns {
                 is_changed: &self.is_changed,
@@ -56,7 +56,7 @@ impl Slice {
             let Scratch { sweep, listed, .. } = scratch;
             sweep.pairs(listed, &concerns, &mut self.candidates);
         } else {
-            self.boxes.move_to(&scratch.listed);
+            self.index.boxes.move_to(&scratch.listed);
             self.list_meeting(filter, scratch, |moved, other| other != moved);
         }
         self.end_at(self.stage, filter);
@@ -66,14 +66,14 @@ impl Slice {
     /// Lists the boxes of the changed bodies; takes out those that have none any more.
     pub(super) fn box_changed(
         &mut self,
-        bodies: &Bodies<'_>,
+        bodies: &BodyTable<'_>,
         moved: Option<(&Moved, usize)>,
         scratch: &mut Scratch,
     ) {
         let Scratch { listed, block, .. } = scratch;
         listed.clear();
         let ends = self.ends();
-        let courses = &mut self.courses;
+        let courses = &mut self.index.courses;
         courses.resize(bodies.flights.len(), Self::NO_COURSE);
         let mut list = |boxed: BodyBox, course: &Course| {
             courses[boxed.body as usize] = *course;
@@ -96,7 +96,7 @@ impl Slice {
         let mut boxed = listed.iter().map(|boxed| boxed.body).peekable();
         for &slot in &self.changed {
             if boxed.next_if_eq(&slot).is_none() {
-                self.boxes.remove(slot);
+                self.index.boxes.remove(slot);
             }
         }
     }

@@ -2,19 +2,19 @@
 
 mod ask;
 mod changes;
-mod parts;
-mod sift;
 mod state;
 
-use super::bodies::{Bodies, Moved};
-use super::finds::Crowded;
+use super::bodies::{BodyTable, Moved};
+use super::prepared::{ListMemory, PreparedBodies};
 use crate::bounds::Course;
 use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter, Room};
-use crate::search::Block;
+use crate::search::{Block, LimitExceeded, Limits, Question};
 use crate::wall_clock::Instant;
+use crate::window::Window;
 pub(super) use ask::{Answer, Neighbour};
-pub(super) use state::{Limits, Scratch, Slice};
-use state::{Part, Stage};
+use state::Stage;
+pub(super) use state::{Scratch, Slice};
+use std::sync::OnceLock;
 
 impl Slice {
     /// Boxes formed, or candidates looked at, before a budget is looked at: some tenths of a
@@ -47,8 +47,8 @@ impl Slice {
     };
 
     /// An empty slice in this one's memory.
-    pub(super) fn begin(&mut self, index: i64, interval: (f64, f64)) {
-        self.index = index;
+    pub(super) fn begin(&mut self, number: i64, interval: (f64, f64)) {
+        self.number = number;
         self.interval = interval;
         self.stage = Stage::default();
         self.due = 0.0;
@@ -58,22 +58,32 @@ impl Slice {
         self.is_crowded = false;
         self.is_put_off = false;
         self.survivors.clear();
-        self.parts.clear();
+        self.rest = None;
+        self.asked = OnceLock::new();
         self.forget_changes();
+    }
+
+    /// Notes that all bodies were compared with each other, without boxes of the whole slice.
+    pub(super) fn set_compared(&mut self) {
+        let stage = Stage::Compared(0);
+        self.stats.slices += u64::from(!self.stage.is_compared());
+        let stats = std::mem::take(&mut self.stats);
+        self.begin(self.number, self.interval);
+        (self.stage, self.stats) = (stage, stats);
     }
 
     /// Forgets what was done for it until it is needed: there is no room.
     pub(super) fn put_off(&mut self) {
-        self.begin(self.index, self.interval);
+        self.begin(self.number, self.interval);
         self.is_put_off = true;
     }
 
     /// # Errors
     ///
     /// If what was looked at last had too little room.
-    pub(super) const fn check_room(&self) -> Result<(), Crowded> {
+    pub(super) const fn check_room(&self) -> Result<(), LimitExceeded> {
         if self.is_crowded {
-            Err(Crowded)
+            Err(LimitExceeded)
         } else {
             Ok(())
         }
@@ -96,12 +106,10 @@ impl Slice {
             return;
         }
         if share > 0.0 && self.stage == Stage::default() {
-            if !before.is_placed() {
-                // It is likely to be there with the next tick.
-                return;
+            if before.is_placed() {
+                self.index.boxes.begin_like(&before.index.boxes);
+                self.stage = Stage::Placing(0);
             }
-            self.boxes.begin_like(&before.boxes);
-            self.stage = Stage::Placing(0);
         }
         self.due = share;
     }
@@ -120,13 +128,13 @@ impl Slice {
     }
 
     /// How many slots are to have boxes now.
-    fn due_slots(&self, bodies: &Bodies<'_>) -> usize {
+    fn due_slots(&self, bodies: &BodyTable<'_>) -> usize {
         self.due_of(bodies.flights.len(), (0.0, Self::PLACING))
     }
 
     /// How many leaves are to be compared now.
     fn due_leaves(&self) -> usize {
-        self.due_of(self.boxes.leaves(), (Self::PLACING, 1.0))
+        self.due_of(self.index.boxes.leaves(), (Self::PLACING, 1.0))
     }
 
     /// Whether all bodies have their boxes in the tree.
@@ -135,11 +143,12 @@ impl Slice {
     }
 
     /// Whether all that is due is compared.
-    pub(super) fn is_fresh(&self, bodies: &Bodies<'_>) -> bool {
+    pub(super) fn is_fresh(&self, bodies: &BodyTable<'_>) -> bool {
         let is_there = match self.stage {
             // What has changed is looked at when the slice is built.
             Stage::Listing(slots) => {
-                return self.due < 1.0 && slots >= self.due_slots(bodies);
+                let due = self.due_slots(bodies);
+                return self.due < 1.0 && slots >= due && slots < bodies.flights.len();
             }
             // With the last of them they are to be joined.
             Stage::Placing(slots) => {
@@ -147,21 +156,31 @@ impl Slice {
                 self.due < 1.0 && slots >= due && slots < bodies.flights.len()
             }
             Stage::Joining(leaves, order) => {
-                self.due < 1.0 && leaves >= self.due_leaves() && order == self.boxes.orders()
+                self.due < 1.0 && leaves >= self.due_leaves() && order == self.index.boxes.orders()
             }
-            Stage::Built => true,
+            Stage::Compared(_) | Stage::Built => true,
         };
         is_there
             && self.changed.is_empty()
-            && self.parts.is_empty()
+            && self.rest.is_none()
             && self.sifted == self.candidates.len()
     }
 
     /// How many boxes are to be formed, at most.
-    pub(super) fn missing(&self, bodies: &Bodies<'_>) -> usize {
+    pub(super) fn missing(&self, bodies: &BodyTable<'_>) -> usize {
         match self.stage {
             Stage::Built => self.changed.len(),
+            Stage::Compared(_) if self.changed.is_empty() => 0,
             _ => bodies.flights.len(),
+        }
+    }
+
+    /// Returns how many bodies are to be compared with all others, if so many out of all change.
+    pub(super) fn unknown(&self, changed: usize, all: usize) -> usize {
+        if matches!(self.stage, Stage::Listing(_)) {
+            all
+        } else {
+            all.min(changed + self.changed.len())
         }
     }
 
@@ -184,11 +203,13 @@ impl Slice {
             }
             let candidates = &mut self.candidates;
             let before = candidates.len();
-            self.boxes.meeting(some, &mut scratch.search, |own, other| {
-                if wanted(own.body, other) {
-                    candidates.push(Candidate::new(own.body, other));
-                }
-            });
+            self.index
+                .boxes
+                .meeting(some, &mut scratch.search, |own, other| {
+                    if wanted(own.body, other) {
+                        candidates.push(Candidate::new(own.body, other));
+                    }
+                });
             if candidates.len() - before > Self::MANY {
                 let mut kept = before;
                 for number in before..candidates.len() {
@@ -209,7 +230,7 @@ impl Slice {
     /// where this slice has a number.
     pub(super) fn refresh<F: PairFilter>(
         &mut self,
-        bodies: &Bodies<'_>,
+        bodies: &BodyTable<'_>,
         filter: &F,
         moved: Option<(&Moved, usize)>,
         limits: Limits,
@@ -218,7 +239,9 @@ impl Slice {
     ) {
         self.take_steps(bodies, filter, moved, limits, scratch, goes_on);
         let is_used = self.sifted < self.candidates.len();
-        if !is_used && self.candidates.capacity() > Self::FEW_CANDIDATES + 4 * self.courses.len() {
+        if !is_used
+            && self.candidates.capacity() > Self::FEW_CANDIDATES + 4 * self.index.courses.len()
+        {
             self.candidates = Vec::new();
             self.sifted = 0;
         }
@@ -226,7 +249,7 @@ impl Slice {
 
     fn take_steps<F: PairFilter>(
         &mut self,
-        bodies: &Bodies<'_>,
+        bodies: &BodyTable<'_>,
         filter: &F,
         moved: Option<(&Moved, usize)>,
         limits: Limits,
@@ -237,15 +260,15 @@ impl Slice {
         while !self.is_fresh(bodies) {
             let begin = Instant::now();
             let work = if self.sifted < self.candidates.len() {
-                let work = self.sift(bodies, filter, scratch);
+                let work = self.refine(bodies, filter, scratch);
                 self.stats.narrow_time += begin.elapsed();
                 work
             } else {
-                let work = self.look(bodies, filter, moved, limits.candidates, scratch);
+                let work = self.look(bodies, filter, moved, limits, scratch);
                 self.stats.broad_time += begin.elapsed();
                 work
             };
-            self.is_crowded |= self.survivors.len() > limits.survivors;
+            self.is_crowded |= limits.check(self.survivors.len()).is_err();
             // A slice without a body is work as well: a budget of counted work stops at one place
             // only.
             if !goes_on(1 + work) || filter.gives_up() || self.is_crowded {
@@ -254,40 +277,105 @@ impl Slice {
         }
     }
 
-    /// One step towards all candidates, with room for so many at a time; returns how many boxes were formed.
-    /// A slice in which there are more is divided.
+    /// One step towards all candidates; returns how many boxes were formed. A slice in which there are too
+    /// many is searched from nothing, in shorter ones.
     fn look<F: PairFilter>(
         &mut self,
-        bodies: &Bodies<'_>,
+        bodies: &BodyTable<'_>,
         filter: &F,
         moved: Option<(&Moved, usize)>,
-        room: u64,
+        limits: Limits,
         scratch: &mut Scratch,
     ) -> usize {
         self.candidates.clear();
         self.sifted = 0;
-        let part = self.parts.pop();
-        let room = Part::room(part.as_ref(), bodies.flights.len(), room);
+        if let Some(from) = self.rest {
+            return self.search_rest(from, bodies, filter, limits, scratch);
+        }
+        let room = limits.candidates_of_slice(bodies.flights.len());
         let filter = &Room::new(filter, room);
-        let boxes = match &part {
-            Some(part) => self.compare_part(bodies, filter, part, scratch),
-            None => self.compare(bodies, filter, moved, scratch),
-        };
+        let boxes = self.compare(bodies, filter, moved, scratch);
         if filter.is_short() {
             self.candidates.clear();
-            self.divide(part, scratch);
+            // All bodies as they are now.
+            self.stats.slices += u64::from(!self.stage.is_compared());
+            self.stage = Stage::Built;
+            self.forget_changes();
+            self.rest = Some(self.interval.0);
         } else if filter.gives_up() {
             self.candidates.clear();
-            self.parts.extend(part);
         }
         self.stats.candidates += self.candidates.len() as u64;
         boxes
     }
 
+    /// Searches all bodies in some more of the slice; returns how many boxes were formed.
+    fn search_rest<F: PairFilter>(
+        &mut self,
+        from: f64,
+        bodies: &BodyTable<'_>,
+        filter: &F,
+        limits: Limits,
+        scratch: &mut Scratch,
+    ) -> usize {
+        /// Slices that are searched between two looks at a budget.
+        const SLICES: f64 = 8.0;
+        let end = (from + SLICES * bodies.search_length).min(self.interval.1);
+        let prepared = PreparedBodies::of(*bodies, &mut ListMemory::default());
+        let before = self.stats.boxes;
+        let done = prepared
+            .search(Window::ALL, limits, (&scratch.pool, 1))
+            .spans(
+                |scratch| &mut scratch.sweep,
+                (
+                    &prepared.usual_slices((from, end)),
+                    &prepared.traffic((from, end)),
+                ),
+                filter,
+                &|_| {},
+                (&mut self.survivors, &mut self.stats),
+            );
+        self.is_crowded |= done.is_err();
+        if !filter.gives_up() {
+            self.rest = Some(end).filter(|&end| end < self.interval.1);
+        }
+        usize::try_from(self.stats.boxes - before).unwrap_or(usize::MAX)
+    }
+
+    /// Keeps the spans of some more candidates that cheap tests cannot rule out. Bodies that have
+    /// changed since are compared anew.
+    fn refine<F: PairFilter>(
+        &mut self,
+        bodies: &BodyTable<'_>,
+        filter: &F,
+        scratch: &mut Scratch,
+    ) -> usize {
+        let first = self.sifted;
+        self.sifted = self.candidates.len().min(first + Self::STEP);
+        let question = Question {
+            bodies,
+            courses: &self.index.courses,
+            interval: self.interval,
+            window: Window::ALL,
+            margin: bodies.margin,
+            max_spans: usize::MAX,
+        };
+        let is_changed = |slot: u32| self.is_changed.get(slot as usize) == Some(&true);
+        let pair = |pair: Candidate| {
+            let is_wanted =
+                !is_changed(pair.a) && !is_changed(pair.b) && filter.admits(pair.a, pair.b);
+            is_wanted.then_some([pair.a, pair.b])
+        };
+        let some = &self.candidates[first..self.sifted];
+        let found = &mut self.survivors;
+        self.stats.spans += scratch.refiner.refine(&question, some, pair, found);
+        self.sifted - first
+    }
+
     /// One step towards all candidates of the slice as a whole; returns how many boxes were formed.
     fn compare<F: PairFilter>(
         &mut self,
-        bodies: &Bodies<'_>,
+        bodies: &BodyTable<'_>,
         filter: &F,
         moved: Option<(&Moved, usize)>,
         scratch: &mut Scratch,
@@ -304,25 +392,43 @@ impl Slice {
                 let Scratch { listed, block, .. } = scratch;
                 listed.clear();
                 let until = self.list(bodies, slots, listed, block);
-                self.boxes.move_to(listed);
+                self.index.boxes.move_to(listed);
                 self.stage = Stage::Placing(until);
                 until - slots
             }
             Stage::Placing(slots) if slots < bodies.flights.len() => {
                 let changed = self.changed.len();
                 self.box_changed(bodies, moved, scratch);
-                self.boxes.move_to(&scratch.listed);
+                self.index.boxes.move_to(&scratch.listed);
                 self.forget_changes();
                 changed
             }
             Stage::Placing(_) => {
-                self.boxes.fit();
-                self.stage = Stage::Joining(0, self.boxes.orders());
+                self.index.boxes.fit();
+                self.stage = Stage::Joining(0, self.index.boxes.orders());
                 0
             }
             Stage::Joining(leaves, order) if self.changed.is_empty() => {
                 self.join(filter, leaves, order, scratch);
                 0
+            }
+            Stage::Compared(slots) => {
+                if let Some(index) = self.asked.take() {
+                    self.index = index;
+                    self.stage = Stage::Built;
+                    return 0;
+                }
+                let mut boxed = std::mem::take(&mut self.boxed);
+                let until = self.list(bodies, slots, &mut boxed, &mut scratch.block);
+                self.boxed = boxed;
+                self.stage = Stage::Compared(until);
+                if until == bodies.flights.len() {
+                    // Those that have changed are compared next.
+                    self.index.boxes.build(&self.boxed);
+                    self.boxed = Vec::new();
+                    self.stage = Stage::Built;
+                }
+                until - slots
             }
             Stage::Listing(_) => {
                 self.build(bodies, filter, scratch);
@@ -338,7 +444,7 @@ impl Slice {
     /// time; returns the slot that comes next.
     fn list(
         &mut self,
-        bodies: &Bodies<'_>,
+        bodies: &BodyTable<'_>,
         first: usize,
         listed: &mut Vec<BodyBox>,
         block: &mut Block,
@@ -346,7 +452,7 @@ impl Slice {
         let until = self.due_slots(bodies).min(first + Self::STEP);
         let slots = (first..until).filter_map(|slot| u32::try_from(slot).ok());
         let ends = self.ends();
-        let courses = &mut self.courses;
+        let courses = &mut self.index.courses;
         courses.resize(bodies.flights.len(), Self::NO_COURSE);
         let before = listed.len();
         bodies.boxes(slots, &ends, block, |_, boxed, course| {
@@ -376,7 +482,7 @@ impl Slice {
         order: u32,
         scratch: &mut Scratch,
     ) {
-        let first = if order == self.boxes.orders() {
+        let first = if order == self.index.boxes.orders() {
             leaves
         } else {
             0
@@ -384,26 +490,32 @@ impl Slice {
         let until = self.due_leaves().min(first + Self::STEP_LEAVES);
         scratch.listed.clear();
         let listed = &mut scratch.listed;
-        self.boxes.each(first..until, |body| listed.push(body));
+        self.index
+            .boxes
+            .each(first..until, |body| listed.push(body));
         self.list_meeting(filter, scratch, |own, other| other < own);
-        let stage = if until == self.boxes.leaves() {
+        let stage = if until == self.index.boxes.leaves() {
             Stage::Built
         } else {
-            Stage::Joining(until, self.boxes.orders())
+            Stage::Joining(until, self.index.boxes.orders())
         };
         self.end_at(stage, filter);
     }
 
-    /// All pairs, of boxes that are all there.
-    fn build<F: PairFilter>(&mut self, bodies: &Bodies<'_>, filter: &F, scratch: &mut Scratch) {
-        self.boxes.build(&self.boxed);
-        if self.changed.is_empty() {
-            scratch.listed.clone_from(&self.boxed);
-        } else {
+    /// Puts boxes that are all there in order, and compares all of them if the slice is needed now.
+    fn build<F: PairFilter>(&mut self, bodies: &BodyTable<'_>, filter: &F, scratch: &mut Scratch) {
+        self.index.boxes.build(&self.boxed);
+        if !self.changed.is_empty() {
             self.box_changed(bodies, None, scratch);
-            self.boxes.replace(&scratch.listed);
-            self.list_all(&mut scratch.listed);
+            self.index.boxes.replace(&scratch.listed);
         }
+        if self.due < 1.0 {
+            self.forget_changes();
+            self.boxed = Vec::new();
+            self.stage = Stage::Joining(0, self.index.boxes.orders());
+            return;
+        }
+        self.list_all(&mut scratch.listed);
         let Scratch { sweep, listed, .. } = scratch;
         sweep.pairs(listed, filter, &mut self.candidates);
         self.end_at(Stage::Built, filter);
@@ -414,7 +526,7 @@ impl Slice {
 
     fn list_all(&self, listed: &mut Vec<BodyBox>) {
         listed.clear();
-        self.boxes
-            .each(0..self.boxes.leaves(), |body| listed.push(body));
+        let boxes = &self.index.boxes;
+        boxes.each(0..self.index.boxes.leaves(), |body| listed.push(body));
     }
 }

@@ -1,0 +1,111 @@
+//! Catching up with a clock that has jumped.
+//!
+//! A lookahead is cut into slices of equal length, and a clock that moves on by a frame needs one more
+//! of them now and then. One that jumps by hours would need thousands, most of them about nothing
+//! new. What it passed over is searched once, in pieces that grow as long as they take little work, each
+//! in slices that suit the bodies there. What is found does not depend on it.
+
+use super::budget::Meter;
+use super::prepared::PreparedBodies;
+use crate::broad_phase::PairFilter;
+use crate::parallel;
+use crate::pool::Pool;
+use crate::rounding::seen_from;
+use crate::search::{LimitExceeded, Limits, Scratch};
+use crate::spans::SpanKey;
+use crate::stats::Stats;
+use crate::window::Window;
+
+/// A search over the time between the slices that are there and the present.
+#[derive(Debug, Default)]
+pub(super) struct JumpSearch {
+    /// None if nothing is left to search.
+    progress: Option<Progress>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Progress {
+    /// All is searched up to here, s.
+    at: f64,
+    /// Of the next piece and of its slices, s.
+    piece: f64,
+    slice: f64,
+}
+
+/// Where what is found, and what it took, are added.
+type Found<'o> = (&'o mut Vec<SpanKey>, &'o mut Stats);
+
+impl JumpSearch {
+    /// With fewer slices left to look at, they are looked at one by one.
+    const FEW: f64 = 16.0;
+
+    /// Boxes and candidates, and of each body: a piece that takes fewer is followed by one that is twice
+    /// as long.
+    const LITTLE: (usize, usize) = (1 << 15, 8);
+
+    /// Returns true if it is far from one instant to another (s) in slices of `length` s, or such a search
+    /// was begun.
+    pub(super) fn is_needed(&self, (from, to): (f64, f64), length: f64) -> bool {
+        self.progress.is_some() || to - from > Self::FEW * length
+    }
+
+    /// Goes on from `from` to `to` (s) as far as the meter lets, in slices of `length` s at first. Returns
+    /// where it had to stop, none if it is across.
+    ///
+    /// # Errors
+    ///
+    /// If there is too little room for what is found.
+    pub(super) fn cross<F: PairFilter>(
+        &mut self,
+        (from, to, length): (f64, f64, f64),
+        (bodies, filter): (&PreparedBodies<'_>, &F),
+        (limits, pool): (Limits, &Pool<Scratch>),
+        meter: &mut Meter,
+        (found, stats): Found<'_>,
+    ) -> Result<Option<f64>, LimitExceeded> {
+        let progress = self.progress.get_or_insert(Progress {
+            at: seen_from(from),
+            piece: length,
+            slice: length,
+        });
+        let threads = if meter.is_unlimited() {
+            parallel::threads()
+        } else {
+            1
+        };
+        // Not beyond what is known after this tick: what changes then is looked for from there on.
+        let until = meter.until().unwrap_or(f64::INFINITY);
+        while progress.at < to {
+            if meter.is_spent() || progress.at >= until {
+                return Ok(Some(progress.at.max(from)));
+            }
+            let end = (progress.at + progress.piece).min(to.min(until));
+            let window = (progress.at, end);
+            let slices = bodies.cheapest_slices(window, progress.slice, pool);
+            let traffic = bodies.traffic(window);
+            let mut counted = Stats::default();
+            bodies.search(Window::ALL, limits, (pool, threads)).spans(
+                |scratch| &mut scratch.sweep,
+                (&slices, &traffic),
+                filter,
+                &|_| {},
+                (&mut *found, &mut counted),
+            )?;
+            let work = counted.boxes + counted.candidates;
+            let work = usize::try_from(work).unwrap_or(usize::MAX);
+            counted.slices = u64::from(slices.count());
+            *stats += counted;
+            meter.count(work.saturating_add(1));
+            if filter.gives_up() {
+                return Ok(Some(progress.at.max(from)));
+            }
+            progress.at = end;
+            progress.slice = slices.length();
+            let little = Self::LITTLE.0 + Self::LITTLE.1 * bodies.len();
+            let factor = if work < little { 2.0 } else { 0.5 };
+            progress.piece = (factor * progress.piece).max(length);
+        }
+        self.progress = None;
+        Ok(None)
+    }
+}

@@ -1,0 +1,141 @@
+//! All bodies of a monitor side by side: for searches from nothing.
+
+use super::bodies::BodyTable;
+use crate::bounds::{Inflation, Pose};
+use crate::narrow_phase::Party;
+use crate::parallel;
+use crate::pool::Pool;
+use crate::search::{
+    BodyLists, Limits, Presence, Scratch, SliceTrials, Slices, Traffic, WindowSearch,
+};
+use crate::simd::InstructionSet;
+use crate::trajectory::Segment;
+use crate::window::Window;
+
+/// All bodies side by side, by slot; one that never exists where there is none.
+#[derive(Debug)]
+pub(super) struct PreparedBodies<'m> {
+    table: BodyTable<'m>,
+    parties: Vec<Party<'m>>,
+    poses: Vec<Pose<'m, Segment>>,
+    presence: Presence,
+}
+
+/// Memory for them.
+#[derive(Debug, Default)]
+pub(super) struct ListMemory {
+    parties: Vec<Party<'static>>,
+    poses: Vec<Pose<'static, Segment>>,
+    presence: Presence,
+}
+
+impl<'m> PreparedBodies<'m> {
+    /// Lays out all bodies, in memory that is given back with [`forget`](Self::forget).
+    pub(super) fn of(table: BodyTable<'m>, memory: &mut ListMemory) -> Self {
+        /// Fewer are gone through on this thread.
+        const FEW: usize = 4096;
+        let mut parties = recycled(std::mem::take(&mut memory.parties));
+        let mut poses = recycled(std::mem::take(&mut memory.poses));
+        let mut presence = std::mem::take(&mut memory.presence);
+        let prepare = |slot: usize| {
+            let body = u32::try_from(slot).ok();
+            let body = body.and_then(|slot| table.flights.get(table.scene, slot));
+            let Some((flight, party)) = body.filter(|(flight, _)| flight.has_partner) else {
+                let pose = Pose::plain((Party::NONE.knots, &[]), &Inflation::NONE, table.frame);
+                return (Party::NONE, pose);
+            };
+            let cubics = (party.knots, party.segments);
+            (party, Pose::plain(cubics, &flight.inflation, table.frame))
+        };
+        let lists = (&mut parties, &mut poses);
+        parallel::map_both(table.flights.len(), FEW, lists, prepare);
+        presence.fill(parties.iter().map(|party| party.knots.ends()));
+        Self {
+            table,
+            parties,
+            poses,
+            presence,
+        }
+    }
+
+    /// Leaves the memory for other ones.
+    pub(super) fn forget(self, memory: &mut ListMemory) {
+        memory.parties = recycled(self.parties);
+        memory.poses = recycled(self.poses);
+        memory.presence = self.presence;
+    }
+
+    /// Returns the number of slots.
+    pub(super) const fn len(&self) -> usize {
+        self.parties.len()
+    }
+
+    /// Returns a search over some time (s) on so many threads.
+    pub(super) fn search<'s>(
+        &'s self,
+        window: Window,
+        limits: Limits,
+        (pool, threads): (&'s Pool<Scratch>, usize),
+    ) -> WindowSearch<'s, Segment> {
+        WindowSearch {
+            bodies: BodyLists {
+                parties: &self.parties,
+                poses: &self.poses,
+            },
+            presence: &self.presence,
+            frame: self.table.frame,
+            window,
+            margin: self.table.margin,
+            limits,
+            instructions: InstructionSet::best(),
+            pool,
+            threads,
+        }
+    }
+
+    /// Returns a window (s) in slices of the length that suits the bodies in all of the lookahead.
+    pub(super) fn usual_slices(&self, (from, to): (f64, f64)) -> Slices {
+        Slices::whole(from, to).with_count(((to - from) / self.table.search_length).ceil())
+    }
+
+    /// Returns a window (s) in slices of the length that suits the bodies there, searched from a length (s).
+    pub(super) fn cheapest_slices(
+        &self,
+        (from, to): (f64, f64),
+        length: f64,
+        pool: &Pool<Scratch>,
+    ) -> Slices {
+        let traffic = self.traffic((from, to));
+        let count = ((to - from) / length).min(traffic.most_slices((from, to)));
+        let trials = SliceTrials {
+            presence: &self.presence,
+            frame: self.table.frame,
+            instructions: InstructionSet::best(),
+            pool,
+        };
+        let some = |slots: &[usize]| slots.iter().map(|&slot| self.poses[slot]).collect();
+        let slices = Slices::whole(from, to).with_count(count);
+        trials.cheapest(slices, &traffic, some)
+    }
+
+    /// Returns how much moves in a window (s), as far as the number of slices depends on it.
+    pub(super) fn traffic(&self, (from, to): (f64, f64)) -> Traffic {
+        let mut traffic = Traffic::default();
+        for (&(first, last), party) in self.presence.lives().iter().zip(&self.parties) {
+            let time = (last.min(to) - first.max(from)).max(0.0);
+            traffic.body_time += time;
+            if last > first {
+                #[allow(clippy::cast_precision_loss, reason = "an estimate")]
+                let segments = party.segments.len() as f64;
+                traffic.segments += segments * (time / (last - first));
+            }
+        }
+        traffic
+    }
+}
+
+/// Returns the memory of a list for values of another lifetime.
+fn recycled<T, U>(mut list: Vec<T>) -> Vec<U> {
+    list.clear();
+    list.into_iter().filter_map(|_| None).collect()
+}

@@ -1,0 +1,91 @@
+//! Where most is to be compared with most, a tick searches all of the lookahead from nothing; else
+//! it compares what changed, slice by slice. Both tell the same.
+
+use super::support::{bits, line, rng, vector, wander, with_every_change};
+use nearmiss::{AlertLevel, Body, BodyId, Budget, Command, Event, Hitbox, Monitor, Scene};
+use rand::RngExt;
+use rand::rngs::ChaCha8Rng;
+
+const LEVELS: [AlertLevel; 2] = [
+    AlertLevel {
+        margin: 2.0,
+        release: 3.0,
+    },
+    AlertLevel::at(0.5),
+];
+
+fn body(rng: &mut ChaCha8Rng, now: f64) -> Body {
+    let plan = if rng.random_bool(0.2) {
+        line(now, now + 40.0, vector(rng, 20.0), vector(rng, 3.0))
+    } else {
+        let states = wander(rng, now, 20, 1.0, 40.0, 4.0);
+        nearmiss::Trajectory::from_states(&states).unwrap()
+    };
+    let hitbox = Hitbox::sphere(rng.random_range(0.0..0.5)).unwrap();
+    Body::new(plan).with_hitbox(hitbox)
+}
+
+/// A budget that is never spent has ticks compare what changed in each slice.
+const SLICE_BY_SLICE: Budget = Budget::Work(u64::MAX);
+
+/// The same life of two monitors: shares of all bodies change, bodies come and go, and the clock jumps.
+#[test]
+fn a_search_from_nothing_tells_what_slices_tell() {
+    let (mut told, mut differ) = (0, 0);
+    for seed in 0..12 {
+        let mut rng = rng(seed);
+        let mut scene = Scene::new();
+        let mut ids: Vec<BodyId> = (0..60)
+            .map(|_| scene.insert(body(&mut rng, 0.0)).unwrap())
+            .collect();
+        let monitor_of = |scene| with_every_change(Monitor::new(scene, 0.0, 5.0, &LEVELS).unwrap());
+        let mut monitors = [monitor_of(scene.clone()), monitor_of(scene)];
+        let mut now = 0.0;
+        for step in 0..60 {
+            let share = [0.0, 0.05, 0.45, 0.6, 1.0][rng.random_range(0..5)];
+            let mut commands = Vec::new();
+            for &id in &ids {
+                if rng.random_bool(share) {
+                    let body = body(&mut rng, now);
+                    commands.push(Command::SetTrajectory(id, body.trajectory));
+                }
+            }
+            if rng.random_bool(0.2) {
+                let gone = ids.swap_remove(rng.random_range(0..ids.len()));
+                commands.retain(|one| !matches!(one, Command::SetTrajectory(id, _) if *id == gone));
+                commands.push(Command::Remove(gone));
+                commands.push(Command::Insert(body(&mut rng, now)));
+            }
+            now += match step % 10 {
+                3 => 7.0,
+                7 => 4.0,
+                _ => rng.random_range(0.0..0.3),
+            };
+            let mut events: [Vec<Event>; 2] = [Vec::new(), Vec::new()];
+            let budgets = [Budget::Unlimited, SLICE_BY_SLICE];
+            let mut new = Vec::new();
+            for ((monitor, events), budget) in monitors.iter_mut().zip(&mut events).zip(budgets) {
+                new = monitor.apply(commands.clone()).unwrap();
+                monitor.advance_within(now, budget, events).unwrap();
+                assert!(monitor.is_caught_up());
+            }
+            ids.extend(new);
+            assert_eq!(events[0], events[1], "{seed} {step}");
+            for level in 0..LEVELS.len() {
+                let conflicts =
+                    [&monitors[0], &monitors[1]].map(|one| bits(one.conflicts(level).unwrap()));
+                assert_eq!(conflicts[0], conflicts[1], "{seed} {step}");
+            }
+            let id = ids[rng.random_range(0..ids.len())];
+            let idea = body(&mut rng, now).trajectory;
+            let answers =
+                [&monitors[0], &monitors[1]].map(|one| bits(&one.what_if(id, &idea, 0).unwrap()));
+            assert_eq!(answers[0], answers[1], "{seed} {step}");
+            told += events[0].len();
+            let [one, other] = [&monitors[0], &monitors[1]].map(|one| one.stats().boxes);
+            differ += usize::from(one != other);
+        }
+    }
+    assert!(told > 10_000, "{told}");
+    assert!(differ > 100, "both ways were gone: {differ}");
+}
