@@ -13,7 +13,7 @@ use criterion::measurement::WallTime;
 use criterion::{
     BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main,
 };
-use nearmiss::broad_phase::{
+use nearmiss::internals::broad_phase::{
     BodyBox, BroadPhase, BruteForce, Everyone, InstructionSet, Sweep, Tree,
 };
 

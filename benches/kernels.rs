@@ -24,7 +24,7 @@ mod ratios;
 mod workloads;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group};
-use nearmiss::narrow_phase::kernels::{
+use nearmiss::kernels::{
     ControlPoints, CubicBatch, Enclosure, InstructionSet, Verdict, closest_approach, enclose,
     scalar, within,
 };

@@ -24,7 +24,8 @@ use criterion::{
     BenchmarkGroup, BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group,
 };
 use nearmiss::glam::DVec3;
-use nearmiss::{Accuracy, Body, BodyId, Hitbox, Method, Query, Scene, Sphere, Trajectory};
+use nearmiss::internals::{Method, QueryInternals};
+use nearmiss::{Accuracy, Body, BodyId, Hitbox, Query, Scene, Sphere, Trajectory};
 use rayon::ThreadPool;
 use scenes::{Generated, Shape, satellites, swarm};
 

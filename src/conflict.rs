@@ -57,6 +57,10 @@ pub struct Conflict {
     pub a: BodyId,
     /// The body with the larger id.
     pub b: BodyId,
+    /// The tag of body a.
+    pub tag_a: u64,
+    /// The tag of body b.
+    pub tag_b: u64,
     /// First instant within the margin, s.
     pub enter: f64,
     /// Last instant within the margin, s; equals `enter` where they only touch.

@@ -269,6 +269,12 @@ pub enum Error {
         /// Its release margin, m.
         release: f64,
     },
+    /// A monitor's snapshot that was read from a file contradicts itself.
+    #[error("the snapshot of a monitor cannot be right: {problem}")]
+    Snapshot {
+        /// What no monitor has.
+        problem: &'static str,
+    },
     /// The scene holds as many bodies as an id can tell apart (2^32 - 1).
     #[error("the scene is full")]
     SceneFull,

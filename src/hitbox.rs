@@ -44,8 +44,19 @@ pub struct Sphere {
 )]
 pub struct Hitbox {
     bounding: Sphere,
-    /// The spheres of a cluster; empty for a single sphere, which is then `bounding` itself.
-    cluster: Vec<Sphere>,
+    /// Largest distance from the body's position, m.
+    reach: f64,
+    /// None for a single sphere, which is then `bounding` itself.
+    cluster: Option<Box<Cluster>>,
+}
+
+/// Two spheres or more.
+#[derive(Clone, Debug, PartialEq)]
+struct Cluster {
+    spheres: Vec<Sphere>,
+    /// Corners of the box around all spheres, m.
+    low: DVec3,
+    high: DVec3,
 }
 
 impl Hitbox {
@@ -55,7 +66,8 @@ impl Hitbox {
             offset: DVec3::ZERO,
             radius: 0.0,
         },
-        cluster: Vec::new(),
+        reach: 0.0,
+        cluster: None,
     };
 
     /// A sphere of this radius (m) around the body's position.
@@ -69,10 +81,7 @@ impl Hitbox {
             radius,
         };
         check(0, &sphere)?;
-        Ok(Self {
-            bounding: sphere,
-            cluster: Vec::new(),
-        })
+        Ok(Self::single(sphere))
     }
 
     /// A cluster of spheres in the body's frame. It translates with the body; it does not turn.
@@ -88,24 +97,31 @@ impl Hitbox {
             check(index, sphere)?;
         }
         if let [single] = spheres[..] {
-            return Ok(Self {
-                bounding: single,
-                cluster: Vec::new(),
-            });
+            return Ok(Self::single(single));
         }
+        let (low, high) = corners(&spheres);
+        let bounding = bounding_sphere(&spheres, (low, high));
+        let cluster = Cluster { spheres, low, high };
         Ok(Self {
-            bounding: bounding_sphere(&spheres),
-            cluster: spheres,
+            cluster: Some(Box::new(cluster)),
+            ..Self::single(bounding)
         })
+    }
+
+    fn single(sphere: Sphere) -> Self {
+        Self {
+            bounding: sphere,
+            reach: norm(sphere.offset) + sphere.radius,
+            cluster: None,
+        }
     }
 
     /// The spheres, in the order in which they were given.
     #[must_use]
     pub fn spheres(&self) -> &[Sphere] {
-        if self.cluster.is_empty() {
-            std::slice::from_ref(&self.bounding)
-        } else {
-            &self.cluster
+        match &self.cluster {
+            None => std::slice::from_ref(&self.bounding),
+            Some(cluster) => &cluster.spheres,
         }
     }
 
@@ -113,6 +129,26 @@ impl Hitbox {
     #[must_use]
     pub const fn bounding(&self) -> Sphere {
         self.bounding
+    }
+
+    /// Returns the corners of the box around all spheres, in the body's frame (m).
+    pub(crate) fn corners(&self) -> (DVec3, DVec3) {
+        let Sphere { offset, radius } = self.bounding;
+        match &self.cluster {
+            None => (offset - radius, offset + radius),
+            Some(cluster) => (cluster.low, cluster.high),
+        }
+    }
+
+    /// Returns the largest distance of the bounding sphere's points from the body's position, m.
+    pub(crate) const fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    /// Returns the smallest radius, m.
+    pub(crate) fn smallest_radius(&self) -> f64 {
+        let radii = self.spheres().iter().map(|sphere| sphere.radius);
+        radii.fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -157,14 +193,19 @@ fn check(index: usize, sphere: &Sphere) -> Result<(), Error> {
     Ok(())
 }
 
-/// Around the middle of the box of all spheres.
-fn bounding_sphere(spheres: &[Sphere]) -> Sphere {
+/// Returns the low and the high corner of the box around some spheres.
+fn corners(spheres: &[Sphere]) -> (DVec3, DVec3) {
     let mut low = DVec3::INFINITY;
     let mut high = DVec3::NEG_INFINITY;
     for sphere in spheres {
         low = low.min(sphere.offset - sphere.radius);
         high = high.max(sphere.offset + sphere.radius);
     }
+    (low, high)
+}
+
+/// Returns a sphere around the middle of the box of all spheres.
+fn bounding_sphere(spheres: &[Sphere], (low, high): (DVec3, DVec3)) -> Sphere {
     let offset = low / 2.0 + high / 2.0;
     let radius = spheres
         .iter()
@@ -195,7 +236,7 @@ mod tests {
                 radius: 1.5,
             },
         ];
-        let bounding = bounding_sphere(&spheres);
+        let bounding = bounding_sphere(&spheres, corners(&spheres));
         for sphere in &spheres {
             let reach = norm(sphere.offset - bounding.offset) + sphere.radius;
             assert!(reach <= bounding.radius);

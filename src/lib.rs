@@ -68,7 +68,7 @@
 //! # Features
 //!
 //! - `parallel` (default): screenings and a monitor's ticks run on the threads of the current rayon
-//!   pool, and `narrow_phase::kernels::parallel` exists. Without it they run on the caller's thread,
+//!   pool, and `kernels::parallel` exists. Without it they run on the caller's thread,
 //!   with the same answers.
 //! - `live` (default): `Monitor::spawn` runs a monitor on a thread of its own, behind the bounded
 //!   channels of `Live`.
@@ -79,20 +79,22 @@
 
 mod accuracy;
 mod bounds;
-pub mod broad_phase;
+mod broad_phase;
 mod conflict;
-pub mod enclosure;
+mod enclosure;
 mod error;
 mod hitbox;
 mod id;
+#[doc(hidden)]
+pub mod internals;
 #[cfg(feature = "serde")]
 mod json_number;
 mod knots;
 mod layers;
 mod monitor;
-pub mod narrow_phase;
+mod narrow_phase;
 mod parallel;
-pub mod polynomial;
+mod polynomial;
 mod pool;
 mod query;
 mod readable;
@@ -104,13 +106,11 @@ mod simd;
 mod spans;
 mod stats;
 mod trajectory;
+mod wall_clock;
 mod window;
 
 pub use accuracy::{Accuracy, Certificate, TimeEnclosure};
-pub use broad_phase::Method;
 pub use conflict::{Clip, ClosestApproach, Conflict};
-#[cfg(feature = "live")]
-pub use crossbeam_channel;
 pub use error::{Error, MAX_MAGNITUDE, Quantity};
 pub use glam;
 pub use hitbox::{Hitbox, Sphere};
@@ -118,21 +118,31 @@ pub use id::BodyId;
 pub use layers::Layers;
 pub use monitor::{
     AlertLevel, Budget, Command, Encounter, EncounterId, EndReason, Event, EventKind, Monitor,
-    RevisionThreshold,
+    RevisionThreshold, Snapshot,
 };
-#[cfg(feature = "live")]
-pub use monitor::{
-    Counts, Handle, Live, LiveOptions, Panicked, Report, ReportKind, Request, Stopped, Ticket,
-    Unsent,
-};
-#[cfg(feature = "serde")]
-pub use monitor::{RecordingError, Replay};
+pub use narrow_phase::kernels;
 pub use query::Query;
 pub use scene::{Body, Scene};
 pub use screen::{CertifiedApproach, Screening};
 pub use stats::Stats;
 pub use trajectory::{Outside, Segment, State, TimeBase, Trajectory};
 pub use window::Window;
+
+/// A monitor on a thread of its own, behind bounded channels.
+#[cfg(feature = "live")]
+pub mod live {
+    pub use crate::monitor::live::{
+        Counts, Handle, Live, LiveOptions, Panicked, Report, ReportKind, Request, Stopped, Ticket,
+        Unsent,
+    };
+    pub use crossbeam_channel;
+}
+
+/// Recordings of what a monitor is told, and their replay.
+#[cfg(feature = "recording")]
+pub mod recording {
+    pub use crate::monitor::recording::{RecordingError, Replay};
+}
 
 /// The README's examples, compiled.
 #[cfg(doctest)]

@@ -7,8 +7,7 @@ use std::num::NonZeroU32;
 
 /// A question to a scene: when, and how close is too close.
 ///
-/// A query can hold any values: [`Scene::screen`](crate::Scene::screen) checks them. With the feature `serde`
-/// it is written without method, slices and instruction set, which are no part of the question.
+/// A query can hold any values: [`Scene::screen`](crate::Scene::screen) checks them.
 ///
 /// ```
 /// use nearmiss::glam::DVec3;
@@ -31,13 +30,13 @@ pub struct Query {
     window: Option<Window>,
     margin: f64,
     #[cfg_attr(feature = "serde", serde(skip))]
-    method: Method,
+    pub(crate) method: Method,
     accuracy: Accuracy,
     #[cfg_attr(feature = "serde", serde(skip))]
-    slices: Option<NonZeroU32>,
+    pub(crate) slices: Option<NonZeroU32>,
     max_spans: usize,
     #[cfg_attr(feature = "serde", serde(skip))]
-    instructions: InstructionSet,
+    pub(crate) instructions: InstructionSet,
 }
 
 impl Default for Query {
@@ -78,27 +77,10 @@ impl Query {
         self
     }
 
-    /// The same query by another broad-phase method. The answer is the same.
-    #[must_use]
-    pub const fn with_method(mut self, method: Method) -> Self {
-        self.method = method;
-        self
-    }
-
     /// The same query at another accuracy.
     #[must_use]
     pub const fn with_accuracy(mut self, accuracy: Accuracy) -> Self {
         self.accuracy = accuracy;
-        self
-    }
-
-    /// The same query with the window cut into this many slices, instead of as many as are
-    /// expected to cost least: for measuring how good that choice is. The answer is the same, if
-    /// there is room for the candidates of a slice (2^26, or [`max_spans`](Self::max_spans) if that is more).
-    /// No more than a million are cut.
-    #[must_use]
-    pub const fn with_slices(mut self, slices: NonZeroU32) -> Self {
-        self.slices = Some(slices);
         self
     }
 
@@ -110,14 +92,6 @@ impl Query {
     #[must_use]
     pub const fn with_max_spans(mut self, limit: usize) -> Self {
         self.max_spans = limit;
-        self
-    }
-
-    /// The same query with another instruction set, instead of the best of this
-    /// processor: for measuring what they are worth. The answer is the same.
-    #[must_use]
-    pub const fn with_instruction_set(mut self, instructions: InstructionSet) -> Self {
-        self.instructions = instructions;
         self
     }
 
@@ -133,28 +107,10 @@ impl Query {
         self.margin
     }
 
-    /// How many slices the window is cut into, if that was prescribed.
-    #[must_use]
-    pub const fn slices(&self) -> Option<NonZeroU32> {
-        self.slices
-    }
-
     /// Room for spans that may hold a conflict.
     #[must_use]
     pub const fn max_spans(&self) -> usize {
         self.max_spans
-    }
-
-    /// Whose instructions are used.
-    #[must_use]
-    pub const fn instruction_set(&self) -> InstructionSet {
-        self.instructions
-    }
-
-    /// How candidates are found.
-    #[must_use]
-    pub const fn method(&self) -> Method {
-        self.method
     }
 
     /// What is promised of the answer.

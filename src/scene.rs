@@ -12,7 +12,7 @@ mod serial;
 pub(crate) use atlas::Atlas;
 pub use body::Body;
 pub(crate) use ignored::IgnoredPairs;
-pub(crate) use occupant::{Beyond, Occupant};
+pub(crate) use occupant::Occupant;
 use partners::{Kinds, Partners};
 pub(crate) use partners::{can_reach, radius};
 

@@ -41,22 +41,20 @@ impl InstructionSet {
     /// The sets of this processor, from the slowest to the fastest.
     #[must_use]
     pub fn available() -> Vec<Self> {
-        let mut sets = vec![Self::PORTABLE];
         #[cfg(target_arch = "x86_64")]
         if is_x86_feature_detected!("avx2")
             && is_x86_feature_detected!("bmi1")
             && is_x86_feature_detected!("bmi2")
         {
-            sets.push(Self(Set::Avx2));
-            if is_x86_feature_detected!("avx512f")
+            let narrow = vec![Self::PORTABLE, Self(Set::Avx2)];
+            let has_wide = is_x86_feature_detected!("avx512f")
                 && is_x86_feature_detected!("avx512dq")
                 && is_x86_feature_detected!("avx512bw")
-                && is_x86_feature_detected!("avx512vl")
-            {
-                sets.push(Self(Set::Avx512));
-            }
+                && is_x86_feature_detected!("avx512vl");
+            let wide = has_wide.then_some(Self(Set::Avx512));
+            return narrow.into_iter().chain(wide).collect();
         }
-        sets
+        vec![Self::PORTABLE]
     }
 
     /// A short name: `portable`, `avx2` or `avx512`.
@@ -126,6 +124,8 @@ pub(crate) fn prefetch<T>(values: &[T]) {
             line += LINE;
         }
     }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = values;
 }
 
 /// Compiles a loop of a module `loops` at hand for each instruction set, under the same name.

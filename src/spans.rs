@@ -35,8 +35,8 @@ impl SpanKey {
     pub(crate) fn span(&self, a: &Knots<'_>, b: &Knots<'_>) -> Span {
         let (i, j) = (self.cubic_a as usize, self.cubic_b as usize);
         Span {
-            start: a[i].max(b[j]),
-            end: a[i + 1].min(b[j + 1]),
+            start: a.at(i).max(b.at(j)),
+            end: a.at(i + 1).min(b.at(j + 1)),
             a: self.cubic_a,
             b: self.cubic_b,
         }
@@ -68,20 +68,34 @@ pub(crate) fn common_domain(a: &Knots<'_>, b: &Knots<'_>) -> Option<(f64, f64)> 
 /// The spans of two knot sequences that meet `from..=to`, in the order of time.
 ///
 /// A motion with `n + 1` knots has cubics `0..n`. Touching counts as meeting.
-pub(crate) fn spans<'k>(a: &'k Knots<'_>, b: &'k Knots<'_>, from: f64, to: f64) -> Spans<'k> {
-    let first = |knots: &[f64]| index(knots.partition_point(|&knot| knot < from).max(1) - 1);
+pub(crate) fn spans<'k>(a: &'k Knots<'k>, b: &'k Knots<'k>, from: f64, to: f64) -> Spans<'k> {
+    let first = |knots: &Knots<'_>| index(knots.count(|knot| knot < from).max(1) - 1);
     spans_from(a, b, (first(a), first(b)), from, to)
 }
 
-/// The same, with a cubic of each body that is not later than the first one that meets the
-/// interval: the search goes on from there.
-pub(crate) fn spans_from<'k>(
-    a: &'k Knots<'_>,
-    b: &'k Knots<'_>,
+/// Calls `visit` with each of the [`spans`], given a cubic of each body that is not later than the first
+/// one that meets the interval: the search goes on from there.
+#[inline]
+pub(crate) fn each_span(
+    (a, b): (&Knots<'_>, &Knots<'_>),
+    hints: (u32, u32),
+    (from, to): (f64, f64),
+    visit: impl FnMut(Span),
+) {
+    if a.are_extended() || b.are_extended() {
+        spans_from::<true>(a, b, hints, from, to).for_each(visit);
+    } else {
+        spans_from::<false>(a, b, hints, from, to).for_each(visit);
+    }
+}
+
+fn spans_from<'k, const EXTENDED: bool>(
+    a: &'k Knots<'k>,
+    b: &'k Knots<'k>,
     hints: (u32, u32),
     from: f64,
     to: f64,
-) -> Spans<'k> {
+) -> Spans<'k, EXTENDED> {
     let mut spans = Spans {
         a,
         b,
@@ -93,12 +107,12 @@ pub(crate) fn spans_from<'k>(
     match common_domain(a, b) {
         Some((start, end)) if start < end => {
             let from = from.max(start);
-            spans.i += skip(&a[spans.i..], from);
-            spans.j += skip(&b[spans.j..], from);
+            spans.i = skip::<EXTENDED>(a, spans.i, from);
+            spans.j = skip::<EXTENDED>(b, spans.j, from);
         }
         shared => {
             // One shared instant is the only span that is a point; no cubic has another.
-            (spans.i, spans.j) = (a.len(), b.len());
+            (spans.i, spans.j) = (a.cubics(), b.cubics());
             spans.lone = shared
                 .filter(|&(instant, _)| from <= instant && instant <= to)
                 .map(|(start, end)| Span {
@@ -112,20 +126,19 @@ pub(crate) fn spans_from<'k>(
     spans
 }
 
-/// How many cubics from the first of `knots` on end before `from`.
-fn skip(knots: &[f64], from: f64) -> usize {
-    knots
-        .iter()
-        .skip(1)
-        .take_while(|&&knot| knot < from)
-        .count()
+/// Returns the first cubic, from one on, that does not end before `from`.
+fn skip<const EXTENDED: bool>(knots: &Knots<'_>, mut cubic: usize, from: f64) -> usize {
+    while knots.end::<EXTENDED>(cubic).is_some_and(|end| end < from) {
+        cubic += 1;
+    }
+    cubic
 }
 
-/// Iterator over [`spans`].
+/// Iterator over [`spans`], of motions of which one goes beyond its plan, maybe, or of such that do not.
 #[derive(Clone, Debug)]
-pub(crate) struct Spans<'k> {
-    a: &'k [f64],
-    b: &'k [f64],
+pub(crate) struct Spans<'k, const EXTENDED: bool = true> {
+    a: &'k Knots<'k>,
+    b: &'k Knots<'k>,
     /// Cubics at hand.
     i: usize,
     j: usize,
@@ -133,7 +146,7 @@ pub(crate) struct Spans<'k> {
     lone: Option<Span>,
 }
 
-impl Iterator for Spans<'_> {
+impl<const EXTENDED: bool> Iterator for Spans<'_, EXTENDED> {
     type Item = Span;
 
     fn next(&mut self) -> Option<Span> {
@@ -141,8 +154,10 @@ impl Iterator for Spans<'_> {
             return Some(lone);
         }
         loop {
-            let (&a_end, &b_end) = (self.a.get(self.i + 1)?, self.b.get(self.j + 1)?);
-            let start = self.a[self.i].max(self.b[self.j]);
+            let a_end = self.a.end::<EXTENDED>(self.i)?;
+            let b_end = self.b.end::<EXTENDED>(self.j)?;
+            let start = self.a.start::<EXTENDED>(self.i);
+            let start = start.max(self.b.start::<EXTENDED>(self.j));
             let end = a_end.min(b_end);
             if start > self.to {
                 return None;
@@ -167,9 +182,9 @@ impl Iterator for Spans<'_> {
     }
 }
 
-fn cubic_at(knots: &[f64], time: f64) -> u32 {
-    let after = knots.partition_point(|&knot| knot <= time);
-    index(after.clamp(1, knots.len() - 1) - 1)
+fn cubic_at(knots: &Knots<'_>, time: f64) -> u32 {
+    let after = knots.count(|knot| knot <= time);
+    index(after.clamp(1, knots.cubics()) - 1)
 }
 
 /// Segments of one body are counted in 32 bits; a longer list does not fit into memory.

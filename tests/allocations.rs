@@ -11,7 +11,8 @@
 
 mod support;
 
-use nearmiss::{AlertLevel, Command, Method, Monitor, Outside, Query, Scene, State, Trajectory};
+use nearmiss::internals::{Method, QueryInternals};
+use nearmiss::{AlertLevel, Command, Monitor, Outside, Query, Scene, State, Trajectory};
 use rand::RngExt;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;

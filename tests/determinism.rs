@@ -9,8 +9,9 @@
 
 mod support;
 
-use nearmiss::broad_phase::InstructionSet;
-use nearmiss::{Accuracy, Method, Query, Window};
+use nearmiss::internals::InstructionSet;
+use nearmiss::internals::{Method, QueryInternals};
+use nearmiss::{Accuracy, Query, Window};
 use support::{hash, on_threads, scene_of, sliced, swarm};
 
 #[test]

@@ -9,9 +9,10 @@
 mod support;
 
 use glam::DVec3;
+use nearmiss::internals::{Method, QueryInternals};
 use nearmiss::{
-    AlertLevel, Body, Clip, Conflict, Hitbox, Method, Monitor, Outside, Query, Scene, State,
-    Trajectory, Window,
+    AlertLevel, Body, Clip, Conflict, Hitbox, Monitor, Outside, Query, Scene, State, Trajectory,
+    Window,
 };
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};

@@ -10,7 +10,8 @@
 mod scenes;
 mod support;
 
-use nearmiss::{Body, Conflict, Method, Query, Scene, Trajectory, Window};
+use nearmiss::internals::{Method, QueryInternals};
+use nearmiss::{Body, Conflict, Query, Scene, Trajectory, Window};
 use scenes::{Actor, Shape, swarm};
 use std::collections::BTreeSet;
 use support::{bits, hash, on_threads, sliced};

@@ -5,7 +5,7 @@
     reason = "tests may panic, and compare exact results"
 )]
 
-use nearmiss::polynomial::{Bernstein, Polynomial, quadratic};
+use nearmiss::internals::polynomial::{Bernstein, Polynomial, quadratic};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 

@@ -12,7 +12,8 @@ mod support;
 
 use flate2::read::MultiGzDecoder;
 use glam::DVec3;
-use nearmiss::{Accuracy, Body, Conflict, Method, Query, Scene, State, Trajectory, Window};
+use nearmiss::internals::{Method, QueryInternals};
+use nearmiss::{Accuracy, Body, Conflict, Query, Scene, State, Trajectory, Window};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::PathBuf;

@@ -11,7 +11,8 @@ mod scenes;
 mod support;
 
 use glam::DVec3;
-use nearmiss::{Body, Conflict, Error, Hitbox, Method, Query, Scene, Stats, Trajectory, Window};
+use nearmiss::internals::{Method, QueryInternals};
+use nearmiss::{Body, Conflict, Error, Hitbox, Query, Scene, Stats, Trajectory, Window};
 use rand::RngExt;
 use scenes::{Actor, Generated, Shape, generator, satellites, swarm};
 use std::num::NonZeroU32;

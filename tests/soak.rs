@@ -70,7 +70,7 @@ fn commands(
         .filter(|_| rng.random_bool(0.01))
         .collect();
     chosen.extend(events.iter().filter_map(|event| match event.kind {
-        EventKind::PlanEnds(id) => Some(id),
+        EventKind::PlanEnds { body, .. } => Some(body),
         _ => None,
     }));
     chosen.sort_unstable();

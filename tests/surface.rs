@@ -10,8 +10,8 @@ mod support;
 
 use nearmiss::glam::{DVec3, Vec3};
 use nearmiss::{
-    AlertLevel, Body, BodyId, EncounterId, Error, Monitor, Outside, Query, RevisionThreshold,
-    Scene, State, Stats, Trajectory, Window,
+    AlertLevel, Body, BodyId, EncounterId, Error, Event, EventKind, Monitor, Outside, Query,
+    RevisionThreshold, Scene, State, Stats, Trajectory, Window,
 };
 use std::error::Error as _;
 
@@ -53,6 +53,50 @@ fn a_state_of_a_trajectory() {
             assert_eq!(plan.state(time), None);
         }
     }
+}
+
+/// Tags say whose conflict or event it is, also when the body is gone.
+#[test]
+fn tags_in_what_is_reported() -> Result<(), Error> {
+    let mut scene = Scene::new();
+    for ((_, body), tag) in passing()?.bodies().zip([70, 80]) {
+        scene.insert(body.clone().with_tag(tag))?;
+    }
+    let conflict = scene.screen(&Query::default().with_margin(5.0))?.conflicts[0];
+    assert_eq!((conflict.tag_a, conflict.tag_b), (70, 80));
+
+    let ids: Vec<BodyId> = scene.bodies().map(|(id, _)| id).collect();
+    let mut monitor = Monitor::new(scene, 0.0, 20.0, &[AlertLevel::at(5.0)])?;
+    let mut events = Vec::new();
+    monitor.advance(7.0, &mut events)?;
+    let asked = monitor.what_if(
+        ids[1],
+        &monitor.scene().body(ids[1]).unwrap().trajectory.clone(),
+        0,
+    )?;
+    assert_eq!((asked[0].tag_a, asked[0].tag_b), (70, 80));
+    assert_eq!(monitor.conflicts(0)?[0].tag_b, 80);
+    monitor.remove(ids[1])?;
+    monitor.advance(8.0, &mut events)?;
+    let tags = |event: &Event| match event.kind {
+        EventKind::PlanEnds { body, tag } => (body == ids[1]).then_some((tag, tag)),
+        kind => kind.encounter().map(|it| (it.tag_a, it.tag_b)),
+    };
+    let tags: Vec<_> = events.iter().filter_map(tags).collect();
+    // It has begun; its plan ends; it is over, since the body is gone.
+    assert_eq!(tags, [(70, 80), (80, 80), (70, 80)]);
+    Ok(())
+}
+
+/// Vectors of other libraries, through the crate `mint`.
+#[cfg(feature = "mint")]
+#[test]
+fn states_from_vectors_of_other_libraries() {
+    let position = mint::Vector3::from([0.5, 2.0, -3.0]);
+    let velocity = mint::Vector3::from([1.0, 0.0, 0.0]);
+    let state = State::new(1.0, DVec3::new(0.5, 2.0, -3.0), DVec3::X);
+    assert_eq!(State::new(1.0, position, velocity), state);
+    assert_eq!(mint::Vector3::from(state.position), position);
 }
 
 #[test]

@@ -8,6 +8,7 @@
 mod support;
 
 use glam::DVec3;
+use nearmiss::internals::QueryInternals;
 use nearmiss::{
     AlertLevel, Body, Error, Hitbox, Layers, Monitor, Outside, Query, Scene, Screening, State,
     TimeBase, Trajectory, Window,

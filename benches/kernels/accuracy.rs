@@ -1,6 +1,6 @@
 //! The accuracy of the benchmarked methods against exact integer arithmetic.
 
-use nearmiss::narrow_phase::kernels::ControlPoints;
+use nearmiss::kernels::ControlPoints;
 
 use super::Method;
 use super::exact::Exact;

@@ -1,6 +1,6 @@
 //! Other ways to find the closest approach of two cubics, as they are commonly written.
 
-use nearmiss::narrow_phase::kernels::ControlPoints;
+use nearmiss::kernels::ControlPoints;
 
 /// A relative cubic in powers of the centred local time -1..=1, and the slope of half the squared
 /// distance: what all these methods start from.
@@ -134,7 +134,7 @@ pub(crate) fn sampled(points: &ControlPoints<f64>) -> (f64, f64) {
 /// Whether the pair comes within a threshold: a root of the squared distance less its square, by
 /// the crate's own root finder, unless an end is inside already.
 pub(crate) fn within_by_roots(points: &ControlPoints<f64>, threshold: f64) -> bool {
-    use nearmiss::polynomial::{Polynomial, Roots};
+    use nearmiss::internals::polynomial::{Polynomial, Roots};
 
     let limit = threshold * threshold;
     let cubic = Centred::new(points);

@@ -1,6 +1,6 @@
 //! Pairs of cubics: random ones, near ones, and ones that are hard.
 
-use nearmiss::narrow_phase::kernels::ControlPoints;
+use nearmiss::kernels::ControlPoints;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 

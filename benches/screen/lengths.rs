@@ -1,5 +1,6 @@
 //! How far the automatic slice length is from the best fixed one.
 
+use nearmiss::internals::QueryInternals;
 use nearmiss::{Query, Scene};
 use std::num::NonZeroU32;
 use std::time::Instant;

@@ -187,7 +187,7 @@ impl Fleet {
     /// The bodies whose plans, as the monitor told, end within the lookahead.
     pub(crate) fn running_out(events: &[Event]) -> Vec<BodyId> {
         let ends = |event: &Event| match event.kind {
-            EventKind::PlanEnds(id) => Some(id),
+            EventKind::PlanEnds { body, .. } => Some(body),
             _ => None,
         };
         events.iter().filter_map(ends).collect()

@@ -31,10 +31,12 @@ impl Panel {
             self.times.pop_front();
         }
         let now = game.fleet.monitor.now();
-        let told = game
-            .events
-            .iter()
-            .filter(|event| !matches!(event.kind, EventKind::Revised(_) | EventKind::PlanEnds(_)));
+        let told = game.events.iter().filter(|event| {
+            !matches!(
+                event.kind,
+                EventKind::Revised(_) | EventKind::PlanEnds { .. }
+            )
+        });
         self.events.extend(told.map(|event| (now, *event)));
         while self.events.len() > EVENTS {
             self.events.pop_front();

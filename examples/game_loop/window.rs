@@ -111,7 +111,7 @@ async fn play(arguments: Arguments) -> Result<(), Failure> {
 }
 
 /// Begins or ends a recording of all that the monitor is told, and says so.
-#[cfg(feature = "serde")]
+#[cfg(feature = "recording")]
 fn record(game: &mut Game) -> String {
     const PATH: &str = "game_loop.nearmiss";
     let monitor = &mut game.fleet.monitor;
@@ -128,7 +128,7 @@ fn record(game: &mut Game) -> String {
     }
 }
 
-#[cfg(not(feature = "serde"))]
+#[cfg(not(feature = "recording"))]
 fn record(_: &mut Game) -> String {
-    "to record, run it with --features serde".to_owned()
+    "to record, run it with --features recording".to_owned()
 }

@@ -37,7 +37,7 @@ impl Told {
                     let numbers = [met.enter, met.exit, met.closest.separation];
                     self.met.push((met.a, met.b, numbers.map(f64::to_bits)));
                 }
-                EventKind::PlanEnds(_) => self.plan_ends += 1,
+                EventKind::PlanEnds { .. } => self.plan_ends += 1,
                 _ => {}
             }
         }

@@ -25,12 +25,24 @@ pub(crate) enum Sight {
 /// What can be told of two bodies from `from` to `to` (s), within one cubic of each. They are apart
 /// if all control points of the relative motion lie beyond the margin on an axis or in the direction
 /// of their sum.
-#[inline]
-pub(crate) fn sight<C: Cubic>(a: &Leg<'_, C>, b: &Leg<'_, C>, (from, to): (f64, f64)) -> Sight {
+pub(crate) fn sight<C: Cubic>(a: &Leg<'_, C>, b: &Leg<'_, C>, interval: (f64, f64)) -> Sight {
+    if a.pose.knots.are_extended() || b.pose.knots.are_extended() {
+        see::<C, true>(a, b, interval)
+    } else {
+        see::<C, false>(a, b, interval)
+    }
+}
+
+#[inline(always)]
+fn see<C: Cubic, const EXTENDED: bool>(
+    a: &Leg<'_, C>,
+    b: &Leg<'_, C>,
+    (from, to): (f64, f64),
+) -> Sight {
     /// Of the distance that is asked about, what rounding may blur.
     const BLUR: f32 = 0.25;
     let part = |leg: &Leg<'_, C>| {
-        let piece = leg.pose.piece(leg.cubic);
+        let piece = leg.pose.piece::<EXTENDED>(leg.cubic);
         let stance = &leg.pose.stance;
         let piece = piece.part(from, to);
         let rounding = piece.rounding() + stance.steady;
@@ -118,10 +130,11 @@ mod tests {
                 [0, 1].map(|k: usize| Sketch::of(flights[k].knots(), flights[k].segments()));
             let is_apart = |margin: f64| {
                 let point = Hitbox::POINT;
-                let inflation = Inflation::of(point.spheres(), point.bounding(), margin, &frame);
-                let poses = sketches
-                    .each_ref()
-                    .map(|(sketch, lines)| Pose::sketched(&sketch.on(lines), &inflation, &frame));
+                let inflation = Inflation::of(&point, margin, &frame);
+                let poses = sketches.each_ref().map(|(sketch, lines)| {
+                    let drawing = sketch.on(lines);
+                    Pose::sketched(drawing.knots, &drawing, &inflation, &frame)
+                });
                 let [a, b] = [0, 1].map(|k: usize| Leg {
                     pose: &poses[k],
                     cubic: 1,

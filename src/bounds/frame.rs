@@ -2,8 +2,8 @@
 
 use super::nearest;
 use super::period::Period;
-use crate::hitbox::Sphere;
-use crate::rounding::{norm, normalising_power};
+use crate::hitbox::Hitbox;
+use crate::rounding::normalising_power;
 use glam::{DVec3, Vec4};
 use std::ops::Deref;
 
@@ -33,8 +33,13 @@ impl MovingFrame {
         self.velocity
     }
 
+    /// Returns true if boxes move.
+    pub(crate) fn moves(&self) -> bool {
+        self.velocity != DVec3::ZERO
+    }
+
     /// Returns a slice of time, and how far boxes move in it.
-    pub(crate) fn period(&self, from: f64, to: f64) -> Period {
+    pub(crate) fn period(&self, from: f64, to: f64) -> Period<true> {
         let way = self.velocity * ((to - from) * self.frame.power);
         Period::new(from, to).moving(way)
     }
@@ -189,41 +194,28 @@ impl Inflation {
         size: 0.0,
     };
 
-    /// Of a hitbox and its bounding sphere (m).
-    pub(crate) fn of(spheres: &[Sphere], bounding: Sphere, margin: f64, frame: &Frame) -> Self {
-        let mut hitbox = Extremes::NOTHING;
-        for sphere in spheres {
-            let reach = half_size(sphere, margin);
-            hitbox.include(Extremes {
-                low: sphere.offset - reach,
-                high: sphere.offset + reach,
-            });
+    /// Returns the inflation by a hitbox and half a margin (m), in a frame's unit.
+    pub(crate) fn of(hitbox: &Hitbox, margin: f64, frame: &Frame) -> Self {
+        let mut half = 0.5 * margin;
+        // A margin that swallows one body's radius leaves a point; the other body's box is then at worst
+        // too large.
+        if half < 0.0 {
+            half = half.max(-hitbox.smallest_radius());
         }
+        let (low, high) = hitbox.corners();
         let lanes = |DVec3 { x, y, z }: DVec3| scaled([x, y, z, 0.0], frame.power);
-        let reach = norm(bounding.offset) + half_size(&bounding, margin);
         Self {
-            low: lanes(hitbox.low),
-            high: lanes(hitbox.high),
-            reach: nearest(reach * frame.power),
-            size: nearest(Self::size(spheres, bounding, margin) * frame.power),
+            low: lanes(low - half),
+            high: lanes(high + half),
+            reach: nearest((hitbox.reach() + half) * frame.power),
+            size: nearest(Self::size(hitbox, margin) * frame.power),
         }
     }
 
-    /// Largest distance from the body's position that it adds, and more where numbers cancel, m.
-    pub(crate) fn size(spheres: &[Sphere], bounding: Sphere, margin: f64) -> f64 {
-        let largest = |sphere: &Sphere| norm(sphere.offset) + sphere.radius;
-        spheres
-            .iter()
-            .map(largest)
-            .fold(largest(&bounding), f64::max)
-            + margin.abs()
+    /// Returns the largest distance from the body's position that it adds, and more where numbers cancel, m.
+    pub(crate) fn size(hitbox: &Hitbox, margin: f64) -> f64 {
+        hitbox.reach() + margin.abs()
     }
-}
-
-/// The radius and half the margin. Never negative: a margin that swallows one body's radius leaves
-/// a point, and the other body's box is then at worst too large.
-fn half_size(sphere: &Sphere, margin: f64) -> f64 {
-    (sphere.radius + 0.5 * margin).max(0.0)
 }
 
 /// The nearest f32 vector in another unit.

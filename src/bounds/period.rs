@@ -3,20 +3,19 @@
 use super::{FAR, nearest};
 use glam::{DVec3, Vec4};
 
-/// The time of a slice.
+/// The time of a slice, in which boxes move or rest.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Period {
+pub(crate) struct Period<const MOVES: bool> {
     /// First and last instant, s.
     pub(crate) from: f64,
     pub(crate) to: f64,
     /// The inverse of its duration; 0 if that is too short to be divided.
     pub(super) rate: f64,
     /// How far boxes move in it, in the frame's unit.
-    pub(super) way: Vec4,
-    pub(super) is_moving: bool,
+    way: Vec4,
 }
 
-impl Period {
+impl Period<false> {
     pub(crate) fn new(from: f64, to: f64) -> Self {
         let duration = to - from;
         let rate = if duration >= f64::MIN_POSITIVE {
@@ -29,31 +28,49 @@ impl Period {
             to,
             rate,
             way: Vec4::ZERO,
-            is_moving: false,
         }
     }
 
     /// The slice with boxes that move so far in it, in the frame's unit. Any way serves that is the same
     /// for all bodies: one beyond f32 is none.
-    pub(super) fn moving(self, way: DVec3) -> Self {
+    pub(super) fn moving(self, way: DVec3) -> Period<true> {
+        let Self { from, to, rate, .. } = self;
         let DVec3 { x, y, z } = way;
-        let is_moving = way != DVec3::ZERO && way.abs().max_element() < FAR && self.rate > 0.0;
-        let way = if is_moving {
+        let way = if way.abs().max_element() < FAR && rate > 0.0 {
             Vec4::new(nearest(x), nearest(y), nearest(z), 0.0)
         } else {
             Vec4::ZERO
         };
-        Self {
+        Period {
+            from,
+            to,
+            rate,
             way,
-            is_moving,
-            ..self
+        }
+    }
+}
+
+impl<const MOVES: bool> Period<MOVES> {
+    /// Returns how far boxes move in it, in the frame's unit.
+    #[inline(always)]
+    pub(super) const fn way(&self) -> Vec4 {
+        if MOVES { self.way } else { Vec4::ZERO }
+    }
+
+    /// Returns where a point lies in a moving box, at a share of the slice.
+    #[inline(always)]
+    pub(super) fn relative_at(&self, point: Vec4, share: f32) -> Vec4 {
+        if MOVES {
+            point - self.way * share
+        } else {
+            point
         }
     }
 
     /// Returns where some control points lie in moving boxes, from one share of the slice to another.
     #[inline(always)]
     pub(super) fn relative(&self, points: [Vec4; 4], first: f32, last: f32) -> [Vec4; 4] {
-        if !self.is_moving {
+        if !MOVES {
             return points;
         }
         let (start, end) = (self.way * first, self.way * last);

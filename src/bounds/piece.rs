@@ -65,7 +65,7 @@ impl Piece {
 
     /// Whether it lasts from a slice's beginning to its end, and some time.
     #[inline(always)]
-    pub(crate) fn fills(&self, period: &Period) -> bool {
+    pub(crate) fn fills<const MOVES: bool>(&self, period: &Period<MOVES>) -> bool {
         period.rate > 0.0 && self.from <= period.from && self.to >= period.to
     }
 

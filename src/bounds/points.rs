@@ -63,8 +63,9 @@ impl Points {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Extremes, Frame, Inflation, Pose, Sketch, Stroke};
+    use super::super::{Extremes, Frame, Inflation, Pose, ROUNDING, Sketch, Stroke};
     use crate::hitbox::Hitbox;
+    use crate::knots::Knots;
     use crate::search::{Block, Fill, Slice};
     use crate::simd::InstructionSet;
     use crate::trajectory::{DoubleDouble, Outside, Pieces, State, Trajectory};
@@ -72,6 +73,15 @@ mod tests {
     use glam::DVec3;
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
+
+    /// A plan over a window, and its pieces.
+    struct Course {
+        plan: Trajectory,
+        window: Window,
+        pieces: Pieces,
+        /// The pieces are not those that follow from the plan.
+        by_points: bool,
+    }
 
     /// Two states, and what happens before and after them.
     struct Flight {
@@ -105,23 +115,26 @@ mod tests {
         }
 
         /// Its pieces over so many of its lengths, before and after.
-        fn pieces(&self, (before, after): (f64, f64)) -> Pieces {
+        fn pieces(&self, (before, after): (f64, f64)) -> Course {
             let plan = Trajectory::from_states(&self.states);
             let plan = plan.map(|plan| plan.with_outside(self.outside));
             let [first, last] = [0, 1].map(|k: usize| self.states[k].time);
             let duration = last - first;
             let window = Window::new(first - before * duration, last + after * duration);
-            let Ok(plan) = plan else {
+            let (Ok(plan), Ok(window)) = (plan, window) else {
                 unreachable!("the states are in order")
             };
-            let pieces = window.and_then(|window| plan.pieces(window, Pieces::with_capacity));
-            let Ok(Some(mut pieces)) = pieces else {
-                unreachable!("it goes beyond its knots")
-            };
-            if self.by_points && self.outside == Outside::Extrapolate {
+            let mut pieces = Pieces::over(&plan, window);
+            let by_points = self.by_points && self.outside == Outside::Extrapolate;
+            if by_points {
                 pieces.segments.fill(plan.segments()[0]);
             }
-            pieces
+            Course {
+                plan,
+                window,
+                pieces,
+                by_points,
+            }
         }
 
         /// The place in a frame, to twice the precision of f64 and rounded once.
@@ -165,18 +178,27 @@ mod tests {
         first + DoubleDouble::from(rest.rounded() / b.rounded())
     }
 
-    /// A sketch of pieces in a frame around them, and the slices between some instants.
+    /// Pieces in a frame around them, and the slices between some instants.
     fn look(
-        pieces: &Pieces,
+        course: &Course,
         ends: &[f64],
         mut each: impl FnMut(&Frame, &Pose<'_, Stroke>, &[Slice]),
     ) {
+        let Course { plan, pieces, .. } = course;
         let (sketch, lines) = Sketch::of(&pieces.knots, &pieces.segments);
-        let drawing = sketch.on(&lines);
-        let point = Hitbox::POINT;
-        let frame = drawing.frame;
-        let inflation = Inflation::of(point.spheres(), point.bounding(), 0.0, &frame);
-        let pose = Pose::sketched(&drawing, &inflation, &frame);
+        let (own, own_lines) = Sketch::of(plan.knots(), plan.segments());
+        let all = sketch.on(&lines);
+        let frame = all.frame;
+        let inflation = Inflation::of(&Hitbox::POINT, 0.0, &frame);
+        let pose = if course.by_points {
+            Pose::sketched(all.knots, &all, &inflation, &frame)
+        } else {
+            let extension = plan.extension(course.window);
+            let extension = extension.unwrap_or_else(|_| unreachable!("it is near enough"));
+            let knots = Knots::over(plan, extension.as_ref());
+            assert_eq!(knots.cubics(), pieces.segments.len());
+            Pose::sketched(knots, &own.on(&own_lines), &inflation, &frame)
+        };
         let mut block = Block::default();
         InstructionSet::best().run(Fill {
             frame: &frame.moving(DVec3::ZERO),
@@ -203,20 +225,23 @@ mod tests {
         for round in 0..1_000 {
             let flight = Flight::any(&mut rng);
             let lengths = 10f64.powf(rng.random_range(0.0..9.0));
-            let pieces = flight.pieces([(lengths, lengths), (-0.5, lengths)][round % 2]);
+            let course = flight.pieces([(lengths, lengths), (-0.5, lengths)][round % 2]);
+            let pieces = &course.pieces;
             let (first, last) = (pieces.knots[0], pieces.knots[pieces.knots.len() - 1]);
             // Short slices in the middle: numbers are small there, and those they come from are not.
             let ends = [0.0, 0.1, 0.4999, 0.5, 0.5001, 0.75, 1.0];
             let ends = ends.map(|share| first + share * (last - first));
             let between = |(from, to): (f64, f64), share: f64| (from + (to - from) * share).min(to);
-            look(&pieces, &ends, |frame, pose, slices| {
+            look(&course, &ends, |frame, pose, slices| {
                 for (number, segment) in pieces.segments.iter().enumerate() {
                     let ends = (pieces.knots[number], pieces.knots[number + 1]);
-                    let piece = pose.piece(number);
+                    let piece = pose.piece::<true>(number);
                     let [p0, p1, p2, p3] = piece.points;
+                    let at = pose.stance.place;
                     let rounding = piece.rounding() + pose.stance.steady;
-                    let low = p0.min(p1).min(p2.min(p3)) - rounding;
-                    let high = p0.max(p1).max(p2.max(p3)) + rounding;
+                    let rounding = rounding + at.abs() * (6.0 * ROUNDING);
+                    let low = at + p0.min(p1).min(p2.min(p3)) - rounding;
+                    let high = at + p0.max(p1).max(p2.max(p3)) + rounding;
                     let [low, high] = [low, high].map(|edge| wide(edge.truncate().to_array()));
                     let error = segment.restrict(ends.0, ends.1).error * frame.power;
                     for step in 0..=4 {
@@ -269,10 +294,10 @@ mod tests {
                 outside: Outside::Extrapolate,
                 by_points: false,
             };
-            let pieces = flight.pieces((3_000.0, 3_000.0));
+            let course = flight.pieces((3_000.0, 3_000.0));
             for begin in [1.0, 60.0, 300.0, 560.0] {
                 let ends = [0.0, 1.0, 2.0, 3.0, 4.0].map(|second| begin + second);
-                look(&pieces, &ends, |frame, _, slices| {
+                look(&course, &ends, |frame, _, slices| {
                     for (slice, ends) in slices.iter().zip(ends.windows(2)) {
                         let mut way = Extremes::NOTHING;
                         for step in 0..=16 {

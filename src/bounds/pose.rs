@@ -1,5 +1,6 @@
 //! How a body lies in the frame: its cubics, and what is the same for all its boxes.
 
+use super::FAR;
 use super::bundle::{Bundle, largest};
 use super::frame::{Frame, Inflation};
 use super::piece::Piece;
@@ -13,9 +14,12 @@ use crate::trajectory::Segment;
 use std::slice::from_ref;
 
 /// A cubic that boxes are formed from.
-pub(crate) trait Cubic {
+pub(crate) trait Cubic: Copy {
     /// It is so cheap to read that two bodies are compared by it.
     const IS_COMPACT: bool;
+
+    /// A cubic of a motion that goes on beyond its plan, between two knots.
+    fn beyond(segment: Segment, knots: (f64, f64), stance: &Stance) -> Self;
 
     /// The whole of it between two knots, relative to the body's place, in the frame's unit.
     fn piece(&self, knots: (f64, f64), stance: &Stance) -> Piece;
@@ -25,7 +29,8 @@ pub(crate) trait Cubic {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pose<'a, C> {
     pub(crate) knots: Knots<'a>,
-    pub(crate) cubics: &'a [C],
+    /// Those of the plan.
+    cubics: &'a [C],
     /// Those of the cubics that were summed up.
     bundles: &'a [Bundle],
     pub(crate) stance: Stance,
@@ -42,25 +47,37 @@ impl<C> Pose<'_, C> {
 }
 
 impl<C: Cubic> Pose<'_, C> {
-    /// A whole cubic.
+    /// A whole cubic, of a motion that goes beyond its plan or of one that does not.
     #[inline(always)]
-    pub(crate) fn piece(&self, number: usize) -> Piece {
-        let ends = (self.knots[number], self.knots[number + 1]);
-        self.cubics[number].piece(ends, &self.stance)
+    pub(crate) fn piece<const EXTENDED: bool>(&self, number: usize) -> Piece {
+        if EXTENDED {
+            return self.piece_of_extended(number);
+        }
+        let knots = self.knots.own();
+        self.cubics[number].piece((knots[number], knots[number + 1]), &self.stance)
+    }
+
+    #[inline(never)]
+    fn piece_of_extended(&self, number: usize) -> Piece {
+        let ends = (self.knots.at(number), self.knots.at(number + 1));
+        match self.knots.segment_beyond(number) {
+            None => self.cubics[number - self.knots.before()].piece(ends, &self.stance),
+            Some(segment) => C::beyond(segment, ends, &self.stance).piece(ends, &self.stance),
+        }
     }
 
     /// Fetches a cubic.
     #[inline(always)]
     pub(crate) fn fetch(&self, number: usize) {
-        if let Some(cubic) = self.cubics.get(number) {
+        if let Some(cubic) = self.cubics.get(number.wrapping_sub(self.knots.before())) {
             prefetch(from_ref(cubic));
         }
     }
 
-    /// Whether some of its cubics were summed up.
+    /// Whether some of its cubics were summed up, and there are no others.
     #[inline(always)]
-    pub(crate) const fn has_bundles(&self) -> bool {
-        !self.bundles.is_empty()
+    pub(crate) const fn is_in_bundles(&self) -> bool {
+        !self.bundles.is_empty() && !self.knots.are_extended()
     }
 
     /// Fetches what [`pass`](Self::pass) would read, or the first cubic if there is no such bundle;
@@ -79,24 +96,46 @@ impl<C: Cubic> Pose<'_, C> {
     /// Has a trace go on with the largest bundle of cubics from `first` to before `end`; gives the
     /// one after it, or none if there is no such bundle.
     #[inline(always)]
-    pub(crate) fn pass(&self, trace: &mut Trace, (first, end): (usize, usize)) -> Option<usize> {
-        let (bundle, count) = largest(self.bundles, self.cubics.len(), first, end)?;
-        trace.pass(
-            &bundle.unpack(self.stance.factor),
-            self.knots[first + count],
-        );
+    pub(crate) fn pass<const MOVES: bool, const EXTENDED: bool>(
+        &self,
+        trace: &mut Trace<MOVES>,
+        (first, end): (usize, usize),
+    ) -> Option<usize> {
+        if !EXTENDED {
+            let (bundle, count) = largest(self.bundles, self.cubics.len(), first, end)?;
+            let until = self.knots.own()[first + count];
+            trace.pass(&bundle.unpack(self.stance.factor), until);
+            return Some(first + count);
+        }
+        let (before, cubics) = (self.knots.before(), self.cubics.len());
+        let own = (first.checked_sub(before)?, (end - before).min(cubics));
+        let (bundle, count) = largest(self.bundles, cubics, own.0, own.1)?;
+        let until = self.knots.at(first + count);
+        trace.pass(&bundle.unpack(self.stance.factor), until);
         Some(first + count)
     }
 }
 
 impl<'a> Pose<'a, Stroke> {
-    /// Of a body that was sketched.
-    pub(crate) fn sketched(drawing: &Drawing<'a>, inflation: &Inflation, frame: &Frame) -> Self {
+    /// Of a body that was sketched, with these knots, some beyond the sketch's own maybe.
+    pub(crate) fn sketched(
+        knots: Knots<'a>,
+        drawing: &Drawing<'a>,
+        inflation: &Inflation,
+        frame: &Frame,
+    ) -> Self {
+        let mut anchor = drawing.frame;
+        if let (Some(origin), true) = (knots.origin(), drawing.strokes.is_empty()) {
+            anchor = Frame {
+                origin,
+                power: frame.power,
+            };
+        }
         Self {
-            knots: drawing.knots,
+            knots,
             cubics: drawing.strokes,
             bundles: drawing.bundles,
-            stance: Stance::new(drawing.frame, drawing.size, inflation, frame),
+            stance: Stance::new(anchor, drawing.size, inflation, frame),
         }
     }
 }
@@ -108,8 +147,9 @@ impl<'a> Pose<'a, Segment> {
         inflation: &Inflation,
         frame: &Frame,
     ) -> Self {
+        let origin = segments.first().map(Segment::origin);
         let anchor = Frame {
-            origin: segments.first().map_or(frame.origin, Segment::origin),
+            origin: origin.or_else(|| knots.origin()).unwrap_or(frame.origin),
             power: frame.power,
         };
         Self {
@@ -124,6 +164,12 @@ impl<'a> Pose<'a, Segment> {
 impl Cubic for Stroke {
     const IS_COMPACT: bool = true;
 
+    fn beyond(segment: Segment, knots: (f64, f64), stance: &Stance) -> Self {
+        // It must be served in the frame's unit as well.
+        let far = FAR / f64::from(stance.factor).max(1.0);
+        Self::within(far, &segment, knots, &stance.anchor).unwrap_or(Self::ANYWHERE)
+    }
+
     #[inline(always)]
     fn piece(&self, knots: (f64, f64), stance: &Stance) -> Piece {
         Piece::whole(self, knots, stance.factor)
@@ -132,6 +178,10 @@ impl Cubic for Stroke {
 
 impl Cubic for Segment {
     const IS_COMPACT: bool = false;
+
+    fn beyond(segment: Segment, _: (f64, f64), _: &Stance) -> Self {
+        segment
+    }
 
     #[inline(always)]
     fn piece(&self, knots: (f64, f64), stance: &Stance) -> Piece {
@@ -168,8 +218,7 @@ mod tests {
                 unreachable!("all is finite")
             };
             let frame = Frame::OF_NOTHING;
-            let (spheres, bounding) = (hitbox.spheres(), hitbox.bounding());
-            let inflation = Inflation::of(spheres, bounding, margin, &frame);
+            let inflation = Inflation::of(&hitbox, margin, &frame);
             let stance = Stance::new(frame, 0.0, &inflation, &frame);
             // In f64 their rounding does not show.
             let reach = radius + 0.5 * margin;

@@ -13,7 +13,7 @@ use parry3d::math::Vector;
 /// What is known of a body in a slice from the pieces of its motion so far, relative to the body's
 /// place. (Of four lanes, the last holds nothing of use.)
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Trace {
+pub(crate) struct Trace<const MOVES: bool> {
     /// Its box, which moves.
     low: Vec4,
     high: Vec4,
@@ -29,13 +29,13 @@ pub(crate) struct Trace {
     /// Where it is at the end of the pieces so far, and which share of the slice has passed then.
     line: Vec4,
     share: f32,
-    period: Period,
+    period: Period<MOVES>,
 }
 
-impl Trace {
+impl<const MOVES: bool> Trace<MOVES> {
     /// From the first piece of a slice to the last.
     #[inline(always)]
-    pub(crate) fn between(head: &Piece, tail: &Piece, period: &Period) -> Self {
+    pub(crate) fn between(head: &Piece, tail: &Piece, period: &Period<MOVES>) -> Self {
         let mut trace = Self::toward((head.points[0], head.from), tail.points[3], period);
         trace.follow(head);
         trace
@@ -43,7 +43,7 @@ impl Trace {
 
     /// Of a single piece from the slice's beginning to its end.
     #[inline(always)]
-    pub(crate) fn alone(piece: &Piece, period: &Period) -> Self {
+    pub(crate) fn alone(piece: &Piece, period: &Period<MOVES>) -> Self {
         let [p0, p1, p2, p3] = piece.points;
         let change = p3 - p0;
         let third = change * (1.0 / 3.0);
@@ -67,7 +67,11 @@ impl Trace {
     }
 
     /// From a bundle, at the beginning of a period, to where another one ends.
-    pub(super) fn between_bundles(first: &Unpacked, last: &Unpacked, period: &Period) -> Self {
+    pub(super) fn between_bundles(
+        first: &Unpacked,
+        last: &Unpacked,
+        period: &Period<MOVES>,
+    ) -> Self {
         Self {
             // It does not go through the ends of their lines.
             low: first.low,
@@ -78,7 +82,7 @@ impl Trace {
 
     /// From a point at an instant (s) to another one.
     #[inline(always)]
-    fn toward((start, from): (Vec4, f64), end: Vec4, period: &Period) -> Self {
+    fn toward((start, from): (Vec4, f64), end: Vec4, period: &Period<MOVES>) -> Self {
         // In no time there is no change: what is elsewhere strays.
         let change = if period.rate > 0.0 {
             end - start
@@ -87,7 +91,7 @@ impl Trace {
         };
         let share = period.share(from);
         let line = start + change * share;
-        let place = start - period.way * share;
+        let place = period.relative_at(start, share);
         Self {
             low: place,
             high: place,
@@ -107,7 +111,7 @@ impl Trace {
     #[inline(always)]
     pub(crate) fn follow_from_start(&mut self, piece: &Piece) {
         let start = piece.points[0];
-        let place = start - self.period.way * self.share;
+        let place = self.period.relative_at(start, self.share);
         self.low = self.low.min(place);
         self.high = self.high.max(place);
         self.stray(start - self.line);
@@ -145,9 +149,9 @@ impl Trace {
     #[inline(always)]
     pub(super) fn pass(&mut self, bundle: &Unpacked, until: f64) {
         let share = self.period.share(until);
-        let (low, high) = if self.period.is_moving {
-            let way = self.period.way;
-            let (first, last) = (bundle.start - way * self.share, bundle.end - way * share);
+        let (low, high) = if MOVES {
+            let first = self.period.relative_at(bundle.start, self.share);
+            let last = self.period.relative_at(bundle.end, share);
             (
                 first.min(last) - bundle.stray,
                 first.max(last) + bundle.stray,
@@ -198,7 +202,7 @@ impl Trace {
     pub(crate) fn finish(&self, stance: &Stance, first: u32) -> (Course, Aabb) {
         let Self { low, high, .. } = *self;
         // How far rounding can have moved each coordinate, before it was measured from a moving box.
-        let way = self.period.way.abs();
+        let way = self.period.way().abs();
         let largest = low.abs().max(high.abs()) + way;
         let rounding = Piece::roundings(largest, self.near, self.splits) + stance.steady;
         let (middle, stray) = self.middle();
@@ -256,6 +260,7 @@ mod tests {
     use super::super::{Extremes, Frame, Inflation, Pose};
     use super::*;
     use crate::hitbox::Hitbox;
+    use crate::knots::Knots;
     use crate::search::{Block, Fill};
     use crate::simd::InstructionSet;
     use crate::trajectory::{State, Trajectory};
@@ -285,8 +290,13 @@ mod tests {
             let (sketch, lines) = Sketch::of(flight.knots(), flight.segments());
             let frame = Frame::around(Extremes::NOTHING, 0.0);
             let hitbox = Hitbox::POINT;
-            let inflation = Inflation::of(hitbox.spheres(), hitbox.bounding(), 0.0, &frame);
-            let pose = Pose::sketched(&sketch.on(&lines), &inflation, &frame);
+            let inflation = Inflation::of(&hitbox, 0.0, &frame);
+            let pose = Pose::sketched(
+                Knots::of(flight.knots()),
+                &sketch.on(&lines),
+                &inflation,
+                &frame,
+            );
             let mut block = Block::default();
             InstructionSet::best().run(Fill {
                 block: &mut block,

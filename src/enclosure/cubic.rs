@@ -6,7 +6,7 @@ use glam::DVec3;
 ///
 /// ```
 /// use glam::DVec3;
-/// use nearmiss::enclosure::{Side, Threshold, UncertainCubic};
+/// use nearmiss::internals::enclosure::{Side, Threshold, UncertainCubic};
 ///
 /// // Straight past the origin, 3 m off; the exact motion is within a nanometre of that.
 /// let cubic = UncertainCubic::new([-6.0, -2.0, 2.0, 6.0].map(|x| DVec3::new(x, 3.0, 0.0)), 1e-9)?;
@@ -17,7 +17,7 @@ use glam::DVec3;
 /// let sides: Vec<Side> = stretches.as_slice().iter().map(|stretch| stretch.side).collect();
 /// use Side::{Inside, Outside, Undecided};
 /// assert_eq!(sides, [Outside, Undecided, Inside, Undecided, Outside]);
-/// # Ok::<(), nearmiss::enclosure::OutOfRange>(())
+/// # Ok::<(), nearmiss::internals::enclosure::OutOfRange>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UncertainCubic {

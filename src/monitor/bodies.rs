@@ -8,7 +8,7 @@ use crate::narrow_phase::Party;
 use crate::parallel;
 use crate::scene::Scene;
 use crate::search::{Block, Bodies, FEW_BOXES, Fill};
-use crate::simd::{InstructionSet, prefetch};
+use crate::simd::InstructionSet;
 use crate::trajectory::Segment;
 
 /// The bodies of a monitor, by slot.
@@ -107,8 +107,8 @@ impl<'m> BodyTable<'m> {
                 let Some((flight, party)) = flight.filter(|(flight, _)| flight.has_partner) else {
                     continue;
                 };
-                prefetch(&party.segments[..party.segments.len().min(1)]);
-                prefetch(&party.knots[..party.knots.len().min(Self::KNOTS)]);
+                party.prefetch(party.knots.before());
+                party.knots.prefetch(0, Self::KNOTS);
                 batch[count] = slot;
                 parties[count] = party;
                 inflations[count] = &flight.inflation;

@@ -1,6 +1,7 @@
 //! How much a tick may do.
 
-use std::time::{Duration, Instant};
+use crate::wall_clock::Instant;
+use std::time::Duration;
 
 /// How much work a call of [`Monitor::advance_within`](super::Monitor::advance_within) may do
 /// before it returns with what it has. (What requests take, one by one or as a
@@ -51,7 +52,6 @@ impl Meter {
     }
 
     /// Of a tick that is to know everything up to `until` (s), and no more.
-    #[cfg(feature = "serde")]
     pub(super) fn up_to(until: f64) -> Self {
         Self {
             deadline: None,

@@ -35,7 +35,6 @@ impl Calendar {
     }
 
     /// Whether a slot is due at some time.
-    #[cfg(any(feature = "serde", test))]
     pub(super) fn has(&self, slot: u32) -> bool {
         self.due
             .get(slot as usize)

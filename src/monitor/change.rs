@@ -7,7 +7,7 @@ use super::flights::Flight;
 use super::grid::{Grid, Review, Signs};
 use super::outlook::push_once;
 use super::read::Readings;
-#[cfg(feature = "serde")]
+#[cfg(feature = "recording")]
 use super::recording::Record;
 use super::tick::plan_end;
 use crate::error::Error;
@@ -26,10 +26,10 @@ impl Monitor {
     /// [`Error::InBody`] with [`Error::OutOfRange`] or [`Error::TooFar`] if its plan cannot be followed
     /// through the lookahead; [`Error::SceneFull`].
     pub fn insert(&mut self, body: Body) -> Result<BodyId, Error> {
-        #[cfg(feature = "serde")]
+        #[cfg(feature = "recording")]
         let record = self.tape.is_some().then(|| Record::Insert(body.clone()));
         let id = self.put_in(body)?;
-        #[cfg(feature = "serde")]
+        #[cfg(feature = "recording")]
         if let Some(record) = record {
             self.write_down(|| record);
         }
@@ -55,7 +55,7 @@ impl Monitor {
     /// [`Error::UnknownBody`].
     pub fn remove(&mut self, id: BodyId) -> Result<Body, Error> {
         let body = self.take_out(id)?;
-        #[cfg(feature = "serde")]
+        #[cfg(feature = "recording")]
         self.write_down(|| Record::Remove(id));
         Ok(body)
     }
@@ -209,7 +209,7 @@ impl Monitor {
         &mut self,
         commands: impl IntoIterator<Item = Command>,
     ) -> Result<Vec<BodyId>, Error> {
-        #[cfg(feature = "serde")]
+        #[cfg(feature = "recording")]
         if self.tape.is_some() {
             let commands: Vec<Command> = commands.into_iter().collect();
             let record = Record::Apply(commands.clone());
@@ -282,7 +282,7 @@ impl Monitor {
     /// [`Error::UnknownBody`], [`Error::SameBody`].
     pub fn ignore_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
         self.ignore(a, b)?;
-        #[cfg(feature = "serde")]
+        #[cfg(feature = "recording")]
         self.write_down(|| Record::Ignore(a, b));
         Ok(())
     }
@@ -301,7 +301,7 @@ impl Monitor {
     /// [`Error::UnknownBody`], [`Error::SameBody`].
     pub fn unignore_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
         self.unignore(a, b)?;
-        #[cfg(feature = "serde")]
+        #[cfg(feature = "recording")]
         self.write_down(|| Record::Unignore(a, b));
         Ok(())
     }
@@ -322,7 +322,6 @@ impl Monitor {
             reach: self.outlook.reach(),
             window: Window::new(self.told, end)?,
             now: self.now,
-            spare: self.outlook.memory(),
             forget_before: self.told - self.history,
         })
     }

@@ -1,7 +1,6 @@
 //! Changes between ticks: one, or several that take effect together or not at all.
 
 use super::flights::Flight;
-use super::spare::Spare;
 use crate::bounds::Frame;
 use crate::error::Error;
 use crate::hitbox::Hitbox;
@@ -49,8 +48,6 @@ pub(super) struct Terms<'m> {
     pub(super) window: Window,
     /// The clock of the last tick, s.
     pub(super) now: f64,
-    /// Memory for what is laid out.
-    pub(super) spare: &'m Spare,
     /// Where history ends: replanned bodies drop what is older, s.
     pub(super) forget_before: f64,
 }
@@ -63,7 +60,7 @@ impl Terms<'_> {
         hitbox: &Hitbox,
         tag: u64,
     ) -> Result<Flight, Error> {
-        let flight = Flight::of(trajectory, hitbox, self.reach, self.window, self.spare);
+        let flight = Flight::of(trajectory, hitbox, self.reach, self.window);
         flight.map_err(|error| error.in_body(tag))
     }
 

@@ -9,7 +9,6 @@ use super::finds::Slots;
 use super::kept::Kept;
 use crate::conflict::ClosestApproach;
 use crate::id::BodyId;
-#[cfg(feature = "serde")]
 use crate::scene::Scene;
 
 /// The largest change of an encounter that is not reported, measured from the last report.
@@ -44,6 +43,7 @@ impl Default for RevisionThreshold {
 pub(super) struct Plain {
     pub(super) a: BodyId,
     pub(super) b: BodyId,
+    pub(super) tags: [u64; 2],
     /// First instant within the margin; none if only the release margin is kept.
     pub(super) enter: Option<f64>,
     /// From when on it is within the release margin.
@@ -70,11 +70,10 @@ pub(super) struct Tracked {
 }
 
 /// What the encounters of a level are remembered by.
-#[cfg(feature = "serde")]
-#[derive(serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Saved(Vec<Tracked>);
 
-#[cfg(feature = "serde")]
 impl Saved {
     /// Whether a monitor of this scene that has told all up to `told` (s) can have had these.
     pub(super) fn could_be(&self, level: usize, told: f64, scene: &Scene) -> bool {
@@ -82,13 +81,26 @@ impl Saved {
             |Tracked {
                  now, sent, begun, ..
              }| {
-                let are_there = [now.a, now.b].iter().all(|&id| scene.body(id).is_some());
-                let of = |it: &Encounter| (it.id, it.a, it.b, it.level);
+                let has = |id, tag| scene.body(id).is_some_and(|body| body.tag == tag);
+                let are_there = has(now.a, now.tag_a) && has(now.b, now.tag_b);
+                let of = |it: &Encounter| (it.id, it.a, it.b, it.tag_a, it.tag_b, it.level);
                 let is_one = of(now) == of(sent) && now.level == level;
                 let has_begun = !begun || now.enter <= told;
                 are_there && now.a < now.b && is_one && has_begun && now.enter <= now.exit
             },
         )
+    }
+
+    /// Ends or withdraws the encounters of bodies in some slots, at a time (s).
+    pub(super) fn end_of_removed(&mut self, now: f64, removed: &[u32], events: &mut Vec<Event>) {
+        self.0.retain(|tracked| {
+            let [a, b] = [tracked.now.a.slot, tracked.now.b.slot];
+            let is_over = removed.contains(&a) || removed.contains(&b);
+            if is_over {
+                events.push(over_at(tracked, now, EndReason::BodyRemoved));
+            }
+            !is_over
+        });
     }
 
     pub(super) fn ids(&self) -> impl Iterator<Item = u64> {
@@ -248,13 +260,11 @@ impl Encounters {
     }
 
     /// What is remembered.
-    #[cfg(feature = "serde")]
     pub(super) fn save(&self) -> Saved {
         Saved(self.tracked.values().copied().collect())
     }
 
     /// Those of a level that were saved.
-    #[cfg(feature = "serde")]
     pub(super) fn restored(level: usize, saved: Saved) -> Self {
         let mut encounters = Self::of_level(level);
         let Saved(mut saved) = saved;
@@ -365,6 +375,8 @@ fn appear(
         id: EncounterId(*next_id),
         a: new.a,
         b: new.b,
+        tag_a: new.tags[0],
+        tag_b: new.tags[1],
         level,
         enter,
         exit: new.exit,

@@ -48,6 +48,10 @@ pub struct Encounter {
     pub a: BodyId,
     /// The body with the larger id.
     pub b: BodyId,
+    /// The tag of body a.
+    pub tag_a: u64,
+    /// The tag of body b.
+    pub tag_b: u64,
     /// Which alert level: its place, from 0, in the list that [`Monitor::new`](crate::Monitor::new)
     /// was given.
     pub level: usize,
@@ -141,7 +145,12 @@ pub enum EventKind {
     /// plan, as soon as its end is in sight, and not again when it comes: with plans no longer than the
     /// lookahead at once. Plan further ahead, or let bodies go on
     /// ([`Outside::Coast`](crate::Outside::Coast)).
-    PlanEnds(BodyId),
+    PlanEnds {
+        /// The body.
+        body: BodyId,
+        /// Its tag.
+        tag: u64,
+    },
 }
 
 /// Something that happened, and when.
@@ -166,7 +175,7 @@ impl EventKind {
             | Self::Withdrawn(encounter)
             | Self::Began(encounter)
             | Self::Ended(encounter, _) => Some(encounter),
-            Self::PlanEnds(_) => None,
+            Self::PlanEnds { .. } => None,
         }
     }
 
@@ -177,7 +186,7 @@ impl EventKind {
             Self::Withdrawn(_) => 2,
             Self::Began(_) => 3,
             Self::Ended(..) => 4,
-            Self::PlanEnds(_) => 5,
+            Self::PlanEnds { .. } => 5,
         }
     }
 }
@@ -187,7 +196,7 @@ impl Event {
     #[must_use]
     pub fn order(&self, other: &Self) -> Ordering {
         let place = |event: &Self| match event.kind {
-            EventKind::PlanEnds(body) => (body, body, 0, EncounterId(0)),
+            EventKind::PlanEnds { body, .. } => (body, body, 0, EncounterId(0)),
             _ => event.kind.encounter().map_or(
                 (
                     BodyId {
@@ -223,7 +232,7 @@ impl fmt::Display for EventKind {
                 write!(f, "ended ({reason}): ")?;
                 return encounter.fmt(f);
             }
-            Self::PlanEnds(body) => return write!(f, "the plan of {body} ends"),
+            Self::PlanEnds { body, .. } => return write!(f, "the plan of {body} ends"),
         };
         write!(f, "{what}: ")?;
         encounter.fmt(f)

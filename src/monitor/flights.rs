@@ -1,7 +1,5 @@
 //! Bodies as the outlook sees them, by slot: their plans as far as the lookahead reaches.
 
-use super::calendar::Calendar;
-use super::spare::Spare;
 use crate::bounds::{Frame, Inflation};
 use crate::error::Error;
 use crate::hitbox::Hitbox;
@@ -9,7 +7,7 @@ use crate::knots::Knots;
 use crate::narrow_phase::Party;
 use crate::scene::Scene;
 use crate::simd::prefetch;
-use crate::trajectory::{Outside, Pieces, Trajectory};
+use crate::trajectory::{Extension, Outside, Trajectory};
 use crate::window::Window;
 use std::slice::from_ref;
 
@@ -17,71 +15,70 @@ use std::slice::from_ref;
 #[derive(Debug)]
 pub(super) struct Flight {
     pub(super) inflation: Inflation,
-    /// Pieces beyond the knots, where the body exists there and the monitor's window reached it so
-    /// far. They begin with that window at the time the plan was set, so that their numbers stay as
-    /// its end moves on.
-    beyond: Option<Pieces>,
+    /// The pieces beyond the knots, where the body exists there and the monitor's window reaches it. They
+    /// begin with that window at the time the plan was set, so that their numbers stay as its end moves on.
+    extension: Option<Extension>,
     begin: f64,
-    /// Of the knots that are laid out.
+    /// Of the knots.
     ends: (f64, f64),
-    /// Up to where a plan without end is laid out, s; infinite for one that has an end.
+    /// Up to where a plan without end is followed, s; infinite for one that has an end.
     until: f64,
     /// The body may be part of a pair.
     pub(super) has_partner: bool,
 }
 
 impl Flight {
-    /// What a plan means over `window`, for pairs within `margin` (m) in `frame`. Memory comes from
-    /// `spare`.
+    /// What a plan means over `window`, for pairs within `margin` (m) in `frame`.
     pub(super) fn of(
         trajectory: &Trajectory,
         hitbox: &Hitbox,
         (margin, frame): (f64, &Frame),
         window: Window,
-        spare: &Spare,
     ) -> Result<Self, Error> {
         let mut flight = Self {
-            inflation: Inflation::of(hitbox.spheres(), hitbox.bounding(), margin, frame),
-            beyond: None,
+            inflation: Inflation::of(hitbox, margin, frame),
+            extension: None,
             begin: window.start(),
             ends: Knots::of(trajectory.knots()).ends(),
             until: f64::INFINITY,
             has_partner: true,
         };
         if trajectory.goes_beyond() {
-            flight.lay_out(trajectory, window.end(), spare)?;
+            flight.follow(trajectory, window.end())?;
         }
         Ok(flight)
     }
 
-    /// Lays out a plan without end up to an instant (s), at least.
-    fn lay_out(&mut self, trajectory: &Trajectory, end: f64, spare: &Spare) -> Result<(), Error> {
-        if let Some(pieces) = &mut self.beyond {
-            trajectory.lengthen(pieces, end)?;
-        } else {
-            let window = Window::new(self.begin, end)?;
-            self.beyond = trajectory.pieces(window, |count| spare.take(count))?;
+    /// Follows a plan without end up to an instant (s), and far beyond it if that can be done.
+    fn follow(&mut self, trajectory: &Trajectory, end: f64) -> Result<(), Error> {
+        /// Windows that are followed ahead: pieces get twice as long from one to the next.
+        const AHEAD: f64 = 1024.0;
+        let far = end + AHEAD * (end - self.begin);
+        let extended = self.extended(trajectory, far);
+        self.extension = extended.or_else(|_| self.extended(trajectory, end))?;
+        if let Some(extension) = &self.extension {
+            self.ends = extension.domain;
         }
-        let knots = match &self.beyond {
-            Some(pieces) => &pieces.knots,
-            None => trajectory.knots(),
-        };
-        self.ends = Knots::of(knots).ends();
         if trajectory.outside_after() != Outside::Absent {
             self.until = self.ends.1;
         }
         Ok(())
     }
 
+    fn extended(&self, trajectory: &Trajectory, end: f64) -> Result<Option<Extension>, Error> {
+        let Some(mut extension) = self.extension else {
+            return trajectory.extension(Window::new(self.begin, end)?);
+        };
+        trajectory.lengthen(&mut extension, end)?;
+        Ok(Some(extension))
+    }
+
     /// The plan and the hitbox it was made of, as the narrow phase takes them.
     pub(super) fn party<'s>(&'s self, trajectory: &'s Trajectory, hitbox: &'s Hitbox) -> Party<'s> {
-        let (knots, segments) = match &self.beyond {
-            Some(pieces) => (&pieces.knots[..], &pieces.segments[..]),
-            None => (trajectory.knots(), trajectory.segments()),
-        };
+        let knots = Knots::with_ends(trajectory.knots(), self.ends);
         Party {
-            knots: Knots::with_ends(knots, self.ends),
-            segments,
+            knots: knots.extended(trajectory, self.extension.as_ref()),
+            segments: trajectory.segments(),
             spheres: hitbox.spheres(),
             bounding: hitbox.bounding(),
         }
@@ -89,13 +86,20 @@ impl Flight {
 }
 
 /// By slot; a slot without a body has none.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Flights {
     by_slot: Vec<Option<Flight>>,
-    /// Up to where those that exist for ever are laid out.
-    laid_out: Calendar,
-    /// Of flights that were replaced.
-    spare: Spare,
+    /// Up to where all those that exist for ever are followed, s.
+    until: f64,
+}
+
+impl Default for Flights {
+    fn default() -> Self {
+        Self {
+            by_slot: Vec::new(),
+            until: f64::INFINITY,
+        }
+    }
 }
 
 impl Flights {
@@ -109,14 +113,10 @@ impl Flights {
         if self.by_slot.len() <= place {
             self.by_slot.resize_with(place + 1, || None);
         }
-        let until = flight.as_ref().map_or(f64::INFINITY, |flight| flight.until);
-        self.laid_out.set(slot, until);
-        let is_replaced = flight.is_some();
-        let before = std::mem::replace(&mut self.by_slot[place], flight);
-        // What a body that is gone had is not needed again.
-        if let (true, Some(pieces)) = (is_replaced, before.and_then(|before| before.beyond)) {
-            self.spare.give_back(pieces);
+        if let Some(flight) = &flight {
+            self.until = self.until.min(flight.until);
         }
+        self.by_slot[place] = flight;
     }
 
     /// Notes which bodies may be part of a pair; returns whether that is new of the one in a slot.
@@ -125,11 +125,6 @@ impl Flights {
         flight.and_then(Option::as_mut).is_some_and(|flight| {
             std::mem::replace(&mut flight.has_partner, has_partner) != has_partner
         })
-    }
-
-    /// Memory for flights.
-    pub(super) const fn spare(&self) -> &Spare {
-        &self.spare
     }
 
     /// Fetches what is known of the body in a slot into the caches.
@@ -154,8 +149,8 @@ impl Flights {
         self.get(scene, slot).map(|(_, party)| party)
     }
 
-    /// When the body in a slot exists, as far back as it is known: also beyond what it is laid out
-    /// to, where it goes on.
+    /// When the body in a slot exists, as far back as it is known: also beyond where it is followed to, if it
+    /// goes on there.
     pub(super) fn domain(&self, scene: &Scene, slot: u32) -> Option<(f64, f64)> {
         let (flight, party) = self.get(scene, slot)?;
         let (start, end) = party.knots.ends();
@@ -163,20 +158,24 @@ impl Flights {
         (start <= end).then_some((start, if is_endless { f64::INFINITY } else { end }))
     }
 
-    /// Extends plans that go on beyond their knots so that they reach `end` (s).
+    /// Follows plans that go on beyond their knots up to `end` (s).
     pub(super) fn extend_beyond(&mut self, scene: &Scene, end: f64) -> Result<(), Error> {
-        while let Some(slot) = self.laid_out.next(end) {
-            let flight = self.by_slot[slot as usize].as_mut();
+        if self.until > end {
+            return Ok(());
+        }
+        let mut until = f64::INFINITY;
+        for (flight, slot) in self.by_slot.iter_mut().zip(0_u32..) {
             let (Some(flight), Some((_, occupant))) = (flight, scene.in_slot(slot)) else {
                 continue;
             };
             let body = &occupant.body;
-            let done = flight.lay_out(&body.trajectory, end, &self.spare);
-            // One that is laid out is not looked at again in this tick, however far it got.
-            let least = done.as_ref().map_or(flight.until, |()| end.next_up());
-            self.laid_out.set(slot, flight.until.max(least));
-            done.map_err(|error| error.in_body(body.tag))?;
+            if flight.until <= end {
+                let done = flight.follow(&body.trajectory, end);
+                done.map_err(|error| error.in_body(body.tag))?;
+            }
+            until = until.min(flight.until);
         }
+        self.until = until;
         Ok(())
     }
 }

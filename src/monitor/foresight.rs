@@ -50,13 +50,14 @@ impl Monitor {
             window,
             &filter,
             |other, clip, theirs, contact| {
-                let Some((other, _)) = self.scene.in_slot(other) else {
+                let Some((other, occupant)) = self.scene.in_slot(other) else {
                     return;
                 };
+                let (own_name, other_name) = ((id, body.tag), (other, occupant.body.tag));
                 conflicts.push(if id.slot < other.slot {
-                    conflict(contact, (id, other), (&own, theirs), clip)
+                    conflict(contact, [own_name, other_name], (&own, theirs), clip)
                 } else {
-                    conflict(contact, (other, id), (theirs, &own), clip)
+                    conflict(contact, [other_name, own_name], (theirs, &own), clip)
                 });
             },
         );

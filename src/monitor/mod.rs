@@ -16,16 +16,16 @@ mod grid;
 mod jump;
 mod kept;
 #[cfg(feature = "live")]
-mod live;
+pub(crate) mod live;
 mod outlook;
 mod prepared;
 mod read;
 mod reading;
 mod recent;
-#[cfg(feature = "serde")]
-mod recording;
+#[cfg(feature = "recording")]
+pub(crate) mod recording;
 mod slice;
-mod spare;
+mod snapshot;
 mod tick;
 mod timed;
 
@@ -34,14 +34,7 @@ pub use budget::Budget;
 pub use command::Command;
 pub use encounters::RevisionThreshold;
 pub use event::{Encounter, EncounterId, EndReason, Event, EventKind};
-#[cfg(feature = "live")]
-pub use live::{
-    Counts, Handle, Live, LiveOptions, Panicked, Report, ReportKind, Request, Stopped, Ticket,
-    Unsent,
-};
-
-#[cfg(feature = "serde")]
-pub use recording::{RecordingError, Replay};
+pub use snapshot::Snapshot;
 
 use crate::broad_phase::PairFilter;
 use crate::conflict::Conflict;
@@ -56,7 +49,7 @@ use encounters::Encounters;
 use grid::{Grid, Review, can_tell_apart};
 use outlook::Outlook;
 use read::Readings;
-#[cfg(feature = "serde")]
+#[cfg(feature = "recording")]
 use recording::Record;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -151,7 +144,7 @@ pub struct Monitor {
     readings: Readings,
     /// Set from another thread to have a tick end early, as if its budget were spent.
     interrupt: Option<Arc<AtomicBool>>,
-    #[cfg(feature = "serde")]
+    #[cfg(feature = "recording")]
     tape: Option<recording::Tape>,
 }
 
@@ -252,7 +245,7 @@ impl Monitor {
             batch: Batch::default(),
             readings: Readings::of_levels(levels.len()),
             interrupt: None,
-            #[cfg(feature = "serde")]
+            #[cfg(feature = "recording")]
             tape: None,
             scene,
         };
@@ -273,7 +266,7 @@ impl Monitor {
         for value in [revision_threshold.time, revision_threshold.separation] {
             check_setting(value)?;
         }
-        #[cfg(feature = "serde")]
+        #[cfg(feature = "recording")]
         self.write_down(|| Record::RevisionThreshold(revision_threshold));
         self.revision_threshold = revision_threshold;
         self.read_all_plains();
@@ -298,7 +291,7 @@ impl Monitor {
     pub fn set_history(&mut self, history: f64) -> Result<(), Error> {
         check_setting(history)?;
         self.history = history;
-        #[cfg(feature = "serde")]
+        #[cfg(feature = "recording")]
         self.write_down(|| Record::History(history));
         Ok(())
     }
@@ -321,7 +314,7 @@ impl Monitor {
     /// or make more room before it.
     pub fn set_max_spans(&mut self, limit: usize) {
         self.outlook.max_spans = limit;
-        #[cfg(feature = "serde")]
+        #[cfg(feature = "recording")]
         self.write_down(|| Record::MostSpans(limit));
     }
 

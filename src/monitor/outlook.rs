@@ -20,7 +20,6 @@ use super::jump::JumpSearch;
 use super::prepared::{ListMemory, PreparedBodies};
 use super::recent::Recent;
 use super::slice::{Scratch, Slice};
-use super::spare::Spare;
 use crate::bounds::Frame;
 use crate::broad_phase::PairFilter;
 use crate::error::Error;
@@ -32,12 +31,12 @@ use crate::scene::Scene;
 use crate::search::{self, Arranger, FEW_BOXES, LimitExceeded, Limits};
 use crate::spans::SpanKey;
 use crate::stats::Stats;
+use crate::wall_clock::Instant;
 use crate::window::Window;
 use ahead::due_ahead;
 use std::collections::VecDeque;
 use std::sync::atomic::AtomicUsize;
 use std::sync::atomic::Ordering::Relaxed;
-use std::time::Instant;
 
 /// See the module.
 #[derive(Debug)]
@@ -125,11 +124,6 @@ impl Outlook {
     /// Within what pairs are looked for (m), and where their boxes are measured from.
     pub(super) fn reach(&self) -> (f64, &Frame) {
         (self.margin, &self.grid.frame)
-    }
-
-    /// Memory for flights to be set.
-    pub(super) const fn memory(&self) -> &Spare {
-        self.flights.spare()
     }
 
     pub(super) fn party<'s>(&'s self, scene: &'s Scene, slot: u32) -> Option<Party<'s>> {

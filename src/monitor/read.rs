@@ -14,8 +14,6 @@ use crate::conflict::{ClosestApproach, Conflict};
 use crate::narrow_phase::Contact;
 use crate::scene::Scene;
 use crate::screen::conflict;
-use crate::simd::prefetch;
-use std::slice::from_ref;
 
 /// What each alert level has of every pair.
 #[derive(Debug)]
@@ -90,8 +88,8 @@ impl Source<'_> {
             let parties = [pair.0, pair.1].map(|slot| self.outlook.party(self.scene, slot));
             if let [Some(a), Some(b)] = parties {
                 for (span_a, span_b) in self.outlook.finds().spans_fetched(pair) {
-                    prefetch(from_ref(&a.segments[span_a as usize]));
-                    prefetch(from_ref(&b.segments[span_b as usize]));
+                    a.prefetch(span_a as usize);
+                    b.prefetch(span_b as usize);
                 }
             }
         }
@@ -210,6 +208,7 @@ impl Source<'_> {
             visit(Plain {
                 a: closest.a,
                 b: closest.b,
+                tags: [closest.tag_a, closest.tag_b],
                 enter: first.map(|contact| contact.enter),
                 start,
                 exit,
@@ -242,11 +241,15 @@ impl Source<'_> {
     }
 
     fn report(&self, (a, b): Slots, clip: (f64, f64), contact: &Contact) -> Option<Conflict> {
-        let ids = (self.scene.in_slot(a)?.0, self.scene.in_slot(b)?.0);
+        let name = |slot| {
+            let (id, occupant) = self.scene.in_slot(slot)?;
+            Some((id, occupant.body.tag))
+        };
+        let names = [name(a)?, name(b)?];
         let parties = (
             self.outlook.party(self.scene, a)?,
             self.outlook.party(self.scene, b)?,
         );
-        Some(conflict(contact, ids, (&parties.0, &parties.1), clip))
+        Some(conflict(contact, names, (&parties.0, &parties.1), clip))
     }
 }

@@ -11,7 +11,7 @@ use super::finds::Slots;
 use super::grid::{Grid, can_tell_apart};
 use super::read::{Readings, Source};
 use super::reading::{Edges, Plains};
-#[cfg(feature = "serde")]
+#[cfg(feature = "recording")]
 use super::recording::Record;
 use super::{Admission, Monitor};
 use crate::error::{Error, MAX_MAGNITUDE};
@@ -20,7 +20,7 @@ use crate::rounding::one_zero;
 use crate::scene::Scene;
 use crate::stats::Stats;
 use crate::trajectory::{Outside, Trajectory};
-use std::time::Instant;
+use crate::wall_clock::Instant;
 
 impl Monitor {
     /// Moves the clock to `now` (s) and appends what happened to `events`, in their order. The
@@ -81,7 +81,6 @@ impl Monitor {
     }
 
     /// Moves the clock, and knows everything up to `known` (s) afterwards, as an earlier run did.
-    #[cfg(feature = "serde")]
     pub(super) fn advance_to(
         &mut self,
         now: f64,
@@ -98,7 +97,7 @@ impl Monitor {
 
     fn advance_by(&mut self, now: f64, meter: Meter, events: &mut Vec<Event>) -> Result<(), Error> {
         let done = self.tick(now, meter, events);
-        #[cfg(feature = "serde")]
+        #[cfg(feature = "recording")]
         if done.is_err() && self.readings.reads_all() {
             self.write_down(|| Record::Anew);
         }
@@ -125,9 +124,9 @@ impl Monitor {
                 total_time: begin.elapsed(),
                 ..Stats::default()
             };
-            #[cfg(feature = "serde")]
+            #[cfg(feature = "recording")]
             let known = self.known;
-            #[cfg(feature = "serde")]
+            #[cfg(feature = "recording")]
             self.write_down(|| Record::Tick {
                 now,
                 known,
@@ -187,7 +186,7 @@ impl Monitor {
         stats.conflicts = self.conflicts.iter().map(|level| level.len() as u64).sum();
         stats.total_time = begin.elapsed();
         self.stats = stats;
-        #[cfg(feature = "serde")]
+        #[cfg(feature = "recording")]
         self.write_down(|| Record::Tick {
             now,
             known,
@@ -208,7 +207,7 @@ impl Monitor {
     /// whether all of it could be written.
     pub fn close(mut self, events: &mut Vec<Event>) -> Scene {
         self.end_all(events);
-        #[cfg(feature = "serde")]
+        #[cfg(feature = "recording")]
         {
             self.write_down(|| Record::Close);
             // There is nobody left to tell; a replay would say that the end is missing.
@@ -236,7 +235,10 @@ impl Monitor {
             };
             events.extend(plan_end(&occupant.body.trajectory).map(|time| Event {
                 time,
-                kind: EventKind::PlanEnds(id),
+                kind: EventKind::PlanEnds {
+                    body: id,
+                    tag: occupant.body.tag,
+                },
             }));
         }
     }

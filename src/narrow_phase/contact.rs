@@ -23,7 +23,7 @@ pub(super) fn lone_pair(a: &Party<'_>, b: &Party<'_>, span: Span) -> Option<Sphe
     let ([sphere_a], [sphere_b]) = (a.spheres, b.spheres) else {
         return None;
     };
-    let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
+    let [segment_a, segment_b] = &a.segments_in(b, span);
     let offset = sphere_a.offset - sphere_b.offset;
     Some(SpherePair {
         a: 0,
@@ -46,7 +46,7 @@ pub(crate) fn may_touch(
     let Some(threshold) = near_threshold(a, b, span, margin) else {
         return false;
     };
-    let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
+    let [segment_a, segment_b] = &a.segments_in(b, span);
     let offset = a.bounding.offset - b.bounding.offset;
     let within_knots =
         segment_a.covers(span.start, span.end) && segment_b.covers(span.start, span.end);
@@ -64,7 +64,7 @@ fn near_threshold(a: &Party<'_>, b: &Party<'_>, span: Span, margin: f64) -> Opti
     if radius < 0.0 {
         return None;
     }
-    let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
+    let [segment_a, segment_b] = &a.segments_in(b, span);
     let offset = a.bounding.offset - b.bounding.offset;
     let scale = local_scale(segment_a, segment_b, (span.start, span.end), offset);
     Some(filter_threshold(radius, scale))
@@ -74,7 +74,7 @@ fn near_threshold(a: &Party<'_>, b: &Party<'_>, span: Span, margin: f64) -> Opti
 /// `from..=to`.
 #[inline]
 fn near_points(a: &Party<'_>, b: &Party<'_>, span: Span, (from, to): (f64, f64)) -> [DVec3; 4] {
-    let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
+    let [segment_a, segment_b] = &a.segments_in(b, span);
     let part = (span.start.max(from), span.end.min(to));
     let offset = a.bounding.offset - b.bounding.offset;
     RelativeMotion::between(segment_a, segment_b, part).points(offset)

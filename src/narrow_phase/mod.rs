@@ -25,17 +25,53 @@ pub(crate) use sphere_pair::{Approach, Contact};
 
 use crate::hitbox::Sphere;
 use crate::knots::Knots;
+use crate::simd::prefetch;
+use crate::spans::Span;
 use crate::trajectory::Segment;
 use glam::DVec3;
+use std::borrow::Cow;
+use std::slice::from_ref;
 
 /// What the narrow phase needs to know of a body.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Party<'a> {
-    /// One more than segments; `knots[k]..knots[k + 1]` is the interval of `segments[k]`.
+    /// The k-th and the next one are the ends of the k-th cubic.
     pub(crate) knots: Knots<'a>,
+    /// Those of the plan.
     pub(crate) segments: &'a [Segment],
     pub(crate) spheres: &'a [Sphere],
     pub(crate) bounding: Sphere,
+}
+
+impl<'a> Party<'a> {
+    /// Returns the cubic with a number.
+    #[inline(always)]
+    pub(crate) fn segment(&self, number: usize) -> Cow<'a, Segment> {
+        if !self.knots.are_extended() {
+            return Cow::Borrowed(&self.segments[number]);
+        }
+        match self.knots.segment_beyond(number) {
+            Some(segment) => Cow::Owned(segment),
+            None => Cow::Borrowed(&self.segments[number - self.knots.before()]),
+        }
+    }
+
+    /// Returns the cubics that two bodies follow in a span.
+    #[inline(always)]
+    pub(crate) fn segments_in(&self, other: &Self, span: Span) -> [Cow<'a, Segment>; 2] {
+        [
+            self.segment(span.a as usize),
+            other.segment(span.b as usize),
+        ]
+    }
+
+    /// Fetches a cubic of the plan into the caches.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self, number: usize) {
+        if let Some(segment) = self.segments.get(number.wrapping_sub(self.knots.before())) {
+            prefetch(from_ref(segment));
+        }
+    }
 }
 
 impl Party<'_> {

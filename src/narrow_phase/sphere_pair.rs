@@ -66,13 +66,13 @@ impl Approach {
     pub(crate) fn kinematics(&self, a: &Party<'_>, b: &Party<'_>) -> (DVec3, DVec3, DVec3) {
         let motion = |party: &Party<'_>, cubic: u32| {
             let cubic = cubic as usize;
-            let (position, velocity, _) = party.segments[cubic].motion_at(self.time);
-            let has_ended = party.knots[cubic + 1] <= self.time;
-            let next = party.segments.get(cubic + 1).filter(|_| has_ended);
-            (
-                position,
-                next.map_or(velocity, |next| next.motion_at(self.time).1),
-            )
+            let (position, velocity, _) = party.segment(cubic).motion_at(self.time);
+            let has_ended = party.knots.at(cubic + 1) <= self.time;
+            if has_ended && cubic + 1 < party.knots.cubics() {
+                (position, party.segment(cubic + 1).motion_at(self.time).1)
+            } else {
+                (position, velocity)
+            }
         };
         let (position_a, velocity_a) = motion(a, self.span.a);
         let (position_b, velocity_b) = motion(b, self.span.b);
@@ -138,7 +138,7 @@ impl SpherePair {
     /// Whether cheap tests show that the separation stays above `margin` all along the span of
     /// these two bodies.
     pub(super) fn is_beyond(&self, a: &Party<'_>, b: &Party<'_>, span: Span, margin: f64) -> bool {
-        let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
+        let [segment_a, segment_b] = &a.segments_in(b, span);
         let offset = a.spheres[self.a as usize].offset - b.spheres[self.b as usize].offset;
         let scale = local_scale(segment_a, segment_b, (span.start, span.end), offset);
         let radii = (self.radius_a, self.radius_b);

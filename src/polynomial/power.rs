@@ -48,7 +48,7 @@ impl<const N: usize> Polynomial<N> {
     /// The derivative, with a last coefficient of zero: the type keeps its number of coefficients.
     ///
     /// ```
-    /// use nearmiss::polynomial::Polynomial;
+    /// use nearmiss::internals::polynomial::Polynomial;
     ///
     /// let cubic = Polynomial::new([7.0, 1.0, 0.0, 2.0]);
     /// assert_eq!(cubic.derivative(), Polynomial::new([1.0, 0.0, 6.0, 0.0]));
@@ -97,7 +97,7 @@ impl<const N: usize> Polynomial<N> {
     /// Does not compile for `N` above 7 (degree 6).
     ///
     /// ```
-    /// use nearmiss::polynomial::{Polynomial, Roots};
+    /// use nearmiss::internals::polynomial::{Polynomial, Roots};
     ///
     /// // (x - 1)² touches zero, and the interval is closed.
     /// let touching = Polynomial::new([1.0, -2.0, 1.0]);

@@ -15,7 +15,7 @@ use super::roots::RootList;
 /// one that is not finite what is listed means nothing.
 ///
 /// ```
-/// use nearmiss::polynomial::quadratic;
+/// use nearmiss::internals::polynomial::quadratic;
 ///
 /// // The small root keeps all its digits.
 /// assert_eq!(&quadratic([1.0, -1e9, 1.0])[..], &[1e-9, 1e9]);

@@ -9,7 +9,7 @@ pub(super) const CAPACITY: usize = 6;
 /// The real roots of a polynomial in an interval or on the whole line.
 ///
 /// ```
-/// use nearmiss::polynomial::{Polynomial, Roots};
+/// use nearmiss::internals::polynomial::{Polynomial, Roots};
 ///
 /// let parabola = Polynomial::new([-1.0, 0.0, 4.0]);
 /// match parabola.roots_in(-1.0, 1.0, 0.0) {

@@ -4,9 +4,9 @@ use super::atlas::{Atlas, Block};
 use super::body::Body;
 use crate::bounds::{Drawing, Extremes, Line, Sketch};
 use crate::error::Error;
-use crate::trajectory::{Pieces, Scope, Segment, Trajectory};
+use crate::trajectory::{Extension, Segment, Trajectory};
 use crate::window::Window;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::OnceLock;
 
 /// What screening needs to know of a motion.
 #[derive(Clone, Copy, Debug)]
@@ -21,7 +21,13 @@ pub(crate) struct Outline {
 
 impl Outline {
     fn of(trajectory: &Trajectory, lines: &mut [Line]) -> Self {
-        let mut outline = Self::draw(trajectory.knots(), trajectory.segments(), lines);
+        let (knots, segments) = (trajectory.knots(), trajectory.segments());
+        let (sketch, extremes) = Sketch::draw(knots, segments, lines);
+        let mut outline = Self {
+            extremes,
+            path: segments.iter().map(Segment::extent).sum(),
+            sketch,
+        };
         if trajectory.segments().is_empty() {
             let position = trajectory
                 .position(outline.sketch.ends().0)
@@ -32,15 +38,6 @@ impl Outline {
             });
         }
         outline
-    }
-
-    fn draw(knots: &[f64], segments: &[Segment], lines: &mut [Line]) -> Self {
-        let (sketch, extremes) = Sketch::draw(knots, segments, lines);
-        Self {
-            extremes,
-            path: segments.iter().map(Segment::extent).sum(),
-            sketch,
-        }
     }
 }
 
@@ -82,70 +79,18 @@ fn lines_for(trajectory: &Trajectory) -> usize {
     Sketch::lines(trajectory.knots().len(), trajectory.segments().len())
 }
 
-/// A motion that goes on beyond its knots, over windows that reach there.
-#[derive(Debug)]
-pub(crate) struct Beyond {
-    /// Which windows.
-    scope: Scope,
-    /// Of all the pieces.
-    pub(crate) outline: Outline,
-    lines: Vec<Line>,
-    pub(crate) pieces: Pieces,
-    /// The ways beyond the knots.
-    pub(crate) ways: Vec<Way>,
-}
-
-/// One piece of a motion, roughly.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Way {
-    /// First and last instant, s.
-    pub(crate) ends: (f64, f64),
-    /// From one end to the other, m.
-    pub(crate) length: f64,
-}
-
-impl Beyond {
-    fn of(pieces: Pieces) -> Self {
-        let ways = pieces.beyond().map(|(segment, ends)| {
-            let [from, to] = [ends.0, ends.1].map(|time| segment.motion_at(time).0);
-            let length = from.distance(to);
-            Way { ends, length }
-        });
-        let ways = ways.collect();
-        let (knots, segments) = (&pieces.knots, &pieces.segments);
-        let mut lines = vec![Line::BLANK; Sketch::lines(knots.len(), segments.len())];
-        Self {
-            scope: pieces.scope(),
-            outline: Outline::draw(knots, segments, &mut lines),
-            lines,
-            pieces,
-            ways,
-        }
-    }
-
-    pub(crate) fn drawing(&self) -> Drawing<'_> {
-        self.outline.sketch.on(&self.lines)
-    }
-}
-
 /// A body, and what was worked out of its motion so far.
 #[derive(Debug)]
 pub(crate) struct Occupant {
     pub(crate) body: Body,
     outline: OnceLock<(Outline, Lines)>,
-    /// As far as the last screening reached.
-    beyond: Mutex<Option<Arc<Beyond>>>,
 }
 
 impl Occupant {
     /// The body in a slot of the scene with this atlas.
     pub(super) fn new(body: Body, atlas: &mut Atlas, slot: u32) -> Self {
         let outline = Lines::shared(&body.trajectory, None, (atlas, slot)).into();
-        Self {
-            body,
-            outline,
-            beyond: Mutex::default(),
-        }
+        Self { body, outline }
     }
 
     /// Of the trajectory: worked out now, if it was not yet.
@@ -167,13 +112,13 @@ impl Occupant {
         })
     }
 
-    /// What the body follows over a window; none if that stays within its knots. How far that is
-    /// laid out depends on the window alone, not on what was asked before.
+    /// Returns the pieces that the body follows beyond its knots over a window; none if that stays within
+    /// them.
     ///
     /// # Errors
     ///
-    /// [`Error::WindowNotClosed`]; [`Error::InBody`] with those of [`Trajectory::pieces`].
-    pub(crate) fn beyond(&self, window: Window) -> Result<Option<Arc<Beyond>>, Error> {
+    /// [`Error::WindowNotClosed`]; [`Error::InBody`] with those of [`Trajectory::extension`].
+    pub(crate) fn extension(&self, window: Window) -> Result<Option<Extension>, Error> {
         let Body {
             trajectory, tag, ..
         } = &self.body;
@@ -184,19 +129,8 @@ impl Occupant {
         if followed.is_some_and(|followed| !followed.is_closed()) {
             return Err(Error::WindowNotClosed { body: *tag });
         }
-        let mut kept = self.beyond.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(beyond) = &*kept
-            && beyond.scope.holds(window)
-        {
-            return Ok(Some(Arc::clone(beyond)));
-        }
-        let pieces = trajectory.pieces(window, Pieces::with_capacity);
-        let Some(pieces) = pieces.map_err(|error| error.in_body(*tag))? else {
-            return Ok(None);
-        };
-        let beyond = Arc::new(Beyond::of(pieces));
-        *kept = Some(Arc::clone(&beyond));
-        Ok(Some(beyond))
+        let extension = trajectory.extension(window);
+        extension.map_err(|error| error.in_body(*tag))
     }
 
     /// Gives the body in a slot another trajectory, and returns the old one.
@@ -216,8 +150,6 @@ impl Occupant {
     /// each tick seldom needs it.
     pub(super) fn swap(&mut self, trajectory: &mut Trajectory, atlas: &mut Atlas) {
         self.forget_outline(atlas);
-        let beyond = self.beyond.get_mut();
-        *beyond.unwrap_or_else(PoisonError::into_inner) = None;
         std::mem::swap(&mut self.body.trajectory, trajectory);
     }
 
@@ -240,10 +172,8 @@ impl Occupant {
         }
     }
 
-    /// The same body in the same slot of a copy of its scene. What is beyond the knots is shared: it is
-    /// never changed, only replaced.
+    /// The same body in the same slot of a copy of its scene.
     pub(super) fn copy(&self, atlas: &Atlas, copy: &mut Atlas, slot: u32) -> Self {
-        let beyond = self.beyond.lock().unwrap_or_else(PoisonError::into_inner);
         let outline = self.outline.get().map(|(outline, lines)| {
             let lines = match lines {
                 Lines::Shared(block) => {
@@ -258,7 +188,6 @@ impl Occupant {
         Self {
             body: self.body.clone(),
             outline: outline.map_or_else(OnceLock::new, OnceLock::from),
-            beyond: Mutex::new(beyond.clone()),
         }
     }
 }

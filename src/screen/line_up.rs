@@ -12,12 +12,12 @@ use crate::narrow_phase::Party;
 use crate::parallel;
 use crate::pool::Pool;
 use crate::query::Query;
-use crate::scene::{Atlas, Beyond, Body, IgnoredPairs, Occupant, Scene, can_reach, radius};
+use crate::scene::{Atlas, Body, IgnoredPairs, Occupant, Scene, can_reach, radius};
 use crate::search::{Limits, Presence, Scratch, Traffic};
 use crate::spans::common_domain;
+use crate::trajectory::Extension;
 use crate::window::Window;
 use std::num::NonZeroU32;
-use std::sync::Arc;
 
 /// Each body as the narrow phase takes it, and how it lies in a frame; by place.
 pub(super) type Lists<'a> = (Vec<Party<'a>>, Vec<Pose<'a, Stroke>>);
@@ -27,8 +27,8 @@ pub(super) struct LineUp<'a> {
     pub(super) ids: Vec<BodyId>,
     pub(super) occupants: Vec<&'a Occupant>,
     pub(super) presence: Presence,
-    /// Those that go on beyond their knots in the window, by ascending place, and how.
-    beyond: Vec<(usize, Arc<Beyond>)>,
+    /// Those that go on beyond their knots in the window, by ascending place.
+    extensions: Vec<(usize, Extension)>,
     /// The window of the answer.
     pub(super) asked: Window,
     /// The same, but open ends are closed where no body exists beyond them.
@@ -59,36 +59,27 @@ impl<'a> LineUp<'a> {
         let mut survey = Survey::of(scene.len(), asked, margin);
         let mut ids = Vec::with_capacity(scene.len());
         let mut occupants = Vec::with_capacity(scene.len());
-        let mut going_on = Vec::new();
+        let mut extensions = Vec::new();
         for (place, (id, occupant)) in scene.occupants().enumerate() {
+            let extension = occupant.extension(asked)?;
+            let has_partner = partners.has(&occupant.body);
+            survey.include(place, (occupant, extension.as_ref()), has_partner);
             ids.push(id);
             occupants.push(occupant);
-            if occupant.body.trajectory.goes_beyond() {
-                going_on.push(place);
-            } else {
-                survey.include(place, (occupant, None), partners.has(&occupant.body));
-            }
-        }
-        let beyond = lay_out(&occupants, &going_on, asked)?;
-        let mut laid_out = beyond.iter().peekable();
-        for place in going_on {
-            let beyond = laid_out.next_if(|(beyond, _)| *beyond == place);
-            let occupant: &Occupant = occupants[place];
-            let beyond = beyond.map(|(_, beyond)| &**beyond);
-            survey.include(place, (occupant, beyond), partners.has(&occupant.body));
+            extensions.extend(extension.map(|extension| (place, extension)));
         }
         let frame = survey.frame(scene);
         let mut line_up = Self {
             ids,
             occupants,
             presence: Presence::default(),
-            beyond,
+            extensions,
             asked,
             window: asked,
             margin,
             accuracy: query.accuracy(),
-            instructions: query.instruction_set(),
-            prescribed: query.slices(),
+            instructions: query.instructions,
+            prescribed: query.slices,
             limits: Limits::of_spans(query.max_spans()),
             pool: scene.pool(),
             atlas: scene.atlas(),
@@ -105,7 +96,7 @@ impl<'a> LineUp<'a> {
             None => {
                 line_up.ids.clear();
                 line_up.occupants.clear();
-                line_up.beyond.clear();
+                line_up.extensions.clear();
             }
         }
         Ok(line_up)
@@ -134,22 +125,16 @@ impl<'a> LineUp<'a> {
     /// The body in a place as the narrow phase takes it, and how it lies in a frame.
     #[inline]
     fn party(&self, place: usize, frame: &Frame) -> (Party<'_>, Pose<'_, Stroke>) {
-        let (occupant, beyond) = self.body(place);
-        let drawing = beyond.map_or_else(|| occupant.drawing(self.atlas), Beyond::drawing);
+        let occupant = self.occupants[place];
+        let of_place = |(other, _): &(usize, Extension)| other.cmp(&place);
+        let extension = self.extensions.binary_search_by(of_place);
+        let extension = extension.ok().map(|number| &self.extensions[number].1);
+        let drawing = occupant.drawing(self.atlas);
         // A screening reads knots next to the sketches.
-        let party = party_over(occupant, beyond, drawing.knots);
-        let inflation = Inflation::of(party.spheres, party.bounding, self.margin, frame);
-        let pose = Pose::sketched(&drawing, &inflation, frame);
-        (party, pose)
-    }
-
-    /// The body in a place, and what it follows over the window if it goes on beyond its knots.
-    fn body(&self, place: usize) -> (&'a Occupant, Option<&Beyond>) {
-        let beyond = self
-            .beyond
-            .binary_search_by_key(&place, |(place, _)| *place);
-        let beyond = beyond.ok().map(|number| &*self.beyond[number].1);
-        (self.occupants[place], beyond)
+        let knots = drawing.knots.extended(&occupant.body.trajectory, extension);
+        let inflation = Inflation::of(&occupant.body.hitbox, self.margin, frame);
+        let pose = Pose::sketched(knots, &drawing, &inflation, frame);
+        (party_of(&occupant.body, knots), pose)
     }
 
     /// How much moves in the window, from what is known of each body as a whole.
@@ -194,53 +179,25 @@ impl PairFilter for Admission<'_> {
     }
 }
 
-/// What bodies at some places do beyond their knots, of those that go on there in a window: by
-/// ascending place.
-fn lay_out(
-    occupants: &[&Occupant],
-    places: &[usize],
-    window: Window,
-) -> Result<Vec<(usize, Arc<Beyond>)>, Error> {
-    /// Fewer are laid out on this thread.
-    const FEW: usize = 64;
-    let lay_out = |(): &mut (), number: usize| {
-        let place = places[number];
-        let beyond = occupants[place].beyond(window)?;
-        Ok(beyond.map(|beyond| (place, beyond)))
-    };
-    parallel::map(places.len(), FEW, || (), lay_out)
-        .into_iter()
-        .filter_map(Result::transpose)
-        .collect()
+/// Returns a body as the narrow phase takes it over a window, of which nothing is sketched if it was not
+/// before.
+///
+/// # Errors
+///
+/// See [`Occupant::extension`].
+pub(super) fn lone_party(occupant: &Occupant, window: Window) -> Result<Party<'_>, Error> {
+    let extension = occupant.extension(window)?;
+    let knots = Knots::over(&occupant.body.trajectory, extension.as_ref());
+    Ok(party_of(&occupant.body, knots))
 }
 
-/// A body as the narrow phase takes it, of which nothing is sketched if it was not before.
-pub(super) fn lone_party<'a>(occupant: &'a Occupant, beyond: Option<&'a Beyond>) -> Party<'a> {
-    let knots = match beyond {
-        Some(Beyond { pieces, .. }) => &pieces.knots,
-        None => occupant.body.trajectory.knots(),
-    };
-    party_over(occupant, beyond, Knots::of(knots))
-}
-
-/// A body as the narrow phase takes it, with what it does beyond its knots.
-fn party_over<'a>(
-    occupant: &'a Occupant,
-    beyond: Option<&'a Beyond>,
-    knots: Knots<'a>,
-) -> Party<'a> {
-    let Body {
-        trajectory, hitbox, ..
-    } = &occupant.body;
-    let segments = match beyond {
-        Some(Beyond { pieces, .. }) => &pieces.segments,
-        None => trajectory.segments(),
-    };
+/// Returns a body as the narrow phase takes it, with these knots.
+fn party_of<'a>(body: &'a Body, knots: Knots<'a>) -> Party<'a> {
     Party {
         knots,
-        segments,
-        spheres: hitbox.spheres(),
-        bounding: hitbox.bounding(),
+        segments: body.trajectory.segments(),
+        spheres: body.hitbox.spheres(),
+        bounding: body.hitbox.bounding(),
     }
 }
 

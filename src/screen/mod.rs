@@ -25,10 +25,10 @@ use crate::scene::Scene;
 use crate::search::{BodyLists, SliceTrials, Slices, Traffic, WindowSearch};
 use crate::spans::{Spans, spans};
 use crate::stats::Stats;
+use crate::wall_clock::Instant;
 use crate::window::Window;
 use line_up::{Admission, LineUp, Lists, clip_of, lone_party};
 use solve::describe;
-use std::time::Instant;
 
 /// How much of the work going through the slices is taken to be, when progress is told.
 const SHARE_OF_SLICES: f64 = 0.9;
@@ -92,9 +92,9 @@ impl Scene {
         let begin = Instant::now();
         let line_up = LineUp::new(self, query)?;
         let mut screening = if self.admits_all(query.margin()) {
-            line_up.screen(query.method(), &Everyone, &progress)?
+            line_up.screen(query.method, &Everyone, &progress)?
         } else {
-            line_up.screen(query.method(), &Admission::new(self, &line_up), &progress)?
+            line_up.screen(query.method, &Admission::new(self, &line_up), &progress)?
         };
         screening.stats.bodies = self.len() as u64;
         screening.stats.total_time = begin.elapsed();
@@ -182,11 +182,7 @@ impl Scene {
         self.pair(a, b)?;
         let occupant = |id| self.occupant(id).ok_or(Error::UnknownBody { id });
         let (a, b) = (occupant(a)?, occupant(b)?);
-        let (beyond_a, beyond_b) = (a.beyond(window)?, b.beyond(window)?);
-        let (party_a, party_b) = (
-            lone_party(a, beyond_a.as_deref()),
-            lone_party(b, beyond_b.as_deref()),
-        );
+        let [party_a, party_b] = [lone_party(a, window)?, lone_party(b, window)?];
         let Some(clip) = clip_of(&party_a, &party_b, window) else {
             return Ok(None);
         };
@@ -312,7 +308,7 @@ impl LineUp<'_> {
 
 /// The beginning of the funnel.
 fn counted(parties: &[Party<'_>]) -> Stats {
-    let segments = parties.iter().map(|party| party.segments.len() as u64);
+    let segments = parties.iter().map(|party| party.knots.cubics() as u64);
     Stats {
         segments: segments.sum(),
         ..Stats::default()

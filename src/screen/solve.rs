@@ -113,7 +113,8 @@ impl LineUp<'_> {
         let (place_a, place_b) = (survivors[0].a as usize, survivors[0].b as usize);
         let pair = (&parties[place_a], &parties[place_b]);
         Some(PairOfBodies {
-            ids: (self.ids[place_a], self.ids[place_b]),
+            names: [place_a, place_b]
+                .map(|place| (self.ids[place], self.occupants[place].body.tag)),
             parties: pair,
             clip: clip_of(pair.0, pair.1, self.window)?,
             survivors,
@@ -141,8 +142,8 @@ fn fetch(parties: &[Party<'_>], pairs: &[OfPair<'_>], number: usize) {
         for survivor in later.iter().take(SPANS) {
             for (place, cubic) in survivor.cubics() {
                 let (party, cubic) = (&parties[place as usize], cubic as usize);
-                prefetch(&party.knots[cubic..cubic + 2]);
-                prefetch(from_ref(&party.segments[cubic]));
+                party.knots.prefetch(cubic, 2);
+                party.prefetch(cubic);
             }
         }
     }
@@ -174,7 +175,7 @@ fn in_order(found: &[Vec<Conflict>]) -> Vec<Conflict> {
 
 /// Two bodies with the spans in which they may touch.
 struct PairOfBodies<'p> {
-    ids: (BodyId, BodyId),
+    names: [(BodyId, u64); 2],
     parties: (&'p Party<'p>, &'p Party<'p>),
     clip: (f64, f64),
     survivors: OfPair<'p>,
@@ -189,20 +190,22 @@ impl PairOfBodies<'_> {
     }
 
     fn conflict(&self, contact: &Contact) -> Conflict {
-        conflict(contact, self.ids, self.parties, self.clip)
+        conflict(contact, self.names, self.parties, self.clip)
     }
 }
 
-/// A contact as it is reported, without a certificate.
+/// A contact as it is reported, without a certificate; bodies by their ids and tags.
 pub(crate) fn conflict(
     contact: &Contact,
-    (a, b): (BodyId, BodyId),
+    [(a, tag_a), (b, tag_b)]: [(BodyId, u64); 2],
     (party_a, party_b): (&Party<'_>, &Party<'_>),
     clip: (f64, f64),
 ) -> Conflict {
     Conflict {
         a,
         b,
+        tag_a,
+        tag_b,
         enter: contact.enter,
         exit: contact.exit,
         closest: describe(&contact.closest, party_a, party_b),

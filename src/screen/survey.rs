@@ -2,8 +2,9 @@
 //! lie next to each other in memory, but are larger together than the caches.
 
 use crate::bounds::{Extremes, Frame, Inflation, MovingFrame};
-use crate::scene::{Beyond, Occupant, Scene};
+use crate::scene::{Occupant, Scene};
 use crate::search::Traffic;
+use crate::trajectory::{Extension, Segment};
 use crate::window::Window;
 use glam::DVec3;
 
@@ -46,17 +47,17 @@ impl Survey {
         }
     }
 
-    /// Takes in a body, and what it follows if it goes on beyond its knots in the window.
-    /// Of one with no partner nothing matters.
+    /// Takes in a body, and the pieces that it follows beyond its knots in the window. Of one with no
+    /// partner nothing matters.
     pub(super) fn include(
         &mut self,
         place: usize,
-        (occupant, beyond): (&Occupant, Option<&Beyond>),
+        (occupant, extension): (&Occupant, Option<&Extension>),
         has_partner: bool,
     ) {
         let (body, plan) = (&occupant.body, occupant.outline());
-        let outline = beyond.map_or(plan, |beyond| &beyond.outline);
-        let (first, last) = outline.sketch.ends();
+        let own = plan.sketch.ends();
+        let (first, last) = extension.map_or(own, |extension| extension.domain);
         if !has_partner {
             self.lives[place] = (f64::INFINITY, f64::NEG_INFINITY);
             return;
@@ -66,17 +67,37 @@ impl Survey {
         if first > self.window.end() || last < self.window.start() {
             return;
         }
-        self.extremes.include(outline.extremes);
+        self.extremes.include(plan.extremes);
         self.plans.include(plan.extremes);
-        let size = Inflation::size(body.hitbox.spheres(), body.hitbox.bounding(), self.margin);
+        let size = Inflation::size(&body.hitbox, self.margin);
         self.size = self.size.max(size);
         self.count(
             plan.sketch.ends(),
             (plan.path, body.trajectory.segments().len()),
         );
-        for way in beyond.iter().flat_map(|beyond| &beyond.ways) {
-            self.count(way.ends, (way.length, 1));
+        if let Some(extension) = extension {
+            let plan = &body.trajectory;
+            if extension.before > 0 {
+                let ends = (first.max(self.window.start()), own.0);
+                self.count_beyond(&plan.segment_before(), ends, extension.before);
+            }
+            if extension.after > 0 {
+                let ends = (own.1, last.min(self.window.end()));
+                self.count_beyond(&plan.segment_after(), ends, extension.after);
+            }
         }
+    }
+
+    /// Takes in motion beyond the knots from one instant to another (s), in so many pieces.
+    fn count_beyond(&mut self, segment: &Segment, (from, to): (f64, f64), pieces: u32) {
+        let [begin, end] = [from, to].map(|time| segment.motion_at(time).0);
+        for position in [begin, end] {
+            self.extremes.include(Extremes {
+                low: position,
+                high: position,
+            });
+        }
+        self.count((from, to), (begin.distance(end), pieces as usize));
     }
 
     /// Counts as much of some motion (from one instant to another, so far, in so many segments) as lies

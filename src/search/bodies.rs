@@ -75,19 +75,16 @@ impl<C: Cubic + Sync> Bodies for BodyLists<'_, C> {
         /// Two lines.
         const KNOTS: usize = 16;
         let knots = &self.poses[body as usize].knots;
-        let first = (first as usize).min(knots.len());
-        prefetch(&knots[first..(first + KNOTS).min(knots.len())]);
+        knots.prefetch(first as usize, KNOTS);
     }
 
     #[inline]
     fn fetch_cubic(&self, (body, cubic): (u32, u32)) {
-        prefetch(from_ref(&self.poses[body as usize].cubics[cubic as usize]));
+        self.poses[body as usize].fetch(cubic as usize);
     }
 
     #[inline]
     fn fetch_segment(&self, (body, cubic): (u32, u32)) {
-        prefetch(from_ref(
-            &self.parties[body as usize].segments[cubic as usize],
-        ));
+        self.parties[body as usize].prefetch(cubic as usize);
     }
 }

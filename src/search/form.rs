@@ -2,7 +2,8 @@
 
 use crate::bounds::{Bundle, Course, Cubic, MovingFrame, Period, Piece, Pose, Trace};
 use crate::broad_phase::BodyBox;
-use crate::simd::{Task, prefetch};
+use crate::knots::Knots;
+use crate::simd::Task;
 
 /// One slice: a box and a course for each body that exists in it, side by side.
 #[derive(Clone, Debug, Default)]
@@ -45,7 +46,23 @@ impl<C: Cubic> Task for Fill<'_, C> {
     type Output = ();
 
     #[inline(always)]
-    fn run(mut self) {
+    fn run(self) {
+        let frame = self.frame;
+        if frame.moves() {
+            self.form(|from, to| frame.period(from, to));
+        } else {
+            self.form(Period::new);
+        }
+    }
+}
+
+impl<'a, C: Cubic> Fill<'a, C> {
+    /// How many bodies ahead segments are brought into the caches. They are what there is most of,
+    /// and each body's lie somewhere else: without it, half of the time is waiting.
+    const AHEAD: usize = 4;
+
+    #[inline(always)]
+    fn form<const MOVES: bool>(mut self, period: impl Fn(f64, f64) -> Period<MOVES>) {
         let Self { ends, present, .. } = self;
         let count = ends.len() - 1;
         if self.block.slices.len() < count {
@@ -61,9 +78,9 @@ impl<C: Cubic> Task for Fill<'_, C> {
             slice.courses.reserve(present.len());
             slice.bodies.reserve(present.len());
         }
-        let mut periods = [Period::new(0.0, 0.0); Block::SLICES];
-        for (period, ends) in periods.iter_mut().zip(ends.windows(2)) {
-            *period = self.frame.period(ends[0], ends[1]);
+        let mut periods = [period(0.0, 0.0); Block::SLICES];
+        for (place, ends) in periods.iter_mut().zip(ends.windows(2)) {
+            *place = period(ends[0], ends[1]);
         }
         let periods = &periods[..count];
         self.block.pieces.resize(self.poses.len(), 0);
@@ -79,30 +96,24 @@ impl<C: Cubic> Task for Fill<'_, C> {
                 continue;
             }
             let piece = self.block.pieces[body] as usize;
-            let end = Walk {
-                pose,
-                periods,
-                ahead,
-                begin: piece,
-            }
-            .through(piece, place, &mut self.block.slices[..count]);
+            let slices = &mut self.block.slices[..count];
+            let end = if pose.knots.are_extended() {
+                let walk = Walk::<_, _, true>::new(pose, periods, ahead, piece);
+                walk.through_extended(piece, place, slices)
+            } else {
+                let walk = Walk::<_, _, false>::new(pose, periods, ahead, piece);
+                walk.through(piece, place, slices)
+            };
             self.block.pieces[body] = short(end);
         }
     }
-}
-
-impl<'a, C: Cubic> Fill<'a, C> {
-    /// How many bodies ahead segments are brought into the caches. They are what there is most of,
-    /// and each body's lie somewhere else: without it, half of the time is waiting.
-    const AHEAD: usize = 4;
 
     /// Fetches the knots of a body, given its number among those present.
     #[inline(always)]
     fn prefetch_knots(&self, number: usize) {
         if let Some(&place) = self.present.get(number) {
-            let knots = &self.poses[place as usize].knots;
-            let first = (self.block.pieces[place as usize] as usize).min(knots.len());
-            prefetch(&knots[first..(first + 8).min(knots.len())]);
+            let first = self.block.pieces[place as usize] as usize;
+            self.poses[place as usize].knots.prefetch(first, 8);
         }
     }
 
@@ -110,7 +121,11 @@ impl<'a, C: Cubic> Fill<'a, C> {
     /// will be read one by one, fetches what will be; else gives what is to be fetched on the way of
     /// another body.
     #[inline(always)]
-    fn look_up(&mut self, number: usize, periods: &[Period]) -> Ahead<'a, C> {
+    fn look_up<const MOVES: bool>(
+        &mut self,
+        number: usize,
+        periods: &[Period<MOVES>],
+    ) -> Ahead<'a, C> {
         let Some(&place) = self.present.get(number) else {
             return Ahead::Own;
         };
@@ -130,13 +145,13 @@ impl<'a, C: Cubic> Fill<'a, C> {
 
 /// When a block begins and ends, s.
 #[inline(always)]
-fn ends_of(periods: &[Period]) -> (f64, f64) {
+fn ends_of<const MOVES: bool>(periods: &[Period<MOVES>]) -> (f64, f64) {
     (periods[0].from, periods[periods.len() - 1].to)
 }
 
 /// Whether a body exists in a block.
 #[inline(always)]
-fn exists<C>(pose: &Pose<'_, C>, periods: &[Period]) -> bool {
+fn exists<C, const MOVES: bool>(pose: &Pose<'_, C>, periods: &[Period<MOVES>]) -> bool {
     let (first, last) = pose.knots.ends();
     let (from, to) = ends_of(periods);
     first <= to && last >= from
@@ -144,21 +159,28 @@ fn exists<C>(pose: &Pose<'_, C>, periods: &[Period]) -> bool {
 
 /// Whether a body mostly goes through so many cubics in a slice that there are bundles of them.
 #[inline(always)]
-fn goes_in_bundles<C: Cubic>(pose: &Pose<'_, C>, periods: &[Period]) -> bool {
+fn goes_in_bundles<C: Cubic, const MOVES: bool>(
+    pose: &Pose<'_, C>,
+    periods: &[Period<MOVES>],
+) -> bool {
     let (first, last) = pose.knots.ends();
     let (from, to) = ends_of(periods);
     #[allow(clippy::cast_precision_loss, reason = "an estimate")]
     let [cubics, bundles] =
-        [pose.cubics.len(), 2 * Bundle::SIZE * periods.len()].map(|count| count as f64);
-    pose.has_bundles() && cubics * (to - from) > bundles * (last - first)
+        [pose.knots.cubics(), 2 * Bundle::SIZE * periods.len()].map(|count| count as f64);
+    pose.is_in_bundles() && cubics * (to - from) > bundles * (last - first)
 }
 
 /// Fetches what a walk through the slices will read, from a cubic on.
 #[inline(always)]
-fn fetch_route<C: Cubic>(pose: &Pose<'_, C>, periods: &[Period], mut number: usize) {
+fn fetch_route<C: Cubic, const MOVES: bool>(
+    pose: &Pose<'_, C>,
+    periods: &[Period<MOVES>],
+    mut number: usize,
+) {
     pose.fetch(number);
     for period in periods {
-        let end = cubic_at(&pose.knots, period.to, number);
+        let end = cubic_at::<false>(&pose.knots, period.to, number);
         let mut next = number + 1;
         while next < end {
             next = pose.fetch_first(next, end);
@@ -170,10 +192,14 @@ fn fetch_route<C: Cubic>(pose: &Pose<'_, C>, periods: &[Period], mut number: usi
 
 /// The last cubic that begins before `time` (the first one if none does), searched from a guess.
 #[inline(always)]
-fn cubic_before(knots: &[f64], time: f64, guess: u32) -> usize {
+fn cubic_before(knots: &Knots<'_>, time: f64, guess: u32) -> usize {
     /// Steps to the next cubic before the rest is halved.
     const STEPS: usize = 8;
     let guess = guess as usize;
+    if knots.are_extended() {
+        return knots.count(|knot| knot < time).max(1) - 1;
+    }
+    let knots = knots.own();
     let known = guess < knots.len() && knots[guess] < time;
     let mut piece = if known { guess } else { 0 };
     for _ in 0..STEPS {
@@ -188,9 +214,14 @@ fn cubic_before(knots: &[f64], time: f64, guess: u32) -> usize {
 /// The last cubic that begins by `time`, from one that begins before it. (Slices are closed: one that
 /// begins where the slice ends counts with its first point.)
 #[inline(always)]
-fn cubic_at(knots: &[f64], time: f64, number: usize) -> usize {
+fn cubic_at<const EXTENDED: bool>(knots: &Knots<'_>, time: f64, number: usize) -> usize {
     /// Knots that are passed at once.
     const STEP: usize = 4;
+    if EXTENDED {
+        let later = (number + 1..knots.cubics()).take_while(|&next| knots.at(next) <= time);
+        return number + later.count();
+    }
+    let knots = knots.own();
     let mut rest = &knots[number + 1..knots.len() - 1];
     while let Some((step, further)) = rest.split_first_chunk::<STEP>()
         && step[STEP - 1] <= time
@@ -202,9 +233,9 @@ fn cubic_at(knots: &[f64], time: f64, number: usize) -> usize {
 }
 
 /// One body's way through the slices of a block.
-struct Walk<'a, C> {
+struct Walk<'a, C, const MOVES: bool, const EXTENDED: bool> {
     pose: &'a Pose<'a, C>,
-    periods: &'a [Period],
+    periods: &'a [Period<MOVES>],
     ahead: Ahead<'a, C>,
     begin: usize,
 }
@@ -219,9 +250,24 @@ enum Ahead<'a, C> {
     Nothing,
 }
 
-impl<C: Cubic> Walk<'_, C> {
+impl<'a, C: Cubic, const MOVES: bool, const EXTENDED: bool> Walk<'a, C, MOVES, EXTENDED> {
     /// How many of a body's own cubics ahead the next one is fetched.
     const AHEAD: usize = 8;
+
+    #[inline(always)]
+    const fn new(
+        pose: &'a Pose<'a, C>,
+        periods: &'a [Period<MOVES>],
+        ahead: Ahead<'a, C>,
+        begin: usize,
+    ) -> Self {
+        Self {
+            pose,
+            periods,
+            ahead,
+            begin,
+        }
+    }
 
     #[inline(always)]
     fn piece(&self, number: usize) -> Piece {
@@ -236,20 +282,25 @@ impl<C: Cubic> Walk<'_, C> {
             Ahead::Own => self.pose.fetch(number + Self::AHEAD),
             Ahead::Nothing => {}
         }
-        self.pose.piece(number)
+        self.pose.piece::<EXTENDED>(number)
     }
 
     /// Has a trace follow the cubics from `next` to before `end`.
     #[inline(always)]
-    fn follow_whole(&self, trace: &mut Trace, mut next: usize, end: usize) {
+    fn follow_whole(&self, trace: &mut Trace<MOVES>, mut next: usize, end: usize) {
         while next < end {
-            if let Some(after) = self.pose.pass(trace, (next, end)) {
+            if let Some(after) = self.pose.pass::<MOVES, EXTENDED>(trace, (next, end)) {
                 next = after;
             } else {
                 trace.follow_from_start(&self.piece(next));
                 next += 1;
             }
         }
+    }
+
+    #[inline(never)]
+    fn through_extended(&self, number: usize, body: u32, slices: &mut [Slice]) -> usize {
+        self.through(number, body, slices)
     }
 
     /// Appends the body's box and course to each slice in which it exists; gives the cubic that it
@@ -260,7 +311,7 @@ impl<C: Cubic> Walk<'_, C> {
         let knots = &pose.knots;
         let (first, last) = knots.ends();
         let mut rest = self.piece(number);
-        if knots[number] < periods[0].from {
+        if knots.at(number) < periods[0].from {
             rest = rest.split(periods[0].from).1;
         }
         for (slice, period) in slices.iter_mut().zip(periods) {
@@ -268,7 +319,7 @@ impl<C: Cubic> Walk<'_, C> {
                 continue;
             }
             let begin = number;
-            number = cubic_at(knots, period.to, number);
+            number = cubic_at::<EXTENDED>(knots, period.to, number);
             let trace = if number == begin {
                 let (piece, after) = rest.split(period.to.min(rest.end()));
                 rest = after;
@@ -309,6 +360,7 @@ mod tests {
     use super::*;
     use crate::bounds::{Extremes, Frame, Inflation, Sketch};
     use crate::hitbox::Hitbox;
+    use crate::knots::Knots;
     use crate::search::Slices;
     use crate::simd::InstructionSet;
     use crate::trajectory::{State, Trajectory};
@@ -325,7 +377,7 @@ mod tests {
         let still = Frame::around(Extremes::NOTHING, 0.0);
         let slices = Slices::whole(-1.0, 12.0).with_count(19.0);
         let hitbox = Hitbox::POINT;
-        let inflation = Inflation::of(hitbox.spheres(), hitbox.bounding(), 0.0, &still);
+        let inflation = Inflation::of(&hitbox, 0.0, &still);
         for seed in 0..200 {
             let far = if seed % 2 == 0 { 10.0 } else { 1e6 };
             // Boxes stay, or move with some of the bodies' velocity, or faster.
@@ -361,7 +413,12 @@ mod tests {
                 unreachable!("the states are in order")
             };
             let (sketch, lines) = Sketch::of(trajectory.knots(), trajectory.segments());
-            let pose = Pose::sketched(&sketch.on(&lines), &inflation, &frame);
+            let pose = Pose::sketched(
+                Knots::of(trajectory.knots()),
+                &sketch.on(&lines),
+                &inflation,
+                &frame,
+            );
             let mut block = Block::default();
             let mut ends = Vec::new();
             for first in (0..slices.count()).step_by(8) {

@@ -10,7 +10,7 @@ use crate::bounds::{Course, Sight};
 use crate::broad_phase::Candidate;
 use crate::narrow_phase::{approaching, may_touch};
 use crate::simd::prefetch;
-use crate::spans::{Span, SpanKey, spans_from};
+use crate::spans::{Span, SpanKey, each_span};
 use crate::window::Window;
 use std::slice::from_ref;
 
@@ -166,16 +166,16 @@ impl CandidateRefiner {
                     .for_each(|cubic| bodies.fetch_knots(cubic));
             }
             let ([a, b], [first_a, first_b]) = (near.bodies, near.hints);
-            let (from, to) = near.interval;
-            let knots = (bodies.knots(a), bodies.knots(b));
-            for span in spans_from(&knots.0, &knots.1, (first_a, first_b), from, to) {
+            let (knots_a, knots_b) = (bodies.knots(a), bodies.knots(b));
+            let (hints, interval) = ((first_a, first_b), near.interval);
+            each_span((&knots_a, &knots_b), hints, interval, |span| {
                 self.spans.push(PairSpan {
                     a,
                     b,
                     span,
-                    interval: near.interval,
+                    interval,
                 });
-            }
+            });
         }
     }
 

@@ -9,10 +9,10 @@ use crate::pool::Pool;
 use crate::simd::InstructionSet;
 use crate::spans::SpanKey;
 use crate::stats::Stats;
+use crate::wall_clock::Instant;
 use crate::window::Window;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
-use std::time::Instant;
 
 /// Bodies side by side, and what is asked about them in a window.
 #[derive(Debug)]

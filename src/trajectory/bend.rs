@@ -232,8 +232,8 @@ mod tests {
                 let plan = plan.clone().with_outside(outside);
                 let [first, last] = [0, plan.knots().len() - 1].map(|knot| plan.knots()[knot]);
                 let ends = [
-                    (first, plan.carrier_before(), -1.0),
-                    (last, plan.carrier_after(), 1.0),
+                    (first, plan.segment_before(), -1.0),
+                    (last, plan.segment_after(), 1.0),
                 ];
                 for ((knot, carrier, sign), motion) in ends.iter().zip(&motions) {
                     let motion = motion.around(*knot);

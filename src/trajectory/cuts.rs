@@ -6,8 +6,8 @@ pub(super) struct DoublingCuts {
     knot: f64,
     step: f64,
     until: f64,
-    /// 2^k of the last one.
-    factor: f64,
+    /// k of the last one.
+    number: u32,
     last: f64,
 }
 
@@ -20,9 +20,15 @@ impl DoublingCuts {
             knot,
             step,
             until,
-            factor: 1.0,
+            number: 0,
             last: knot,
         }
+    }
+
+    /// Returns the cut with a number (k), whether or not the one before it is another instant.
+    pub(super) fn cut(knot: f64, step: f64, number: u32) -> f64 {
+        let factor = 2_f64.powi(number.cast_signed());
+        (knot + step * (factor - 1.0)).clamp(-f64::MAX, f64::MAX)
     }
 
     /// All but the last one.
@@ -39,12 +45,12 @@ impl Iterator for DoublingCuts {
         let Self { step, until, .. } = *self;
         let precedes = |a, b| (step > 0.0 && a < b) || (step < 0.0 && a > b);
         while precedes(self.last, until) {
-            self.factor *= 2.0;
-            let cut = self.knot + step * (self.factor - 1.0);
+            self.number += 1;
+            let cut = Self::cut(self.knot, step, self.number);
             // A step below the resolution of f64 at the knot is passed over until it shows.
             if precedes(self.last, cut) {
-                self.last = cut.clamp(-f64::MAX, f64::MAX);
-                return Some(self.last);
+                self.last = cut;
+                return Some(cut);
             }
         }
         None

@@ -4,7 +4,7 @@ mod bend;
 mod build;
 mod cuts;
 mod double_double;
-mod outside;
+mod extension;
 mod roomy;
 mod rows;
 mod segment;
@@ -16,7 +16,9 @@ mod state;
 pub use build::TimeBase;
 #[cfg(test)]
 pub(crate) use double_double::DoubleDouble;
-pub(crate) use outside::{Pieces, Scope};
+pub(crate) use extension::Extension;
+#[cfg(test)]
+pub(crate) use extension::Pieces;
 pub(crate) use segment::Restriction;
 pub use segment::Segment;
 pub use state::State;
@@ -220,7 +222,7 @@ impl Trajectory {
     fn followed_at(&self, time: f64) -> (DVec3, DVec3, DVec3) {
         let after = self.knots.partition_point(|&knot| knot <= time);
         if after == 0 {
-            return self.carrier_before().motion_at(time);
+            return self.segment_before().motion_at(time);
         }
         if after < self.knots.len() {
             return self.segments[after - 1].motion_at(time);
@@ -228,7 +230,7 @@ impl Trajectory {
         match self.segments.last() {
             // It is at its last knot, where it ceases to exist.
             Some(last) if self.after == Outside::Absent => last.motion_at(time),
-            _ => self.carrier_after().motion_at(time),
+            _ => self.segment_after().motion_at(time),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Trajectories in files: the exact numbers that are computed with, checked when they come back.
 
 use super::build::{check_number, check_times};
-use super::outside::check_reach;
+use super::extension::check_reach;
 use super::roomy::Roomy;
 use super::{Outside, Segment, Trajectory};
 use crate::error::{Error, Quantity};

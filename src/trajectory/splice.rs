@@ -1,7 +1,7 @@
 //! Changing a plan while it is flown: what has been flown stays, bit for bit.
 
 use super::cuts::DoublingCuts;
-use super::outside::check_reach;
+use super::extension::check_reach;
 use super::{Outside, Trajectory};
 use crate::error::Error;
 use crate::rounding::one_zero;
@@ -86,7 +86,7 @@ impl Trajectory {
         let cut = count_at_front(&flown.knots, |knot| knot < from);
         // Cut where it was before, so that what is found there stays the same bits; and so that a cubic
         // that is followed far from its knots is not looked at as a whole.
-        let beyond = (cut > flown.segments.len()).then(|| flown.carrier_after());
+        let beyond = (cut > flown.segments.len()).then(|| flown.segment_after());
         let mut cuts_after = DoublingCuts::NONE;
         if let (Some(carrier), Some(&last)) = (&beyond, flown.knots.last()) {
             check_reach(carrier, (last, from), flown.knots.len() - 1)?;
@@ -94,7 +94,7 @@ impl Trajectory {
         }
         let mut cuts_before = DoublingCuts::NONE;
         if let (0, Some(&first)) = (ahead, self.knots.first()) {
-            let carrier = self.carrier_before();
+            let carrier = self.segment_before();
             check_reach(&carrier, (from, first), 0)?;
             cuts_before = DoublingCuts::of(first, carrier.start() - carrier.end(), from);
         }
@@ -114,9 +114,9 @@ impl Trajectory {
         // To come: the piece of this plan that holds at `from`, and the rest.
         let goes_on = ahead < self.knots.len();
         let present = match ahead {
-            0 => self.carrier_before(),
+            0 => self.segment_before(),
             _ if goes_on => self.segments[ahead - 1],
-            _ => self.carrier_after(),
+            _ => self.segment_after(),
         };
         self.segments.put_beside(0, flown.segments.beside()[0]);
         self.before = flown.before;

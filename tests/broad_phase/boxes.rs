@@ -1,6 +1,6 @@
 //! Seeded boxes of all the shapes that a slice of a scene may have.
 
-use nearmiss::broad_phase::BodyBox;
+use nearmiss::internals::broad_phase::BodyBox;
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
 use rand::rngs::ChaCha8Rng;

@@ -7,7 +7,7 @@ mod boxes;
 use std::collections::HashSet;
 
 use boxes::{SHAPES, SIDE, SPACING, Shape};
-use nearmiss::broad_phase::{
+use nearmiss::internals::broad_phase::{
     BodyBox, BroadPhase, BruteForce, Candidate, Everyone, InstructionSet, PairFilter, Sweep, Tree,
 };
 use parry3d::bounding_volume::Aabb;

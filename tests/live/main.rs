@@ -10,10 +10,11 @@ mod readers;
 #[path = "../support/mod.rs"]
 mod support;
 
-use nearmiss::crossbeam_channel::{RecvTimeoutError, bounded, select};
+use nearmiss::live::crossbeam_channel::{RecvTimeoutError, bounded, select};
+use nearmiss::live::{Handle, LiveOptions, Report, ReportKind, Request, Unsent};
 use nearmiss::{
-    AlertLevel, Body, BodyId, Command, EncounterId, Error, Event, EventKind, Handle, Hitbox,
-    LiveOptions, Monitor, Report, ReportKind, Request, Scene, State, Trajectory, Unsent, Window,
+    AlertLevel, Body, BodyId, Command, EncounterId, Error, Event, EventKind, Hitbox, Monitor,
+    Scene, State, Trajectory, Window,
 };
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;

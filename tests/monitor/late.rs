@@ -5,17 +5,17 @@ use super::scenarios::tick;
 use super::support::{line, rng, wander};
 use super::{Ledger, is_as_screened};
 use glam::DVec3;
-#[cfg(feature = "serde")]
-use nearmiss::Replay;
+#[cfg(feature = "live")]
+use nearmiss::live::{LiveOptions, ReportKind, Request};
+#[cfg(feature = "recording")]
+use nearmiss::recording::Replay;
 use nearmiss::{
     AlertLevel, Body, BodyId, Budget, Command, Error, Event, Hitbox, Monitor, Outside, Scene,
     State, Trajectory,
 };
-#[cfg(feature = "live")]
-use nearmiss::{LiveOptions, ReportKind, Request};
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
-#[cfg(feature = "serde")]
+#[cfg(feature = "recording")]
 use std::{
     io,
     sync::{Arc, Mutex},
@@ -211,7 +211,7 @@ fn random_late_plans(seed: u64, history: f64, seen: &mut Seen) {
         .collect();
     let mut monitor = Monitor::new(scene, 0.0, 2.0, &[LEVEL]).unwrap();
     monitor.set_history(history).unwrap();
-    #[cfg(feature = "serde")]
+    #[cfg(feature = "recording")]
     let recording = Recording::of(&mut monitor);
     let mut said = Vec::new();
     let (mut reference, mut ledger) = (Reference::new(&[LEVEL], 0.0, 2.0), Ledger::default());
@@ -268,16 +268,16 @@ fn random_late_plans(seed: u64, history: f64, seen: &mut Seen) {
         said.append(&mut events);
     }
     seen.events += said.len();
-    #[cfg(feature = "serde")]
+    #[cfg(feature = "recording")]
     assert!(recording.again(&mut monitor) == said);
 }
 
 /// What a monitor writes.
-#[cfg(feature = "serde")]
+#[cfg(feature = "recording")]
 #[derive(Clone, Default)]
 struct Recording(Arc<Mutex<Vec<u8>>>);
 
-#[cfg(feature = "serde")]
+#[cfg(feature = "recording")]
 impl io::Write for Recording {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.0.lock().unwrap().write(bytes)
@@ -288,7 +288,7 @@ impl io::Write for Recording {
     }
 }
 
-#[cfg(feature = "serde")]
+#[cfg(feature = "recording")]
 impl Recording {
     fn of(monitor: &mut Monitor) -> Self {
         let recording = Self::default();

@@ -369,7 +369,7 @@ pub(crate) fn told(event: &Event) -> Told {
         EventKind::Withdrawn(encounter) => (2, encounter, 0),
         EventKind::Began(encounter) => (3, encounter, 0),
         EventKind::Ended(encounter, reason) => (4, encounter, reason as u64 + 1),
-        EventKind::PlanEnds(id) => return (event.time, 5, id, id, 0, Vec::new()),
+        EventKind::PlanEnds { body, .. } => return (event.time, 5, body, body, 0, Vec::new()),
         _ => panic!("an event without a rule: {event:?}"),
     };
     let numbers = vec![

@@ -37,7 +37,7 @@ pub(crate) fn kinds(events: &[Event]) -> Vec<String> {
         EventKind::Withdrawn(e) => format!("withdrawn {}", e.level),
         EventKind::Began(e) => format!("began {}", e.level),
         EventKind::Ended(e, reason) => format!("ended {} {reason:?}", e.level),
-        EventKind::PlanEnds(_) => "plan ends".to_owned(),
+        EventKind::PlanEnds { .. } => "plan ends".to_owned(),
         _ => "another".to_owned(),
     };
     events.iter().map(name).collect()

@@ -19,6 +19,8 @@ fn build() -> BTreeMap<String, PathBuf> {
         ("parallel", cfg!(feature = "parallel")),
         ("live", cfg!(feature = "live")),
         ("serde", cfg!(feature = "serde")),
+        ("recording", cfg!(feature = "recording")),
+        ("mint", cfg!(feature = "mint")),
     ];
     let features: Vec<&str> = features
         .iter()

@@ -7,6 +7,7 @@
 )]
 
 use glam::DVec3;
+use nearmiss::internals::QueryInternals;
 use nearmiss::{
     Body, Conflict, Hitbox, Monitor, Query, RevisionThreshold, Scene, State, Trajectory, Window,
 };

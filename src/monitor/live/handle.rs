@@ -162,7 +162,8 @@ impl Handle {
     ///
     /// ```
     /// # use nearmiss::glam::DVec3;
-    /// # use nearmiss::{AlertLevel, Body, LiveOptions, Monitor, ReportKind, Scene, State, Trajectory};
+    /// # use nearmiss::live::{LiveOptions, ReportKind};
+    /// # use nearmiss::{AlertLevel, Body, Monitor, Scene, State, Trajectory};
     /// # let mut scene = Scene::new();
     /// # let wall = scene.insert(Body::new(Trajectory::at_rest(9.0 * DVec3::X)?))?;
     /// # let ship = scene.insert(Body::new(Trajectory::at_rest(DVec3::ZERO)?))?;

@@ -76,6 +76,8 @@ mod tests {
         Conflict {
             a,
             b,
+            tag_a: 0,
+            tag_b: 0,
             enter,
             exit,
             closest: CLOSEST,
@@ -92,6 +94,7 @@ mod tests {
         Plain {
             a,
             b,
+            tags: [0; 2],
             enter: Some(start),
             start,
             exit,

@@ -1,7 +1,6 @@
 //! Recordings: what a monitor was told, so that what it said can be had again. What is in one is
 //! said at [`Monitor::start_recording`], its format at [`Replay`].
 
-mod begin;
 mod record;
 mod replay;
 mod tape;
@@ -12,12 +11,11 @@ pub use replay::Replay;
 pub(in crate::monitor) use tape::Tape;
 
 use super::Monitor;
-use record::Begin;
 use std::io::{self, Write};
 
 impl Monitor {
     /// Writes down everything from now on, in the format that [`Replay`] reads; a recording under way
-    /// is given up. (Feature `serde`.)
+    /// is given up. (Feature `recording`.)
     ///
     /// First comes the monitor as it is, then everything that changes it, as it is applied (a live
     /// monitor's requests after they were coalesced), and for each tick how far it came.
@@ -31,9 +29,8 @@ impl Monitor {
     /// monitor panics for it. The writer is dropped at once.
     pub fn start_recording(&mut self, target: impl Write + Send + 'static) -> io::Result<()> {
         self.tape = None;
-        self.end_of_removed();
         let mut tape = Tape::start(Box::new(target))?;
-        tape.write(&Record::Begin(Box::new(Begin::of(self))));
+        tape.write(&Record::Begin(Box::new(self.snapshot())));
         tape.flush()?;
         self.tape = Some(tape);
         Ok(())

@@ -2,9 +2,8 @@
 
 use crate::error::Error;
 use crate::id::BodyId;
-use crate::monitor::encounters::Saved;
-use crate::monitor::{AlertLevel, Command, Event, RevisionThreshold};
-use crate::scene::{Body, Scene};
+use crate::monitor::{Command, RevisionThreshold, Snapshot};
+use crate::scene::Body;
 use serde::{Deserialize, Serialize};
 use std::io;
 
@@ -19,7 +18,7 @@ pub(super) const PREFIX: usize = 18;
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(in crate::monitor) enum Record {
     /// It holds a scene: the others are small.
-    Begin(Box<Begin>),
+    Begin(Box<Snapshot>),
     Apply(Vec<Command>),
     Insert(Body),
     Remove(BodyId),
@@ -38,29 +37,6 @@ pub(in crate::monitor) enum Record {
     Anew,
     Close,
     End,
-}
-
-/// What a monitor cannot work out from the rest.
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(in crate::monitor) struct Begin {
-    pub(super) scene: Scene,
-    pub(super) now: f64,
-    pub(super) told: f64,
-    pub(super) lookahead: f64,
-    pub(super) levels: Vec<AlertLevel>,
-    pub(super) revision_threshold: RevisionThreshold,
-    #[serde(with = "crate::json_number")]
-    pub(super) history: f64,
-    pub(super) max_spans: usize,
-    pub(super) next_id: u64,
-    /// By level.
-    pub(super) encounters: Vec<Saved>,
-    pub(super) waiting: Vec<Event>,
-    /// By slot: whether the end of its plan, if it has one, has been told.
-    pub(super) end_told: Vec<bool>,
-    /// Another tick at the same time would find everything as it is.
-    pub(super) settled: bool,
 }
 
 /// Why a recording cannot be replayed, or not to its end. Offsets are in bytes from the beginning

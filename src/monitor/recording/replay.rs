@@ -1,7 +1,7 @@
 //! Reading a recording and doing it all again.
 
-use super::begin::Flaw;
 use super::record::{PREFIX, Record, RecordingError, TITLE};
+use crate::error::Error;
 use crate::monitor::{Event, Monitor};
 use std::io::{BufRead, Read};
 
@@ -9,7 +9,8 @@ use std::io::{BufRead, Read};
 /// that ran out of time stops in the replay where it stopped then, however fast the machine.
 ///
 /// ```
-/// use nearmiss::{AlertLevel, Monitor, Replay, Scene};
+/// use nearmiss::recording::Replay;
+/// use nearmiss::{AlertLevel, Monitor, Scene};
 /// # #[derive(Clone, Default)]
 /// # struct Memory(std::sync::Arc<std::sync::Mutex<Vec<u8>>>);
 /// # impl std::io::Write for Memory {
@@ -107,12 +108,12 @@ impl<R: BufRead> Replay<R> {
             checksum,
             length,
         } = read(&mut source, offset, 0)?;
-        let Record::Begin(begin) = record else {
+        let Record::Begin(snapshot) = record else {
             return Err(damaged(offset, "it does not begin with a monitor"));
         };
-        let monitor = begin.monitor().map_err(|flaw| match flaw {
-            Flaw::Refused(error) => RecordingError::Refused { offset, error },
-            Flaw::Contradiction(problem) => damaged(offset, problem),
+        let monitor = Monitor::restore(*snapshot).map_err(|error| match error {
+            Error::Snapshot { problem } => damaged(offset, problem),
+            error => RecordingError::Refused { offset, error },
         })?;
         Ok(Self {
             source,

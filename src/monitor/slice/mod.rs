@@ -9,12 +9,12 @@ use super::prepared::{ListMemory, PreparedBodies};
 use crate::bounds::Course;
 use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter, Room};
 use crate::search::{Block, LimitExceeded, Limits, Question};
+use crate::wall_clock::Instant;
 use crate::window::Window;
 pub(super) use ask::{Answer, Neighbour};
 use state::Stage;
 pub(super) use state::{Scratch, Slice};
 use std::sync::OnceLock;
-use std::time::Instant;
 
 impl Slice {
     /// Boxes formed, or candidates looked at, before a budget is looked at: some tenths of a

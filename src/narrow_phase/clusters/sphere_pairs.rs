@@ -38,7 +38,7 @@ pub(super) struct Candidate {
 
 impl<'a> Clusters<'a> {
     pub(in crate::narrow_phase) fn of(a: &'a Party<'a>, b: &'a Party<'a>, span: Span) -> Self {
-        let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
+        let [segment_a, segment_b] = &a.segments_in(b, span);
         let interval = (span.start, span.end);
         Self {
             a,
@@ -58,8 +58,8 @@ impl<'a> Clusters<'a> {
 
     /// Control points of the bodies' relative motion between two instants of the span (s).
     pub(super) fn points_between(&self, interval: (f64, f64)) -> [DVec3; 4] {
-        let Self { a, b, span, .. } = self;
-        let (segment_a, segment_b) = (&a.segments[span.a as usize], &b.segments[span.b as usize]);
+        let Self { a, b, span, .. } = *self;
+        let [segment_a, segment_b] = &a.segments_in(b, span);
         RelativeMotion::between(segment_a, segment_b, interval).points(DVec3::ZERO)
     }
 

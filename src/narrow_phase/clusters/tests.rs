@@ -29,12 +29,10 @@ struct Case {
 /// A plan between two instants (s); its own knots if they are these.
 fn pieces(plan: Trajectory, (start, end): (f64, f64)) -> Pieces {
     let knots = plan.knots().to_vec();
-    let window = Window::new(start, end).and_then(|window| {
-        let plan = plan.clone().with_outside(Outside::Extrapolate);
-        plan.pieces(window, Pieces::with_capacity)
-    });
-    match window {
-        Ok(Some(pieces)) if start < knots[0] => pieces,
+    match Window::new(start, end) {
+        Ok(window) if start < knots[0] => {
+            Pieces::over(&plan.with_outside(Outside::Extrapolate), window)
+        }
         _ => Pieces::own(&plan),
     }
 }

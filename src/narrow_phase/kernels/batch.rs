@@ -94,7 +94,7 @@ impl<'a, R: Real> Lanes<'a, R> {
 /// The relative cubics of many pairs, owned and growing; reuse one to avoid allocation.
 ///
 /// ```
-/// use nearmiss::narrow_phase::kernels::{CubicBatch, InstructionSet, closest_approach};
+/// use nearmiss::kernels::{CubicBatch, InstructionSet, closest_approach};
 ///
 /// let mut batch = CubicBatch::<f32>::new();
 /// batch.extend([1.0, 2.0].map(|y| [[-6.0, y, 0.0], [-2.0, y, 0.0], [2.0, y, 0.0], [6.0, y, 0.0]]));

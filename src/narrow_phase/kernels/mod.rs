@@ -13,7 +13,7 @@
 //! those in `parallel` (a feature) on all threads of the current rayon pool.
 //!
 //! ```
-//! use nearmiss::narrow_phase::kernels::{CubicBatch, InstructionSet, closest_approach};
+//! use nearmiss::kernels::{CubicBatch, InstructionSet, closest_approach};
 //!
 //! // One body passes the other on a straight line, 3 m off, nearest in the middle of the span.
 //! let mut batch = CubicBatch::new();
@@ -140,7 +140,7 @@ pub fn closest_approach<R: Real>(
 /// does the enclosure then.
 ///
 /// ```
-/// use nearmiss::narrow_phase::kernels::{CubicBatch, Enclosure, InstructionSet, enclose};
+/// use nearmiss::kernels::{CubicBatch, Enclosure, InstructionSet, enclose};
 ///
 /// let mut batch = CubicBatch::new();
 /// batch.push([[-6.0, 3.0, 0.0], [-2.0, 3.0, 0.0], [2.0, 3.0, 0.0], [6.0, 3.0, 0.0]]);
@@ -173,7 +173,7 @@ pub fn enclose(
 /// the verdict holds for the points before. A negative `inner` is never reached.
 ///
 /// ```
-/// use nearmiss::narrow_phase::kernels::{CubicBatch, InstructionSet, Verdict, within};
+/// use nearmiss::kernels::{CubicBatch, InstructionSet, Verdict, within};
 ///
 /// // 3 m off; are these within 2.9 m, 3.1 m, and 3 m?
 /// let pass = [[-6.0, 3.0, 0.0], [-2.0, 3.0, 0.0], [2.0, 3.0, 0.0], [6.0, 3.0, 0.0]];

@@ -20,7 +20,7 @@ use crate::trajectory::Segment;
 ///
 /// ```
 /// use glam::DVec3;
-/// use nearmiss::narrow_phase::kernels::{InstructionSet, SpanBatch, Verdict};
+/// use nearmiss::kernels::{InstructionSet, SpanBatch, Verdict};
 /// use nearmiss::{State, Trajectory};
 ///
 /// // Two bodies on straight lines, 3 m apart when they pass each other after one second.

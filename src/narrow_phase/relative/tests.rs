@@ -2,8 +2,7 @@
 
 use super::*;
 use crate::rounding::exact::{Exact, number};
-use crate::trajectory::{Pieces, State, TimeBase, Trajectory};
-use crate::window::Window;
+use crate::trajectory::{State, TimeBase, Trajectory};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 
@@ -133,11 +132,8 @@ fn instants_are_enclosed() {
 
 /// A body at rest, of which everything is exact.
 fn resting(position: DVec3) -> Segment {
-    let window = Window::new(0.0, 1.0);
-    let pieces =
-        Trajectory::at_rest(position).and_then(|body| body.pieces(window?, Pieces::with_capacity));
-    match pieces {
-        Ok(Some(pieces)) => pieces.segments[0],
+    match Trajectory::at_rest(position) {
+        Ok(body) => body.segment_after(),
         other => unreachable!("{other:?}"),
     }
 }

@@ -6,9 +6,10 @@
 #![allow(clippy::unwrap_used, reason = "a panic is what is looked for")]
 
 use glam::DVec3;
+use nearmiss::internals::{Method, QueryInternals};
 use nearmiss::{
-    Accuracy, AlertLevel, Body, Budget, ClosestApproach, Command, Conflict, Event, Hitbox, Method,
-    Monitor, Outside, Query, Scene, Sphere, State, TimeBase, TimeEnclosure, Trajectory, Window,
+    Accuracy, AlertLevel, Body, Budget, ClosestApproach, Command, Conflict, Event, Hitbox, Monitor,
+    Outside, Query, Scene, Sphere, State, TimeBase, TimeEnclosure, Trajectory, Window,
 };
 use proptest::collection::vec;
 use proptest::prelude::{BoxedStrategy, Just, Strategy, any, prop_oneof};

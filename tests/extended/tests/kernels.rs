@@ -20,7 +20,7 @@ mod spans;
 mod workloads;
 
 use exact::Exact;
-use nearmiss::narrow_phase::kernels::{
+use nearmiss::kernels::{
     ControlPoints, CubicBatch, Enclosure, InstructionSet, Verdict, closest_approach, enclose,
     scalar, within,
 };
@@ -417,7 +417,7 @@ fn a_pair_has_the_same_bits_alone_and_anywhere_in_a_batch() {
 #[cfg(feature = "parallel")]
 #[test]
 fn threads_do_not_change_the_bits() {
-    use nearmiss::narrow_phase::kernels::parallel;
+    use nearmiss::kernels::parallel;
 
     let pairs = Workload::Near.pairs(20_001, 19);
     let (times, distances) = approaches(InstructionSet::best(), &pairs);
@@ -522,7 +522,7 @@ fn extremes_have_answers() {
 
 #[test]
 fn slices_of_different_lengths_are_refused() {
-    use nearmiss::narrow_phase::kernels::Lanes;
+    use nearmiss::kernels::Lanes;
 
     let (long, short) = ([0.0; 3], [0.0; 2]);
     assert!(Lanes::new([[&long[..]; 4]; 3]).is_some());

@@ -1,6 +1,6 @@
 //! What is written and read back by itself: the same to the last bit, and nothing else.
 
-#![cfg(feature = "serde")]
+#![cfg(feature = "recording")]
 #![allow(
     clippy::unwrap_used,
     reason = "a scene that cannot be built or written fails the test"
@@ -10,9 +10,10 @@
 mod support;
 
 use glam::DVec3;
+use nearmiss::internals::{Method, QueryInternals};
 use nearmiss::{
-    Accuracy, Body, Budget, CertifiedApproach, Conflict, Hitbox, Method, Monitor, Query,
-    RevisionThreshold, Scene, Screening, State, Trajectory, Window,
+    Accuracy, Body, Budget, CertifiedApproach, Conflict, Hitbox, Monitor, Query, RevisionThreshold,
+    Scene, Screening, State, Trajectory, Window,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -139,7 +140,7 @@ fn answers_come_back() {
 #[cfg(feature = "live")]
 #[test]
 fn options_come_back() {
-    let options = nearmiss::LiveOptions::default()
+    let options = nearmiss::live::LiveOptions::default()
         .with_requests(3)
         .with_reports(4)
         .with_budget(std::time::Duration::from_micros(5));
@@ -158,7 +159,7 @@ fn a_refused_record_says_why() {
     use std::error::Error as _;
     let error = nearmiss::Error::NoPlan;
     let why = error.to_string();
-    let refused = nearmiss::RecordingError::Refused { offset: 20, error };
+    let refused = nearmiss::recording::RecordingError::Refused { offset: 20, error };
     assert_eq!(refused.source().map(ToString::to_string), Some(why));
 }
 

@@ -3,7 +3,7 @@
 use crate::case::{Case, largest_norm, least_violation, looseness, partition_violation};
 use crate::oracle_support::FAMILIES;
 use indicatif::{ProgressBar, ProgressStyle};
-use nearmiss::enclosure::Effort;
+use nearmiss::internals::enclosure::Effort;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use std::fmt;
@@ -69,9 +69,9 @@ impl Table {
     fn measure(
         &mut self,
         case: &Case,
-        least: &nearmiss::enclosure::LeastDistance,
-        threshold: nearmiss::enclosure::Threshold,
-        stretches: &[nearmiss::enclosure::Stretch],
+        least: &nearmiss::internals::enclosure::LeastDistance,
+        threshold: nearmiss::internals::enclosure::Threshold,
+        stretches: &[nearmiss::internals::enclosure::Stretch],
     ) {
         let size = largest_norm(&case.points);
         // Where f64 can hold the figures themselves.

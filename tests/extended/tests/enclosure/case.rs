@@ -6,10 +6,10 @@ use crate::oracle_support::{
     polygon, reaches, squared_distances,
 };
 use dashu::rational::RBig;
-use nearmiss::enclosure::{
+use nearmiss::glam::DVec3;
+use nearmiss::internals::enclosure::{
     DistanceEnclosure, LeastDistance, ParameterEnclosure, Side, Stretch, Threshold, UncertainCubic,
 };
-use nearmiss::glam::DVec3;
 use rand::{Rng, RngExt};
 
 pub(crate) struct Case {

@@ -15,8 +15,10 @@ mod oracle_support;
 
 use campaign::{Table, run};
 use case::{Case, largest_norm};
-use nearmiss::enclosure::{Effort, OutOfRange, Side, Stretch, Threshold, UncertainCubic};
 use nearmiss::glam::DVec3;
+use nearmiss::internals::enclosure::{
+    Effort, OutOfRange, Side, Stretch, Threshold, UncertainCubic,
+};
 use oracle_support::{FAMILIES, Polygon};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;

@@ -7,7 +7,7 @@
 
 use dashu::base::{BitTest, Sign};
 use dashu::integer::IBig;
-use nearmiss::narrow_phase::kernels::ControlPoints;
+use nearmiss::kernels::ControlPoints;
 
 /// More bits than the coordinates have: bounds are rounded to integers when they are compared.
 const GUARD: i32 = 64;

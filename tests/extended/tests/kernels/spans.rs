@@ -1,7 +1,7 @@
 //! Segments gathered into batches: verdicts against the motion of the segments themselves.
 
 use nearmiss::glam::DVec3;
-use nearmiss::narrow_phase::kernels::{InstructionSet, SpanBatch, Verdict, scalar};
+use nearmiss::kernels::{InstructionSet, SpanBatch, Verdict, scalar};
 use nearmiss::{Segment, State, TimeBase, Trajectory};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};

@@ -1,20 +1,22 @@
 //! Recordings: replays say the same to the last bit, and damage is found where it is.
 
-#![cfg(feature = "serde")]
+#![cfg(feature = "recording")]
 #![allow(
     clippy::unwrap_used,
     reason = "a monitor that cannot be built or recorded fails the test"
 )]
 
 mod damage;
+mod snapshots;
 #[path = "../../../support/mod.rs"]
 mod support;
 mod writers;
 
 use glam::DVec3;
+use nearmiss::recording::{RecordingError, Replay};
 use nearmiss::{
     AlertLevel, Body, BodyId, Budget, Command, Event, Hitbox, Layers, Monitor, Outside,
-    RecordingError, Replay, RevisionThreshold, Scene, Sphere, State, Trajectory,
+    RevisionThreshold, Scene, Sphere, State, Trajectory,
 };
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
@@ -83,8 +85,8 @@ fn monitor(rng: &mut ChaCha8Rng, count: usize, lookahead: f64) -> Monitor {
     with_every_change(Monitor::new(scene, 0.0, lookahead, &levels).unwrap())
 }
 
-/// One tick with whatever comes to mind.
-fn live_on(monitor: &mut Monitor, rng: &mut ChaCha8Rng, events: &mut Vec<Event>) {
+/// Whatever comes to mind between two ticks; returns true if a limit is to be tried next.
+fn change(monitor: &mut Monitor, rng: &mut ChaCha8Rng) -> bool {
     let now = monitor.now();
     let ids: Vec<BodyId> = monitor.scene().bodies().map(|(id, _)| id).collect();
     let mut commands = Vec::new();
@@ -117,13 +119,20 @@ fn live_on(monitor: &mut Monitor, rng: &mut ChaCha8Rng, events: &mut Vec<Event>)
             })
             .unwrap(),
         6 => monitor.set_max_spans(rng.random_range(5_000..9_000)),
-        7 => {
-            // Refused or not, and if so, it leaves no trace.
-            monitor.set_max_spans(rng.random_range(0..20));
-            let _ = monitor.advance(now, events);
-            monitor.set_max_spans(Monitor::MAX_SPANS);
-        }
+        7 => return true,
         _ => {}
+    }
+    false
+}
+
+/// One tick with whatever comes to mind.
+fn live_on(monitor: &mut Monitor, rng: &mut ChaCha8Rng, events: &mut Vec<Event>) {
+    let now = monitor.now();
+    if change(monitor, rng) {
+        // Refused or not, and if so, it leaves no trace.
+        monitor.set_max_spans(rng.random_range(0..20));
+        let _ = monitor.advance(now, events);
+        monitor.set_max_spans(Monitor::MAX_SPANS);
     }
     let step = [0.0, 0.05, 0.05, 0.05, 2.0][rng.random_range(0..5)];
     let budget = if rng.random_bool(0.4) {
@@ -305,7 +314,7 @@ fn a_stopped_recording_ends_where_it_was_stopped() {
 #[cfg(feature = "live")]
 #[test]
 fn a_live_monitor_is_recorded_as_it_was_applied() {
-    use nearmiss::{LiveOptions, Report, ReportKind};
+    use nearmiss::live::{LiveOptions, Report, ReportKind};
     let mut rng = rng(12);
     let mut monitor = monitor(&mut rng, 60, 5.0);
     let file = Memory::default();

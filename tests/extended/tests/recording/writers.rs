@@ -147,7 +147,7 @@ fn a_broken_writer_is_dropped_with_its_monitor() {
 #[cfg(feature = "live")]
 #[test]
 fn a_broken_writer_does_not_stop_a_live_monitor() {
-    use nearmiss::LiveOptions;
+    use nearmiss::live::LiveOptions;
     for fault in FAULTS {
         for is_dropped in [false, true] {
             let mut monitor = monitor(&mut rng(15), 6, 5.0);

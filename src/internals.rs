@@ -1,0 +1,56 @@
+//! Parts of the crate that its own tests and benchmarks reach. They may change or go with any version.
+
+use crate::query::Query;
+use std::num::NonZeroU32;
+
+pub use crate::broad_phase::Method;
+pub use crate::simd::InstructionSet;
+
+pub mod broad_phase {
+    //! Boxes in, candidate pairs out.
+    pub use crate::broad_phase::*;
+}
+
+pub mod enclosure {
+    //! Certified enclosures of one cubic.
+    pub use crate::enclosure::*;
+}
+
+pub mod polynomial {
+    //! Roots of polynomials.
+    pub use crate::polynomial::*;
+}
+
+/// Ways to ask a query that change the time it takes, never the answer.
+pub trait QueryInternals: Sized {
+    /// Returns the query by another broad-phase method.
+    #[must_use]
+    fn with_method(self, method: Method) -> Self;
+
+    /// Returns the query with the window cut into this many slices, at most a million, instead of as many as are
+    /// expected to cost least. The answer is the same, if there is room for the candidates of a slice (2^26, or
+    /// [`max_spans`](Query::max_spans) if that is more).
+    #[must_use]
+    fn with_slices(self, slices: NonZeroU32) -> Self;
+
+    /// Returns the query with another instruction set, instead of the best of this processor.
+    #[must_use]
+    fn with_instruction_set(self, instructions: InstructionSet) -> Self;
+}
+
+impl QueryInternals for Query {
+    fn with_method(mut self, method: Method) -> Self {
+        self.method = method;
+        self
+    }
+
+    fn with_slices(mut self, slices: NonZeroU32) -> Self {
+        self.slices = Some(slices);
+        self
+    }
+
+    fn with_instruction_set(mut self, instructions: InstructionSet) -> Self {
+        self.instructions = instructions;
+        self
+    }
+}
