@@ -126,7 +126,7 @@ impl<'m> PreparedBodies<'m> {
             traffic.body_time += time;
             if last > first {
                 #[allow(clippy::cast_precision_loss, reason = "an estimate")]
-                let segments = party.segments.len() as f64;
+                let segments = party.knots.cubics() as f64;
                 traffic.segments += segments * (time / (last - first));
             }
         }
