@@ -59,13 +59,14 @@ pub(super) fn lower_bound<R: Real>(points: ControlPoints<R>) -> R {
         lowest,
     } = below(points, square);
     // The least value of c1 x + c2 x² on 0..=1, negated.
-    let vertex = c1 * (c1 / (R::from_f64(4.0) * c2)) * (R::from_f64(1.0) + R::from_f64(16.0) * u);
-    let end = (-(c1 + c2)).or_more(zero) * (R::from_f64(1.0) + R::from_f64(8.0) * u);
+    let vertex = c1 * (c1 / (R::from_f64(4.0) * c2));
+    let end = (-(c1 + c2)).or_more(zero);
     let inside = (c1 < zero) & (c2 > zero) & (-c1 <= two * c2);
     let slack = if inside { vertex } else { end };
-    // And the plain convex hull.
+    // And the plain convex hull. Two roundings of the quadratic or one of its end, two of the product, one of
+    // the difference.
     let slack = slack.or_less((-lowest).or_more(zero));
-    square - R::from_f64(4.0) * u * square - slack * (R::from_f64(1.0) + R::from_f64(4.0) * u)
+    square - R::from_f64(4.0) * u * square - slack * (R::from_f64(1.0) + R::from_f64(8.0) * u)
 }
 
 /// `square` is the squared distance at `k0`.
