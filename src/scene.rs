@@ -39,27 +39,22 @@ struct Slot {
 /// # Memory
 ///
 /// A body takes about 950 bytes and 230 a segment: a million bodies with plans of 8 segments 2.8 GB.
-/// (950: 350 what is known of the body as a whole, 260 how it coasts before and after its plan, 270 room
+/// (950: 310 what is known of the body as a whole, 260 how it coasts before and after its plan, 270 room
 /// for two more segments in front of it, which a monitor's splices need, the rest what comes with each list.
 /// 230: 128 the segment, 64 a copy in f32, which boxes are formed from, 22 sums over runs of these; twice
 /// 8 its knot.)
 ///
-/// A body that goes on beyond its knots ([`Outside`](crate::Outside)) takes about 1,450 bytes and 260 a
-/// segment more, from the first screening on that reaches beyond them to its next plan. So 4 GiB are
-/// enough for a million plans of 8 segments if they are absent there; if they coast it takes more than 6 GB.
+/// What a body does beyond its knots ([`Outside`](crate::Outside)) takes no memory of its own.
 ///
 /// The copies, sums and knots that are read with them lie next to each other, in large pages where the
-/// system has them; up to an eighth more is set aside for each body. What a body leaves serves the next
-/// one of about its size. When more lies idle than is in use (and more than 1 MiB) all that is in use
-/// moves to new memory, and the old one goes back to the system: not at once, but with each body that
-/// is put in, taken out or given another plan some four times as much as its own. (A monitor's replans move
-/// nothing: they have no time for it, and take no memory.) But for those, no more was written to at any
-/// time than five times what the bodies there need, and 3 MiB; the end of the last piece that was asked
-/// for (as much again as is in use, but for no more than 32 MiB) was not yet. When the scene is empty,
-/// none is left. What stays until a scene is dropped is a slot of 350 bytes for each body of the time when
-/// there were most, which the next ones take.
+/// system has them. When more was given back than is in use (and more than 1 MiB), all that is in use is
+/// copied to new memory, and the old one goes back to the system. (A monitor's replans copy nothing.) But
+/// for those, no more was written to at any time than five times what the bodies there need, and 3 MiB;
+/// the end of the last piece that was asked for (as much again as is in use, but for no more than 32 MiB)
+/// was not yet. When the scene is empty, none is left. What stays until a scene is dropped is a slot of
+/// 310 bytes for each body of the time when there were most, which the next ones take.
 ///
-/// A screening adds some 280 a body and, for each
+/// A screening adds some 330 a body and, for each
 /// thread, at most 64 MiB of boxes (64 bytes each, for up to 2^20 of them or one slice, if that has
 /// more), 40 to 130 bytes a box of one slice for the sweep, and 8 for each of a slice's candidates;
 /// then 16 bytes for each span that is solved, and the conflicts themselves. Boxes, candidates and

@@ -113,14 +113,12 @@ fn figures_are_as_documented() {
     for segments in [1, 8, 20] {
         let many = f64::from(segments);
         is("a body", of_scene(segments), 950.0 + 230.0 * many);
+        // What a body does beyond its knots takes nothing.
         let beyond =
             of_screening(segments, Outside::Coast) - of_screening(segments, Outside::Absent);
-        is("beyond its knots", beyond, 1450.0 + 260.0 * many);
+        assert!(beyond.abs() <= 50.0, "{beyond}");
     }
     is("monitored", of_monitor(8, Outside::Absent), 1100.0);
-    is(
-        "monitored and coasting",
-        of_monitor(8, Outside::Coast),
-        6000.0,
-    );
+    let coasting = of_monitor(8, Outside::Coast);
+    is("monitored and coasting", coasting, 1200.0);
 }

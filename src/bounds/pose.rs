@@ -1,6 +1,5 @@
 //! How a body lies in the frame: its cubics, and what is the same for all its boxes.
 
-use super::FAR;
 use super::bundle::{Bundle, largest};
 use super::frame::{Frame, Inflation};
 use super::piece::Piece;
@@ -14,12 +13,9 @@ use crate::trajectory::Segment;
 use std::slice::from_ref;
 
 /// A cubic that boxes are formed from.
-pub(crate) trait Cubic: Copy {
+pub(crate) trait Cubic {
     /// It is so cheap to read that two bodies are compared by it.
     const IS_COMPACT: bool;
-
-    /// A cubic of a motion that goes on beyond its plan, between two knots.
-    fn beyond(segment: Segment, knots: (f64, f64), stance: &Stance) -> Self;
 
     /// The whole of it between two knots, relative to the body's place, in the frame's unit.
     fn piece(&self, knots: (f64, f64), stance: &Stance) -> Piece;
@@ -62,7 +58,7 @@ impl<C: Cubic> Pose<'_, C> {
         let ends = (self.knots.at(number), self.knots.at(number + 1));
         match self.knots.segment_beyond(number) {
             None => self.cubics[number - self.knots.before()].piece(ends, &self.stance),
-            Some(segment) => C::beyond(segment, ends, &self.stance).piece(ends, &self.stance),
+            Some(segment) => segment.piece(ends, &self.stance),
         }
     }
 
@@ -125,11 +121,8 @@ impl<'a> Pose<'a, Stroke> {
         frame: &Frame,
     ) -> Self {
         let mut anchor = drawing.frame;
-        if let (Some(origin), true) = (knots.origin(), drawing.strokes.is_empty()) {
-            anchor = Frame {
-                origin,
-                power: frame.power,
-            };
+        if drawing.strokes.is_empty() {
+            anchor.origin = knots.origin().unwrap_or(anchor.origin);
         }
         Self {
             knots,
@@ -164,12 +157,6 @@ impl<'a> Pose<'a, Segment> {
 impl Cubic for Stroke {
     const IS_COMPACT: bool = true;
 
-    fn beyond(segment: Segment, knots: (f64, f64), stance: &Stance) -> Self {
-        // It must be served in the frame's unit as well.
-        let far = FAR / f64::from(stance.factor).max(1.0);
-        Self::within(far, &segment, knots, &stance.anchor).unwrap_or(Self::ANYWHERE)
-    }
-
     #[inline(always)]
     fn piece(&self, knots: (f64, f64), stance: &Stance) -> Piece {
         Piece::whole(self, knots, stance.factor)
@@ -179,14 +166,10 @@ impl Cubic for Stroke {
 impl Cubic for Segment {
     const IS_COMPACT: bool = false;
 
-    fn beyond(segment: Segment, _: (f64, f64), _: &Stance) -> Self {
-        segment
-    }
-
     #[inline(always)]
     fn piece(&self, knots: (f64, f64), stance: &Stance) -> Piece {
         match Stroke::of(self, knots, &stance.anchor) {
-            Some(stroke) => stroke.piece(knots, stance),
+            Some(stroke) => Piece::whole(&stroke, knots, 1.0),
             None => Piece::anywhere(knots),
         }
     }

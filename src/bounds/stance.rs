@@ -7,9 +7,9 @@ use glam::{DVec3, Vec4};
 /// Where a body's cubics are measured from, and how much larger than their hull its boxes are.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stance {
-    /// What the cubics are relative to.
+    /// What the cubics are relative to, in the frame's unit.
     pub(super) anchor: Frame,
-    /// From their unit to the frame's.
+    /// From the unit of those that are drawn to the frame's.
     pub(super) factor: f32,
     /// Of the anchor in the frame.
     pub(super) place: Vec4,
@@ -54,7 +54,10 @@ impl Stance {
         // Too large only where all coordinates are zero.
         let factor = nearest(factor).min(f32::MAX);
         Self {
-            anchor,
+            anchor: Frame {
+                power: frame.power,
+                ..anchor
+            },
             factor,
             place,
             low: place + inflation.low,

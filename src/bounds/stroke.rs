@@ -20,17 +20,6 @@ impl Stroke {
     /// None where `f32` does not serve its coordinates.
     #[inline(always)]
     pub(super) fn of(segment: &Segment, ends: (f64, f64), frame: &Frame) -> Option<Self> {
-        Self::within(FAR, segment, ends, frame)
-    }
-
-    /// None where its coordinates are larger than `far`, in the frame's unit.
-    #[inline(always)]
-    pub(super) fn within(
-        far: f64,
-        segment: &Segment,
-        ends: (f64, f64),
-        frame: &Frame,
-    ) -> Option<Self> {
         let part = Points::of(segment, ends);
         let (offset, near) = (segment.origin() - frame.origin, part.spread() * frame.power);
         let lanes = |point: DVec3, last: f64| {
@@ -38,7 +27,7 @@ impl Stroke {
             Vec4::new(nearest(x), nearest(y), nearest(z), nearest(last))
         };
         let [p0, p1, p2, p3] = part.points;
-        let is_served = (offset + p0).abs().max_element() * frame.power + near < far;
+        let is_served = (offset + p0).abs().max_element() * frame.power + near < FAR;
         is_served.then(|| {
             Self([
                 lanes(p0, near),
@@ -50,14 +39,6 @@ impl Stroke {
     }
 
     pub(super) const NONE: Self = Self([Vec4::ZERO; 4]);
-
-    /// One that may be anywhere.
-    pub(super) const ANYWHERE: Self = Self([
-        Vec4::new(0.0, 0.0, 0.0, f32::INFINITY),
-        Vec4::ZERO,
-        Vec4::ZERO,
-        Vec4::ZERO,
-    ]);
 
     /// The points in another unit, and what their rounding is relative to.
     #[inline(always)]

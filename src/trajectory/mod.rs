@@ -60,10 +60,7 @@ pub struct Trajectory {
 /// What a body does before its first and after its last knot.
 ///
 /// A body that goes on beyond its knots exists at all times: it can only be screened within a
-/// closed window, else there is an [`Error::WindowNotClosed`](crate::Error::WindowNotClosed). Where the window reaches its first or its
-/// last knot, what it does beyond is laid out once: some microseconds a body, and room for its plan
-/// once more. It is laid out again for a new plan, and where a window reaches twice as far beyond the
-/// knots, or half as far.
+/// closed window, else there is an [`Error::WindowNotClosed`](crate::Error::WindowNotClosed).
 ///
 /// Far beyond the knots a position is good to some roundings of the way gone, 4e-15 of it: of a cubic, of
 /// the sizes of its three terms. A straight flight has none but the first. So two bodies come within a margin
