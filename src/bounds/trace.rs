@@ -261,7 +261,7 @@ mod tests {
     use super::*;
     use crate::hitbox::Hitbox;
     use crate::knots::Knots;
-    use crate::search::{Block, Fill};
+    use crate::search::{FormBounds, SliceBlock};
     use crate::simd::InstructionSet;
     use crate::trajectory::{State, Trajectory};
     use glam::DVec3;
@@ -297,8 +297,8 @@ mod tests {
                 &inflation,
                 &frame,
             );
-            let mut block = Block::default();
-            InstructionSet::best().run(Fill {
+            let mut block = SliceBlock::default();
+            InstructionSet::best().run(FormBounds {
                 block: &mut block,
                 frame: &frame.moving(DVec3::ZERO),
                 poses: &[pose],

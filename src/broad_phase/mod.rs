@@ -6,7 +6,7 @@
 //! checked against. The crate cuts the window into slices and forms the boxes.
 
 mod brute_force;
-mod room;
+mod limit;
 mod sweep;
 mod tree;
 
@@ -14,7 +14,7 @@ use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
 pub use crate::simd::InstructionSet;
 pub use brute_force::BruteForce;
-pub(crate) use room::Room;
+pub(crate) use limit::CandidateLimit;
 pub use sweep::Sweep;
 pub use tree::Tree;
 

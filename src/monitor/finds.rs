@@ -17,7 +17,7 @@ fn pair_of(key: &SpanKey) -> Slots {
 
 /// See the module.
 #[derive(Debug, Default)]
-pub(super) struct Finds {
+pub(super) struct SolvedSpans {
     /// The solution of each span for each two spheres.
     finds: Kept<SpanKey, Solved>,
     /// Pairs to which spans were added, or with a body of which all was forgotten, since they were
@@ -26,7 +26,7 @@ pub(super) struct Finds {
     changed: Vec<Slots>,
 }
 
-impl Finds {
+impl SolvedSpans {
     /// How many there are.
     pub(super) fn len(&self) -> usize {
         self.finds.entries().len()

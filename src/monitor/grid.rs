@@ -20,13 +20,13 @@ pub(super) struct Grid {
     /// How many of them make up the lookahead.
     pub(super) ahead: f64,
     /// What the scene looked like when that was chosen.
-    signs: Signs,
+    signs: SceneSignature,
 }
 
 /// What shows at little cost whether another grid may suit a scene better: how many slices a lookahead
 /// would take by a rule of thumb, from some of the bodies. It is compared with itself only.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Signs {
+pub(super) struct SceneSignature {
     slices: f64,
     /// Where the middle half of the bodies is on each axis (m): a few that stray make no difference.
     middle: Extremes,
@@ -34,7 +34,7 @@ pub(super) struct Signs {
 
 /// When a grid was last compared with its scene.
 #[derive(Debug)]
-pub(super) struct Review {
+pub(super) struct RescheduleTrigger {
     /// How many bodies there were.
     bodies: usize,
     /// What the clock showed, s.
@@ -44,7 +44,7 @@ pub(super) struct Review {
     enough: usize,
 }
 
-impl Review {
+impl RescheduleTrigger {
     /// Changes of fewer bodies are no reason.
     const FEW: usize = 64;
 
@@ -69,7 +69,7 @@ impl Review {
     }
 }
 
-impl Signs {
+impl SceneSignature {
     /// Of a scene's bodies within a lookahead from an instant on (s), for pairs within `margin` (m) in
     /// boxes that move with a velocity (m/s).
     pub(super) fn of(
@@ -143,7 +143,7 @@ impl Grid {
         // Whole: else part of the next one would be due with the first tick.
         let ahead = Self::number(cheapest, scene.len()).round();
         let velocity = scene.common_velocity((origin, origin + lookahead));
-        let signs = Signs::of(scene, margin, (origin, lookahead), velocity);
+        let signs = SceneSignature::of(scene, margin, (origin, lookahead), velocity);
         let grid = Self {
             frame: Frame::amid(scene.extremes(), signs.middle, margin.abs()).moving(velocity),
             origin,
@@ -171,7 +171,7 @@ impl Grid {
     }
 
     /// Whether it still suits a scene, by what that looks like now.
-    pub(super) fn suits(&self, scene: &Scene, margin: f64, signs: &Signs) -> bool {
+    pub(super) fn suits(&self, scene: &Scene, margin: f64, signs: &SceneSignature) -> bool {
         /// Times more slices, or fewer, that a tick hardly notices.
         const FEW: f64 = 3.0;
         let [before, now] =

@@ -11,7 +11,7 @@ use crate::broad_phase::PairFilter;
 use crate::parallel;
 use crate::pool::Pool;
 use crate::rounding::seen_from;
-use crate::search::{LimitExceeded, Limits, Scratch};
+use crate::search::{LimitExceeded, Limits, SearchScratch};
 use crate::spans::SpanKey;
 use crate::stats::Stats;
 use crate::window::Window;
@@ -59,7 +59,7 @@ impl JumpSearch {
         &mut self,
         (from, to, length): (f64, f64, f64),
         (bodies, filter): (&PreparedBodies<'_>, &F),
-        (limits, pool): (Limits, &Pool<Scratch>),
+        (limits, pool): (Limits, &Pool<SearchScratch>),
         meter: &mut Meter,
         (found, stats): Found<'_>,
     ) -> Result<Option<f64>, LimitExceeded> {

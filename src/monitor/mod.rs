@@ -46,7 +46,7 @@ use crate::stats::Stats;
 use calendar::Calendar;
 use command::Batch;
 use encounters::Encounters;
-use grid::{Grid, Review, can_tell_apart};
+use grid::{Grid, RescheduleTrigger, can_tell_apart};
 use outlook::Outlook;
 use read::Readings;
 #[cfg(feature = "recording")]
@@ -139,7 +139,7 @@ pub struct Monitor {
     plan_ends: Calendar,
     stats: Stats,
     changed_bodies: u64,
-    review: Review,
+    review: RescheduleTrigger,
     batch: Batch,
     readings: Readings,
     /// Set from another thread to have a tick end early, as if its budget were spent.
@@ -241,7 +241,7 @@ impl Monitor {
             plan_ends: Calendar::default(),
             stats: Stats::default(),
             changed_bodies: 0,
-            review: Review::made(scene.len(), now),
+            review: RescheduleTrigger::made(scene.len(), now),
             batch: Batch::default(),
             readings: Readings::of_levels(levels.len()),
             interrupt: None,

@@ -3,14 +3,14 @@
 
 use crate::bounds::{Extremes, Frame, Inflation, MovingFrame};
 use crate::scene::{Occupant, Scene};
-use crate::search::Traffic;
+use crate::search::SceneStatistics;
 use crate::trajectory::{Extension, Segment};
 use crate::window::Window;
 use glam::DVec3;
 
 /// See the module.
 #[derive(Debug)]
-pub(super) struct Survey {
+pub(super) struct SceneSurvey {
     window: Window,
     margin: f64,
     /// When each body exists, by place, and all of them (first and last instant, s). (Never, if it is
@@ -21,12 +21,12 @@ pub(super) struct Survey {
     pub(super) extremes: Extremes,
     /// Of the plans alone, roughly, m.
     plans: Extremes,
-    traffic: Traffic,
+    traffic: SceneStatistics,
     /// Largest distance from a body's position that matters, m.
     pub(super) size: f64,
 }
 
-impl Survey {
+impl SceneSurvey {
     /// Of so many bodies that are not known yet.
     pub(super) fn of(count: usize, window: Window, margin: f64) -> Self {
         Self {
@@ -36,7 +36,7 @@ impl Survey {
             existence: (f64::INFINITY, f64::NEG_INFINITY),
             extremes: Extremes::NOTHING,
             plans: Extremes::NOTHING,
-            traffic: Traffic {
+            traffic: SceneStatistics {
                 body_time: 0.0,
                 path: 0.0,
                 segments: 0.0,
@@ -125,8 +125,8 @@ impl Survey {
     }
 
     /// How much moves in the window.
-    pub(super) fn traffic(&self) -> Traffic {
-        Traffic {
+    pub(super) fn traffic(&self) -> SceneStatistics {
+        SceneStatistics {
             world: (self.plans.high - self.plans.low).to_array(),
             ..self.traffic
         }

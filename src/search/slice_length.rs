@@ -6,9 +6,9 @@
 //! candidates found, and from how boxes grow with time, the cheapest length is extrapolated, and
 //! tried in turn.
 
-use super::{Fill, Presence, Scratch, Slices, Traffic};
+use super::{FormBounds, Lifetimes, SceneStatistics, SearchScratch, TimeSlices};
 use crate::bounds::{Cubic, MovingFrame, Pose};
-use crate::broad_phase::{BroadPhase, Everyone, Room};
+use crate::broad_phase::{BroadPhase, CandidateLimit, Everyone};
 use crate::narrow_phase::approaching;
 use crate::pool::Pool;
 use crate::simd::InstructionSet;
@@ -140,10 +140,10 @@ impl Trial {
 #[derive(Debug)]
 pub(crate) struct SliceTrials<'a> {
     /// Of all bodies.
-    pub(crate) presence: &'a Presence,
+    pub(crate) presence: &'a Lifetimes,
     pub(crate) frame: &'a MovingFrame,
     pub(crate) instructions: InstructionSet,
-    pub(crate) pool: &'a Pool<Scratch>,
+    pub(crate) pool: &'a Pool<SearchScratch>,
 }
 
 impl SliceTrials<'_> {
@@ -151,10 +151,10 @@ impl SliceTrials<'_> {
     /// the length given. `poses` gives those of the bodies in some places.
     pub(crate) fn cheapest<'p, C: Cubic + 'p>(
         &self,
-        mut slices: Slices,
-        traffic: &Traffic,
+        mut slices: TimeSlices,
+        traffic: &SceneStatistics,
         poses: impl FnOnce(&[usize]) -> Vec<Pose<'p, C>>,
-    ) -> Slices {
+    ) -> TimeSlices {
         /// Fewer bodies are not worth a trial, unless they would have more boxes than these.
         const FEW: usize = 64;
         const FEW_BOXES: f64 = 4096.0;
@@ -180,7 +180,7 @@ impl SliceTrials<'_> {
         let whole = bodies as f64 / sample.len() as f64;
         let mut last: Option<(Trial, f64)> = None;
         // The cheapest crowded slices.
-        let mut crowded: Option<(f64, Slices)> = None;
+        let mut crowded: Option<(f64, TimeSlices)> = None;
         for _ in 0..MAX_TRIALS {
             let cubics = 1.0 + traffic.cubics_in(slices.length());
             let trial = self.trial(&presence, &sampled, &slices, whole, cubics);
@@ -225,16 +225,16 @@ impl SliceTrials<'_> {
     /// Counts in a few slices of a length, scaled from the sample to all bodies.
     fn trial<C: Cubic>(
         &self,
-        presence: &Presence,
+        presence: &Lifetimes,
         poses: &[Pose<'_, C>],
-        slices: &Slices,
+        slices: &TimeSlices,
         whole: f64,
         cubics: f64,
     ) -> Trial {
         const PLACES: u32 = 3;
         let places = PLACES.min(slices.count());
         let mut scratch = self.pool.take();
-        let Scratch {
+        let SearchScratch {
             present,
             block,
             sweep,
@@ -249,7 +249,7 @@ impl SliceTrials<'_> {
             let first = slices.number_at(share);
             presence.list(slices.interval(first), present);
             slices.ends(first..first + 1, ends);
-            self.instructions.run(Fill {
+            self.instructions.run(FormBounds {
                 block: &mut *block,
                 frame: self.frame,
                 poses,
@@ -258,7 +258,7 @@ impl SliceTrials<'_> {
             });
             let slice = &block.slices[0];
             candidates.clear();
-            let room = Room::new(&Everyone, MAX_CANDIDATES);
+            let room = CandidateLimit::new(&Everyone, MAX_CANDIDATES);
             sweep
                 .at(self.instructions)
                 .pairs(&slice.boxes, &room, candidates);

@@ -13,12 +13,12 @@ pub(super) const EMPTY: Corners = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
 /// A node of the tree: boxes of bodies, or around the nodes below.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-pub(super) struct Node {
+pub(super) struct BoxNode {
     low: [[f32; WIDTH]; 3],
     high: [[f32; WIDTH]; 3],
 }
 
-impl Node {
+impl BoxNode {
     pub(super) const EMPTY: Self = Self {
         low: [[f32::INFINITY; WIDTH]; 3],
         high: [[f32::NEG_INFINITY; WIDTH]; 3],

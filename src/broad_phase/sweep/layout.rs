@@ -1,10 +1,10 @@
 //! Which axis to sweep along, and into how many rows and bins to sort.
 
-use super::scale::STEPS;
+use super::quantizer::STEPS;
 
 /// How boxes are sorted: rows over two axes, fine bins along the third.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Plan {
+pub(super) struct GridLayout {
     /// The axis swept along.
     pub(super) sweep: usize,
     /// The axes cut into rows.
@@ -17,14 +17,14 @@ pub(super) struct Plan {
 
 /// What a plan rests on: all lengths as shares of the grid.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Crowd {
+pub(super) struct BoxStatistics {
     /// Number of boxes.
     pub(super) count: usize,
     /// Mean extent of a box on each axis, 0..=1.
     pub(super) extents: [f64; 3],
 }
 
-impl Plan {
+impl GridLayout {
     /// Nanoseconds to sort one copy of a box, and to compare it with the 16 that follow. Only
     /// their ratio matters: it was measured on the reference swarm.
     const COPY: f64 = 7.0;
@@ -35,7 +35,7 @@ impl Plan {
     ];
 
     /// The plan of least expected cost where boxes are spread evenly.
-    pub(super) fn choose(crowd: &Crowd) -> Self {
+    pub(super) fn choose(crowd: &BoxStatistics) -> Self {
         let count = crowd.count as f64;
         let mut best = (f64::INFINITY, 0, [1, 1]);
         for sweep in 0..3 {
