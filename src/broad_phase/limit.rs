@@ -21,7 +21,7 @@ impl<'f, F: PairFilter> CandidateLimit<'f, F> {
         }
     }
 
-    /// Whether there was too little.
+    /// Returns true if more were admitted.
     #[inline]
     pub(crate) fn is_short(&self) -> bool {
         self.admitted.load(Ordering::Relaxed) > self.most

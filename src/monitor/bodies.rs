@@ -65,7 +65,7 @@ impl<'m> BodyTable<'m> {
         }
     }
 
-    /// How many bodies ahead they are fetched.
+    /// Number of bodies by which they are fetched ahead.
     const AHEAD: usize = 4;
     /// Knots that are fetched: two lines.
     const KNOTS: usize = 16;
@@ -155,10 +155,10 @@ pub(super) struct ChangedBounds {
     chunks: Vec<ChangedBatch>,
 }
 
-/// What one thread forms at a time.
+/// Bounds that one thread forms at a time.
 #[derive(Debug, Default)]
 struct ChangedBatch {
-    /// Where its bodies are in the list of all.
+    /// Place of its first body in the list of all.
     first: usize,
     /// By slice.
     boxes: Vec<Vec<(BodyBox, Course)>>,
@@ -188,7 +188,7 @@ impl ChangedBounds {
         });
     }
 
-    /// Whether it is about these bodies, in this order.
+    /// Returns true if it is about these bodies, in this order.
     pub(super) fn are(&self, slots: &[u32]) -> bool {
         self.slots == slots
     }

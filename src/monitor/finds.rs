@@ -27,7 +27,7 @@ pub(super) struct SolvedSpans {
 }
 
 impl SolvedSpans {
-    /// How many there are.
+    /// Returns the number of solved spans.
     pub(super) fn len(&self) -> usize {
         self.finds.entries().len()
     }
@@ -108,7 +108,7 @@ impl SolvedSpans {
         }
     }
 
-    /// Which cubics of the two bodies that is about.
+    /// Returns the cubics of the two bodies that these are about.
     pub(super) fn spans_fetched(&self, pair: Slots) -> impl Iterator<Item = (u32, u32)> {
         let fetched = self.of(pair).take(Self::FETCHED);
         fetched.map(|find| (find.key.cubic_a, find.key.cubic_b))

@@ -27,12 +27,12 @@ pub(super) struct JumpSearch {
 struct Progress {
     /// All is searched up to here, s.
     at: f64,
-    /// Of the next piece and of its slices, s.
+    /// Lengths of the next piece and of its slices, s.
     piece: f64,
     slice: f64,
 }
 
-/// Where what is found, and what it took, are added.
+/// Spans found, and the work it took; both are added to.
 type Found<'o> = (&'o mut Vec<SpanKey>, &'o mut Stats);
 
 impl JumpSearch {

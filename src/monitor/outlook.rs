@@ -1,4 +1,4 @@
-//! What lies ahead: every span in which a pair may come within the largest margin, solved once.
+//! The lookahead: every span in which a pair may come within the largest margin, solved once.
 //!
 //! The lookahead is cut into slices on a fixed grid of time. A slice knows the boxes of all bodies
 //! in it, and which bodies have changed since they were compared. Catching up goes through the
@@ -61,11 +61,11 @@ pub(super) struct Outlook {
     /// Pairs that are ignored since then.
     left_out: Vec<Slots>,
     moved: ChangedBounds,
-    /// Where the slices of the lookahead begin and end, s.
+    /// Ends of the slices of the lookahead, s.
     ends: Vec<f64>,
     /// See [`Partners::revision`](crate::scene::Partners::revision).
     partners: Option<(u64, u64)>,
-    /// Where the lookahead ended when it was last caught up with, s.
+    /// End of the lookahead when it was last caught up with, s.
     reached: f64,
     /// With more spans it is too crowded.
     pub(super) max_spans: usize,
@@ -116,7 +116,7 @@ impl Outlook {
         self.grid.confirm(other);
     }
 
-    /// Whether anything has changed since.
+    /// Returns true if anything has changed since.
     pub(super) const fn has_changed(&self) -> bool {
         !(self.dirty.is_empty() && self.left_out.is_empty())
     }
@@ -203,7 +203,7 @@ impl Outlook {
         }
     }
 
-    /// How far plans must be laid out for a lookahead that ends at `end`: to the end of the slice
+    /// Returns the instant (s) to which plans must be followed for a lookahead that ends at `end`: to the end of the slice
     /// after its last one, since slices are formed as a whole.
     pub(super) fn laid_out(&self, end: f64) -> f64 {
         end + 2.0 * self.grid.length

@@ -1,4 +1,4 @@
-//! Where bodies are that have changed since the last tick: what slices know of them is out of date, and
+//! Boxes of bodies that have changed since the last tick: what slices know of them is out of date, and
 //! a question between ticks is not to go through all that they might meet.
 
 use super::bodies::BodyTable;
@@ -18,7 +18,7 @@ pub(super) struct Recent {
 
 #[derive(Debug, Default)]
 struct RecentBoxes {
-    /// How many of the slots have been boxed, for which window (s). A body that has changed again has
+    /// Number of slots that have been boxed, for this window (s). A body that has changed again has
     /// several boxes.
     boxed: usize,
     window: (f64, f64),
@@ -32,7 +32,7 @@ impl Recent {
         self.slots.push(slot);
     }
 
-    /// How many changes there are.
+    /// Returns the number of changes.
     pub(super) const fn len(&self) -> usize {
         self.slots.len()
     }

@@ -30,7 +30,7 @@ use crate::window::Window;
 use prepared::{Admission, Lists, PreparedScene, clip_of, lone_party};
 use solve::describe;
 
-/// How much of the work going through the slices is taken to be, when progress is told.
+/// Share of the work that going through the slices is taken to be, when progress is told.
 const SHARE_OF_SLICES: f64 = 0.9;
 
 /// The answer to a [`Query`].
@@ -77,7 +77,7 @@ impl Scene {
         self.screen_with_progress(query, |_| {})
     }
 
-    /// The same as [`screen`](Self::screen); `progress` is told now and then, from any of the
+    /// Answers as [`screen`](Self::screen) does; `progress` is told now and then, from any of the
     /// threads, which share is done: up to 0.9 of the time slices, from there on of the pairs that are
     /// solved; by several threads maybe not in order; and 1 at the end, from this thread.
     ///
@@ -121,7 +121,7 @@ impl Scene {
         })
     }
 
-    /// The same with a proof; dearer by the proof.
+    /// Returns [`closest_approach`](Self::closest_approach) with a proof; dearer by the proof.
     ///
     /// ```
     /// # use nearmiss::glam::DVec3;
@@ -160,7 +160,7 @@ impl Scene {
         })
     }
 
-    /// How many slices the query's window would be cut into, at the least expected cost.
+    /// Returns the number of slices that the query's window would be cut into, at the least expected cost.
     pub(crate) fn cheapest_slices(&self, query: &Query) -> Result<u32, Error> {
         let line_up = PreparedScene::new(self, query)?;
         if line_up.ids.len() < 2 {

@@ -31,12 +31,12 @@ pub(super) struct PreparedScene<'a> {
     extensions: Vec<(usize, Extension)>,
     /// The window of the answer.
     pub(super) asked: Window,
-    /// The same, but open ends are closed where no body exists beyond them.
+    /// The same window, its open ends closed where no body exists beyond them.
     pub(super) window: Window,
     pub(super) margin: f64,
     pub(super) accuracy: Accuracy,
     pub(super) instructions: InstructionSet,
-    /// How many slices, if that was prescribed.
+    /// Number of slices, if that was prescribed.
     pub(super) prescribed: Option<NonZeroU32>,
     pub(super) limits: Limits,
     pub(super) pool: &'a Pool<SearchScratch>,
@@ -115,7 +115,7 @@ impl<'a> PreparedScene<'a> {
         (parties, poses)
     }
 
-    /// How the bodies in some places lie in that frame.
+    /// Returns the sources of boxes of the bodies in some places.
     pub(super) fn poses(&self, places: &[usize]) -> Vec<Pose<'_, Stroke>> {
         let frame = self.frame;
         let pose = |&place: &usize| self.party(place, &frame).1;
@@ -137,7 +137,7 @@ impl<'a> PreparedScene<'a> {
         (party_of(&occupant.body, knots), pose)
     }
 
-    /// How much moves in the window, from what is known of each body as a whole.
+    /// Returns how much moves in the window, from what is known of each body as a whole.
     pub(super) fn traffic(&self) -> SceneStatistics {
         self.survey.traffic()
     }
@@ -146,7 +146,7 @@ impl<'a> PreparedScene<'a> {
 /// Layers and ignored pairs, by place in the line-up.
 pub(super) struct Admission<'a> {
     layers: Vec<Layers>,
-    /// Where the margin is negative: some pairs cannot be within it.
+    /// Radii, if the margin is negative: some pairs cannot be within it.
     radii: Vec<f64>,
     margin: f64,
     ids: &'a [BodyId],

@@ -15,7 +15,7 @@ use crate::spans::SpanKey;
 use std::slice::from_ref;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// What one thread reuses from pair to pair.
+/// Memory that one thread reuses from pair to pair.
 #[derive(Default)]
 struct SolveScratch {
     contacts: Vec<Contact>,

@@ -1,4 +1,4 @@
-//! What there is to know of all bodies before any of them is looked at closely, from one pass: they
+//! Statistics of all bodies before any of them is looked at closely, from one pass: they
 //! lie next to each other in memory, but are larger together than the caches.
 
 use crate::bounds::{Extremes, Frame, Inflation, MovingFrame};
@@ -17,9 +17,9 @@ pub(super) struct SceneSurvey {
     /// part of no pair.)
     pub(super) lives: Vec<(f64, f64)>,
     pub(super) existence: (f64, f64),
-    /// Of all that is followed, roughly, m: of bodies that exist in the window.
+    /// Extremes of all that is followed, roughly, m: of bodies that exist in the window.
     pub(super) extremes: Extremes,
-    /// Of the plans alone, roughly, m.
+    /// Extremes of the plans alone, roughly, m.
     plans: Extremes,
     traffic: SceneStatistics,
     /// Largest distance from a body's position that matters, m.
@@ -27,7 +27,7 @@ pub(super) struct SceneSurvey {
 }
 
 impl SceneSurvey {
-    /// Of so many bodies that are not known yet.
+    /// Begins a survey of so many bodies that are not known yet.
     pub(super) fn of(count: usize, window: Window, margin: f64) -> Self {
         Self {
             window,
@@ -124,7 +124,7 @@ impl SceneSurvey {
         Frame::amid(self.extremes, most, self.size).moving(scene.common_velocity(window))
     }
 
-    /// How much moves in the window.
+    /// Returns how much moves in the window.
     pub(super) fn traffic(&self) -> SceneStatistics {
         SceneStatistics {
             world: (self.plans.high - self.plans.low).to_array(),

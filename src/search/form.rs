@@ -11,7 +11,7 @@ pub(crate) struct SliceBounds {
     /// Bodies of boxes are places in these lists.
     pub(crate) boxes: Vec<BodyBox>,
     pub(crate) courses: Vec<Course>,
-    /// Which body a place is about, ascending.
+    /// Bodies by place, ascending.
     pub(crate) bodies: Vec<u32>,
 }
 
@@ -38,7 +38,7 @@ pub(crate) struct FormBounds<'a, C> {
     pub(crate) poses: &'a [Pose<'a, C>],
     /// Places of those to look at, ascending: each that exists in one of the slices is among them.
     pub(crate) present: &'a [u32],
-    /// Where the slices begin and end, s: one more than there are slices.
+    /// Ends of the slices, s: one more than there are slices.
     pub(crate) ends: &'a [f64],
 }
 
@@ -57,7 +57,7 @@ impl<C: Cubic> Task for FormBounds<'_, C> {
 }
 
 impl<'a, C: Cubic> FormBounds<'a, C> {
-    /// How many bodies ahead segments are brought into the caches. They are what there is most of,
+    /// Number of bodies by which segments are fetched ahead. They are what there is most of,
     /// and each body's lie somewhere else: without it, half of the time is waiting.
     const AHEAD: usize = 4;
 
@@ -149,7 +149,7 @@ fn ends_of<const MOVES: bool>(periods: &[Period<MOVES>]) -> (f64, f64) {
     (periods[0].from, periods[periods.len() - 1].to)
 }
 
-/// Whether a body exists in a block.
+/// Returns true if a body exists in a block.
 #[inline(always)]
 fn exists<C, const MOVES: bool>(pose: &Pose<'_, C>, periods: &[Period<MOVES>]) -> bool {
     let (first, last) = pose.knots.ends();
@@ -157,7 +157,7 @@ fn exists<C, const MOVES: bool>(pose: &Pose<'_, C>, periods: &[Period<MOVES>]) -
     first <= to && last >= from
 }
 
-/// Whether a body mostly goes through so many cubics in a slice that there are bundles of them.
+/// Returns true if a body mostly goes through so many cubics in a slice that there are bundles of them.
 #[inline(always)]
 fn goes_in_bundles<C: Cubic, const MOVES: bool>(
     pose: &Pose<'_, C>,
@@ -240,18 +240,18 @@ struct BodyWalk<'a, C, const MOVES: bool, const EXTENDED: bool> {
     begin: usize,
 }
 
-/// What is fetched on the way.
+/// Cubics that are fetched on the way.
 enum Ahead<'a, C> {
     /// The cubics of a body that is still to come, from one on, one for one with this one's.
     Later(&'a Pose<'a, C>, usize),
     /// This one's own: none is to come.
     Own,
-    /// What is to come has been fetched.
+    /// None: those to come have been fetched.
     Nothing,
 }
 
 impl<'a, C: Cubic, const MOVES: bool, const EXTENDED: bool> BodyWalk<'a, C, MOVES, EXTENDED> {
-    /// How many of a body's own cubics ahead the next one is fetched.
+    /// Number of a body's own cubics by which one is fetched ahead.
     const AHEAD: usize = 8;
 
     #[inline(always)]

@@ -1,4 +1,4 @@
-//! Which bodies exist when.
+//! The times in which bodies exist.
 
 /// When each body exists (first and last instant, s), side by side: most bodies of a long recording
 /// exist in few slices.

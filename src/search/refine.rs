@@ -14,7 +14,7 @@ use crate::spans::{Span, SpanKey, each_span};
 use crate::window::Window;
 use std::slice::from_ref;
 
-/// What is asked of the candidates of a slice.
+/// A slice whose candidates are refined, and the bodies they are of.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RefineContext<'a, B> {
     pub(crate) bodies: &'a B,

@@ -4,7 +4,7 @@ use super::{CandidateRefiner, SliceBlock, SpanSorter};
 use crate::broad_phase::{BruteForce, Candidate, Sweep, Tree};
 use crate::spans::SpanKey;
 
-/// What one thread reuses from slice to slice.
+/// Memory that one thread reuses from slice to slice.
 ///
 /// A box, its course and its body take 64 bytes, in each slice of a block; the sweep's own lists 40
 /// to 130 a box of one slice.
@@ -17,9 +17,9 @@ pub(crate) struct SearchScratch {
     pub(crate) present: Vec<u32>,
     pub(crate) block: SliceBlock,
     pub(crate) candidates: Vec<Candidate>,
-    /// How many of them each slice has.
+    /// Number of candidates of each slice.
     pub(crate) counts: Vec<usize>,
-    /// Where they begin and end, s.
+    /// Ends of the slices of a block, s.
     pub(crate) ends: Vec<f64>,
     pub(crate) refiner: CandidateRefiner,
     pub(crate) found: Vec<SpanKey>,

@@ -1,4 +1,4 @@
-//! How long a slice should be, from a cost model and a sample of the bodies: counts, no clock, so
+//! The length of slices, from a cost model and a sample of the bodies: counts, no clock, so
 //! that the same scene is always cut alike. It decides about time, never about answers.
 //!
 //! Short slices cost boxes; long ones cost candidates, which grow with the cube of a box's size. A
@@ -35,7 +35,7 @@ mod cost {
 /// Candidates of a trial's slice that are looked at: with more, slices must be shorter anyway.
 const MAX_CANDIDATES: u64 = 1 << 20;
 
-/// How near candidates grow with the length of a slice, as a power of it, until two lengths were
+/// Growth of near candidates with the length of a slice, as a power of it, until two lengths were
 /// tried: in proportion in any case, and courses become less straight.
 const NEAR_GROWTH: f64 = 2.5;
 
@@ -48,7 +48,7 @@ const MAX_QUARTERS: i32 = 8;
 /// A trial whose length is to be changed by no more than such a factor is good enough.
 const SETTLED: Range<f64> = 0.7..1.5;
 
-/// What was counted in slices of one length, for all bodies.
+/// Counts in slices of one length, for all bodies.
 struct Trial {
     bodies: f64,
     /// Boxes, candidates, and candidates not ruled out by their courses, a slice.
@@ -64,7 +64,7 @@ struct Trial {
     least: f64,
 }
 
-/// How counts grow with the length of a slice, as powers of it.
+/// Growth of counts with the length of a slice, as powers of it.
 struct Growth {
     /// None: as the boxes' volume does.
     candidates: Option<f64>,
@@ -109,7 +109,7 @@ impl Trial {
         (slice + self.boxes * per_box + candidates * cost::CANDIDATE + near) / factor
     }
 
-    /// Whether comparing is by far the most of the work. Where boxes are so long that nearly all meet,
+    /// Returns true if comparing is by far the most of the work. Where boxes are so long that nearly all meet,
     /// slices some times shorter show no gain yet: only far shorter ones tell whether they pay.
     fn is_crowded(&self) -> bool {
         const MAX: f64 = 8.0;
@@ -139,7 +139,7 @@ impl Trial {
 /// Bodies of which some are put through slices.
 #[derive(Debug)]
 pub(crate) struct SliceTrials<'a> {
-    /// Of all bodies.
+    /// Times in which all bodies exist.
     pub(crate) presence: &'a Lifetimes,
     pub(crate) frame: &'a MovingFrame,
     pub(crate) instructions: InstructionSet,

@@ -10,7 +10,7 @@ pub(crate) struct TimeSlices {
     count: u32,
 }
 
-/// What the choice of a slice length rests on.
+/// Statistics of a scene on which the choice of a slice length rests.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SceneStatistics {
     /// Seconds of existence within the window, added up over bodies.
@@ -100,7 +100,7 @@ impl TimeSlices {
         }
     }
 
-    /// The same window cut into about `count` slices; one where that is no number.
+    /// Returns the window cut into about `count` slices; one where that is no number.
     pub(crate) fn with_count(self, count: f64) -> Self {
         let count = if count >= 1.0 && count.is_finite() {
             whole_number(count.round().min(Self::MAX_SLICES))
@@ -142,7 +142,7 @@ impl TimeSlices {
         (self.cut(slice), self.cut(slice + 1))
     }
 
-    /// Where some slices begin and end, s: one more than there are slices.
+    /// Lists the ends of some slices, s: one more than there are slices.
     /// Replaces what `ends` held.
     pub(crate) fn ends(&self, slices: Range<u32>, ends: &mut Vec<f64>) {
         let cuts = slices.start..=slices.end;

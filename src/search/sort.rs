@@ -6,7 +6,7 @@ use crate::spans::SpanKey;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SpanSorter {
     other: Vec<SpanKey>,
-    /// Where the next survivor of each body goes.
+    /// Place of the next span of each body.
     places: Vec<usize>,
 }
 

@@ -285,10 +285,10 @@ fn list_pairs<B: BroadPhase, F: PairFilter>(
     !room.is_short()
 }
 
-/// How large the boxes of a slice are.
+/// Size of the boxes of a slice.
 #[derive(Clone, Copy, Debug, Default)]
 struct Size {
-    /// Of a mean box, summed up over the axes.
+    /// Extent of a mean box, summed up over the axes.
     extent: f64,
     /// In proportion to the candidates of bodies that are anywhere.
     pairs: f64,
@@ -314,7 +314,7 @@ impl Size {
     }
 }
 
-/// How many of a block's slices are compared before what was found in them is refined: as many as have
+/// Returns how many of a block's slices are compared before what was found in them is refined: as many as have
 /// few boxes. Reading the clock takes as long as a few boxes.
 fn slices_in_a_run(block: &SliceBlock, count: usize) -> usize {
     const BOXES: usize = 1024;

@@ -1,8 +1,8 @@
-//! Which axis to sweep along, and into how many rows and bins to sort.
+//! Choice of the axis to sweep along, and of the number of rows and bins.
 
 use super::quantizer::STEPS;
 
-/// How boxes are sorted: rows over two axes, fine bins along the third.
+/// Rows and bins into which boxes are sorted: rows over two axes, fine bins along the third.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct GridLayout {
     /// The axis swept along.
@@ -15,7 +15,7 @@ pub(super) struct GridLayout {
     pub(super) bins: u32,
 }
 
-/// What a plan rests on: all lengths as shares of the grid.
+/// Statistics on which a layout rests: all lengths as shares of the grid.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BoxStatistics {
     /// Number of boxes.
@@ -73,7 +73,7 @@ impl GridLayout {
         whole((4.0 / extent).clamp(1.0, most.max(1.0)))
     }
 
-    /// The same sweep without rows.
+    /// Returns a layout with the same axis, without rows.
     pub(super) const fn in_one_row(mut self) -> Self {
         self.rows = [1, 1];
         self

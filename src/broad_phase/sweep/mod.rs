@@ -45,7 +45,7 @@ pub struct Sweep {
     faces: BoxesSoA,
     /// The boxes divided at each depth.
     parts: Vec<Partition>,
-    /// How many copies dividing may still make in this slice.
+    /// Number of copies that dividing may still make in this slice.
     copies_left: usize,
 }
 
@@ -77,7 +77,7 @@ impl Sweep {
         }
     }
 
-    /// The same, with another instruction set.
+    /// Returns the sweep with another instruction set.
     pub(crate) const fn at(&mut self, instructions: InstructionSet) -> &mut Self {
         self.instructions = instructions;
         self

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::region::Region;
 use crate::broad_phase::BodyBox;
 
-/// Where to divide: planes across an axis.
+/// Planes across an axis at which boxes are divided.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SplitPlanes {
     pub(super) axis: usize,
@@ -18,7 +18,7 @@ pub(super) struct SplitPlanes {
 pub(super) struct Partition {
     pub(super) cuts: SplitPlanes,
     pub(super) boxes: Vec<BodyBox>,
-    /// Where the boxes of each part end.
+    /// Ends of the boxes of each part.
     ends: Vec<usize>,
     /// The parts that each box reaches.
     reach: Vec<Range<usize>>,

@@ -81,7 +81,7 @@ fn lowest_bits(number: f32) -> u16 {
     number.to_bits() as u16
 }
 
-/// Which of `parts` equal parts of an axis a grid coordinate is in; keeps the order.
+/// Returns which of `parts` equal parts of an axis a grid coordinate is in; keeps the order.
 #[inline(always)]
 pub(super) fn part(grid: u16, parts: u32) -> u32 {
     (u32::from(grid) * parts) >> 16

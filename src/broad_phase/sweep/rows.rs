@@ -23,9 +23,9 @@ pub(super) struct SortedRows {
     spread: Vec<u32>,
     /// For each cell, where its records end.
     pub(super) cell_ends: Vec<u32>,
-    /// Which box a record is a copy of.
+    /// The box that each record is a copy of.
     pub(super) source: Vec<RecordSource>,
-    /// Where the records end that start no later than this one ends.
+    /// For each record, the end of those that start no later than it ends.
     pub(super) run_ends: Vec<u32>,
     pub(super) low: [Vec<u16>; 3],
     pub(super) high: [Vec<u16>; 3],
@@ -34,9 +34,9 @@ pub(super) struct SortedRows {
 /// Some of the comparisons of a sweep, made with the boxes themselves.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct HitRate {
-    /// How many boxes were compared.
+    /// Number of boxes that were compared.
     pub(super) tested: u64,
-    /// How many of them meet.
+    /// Number of them that overlap.
     pub(super) met: u64,
 }
 
@@ -66,7 +66,7 @@ impl SortedRows {
     }
 }
 
-/// Which box a record is a copy of, and whether the box starts in the record's row.
+/// The box that a record is a copy of, and whether the box starts in the record's row.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct RecordSource(u32);
 
@@ -80,7 +80,7 @@ impl RecordSource {
         (self.0 & !(Self::EARLIER[0] | Self::EARLIER[1])) as usize
     }
 
-    /// Whether a pair of boxes is reported in the row of these two records: the one in which their
+    /// Returns true if a pair of boxes is reported in the row of these two records: the one in which their
     /// common part starts. On either axis of rows, the one that starts later starts there; both
     /// boxes have a copy in that row, and in no other row is this so.
     #[inline(always)]
@@ -157,7 +157,7 @@ fn pack(boxes: &[BodyBox], scale: &Quantizer, plan: &GridLayout, rows: &mut Sort
     spread.truncate(spread_count);
 }
 
-/// How many copies are needed besides those in the cells of low corners.
+/// Returns how many copies are needed besides those in the cells of low corners.
 #[inline(always)]
 fn further_copies(plan: &GridLayout, rows: &SortedRows) -> u64 {
     let mut copies = 0;
@@ -168,7 +168,7 @@ fn further_copies(plan: &GridLayout, rows: &SortedRows) -> u64 {
     copies
 }
 
-/// How many rows a box reaches besides the first, on each axis of rows.
+/// Returns how many rows a box reaches besides the first, on each axis of rows.
 #[inline(always)]
 fn spans(packed: &QuantizedBox, plan: &GridLayout) -> [u32; 2] {
     let [first, second] = plan.across;
@@ -179,7 +179,7 @@ fn spans(packed: &QuantizedBox, plan: &GridLayout) -> [u32; 2] {
     ]
 }
 
-/// How many copies each cell gets.
+/// Counts the copies that each cell gets.
 #[inline(always)]
 fn count(plan: &GridLayout, rows: &mut SortedRows) {
     let SortedRows {
@@ -291,7 +291,7 @@ struct ExtraCells {
     line: usize,
     first: usize,
     lines: u32,
-    /// How many are left in the line, and how many a line has besides the first.
+    /// Number of cells left in the line, and number that a line has besides the first.
     left: u32,
     span: u32,
     /// From one to the next, and from line to line.

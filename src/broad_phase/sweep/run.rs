@@ -75,7 +75,7 @@ impl<F: PairFilter> Task for SweepRows<'_, F> {
     }
 }
 
-/// Which of the 16 records from `next` on meet a grid box.
+/// Returns which of the 16 records from `next` on meet a grid box.
 ///
 /// One saturating difference for each face, none of which may exceed zero.
 #[inline(always)]

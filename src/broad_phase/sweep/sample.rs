@@ -1,4 +1,4 @@
-//! What boxes look like, from a sample of them.
+//! Statistics of boxes, from a sample of them.
 
 use super::partition::SplitPlanes;
 use super::region::Region;
@@ -101,7 +101,7 @@ impl BoxSample {
     }
 }
 
-/// Where a box starts in the region.
+/// Returns the place at which a box starts in the region.
 fn low(one: &BodyBox, region: &Region, axis: usize) -> f32 {
     one.aabb.mins[axis].max(region.low[axis])
 }

@@ -26,7 +26,7 @@ impl MortonOrder {
         }
     }
 
-    /// Where on the curve a box's middle is.
+    /// Returns the place of a box's middle on the curve.
     #[inline(always)]
     pub(super) fn place(&self, aabb: &Aabb) -> u32 {
         let (low, high) = corners(aabb);

@@ -39,7 +39,7 @@ pub(super) struct BoxTree {
     /// The boxes around nodes are there. Else they wait for [`fit`](Self::fit): no search is asked
     /// for meanwhile.
     is_fitted: bool,
-    /// How often all were put in order.
+    /// Number of times that all were put in order.
     orders: u32,
     /// Bodies and leaves passed by since all were put in order, because a body was not where it
     /// belongs.
@@ -99,18 +99,18 @@ impl BoxTree {
         }
     }
 
-    /// How many bodies there is room for.
+    /// Returns how many bodies there is room for.
     pub(super) fn capacity(&self) -> usize {
         self.slot_at.len()
     }
 
-    /// How many leaves there are. What is in them stays there as long as
+    /// Returns the number of leaves. What is in them stays there as long as
     /// [`orders`](Self::orders) stays the same, but for bodies that are moved, inserted or removed.
     pub(super) fn leaves(&self) -> usize {
         self.slot_at.len() / WIDTH
     }
 
-    /// How often all bodies were given other places.
+    /// Returns how often all bodies were given other places.
     pub(super) const fn orders(&self) -> u32 {
         self.orders
     }

@@ -91,7 +91,7 @@ pub(super) fn merged((low, high): Corners, (other_low, other_high): Corners) -> 
     )
 }
 
-/// Whether one box is inside another and touches none of its sides.
+/// Returns true if one box is inside another and touches none of its sides.
 #[inline(always)]
 pub(super) fn is_inside((low, high): Corners, (other_low, other_high): Corners) -> bool {
     (0..3).all(|axis| low[axis] > other_low[axis] && high[axis] < other_high[axis])

@@ -1,4 +1,4 @@
-//! What boxes meet in a tree.
+//! Search for the boxes of a tree that overlap others.
 
 use super::node::corners;
 use super::{BoxTree, WIDTH};

@@ -19,7 +19,7 @@ pub(in crate::monitor) struct NearBody {
     pub(in crate::monitor) to: f64,
 }
 
-/// What questions to slices write to.
+/// Memory of questions to slices.
 #[derive(Debug, Default)]
 pub(in crate::monitor) struct QueryScratch {
     /// In any order; a body may be listed several times.

@@ -20,7 +20,7 @@ impl LookaheadSlice {
     /// millisecond.
     const STEP: usize = 1024;
 
-    /// Which share of the work for a slice is forming and placing its boxes; the rest is comparing
+    /// Share of the work for a slice that is forming and placing its boxes; the rest is comparing
     /// them.
     const PLACING: f64 = 0.6;
 
@@ -37,7 +37,7 @@ impl LookaheadSlice {
     /// Boxes that are asked for what meets them before a filter is asked whether it gives up.
     const ASKED: usize = 64;
 
-    /// Of a body without a box: nobody asks for it.
+    /// Stands for the fat line of a body without a box: nobody asks for it.
     const NO_COURSE: Course = Course {
         start: [0.0; 3],
         change: [0.0; 3],
@@ -88,7 +88,7 @@ impl LookaheadSlice {
         }
     }
 
-    /// Where it ends, s.
+    /// Returns its end, s.
     pub(super) const fn end(&self) -> f64 {
         self.interval.1
     }
@@ -111,7 +111,7 @@ impl LookaheadSlice {
         self.due = share;
     }
 
-    /// How much of `count` is due now in a stage of the work, which lasts from one share to
+    /// Returns how much of `count` is due now in a stage of the work, which lasts from one share to
     /// another.
     #[allow(
         clippy::cast_possible_truncation,
@@ -124,22 +124,22 @@ impl LookaheadSlice {
         (count as f64 * share).ceil() as usize
     }
 
-    /// How many slots are to have boxes now.
+    /// Returns how many slots are to have boxes now.
     fn due_slots(&self, bodies: &BodyTable<'_>) -> usize {
         self.due_of(bodies.flights.len(), (0.0, Self::PLACING))
     }
 
-    /// How many leaves are to be compared now.
+    /// Returns how many leaves are to be compared now.
     fn due_leaves(&self) -> usize {
         self.due_of(self.index.boxes.leaves(), (Self::PLACING, 1.0))
     }
 
-    /// Whether all bodies have their boxes in the tree.
+    /// Returns true if all bodies have their boxes in the tree.
     pub(super) const fn is_placed(&self) -> bool {
         matches!(self.stage, BuildStage::Joining(..) | BuildStage::Built)
     }
 
-    /// Whether all that is due is compared.
+    /// Returns true if all that is due is compared.
     pub(super) fn is_fresh(&self, bodies: &BodyTable<'_>) -> bool {
         let is_there = match self.stage {
             // What has changed is looked at when the slice is built.
@@ -163,7 +163,7 @@ impl LookaheadSlice {
             && self.sifted == self.candidates.len()
     }
 
-    /// How many boxes are to be formed, at most.
+    /// Returns how many boxes are to be formed, at most.
     pub(super) fn missing(&self, bodies: &BodyTable<'_>) -> usize {
         match self.stage {
             BuildStage::Built => self.changed.len(),

@@ -1,4 +1,4 @@
-//! What is known of one slice, and how far it is.
+//! One slice of the lookahead, and the stage it is in.
 
 use crate::bounds::Course;
 use crate::broad_phase::{BodyBox, Candidate, Sweep};
@@ -19,7 +19,7 @@ pub(in crate::monitor) struct LookaheadSlice {
     /// For questions about a slice that has no boxes yet.
     pub(super) asked: OnceLock<Index>,
     pub(super) stage: BuildStage,
-    /// What share of the slice is to be compared now, 0 to 1: all of it if it is needed.
+    /// Share of the slice that is to be compared now, 0 to 1: all of it if it is needed.
     pub(super) due: f64,
     /// Bodies that changed since they were boxed.
     pub(super) changed: Vec<u32>,
@@ -29,7 +29,7 @@ pub(in crate::monitor) struct LookaheadSlice {
     pub(super) candidates: Vec<Candidate>,
     /// Candidates before this one have been looked at.
     pub(super) sifted: usize,
-    /// What was found and not taken yet.
+    /// Spans that were found and not taken yet.
     pub(in crate::monitor) survivors: Vec<SpanKey>,
     /// From here on (s) all bodies are to be searched from nothing: boxes of the whole slice overlap too
     /// many others.
@@ -49,7 +49,7 @@ pub(super) struct Index {
     pub(super) courses: Vec<Course>,
 }
 
-/// What one thread reuses from slice to slice.
+/// Memory that one thread reuses from slice to slice.
 #[derive(Debug, Default)]
 pub(in crate::monitor) struct SliceScratch {
     /// Boxes of some bodies.
@@ -57,12 +57,12 @@ pub(in crate::monitor) struct SliceScratch {
     pub(super) block: SliceBlock,
     pub(super) search: TreeSearch,
     pub(super) refiner: CandidateRefiner,
-    /// Of searches from nothing.
+    /// Memory of searches from nothing.
     pub(super) pool: Pool<crate::search::SearchScratch>,
     pub(super) sweep: Sweep,
 }
 
-/// How far a slice is.
+/// Stage of the work on a slice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum BuildStage {
     /// All were compared with each other, but for those that have changed, and slots below this have
