@@ -22,7 +22,7 @@ use crate::hitbox::Hitbox;
 use crate::id::BodyId;
 use crate::layers::Layers;
 use crate::pool::Pool;
-use crate::search::Scratch;
+use crate::search::SearchScratch;
 use crate::simd::prefetch;
 use crate::trajectory::Trajectory;
 use crate::window::Window;
@@ -96,7 +96,7 @@ pub struct Scene {
     /// Of the bodies' sketches.
     arena: CubicArena,
     /// Scratch of screenings; no part of what a scene is.
-    pool: Pool<Scratch>,
+    pool: Pool<SearchScratch>,
 }
 
 impl Scene {
@@ -106,7 +106,7 @@ impl Scene {
         Self::default()
     }
 
-    pub(crate) const fn pool(&self) -> &Pool<Scratch> {
+    pub(crate) const fn pool(&self) -> &Pool<SearchScratch> {
         &self.pool
     }
 

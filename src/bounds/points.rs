@@ -67,7 +67,7 @@ mod tests {
     use super::Points;
     use crate::hitbox::Hitbox;
     use crate::knots::Knots;
-    use crate::search::{Block, Fill, Slice};
+    use crate::search::{FormBounds, SliceBlock, SliceBounds};
     use crate::simd::InstructionSet;
     use crate::trajectory::{DoubleDouble, Outside, Pieces, State, TimeBase, Trajectory};
     use crate::window::Window;
@@ -183,7 +183,7 @@ mod tests {
     fn look(
         course: &Course,
         ends: &[f64],
-        mut each: impl FnMut(&Frame, &Pose<'_, Stroke>, &[Slice]),
+        mut each: impl FnMut(&Frame, &Pose<'_, Stroke>, &[SliceBounds]),
     ) {
         let Course { plan, pieces, .. } = course;
         let (sketch, lines) = Sketch::of(&pieces.knots, &pieces.segments);
@@ -200,8 +200,8 @@ mod tests {
             assert_eq!(knots.cubics(), pieces.segments.len());
             Pose::sketched(knots, &own.on(&own_lines), &inflation, &frame)
         };
-        let mut block = Block::default();
-        InstructionSet::best().run(Fill {
+        let mut block = SliceBlock::default();
+        InstructionSet::best().run(FormBounds {
             frame: &frame.moving(DVec3::ZERO),
             block: &mut block,
             poses: &[pose],

@@ -262,7 +262,7 @@ mod tests {
     use crate::hitbox::Hitbox;
     use crate::knots::Knots;
     use crate::rounding::exact::{Exact, number};
-    use crate::search::{Block, Fill};
+    use crate::search::{FormBounds, SliceBlock};
     use crate::simd::InstructionSet;
     use crate::trajectory::{State, Trajectory};
     use glam::DVec3;
@@ -298,8 +298,8 @@ mod tests {
                 &inflation,
                 &frame,
             );
-            let mut block = Block::default();
-            InstructionSet::best().run(Fill {
+            let mut block = SliceBlock::default();
+            InstructionSet::best().run(FormBounds {
                 block: &mut block,
                 frame: &frame.moving(DVec3::ZERO),
                 poses: &[pose],

@@ -1,4 +1,4 @@
-//! Which bodies may meet in one time slice: boxes in, candidate pairs out.
+//! Pairs of bodies that may meet in one time slice: boxes in, candidate pairs out.
 //!
 //! Three methods stand behind one contract, [`BroadPhase`], and give the same pairs:
 //! [`Sweep`], the default, is the one to use; [`Tree`], parry's bounding volume hierarchy, is what it
@@ -6,7 +6,7 @@
 //! checked against. The crate cuts the window into slices and forms the boxes.
 
 mod brute_force;
-mod room;
+mod limit;
 mod sweep;
 mod tree;
 
@@ -14,11 +14,11 @@ use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
 pub use crate::simd::InstructionSet;
 pub use brute_force::BruteForce;
-pub(crate) use room::Room;
+pub(crate) use limit::CandidateLimit;
 pub use sweep::Sweep;
 pub use tree::Tree;
 
-/// How candidates are found. The answer is the same; the time is not.
+/// A way to find candidates. The answer is the same; the time is not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Method {
     /// Every box against every other: quadratic, the reference.
@@ -47,7 +47,7 @@ pub struct BodyBox {
 }
 
 impl BodyBox {
-    /// Whether two boxes have a point in common; boxes that only touch have.
+    /// Returns true if two boxes have a point in common; boxes that only touch have.
     #[must_use]
     #[inline]
     pub fn meets(&self, other: &Self) -> bool {
@@ -77,12 +77,12 @@ impl Candidate {
     }
 }
 
-/// Which pairs are wanted: asked before a candidate is emitted, only for boxes that meet.
+/// Says which pairs are wanted: asked before a candidate is emitted, only for boxes that meet.
 pub trait PairFilter: Sync {
-    /// Whether the pair of bodies `a < b` is wanted; the same answer each time.
+    /// Returns true if the pair of bodies `a < b` is wanted; the same answer each time.
     fn admits(&self, a: u32, b: u32) -> bool;
 
-    /// Whether no further pair is wanted: asked now and then, so that a search in a crowd can end
+    /// Returns true if no further pair is wanted: asked now and then, so that a search in a crowd can end
     /// early. What was found by then is not complete.
     fn gives_up(&self) -> bool {
         false

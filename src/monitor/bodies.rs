@@ -7,7 +7,7 @@ use crate::broad_phase::BodyBox;
 use crate::narrow_phase::Party;
 use crate::parallel;
 use crate::scene::Scene;
-use crate::search::{Block, Bodies, FEW_BOXES, Fill};
+use crate::search::{Bodies, FEW_BOXES, FormBounds, SliceBlock};
 use crate::simd::InstructionSet;
 use crate::trajectory::Segment;
 
@@ -65,7 +65,7 @@ impl<'m> BodyTable<'m> {
         }
     }
 
-    /// How many bodies ahead they are fetched.
+    /// Number of bodies by which they are fetched ahead.
     const AHEAD: usize = 4;
     /// Knots that are fetched: two lines.
     const KNOTS: usize = 16;
@@ -76,12 +76,12 @@ impl<'m> BodyTable<'m> {
     }
 
     /// Calls `visit` with the box and the course of each body in each slice in which it exists,
-    /// slices numbered from 0; in each slice in the order of `slots`. `ends`: see [`Fill`].
+    /// slices numbered from 0; in each slice in the order of `slots`. `ends`: see [`FormBounds`].
     pub(super) fn boxes(
         &self,
         slots: impl Iterator<Item = u32>,
         ends: &[f64],
-        block: &mut Block,
+        block: &mut SliceBlock,
         mut visit: impl FnMut(usize, BodyBox, &Course),
     ) {
         let mut batch = [0; BATCH];
@@ -135,9 +135,9 @@ pub(super) fn form(
     frame: &MovingFrame,
     poses: &[Pose<'_, Segment>],
     ends: &[f64],
-    block: &mut Block,
+    block: &mut SliceBlock,
 ) {
-    InstructionSet::best().run(Fill {
+    InstructionSet::best().run(FormBounds {
         block,
         frame,
         poses,
@@ -149,23 +149,23 @@ pub(super) fn form(
 /// The boxes and courses of bodies that have changed, formed for all slices together: each body's
 /// segments are read once.
 #[derive(Debug, Default)]
-pub(super) struct Moved {
+pub(super) struct ChangedBounds {
     slots: Vec<u32>,
     /// As many as are needed, and spare ones.
-    chunks: Vec<Chunk>,
+    chunks: Vec<ChangedBatch>,
 }
 
-/// What one thread forms at a time.
+/// Bounds that one thread forms at a time.
 #[derive(Debug, Default)]
-struct Chunk {
-    /// Where its bodies are in the list of all.
+struct ChangedBatch {
+    /// Place of its first body in the list of all.
     first: usize,
     /// By slice.
     boxes: Vec<Vec<(BodyBox, Course)>>,
-    block: Block,
+    block: SliceBlock,
 }
 
-impl Moved {
+impl ChangedBounds {
     const CHUNK: usize = BATCH;
 
     /// Forms those of these bodies in all slices.
@@ -174,9 +174,9 @@ impl Moved {
         self.slots.extend_from_slice(slots);
         let count = slots.len().div_ceil(Self::CHUNK);
         while self.chunks.len() < count {
-            self.chunks.push(Chunk {
+            self.chunks.push(ChangedBatch {
                 first: self.chunks.len() * Self::CHUNK,
-                ..Chunk::default()
+                ..ChangedBatch::default()
             });
         }
         let few = (slots.len() * (ends.len() - 1), FEW_BOXES);
@@ -188,7 +188,7 @@ impl Moved {
         });
     }
 
-    /// Whether it is about these bodies, in this order.
+    /// Returns true if it is about these bodies, in this order.
     pub(super) fn are(&self, slots: &[u32]) -> bool {
         self.slots == slots
     }
@@ -201,14 +201,14 @@ impl Moved {
     }
 }
 
-impl Chunk {
+impl ChangedBatch {
     fn form(&mut self, bodies: &BodyTable<'_>, slots: &[u32], ends: &[f64]) {
         let slices = ends.len() - 1;
         if self.boxes.len() < slices {
             self.boxes.resize_with(slices, Vec::new);
         }
         self.boxes.iter_mut().for_each(Vec::clear);
-        let most = Block::SLICES;
+        let most = SliceBlock::SLICES;
         for first in (0..slices).step_by(most) {
             let ends = &ends[first..=slices.min(first + most)];
             let (slots, boxes) = (slots.iter().copied(), &mut self.boxes[first..]);

@@ -1,9 +1,9 @@
-//! How much a tick may do.
+//! Limits of the work of a tick.
 
 use crate::wall_clock::Instant;
 use std::time::Duration;
 
-/// How much work a call of [`Monitor::advance_within`](super::Monitor::advance_within) may do
+/// Limit of the work that a call of [`Monitor::advance_within`](super::Monitor::advance_within) may do
 /// before it returns with what it has. (What requests take, one by one or as a
 /// [batch](super::Monitor::apply), is not in it.)
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,7 +51,7 @@ impl Meter {
         }
     }
 
-    /// Of a tick that is to know everything up to `until` (s), and no more.
+    /// Returns the meter of a tick that is to know everything up to `until` (s), and no more.
     pub(super) fn up_to(until: f64) -> Self {
         Self {
             deadline: None,

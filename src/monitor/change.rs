@@ -4,7 +4,7 @@ use super::Monitor;
 use super::command::{Batch, Command, PairRule, Terms};
 use super::event::EndReason;
 use super::flights::Flight;
-use super::grid::{Grid, Review, Signs};
+use super::grid::{Grid, RescheduleTrigger, SceneSignature};
 use super::outlook::push_once;
 use super::read::Readings;
 #[cfg(feature = "recording")]
@@ -371,9 +371,9 @@ impl Monitor {
             if !(may_wait && self.review.is_due(bodies, now, self.lookahead)) {
                 return Ok(());
             }
-            self.review = Review::made(bodies, now);
+            self.review = RescheduleTrigger::made(bodies, now);
             let velocity = grid.frame.velocity();
-            let signs = Signs::of(&self.scene, margin, span, velocity);
+            let signs = SceneSignature::of(&self.scene, margin, span, velocity);
             if grid.suits(&self.scene, margin, &signs) {
                 return Ok(());
             }

@@ -17,7 +17,7 @@ fn pair_of(key: &SpanKey) -> Slots {
 
 /// See the module.
 #[derive(Debug, Default)]
-pub(super) struct Finds {
+pub(super) struct SolvedSpans {
     /// The solution of each span for each two spheres.
     finds: Kept<SpanKey, Solved>,
     /// Pairs to which spans were added, or with a body of which all was forgotten, since they were
@@ -26,8 +26,8 @@ pub(super) struct Finds {
     changed: Vec<Slots>,
 }
 
-impl Finds {
-    /// How many there are.
+impl SolvedSpans {
+    /// Returns the number of solved spans.
     pub(super) fn len(&self) -> usize {
         self.finds.entries().len()
     }
@@ -108,7 +108,7 @@ impl Finds {
         }
     }
 
-    /// Which cubics of the two bodies that is about.
+    /// Returns the cubics of the two bodies that these are about.
     pub(super) fn spans_fetched(&self, pair: Slots) -> impl Iterator<Item = (u32, u32)> {
         let fetched = self.of(pair).take(Self::FETCHED);
         fetched.map(|find| (find.key.cubic_a, find.key.cubic_b))

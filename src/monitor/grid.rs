@@ -1,4 +1,4 @@
-//! Where a monitor measures from, and how it cuts time into slices: as suits its scene.
+//! The frame of a monitor and its slices of time: as they suit its scene.
 
 use crate::bounds::{Extremes, Frame, MovingFrame};
 use crate::error::Error;
@@ -11,40 +11,40 @@ use glam::DVec3;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid {
     pub(super) frame: MovingFrame,
-    /// Where slices begin to be counted, s.
+    /// Beginning of slice 0, s.
     pub(super) origin: f64,
-    /// How long they are, s.
+    /// Length of a slice, s.
     pub(super) length: f64,
-    /// How long those are in which all bodies are searched from nothing, s.
+    /// Length of the slices in which all bodies are searched from nothing, s.
     pub(super) search_length: f64,
-    /// How many of them make up the lookahead.
+    /// Number of slices that make up the lookahead.
     pub(super) ahead: f64,
-    /// What the scene looked like when that was chosen.
-    signs: Signs,
+    /// Signature of the scene when that was chosen.
+    signs: SceneSignature,
 }
 
-/// What shows at little cost whether another grid may suit a scene better: how many slices a lookahead
+/// Shows at little cost whether another grid may suit a scene better: the number of slices that a lookahead
 /// would take by a rule of thumb, from some of the bodies. It is compared with itself only.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Signs {
+pub(super) struct SceneSignature {
     slices: f64,
-    /// Where the middle half of the bodies is on each axis (m): a few that stray make no difference.
+    /// The middle half of the bodies on each axis (m): a few that stray make no difference.
     middle: Extremes,
 }
 
 /// When a grid was last compared with its scene.
 #[derive(Debug)]
-pub(super) struct Review {
-    /// How many bodies there were.
+pub(super) struct RescheduleTrigger {
+    /// Number of bodies then.
     bodies: usize,
-    /// What the clock showed, s.
+    /// The clock then, s.
     now: f64,
-    /// How often a body has changed since, and how often is a reason.
+    /// Number of changes of bodies since, and the number that is a reason.
     pub(super) changes: usize,
     enough: usize,
 }
 
-impl Review {
+impl RescheduleTrigger {
     /// Changes of fewer bodies are no reason.
     const FEW: usize = 64;
 
@@ -62,15 +62,15 @@ impl Review {
         self.enough = self.enough.saturating_mul(64);
     }
 
-    /// Whether much may be different now: the number of bodies, their plans, or what they have come to.
+    /// Returns true if much may be different now: the number of bodies, their plans, or what they have come to.
     pub(super) fn is_due(&self, bodies: usize, now: f64, lookahead: f64) -> bool {
         let is_about_as_large = bodies <= 2 * self.bodies && self.bodies <= 2 * bodies;
         !is_about_as_large || self.changes >= self.enough || now >= self.now + lookahead
     }
 }
 
-impl Signs {
-    /// Of a scene's bodies within a lookahead from an instant on (s), for pairs within `margin` (m) in
+impl SceneSignature {
+    /// Returns that of a scene's bodies within a lookahead from an instant on (s), for pairs within `margin` (m) in
     /// boxes that move with a velocity (m/s).
     pub(super) fn of(
         scene: &Scene,
@@ -143,7 +143,7 @@ impl Grid {
         // Whole: else part of the next one would be due with the first tick.
         let ahead = Self::number(cheapest, scene.len()).round();
         let velocity = scene.common_velocity((origin, origin + lookahead));
-        let signs = Signs::of(scene, margin, (origin, lookahead), velocity);
+        let signs = SceneSignature::of(scene, margin, (origin, lookahead), velocity);
         let grid = Self {
             frame: Frame::amid(scene.extremes(), signs.middle, margin.abs()).moving(velocity),
             origin,
@@ -163,15 +163,15 @@ impl Grid {
         })
     }
 
-    /// How many slices there should be where a screening would take so many.
+    /// Returns how many slices there should be where a screening would take so many.
     #[allow(clippy::cast_precision_loss, reason = "a number of bodies")]
     fn number(slices: f64, bodies: usize) -> f64 {
         let most = (Self::MAX_BOXES / bodies.max(1) as f64).min(Self::MAX);
         (Self::SHARE * slices).min(most).max(Self::FEWEST)
     }
 
-    /// Whether it still suits a scene, by what that looks like now.
-    pub(super) fn suits(&self, scene: &Scene, margin: f64, signs: &Signs) -> bool {
+    /// Returns true if it still suits a scene, by what that looks like now.
+    pub(super) fn suits(&self, scene: &Scene, margin: f64, signs: &SceneSignature) -> bool {
         /// Times more slices, or fewer, that a tick hardly notices.
         const FEW: f64 = 3.0;
         let [before, now] =
@@ -181,7 +181,7 @@ impl Grid {
         is_alike && frame.suits(signs.middle, signs.middle, margin.abs())
     }
 
-    /// Whether it serves a scene about as well as another one that was chosen for it.
+    /// Returns true if it serves a scene about as well as another one that was chosen for it.
     pub(super) fn serves(&self, scene: &Scene, margin: f64, other: &Self) -> bool {
         let is_alike = self.ahead <= 1.5 * other.ahead && other.ahead <= 1.5 * self.ahead;
         let most = other.signs.middle;
@@ -193,20 +193,20 @@ impl Grid {
         self.signs = other.signs;
     }
 
-    /// Whether it would have far too many boxes for a scene: one that has grown.
+    /// Returns true if it would have far too many boxes for a scene: one that has grown.
     #[allow(clippy::cast_precision_loss, reason = "a number of bodies")]
     pub(super) fn is_too_fine(&self, scene: &Scene) -> bool {
         self.ahead > Self::FEWEST && self.ahead * scene.len() as f64 > 2.0 * Self::MAX_BOXES
     }
 
-    /// Whether its slices can be told apart on a clock that shows `now` (s), with bits to spare; the
+    /// Returns true if its slices can be told apart on a clock that shows `now` (s), with bits to spare; the
     /// fewest there can be need none.
     pub(super) fn has_room(&self, now: f64) -> bool {
         self.ahead <= Self::FEWEST || can_tell_apart(now, self.length / 1024.0)
     }
 }
 
-/// Whether slices of this length (s) can be told apart on a clock that shows `time` (s).
+/// Returns true if slices of this length (s) can be told apart on a clock that shows `time` (s).
 pub(super) fn can_tell_apart(time: f64, length: f64) -> bool {
     length > 4.0 * f64::EPSILON * time.abs()
 }

@@ -11,7 +11,7 @@ use crate::broad_phase::PairFilter;
 use crate::parallel;
 use crate::pool::Pool;
 use crate::rounding::seen_from;
-use crate::search::{LimitExceeded, Limits, Scratch};
+use crate::search::{LimitExceeded, Limits, SearchScratch};
 use crate::spans::SpanKey;
 use crate::stats::Stats;
 use crate::window::Window;
@@ -27,12 +27,12 @@ pub(super) struct JumpSearch {
 struct Progress {
     /// All is searched up to here, s.
     at: f64,
-    /// Of the next piece and of its slices, s.
+    /// Lengths of the next piece and of its slices, s.
     piece: f64,
     slice: f64,
 }
 
-/// Where what is found, and what it took, are added.
+/// Spans found, and the work it took; both are added to.
 type Found<'o> = (&'o mut Vec<SpanKey>, &'o mut Stats);
 
 impl JumpSearch {
@@ -59,7 +59,7 @@ impl JumpSearch {
         &mut self,
         (from, to, length): (f64, f64, f64),
         (bodies, filter): (&PreparedBodies<'_>, &F),
-        (limits, pool): (Limits, &Pool<Scratch>),
+        (limits, pool): (Limits, &Pool<SearchScratch>),
         meter: &mut Meter,
         (found, stats): Found<'_>,
     ) -> Result<Option<f64>, LimitExceeded> {

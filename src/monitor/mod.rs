@@ -46,7 +46,7 @@ use crate::stats::Stats;
 use calendar::Calendar;
 use command::Batch;
 use encounters::Encounters;
-use grid::{Grid, Review, can_tell_apart};
+use grid::{Grid, RescheduleTrigger, can_tell_apart};
 use outlook::Outlook;
 use read::Readings;
 #[cfg(feature = "recording")]
@@ -69,6 +69,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// The lookahead is cut into slices, up to 2,048 of them, that suit the scene; what that has become is
 /// looked at now and then, by ticks without a budget. If other slices suit it far better, one of them
 /// takes as long as the first one.
+///
+/// The first tick, and one before which more than half of the bodies changed, is one screening of the
+/// lookahead, unless it has a budget. The next one before which fewer bodies changed takes about as long:
+/// it forms the boxes of all bodies, with which the changed ones are compared from then on.
 ///
 /// - After a tick that [has caught up](Self::is_caught_up), [`conflicts`](Self::conflicts) is, bit for bit, what
 ///   [`Scene::screen`] says with the level's margin of the window from now to the end of the
@@ -139,7 +143,7 @@ pub struct Monitor {
     plan_ends: Calendar,
     stats: Stats,
     changed_bodies: u64,
-    review: Review,
+    review: RescheduleTrigger,
     batch: Batch,
     readings: Readings,
     /// Set from another thread to have a tick end early, as if its budget were spent.
@@ -241,7 +245,7 @@ impl Monitor {
             plan_ends: Calendar::default(),
             stats: Stats::default(),
             changed_bodies: 0,
-            review: Review::made(scene.len(), now),
+            review: RescheduleTrigger::made(scene.len(), now),
             batch: Batch::default(),
             readings: Readings::of_levels(levels.len()),
             interrupt: None,

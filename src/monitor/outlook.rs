@@ -1,4 +1,4 @@
-//! What lies ahead: every span in which a pair may come within the largest margin, solved once.
+//! The lookahead: every span in which a pair may come within the largest margin, solved once.
 //!
 //! The lookahead is cut into slices on a fixed grid of time. A slice knows the boxes of all bodies
 //! in it, and which bodies have changed since they were compared. Catching up goes through the
@@ -10,16 +10,17 @@
 
 mod ahead;
 mod ask;
+mod from_nothing;
 
-use super::bodies::{BodyTable, Moved};
+use super::bodies::{BodyTable, ChangedBounds};
 use super::budget::Meter;
-use super::finds::{Finds, Slots};
+use super::finds::{Slots, SolvedSpans};
 use super::flights::{Flight, Flights};
 use super::grid::Grid;
 use super::jump::JumpSearch;
-use super::prepared::{ListMemory, PreparedBodies};
+use super::prepared::ListMemory;
 use super::recent::Recent;
-use super::slice::{Scratch, Slice};
+use super::slice::{LookaheadSlice, SliceScratch};
 use crate::bounds::Frame;
 use crate::broad_phase::PairFilter;
 use crate::error::Error;
@@ -28,11 +29,10 @@ use crate::parallel;
 use crate::pool::Pool;
 use crate::rounding::seen_from;
 use crate::scene::Scene;
-use crate::search::{self, Arranger, FEW_BOXES, LimitExceeded, Limits};
+use crate::search::{self, FEW_BOXES, LimitExceeded, SpanSorter};
 use crate::spans::SpanKey;
 use crate::stats::Stats;
 use crate::wall_clock::Instant;
-use crate::window::Window;
 use ahead::due_ahead;
 use std::collections::VecDeque;
 use std::sync::atomic::AtomicUsize;
@@ -42,17 +42,17 @@ use std::sync::atomic::Ordering::Relaxed;
 #[derive(Debug)]
 pub(super) struct Outlook {
     flights: Flights,
-    finds: Finds,
+    finds: SolvedSpans,
     margin: f64,
     grid: Grid,
     /// Those of the lookahead, and the next one.
-    slices: VecDeque<Slice>,
-    spare: Vec<Slice>,
+    slices: VecDeque<LookaheadSlice>,
+    spare: Vec<LookaheadSlice>,
     jump: JumpSearch,
     survivors: Vec<SpanKey>,
-    arranger: Arranger,
-    pool: Pool<Scratch>,
-    search_pool: Pool<search::Scratch>,
+    sorter: SpanSorter,
+    pool: Pool<SliceScratch>,
+    search_pool: Pool<search::SearchScratch>,
     lists: ListMemory,
     /// Bodies that changed since the last catching up, each once.
     dirty: Vec<u32>,
@@ -60,12 +60,12 @@ pub(super) struct Outlook {
     recent: Recent,
     /// Pairs that are ignored since then.
     left_out: Vec<Slots>,
-    moved: Moved,
-    /// Where the slices of the lookahead begin and end, s.
+    moved: ChangedBounds,
+    /// Ends of the slices of the lookahead, s.
     ends: Vec<f64>,
     /// See [`Partners::revision`](crate::scene::Partners::revision).
     partners: Option<(u64, u64)>,
-    /// Where the lookahead ended when it was last caught up with, s.
+    /// End of the lookahead when it was last caught up with, s.
     reached: f64,
     /// With more spans it is too crowded.
     pub(super) max_spans: usize,
@@ -79,14 +79,14 @@ impl Outlook {
     pub(super) fn new(margin: f64, grid: Grid, max_spans: usize) -> Self {
         Self {
             flights: Flights::default(),
-            finds: Finds::default(),
+            finds: SolvedSpans::default(),
             margin,
             grid,
             slices: VecDeque::new(),
             spare: Vec::new(),
             jump: JumpSearch::default(),
             survivors: Vec::new(),
-            arranger: Arranger::default(),
+            sorter: SpanSorter::default(),
             pool: Pool::default(),
             search_pool: Pool::default(),
             lists: ListMemory::default(),
@@ -94,7 +94,7 @@ impl Outlook {
             is_dirty: Vec::new(),
             recent: Recent::default(),
             left_out: Vec::new(),
-            moved: Moved::default(),
+            moved: ChangedBounds::default(),
             ends: Vec::new(),
             partners: None,
             reached: grid.origin,
@@ -116,7 +116,7 @@ impl Outlook {
         self.grid.confirm(other);
     }
 
-    /// Whether anything has changed since.
+    /// Returns true if anything has changed since.
     pub(super) const fn has_changed(&self) -> bool {
         !(self.dirty.is_empty() && self.left_out.is_empty())
     }
@@ -203,7 +203,7 @@ impl Outlook {
         }
     }
 
-    /// How far plans must be laid out for a lookahead that ends at `end`: to the end of the slice
+    /// Returns the instant (s) to which plans must be followed for a lookahead that ends at `end`: to the end of the slice
     /// after its last one, since slices are formed as a whole.
     pub(super) fn laid_out(&self, end: f64) -> f64 {
         end + 2.0 * self.grid.length
@@ -237,7 +237,8 @@ impl Outlook {
             let begin = Instant::now();
             let bodies = BodyTable::of(scene, &self.flights, &self.grid, self.margin);
             self.finds.forget_before(from);
-            self.arranger.tidy(&mut self.survivors, self.flights.len());
+            self.sorter
+                .sort_and_dedup(&mut self.survivors, self.flights.len());
             let most = self.max_spans;
             stats.survivors += self.finds.add(&self.survivors, &bodies, most)?;
             stats.narrow_time += begin.elapsed();
@@ -249,17 +250,6 @@ impl Outlook {
 
     fn bodies<'s>(&'s self, scene: &'s Scene) -> BodyTable<'s> {
         BodyTable::of(scene, &self.flights, &self.grid, self.margin)
-    }
-
-    /// Survivors for each span that there is room for: they take a fiftieth of what is kept of it.
-    const SURVIVORS: usize = 8;
-
-    /// Room for what is found before it is solved.
-    const fn limits(&self) -> Limits {
-        Limits {
-            spans: self.max_spans.saturating_mul(Self::SURVIVORS),
-            ..Limits::of_spans(self.max_spans)
-        }
     }
 
     /// Looks at what is not up to date from `from` to `to`: lists survivors, as many as are solved at a time.
@@ -298,75 +288,6 @@ impl Outlook {
         self.refresh(scene, (from, to), needed, filter, meter, stats)
     }
 
-    /// Searches what the clock passed over; returns where that had to stop, none if it is done.
-    fn cross<F: PairFilter>(
-        &mut self,
-        scene: &Scene,
-        (from, to): (f64, f64),
-        filter: &F,
-        meter: &mut Meter,
-        stats: &mut Stats,
-    ) -> Result<Option<f64>, LimitExceeded> {
-        let limits = self.limits();
-        let table = BodyTable::of(scene, &self.flights, &self.grid, self.margin);
-        let bodies = PreparedBodies::of(table, &mut self.lists);
-        let stop = self.jump.cross(
-            (from, to, self.grid.length),
-            (&bodies, filter),
-            (limits, &self.search_pool),
-            meter,
-            (&mut self.survivors, stats),
-        );
-        bodies.forget(&mut self.lists);
-        stop
-    }
-
-    /// Returns true if more than half of the bodies are to be compared with all others in more than half of
-    /// the slices that are needed, or so.
-    fn is_mostly_unknown(&self, needed: usize) -> bool {
-        let (changed, all) = (self.dirty.len(), self.flights.len());
-        let needed = self.slices.iter().take(needed);
-        let unknown = needed.clone().map(|slice| slice.unknown(changed, all));
-        2 * unknown.sum::<usize>() > all * needed.count()
-    }
-
-    /// Searches the slices that are needed from nothing, from an instant (s) on.
-    fn screen<F: PairFilter>(
-        &mut self,
-        scene: &Scene,
-        (from, needed): (f64, usize),
-        filter: &F,
-        (meter, stats): (&mut Meter, &mut Stats),
-    ) -> Result<(), LimitExceeded> {
-        let limits = self.limits();
-        let window = (seen_from(from).max(self.ends[0]), self.ends[needed]);
-        let table = BodyTable::of(scene, &self.flights, &self.grid, self.margin);
-        let begin = Instant::now();
-        let bodies = PreparedBodies::of(table, &mut self.lists);
-        let cut = (&bodies.usual_slices(window), &bodies.traffic(window));
-        stats.bounds_time += begin.elapsed();
-        let threads = (&self.search_pool, parallel::threads());
-        let search = bodies.search(Window::ALL, limits, threads);
-        let mut counted = Stats::default();
-        let found = (&mut self.survivors, &mut counted);
-        let done = search.spans(|scratch| &mut scratch.sweep, cut, filter, &|_| {}, found);
-        bodies.forget(&mut self.lists);
-        done?;
-        meter.count(usize::try_from(counted.boxes + counted.candidates).unwrap_or(0));
-        *stats += counted;
-        if !filter.gives_up() {
-            for (number, slice) in self.slices.iter_mut().enumerate() {
-                if number < needed {
-                    slice.set_compared();
-                    *stats += std::mem::take(&mut slice.stats);
-                } else {
-                    slice.note(&self.dirty);
-                }
-            }
-        }
-        Ok(())
-    }
-
     /// Compares what has not been compared in each slice from `from` to `to`, and what is due of the next
     /// one.
     fn refresh<F: PairFilter>(
@@ -382,7 +303,7 @@ impl Outlook {
         let bodies = BodyTable::of(scene, &self.flights, &self.grid, self.margin);
         let slices = self.slices.make_contiguous();
         let (mut known, mut is_done) = (to, true);
-        slices[..needed].iter_mut().for_each(Slice::need);
+        slices[..needed].iter_mut().for_each(LookaheadSlice::need);
         if let [.., last, next] = slices {
             // It is due when the lookahead's end has passed through the last one.
             let start = self.grid.origin + self.grid.length * as_number(last.number);
@@ -396,7 +317,7 @@ impl Outlook {
         let is_parallel = meter.is_unlimited() && stale.count() > 1;
         if is_parallel {
             let begin = Instant::now();
-            let is_boxed = slices[..needed].iter().any(Slice::is_placed);
+            let is_boxed = slices[..needed].iter().any(LookaheadSlice::is_placed);
             let dirty = if is_boxed { &self.dirty[..] } else { &[] };
             self.moved.form(&bodies, dirty, &self.ends);
             stats.bounds_time += begin.elapsed();
@@ -498,11 +419,11 @@ impl Outlook {
         }
     }
 
-    pub(super) const fn finds(&self) -> &Finds {
+    pub(super) const fn finds(&self) -> &SolvedSpans {
         &self.finds
     }
 
-    /// See [`Finds::take_changed`].
+    /// See [`SolvedSpans::take_changed`].
     pub(super) fn take_changed(&mut self, changed: &mut Vec<Slots>) {
         self.finds.take_changed(changed);
     }

@@ -6,7 +6,8 @@ use crate::narrow_phase::Party;
 use crate::parallel;
 use crate::pool::Pool;
 use crate::search::{
-    BodyLists, Limits, Presence, Scratch, SliceTrials, Slices, Traffic, WindowSearch,
+    BodyLists, Lifetimes, Limits, SceneStatistics, SearchScratch, SliceTrials, TimeSlices,
+    WindowSearch,
 };
 use crate::simd::InstructionSet;
 use crate::trajectory::Segment;
@@ -18,7 +19,7 @@ pub(super) struct PreparedBodies<'m> {
     table: BodyTable<'m>,
     parties: Vec<Party<'m>>,
     poses: Vec<Pose<'m, Segment>>,
-    presence: Presence,
+    presence: Lifetimes,
 }
 
 /// Memory for them.
@@ -26,7 +27,7 @@ pub(super) struct PreparedBodies<'m> {
 pub(super) struct ListMemory {
     parties: Vec<Party<'static>>,
     poses: Vec<Pose<'static, Segment>>,
-    presence: Presence,
+    presence: Lifetimes,
 }
 
 impl<'m> PreparedBodies<'m> {
@@ -75,7 +76,7 @@ impl<'m> PreparedBodies<'m> {
         &'s self,
         window: Window,
         limits: Limits,
-        (pool, threads): (&'s Pool<Scratch>, usize),
+        (pool, threads): (&'s Pool<SearchScratch>, usize),
     ) -> WindowSearch<'s, Segment> {
         WindowSearch {
             bodies: BodyLists {
@@ -94,8 +95,8 @@ impl<'m> PreparedBodies<'m> {
     }
 
     /// Returns a window (s) in slices of the length that suits the bodies in all of the lookahead.
-    pub(super) fn usual_slices(&self, (from, to): (f64, f64)) -> Slices {
-        Slices::whole(from, to).with_count(((to - from) / self.table.search_length).ceil())
+    pub(super) fn usual_slices(&self, (from, to): (f64, f64)) -> TimeSlices {
+        TimeSlices::whole(from, to).with_count(((to - from) / self.table.search_length).ceil())
     }
 
     /// Returns a window (s) in slices of the length that suits the bodies there, searched from a length (s).
@@ -103,8 +104,8 @@ impl<'m> PreparedBodies<'m> {
         &self,
         (from, to): (f64, f64),
         length: f64,
-        pool: &Pool<Scratch>,
-    ) -> Slices {
+        pool: &Pool<SearchScratch>,
+    ) -> TimeSlices {
         let traffic = self.traffic((from, to));
         let count = ((to - from) / length).min(traffic.most_slices((from, to)));
         let trials = SliceTrials {
@@ -114,13 +115,13 @@ impl<'m> PreparedBodies<'m> {
             pool,
         };
         let some = |slots: &[usize]| slots.iter().map(|&slot| self.poses[slot]).collect();
-        let slices = Slices::whole(from, to).with_count(count);
+        let slices = TimeSlices::whole(from, to).with_count(count);
         trials.cheapest(slices, &traffic, some)
     }
 
     /// Returns how much moves in a window (s), as far as the number of slices depends on it.
-    pub(super) fn traffic(&self, (from, to): (f64, f64)) -> Traffic {
-        let mut traffic = Traffic::default();
+    pub(super) fn traffic(&self, (from, to): (f64, f64)) -> SceneStatistics {
+        let mut traffic = SceneStatistics::default();
         for (&(first, last), party) in self.presence.lives().iter().zip(&self.parties) {
             let time = (last.min(to) - first.max(from)).max(0.0);
             traffic.body_time += time;

@@ -1,9 +1,9 @@
-//! Where bodies are that have changed since the last tick: what slices know of them is out of date, and
+//! Boxes of bodies that have changed since the last tick: what slices know of them is out of date, and
 //! a question between ticks is not to go through all that they might meet.
 
 use super::bodies::BodyTable;
 use crate::broad_phase::BodyBox;
-use crate::search::Block;
+use crate::search::SliceBlock;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use std::sync::{Mutex, PoisonError};
 
@@ -13,17 +13,17 @@ pub(super) struct Recent {
     /// Slots, one for each change.
     slots: Vec<u32>,
     /// Formed when they are asked for.
-    boxes: Mutex<Boxes>,
+    boxes: Mutex<RecentBoxes>,
 }
 
 #[derive(Debug, Default)]
-struct Boxes {
-    /// How many of the slots have been boxed, for which window (s). A body that has changed again has
+struct RecentBoxes {
+    /// Number of slots that have been boxed, for this window (s). A body that has changed again has
     /// several boxes.
     boxed: usize,
     window: (f64, f64),
     listed: Vec<BodyBox>,
-    block: Block,
+    block: SliceBlock,
 }
 
 impl Recent {
@@ -32,7 +32,7 @@ impl Recent {
         self.slots.push(slot);
     }
 
-    /// How many changes there are.
+    /// Returns the number of changes.
     pub(super) const fn len(&self) -> usize {
         self.slots.len()
     }
@@ -58,7 +58,7 @@ impl Recent {
             boxes.forget();
             boxes.window = window;
         }
-        let Boxes {
+        let RecentBoxes {
             boxed,
             listed,
             block,
@@ -74,7 +74,7 @@ impl Recent {
     }
 }
 
-impl Boxes {
+impl RecentBoxes {
     fn forget(&mut self) {
         self.boxed = 0;
         self.listed.clear();

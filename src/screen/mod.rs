@@ -5,7 +5,7 @@
 //! on which thread, is forgotten before the solver sees it: hence the same bits whatever the
 //! slicing and the number of threads.
 
-mod line_up;
+mod prepared;
 mod solve;
 mod survey;
 
@@ -22,15 +22,15 @@ use crate::parallel;
 use crate::query::Query;
 use crate::rounding::{seen_from, seen_until};
 use crate::scene::Scene;
-use crate::search::{BodyLists, SliceTrials, Slices, Traffic, WindowSearch};
+use crate::search::{BodyLists, SceneStatistics, SliceTrials, TimeSlices, WindowSearch};
 use crate::spans::{Spans, spans};
 use crate::stats::Stats;
 use crate::wall_clock::Instant;
 use crate::window::Window;
-use line_up::{Admission, LineUp, Lists, clip_of, lone_party};
+use prepared::{Admission, Lists, PreparedScene, clip_of, lone_party};
 use solve::describe;
 
-/// How much of the work going through the slices is taken to be, when progress is told.
+/// Share of the work that going through the slices is taken to be, when progress is told.
 const SHARE_OF_SLICES: f64 = 0.9;
 
 /// The answer to a [`Query`].
@@ -77,7 +77,7 @@ impl Scene {
         self.screen_with_progress(query, |_| {})
     }
 
-    /// The same as [`screen`](Self::screen); `progress` is told now and then, from any of the
+    /// Answers as [`screen`](Self::screen) does; `progress` is told now and then, from any of the
     /// threads, which share is done: up to 0.9 of the time slices, from there on of the pairs that are
     /// solved; by several threads maybe not in order; and 1 at the end, from this thread.
     ///
@@ -90,7 +90,7 @@ impl Scene {
         progress: impl Fn(f64) + Sync,
     ) -> Result<Screening, Error> {
         let begin = Instant::now();
-        let line_up = LineUp::new(self, query)?;
+        let line_up = PreparedScene::new(self, query)?;
         let mut screening = if self.admits_all(query.margin()) {
             line_up.screen(query.method, &Everyone, &progress)?
         } else {
@@ -121,7 +121,7 @@ impl Scene {
         })
     }
 
-    /// The same with a proof; dearer by the proof.
+    /// Returns [`closest_approach`](Self::closest_approach) with a proof; dearer by the proof.
     ///
     /// ```
     /// # use nearmiss::glam::DVec3;
@@ -160,9 +160,9 @@ impl Scene {
         })
     }
 
-    /// How many slices the query's window would be cut into, at the least expected cost.
+    /// Returns the number of slices that the query's window would be cut into, at the least expected cost.
     pub(crate) fn cheapest_slices(&self, query: &Query) -> Result<u32, Error> {
-        let line_up = LineUp::new(self, query)?;
+        let line_up = PreparedScene::new(self, query)?;
         if line_up.ids.len() < 2 {
             return Ok(1);
         }
@@ -191,19 +191,19 @@ impl Scene {
     }
 }
 
-impl LineUp<'_> {
+impl PreparedScene<'_> {
     /// The window, and no less than all that is reported of it, cut into slices of the length that is
     /// expected to cost least. `poses` gives those of the bodies in some places.
     fn slices<'p>(
         &self,
-        traffic: &Traffic,
+        traffic: &SceneStatistics,
         poses: impl FnOnce(&[usize]) -> Vec<Pose<'p, Stroke>>,
-    ) -> Slices {
+    ) -> TimeSlices {
         let window = (
             seen_from(self.window.start()),
             seen_until(self.window.end()),
         );
-        let slices = Slices::choose(window, traffic);
+        let slices = TimeSlices::choose(window, traffic);
         if let Some(count) = self.prescribed {
             return slices.with_count(f64::from(count.get()));
         }
@@ -217,7 +217,7 @@ impl LineUp<'_> {
     }
 
     /// All bodies, and the window in slices: both at the same time where there are many bodies.
-    fn prepared(&self, traffic: &Traffic) -> (Lists<'_>, Slices) {
+    fn prepared(&self, traffic: &SceneStatistics) -> (Lists<'_>, TimeSlices) {
         /// Fewer are sooner lined up than another thread wakes up.
         const FEW: usize = 1024;
         if parallel::threads() > 1 && self.ids.len() > FEW {

@@ -1,7 +1,7 @@
 //! The exact answer for the survivors, and how it is reported.
 
 use super::SHARE_OF_SLICES;
-use super::line_up::{LineUp, clip_of};
+use super::prepared::{PreparedScene, clip_of};
 use crate::accuracy::Accuracy;
 use crate::conflict::{Clip, ClosestApproach, Conflict};
 use crate::id::BodyId;
@@ -15,9 +15,9 @@ use crate::spans::SpanKey;
 use std::slice::from_ref;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// What one thread reuses from pair to pair.
+/// Memory that one thread reuses from pair to pair.
 #[derive(Default)]
-struct Scratch {
+struct SolveScratch {
     contacts: Vec<Contact>,
     certified: Vec<CertifiedContact>,
     workspace: Workspace,
@@ -29,7 +29,7 @@ const CHUNK: usize = 64;
 /// The survivors of one pair of bodies.
 type OfPair<'s> = &'s [SpanKey];
 
-impl LineUp<'_> {
+impl PreparedScene<'_> {
     /// The answer for the survivors (sorted), in the order of reports.
     pub(super) fn solve(
         &self,
@@ -42,7 +42,7 @@ impl LineUp<'_> {
             .collect();
         let chunks: Vec<&[OfPair<'_>]> = pairs.chunks(CHUNK).collect();
         let done_chunks = AtomicUsize::new(0);
-        let solved = parallel::map(chunks.len(), 1, Scratch::default, |scratch, chunk| {
+        let solved = parallel::map(chunks.len(), 1, SolveScratch::default, |scratch, chunk| {
             let mut conflicts = Vec::new();
             let chunk = chunks[chunk];
             match self.accuracy {
@@ -63,7 +63,7 @@ impl LineUp<'_> {
         &self,
         parties: &[Party<'_>],
         pairs: &[OfPair<'_>],
-        scratch: &mut Scratch,
+        scratch: &mut SolveScratch,
         conflicts: &mut Vec<Conflict>,
     ) {
         let found = &mut scratch.contacts;
@@ -82,7 +82,7 @@ impl LineUp<'_> {
         &self,
         parties: &[Party<'_>],
         pairs: &[OfPair<'_>],
-        scratch: &mut Scratch,
+        scratch: &mut SolveScratch,
         conflicts: &mut Vec<Conflict>,
     ) {
         let (found, workspace) = (&mut scratch.certified, &mut scratch.workspace);
@@ -107,12 +107,12 @@ impl LineUp<'_> {
         parties: &'p [Party<'p>],
         pairs: &[OfPair<'p>],
         number: usize,
-    ) -> Option<PairOfBodies<'p>> {
+    ) -> Option<PairTask<'p>> {
         fetch(parties, pairs, number);
         let survivors = pairs[number];
         let (place_a, place_b) = (survivors[0].a as usize, survivors[0].b as usize);
         let pair = (&parties[place_a], &parties[place_b]);
-        Some(PairOfBodies {
+        Some(PairTask {
             names: [place_a, place_b]
                 .map(|place| (self.ids[place], self.occupants[place].body.tag)),
             parties: pair,
@@ -174,14 +174,14 @@ fn in_order(found: &[Vec<Conflict>]) -> Vec<Conflict> {
 }
 
 /// Two bodies with the spans in which they may touch.
-struct PairOfBodies<'p> {
+struct PairTask<'p> {
     names: [(BodyId, u64); 2],
     parties: (&'p Party<'p>, &'p Party<'p>),
     clip: (f64, f64),
     survivors: OfPair<'p>,
 }
 
-impl PairOfBodies<'_> {
+impl PairTask<'_> {
     fn spans(&self) -> impl Iterator<Item = Span> {
         let (a, b) = self.parties;
         self.survivors

@@ -1,33 +1,33 @@
-//! What there is to know of all bodies before any of them is looked at closely, from one pass: they
+//! Statistics of all bodies before any of them is looked at closely, from one pass: they
 //! lie next to each other in memory, but are larger together than the caches.
 
 use crate::bounds::{Extremes, Frame, Inflation, MovingFrame};
 use crate::scene::{Occupant, Scene};
-use crate::search::Traffic;
+use crate::search::SceneStatistics;
 use crate::trajectory::{Extension, Segment};
 use crate::window::Window;
 use glam::DVec3;
 
 /// See the module.
 #[derive(Debug)]
-pub(super) struct Survey {
+pub(super) struct SceneSurvey {
     window: Window,
     margin: f64,
     /// When each body exists, by place, and all of them (first and last instant, s). (Never, if it is
     /// part of no pair.)
     pub(super) lives: Vec<(f64, f64)>,
     pub(super) existence: (f64, f64),
-    /// Of all that is followed, roughly, m: of bodies that exist in the window.
+    /// Extremes of all that is followed, roughly, m: of bodies that exist in the window.
     pub(super) extremes: Extremes,
-    /// Of the plans alone, roughly, m.
+    /// Extremes of the plans alone, roughly, m.
     plans: Extremes,
-    traffic: Traffic,
+    traffic: SceneStatistics,
     /// Largest distance from a body's position that matters, m.
     pub(super) size: f64,
 }
 
-impl Survey {
-    /// Of so many bodies that are not known yet.
+impl SceneSurvey {
+    /// Begins a survey of so many bodies that are not known yet.
     pub(super) fn of(count: usize, window: Window, margin: f64) -> Self {
         Self {
             window,
@@ -36,7 +36,7 @@ impl Survey {
             existence: (f64::INFINITY, f64::NEG_INFINITY),
             extremes: Extremes::NOTHING,
             plans: Extremes::NOTHING,
-            traffic: Traffic {
+            traffic: SceneStatistics {
                 body_time: 0.0,
                 path: 0.0,
                 segments: 0.0,
@@ -124,9 +124,9 @@ impl Survey {
         Frame::amid(self.extremes, most, self.size).moving(scene.common_velocity(window))
     }
 
-    /// How much moves in the window.
-    pub(super) fn traffic(&self) -> Traffic {
-        Traffic {
+    /// Returns how much moves in the window.
+    pub(super) fn traffic(&self) -> SceneStatistics {
+        SceneStatistics {
             world: (self.plans.high - self.plans.low).to_array(),
             ..self.traffic
         }

@@ -7,11 +7,11 @@ use crate::simd::Task;
 
 /// One slice: a box and a course for each body that exists in it, side by side.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Slice {
+pub(crate) struct SliceBounds {
     /// Bodies of boxes are places in these lists.
     pub(crate) boxes: Vec<BodyBox>,
     pub(crate) courses: Vec<Course>,
-    /// Which body a place is about, ascending.
+    /// Bodies by place, ascending.
     pub(crate) bodies: Vec<u32>,
 }
 
@@ -19,30 +19,30 @@ pub(crate) struct Slice {
 ///
 /// Bodies are walked one by one, each through all slices at once: its segments are read once.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Block {
-    pub(crate) slices: Vec<Slice>,
+pub(crate) struct SliceBlock {
+    pub(crate) slices: Vec<SliceBounds>,
     /// For each body, its first cubic in the block; once it was walked, its last: where the search
     /// for the next block begins.
     pieces: Vec<u32>,
 }
 
-impl Block {
+impl SliceBlock {
     /// Slices in a block at most: their lists are all as long as one of them may become.
     pub(crate) const SLICES: usize = 32;
 }
 
-/// Forms the boxes and courses of some slices (at most [`Block::SLICES`]).
-pub(crate) struct Fill<'a, C> {
-    pub(crate) block: &'a mut Block,
+/// Forms the boxes and courses of some slices (at most [`SliceBlock::SLICES`]).
+pub(crate) struct FormBounds<'a, C> {
+    pub(crate) block: &'a mut SliceBlock,
     pub(crate) frame: &'a MovingFrame,
     pub(crate) poses: &'a [Pose<'a, C>],
     /// Places of those to look at, ascending: each that exists in one of the slices is among them.
     pub(crate) present: &'a [u32],
-    /// Where the slices begin and end, s: one more than there are slices.
+    /// Ends of the slices, s: one more than there are slices.
     pub(crate) ends: &'a [f64],
 }
 
-impl<C: Cubic> Task for Fill<'_, C> {
+impl<C: Cubic> Task for FormBounds<'_, C> {
     type Output = ();
 
     #[inline(always)]
@@ -56,8 +56,8 @@ impl<C: Cubic> Task for Fill<'_, C> {
     }
 }
 
-impl<'a, C: Cubic> Fill<'a, C> {
-    /// How many bodies ahead segments are brought into the caches. They are what there is most of,
+impl<'a, C: Cubic> FormBounds<'a, C> {
+    /// Number of bodies by which segments are fetched ahead. They are what there is most of,
     /// and each body's lie somewhere else: without it, half of the time is waiting.
     const AHEAD: usize = 4;
 
@@ -66,7 +66,7 @@ impl<'a, C: Cubic> Fill<'a, C> {
         let Self { ends, present, .. } = self;
         let count = ends.len() - 1;
         if self.block.slices.len() < count {
-            self.block.slices.resize_with(count, Slice::default);
+            self.block.slices.resize_with(count, SliceBounds::default);
         }
         let slices = &mut self.block.slices[..count];
         for slice in &mut *slices {
@@ -78,7 +78,7 @@ impl<'a, C: Cubic> Fill<'a, C> {
             slice.courses.reserve(present.len());
             slice.bodies.reserve(present.len());
         }
-        let mut periods = [period(0.0, 0.0); Block::SLICES];
+        let mut periods = [period(0.0, 0.0); SliceBlock::SLICES];
         for (place, ends) in periods.iter_mut().zip(ends.windows(2)) {
             *place = period(ends[0], ends[1]);
         }
@@ -98,10 +98,10 @@ impl<'a, C: Cubic> Fill<'a, C> {
             let piece = self.block.pieces[body] as usize;
             let slices = &mut self.block.slices[..count];
             let end = if pose.knots.are_extended() {
-                let walk = Walk::<_, _, true>::new(pose, periods, ahead, piece);
+                let walk = BodyWalk::<_, _, true>::new(pose, periods, ahead, piece);
                 walk.through_extended(piece, place, slices)
             } else {
-                let walk = Walk::<_, _, false>::new(pose, periods, ahead, piece);
+                let walk = BodyWalk::<_, _, false>::new(pose, periods, ahead, piece);
                 walk.through(piece, place, slices)
             };
             self.block.pieces[body] = short(end);
@@ -149,7 +149,7 @@ fn ends_of<const MOVES: bool>(periods: &[Period<MOVES>]) -> (f64, f64) {
     (periods[0].from, periods[periods.len() - 1].to)
 }
 
-/// Whether a body exists in a block.
+/// Returns true if a body exists in a block.
 #[inline(always)]
 fn exists<C, const MOVES: bool>(pose: &Pose<'_, C>, periods: &[Period<MOVES>]) -> bool {
     let (first, last) = pose.knots.ends();
@@ -157,7 +157,7 @@ fn exists<C, const MOVES: bool>(pose: &Pose<'_, C>, periods: &[Period<MOVES>]) -
     first <= to && last >= from
 }
 
-/// Whether a body mostly goes through so many cubics in a slice that there are bundles of them.
+/// Returns true if a body mostly goes through so many cubics in a slice that there are bundles of them.
 #[inline(always)]
 fn goes_in_bundles<C: Cubic, const MOVES: bool>(
     pose: &Pose<'_, C>,
@@ -233,25 +233,25 @@ fn cubic_at<const EXTENDED: bool>(knots: &Knots<'_>, time: f64, number: usize) -
 }
 
 /// One body's way through the slices of a block.
-struct Walk<'a, C, const MOVES: bool, const EXTENDED: bool> {
+struct BodyWalk<'a, C, const MOVES: bool, const EXTENDED: bool> {
     pose: &'a Pose<'a, C>,
     periods: &'a [Period<MOVES>],
     ahead: Ahead<'a, C>,
     begin: usize,
 }
 
-/// What is fetched on the way.
+/// Cubics that are fetched on the way.
 enum Ahead<'a, C> {
     /// The cubics of a body that is still to come, from one on, one for one with this one's.
     Later(&'a Pose<'a, C>, usize),
     /// This one's own: none is to come.
     Own,
-    /// What is to come has been fetched.
+    /// None: those to come have been fetched.
     Nothing,
 }
 
-impl<'a, C: Cubic, const MOVES: bool, const EXTENDED: bool> Walk<'a, C, MOVES, EXTENDED> {
-    /// How many of a body's own cubics ahead the next one is fetched.
+impl<'a, C: Cubic, const MOVES: bool, const EXTENDED: bool> BodyWalk<'a, C, MOVES, EXTENDED> {
+    /// Number of a body's own cubics by which one is fetched ahead.
     const AHEAD: usize = 8;
 
     #[inline(always)]
@@ -299,14 +299,14 @@ impl<'a, C: Cubic, const MOVES: bool, const EXTENDED: bool> Walk<'a, C, MOVES, E
     }
 
     #[inline(never)]
-    fn through_extended(&self, number: usize, body: u32, slices: &mut [Slice]) -> usize {
+    fn through_extended(&self, number: usize, body: u32, slices: &mut [SliceBounds]) -> usize {
         self.through(number, body, slices)
     }
 
     /// Appends the body's box and course to each slice in which it exists; gives the cubic that it
     /// comes to.
     #[inline(always)]
-    fn through(&self, mut number: usize, body: u32, slices: &mut [Slice]) -> usize {
+    fn through(&self, mut number: usize, body: u32, slices: &mut [SliceBounds]) -> usize {
         let Self { pose, periods, .. } = *self;
         let knots = &pose.knots;
         let (first, last) = knots.ends();
@@ -361,7 +361,7 @@ mod tests {
     use crate::bounds::{Extremes, Frame, Inflation, Sketch};
     use crate::hitbox::Hitbox;
     use crate::knots::Knots;
-    use crate::search::Slices;
+    use crate::search::TimeSlices;
     use crate::simd::InstructionSet;
     use crate::trajectory::{State, Trajectory};
     use glam::DVec3;
@@ -375,7 +375,7 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(9);
         let mut tightest = f64::INFINITY;
         let still = Frame::around(Extremes::NOTHING, 0.0);
-        let slices = Slices::whole(-1.0, 12.0).with_count(19.0);
+        let slices = TimeSlices::whole(-1.0, 12.0).with_count(19.0);
         let hitbox = Hitbox::POINT;
         let inflation = Inflation::of(&hitbox, 0.0, &still);
         for seed in 0..200 {
@@ -419,12 +419,12 @@ mod tests {
                 &inflation,
                 &frame,
             );
-            let mut block = Block::default();
+            let mut block = SliceBlock::default();
             let mut ends = Vec::new();
             for first in (0..slices.count()).step_by(8) {
                 let range = first..(first + 8).min(slices.count());
                 slices.ends(range.clone(), &mut ends);
-                InstructionSet::best().run(Fill {
+                InstructionSet::best().run(FormBounds {
                     block: &mut block,
                     frame: &frame,
                     poses: &[pose],

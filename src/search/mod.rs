@@ -19,13 +19,13 @@ mod window;
 
 pub(crate) use bodies::{Bodies, BodyLists};
 #[cfg(test)]
-pub(crate) use form::Slice;
-pub(crate) use form::{Block, Fill};
+pub(crate) use form::SliceBounds;
+pub(crate) use form::{FormBounds, SliceBlock};
 pub(crate) use limits::{LimitExceeded, Limits};
-pub(crate) use presence::Presence;
-pub(crate) use refine::{CandidateRefiner, Question};
-pub(crate) use scratch::Scratch;
+pub(crate) use presence::Lifetimes;
+pub(crate) use refine::{CandidateRefiner, RefineContext};
+pub(crate) use scratch::SearchScratch;
 pub(crate) use slice_length::SliceTrials;
-pub(crate) use slices::{Slices, Traffic};
-pub(crate) use sort::Arranger;
+pub(crate) use slices::{SceneStatistics, TimeSlices};
+pub(crate) use sort::SpanSorter;
 pub(crate) use window::{FEW_BOXES, WindowSearch};

@@ -1,11 +1,11 @@
-//! Which bodies exist when.
+//! The times in which bodies exist.
 
 /// When each body exists (first and last instant, s), side by side: most bodies of a long recording
 /// exist in few slices.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Presence(Vec<(f64, f64)>);
+pub(crate) struct Lifetimes(Vec<(f64, f64)>);
 
-impl Presence {
+impl Lifetimes {
     pub(crate) const fn of(lives: Vec<(f64, f64)>) -> Self {
         Self(lives)
     }
@@ -55,7 +55,7 @@ mod tests {
 
     #[test]
     fn those_that_exist_are_listed() {
-        let presence = Presence::of(vec![
+        let presence = Lifetimes::of(vec![
             (0.0, 2.0),
             (2.0, 3.0),
             (f64::INFINITY, f64::NEG_INFINITY),

@@ -14,9 +14,9 @@ use crate::spans::{Span, SpanKey, each_span};
 use crate::window::Window;
 use std::slice::from_ref;
 
-/// What is asked of the candidates of a slice.
+/// A slice whose candidates are refined, and the bodies they are of.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Question<'a, B> {
+pub(crate) struct RefineContext<'a, B> {
     pub(crate) bodies: &'a B,
     /// Fat lines of the slice, by the numbers in its candidates.
     pub(crate) courses: &'a [Course],
@@ -28,7 +28,7 @@ pub(crate) struct Question<'a, B> {
     pub(crate) max_spans: usize,
 }
 
-impl<B> Question<'_, B> {
+impl<B> RefineContext<'_, B> {
     /// Returns true if a span that may hold a contact is solved without another test.
     ///
     /// Few of them hold none, and the solver sees that at once; a proof of it takes longer. One that the
@@ -101,7 +101,7 @@ impl CandidateRefiner {
     /// it is asked only about those that may be near.
     pub(crate) fn refine<B: Bodies>(
         &mut self,
-        question: &Question<'_, B>,
+        question: &RefineContext<'_, B>,
         candidates: &[Candidate],
         pair: impl Fn(Candidate) -> Option<[u32; 2]>,
         found: &mut Vec<SpanKey>,
@@ -125,11 +125,11 @@ impl CandidateRefiner {
     /// The candidates that may be near from their fat lines.
     fn judge<B>(
         &mut self,
-        question: &Question<'_, B>,
+        question: &RefineContext<'_, B>,
         batch: &[Candidate],
         pair: impl Fn(Candidate) -> Option<[u32; 2]>,
     ) {
-        let Question {
+        let RefineContext {
             courses, interval, ..
         } = *question;
         self.near.clear();
@@ -181,7 +181,11 @@ impl CandidateRefiner {
 
     /// Those that compact cubics do not show to be apart: the ones that are solved at once are appended
     /// to what was found, the ones that are asked about first stay.
-    fn compare_compact<B: Bodies>(&mut self, question: &Question<'_, B>, found: &mut Vec<SpanKey>) {
+    fn compare_compact<B: Bodies>(
+        &mut self,
+        question: &RefineContext<'_, B>,
+        found: &mut Vec<SpanKey>,
+    ) {
         let bodies = question.bodies;
         let mut kept = 0;
         for number in 0..self.spans.len() {
@@ -206,7 +210,7 @@ impl CandidateRefiner {
     }
 
     /// Those that their segments do not show to be apart either.
-    fn compare<B: Bodies>(&self, question: &Question<'_, B>, found: &mut Vec<SpanKey>) {
+    fn compare<B: Bodies>(&self, question: &RefineContext<'_, B>, found: &mut Vec<SpanKey>) {
         let bodies = question.bodies;
         for (i, one) in self.spans.iter().enumerate() {
             if let Some(later) = self.spans.get(i + Self::AHEAD) {

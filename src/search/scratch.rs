@@ -1,29 +1,29 @@
 //! Memory that one screening leaves to the next.
 
-use super::{Arranger, Block, CandidateRefiner};
+use super::{CandidateRefiner, SliceBlock, SpanSorter};
 use crate::broad_phase::{BruteForce, Candidate, Sweep, Tree};
 use crate::spans::SpanKey;
 
-/// What one thread reuses from slice to slice.
+/// Memory that one thread reuses from slice to slice.
 ///
 /// A box, its course and its body take 64 bytes, in each slice of a block; the sweep's own lists 40
 /// to 130 a box of one slice.
 #[derive(Debug, Default)]
-pub(crate) struct Scratch {
+pub(crate) struct SearchScratch {
     pub(crate) brute_force: BruteForce,
     pub(crate) tree: Tree,
     pub(crate) sweep: Sweep,
     /// Places of the bodies that exist in the block.
     pub(crate) present: Vec<u32>,
-    pub(crate) block: Block,
+    pub(crate) block: SliceBlock,
     pub(crate) candidates: Vec<Candidate>,
-    /// How many of them each slice has.
+    /// Number of candidates of each slice.
     pub(crate) counts: Vec<usize>,
-    /// Where they begin and end, s.
+    /// Ends of the slices of a block, s.
     pub(crate) ends: Vec<f64>,
     pub(crate) refiner: CandidateRefiner,
     pub(crate) found: Vec<SpanKey>,
-    pub(crate) arranger: Arranger,
+    pub(crate) sorter: SpanSorter,
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! How long a slice should be, from a cost model and a sample of the bodies: counts, no clock, so
+//! The length of slices, from a cost model and a sample of the bodies: counts, no clock, so
 //! that the same scene is always cut alike. It decides about time, never about answers.
 //!
 //! Short slices cost boxes; long ones cost candidates, which grow with the cube of a box's size. A
@@ -6,9 +6,9 @@
 //! candidates found, and from how boxes grow with time, the cheapest length is extrapolated, and
 //! tried in turn.
 
-use super::{Fill, Presence, Scratch, Slices, Traffic};
+use super::{FormBounds, Lifetimes, SceneStatistics, SearchScratch, TimeSlices};
 use crate::bounds::{Cubic, MovingFrame, Pose};
-use crate::broad_phase::{BroadPhase, Everyone, Room};
+use crate::broad_phase::{BroadPhase, CandidateLimit, Everyone};
 use crate::narrow_phase::approaching;
 use crate::pool::Pool;
 use crate::simd::InstructionSet;
@@ -35,7 +35,7 @@ mod cost {
 /// Candidates of a trial's slice that are looked at: with more, slices must be shorter anyway.
 const MAX_CANDIDATES: u64 = 1 << 20;
 
-/// How near candidates grow with the length of a slice, as a power of it, until two lengths were
+/// Growth of near candidates with the length of a slice, as a power of it, until two lengths were
 /// tried: in proportion in any case, and courses become less straight.
 const NEAR_GROWTH: f64 = 2.5;
 
@@ -48,7 +48,7 @@ const MAX_QUARTERS: i32 = 8;
 /// A trial whose length is to be changed by no more than such a factor is good enough.
 const SETTLED: Range<f64> = 0.7..1.5;
 
-/// What was counted in slices of one length, for all bodies.
+/// Counts in slices of one length, for all bodies.
 struct Trial {
     bodies: f64,
     /// Boxes, candidates, and candidates not ruled out by their courses, a slice.
@@ -64,7 +64,7 @@ struct Trial {
     least: f64,
 }
 
-/// How counts grow with the length of a slice, as powers of it.
+/// Growth of counts with the length of a slice, as powers of it.
 struct Growth {
     /// None: as the boxes' volume does.
     candidates: Option<f64>,
@@ -109,7 +109,7 @@ impl Trial {
         (slice + self.boxes * per_box + candidates * cost::CANDIDATE + near) / factor
     }
 
-    /// Whether comparing is by far the most of the work. Where boxes are so long that nearly all meet,
+    /// Returns true if comparing is by far the most of the work. Where boxes are so long that nearly all meet,
     /// slices some times shorter show no gain yet: only far shorter ones tell whether they pay.
     fn is_crowded(&self) -> bool {
         const MAX: f64 = 8.0;
@@ -139,11 +139,11 @@ impl Trial {
 /// Bodies of which some are put through slices.
 #[derive(Debug)]
 pub(crate) struct SliceTrials<'a> {
-    /// Of all bodies.
-    pub(crate) presence: &'a Presence,
+    /// Times in which all bodies exist.
+    pub(crate) presence: &'a Lifetimes,
     pub(crate) frame: &'a MovingFrame,
     pub(crate) instructions: InstructionSet,
-    pub(crate) pool: &'a Pool<Scratch>,
+    pub(crate) pool: &'a Pool<SearchScratch>,
 }
 
 impl SliceTrials<'_> {
@@ -151,10 +151,10 @@ impl SliceTrials<'_> {
     /// the length given. `poses` gives those of the bodies in some places.
     pub(crate) fn cheapest<'p, C: Cubic + 'p>(
         &self,
-        mut slices: Slices,
-        traffic: &Traffic,
+        mut slices: TimeSlices,
+        traffic: &SceneStatistics,
         poses: impl FnOnce(&[usize]) -> Vec<Pose<'p, C>>,
-    ) -> Slices {
+    ) -> TimeSlices {
         /// Fewer bodies are not worth a trial, unless they would have more boxes than these.
         const FEW: usize = 64;
         const FEW_BOXES: f64 = 4096.0;
@@ -180,7 +180,7 @@ impl SliceTrials<'_> {
         let whole = bodies as f64 / sample.len() as f64;
         let mut last: Option<(Trial, f64)> = None;
         // The cheapest crowded slices.
-        let mut crowded: Option<(f64, Slices)> = None;
+        let mut crowded: Option<(f64, TimeSlices)> = None;
         for _ in 0..MAX_TRIALS {
             let cubics = 1.0 + traffic.cubics_in(slices.length());
             let trial = self.trial(&presence, &sampled, &slices, whole, cubics);
@@ -225,16 +225,16 @@ impl SliceTrials<'_> {
     /// Counts in a few slices of a length, scaled from the sample to all bodies.
     fn trial<C: Cubic>(
         &self,
-        presence: &Presence,
+        presence: &Lifetimes,
         poses: &[Pose<'_, C>],
-        slices: &Slices,
+        slices: &TimeSlices,
         whole: f64,
         cubics: f64,
     ) -> Trial {
         const PLACES: u32 = 3;
         let places = PLACES.min(slices.count());
         let mut scratch = self.pool.take();
-        let Scratch {
+        let SearchScratch {
             present,
             block,
             sweep,
@@ -249,7 +249,7 @@ impl SliceTrials<'_> {
             let first = slices.number_at(share);
             presence.list(slices.interval(first), present);
             slices.ends(first..first + 1, ends);
-            self.instructions.run(Fill {
+            self.instructions.run(FormBounds {
                 block: &mut *block,
                 frame: self.frame,
                 poses,
@@ -258,7 +258,7 @@ impl SliceTrials<'_> {
             });
             let slice = &block.slices[0];
             candidates.clear();
-            let room = Room::new(&Everyone, MAX_CANDIDATES);
+            let room = CandidateLimit::new(&Everyone, MAX_CANDIDATES);
             sweep
                 .at(self.instructions)
                 .pairs(&slice.boxes, &room, candidates);

@@ -4,15 +4,15 @@ use std::ops::Range;
 
 /// A window cut into slices of equal length. Slices never change an answer, only its cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Slices {
+pub(crate) struct TimeSlices {
     start: f64,
     end: f64,
     count: u32,
 }
 
-/// What the choice of a slice length rests on.
+/// Statistics of a scene on which the choice of a slice length rests.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Traffic {
+pub(crate) struct SceneStatistics {
     /// Seconds of existence within the window, added up over bodies.
     pub(crate) body_time: f64,
     /// Metres flown in them.
@@ -25,7 +25,7 @@ pub(crate) struct Traffic {
     pub(crate) reach: f64,
 }
 
-impl Traffic {
+impl SceneStatistics {
     /// Bodies that exist at a time, on average over a window.
     pub(crate) fn present(&self, (start, end): (f64, f64)) -> f64 {
         if end > start {
@@ -45,7 +45,7 @@ impl Traffic {
     }
 }
 
-impl Traffic {
+impl SceneStatistics {
     /// More slices of a window are not worth it: forming the boxes of one (and going through it,
     /// if it is empty) costs as much as looking at as many spans, and all the spans of all pairs
     /// are the work that slices can save.
@@ -61,7 +61,7 @@ impl Traffic {
     }
 }
 
-impl Slices {
+impl TimeSlices {
     /// Boxes about half as long as the bodies' mean spacing: with longer ones candidates grow with
     /// the cube of their size, with shorter ones the boxes themselves are the cost.
     const SPACINGS_PER_SLICE: f64 = 0.5;
@@ -73,7 +73,7 @@ impl Slices {
     const MAX_SLICES: f64 = 1e6;
 
     /// Slices of `start..=end` (s, finite) by the rule above, from counts alone.
-    pub(crate) fn choose((start, end): (f64, f64), traffic: &Traffic) -> Self {
+    pub(crate) fn choose((start, end): (f64, f64), traffic: &SceneStatistics) -> Self {
         let duration = end - start;
         let present = traffic.present((start, end));
         let speed = traffic.path / traffic.body_time;
@@ -100,7 +100,7 @@ impl Slices {
         }
     }
 
-    /// The same window cut into about `count` slices; one where that is no number.
+    /// Returns the window cut into about `count` slices; one where that is no number.
     pub(crate) fn with_count(self, count: f64) -> Self {
         let count = if count >= 1.0 && count.is_finite() {
             whole_number(count.round().min(Self::MAX_SLICES))
@@ -142,7 +142,7 @@ impl Slices {
         (self.cut(slice), self.cut(slice + 1))
     }
 
-    /// Where some slices begin and end, s: one more than there are slices.
+    /// Lists the ends of some slices, s: one more than there are slices.
     /// Replaces what `ends` held.
     pub(crate) fn ends(&self, slices: Range<u32>, ends: &mut Vec<f64>) {
         let cuts = slices.start..=slices.end;
@@ -180,14 +180,14 @@ mod tests {
 
     #[test]
     fn slices_cover_the_window_without_gaps() {
-        let traffic = Traffic {
+        let traffic = SceneStatistics {
             body_time: 600.0,
             path: 6000.0,
             segments: 100.0,
             world: [100.0; 3],
             reach: 1.0,
         };
-        let slices = Slices::choose((5.0, 65.0), &traffic);
+        let slices = TimeSlices::choose((5.0, 65.0), &traffic);
         assert!(slices.count() > 10);
         assert!(slices.interval(0).0.to_bits() == 5.0_f64.to_bits());
         assert!(slices.interval(slices.count() - 1).1.to_bits() == 65.0_f64.to_bits());
@@ -198,21 +198,25 @@ mod tests {
 
     #[test]
     fn counts_that_threads_share_evenly_are_nearly_the_same() {
-        let shared = |count| Slices::whole(0.0, 1.0).with_count(count).shared_evenly();
+        let shared = |count| {
+            TimeSlices::whole(0.0, 1.0)
+                .with_count(count)
+                .shared_evenly()
+        };
         let counts = [1, 2, 3, 5, 7, 9, 11, 14, 1001].map(|count| shared(f64::from(count)).count());
         assert_eq!(counts, [1, 2, 3, 6, 8, 10, 12, 14, 1000]);
     }
 
     #[test]
     fn degenerate_traffic_gets_one_slice() {
-        let nothing_moves = Traffic {
+        let nothing_moves = SceneStatistics {
             body_time: 10.0,
             path: 0.0,
             segments: 0.0,
             world: [0.0; 3],
             reach: 0.0,
         };
-        assert_eq!(Slices::choose((0.0, 1.0), &nothing_moves).count(), 1);
-        assert_eq!(Slices::choose((2.0, 2.0), &nothing_moves).count(), 1);
+        assert_eq!(TimeSlices::choose((0.0, 1.0), &nothing_moves).count(), 1);
+        assert_eq!(TimeSlices::choose((2.0, 2.0), &nothing_moves).count(), 1);
     }
 }

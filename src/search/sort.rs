@@ -4,13 +4,13 @@ use crate::spans::SpanKey;
 
 /// Sorts survivors; owns what that takes.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Arranger {
+pub(crate) struct SpanSorter {
     other: Vec<SpanKey>,
-    /// Where the next survivor of each body goes.
+    /// Place of the next span of each body.
     places: Vec<usize>,
 }
 
-impl Arranger {
+impl SpanSorter {
     /// Fewer survivors per body than this are compared with each other instead.
     const BODIES_EACH: usize = 8;
 
@@ -20,7 +20,7 @@ impl Arranger {
     /// Dealt out by their second body and then by their first, in as many steps as there are
     /// survivors and bodies, each is nearly in its place: the spans of a pair come in the order of
     /// the slices, where only those of neighbouring ones overlap.
-    pub(crate) fn tidy(&mut self, survivors: &mut Vec<SpanKey>, bodies: usize) {
+    pub(crate) fn sort_and_dedup(&mut self, survivors: &mut Vec<SpanKey>, bodies: usize) {
         if survivors.len() < bodies / Self::BODIES_EACH {
             survivors.sort_unstable();
         } else {
@@ -109,7 +109,7 @@ mod tests {
     #[test]
     fn survivors_are_sorted_and_kept_once() {
         let mut rng = ChaCha8Rng::seed_from_u64(6);
-        let mut arranger = Arranger::default();
+        let mut sorter = SpanSorter::default();
         let mut lost = 0;
         for round in 0..600 {
             let bodies: u32 = [2, 20, 300][round % 3];
@@ -122,7 +122,7 @@ mod tests {
             expected.sort_unstable();
             expected.dedup();
             lost += survivors.len() - expected.len();
-            arranger.tidy(&mut survivors, bodies as usize);
+            sorter.sort_and_dedup(&mut survivors, bodies as usize);
             assert_eq!(survivors, expected);
         }
         assert!(lost > 1_000, "{lost}");
@@ -139,7 +139,7 @@ mod tests {
         let others = [((0, 1), 7), ((0, 2), 5), ((1, 3), 3), ((2, 3), 1)];
         let others = others.map(|(pair, number)| span(pair, number));
         let mut survivors: Vec<SpanKey> = even.chain(others).chain(odd).collect();
-        Arranger::default().tidy(&mut survivors, 4);
+        SpanSorter::default().sort_and_dedup(&mut survivors, 4);
         assert_eq!(survivors.len(), 2 * LENGTH as usize + others.len());
         assert!(survivors.is_sorted());
     }

@@ -1,9 +1,12 @@
 //! Everything in a window, from nothing: boxes, candidates, and the spans that cheap tests leave.
 
-use super::form::{Block, Fill, Slice, short};
-use super::{BodyLists, LimitExceeded, Limits, Presence, Question, Scratch, Slices, Traffic};
+use super::form::{FormBounds, SliceBlock, SliceBounds, short};
+use super::{
+    BodyLists, Lifetimes, LimitExceeded, Limits, RefineContext, SceneStatistics, SearchScratch,
+    TimeSlices,
+};
 use crate::bounds::{Cubic, MovingFrame};
-use crate::broad_phase::{BroadPhase, Candidate, PairFilter, Room, mean_size};
+use crate::broad_phase::{BroadPhase, Candidate, CandidateLimit, PairFilter, mean_size};
 use crate::parallel;
 use crate::pool::Pool;
 use crate::simd::InstructionSet;
@@ -18,13 +21,13 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 #[derive(Debug)]
 pub(crate) struct WindowSearch<'a, C> {
     pub(crate) bodies: BodyLists<'a, C>,
-    pub(crate) presence: &'a Presence,
+    pub(crate) presence: &'a Lifetimes,
     pub(crate) frame: &'a MovingFrame,
     pub(crate) window: Window,
     pub(crate) margin: f64,
     pub(crate) limits: Limits,
     pub(crate) instructions: InstructionSet,
-    pub(crate) pool: &'a Pool<Scratch>,
+    pub(crate) pool: &'a Pool<SearchScratch>,
     /// Threads that share the work.
     pub(crate) threads: usize,
 }
@@ -39,17 +42,17 @@ impl<C: Cubic + Sync> WindowSearch<'_, C> {
     /// If there are more spans, or more candidates at an instant, than there is room for.
     pub(crate) fn spans<B: BroadPhase, F: PairFilter>(
         &self,
-        method: impl Fn(&mut Scratch) -> &mut B + Sync + Send,
-        (slices, traffic): (&Slices, &Traffic),
+        method: impl Fn(&mut SearchScratch) -> &mut B + Sync + Send,
+        (slices, traffic): (&TimeSlices, &SceneStatistics),
         filter: &F,
         progress: &(impl Fn(f64) + Sync),
         (found, stats): (&mut Vec<SpanKey>, &mut Stats),
     ) -> Result<(), LimitExceeded> {
         let bodies = self.bodies.parties.len();
-        let blocks = Blocks::of(slices, traffic, (bodies, self.threads));
+        let blocks = SliceBlocks::of(slices, traffic, (bodies, self.threads));
         let done_blocks = AtomicU32::new(0);
         let is_given_up = AtomicBool::new(false);
-        let search = |scratch: &mut Scratch, block: u32| {
+        let search = |scratch: &mut SearchScratch, block: u32| {
             if is_given_up.load(Ordering::Relaxed) || filter.gives_up() {
                 return Err(LimitExceeded);
             }
@@ -82,7 +85,7 @@ impl<C: Cubic + Sync> WindowSearch<'_, C> {
                 }
             }
             let begin = Instant::now();
-            own.arranger.tidy(found, bodies);
+            own.sorter.sort_and_dedup(found, bodies);
             self.limits.check(found.len())?;
             stats.narrow_time += begin.elapsed();
             first += round;
@@ -93,11 +96,11 @@ impl<C: Cubic + Sync> WindowSearch<'_, C> {
     /// Lists the spans of a few slices in `scratch.found`; returns how much was looked at.
     fn block<B: BroadPhase, F: PairFilter>(
         &self,
-        method: impl Fn(&mut Scratch) -> &mut B,
-        slices: &Slices,
+        method: impl Fn(&mut SearchScratch) -> &mut B,
+        slices: &TimeSlices,
         range: Range<u32>,
         filter: &F,
-        scratch: &mut Scratch,
+        scratch: &mut SearchScratch,
     ) -> Result<Stats, LimitExceeded> {
         let mut stats = Stats::default();
         let begin = Instant::now();
@@ -150,17 +153,15 @@ impl<C: Cubic + Sync> WindowSearch<'_, C> {
         (scratch.block, scratch.candidates, scratch.counts) = (block, candidates, counts);
         let begin = Instant::now();
         if scratch.found.len() > FEW_FOUND {
-            let Scratch {
-                arranger, found, ..
-            } = scratch;
-            arranger.tidy(found, self.bodies.parties.len());
+            let SearchScratch { sorter, found, .. } = scratch;
+            sorter.sort_and_dedup(found, self.bodies.parties.len());
         }
         stats.narrow_time += begin.elapsed();
         Ok(stats)
     }
 
-    fn form(&self, ends: &[f64], present: &[u32], block: &mut Block) {
-        self.instructions.run(Fill {
+    fn form(&self, ends: &[f64], present: &[u32], block: &mut SliceBlock) {
+        self.instructions.run(FormBounds {
             block,
             frame: self.frame,
             poses: self.bodies.poses,
@@ -172,18 +173,18 @@ impl<C: Cubic + Sync> WindowSearch<'_, C> {
     /// Adds the spans of a slice's candidates to those found; returns how many were looked at.
     fn refine(
         &self,
-        slice: &Slice,
+        slice: &SliceBounds,
         interval: (f64, f64),
         candidates: &[Candidate],
-        scratch: &mut Scratch,
+        scratch: &mut SearchScratch,
     ) -> Result<u64, LimitExceeded> {
-        let Scratch {
+        let SearchScratch {
             refiner,
             found,
-            arranger,
+            sorter,
             ..
         } = scratch;
-        let question = Question {
+        let question = RefineContext {
             bodies: &self.bodies,
             courses: &slice.courses,
             interval,
@@ -195,7 +196,7 @@ impl<C: Cubic + Sync> WindowSearch<'_, C> {
         let looked_at = refiner.refine(&question, candidates, pair, found);
         if found.len() > self.limits.spans {
             // A span that lasts for several slices is found in each.
-            arranger.tidy(found, self.bodies.parties.len());
+            sorter.sort_and_dedup(found, self.bodies.parties.len());
             self.limits.check(found.len())?;
         }
         Ok(looked_at)
@@ -206,11 +207,11 @@ impl<C: Cubic + Sync> WindowSearch<'_, C> {
     /// the margin: what overlaps then is a crowd, for which there may be room as a whole.
     fn divide<B: BroadPhase, F: PairFilter>(
         &self,
-        method: &impl Fn(&mut Scratch) -> &mut B,
-        (interval, slice): ((f64, f64), &Slice),
+        method: &impl Fn(&mut SearchScratch) -> &mut B,
+        (interval, slice): ((f64, f64), &SliceBounds),
         filter: &F,
         stats: &mut Stats,
-        scratch: &mut Scratch,
+        scratch: &mut SearchScratch,
     ) -> Result<(), LimitExceeded> {
         /// Boxes of halves that are nearly as large have as many candidates.
         const LESS: f64 = 0.875;
@@ -224,7 +225,7 @@ impl<C: Cubic + Sync> WindowSearch<'_, C> {
         });
         let (from, to) = (interval.0.max(first), interval.1.min(last));
         let middle = 0.5 * from + 0.5 * to;
-        let mut halves = Block::default();
+        let mut halves = SliceBlock::default();
         if from < middle && middle < to {
             self.form(&[from, middle, to], &slice.bodies, &mut halves);
         }
@@ -266,7 +267,7 @@ impl<C: Cubic + Sync> WindowSearch<'_, C> {
 /// are more than there is room for.
 fn list_pairs<B: BroadPhase, F: PairFilter>(
     method: &mut B,
-    slice: &Slice,
+    slice: &SliceBounds,
     room: u64,
     filter: &F,
     candidates: &mut Vec<Candidate>,
@@ -276,7 +277,7 @@ fn list_pairs<B: BroadPhase, F: PairFilter>(
         filter,
     };
     let first = candidates.len();
-    let room = Room::new(&by_place, room);
+    let room = CandidateLimit::new(&by_place, room);
     method.pairs(&slice.boxes, &room, candidates);
     if room.is_short() {
         candidates.truncate(first);
@@ -284,10 +285,10 @@ fn list_pairs<B: BroadPhase, F: PairFilter>(
     !room.is_short()
 }
 
-/// How large the boxes of a slice are.
+/// Size of the boxes of a slice.
 #[derive(Clone, Copy, Debug, Default)]
 struct Size {
-    /// Of a mean box, summed up over the axes.
+    /// Extent of a mean box, summed up over the axes.
     extent: f64,
     /// In proportion to the candidates of bodies that are anywhere.
     pairs: f64,
@@ -295,7 +296,7 @@ struct Size {
 
 impl Size {
     #[allow(clippy::cast_precision_loss, reason = "a number of bodies")]
-    fn of(slice: &Slice) -> Self {
+    fn of(slice: &SliceBounds) -> Self {
         let boxes = slice.boxes.len();
         if boxes == 0 {
             return Self::default();
@@ -313,16 +314,16 @@ impl Size {
     }
 }
 
-/// How many of a block's slices are compared before what was found in them is refined: as many as have
+/// Returns how many of a block's slices are compared before what was found in them is refined: as many as have
 /// few boxes. Reading the clock takes as long as a few boxes.
-fn slices_in_a_run(block: &Block, count: usize) -> usize {
+fn slices_in_a_run(block: &SliceBlock, count: usize) -> usize {
     const BOXES: usize = 1024;
     let boxes = block.slices[..count].iter().map(|slice| slice.boxes.len());
     (BOXES * count / boxes.sum::<usize>().max(1)).max(1)
 }
 
 /// Slices dealt out in blocks of about equal size. What is found does not depend on it.
-struct Blocks {
+struct SliceBlocks {
     slices: u32,
     count: u32,
     /// Blocks after which what was found is put together: a span that lasts for many slices is then
@@ -332,7 +333,7 @@ struct Blocks {
     is_shared: bool,
 }
 
-impl Blocks {
+impl SliceBlocks {
     /// At least this many for each of several threads to share.
     const FEWEST: u32 = 2;
     /// With more slices in a block, a body's cubics are read less often, but the lists of boxes leave
@@ -349,13 +350,17 @@ impl Blocks {
         clippy::cast_sign_loss,
         reason = "rounds towards zero, saturates"
     )]
-    fn of(slices: &Slices, traffic: &Traffic, (bodies, threads): (usize, usize)) -> Self {
+    fn of(
+        slices: &TimeSlices,
+        traffic: &SceneStatistics,
+        (bodies, threads): (usize, usize),
+    ) -> Self {
         let present = traffic.present(slices.window());
         let cubics = traffic.cubics_in(slices.length());
         let slices = slices.count();
         let cached = (Self::CACHED_BOXES / present) as usize;
         let few = Self::FEW_SLICES[usize::from(cubics >= 1.0)];
-        let fit = cached.clamp(few, Block::SLICES);
+        let fit = cached.clamp(few, SliceBlock::SLICES);
         let most = (Self::MAX_BOXES / bodies.max(1)).clamp(1, fit);
         let count = slices.div_ceil(u32::try_from(most).unwrap_or(u32::MAX));
         let threads = u32::try_from(threads).unwrap_or(u32::MAX);

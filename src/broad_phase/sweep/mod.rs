@@ -11,23 +11,23 @@
 //! them, and what turns out to be compared mostly in vain. Few boxes, and boxes that nearly all
 //! meet, are compared directly.
 
-mod all;
-mod parts;
-mod plan;
+mod compare_all;
+mod layout;
+mod partition;
+mod quantizer;
 mod region;
 mod rows;
 mod run;
-mod scale;
-mod survey;
+mod sample;
 
-use self::all::{All, Faces};
-use self::parts::Parts;
-use self::plan::{Crowd, Plan};
+use self::compare_all::{BoxesSoA, CompareAll};
+use self::layout::{BoxStatistics, GridLayout};
+use self::partition::Partition;
+use self::quantizer::Quantizer;
 use self::region::Region;
-use self::rows::{Rows, Sort};
-use self::run::Run;
-use self::scale::Scale;
-use self::survey::Survey;
+use self::rows::{SortIntoRows, SortedRows};
+use self::run::SweepRows;
+use self::sample::BoxSample;
 use super::{BodyBox, BroadPhase, Candidate, PairFilter};
 use crate::simd::InstructionSet;
 
@@ -40,12 +40,12 @@ use crate::simd::InstructionSet;
 #[derive(Clone, Debug)]
 pub struct Sweep {
     instructions: InstructionSet,
-    survey: Survey,
-    rows: Rows,
-    faces: Faces,
+    survey: BoxSample,
+    rows: SortedRows,
+    faces: BoxesSoA,
     /// The boxes divided at each depth.
-    parts: Vec<Parts>,
-    /// How many copies dividing may still make in this slice.
+    parts: Vec<Partition>,
+    /// Number of copies that dividing may still make in this slice.
     copies_left: usize,
 }
 
@@ -69,15 +69,15 @@ impl Sweep {
     pub fn with_instruction_set(instructions: InstructionSet) -> Self {
         Self {
             instructions,
-            survey: Survey::default(),
-            rows: Rows::default(),
-            faces: Faces::default(),
+            survey: BoxSample::default(),
+            rows: SortedRows::default(),
+            faces: BoxesSoA::default(),
             parts: Vec::new(),
             copies_left: 0,
         }
     }
 
-    /// The same, with another instruction set.
+    /// Returns the sweep with another instruction set.
     pub(crate) const fn at(&mut self, instructions: InstructionSet) -> &mut Self {
         self.instructions = instructions;
         self
@@ -97,18 +97,18 @@ impl Sweep {
         }
         self.survey.take(boxes, &region);
         if depth == self.parts.len() {
-            self.parts.push(Parts::default());
+            self.parts.push(Partition::default());
         }
         let parts = &mut self.parts[depth];
         if self.survey.cut_at_gaps(&mut parts.cuts) && parts.divide(boxes, &mut self.copies_left) {
             return self.find_in_parts(region, depth, filter, candidates);
         }
-        let scale = Scale::new(self.survey.ranges());
-        let plan = Plan::choose(&Crowd {
+        let scale = Quantizer::new(self.survey.ranges());
+        let plan = GridLayout::choose(&BoxStatistics {
             count: boxes.len(),
             extents: self.survey.shares(),
         });
-        let comparisons = self.instructions.run(Sort {
+        let comparisons = self.instructions.run(SortIntoRows {
             boxes,
             scale: &scale,
             plan,
@@ -130,7 +130,7 @@ impl Sweep {
                 }
             }
         }
-        self.instructions.run(Run {
+        self.instructions.run(SweepRows {
             boxes,
             rows: &self.rows,
             region: (depth > 0).then_some(&region),
@@ -147,7 +147,7 @@ impl Sweep {
         filter: &F,
         candidates: &mut Vec<Candidate>,
     ) {
-        self.instructions.run(All {
+        self.instructions.run(CompareAll {
             boxes,
             region,
             faces: &mut self.faces,

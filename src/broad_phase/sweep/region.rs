@@ -20,7 +20,7 @@ impl Region {
         high: Vector::splat(f32::INFINITY),
     };
 
-    /// Whether the common part of two boxes that meet starts here.
+    /// Returns true if the common part of two boxes that meet starts here.
     #[inline(always)]
     pub(super) fn owns(&self, one: &BodyBox, other: &BodyBox) -> bool {
         let start = one.aabb.mins.max(other.aabb.mins);

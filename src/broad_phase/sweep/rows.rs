@@ -1,8 +1,8 @@
 //! Sorting boxes into rows, and by bins within a row.
 
-use super::plan::Plan;
-use super::scale::{Packed, Scale, part};
-use super::survey::scattered;
+use super::layout::GridLayout;
+use super::quantizer::{QuantizedBox, Quantizer, part};
+use super::sample::scattered;
 use crate::broad_phase::BodyBox;
 use crate::simd::Task;
 
@@ -17,15 +17,15 @@ const MAX_COPIES: u64 = 4;
 /// A box is copied into every row that it reaches. Each array is followed by enough unused
 /// elements for a whole step.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Rows {
-    packed: Vec<Packed>,
+pub(super) struct SortedRows {
+    packed: Vec<QuantizedBox>,
     /// The boxes that reach more than one row.
     spread: Vec<u32>,
     /// For each cell, where its records end.
     pub(super) cell_ends: Vec<u32>,
-    /// Which box a record is a copy of.
-    pub(super) source: Vec<Source>,
-    /// Where the records end that start no later than this one ends.
+    /// The box that each record is a copy of.
+    pub(super) source: Vec<RecordSource>,
+    /// For each record, the end of those that start no later than it ends.
     pub(super) run_ends: Vec<u32>,
     pub(super) low: [Vec<u16>; 3],
     pub(super) high: [Vec<u16>; 3],
@@ -33,26 +33,26 @@ pub(super) struct Rows {
 
 /// Some of the comparisons of a sweep, made with the boxes themselves.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Probe {
-    /// How many boxes were compared.
+pub(super) struct HitRate {
+    /// Number of boxes that were compared.
     pub(super) tested: u64,
-    /// How many of them meet.
+    /// Number of them that overlap.
     pub(super) met: u64,
 }
 
-impl Probe {
+impl HitRate {
     /// The share of comparisons that find boxes that meet, 0..=1.
     pub(super) fn share(&self) -> f64 {
         self.met as f64 / self.tested.max(1) as f64
     }
 }
 
-impl Rows {
+impl SortedRows {
     /// Compares the boxes of a few records with some of their runs.
-    pub(super) fn probe(&self, boxes: &[BodyBox]) -> Probe {
+    pub(super) fn probe(&self, boxes: &[BodyBox]) -> HitRate {
         const RECORDS: usize = 16;
         const OTHERS: usize = 64;
-        let mut probe = Probe::default();
+        let mut probe = HitRate::default();
         for record in scattered(RECORDS, self.run_ends.len()) {
             let one = &boxes[self.source[record].number()];
             let rest = self.run_ends[record] as usize - record - 1;
@@ -66,11 +66,11 @@ impl Rows {
     }
 }
 
-/// Which box a record is a copy of, and whether the box starts in the record's row.
+/// The box that a record is a copy of, and whether the box starts in the record's row.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Source(u32);
+pub(super) struct RecordSource(u32);
 
-impl Source {
+impl RecordSource {
     /// Set where the box starts in an earlier row on the first or second axis of rows.
     const EARLIER: [u32; 2] = [1 << 31, 1 << 30];
 
@@ -80,7 +80,7 @@ impl Source {
         (self.0 & !(Self::EARLIER[0] | Self::EARLIER[1])) as usize
     }
 
-    /// Whether a pair of boxes is reported in the row of these two records: the one in which their
+    /// Returns true if a pair of boxes is reported in the row of these two records: the one in which their
     /// common part starts. On either axis of rows, the one that starts later starts there; both
     /// boxes have a copy in that row, and in no other row is this so.
     #[inline(always)]
@@ -90,14 +90,14 @@ impl Source {
 }
 
 /// Sorts boxes into rows; gives the number of comparisons that a sweep over them takes.
-pub(super) struct Sort<'a> {
+pub(super) struct SortIntoRows<'a> {
     pub(super) boxes: &'a [BodyBox],
-    pub(super) scale: &'a Scale,
-    pub(super) plan: Plan,
-    pub(super) rows: &'a mut Rows,
+    pub(super) scale: &'a Quantizer,
+    pub(super) plan: GridLayout,
+    pub(super) rows: &'a mut SortedRows,
 }
 
-impl Task for Sort<'_> {
+impl Task for SortIntoRows<'_> {
     type Output = u64;
 
     #[inline(always)]
@@ -123,9 +123,9 @@ impl Task for Sort<'_> {
 
 /// Boxes in grid coordinates, with the cells of their low corners.
 #[inline(always)]
-fn pack(boxes: &[BodyBox], scale: &Scale, plan: &Plan, rows: &mut Rows) {
-    let Rows { packed, spread, .. } = rows;
-    packed.resize(boxes.len(), Packed::default());
+fn pack(boxes: &[BodyBox], scale: &Quantizer, plan: &GridLayout, rows: &mut SortedRows) {
+    let SortedRows { packed, spread, .. } = rows;
+    packed.resize(boxes.len(), QuantizedBox::default());
     spread.resize(boxes.len(), 0);
     let [first, second] = plan.across;
     let mut parts = [0; 8];
@@ -144,7 +144,7 @@ fn pack(boxes: &[BodyBox], scale: &Scale, plan: &Plan, rows: &mut Rows) {
             place[lane] = part(grid[lane], parts[lane]);
         }
         let (outer, inner) = (place[first], place[second]);
-        *packed = Packed {
+        *packed = QuantizedBox {
             low: [grid[0], grid[1], grid[2]],
             high: [grid[3], grid[4], grid[5]],
             cell: (outer * plan.rows[1] + inner) * plan.bins + place[plan.sweep],
@@ -157,9 +157,9 @@ fn pack(boxes: &[BodyBox], scale: &Scale, plan: &Plan, rows: &mut Rows) {
     spread.truncate(spread_count);
 }
 
-/// How many copies are needed besides those in the cells of low corners.
+/// Returns how many copies are needed besides those in the cells of low corners.
 #[inline(always)]
-fn further_copies(plan: &Plan, rows: &Rows) -> u64 {
+fn further_copies(plan: &GridLayout, rows: &SortedRows) -> u64 {
     let mut copies = 0;
     for &number in &rows.spread {
         let spans = spans(&rows.packed[number as usize], plan);
@@ -168,9 +168,9 @@ fn further_copies(plan: &Plan, rows: &Rows) -> u64 {
     copies
 }
 
-/// How many rows a box reaches besides the first, on each axis of rows.
+/// Returns how many rows a box reaches besides the first, on each axis of rows.
 #[inline(always)]
-fn spans(packed: &Packed, plan: &Plan) -> [u32; 2] {
+fn spans(packed: &QuantizedBox, plan: &GridLayout) -> [u32; 2] {
     let [first, second] = plan.across;
     let rows = plan.rows;
     [
@@ -179,10 +179,10 @@ fn spans(packed: &Packed, plan: &Plan) -> [u32; 2] {
     ]
 }
 
-/// How many copies each cell gets.
+/// Counts the copies that each cell gets.
 #[inline(always)]
-fn count(plan: &Plan, rows: &mut Rows) {
-    let Rows {
+fn count(plan: &GridLayout, rows: &mut SortedRows) {
+    let SortedRows {
         packed,
         spread,
         cell_ends,
@@ -194,7 +194,7 @@ fn count(plan: &Plan, rows: &mut Rows) {
         cell_ends[packed.cell as usize] += 1;
     }
     for &number in spread.iter() {
-        let mut cells = FurtherCells::of(&packed[number as usize], plan);
+        let mut cells = ExtraCells::of(&packed[number as usize], plan);
         while let Some(cell) = cells.next() {
             cell_ends[cell] += 1;
         }
@@ -213,25 +213,25 @@ fn starts_from_counts(cells: &mut [u32]) -> usize {
 
 /// Writes every copy's box to its place; the starts of cells move on to their ends.
 #[inline(always)]
-fn scatter(plan: &Plan, rows: &mut Rows, count: usize) {
-    let Rows {
+fn scatter(plan: &GridLayout, rows: &mut SortedRows, count: usize) {
+    let SortedRows {
         packed,
         spread,
         cell_ends,
         source,
         ..
     } = rows;
-    source.resize(count + STEP, Source(0));
+    source.resize(count + STEP, RecordSource(0));
     for (number, packed) in (0..).zip(packed.iter()) {
         let place = &mut cell_ends[packed.cell as usize];
-        source[*place as usize] = Source(number);
+        source[*place as usize] = RecordSource(number);
         *place += 1;
     }
     for &number in spread.iter() {
-        let mut cells = FurtherCells::of(&packed[number as usize], plan);
+        let mut cells = ExtraCells::of(&packed[number as usize], plan);
         while let Some(cell) = cells.next() {
             let place = &mut cell_ends[cell];
-            source[*place as usize] = Source(number | cells.earlier());
+            source[*place as usize] = RecordSource(number | cells.earlier());
             *place += 1;
         }
     }
@@ -239,8 +239,8 @@ fn scatter(plan: &Plan, rows: &mut Rows, count: usize) {
 
 /// Writes the faces of all records to their arrays, and the ends of their runs.
 #[inline(always)]
-fn unfold(plan: &Plan, rows: &mut Rows) -> u64 {
-    let Rows {
+fn unfold(plan: &GridLayout, rows: &mut SortedRows) -> u64 {
+    let SortedRows {
         packed,
         cell_ends,
         source,
@@ -285,13 +285,13 @@ fn unfold(plan: &Plan, rows: &mut Rows) -> u64 {
 }
 
 /// The cells that get a copy of a box besides that of its low corner.
-struct FurtherCells {
+struct ExtraCells {
     /// The last one given, the first of its line of rows, the first of all.
     cell: usize,
     line: usize,
     first: usize,
     lines: u32,
-    /// How many are left in the line, and how many a line has besides the first.
+    /// Number of cells left in the line, and number that a line has besides the first.
     left: u32,
     span: u32,
     /// From one to the next, and from line to line.
@@ -299,9 +299,9 @@ struct FurtherCells {
     line_stride: usize,
 }
 
-impl FurtherCells {
+impl ExtraCells {
     #[inline(always)]
-    fn of(packed: &Packed, plan: &Plan) -> Self {
+    fn of(packed: &QuantizedBox, plan: &GridLayout) -> Self {
         let cell = packed.cell as usize;
         let [lines, span] = spans(packed, plan);
         Self {
@@ -338,12 +338,12 @@ impl FurtherCells {
         let outer = if self.line == self.first {
             0
         } else {
-            Source::EARLIER[0]
+            RecordSource::EARLIER[0]
         };
         let inner = if self.cell == self.line {
             0
         } else {
-            Source::EARLIER[1]
+            RecordSource::EARLIER[1]
         };
         outer | inner
     }
@@ -357,7 +357,7 @@ mod tests {
     use super::*;
     use crate::simd::InstructionSet;
 
-    const PLAN: Plan = Plan {
+    const PLAN: GridLayout = GridLayout {
         sweep: 1,
         across: [0, 2],
         rows: [4, 8],
@@ -365,7 +365,7 @@ mod tests {
     };
 
     /// Cubes along the diagonal of a world of 0..64 m, one each metre.
-    fn sorted(side: f32) -> (Rows, u64) {
+    fn sorted(side: f32) -> (SortedRows, u64) {
         let boxes: Vec<BodyBox> = (0..64_u8)
             .map(|i| BodyBox {
                 aabb: Aabb::new(
@@ -375,10 +375,10 @@ mod tests {
                 body: u32::from(i),
             })
             .collect();
-        let mut rows = Rows::default();
-        let comparisons = InstructionSet::best().run(Sort {
+        let mut rows = SortedRows::default();
+        let comparisons = InstructionSet::best().run(SortIntoRows {
             boxes: &boxes,
-            scale: &Scale::new([(0.0, 64.0); 3]),
+            scale: &Quantizer::new([(0.0, 64.0); 3]),
             plan: PLAN,
             rows: &mut rows,
         });

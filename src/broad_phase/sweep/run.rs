@@ -1,7 +1,7 @@
 //! The sweep itself: every record against the run that follows it in its row.
 
 use super::region::Region;
-use super::rows::{Rows, STEP};
+use super::rows::{STEP, SortedRows};
 use crate::broad_phase::{BodyBox, Candidate, PairFilter, emit};
 use crate::simd::Task;
 
@@ -18,20 +18,20 @@ struct Hit {
 }
 
 /// Finds the pairs of boxes in sorted rows.
-pub(super) struct Run<'a, F> {
+pub(super) struct SweepRows<'a, F> {
     pub(super) boxes: &'a [BodyBox],
-    pub(super) rows: &'a Rows,
+    pub(super) rows: &'a SortedRows,
     pub(super) region: Option<&'a Region>,
     pub(super) filter: &'a F,
     pub(super) candidates: &'a mut Vec<Candidate>,
 }
 
-impl<F: PairFilter> Task for Run<'_, F> {
+impl<F: PairFilter> Task for SweepRows<'_, F> {
     type Output = ();
 
     #[inline(always)]
     fn run(mut self) {
-        let Rows {
+        let SortedRows {
             run_ends,
             low: [low_x, low_y, low_z],
             high: [high_x, high_y, high_z],
@@ -75,7 +75,7 @@ impl<F: PairFilter> Task for Run<'_, F> {
     }
 }
 
-/// Which of the 16 records from `next` on meet a grid box.
+/// Returns which of the 16 records from `next` on meet a grid box.
 ///
 /// One saturating difference for each face, none of which may exceed zero.
 #[inline(always)]
@@ -103,11 +103,11 @@ fn meeting(
     lanes
 }
 
-impl<F: PairFilter> Run<'_, F> {
+impl<F: PairFilter> SweepRows<'_, F> {
     /// Emits the pairs of hits that belong to their row and really meet.
     #[inline(never)]
     fn report(&mut self, hits: &[Hit]) {
-        let Rows {
+        let SortedRows {
             source, run_ends, ..
         } = self.rows;
         for hit in hits {

@@ -6,12 +6,12 @@ use parry3d::bounding_volume::Aabb;
 
 /// A curve through space on which what is near in place is near in space.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Curve {
+pub(super) struct MortonOrder {
     low: [f32; 3],
     scale: [f32; 3],
 }
 
-impl Curve {
+impl MortonOrder {
     /// Through all of some boxes.
     pub(super) fn through(boxes: &[(u32, BodyBox)]) -> Self {
         let each = boxes.iter().map(|(_, body)| corners(&body.aabb));
@@ -26,7 +26,7 @@ impl Curve {
         }
     }
 
-    /// Where on the curve a box's middle is.
+    /// Returns the place of a box's middle on the curve.
     #[inline(always)]
     pub(super) fn place(&self, aabb: &Aabb) -> u32 {
         let (low, high) = corners(aabb);

@@ -10,10 +10,10 @@ mod place;
 mod search;
 
 use crate::broad_phase::BodyBox;
-use curve::Curve;
-use node::{Node, WIDTH, corners};
+use curve::MortonOrder;
+use node::{BoxNode, WIDTH, corners};
 use parry3d::bounding_volume::Aabb;
-pub(super) use search::Search;
+pub(super) use search::TreeSearch;
 use std::ops::Range;
 
 /// Bodies in a leaf at first; the rest of it is room for those that come.
@@ -24,22 +24,22 @@ const NOWHERE: u32 = u32::MAX;
 
 /// Boxes by slot; a body that does not exist in the slice has none.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Boxes {
+pub(super) struct BoxTree {
     /// By slot.
     place_of: Vec<u32>,
     /// By place: [`WIDTH`] for each node of the lowest level.
     slot_at: Vec<u32>,
     /// The bodies' own boxes first, then those around each node of the level below; the highest
     /// has one node. Levels above it are spare memory.
-    levels: Vec<Vec<Node>>,
+    levels: Vec<Vec<BoxNode>>,
     height: usize,
     /// By leaf: where on the curve it begins.
     begins: Vec<u32>,
-    curve: Curve,
+    curve: MortonOrder,
     /// The boxes around nodes are there. Else they wait for [`fit`](Self::fit): no search is asked
     /// for meanwhile.
     is_fitted: bool,
-    /// How often all were put in order.
+    /// Number of times that all were put in order.
     orders: u32,
     /// Bodies and leaves passed by since all were put in order, because a body was not where it
     /// belongs.
@@ -47,7 +47,7 @@ pub(super) struct Boxes {
     sorted: Vec<(u32, BodyBox)>,
 }
 
-impl Boxes {
+impl BoxTree {
     /// Replaces all boxes.
     pub(super) fn build(&mut self, boxes: &[BodyBox]) {
         self.sorted.clear();
@@ -99,18 +99,18 @@ impl Boxes {
         }
     }
 
-    /// How many bodies there is room for.
+    /// Returns how many bodies there is room for.
     pub(super) fn capacity(&self) -> usize {
         self.slot_at.len()
     }
 
-    /// How many leaves there are. What is in them stays there as long as
+    /// Returns the number of leaves. What is in them stays there as long as
     /// [`orders`](Self::orders) stays the same, but for bodies that are moved, inserted or removed.
     pub(super) fn leaves(&self) -> usize {
         self.slot_at.len() / WIDTH
     }
 
-    /// How often all bodies were given other places.
+    /// Returns how often all bodies were given other places.
     pub(super) const fn orders(&self) -> u32 {
         self.orders
     }
@@ -146,7 +146,7 @@ impl Boxes {
     fn put_in_order(&mut self) {
         self.take_all_out();
         let mut sorted = std::mem::take(&mut self.sorted);
-        self.curve = Curve::through(&sorted);
+        self.curve = MortonOrder::through(&sorted);
         for (code, body) in &mut sorted {
             *code = self.curve.place(&body.aabb);
         }
@@ -177,7 +177,7 @@ impl Boxes {
             }
             let level = &mut self.levels[self.height];
             level.clear();
-            level.resize(count, Node::EMPTY);
+            level.resize(count, BoxNode::EMPTY);
             self.height += 1;
             if count == 1 {
                 return;
@@ -228,7 +228,7 @@ mod tests {
     fn meets_what_a_plain_list_meets_whatever_was_changed() {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         let mut plain: Vec<Option<Aabb>> = vec![None; 1000];
-        let (mut boxes, mut search) = (Boxes::default(), Search::default());
+        let (mut boxes, mut search) = (BoxTree::default(), TreeSearch::default());
         let (mut met, mut reordered) = (0, 0);
         for round in 0..30 {
             if round % 10 == 0 {
@@ -248,7 +248,7 @@ mod tests {
                 let new = rng.random_bool(0.8).then(|| random_box(&mut rng));
                 plain[slot] = new;
                 let (order, body) = (boxes.orders(), u32::try_from(slot).unwrap_or(0));
-                let leaf = |boxes: &Boxes, slot: u32| boxes.place(slot).map(|at| at / WIDTH);
+                let leaf = |boxes: &BoxTree, slot: u32| boxes.place(slot).map(|at| at / WIDTH);
                 let leaves: Vec<_> = (0..1000).map(|slot| leaf(&boxes, slot)).collect();
                 match new {
                     Some(aabb) if round % 3 == 0 => replaced.push(BodyBox { aabb, body }),

@@ -13,12 +13,12 @@ pub(super) const EMPTY: Corners = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
 /// A node of the tree: boxes of bodies, or around the nodes below.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-pub(super) struct Node {
+pub(super) struct BoxNode {
     low: [[f32; WIDTH]; 3],
     high: [[f32; WIDTH]; 3],
 }
 
-impl Node {
+impl BoxNode {
     pub(super) const EMPTY: Self = Self {
         low: [[f32::INFINITY; WIDTH]; 3],
         high: [[f32::NEG_INFINITY; WIDTH]; 3],
@@ -91,7 +91,7 @@ pub(super) fn merged((low, high): Corners, (other_low, other_high): Corners) -> 
     )
 }
 
-/// Whether one box is inside another and touches none of its sides.
+/// Returns true if one box is inside another and touches none of its sides.
 #[inline(always)]
 pub(super) fn is_inside((low, high): Corners, (other_low, other_high): Corners) -> bool {
     (0..3).all(|axis| low[axis] > other_low[axis] && high[axis] < other_high[axis])

@@ -1,15 +1,15 @@
 //! A body's place in a tree: found, left, and what follows for the nodes above it.
 
 use super::node::{Corners, EMPTY, WIDTH, corners, is_inside, merged};
-use super::{Boxes, NOWHERE};
+use super::{BoxTree, NOWHERE};
 use crate::broad_phase::BodyBox;
 use crate::simd::{InstructionSet, Task, prefetch};
 use std::slice::from_ref;
 
-impl Boxes {
+impl BoxTree {
     /// Replaces the boxes of some bodies, few of all: each finds the best place for it.
     pub(in crate::monitor) fn move_to(&mut self, boxes: &[BodyBox]) {
-        InstructionSet::best().run(Move { tree: self, boxes });
+        InstructionSet::best().run(MoveBoxes { tree: self, boxes });
         if self.wear > self.slot_at.len() {
             self.list_for_order();
             self.put_in_order();
@@ -125,18 +125,18 @@ impl Boxes {
     }
 }
 
-/// See [`Boxes::move_to`].
-struct Move<'b> {
-    tree: &'b mut Boxes,
+/// See [`BoxTree::move_to`].
+struct MoveBoxes<'b> {
+    tree: &'b mut BoxTree,
     boxes: &'b [BodyBox],
 }
 
-impl Move<'_> {
+impl MoveBoxes<'_> {
     /// Boxes whose places are fetched together: they lie anywhere in memory.
     const BATCH: usize = 16;
 }
 
-impl Task for Move<'_> {
+impl Task for MoveBoxes<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -1,7 +1,7 @@
-//! What boxes meet in a tree.
+//! Search for the boxes of a tree that overlap others.
 
 use super::node::corners;
-use super::{Boxes, WIDTH};
+use super::{BoxTree, WIDTH};
 use crate::broad_phase::BodyBox;
 use crate::simd::{InstructionSet, Task, prefetch};
 use std::slice::from_ref;
@@ -9,7 +9,7 @@ use std::slice::from_ref;
 /// Memory for searches: the nodes of one level, and of the next one down, that are to be looked
 /// into, and for which box.
 #[derive(Clone, Debug, Default)]
-pub(in crate::monitor) struct Search {
+pub(in crate::monitor) struct TreeSearch {
     visits: Vec<Visit>,
     below: Vec<Visit>,
 }
@@ -22,12 +22,12 @@ struct Visit {
     node: u32,
 }
 
-impl Boxes {
+impl BoxTree {
     /// Calls `visit` with each of `boxes` and each slot whose box meets it (touching counts).
     pub(in crate::monitor) fn meeting(
         &self,
         boxes: &[BodyBox],
-        search: &mut Search,
+        search: &mut TreeSearch,
         visit: impl FnMut(&BodyBox, u32),
     ) {
         debug_assert!(self.is_fitted, "no way down yet");
@@ -43,9 +43,9 @@ impl Boxes {
 /// All boxes go down together, level by level: so the nodes are known that come next, and are
 /// fetched before they are looked into.
 struct Meet<'b, V> {
-    tree: &'b Boxes,
+    tree: &'b BoxTree,
     boxes: &'b [BodyBox],
-    search: &'b mut Search,
+    search: &'b mut TreeSearch,
     visit: V,
 }
 
@@ -59,7 +59,7 @@ impl<V: FnMut(&BodyBox, u32)> Task for Meet<'_, V> {
 
     #[inline(always)]
     fn run(mut self) {
-        let Search { visits, below } = self.search;
+        let TreeSearch { visits, below } = self.search;
         let all = (0..).zip(self.boxes);
         visits.clear();
         visits.extend(all.map(|(asked, _)| Visit { asked, node: 0 }));

@@ -1,6 +1,6 @@
 //! Work on the slice that comes next, spread over ticks.
 
-/// What share of the slice that comes next is due when `share` of the time until it is needed has
+/// Returns the share of the slice that comes next that is due when `share` of the time until it is needed has
 /// passed, the last `step` of it since the tick before, in which so many out of all bodies changed.
 ///
 /// What is done ahead is done again for whoever changes after. So where many do, work begins late,

@@ -2,7 +2,7 @@
 
 use super::super::bodies::form;
 use super::super::flights::Flight;
-use super::super::slice::{Answer, Neighbour};
+use super::super::slice::{NearBody, QueryScratch};
 use super::Outlook;
 use crate::bounds::Pose;
 use crate::broad_phase::PairFilter;
@@ -72,11 +72,11 @@ impl Outlook {
         scene: &Scene,
         (flight, own): (&Flight, &Party<'_>),
         (from, to): (f64, f64),
-    ) -> Vec<Neighbour> {
+    ) -> Vec<NearBody> {
         let window = (seen_from(from), seen_until(to));
         let knots = (own.knots, own.segments);
         let pose = Pose::plain(knots, &flight.inflation, &self.grid.frame);
-        let mut answer = Answer::default();
+        let mut answer = QueryScratch::default();
         let bodies = self.bodies(scene);
         if self.recent.len() > 0 {
             // What slices know of these is out of date, wherever it is.
@@ -87,7 +87,7 @@ impl Outlook {
                 self.recent.meeting(&bodies, window, &own.aabb, &mut met);
             }
             let (from, to) = window;
-            let always = |slot| Neighbour { slot, from, to };
+            let always = |slot| NearBody { slot, from, to };
             answer.neighbours.extend(met.into_iter().map(always));
         }
         for slice in &self.slices {

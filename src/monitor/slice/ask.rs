@@ -1,44 +1,44 @@
 //! Who may come near a plan that is not in place.
 
-use super::Slice;
+use super::LookaheadSlice;
 use super::state::Index;
 use crate::bounds::Pose;
 use crate::monitor::bodies::{BodyTable, form};
-use crate::monitor::boxes::Search;
+use crate::monitor::boxes::TreeSearch;
 use crate::narrow_phase::approaching;
-use crate::search::Block;
+use crate::search::SliceBlock;
 use crate::simd::prefetch;
 use crate::trajectory::Segment;
 use std::slice::from_ref;
 
 /// Another body, and when it may be near (s).
 #[derive(Clone, Copy, Debug)]
-pub(in crate::monitor) struct Neighbour {
+pub(in crate::monitor) struct NearBody {
     pub(in crate::monitor) slot: u32,
     pub(in crate::monitor) from: f64,
     pub(in crate::monitor) to: f64,
 }
 
-/// What questions to slices write to.
+/// Memory of questions to slices.
 #[derive(Debug, Default)]
-pub(in crate::monitor) struct Answer {
+pub(in crate::monitor) struct QueryScratch {
     /// In any order; a body may be listed several times.
-    pub(in crate::monitor) neighbours: Vec<Neighbour>,
-    pub(in crate::monitor) block: Block,
-    search: Search,
+    pub(in crate::monitor) neighbours: Vec<NearBody>,
+    pub(in crate::monitor) block: SliceBlock,
+    search: TreeSearch,
     met: Vec<u32>,
 }
 
-impl Slice {
+impl LookaheadSlice {
     /// Lists the bodies that may be near one in this pose within the slice. What has changed since it
     /// was boxed here may be anywhere.
     pub(in crate::monitor) fn neighbours(
         &self,
         bodies: &BodyTable<'_>,
         pose: &Pose<'_, Segment>,
-        answer: &mut Answer,
+        answer: &mut QueryScratch,
     ) {
-        let Answer {
+        let QueryScratch {
             neighbours,
             block,
             search,
@@ -61,12 +61,12 @@ impl Slice {
             neighbours.extend(met.iter().filter_map(|&slot| {
                 let theirs = &index.courses[slot as usize];
                 let (from, to) = approaching(course, theirs, self.interval)?;
-                Some(Neighbour { slot, from, to })
+                Some(NearBody { slot, from, to })
             }));
         }
         let (from, to) = self.interval;
         let changed = self.changed.iter();
-        neighbours.extend(changed.map(|&slot| Neighbour { slot, from, to }));
+        neighbours.extend(changed.map(|&slot| NearBody { slot, from, to }));
     }
 
     /// Returns the boxes of all bodies.
@@ -78,7 +78,7 @@ impl Slice {
         bodies.boxes(
             slots,
             &self.ends(),
-            &mut Block::default(),
+            &mut SliceBlock::default(),
             |_, boxed, course| {
                 courses[boxed.body as usize] = *course;
                 listed.push(boxed);

@@ -1,11 +1,11 @@
 //! Bodies that changed since a slice was compared.
 
-use super::{Scratch, Slice, Stage};
+use super::{BuildStage, LookaheadSlice, SliceScratch};
 use crate::bounds::Course;
 use crate::broad_phase::{BodyBox, BroadPhase, PairFilter};
-use crate::monitor::bodies::{BodyTable, Moved};
+use crate::monitor::bodies::{BodyTable, ChangedBounds};
 
-impl Slice {
+impl LookaheadSlice {
     /// Sweeping over all boxes costs as much as asking for what meets the boxes of a tenth of the
     /// bodies (measured with 10,000 and 100,000): this share of the places for them.
     const FEW_CHANGED: usize = 16;
@@ -13,8 +13,8 @@ impl Slice {
     /// Notes that bodies have changed; each slot once.
     pub(in crate::monitor) fn note(&mut self, slots: &[u32]) {
         let boxed = match self.stage {
-            Stage::Listing(slots) | Stage::Placing(slots) => slots,
-            Stage::Compared(_) | Stage::Joining(..) | Stage::Built => usize::MAX,
+            BuildStage::Listing(slots) | BuildStage::Placing(slots) => slots,
+            BuildStage::Compared(_) | BuildStage::Joining(..) | BuildStage::Built => usize::MAX,
         };
         for &slot in slots {
             let place = slot as usize;
@@ -41,19 +41,19 @@ impl Slice {
         &mut self,
         bodies: &BodyTable<'_>,
         filter: &F,
-        moved: Option<(&Moved, usize)>,
-        scratch: &mut Scratch,
+        moved: Option<(&ChangedBounds, usize)>,
+        scratch: &mut SliceScratch,
     ) -> usize {
         let changed = self.changed.len();
         self.box_changed(bodies, moved, scratch);
         if changed > self.index.boxes.capacity() / Self::FEW_CHANGED {
             self.index.boxes.replace(&scratch.listed);
             self.list_all(&mut scratch.listed);
-            let concerns = Concerns {
+            let concerns = TouchesChanged {
                 is_changed: &self.is_changed,
                 filter,
             };
-            let Scratch { sweep, listed, .. } = scratch;
+            let SliceScratch { sweep, listed, .. } = scratch;
             sweep.pairs(listed, &concerns, &mut self.candidates);
         } else {
             self.index.boxes.move_to(&scratch.listed);
@@ -67,10 +67,10 @@ impl Slice {
     pub(super) fn box_changed(
         &mut self,
         bodies: &BodyTable<'_>,
-        moved: Option<(&Moved, usize)>,
-        scratch: &mut Scratch,
+        moved: Option<(&ChangedBounds, usize)>,
+        scratch: &mut SliceScratch,
     ) {
-        let Scratch { listed, block, .. } = scratch;
+        let SliceScratch { listed, block, .. } = scratch;
         listed.clear();
         let ends = self.ends();
         let courses = &mut self.index.courses;
@@ -103,12 +103,12 @@ impl Slice {
 }
 
 /// Admits pairs with a changed body.
-struct Concerns<'f, F> {
+struct TouchesChanged<'f, F> {
     is_changed: &'f [bool],
     filter: &'f F,
 }
 
-impl<F: PairFilter> PairFilter for Concerns<'_, F> {
+impl<F: PairFilter> PairFilter for TouchesChanged<'_, F> {
     fn admits(&self, a: u32, b: u32) -> bool {
         let is_changed = |slot: u32| self.is_changed.get(slot as usize) == Some(&true);
         (is_changed(a) || is_changed(b)) && self.filter.admits(a, b)

@@ -2,26 +2,25 @@
 
 mod ask;
 mod changes;
+mod refine;
 mod state;
 
-use super::bodies::{BodyTable, Moved};
-use super::prepared::{ListMemory, PreparedBodies};
+use super::bodies::{BodyTable, ChangedBounds};
 use crate::bounds::Course;
-use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter, Room};
-use crate::search::{Block, LimitExceeded, Limits, Question};
+use crate::broad_phase::{BodyBox, BroadPhase, Candidate, CandidateLimit, PairFilter};
+use crate::search::{LimitExceeded, Limits, SliceBlock};
 use crate::wall_clock::Instant;
-use crate::window::Window;
-pub(super) use ask::{Answer, Neighbour};
-use state::Stage;
-pub(super) use state::{Scratch, Slice};
+pub(super) use ask::{NearBody, QueryScratch};
+use state::BuildStage;
+pub(super) use state::{LookaheadSlice, SliceScratch};
 use std::sync::OnceLock;
 
-impl Slice {
+impl LookaheadSlice {
     /// Boxes formed, or candidates looked at, before a budget is looked at: some tenths of a
     /// millisecond.
     const STEP: usize = 1024;
 
-    /// Which share of the work for a slice is forming and placing its boxes; the rest is comparing
+    /// Share of the work for a slice that is forming and placing its boxes; the rest is comparing
     /// them.
     const PLACING: f64 = 0.6;
 
@@ -38,7 +37,7 @@ impl Slice {
     /// Boxes that are asked for what meets them before a filter is asked whether it gives up.
     const ASKED: usize = 64;
 
-    /// Of a body without a box: nobody asks for it.
+    /// Stands for the fat line of a body without a box: nobody asks for it.
     const NO_COURSE: Course = Course {
         start: [0.0; 3],
         change: [0.0; 3],
@@ -50,7 +49,7 @@ impl Slice {
     pub(super) fn begin(&mut self, number: i64, interval: (f64, f64)) {
         self.number = number;
         self.interval = interval;
-        self.stage = Stage::default();
+        self.stage = BuildStage::default();
         self.due = 0.0;
         self.boxed.clear();
         self.candidates.clear();
@@ -65,7 +64,7 @@ impl Slice {
 
     /// Notes that all bodies were compared with each other, without boxes of the whole slice.
     pub(super) fn set_compared(&mut self) {
-        let stage = Stage::Compared(0);
+        let stage = BuildStage::Compared(0);
         self.stats.slices += u64::from(!self.stage.is_compared());
         let stats = std::mem::take(&mut self.stats);
         self.begin(self.number, self.interval);
@@ -89,7 +88,7 @@ impl Slice {
         }
     }
 
-    /// Where it ends, s.
+    /// Returns its end, s.
     pub(super) const fn end(&self) -> f64 {
         self.interval.1
     }
@@ -105,16 +104,14 @@ impl Slice {
         if self.is_put_off {
             return;
         }
-        if share > 0.0 && self.stage == Stage::default() {
-            if before.is_placed() {
-                self.index.boxes.begin_like(&before.index.boxes);
-                self.stage = Stage::Placing(0);
-            }
+        if share > 0.0 && self.stage == BuildStage::default() && before.is_placed() {
+            self.index.boxes.begin_like(&before.index.boxes);
+            self.stage = BuildStage::Placing(0);
         }
         self.due = share;
     }
 
-    /// How much of `count` is due now in a stage of the work, which lasts from one share to
+    /// Returns how much of `count` is due now in a stage of the work, which lasts from one share to
     /// another.
     #[allow(
         clippy::cast_possible_truncation,
@@ -127,38 +124,38 @@ impl Slice {
         (count as f64 * share).ceil() as usize
     }
 
-    /// How many slots are to have boxes now.
+    /// Returns how many slots are to have boxes now.
     fn due_slots(&self, bodies: &BodyTable<'_>) -> usize {
         self.due_of(bodies.flights.len(), (0.0, Self::PLACING))
     }
 
-    /// How many leaves are to be compared now.
+    /// Returns how many leaves are to be compared now.
     fn due_leaves(&self) -> usize {
         self.due_of(self.index.boxes.leaves(), (Self::PLACING, 1.0))
     }
 
-    /// Whether all bodies have their boxes in the tree.
+    /// Returns true if all bodies have their boxes in the tree.
     pub(super) const fn is_placed(&self) -> bool {
-        matches!(self.stage, Stage::Joining(..) | Stage::Built)
+        matches!(self.stage, BuildStage::Joining(..) | BuildStage::Built)
     }
 
-    /// Whether all that is due is compared.
+    /// Returns true if all that is due is compared.
     pub(super) fn is_fresh(&self, bodies: &BodyTable<'_>) -> bool {
         let is_there = match self.stage {
             // What has changed is looked at when the slice is built.
-            Stage::Listing(slots) => {
+            BuildStage::Listing(slots) => {
                 let due = self.due_slots(bodies);
                 return self.due < 1.0 && slots >= due && slots < bodies.flights.len();
             }
             // With the last of them they are to be joined.
-            Stage::Placing(slots) => {
+            BuildStage::Placing(slots) => {
                 let due = self.due_slots(bodies);
                 self.due < 1.0 && slots >= due && slots < bodies.flights.len()
             }
-            Stage::Joining(leaves, order) => {
+            BuildStage::Joining(leaves, order) => {
                 self.due < 1.0 && leaves >= self.due_leaves() && order == self.index.boxes.orders()
             }
-            Stage::Compared(_) | Stage::Built => true,
+            BuildStage::Compared(_) | BuildStage::Built => true,
         };
         is_there
             && self.changed.is_empty()
@@ -166,18 +163,18 @@ impl Slice {
             && self.sifted == self.candidates.len()
     }
 
-    /// How many boxes are to be formed, at most.
+    /// Returns how many boxes are to be formed, at most.
     pub(super) fn missing(&self, bodies: &BodyTable<'_>) -> usize {
         match self.stage {
-            Stage::Built => self.changed.len(),
-            Stage::Compared(_) if self.changed.is_empty() => 0,
+            BuildStage::Built => self.changed.len(),
+            BuildStage::Compared(_) if self.changed.is_empty() => 0,
             _ => bodies.flights.len(),
         }
     }
 
     /// Returns how many bodies are to be compared with all others, if so many out of all change.
     pub(super) fn unknown(&self, changed: usize, all: usize) -> usize {
-        if matches!(self.stage, Stage::Listing(_)) {
+        if matches!(self.stage, BuildStage::Listing(_)) {
             all
         } else {
             all.min(changed + self.changed.len())
@@ -194,7 +191,7 @@ impl Slice {
     fn list_meeting<F: PairFilter>(
         &mut self,
         filter: &F,
-        scratch: &mut Scratch,
+        scratch: &mut SliceScratch,
         wanted: impl Fn(u32, u32) -> bool,
     ) {
         for some in scratch.listed.chunks(Self::ASKED) {
@@ -232,9 +229,9 @@ impl Slice {
         &mut self,
         bodies: &BodyTable<'_>,
         filter: &F,
-        moved: Option<(&Moved, usize)>,
+        moved: Option<(&ChangedBounds, usize)>,
         limits: Limits,
-        scratch: &mut Scratch,
+        scratch: &mut SliceScratch,
         goes_on: impl FnMut(usize) -> bool,
     ) {
         self.take_steps(bodies, filter, moved, limits, scratch, goes_on);
@@ -251,9 +248,9 @@ impl Slice {
         &mut self,
         bodies: &BodyTable<'_>,
         filter: &F,
-        moved: Option<(&Moved, usize)>,
+        moved: Option<(&ChangedBounds, usize)>,
         limits: Limits,
-        scratch: &mut Scratch,
+        scratch: &mut SliceScratch,
         mut goes_on: impl FnMut(usize) -> bool,
     ) {
         self.is_crowded = false;
@@ -283,9 +280,9 @@ impl Slice {
         &mut self,
         bodies: &BodyTable<'_>,
         filter: &F,
-        moved: Option<(&Moved, usize)>,
+        moved: Option<(&ChangedBounds, usize)>,
         limits: Limits,
-        scratch: &mut Scratch,
+        scratch: &mut SliceScratch,
     ) -> usize {
         self.candidates.clear();
         self.sifted = 0;
@@ -293,13 +290,13 @@ impl Slice {
             return self.search_rest(from, bodies, filter, limits, scratch);
         }
         let room = limits.candidates_of_slice(bodies.flights.len());
-        let filter = &Room::new(filter, room);
+        let filter = &CandidateLimit::new(filter, room);
         let boxes = self.compare(bodies, filter, moved, scratch);
         if filter.is_short() {
             self.candidates.clear();
             // All bodies as they are now.
             self.stats.slices += u64::from(!self.stage.is_compared());
-            self.stage = Stage::Built;
+            self.stage = BuildStage::Built;
             self.forget_changes();
             self.rest = Some(self.interval.0);
         } else if filter.gives_up() {
@@ -309,132 +306,69 @@ impl Slice {
         boxes
     }
 
-    /// Searches all bodies in some more of the slice; returns how many boxes were formed.
-    fn search_rest<F: PairFilter>(
-        &mut self,
-        from: f64,
-        bodies: &BodyTable<'_>,
-        filter: &F,
-        limits: Limits,
-        scratch: &mut Scratch,
-    ) -> usize {
-        /// Slices that are searched between two looks at a budget.
-        const SLICES: f64 = 8.0;
-        let end = (from + SLICES * bodies.search_length).min(self.interval.1);
-        let prepared = PreparedBodies::of(*bodies, &mut ListMemory::default());
-        let before = self.stats.boxes;
-        let done = prepared
-            .search(Window::ALL, limits, (&scratch.pool, 1))
-            .spans(
-                |scratch| &mut scratch.sweep,
-                (
-                    &prepared.usual_slices((from, end)),
-                    &prepared.traffic((from, end)),
-                ),
-                filter,
-                &|_| {},
-                (&mut self.survivors, &mut self.stats),
-            );
-        self.is_crowded |= done.is_err();
-        if !filter.gives_up() {
-            self.rest = Some(end).filter(|&end| end < self.interval.1);
-        }
-        usize::try_from(self.stats.boxes - before).unwrap_or(usize::MAX)
-    }
-
-    /// Keeps the spans of some more candidates that cheap tests cannot rule out. Bodies that have
-    /// changed since are compared anew.
-    fn refine<F: PairFilter>(
-        &mut self,
-        bodies: &BodyTable<'_>,
-        filter: &F,
-        scratch: &mut Scratch,
-    ) -> usize {
-        let first = self.sifted;
-        self.sifted = self.candidates.len().min(first + Self::STEP);
-        let question = Question {
-            bodies,
-            courses: &self.index.courses,
-            interval: self.interval,
-            window: Window::ALL,
-            margin: bodies.margin,
-            max_spans: usize::MAX,
-        };
-        let is_changed = |slot: u32| self.is_changed.get(slot as usize) == Some(&true);
-        let pair = |pair: Candidate| {
-            let is_wanted =
-                !is_changed(pair.a) && !is_changed(pair.b) && filter.admits(pair.a, pair.b);
-            is_wanted.then_some([pair.a, pair.b])
-        };
-        let some = &self.candidates[first..self.sifted];
-        let found = &mut self.survivors;
-        self.stats.spans += scratch.refiner.refine(&question, some, pair, found);
-        self.sifted - first
-    }
-
     /// One step towards all candidates of the slice as a whole; returns how many boxes were formed.
     fn compare<F: PairFilter>(
         &mut self,
         bodies: &BodyTable<'_>,
         filter: &F,
-        moved: Option<(&Moved, usize)>,
-        scratch: &mut Scratch,
+        moved: Option<(&ChangedBounds, usize)>,
+        scratch: &mut SliceScratch,
     ) -> usize {
         match self.stage {
-            Stage::Listing(slots) if slots < self.due_slots(bodies) => {
+            BuildStage::Listing(slots) if slots < self.due_slots(bodies) => {
                 let mut boxed = std::mem::take(&mut self.boxed);
                 let until = self.list(bodies, slots, &mut boxed, &mut scratch.block);
                 self.boxed = boxed;
-                self.stage = Stage::Listing(until);
+                self.stage = BuildStage::Listing(until);
                 until - slots
             }
-            Stage::Placing(slots) if slots < self.due_slots(bodies) => {
-                let Scratch { listed, block, .. } = scratch;
+            BuildStage::Placing(slots) if slots < self.due_slots(bodies) => {
+                let SliceScratch { listed, block, .. } = scratch;
                 listed.clear();
                 let until = self.list(bodies, slots, listed, block);
                 self.index.boxes.move_to(listed);
-                self.stage = Stage::Placing(until);
+                self.stage = BuildStage::Placing(until);
                 until - slots
             }
-            Stage::Placing(slots) if slots < bodies.flights.len() => {
+            BuildStage::Placing(slots) if slots < bodies.flights.len() => {
                 let changed = self.changed.len();
                 self.box_changed(bodies, moved, scratch);
                 self.index.boxes.move_to(&scratch.listed);
                 self.forget_changes();
                 changed
             }
-            Stage::Placing(_) => {
+            BuildStage::Placing(_) => {
                 self.index.boxes.fit();
-                self.stage = Stage::Joining(0, self.index.boxes.orders());
+                self.stage = BuildStage::Joining(0, self.index.boxes.orders());
                 0
             }
-            Stage::Joining(leaves, order) if self.changed.is_empty() => {
+            BuildStage::Joining(leaves, order) if self.changed.is_empty() => {
                 self.join(filter, leaves, order, scratch);
                 0
             }
-            Stage::Compared(slots) => {
+            BuildStage::Compared(slots) => {
                 if let Some(index) = self.asked.take() {
                     self.index = index;
-                    self.stage = Stage::Built;
+                    self.stage = BuildStage::Built;
                     return 0;
                 }
                 let mut boxed = std::mem::take(&mut self.boxed);
                 let until = self.list(bodies, slots, &mut boxed, &mut scratch.block);
                 self.boxed = boxed;
-                self.stage = Stage::Compared(until);
+                self.stage = BuildStage::Compared(until);
                 if until == bodies.flights.len() {
                     // Those that have changed are compared next.
                     self.index.boxes.build(&self.boxed);
                     self.boxed = Vec::new();
-                    self.stage = Stage::Built;
+                    self.stage = BuildStage::Built;
                 }
                 until - slots
             }
-            Stage::Listing(_) => {
+            BuildStage::Listing(_) => {
                 self.build(bodies, filter, scratch);
                 0
             }
-            Stage::Joining(..) | Stage::Built => {
+            BuildStage::Joining(..) | BuildStage::Built => {
                 self.compare_changed(bodies, filter, moved, scratch)
             }
         }
@@ -447,7 +381,7 @@ impl Slice {
         bodies: &BodyTable<'_>,
         first: usize,
         listed: &mut Vec<BodyBox>,
-        block: &mut Block,
+        block: &mut SliceBlock,
     ) -> usize {
         let until = self.due_slots(bodies).min(first + Self::STEP);
         let slots = (first..until).filter_map(|slot| u32::try_from(slot).ok());
@@ -464,12 +398,12 @@ impl Slice {
     }
 
     /// All is compared, unless the filter gave up: then not all was found, and it stays to be done.
-    fn end_at<F: PairFilter>(&mut self, stage: Stage, filter: &F) {
+    fn end_at<F: PairFilter>(&mut self, stage: BuildStage, filter: &F) {
         if filter.gives_up() {
             self.candidates.clear();
             return;
         }
-        self.stats.slices += u64::from(stage == Stage::Built && self.stage != stage);
+        self.stats.slices += u64::from(stage == BuildStage::Built && self.stage != stage);
         self.stage = stage;
         self.forget_changes();
     }
@@ -480,7 +414,7 @@ impl Slice {
         filter: &F,
         leaves: usize,
         order: u32,
-        scratch: &mut Scratch,
+        scratch: &mut SliceScratch,
     ) {
         let first = if order == self.index.boxes.orders() {
             leaves
@@ -495,15 +429,20 @@ impl Slice {
             .each(first..until, |body| listed.push(body));
         self.list_meeting(filter, scratch, |own, other| other < own);
         let stage = if until == self.index.boxes.leaves() {
-            Stage::Built
+            BuildStage::Built
         } else {
-            Stage::Joining(until, self.index.boxes.orders())
+            BuildStage::Joining(until, self.index.boxes.orders())
         };
         self.end_at(stage, filter);
     }
 
     /// Puts boxes that are all there in order, and compares all of them if the slice is needed now.
-    fn build<F: PairFilter>(&mut self, bodies: &BodyTable<'_>, filter: &F, scratch: &mut Scratch) {
+    fn build<F: PairFilter>(
+        &mut self,
+        bodies: &BodyTable<'_>,
+        filter: &F,
+        scratch: &mut SliceScratch,
+    ) {
         self.index.boxes.build(&self.boxed);
         if !self.changed.is_empty() {
             self.box_changed(bodies, None, scratch);
@@ -512,14 +451,14 @@ impl Slice {
         if self.due < 1.0 {
             self.forget_changes();
             self.boxed = Vec::new();
-            self.stage = Stage::Joining(0, self.index.boxes.orders());
+            self.stage = BuildStage::Joining(0, self.index.boxes.orders());
             return;
         }
         self.list_all(&mut scratch.listed);
-        let Scratch { sweep, listed, .. } = scratch;
+        let SliceScratch { sweep, listed, .. } = scratch;
         sweep.pairs(listed, filter, &mut self.candidates);
-        self.end_at(Stage::Built, filter);
-        if self.stage == Stage::Built {
+        self.end_at(BuildStage::Built, filter);
+        if self.stage == BuildStage::Built {
             self.boxed = Vec::new();
         }
     }

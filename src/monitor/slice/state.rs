@@ -1,25 +1,25 @@
-//! What is known of one slice, and how far it is.
+//! One slice of the lookahead, and the stage it is in.
 
 use crate::bounds::Course;
 use crate::broad_phase::{BodyBox, Candidate, Sweep};
-use crate::monitor::boxes::{Boxes, Search};
+use crate::monitor::boxes::{BoxTree, TreeSearch};
 use crate::pool::Pool;
-use crate::search::{Block, CandidateRefiner};
+use crate::search::{CandidateRefiner, SliceBlock};
 use crate::spans::SpanKey;
 use crate::stats::Stats;
 use std::sync::OnceLock;
 
 /// One slice of the lookahead.
 #[derive(Clone, Debug, Default)]
-pub(in crate::monitor) struct Slice {
+pub(in crate::monitor) struct LookaheadSlice {
     /// Place on the monitor's grid of time.
     pub(in crate::monitor) number: i64,
     pub(super) interval: (f64, f64),
     pub(super) index: Index,
     /// For questions about a slice that has no boxes yet.
     pub(super) asked: OnceLock<Index>,
-    pub(super) stage: Stage,
-    /// What share of the slice is to be compared now, 0 to 1: all of it if it is needed.
+    pub(super) stage: BuildStage,
+    /// Share of the slice that is to be compared now, 0 to 1: all of it if it is needed.
     pub(super) due: f64,
     /// Bodies that changed since they were boxed.
     pub(super) changed: Vec<u32>,
@@ -29,7 +29,7 @@ pub(in crate::monitor) struct Slice {
     pub(super) candidates: Vec<Candidate>,
     /// Candidates before this one have been looked at.
     pub(super) sifted: usize,
-    /// What was found and not taken yet.
+    /// Spans that were found and not taken yet.
     pub(in crate::monitor) survivors: Vec<SpanKey>,
     /// From here on (s) all bodies are to be searched from nothing: boxes of the whole slice overlap too
     /// many others.
@@ -44,27 +44,27 @@ pub(in crate::monitor) struct Slice {
 /// Boxes and fat lines of the bodies in a slice.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Index {
-    pub(super) boxes: Boxes,
+    pub(super) boxes: BoxTree,
     /// By slot: nearer to the body than its box, as long as it has one.
     pub(super) courses: Vec<Course>,
 }
 
-/// What one thread reuses from slice to slice.
+/// Memory that one thread reuses from slice to slice.
 #[derive(Debug, Default)]
-pub(in crate::monitor) struct Scratch {
+pub(in crate::monitor) struct SliceScratch {
     /// Boxes of some bodies.
     pub(super) listed: Vec<BodyBox>,
-    pub(super) block: Block,
-    pub(super) search: Search,
+    pub(super) block: SliceBlock,
+    pub(super) search: TreeSearch,
     pub(super) refiner: CandidateRefiner,
-    /// Of searches from nothing.
-    pub(super) pool: Pool<crate::search::Scratch>,
+    /// Memory of searches from nothing.
+    pub(super) pool: Pool<crate::search::SearchScratch>,
     pub(super) sweep: Sweep,
 }
 
-/// How far a slice is.
+/// Stage of the work on a slice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Stage {
+pub(super) enum BuildStage {
     /// All were compared with each other, but for those that have changed, and slots below this have
     /// their boxes in `boxed`.
     Compared(usize),
@@ -79,14 +79,14 @@ pub(super) enum Stage {
     Built,
 }
 
-impl Stage {
+impl BuildStage {
     /// Returns true if all bodies were compared with each other, but for those that have changed.
     pub(super) const fn is_compared(self) -> bool {
         matches!(self, Self::Compared(_) | Self::Built)
     }
 }
 
-impl Default for Stage {
+impl Default for BuildStage {
     fn default() -> Self {
         Self::Listing(0)
     }

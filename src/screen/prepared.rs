@@ -1,6 +1,6 @@
 //! The bodies of a scene as the pipeline sees them: by place, in the order of their ids.
 
-use super::survey::Survey;
+use super::survey::SceneSurvey;
 use crate::accuracy::Accuracy;
 use crate::bounds::{Frame, Inflation, MovingFrame, Pose, Stroke};
 use crate::broad_phase::{InstructionSet, PairFilter};
@@ -13,7 +13,7 @@ use crate::parallel;
 use crate::pool::Pool;
 use crate::query::Query;
 use crate::scene::{Body, CubicArena, IgnoredPairs, Occupant, Scene, can_reach, radius};
-use crate::search::{Limits, Presence, Scratch, Traffic};
+use crate::search::{Lifetimes, Limits, SceneStatistics, SearchScratch};
 use crate::spans::common_domain;
 use crate::trajectory::Extension;
 use crate::window::Window;
@@ -23,29 +23,29 @@ use std::num::NonZeroU32;
 pub(super) type Lists<'a> = (Vec<Party<'a>>, Vec<Pose<'a, Stroke>>);
 
 /// The bodies of a scene as the pipeline sees them: by place, in the order of their ids.
-pub(super) struct LineUp<'a> {
+pub(super) struct PreparedScene<'a> {
     pub(super) ids: Vec<BodyId>,
     pub(super) occupants: Vec<&'a Occupant>,
-    pub(super) presence: Presence,
+    pub(super) presence: Lifetimes,
     /// Those that go on beyond their knots in the window, by ascending place.
     extensions: Vec<(usize, Extension)>,
     /// The window of the answer.
     pub(super) asked: Window,
-    /// The same, but open ends are closed where no body exists beyond them.
+    /// The same window, its open ends closed where no body exists beyond them.
     pub(super) window: Window,
     pub(super) margin: f64,
     pub(super) accuracy: Accuracy,
     pub(super) instructions: InstructionSet,
-    /// How many slices, if that was prescribed.
+    /// Number of slices, if that was prescribed.
     pub(super) prescribed: Option<NonZeroU32>,
     pub(super) limits: Limits,
-    pub(super) pool: &'a Pool<Scratch>,
+    pub(super) pool: &'a Pool<SearchScratch>,
     arena: &'a CubicArena,
     pub(super) frame: MovingFrame,
-    survey: Survey,
+    survey: SceneSurvey,
 }
 
-impl<'a> LineUp<'a> {
+impl<'a> PreparedScene<'a> {
     pub(super) fn new(scene: &'a Scene, query: &Query) -> Result<Self, Error> {
         let margin = query.margin();
         if margin.is_nan() || margin.abs() > MAX_MAGNITUDE {
@@ -56,7 +56,7 @@ impl<'a> LineUp<'a> {
         let asked = query.window().or_else(|| scene.planned()).or(nothing);
         let asked = asked.ok_or(Error::NoPlan)?;
         let partners = scene.partners(margin);
-        let mut survey = Survey::of(scene.len(), asked, margin);
+        let mut survey = SceneSurvey::of(scene.len(), asked, margin);
         let mut ids = Vec::with_capacity(scene.len());
         let mut occupants = Vec::with_capacity(scene.len());
         let mut extensions = Vec::new();
@@ -72,7 +72,7 @@ impl<'a> LineUp<'a> {
         let mut line_up = Self {
             ids,
             occupants,
-            presence: Presence::default(),
+            presence: Lifetimes::default(),
             extensions,
             asked,
             window: asked,
@@ -91,7 +91,7 @@ impl<'a> LineUp<'a> {
         match existence.and_then(|existence| existence.intersection(asked)) {
             Some(window) => {
                 line_up.window = window;
-                line_up.presence = Presence::of(std::mem::take(&mut line_up.survey.lives));
+                line_up.presence = Lifetimes::of(std::mem::take(&mut line_up.survey.lives));
             }
             None => {
                 line_up.ids.clear();
@@ -115,7 +115,7 @@ impl<'a> LineUp<'a> {
         (parties, poses)
     }
 
-    /// How the bodies in some places lie in that frame.
+    /// Returns the sources of boxes of the bodies in some places.
     pub(super) fn poses(&self, places: &[usize]) -> Vec<Pose<'_, Stroke>> {
         let frame = self.frame;
         let pose = |&place: &usize| self.party(place, &frame).1;
@@ -137,8 +137,8 @@ impl<'a> LineUp<'a> {
         (party_of(&occupant.body, knots), pose)
     }
 
-    /// How much moves in the window, from what is known of each body as a whole.
-    pub(super) fn traffic(&self) -> Traffic {
+    /// Returns how much moves in the window, from what is known of each body as a whole.
+    pub(super) fn traffic(&self) -> SceneStatistics {
         self.survey.traffic()
     }
 }
@@ -146,7 +146,7 @@ impl<'a> LineUp<'a> {
 /// Layers and ignored pairs, by place in the line-up.
 pub(super) struct Admission<'a> {
     layers: Vec<Layers>,
-    /// Where the margin is negative: some pairs cannot be within it.
+    /// Radii, if the margin is negative: some pairs cannot be within it.
     radii: Vec<f64>,
     margin: f64,
     ids: &'a [BodyId],
@@ -154,7 +154,7 @@ pub(super) struct Admission<'a> {
 }
 
 impl<'a> Admission<'a> {
-    pub(super) fn new(scene: &'a Scene, line_up: &'a LineUp<'_>) -> Self {
+    pub(super) fn new(scene: &'a Scene, line_up: &'a PreparedScene<'_>) -> Self {
         let bodies = || line_up.occupants.iter().map(|occupant| &occupant.body);
         let is_negative = line_up.margin < 0.0;
         let radii = bodies()

@@ -1,13 +1,13 @@
-//! What boxes look like, from a sample of them.
+//! Statistics of boxes, from a sample of them.
 
-use super::parts::Cuts;
+use super::partition::SplitPlanes;
 use super::region::Region;
 use crate::broad_phase::BodyBox;
 
 /// A sample of boxes: where they start, and how long they are. Decides about speed, never about
 /// pairs.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Survey {
+pub(super) struct BoxSample {
     /// Low corners in ascending order, for each axis (m).
     lows: [Vec<f32>; 3],
     /// The range of nearly all low corners (m).
@@ -16,7 +16,7 @@ pub(super) struct Survey {
     shares: [f64; 3],
 }
 
-impl Survey {
+impl BoxSample {
     /// One in this many boxes is looked at, but not fewer or more than these.
     const STRIDE: usize = 16;
     const FEWEST: usize = 64;
@@ -62,7 +62,7 @@ impl Survey {
 
     /// Sets planes in the empty space between boxes, if that is more than half of an axis; gives
     /// whether it is.
-    pub(super) fn cut_at_gaps(&self, cuts: &mut Cuts) -> bool {
+    pub(super) fn cut_at_gaps(&self, cuts: &mut SplitPlanes) -> bool {
         for axis in 0..3 {
             cuts.axis = axis;
             cuts.planes.clear();
@@ -88,7 +88,7 @@ impl Survey {
 
     /// Sets planes that divide the boxes into four about equal parts, across the axis on which
     /// boxes are shortest.
-    pub(super) fn cut_evenly(&self, cuts: &mut Cuts) {
+    pub(super) fn cut_evenly(&self, cuts: &mut SplitPlanes) {
         let shares = &self.shares;
         let shorter = |&one: &usize, &other: &usize| shares[one].total_cmp(&shares[other]);
         cuts.axis = (0..3).min_by(shorter).unwrap_or(0);
@@ -101,7 +101,7 @@ impl Survey {
     }
 }
 
-/// Where a box starts in the region.
+/// Returns the place at which a box starts in the region.
 fn low(one: &BodyBox, region: &Region, axis: usize) -> f32 {
     one.aabb.mins[axis].max(region.low[axis])
 }
@@ -109,7 +109,7 @@ fn low(one: &BodyBox, region: &Region, axis: usize) -> f32 {
 /// The range of nearly all of the ascending numbers: without the outermost ones, but widened again
 /// by an eighth as far as there are any.
 fn range(lows: &[f32]) -> (f32, f32) {
-    let strays = lows.len() / Survey::STRAYS;
+    let strays = lows.len() / BoxSample::STRAYS;
     let (first, last) = (lows[0], lows[lows.len() - 1]);
     let (low, high) = (lows[strays], lows[lows.len() - 1 - strays]);
     let margin = 0.125 * high - 0.125 * low;

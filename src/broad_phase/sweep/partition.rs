@@ -5,9 +5,9 @@ use std::ops::Range;
 use super::region::Region;
 use crate::broad_phase::BodyBox;
 
-/// Where to divide: planes across an axis.
+/// Planes across an axis at which boxes are divided.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Cuts {
+pub(super) struct SplitPlanes {
     pub(super) axis: usize,
     /// Ascending and different (m).
     pub(super) planes: Vec<f32>,
@@ -15,16 +15,16 @@ pub(super) struct Cuts {
 
 /// Boxes divided among the parts between planes, a copy for each part that a box reaches.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Parts {
-    pub(super) cuts: Cuts,
+pub(super) struct Partition {
+    pub(super) cuts: SplitPlanes,
     pub(super) boxes: Vec<BodyBox>,
-    /// Where the boxes of each part end.
+    /// Ends of the boxes of each part.
     ends: Vec<usize>,
     /// The parts that each box reaches.
     reach: Vec<Range<usize>>,
 }
 
-impl Parts {
+impl Partition {
     /// Divides boxes at the planes of `cuts`, and takes the copies from those left.
     ///
     /// Gives `false`, and leaves the boxes undivided, where that would hardly help: where a part
@@ -82,7 +82,7 @@ impl Parts {
     }
 }
 
-impl Cuts {
+impl SplitPlanes {
     /// The parts that a box reaches: a part holds its low plane, but not its high one.
     fn parts_of(&self, one: &BodyBox) -> Range<usize> {
         let low = self.part_of(one.aabb.mins[self.axis]);
@@ -119,7 +119,7 @@ mod tests {
     }
 
     fn divided(planes: &[f32]) -> Option<Vec<usize>> {
-        let mut parts = Parts::default();
+        let mut parts = Partition::default();
         parts.cuts.axis = 1;
         parts.cuts.planes.extend(planes);
         parts.divide(&boxes(), &mut 100).then(|| {
@@ -141,7 +141,7 @@ mod tests {
         assert_eq!(divided(&[3.5]), None, "a part with nearly all boxes");
         let everywhere: Vec<f32> = (0..16_u8).map(|i| 2.5 * f32::from(i)).collect();
         assert_eq!(divided(&everywhere), None, "too many copies");
-        let mut parts = Parts::default();
+        let mut parts = Partition::default();
         parts.cuts.axis = 1;
         parts.cuts.planes.push(21.5);
         assert!(
@@ -153,7 +153,7 @@ mod tests {
 
     #[test]
     fn regions_of_parts_share_planes_and_nothing_else() {
-        let mut parts = Parts::default();
+        let mut parts = Partition::default();
         parts.cuts.planes.push(21.0);
         parts.cuts.axis = 1;
         assert!(parts.divide(&boxes(), &mut 100));

@@ -8,28 +8,28 @@ use crate::simd::Task;
 
 /// Faces of boxes, an array for each, followed by enough unused elements for a whole step.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Faces {
+pub(super) struct BoxesSoA {
     low: [Vec<f32>; 3],
     high: [Vec<f32>; 3],
 }
 
 /// Finds the pairs of boxes by comparing each with each.
-pub(super) struct All<'a, F> {
+pub(super) struct CompareAll<'a, F> {
     pub(super) boxes: &'a [BodyBox],
     pub(super) region: &'a Region,
-    pub(super) faces: &'a mut Faces,
+    pub(super) faces: &'a mut BoxesSoA,
     pub(super) filter: &'a F,
     pub(super) candidates: &'a mut Vec<Candidate>,
 }
 
-impl<F: PairFilter> Task for All<'_, F> {
+impl<F: PairFilter> Task for CompareAll<'_, F> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
         let Self { boxes, faces, .. } = self;
         let length = boxes.len() + STEP;
-        let Faces { low, high } = faces;
+        let BoxesSoA { low, high } = faces;
         for face in low.iter_mut().chain(high.iter_mut()) {
             if face.len() < length {
                 face.resize(length, 0.0);

@@ -1,10 +1,10 @@
-//! Which axis to sweep along, and into how many rows and bins to sort.
+//! Choice of the axis to sweep along, and of the number of rows and bins.
 
-use super::scale::STEPS;
+use super::quantizer::STEPS;
 
-/// How boxes are sorted: rows over two axes, fine bins along the third.
+/// Rows and bins into which boxes are sorted: rows over two axes, fine bins along the third.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Plan {
+pub(super) struct GridLayout {
     /// The axis swept along.
     pub(super) sweep: usize,
     /// The axes cut into rows.
@@ -15,16 +15,16 @@ pub(super) struct Plan {
     pub(super) bins: u32,
 }
 
-/// What a plan rests on: all lengths as shares of the grid.
+/// Statistics on which a layout rests: all lengths as shares of the grid.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Crowd {
+pub(super) struct BoxStatistics {
     /// Number of boxes.
     pub(super) count: usize,
     /// Mean extent of a box on each axis, 0..=1.
     pub(super) extents: [f64; 3],
 }
 
-impl Plan {
+impl GridLayout {
     /// Nanoseconds to sort one copy of a box, and to compare it with the 16 that follow. Only
     /// their ratio matters: it was measured on the reference swarm.
     const COPY: f64 = 7.0;
@@ -35,7 +35,7 @@ impl Plan {
     ];
 
     /// The plan of least expected cost where boxes are spread evenly.
-    pub(super) fn choose(crowd: &Crowd) -> Self {
+    pub(super) fn choose(crowd: &BoxStatistics) -> Self {
         let count = crowd.count as f64;
         let mut best = (f64::INFINITY, 0, [1, 1]);
         for sweep in 0..3 {
@@ -73,7 +73,7 @@ impl Plan {
         whole((4.0 / extent).clamp(1.0, most.max(1.0)))
     }
 
-    /// The same sweep without rows.
+    /// Returns a layout with the same axis, without rows.
     pub(super) const fn in_one_row(mut self) -> Self {
         self.rows = [1, 1];
         self

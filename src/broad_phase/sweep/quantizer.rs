@@ -13,7 +13,7 @@ pub(super) const STEPS: u32 = 1 << 16;
 /// needs no outward rounding, whatever lies outside the map's range may be cut to its ends, and no
 /// choice of range can lose a pair. It only decides how many are found in vain.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Scale {
+pub(super) struct Quantizer {
     /// Lanes: three axes of the low corner, three of the high one, two unused.
     origin: [f32; 8],
     factor: [f32; 8],
@@ -22,13 +22,13 @@ pub(super) struct Scale {
 /// A box in grid coordinates, and the cell its low corner is sorted to: 16 bytes.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(16))]
-pub(super) struct Packed {
+pub(super) struct QuantizedBox {
     pub(super) low: [u16; 3],
     pub(super) high: [u16; 3],
     pub(super) cell: u32,
 }
 
-impl Scale {
+impl Quantizer {
     /// Adding this to a number in 0..=65,535 rounds it to a whole one, in the lowest 16 bits.
     const SHIFT: f32 = 8_388_608.0;
 
@@ -81,7 +81,7 @@ fn lowest_bits(number: f32) -> u16 {
     number.to_bits() as u16
 }
 
-/// Which of `parts` equal parts of an axis a grid coordinate is in; keeps the order.
+/// Returns which of `parts` equal parts of an axis a grid coordinate is in; keeps the order.
 #[inline(always)]
 pub(super) fn part(grid: u16, parts: u32) -> u32 {
     (u32::from(grid) * parts) >> 16
@@ -119,7 +119,7 @@ mod tests {
             (3.0, 1e9),
         ];
         for range in ends {
-            let scale = Scale::new([range; 3]);
+            let scale = Quantizer::new([range; 3]);
             let mut last = 0;
             for &number in &numbers {
                 let corner = Vector::splat(number);
@@ -134,7 +134,7 @@ mod tests {
 
     #[test]
     fn a_range_fills_the_grid() {
-        let scale = Scale::new([(-2.0, 6.0); 3]);
+        let scale = Quantizer::new([(-2.0, 6.0); 3]);
         let grid = scale.grid(&Aabb::new(Vector::splat(-2.0), Vector::splat(6.0)));
         assert_eq!([grid[0], grid[3]], [0, 65_535]);
         let grid = scale.grid(&Aabb::new(Vector::splat(2.0), Vector::splat(100.0)));

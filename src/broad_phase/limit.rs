@@ -4,14 +4,14 @@ use super::PairFilter;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// A filter that counts what it admits, and gives up when there is no more room.
-pub(crate) struct Room<'f, F> {
+pub(crate) struct CandidateLimit<'f, F> {
     filter: &'f F,
     most: u64,
     /// Written by one thread: atomic because filters are shared.
     admitted: AtomicU64,
 }
 
-impl<'f, F: PairFilter> Room<'f, F> {
+impl<'f, F: PairFilter> CandidateLimit<'f, F> {
     /// Room for this many.
     pub(crate) const fn new(filter: &'f F, most: u64) -> Self {
         Self {
@@ -21,14 +21,14 @@ impl<'f, F: PairFilter> Room<'f, F> {
         }
     }
 
-    /// Whether there was too little.
+    /// Returns true if more were admitted.
     #[inline]
     pub(crate) fn is_short(&self) -> bool {
         self.admitted.load(Ordering::Relaxed) > self.most
     }
 }
 
-impl<F: PairFilter> PairFilter for Room<'_, F> {
+impl<F: PairFilter> PairFilter for CandidateLimit<'_, F> {
     #[inline]
     fn admits(&self, a: u32, b: u32) -> bool {
         if !self.filter.admits(a, b) {
@@ -53,7 +53,7 @@ mod tests {
 
     #[test]
     fn gives_up_when_one_more_is_wanted_than_there_is_room_for() {
-        let room = Room::new(&Everyone, 2);
+        let room = CandidateLimit::new(&Everyone, 2);
         assert!(room.admits(0, 1) && room.admits(0, 2));
         assert!(!room.gives_up(), "full, but enough");
         assert!(!room.admits(1, 2));

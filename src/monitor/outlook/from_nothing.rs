@@ -1,0 +1,96 @@
+//! Searches of all bodies from nothing: of what the clock passed over, and of the whole lookahead.
+
+use super::super::bodies::BodyTable;
+use super::super::budget::Meter;
+use super::super::prepared::PreparedBodies;
+use super::Outlook;
+use crate::broad_phase::PairFilter;
+use crate::parallel;
+use crate::rounding::seen_from;
+use crate::scene::Scene;
+use crate::search::{LimitExceeded, Limits};
+use crate::stats::Stats;
+use crate::wall_clock::Instant;
+use crate::window::Window;
+
+impl Outlook {
+    /// Survivors for each span that there is room for: they take a fiftieth of what is kept of it.
+    const SURVIVORS: usize = 8;
+
+    /// Room for what is found before it is solved.
+    pub(super) const fn limits(&self) -> Limits {
+        Limits {
+            spans: self.max_spans.saturating_mul(Self::SURVIVORS),
+            ..Limits::of_spans(self.max_spans)
+        }
+    }
+
+    /// Searches what the clock passed over; returns where that had to stop, none if it is done.
+    pub(super) fn cross<F: PairFilter>(
+        &mut self,
+        scene: &Scene,
+        (from, to): (f64, f64),
+        filter: &F,
+        meter: &mut Meter,
+        stats: &mut Stats,
+    ) -> Result<Option<f64>, LimitExceeded> {
+        let limits = self.limits();
+        let table = BodyTable::of(scene, &self.flights, &self.grid, self.margin);
+        let bodies = PreparedBodies::of(table, &mut self.lists);
+        let stop = self.jump.cross(
+            (from, to, self.grid.length),
+            (&bodies, filter),
+            (limits, &self.search_pool),
+            meter,
+            (&mut self.survivors, stats),
+        );
+        bodies.forget(&mut self.lists);
+        stop
+    }
+
+    /// Returns true if more than half of the bodies are to be compared with all others in more than half of
+    /// the slices that are needed, or so.
+    pub(super) fn is_mostly_unknown(&self, needed: usize) -> bool {
+        let (changed, all) = (self.dirty.len(), self.flights.len());
+        let needed = self.slices.iter().take(needed);
+        let unknown = needed.clone().map(|slice| slice.unknown(changed, all));
+        2 * unknown.sum::<usize>() > all * needed.count()
+    }
+
+    /// Searches the slices that are needed from nothing, from an instant (s) on.
+    pub(super) fn screen<F: PairFilter>(
+        &mut self,
+        scene: &Scene,
+        (from, needed): (f64, usize),
+        filter: &F,
+        (meter, stats): (&mut Meter, &mut Stats),
+    ) -> Result<(), LimitExceeded> {
+        let limits = self.limits();
+        let window = (seen_from(from).max(self.ends[0]), self.ends[needed]);
+        let table = BodyTable::of(scene, &self.flights, &self.grid, self.margin);
+        let begin = Instant::now();
+        let bodies = PreparedBodies::of(table, &mut self.lists);
+        let cut = (&bodies.usual_slices(window), &bodies.traffic(window));
+        stats.bounds_time += begin.elapsed();
+        let threads = (&self.search_pool, parallel::threads());
+        let search = bodies.search(Window::ALL, limits, threads);
+        let mut counted = Stats::default();
+        let found = (&mut self.survivors, &mut counted);
+        let done = search.spans(|scratch| &mut scratch.sweep, cut, filter, &|_| {}, found);
+        bodies.forget(&mut self.lists);
+        done?;
+        meter.count(usize::try_from(counted.boxes + counted.candidates).unwrap_or(0));
+        *stats += counted;
+        if !filter.gives_up() {
+            for (number, slice) in self.slices.iter_mut().enumerate() {
+                if number < needed {
+                    slice.set_compared();
+                    *stats += std::mem::take(&mut slice.stats);
+                } else {
+                    slice.note(&self.dirty);
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,73 @@
+//! From the candidates of a slice to spans; and to spans without candidates, where these are too many.
+
+use super::state::{LookaheadSlice, SliceScratch};
+use crate::broad_phase::{Candidate, PairFilter};
+use crate::monitor::bodies::BodyTable;
+use crate::monitor::prepared::{ListMemory, PreparedBodies};
+use crate::search::{Limits, RefineContext};
+use crate::window::Window;
+
+impl LookaheadSlice {
+    /// Searches all bodies in some more of the slice; returns how many boxes were formed.
+    pub(super) fn search_rest<F: PairFilter>(
+        &mut self,
+        from: f64,
+        bodies: &BodyTable<'_>,
+        filter: &F,
+        limits: Limits,
+        scratch: &mut SliceScratch,
+    ) -> usize {
+        /// Slices that are searched between two looks at a budget.
+        const SLICES: f64 = 8.0;
+        let end = (from + SLICES * bodies.search_length).min(self.interval.1);
+        let prepared = PreparedBodies::of(*bodies, &mut ListMemory::default());
+        let before = self.stats.boxes;
+        let done = prepared
+            .search(Window::ALL, limits, (&scratch.pool, 1))
+            .spans(
+                |scratch| &mut scratch.sweep,
+                (
+                    &prepared.usual_slices((from, end)),
+                    &prepared.traffic((from, end)),
+                ),
+                filter,
+                &|_| {},
+                (&mut self.survivors, &mut self.stats),
+            );
+        self.is_crowded |= done.is_err();
+        if !filter.gives_up() {
+            self.rest = Some(end).filter(|&end| end < self.interval.1);
+        }
+        usize::try_from(self.stats.boxes - before).unwrap_or(usize::MAX)
+    }
+
+    /// Keeps the spans of some more candidates that cheap tests cannot rule out. Bodies that have
+    /// changed since are compared anew.
+    pub(super) fn refine<F: PairFilter>(
+        &mut self,
+        bodies: &BodyTable<'_>,
+        filter: &F,
+        scratch: &mut SliceScratch,
+    ) -> usize {
+        let first = self.sifted;
+        self.sifted = self.candidates.len().min(first + Self::STEP);
+        let question = RefineContext {
+            bodies,
+            courses: &self.index.courses,
+            interval: self.interval,
+            window: Window::ALL,
+            margin: bodies.margin,
+            max_spans: usize::MAX,
+        };
+        let is_changed = |slot: u32| self.is_changed.get(slot as usize) == Some(&true);
+        let pair = |pair: Candidate| {
+            let is_wanted =
+                !is_changed(pair.a) && !is_changed(pair.b) && filter.admits(pair.a, pair.b);
+            is_wanted.then_some([pair.a, pair.b])
+        };
+        let some = &self.candidates[first..self.sifted];
+        let found = &mut self.survivors;
+        self.stats.spans += scratch.refiner.refine(&question, some, pair, found);
+        self.sifted - first
+    }
+}
