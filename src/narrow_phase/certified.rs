@@ -10,14 +10,16 @@
 
 use super::clusters::{Clusters, Shown};
 use super::contact::{Nearest, each_for_nearest, lone_pair};
-use super::relative::RelativeCubic;
 use super::sphere_pair::{Approach, Contact, SpherePair};
 use super::stretches::Profile;
 use super::{Party, contact_radius, two_sum};
 use crate::accuracy::{Certificate, TimeEnclosure};
 use crate::enclosure::{Side, Stretch, Threshold};
 use crate::spans::Span;
+use separation::{SeparationEnclosure, least_separation};
 use std::iter::once;
+
+mod separation;
 
 /// A contact and what is proven of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,18 +69,6 @@ struct Share {
     count: usize,
     /// It is certainly inside in one of them.
     is_inside: bool,
-}
-
-/// The least separation lies in `low..=high` (m), and is reached within `time` only.
-#[derive(Clone, Copy, Debug)]
-struct Least {
-    low: f64,
-    high: f64,
-    time: TimeEnclosure,
-    /// Where one whose separation is not above `high` is reached: within `own`.
-    span: Span,
-    spheres: (u32, u32),
-    own: TimeEnclosure,
 }
 
 /// The contacts within `margin` and `clip` found in `spans` (those not given are known to be free
@@ -209,7 +199,7 @@ pub(crate) fn certified_approach(
     (from, to): (f64, f64),
 ) -> Option<(Approach, f64, TimeEnclosure)> {
     let mut nearest = Nearest::new();
-    let mut found: Vec<Least> = Vec::new();
+    let mut found: Vec<SeparationEnclosure> = Vec::new();
     let mut reached = f64::INFINITY;
     for span in spans {
         each_for_nearest((a, b), span, (from, to), reached, |pair| {
@@ -224,7 +214,7 @@ pub(crate) fn certified_approach(
         nearest.settle();
     }
     let closest = nearest.closest;
-    let least = Least::of_all(&found)?;
+    let least = SeparationEnclosure::of_all(&found)?;
     let (approach, error) = least.settle(closest?);
     Some((approach, error, least.time))
 }
@@ -281,90 +271,6 @@ fn threshold(a: f64, b: f64, margin: f64) -> Threshold {
             low: radius.next_down(),
             high: radius.next_up(),
         }
-    }
-}
-
-/// Encloses the least separation of two spheres over `start..=end`, a part of their span or all
-/// of it.
-fn least_separation(
-    (a, b): (&Party<'_>, &Party<'_>),
-    span: Span,
-    pair: &SpherePair,
-    is_whole: bool,
-    (start, end): (f64, f64),
-) -> Least {
-    let cubic = if is_whole {
-        pair.cubic
-    } else {
-        RelativeCubic::between(
-            &a.segments[span.a as usize],
-            &b.segments[span.b as usize],
-            (start, end),
-            a.spheres[pair.a as usize].offset - b.spheres[pair.b as usize].offset,
-        )
-    };
-    let least = cubic.uncertain().least_distance();
-    let radii = (pair.radius_a, pair.radius_b);
-    let time = TimeEnclosure {
-        earliest: cubic.earliest(least.parameter.first),
-        latest: cubic.latest(least.parameter.last),
-    };
-    Least {
-        low: minus_radii(least.distance.low, radii, f64::next_down),
-        high: minus_radii(least.distance.high, radii, f64::next_up),
-        time,
-        span,
-        spheres: (pair.a, pair.b),
-        own: time,
-    }
-}
-
-/// A distance less two radii, rounded outward.
-fn minus_radii(distance: f64, (a, b): (f64, f64), outward: fn(f64) -> f64) -> f64 {
-    let (radii, lost) = two_sum(a, b);
-    let (separation, rest) = two_sum(distance, -radii);
-    let exact = rest.abs() <= 0.0 && lost.abs() <= 0.0;
-    if exact {
-        separation
-    } else {
-        outward(separation + (rest - lost))
-    }
-}
-
-impl Least {
-    /// The least of several: the time is the hull of all that can be the least.
-    fn of_all(found: &[Self]) -> Option<Self> {
-        let low = found.iter().map(|least| least.low).reduce(f64::min)?;
-        let lowest = found.iter().min_by(|x, y| x.high.total_cmp(&y.high))?;
-        let high = lowest.high;
-        let possible = found.iter().filter(|least| least.low <= high);
-        let time = possible
-            .map(|least| least.time)
-            .reduce(TimeEnclosure::hull)?;
-        Some(Self {
-            low,
-            time,
-            ..*lowest
-        })
-    }
-
-    /// An approach moved into the enclosure, and the half-width around its separation.
-    fn settle(&self, mut approach: Approach) -> (Approach, f64) {
-        let (time, span) = (self.time.nearest(approach.time), approach.span);
-        if span.start <= time && time <= span.end {
-            approach.time = time;
-        } else {
-            // It was another cubic's.
-            let time = self.own.nearest(time);
-            approach = Approach::at(time, approach.separation, self.spheres, self.span);
-        }
-        approach.separation = approach.separation.max(self.low).min(self.high);
-        let (below, above) = (
-            approach.separation - self.low,
-            self.high - approach.separation,
-        );
-        let error = below.max(above);
-        (approach, if error > 0.0 { error.next_up() } else { 0.0 })
     }
 }
 
@@ -466,8 +372,8 @@ impl Group<'_> {
         (a, b): (&Party<'_>, &Party<'_>),
         nearest: usize,
         clip: (f64, f64),
-    ) -> Option<Least> {
-        let mut found: Vec<Least> = Vec::new();
+    ) -> Option<SeparationEnclosure> {
+        let mut found: Vec<SeparationEnclosure> = Vec::new();
         let mut reached = f64::INFINITY;
         let others = (0..self.shares.len()).filter(|&index| index != nearest);
         for index in once(nearest).chain(others) {
@@ -482,7 +388,7 @@ impl Group<'_> {
             reached = reached.min(least.high);
             found.push(least);
         }
-        Least::of_all(&found)
+        SeparationEnclosure::of_all(&found)
     }
 
     /// When it begins and ends, and whether it is certainly one conflict: that some part is
