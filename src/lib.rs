@@ -96,6 +96,7 @@ pub mod polynomial;
 mod pool;
 mod query;
 mod readable;
+mod real;
 mod rounding;
 mod scene;
 mod screen;

@@ -23,18 +23,18 @@
 //! | chords: error of the motion, underflow; blurs; gaps; what is reached | `narrow_phase/clusters`, `contact` | count |
 //! | passing lines: differences | `narrow_phase/approach` | `approach::tests` |
 //! | passing lines: products, ranges, shares of a slice | `narrow_phase/approach` | count |
-//! | coefficients of a minorant | `enclosure/piece`, `kernels/minorant` | `tests::the_minorant_is_below_the_exact_coefficients` of both |
-//! | roundings of a minorant's own sums, ends of its reach | `enclosure/piece`, `kernels/minorant` | count |
-//! | splits and errors of a cubic, scaling, norms, restored lengths | `enclosure/normal` | `normal::tests`, `tests/extended/tests/enclosure` |
+//! | coefficients of a minorant | `enclosure/minorant` | `minorant::tests` |
+//! | roundings of a minorant's own sums, ends of its reach | `enclosure/minorant` | count |
+//! | splits and errors of a cubic, scaling, norms, restored lengths | `enclosure/part`, `scaled` | `scaled::tests`, `tests/extended/tests/enclosure` |
 //! | roots and ends of a distance | `enclosure/minimum` | `minimum::tests` |
-//! | twice the error to a minimiser, Markov's 18, its products, 3 h'·h'' | `enclosure/minimum`, `piece` | `tests/extended/tests/enclosure` |
-//! | Markov's 96 and 192, slack of a stationary point, ends of parameters | `enclosure/minimum`, `piece` | count |
+//! | twice the error to a minimiser, Markov's 18, its products, 3 h'·h'' | `enclosure/minimum`, `stationary` | `tests/extended/tests/enclosure` |
+//! | Markov's 96 and 192, slack of a stationary point, ends of parameters | `enclosure/minimum`, `stationary` | count |
 //! | squares of levels; underflow of the outer one | `enclosure/levels` | `levels::tests`; `tests/extended/tests/enclosure` |
 //! | own error of a cubic, control points of a part | `enclosure/crossings` | `tests/extended/tests/enclosure` |
 //! | squares of a part, crossings, cuts | `enclosure/crossings` | count |
 //! | screens, splits of enclosures, conversion to f32, guesses | `kernels` | `tests/extended/tests/kernels.rs` |
 //! | error of a span; thresholds in f32 | `kernels/spans`, `real` | `spans::what_is_badly_known_is_never_decided`, `real::tests` |
-//! | roundings outward of an enclosure, underflow | `kernels/enclosure`, `screen`, `within` | count |
+//! | underflow of screens and verdicts, ends of the range of blocks | `kernels/screen`, `within`, `loops` | count |
 //! | points of a sketch beyond the knots, extent | `bounds/points`, `piece` | `points::tests` |
 //! | own error of a whole segment, clearance of a part | `bounds/points` | count |
 //! | splits of a sketch | `bounds/piece` | `piece::tests` |
@@ -47,7 +47,7 @@
 //! | instants of a question, of a bridge, of a slice's ends | `monitor/outlook`, `ask`, `bridge` | count |
 //!
 //! Squares that meet F of the enclosures need no term against underflow. In the cubic's unit the factor
-//! 1 + 2^-40 adds more than 1e-87 m to F, and what underflows is below 1e-124 m.
+//! 1 + 2^-40 adds more than 1e-43 to F, and what underflows is below 1e-124.
 
 use glam::DVec3;
 
@@ -84,8 +84,8 @@ pub(crate) fn normalising_power(magnitude: f64) -> f64 {
     match exponent {
         // Zero and subnormal: the largest power of two whose inverse is still normal.
         0 => f64::from_bits(0x7fd_u64 << 52),
-        // 2^1023 and above would need a subnormal factor: not reached below `MAX_MAGNITUDE`.
-        0x7fe | 0x7ff => 1.0,
+        // From 2^1023 on: the smallest normal power brings it as near as one factor can.
+        0x7fe | 0x7ff => f64::MIN_POSITIVE,
         normal => f64::from_bits((0x7fe - normal) << 52),
     }
 }

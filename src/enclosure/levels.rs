@@ -1,7 +1,8 @@
 //! How a squared distance lies to the levels of a threshold.
 
 use super::Side;
-use super::normal::{TINY, UNIT};
+use super::scaled::TINY;
+use crate::rounding::UNIT_ROUNDOFF;
 
 /// Squared thresholds: what is below `inside` is certainly inside, above `outside` certainly
 /// outside. Minus infinity where nothing can be inside, or everything must be outside.
@@ -17,12 +18,12 @@ impl Levels {
         let (near, far) = (low - error, high + error);
         Self {
             inside: if near > 0.0 {
-                near * near * (1.0 - 8.0 * UNIT) - TINY
+                near * near * (1.0 - 8.0 * UNIT_ROUNDOFF) - TINY
             } else {
                 f64::NEG_INFINITY
             },
             outside: if far >= 0.0 {
-                far * far * (1.0 + 8.0 * UNIT) + TINY
+                far * far * (1.0 + 8.0 * UNIT_ROUNDOFF) + TINY
             } else {
                 f64::NEG_INFINITY
             },

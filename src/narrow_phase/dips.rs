@@ -9,6 +9,7 @@
 use super::hull::Heights;
 use super::relative::RelativeCubic;
 use super::stationary::{MAX_STATIONARY, stationary_points};
+use crate::enclosure::part;
 use crate::rounding::largest_norm;
 
 /// Of the size of a span or a part: at a larger distance the squared distance shows all dips.
@@ -132,17 +133,7 @@ impl Turns {
 /// The part of a span between two local parameters, by its blossom: its points are as good as those of the
 /// whole.
 fn part_of(cubic: &RelativeCubic, (from, to): (f64, f64)) -> RelativeCubic {
-    let [p0, p1, p2, p3] = cubic.points;
-    let at = |x: f64, y: f64, z: f64| {
-        let (q0, q1, q2) = (p0.lerp(p1, x), p1.lerp(p2, x), p2.lerp(p3, x));
-        q0.lerp(q1, y).lerp(q1.lerp(q2, y), z)
-    };
-    let points = [
-        at(from, from, from),
-        at(from, from, to),
-        at(from, to, to),
-        at(to, to, to),
-    ];
+    let points = part(&cubic.points, from, to);
     RelativeCubic {
         points,
         size: largest_norm(&points),

@@ -4,7 +4,7 @@
 //! let through goes to the exact solver; see [`CLEARANCE`](crate::rounding::CLEARANCE) for why
 //! they never reject what the solver would report.
 
-use super::hull::squared_distance;
+use crate::enclosure::squared_distance;
 use crate::rounding::{UNIT_ROUNDOFF, norm, normalising_power};
 use crate::trajectory::Segment;
 use glam::DVec3;
@@ -60,7 +60,7 @@ fn beyond_in_a_direction(points: &[DVec3; 4], threshold: f64) -> bool {
 /// The smallest Bernstein coefficient of the squared distance lies beyond the squared threshold.
 fn beyond_by_coefficients(points: &[DVec3; 4], largest: DVec3, threshold: f64) -> bool {
     let power = normalising_power(largest.max_element());
-    let coefficients = squared_distance(points.map(|point| point * power));
+    let coefficients = squared_distance(&points.map(|point| point * power));
     let least = coefficients.iter().copied().fold(f64::INFINITY, f64::min);
     // No scaled component reaches 2, no scaled square 12. 7 roundings of it for the coefficients,
     // 16 of the threshold's square.

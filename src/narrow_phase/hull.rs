@@ -1,8 +1,8 @@
 //! What the control heights of the squared distance prove of a span before a root is sought.
 
 use super::relative::RelativeCubic;
+use crate::enclosure::squared_distance;
 use crate::rounding::{UNIT_ROUNDOFF, normalising_power};
-use glam::DVec3;
 
 /// Control heights of the squared distance over a span, in a power of two in which the largest norm of a
 /// control point lies in [1, 2): no height exceeds 4, and each is wrong by 7 roundings of that
@@ -18,7 +18,7 @@ impl Heights {
     pub(super) fn of(cubic: &RelativeCubic) -> Self {
         let power = normalising_power(cubic.size);
         Self {
-            heights: squared_distance(cubic.points.map(|point| point * power)),
+            heights: squared_distance(&cubic.points.map(|point| point * power)),
             power,
         }
     }
@@ -53,23 +53,11 @@ impl Heights {
     }
 }
 
-/// The control heights of the squared distance, degree 6, from the control points.
-pub(super) fn squared_distance(h: [DVec3; 4]) -> [f64; 7] {
-    [
-        h[0].dot(h[0]),
-        h[0].dot(h[1]),
-        (2.0 * h[0].dot(h[2]) + 3.0 * h[1].dot(h[1])) * 0.2,
-        (h[0].dot(h[3]) + 9.0 * h[1].dot(h[2])) * 0.1,
-        (2.0 * h[1].dot(h[3]) + 3.0 * h[2].dot(h[2])) * 0.2,
-        h[2].dot(h[3]),
-        h[3].dot(h[3]),
-    ]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::narrow_phase::stationary::stationary_points;
+    use glam::DVec3;
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 

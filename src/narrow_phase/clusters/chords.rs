@@ -1,6 +1,7 @@
 //! Chords of a relative motion: how near spheres come to each other, from below.
 
 use super::{Candidate, Clusters, short};
+use crate::enclosure::part;
 use crate::hitbox::Sphere;
 use crate::rounding::{CLEARANCE, UNDERFLOW, norm, normalising_power};
 use glam::DVec3;
@@ -159,20 +160,5 @@ impl Chords {
 pub(super) fn pieces_of(points: &[DVec3; 4], count: f64) -> impl Iterator<Item = [DVec3; 4]> {
     let begins = successors(Some(0.0), |begin| Some(begin + 1.0));
     let begins = begins.take_while(move |&begin| begin < count);
-    begins.map(move |begin| piece_of(points, begin / count, (begin + 1.0) / count))
-}
-
-/// The control points of a part of a cubic, from one share of it to another one.
-fn piece_of(&[p0, p1, p2, p3]: &[DVec3; 4], from: f64, to: f64) -> [DVec3; 4] {
-    let blossom = |x: f64, y: f64, z: f64| {
-        let (q0, q1, q2) = (p0.lerp(p1, x), p1.lerp(p2, x), p2.lerp(p3, x));
-        let (r0, r1) = (q0.lerp(q1, y), q1.lerp(q2, y));
-        r0.lerp(r1, z)
-    };
-    [
-        blossom(from, from, from),
-        blossom(from, from, to),
-        blossom(from, to, to),
-        blossom(to, to, to),
-    ]
+    begins.map(move |begin| part(points, begin / count, (begin + 1.0) / count))
 }

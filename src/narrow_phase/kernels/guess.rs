@@ -12,7 +12,7 @@
 //! the other: many short dependency chains at once instead of a long one.
 
 use super::cubic::{CentredCubic, ControlPoints, Vector, dot};
-use super::real::Real;
+use crate::real::Real;
 
 /// Units of rounding of the deflated coefficients, and that of the slope as a part of it (the
 /// derivation is in the documentation of `kernels`).

@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use super::batch::Lanes;
 use super::cubic::ControlPoints;
 use super::loops::BLOCK;
-use super::real::Real;
+use crate::real::Real;
 
 /// A number of lanes filled up to whole vectors of 64 bytes.
 pub(super) fn whole_vectors<R>(count: usize) -> usize {

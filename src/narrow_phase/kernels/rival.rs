@@ -12,7 +12,7 @@
 
 use super::cubic::{CentredCubic, ControlPoints};
 use super::guess::{Deflated, Guess, Outline, Settled, descend_safely, outline, polish, settle};
-use super::real::Real;
+use crate::real::Real;
 
 /// The margin of the proof in parts of that of the first (the derivation is in `kernels`).
 const AGAIN: f32 = 4.0;

@@ -3,11 +3,11 @@
 use super::batch::Lanes;
 use super::cubic::{ControlPoints, largest_coordinate, widened};
 use super::dispatch::{enclose_block, screen_block, screen_block_finely};
-use super::enclosure::enclose_for;
+use super::enclosures::enclose;
 use super::loops::{BLOCK, Block, Bounds};
 use super::pending::{FLAGS, Pending, Selection};
-use super::real::Real;
 use super::screen::{Verdict, screen_eighths, screen_halves};
+use crate::real::Real;
 use crate::simd::InstructionSet;
 
 /// The verdict on one pair.
@@ -29,9 +29,9 @@ pub(super) fn within_of<R: Real>(points: &ControlPoints<R>, inner: R, outer: R) 
     )
 }
 
-/// The verdict from an enclosure by branch and bound.
+/// The verdict from a tight enclosure.
 fn last_verdict(points: &ControlPoints<f64>, error: f64, inner: f64, outer: f64) -> Verdict {
-    let enclosure = enclose_for(points, error, inner, outer);
+    let enclosure = enclose(points, error, None);
     verdict_between(enclosure.low, enclosure.high, inner, outer)
 }
 
