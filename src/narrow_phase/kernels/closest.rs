@@ -5,7 +5,7 @@ use super::cubic::{ControlPoints, distance, largest_coordinate, local_time, wide
 use super::dispatch::{enclose_block_finely, guess_block, guess_block_again, guess_pair};
 use super::enclosures::enclose;
 use super::loops::{BLOCK, Block, Bounds};
-use super::pending::{Pending, Selection, whole_vectors};
+use super::pending::{Pending, whole_vectors};
 use super::refine::{QUICK, THOROUGH, normalised, refined};
 use crate::real::Real;
 use crate::simd::InstructionSet;
@@ -111,8 +111,10 @@ impl<R: Real> Work<'_, R> {
             &mut self.distances[start..end],
             certificates,
         );
-        let mut failed = Selection::without(certificates);
-        while let Some(place) = failed.next() {
+        for (place, &certificate) in certificates.iter().enumerate() {
+            if is_positive(certificate) {
+                continue;
+            }
             self.pairs[self.count] = start + place;
             self.second.take(self.count, &self.block, place);
             self.count += 1;

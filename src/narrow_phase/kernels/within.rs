@@ -5,7 +5,7 @@ use super::cubic::{ControlPoints, largest_coordinate, widened};
 use super::dispatch::{enclose_block, screen_block, screen_block_finely};
 use super::enclosures::enclose;
 use super::loops::{BLOCK, Block, Bounds};
-use super::pending::{FLAGS, Pending, Selection};
+use super::pending::Pending;
 use super::screen::{Verdict, screen_eighths, screen_halves};
 use crate::real::Real;
 use crate::simd::InstructionSet;
@@ -94,27 +94,21 @@ pub(super) fn within<R: Real>(
             &outer[start..end],
             found,
         );
-        let mut left = undecided(found);
-        let thresholds = [&inner[start..end], &outer[start..end]];
-        while !left.is_empty() {
-            screening.second.take(&mut left, start, &block, thresholds);
-            if screening.second.is_full() {
-                screening.screen_again();
+        for pair in start..end {
+            if screening.verdicts[pair] == Verdict::Undecided {
+                let points = lanes.control_points(pair);
+                screening
+                    .second
+                    .push(pair, points, [inner[pair], outer[pair]]);
+                if screening.second.is_full() {
+                    screening.screen_again();
+                }
             }
         }
         start = end;
     }
     screening.screen_again();
     screening.enclose();
-}
-
-/// The places of a block without a verdict.
-fn undecided(verdicts: &[Verdict]) -> Selection {
-    let mut flags = [0; FLAGS];
-    for (flag, verdict) in flags.iter_mut().zip(verdicts) {
-        *flag = u8::from(*verdict == Verdict::Undecided);
-    }
-    Selection::of(&flags)
 }
 
 impl<R: Real> Screening<'_, R> {
