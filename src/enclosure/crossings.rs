@@ -1,6 +1,6 @@
 //! The certified partition: certainly inside a threshold, certainly outside, undecided.
 
-use super::levels::{Course, Levels};
+use super::levels::{SignPattern, SquaredThresholds};
 use super::meeting::{meeting_point, nearest_certain};
 use super::minorant::Minorant;
 use super::part::{ControlPolygon, part, point, reversed, squared_distance};
@@ -18,20 +18,20 @@ const MAX_WORK: u32 = 256;
 const SHORTEST: f64 = 16.0 * f64::EPSILON;
 
 /// The computed cubic and the threshold in its unit.
-struct Question {
+struct ThresholdQuery {
     cubic: ScaledCubic,
     low: f64,
     high: f64,
     /// For the polygon's own cubic, without the rounding of restricting or evaluating it.
-    own: Levels,
+    own: SquaredThresholds,
     /// For points and polygons computed from it.
-    computed: Levels,
+    computed: SquaredThresholds,
     /// A few times farther apart: between these nothing is gained by looking closer.
-    blurred: Levels,
+    blurred: SquaredThresholds,
 }
 
 /// What the Bernstein coefficients of a part say.
-enum Pattern {
+enum PartPattern {
     Uniform(Side),
     /// Each of these levels is crossed once, outwards.
     Rising(Crossed),
@@ -80,18 +80,18 @@ pub(super) fn stretches(given: &UncertainCubic, threshold: Threshold) -> Stretch
     // What is compared with `own` has passed `computed` before: the four roundings more cover those
     // of forming the levels themselves.
     let error = cubic.part_error() + 4.0 * UNIT_ROUNDOFF * low.abs().or_more(high.abs());
-    let question = Question {
+    let question = ThresholdQuery {
         cubic,
         low,
         high,
-        own: Levels::new(low, high, cubic.error),
-        computed: Levels::new(low, high, error),
-        blurred: Levels::new(low, high, 4.0 * error),
+        own: SquaredThresholds::new(low, high, cubic.error),
+        computed: SquaredThresholds::new(low, high, error),
+        blurred: SquaredThresholds::new(low, high, 4.0 * error),
     };
-    if let Pattern::Uniform(side) = question.pattern(&cubic.points, 0.0) {
+    if let PartPattern::Uniform(side) = question.pattern(&cubic.points, 0.0) {
         return Stretches::all(side);
     }
-    let mut search = Search {
+    let mut search = PartitionSearch {
         question,
         found: Stretches::NONE,
         work: 0,
@@ -102,11 +102,11 @@ pub(super) fn stretches(given: &UncertainCubic, threshold: Threshold) -> Stretch
     search.found
 }
 
-impl Question {
+impl ThresholdQuery {
     /// Reads the Bernstein coefficients of the squared distance over a part whose control points
     /// are wrong by at most `rounding`.
     #[inline]
-    fn pattern(&self, points: &ControlPolygon, rounding: f64) -> Pattern {
+    fn pattern(&self, points: &ControlPolygon, rounding: f64) -> PartPattern {
         let coefficients = squared_distance(points);
         let (s0, s3) = (coefficients[0], coefficients[6]);
         let inner = points[1]
@@ -124,27 +124,26 @@ impl Question {
         }
         let (least, greatest) = (least - error, greatest + error);
         if least > self.own.outside {
-            return Pattern::Uniform(Side::Outside);
+            return PartPattern::Uniform(Side::Outside);
         }
         if greatest < self.own.inside {
-            return Pattern::Uniform(Side::Inside);
+            return PartPattern::Uniform(Side::Inside);
         }
-        let inside = Course::of(&coefficients, error, self.own.inside);
-        let outside = Course::of(&coefficients, error, self.own.outside);
+        let inside = SignPattern::of(&coefficients, error, self.own.inside);
+        let outside = SignPattern::of(&coefficients, error, self.own.outside);
         match (inside, outside) {
-            (Course::Above, Course::Below) => Pattern::Uniform(Side::Undecided),
-            (Course::Rising | Course::Above, Course::Rising) | (Course::Rising, Course::Below) => {
-                Pattern::Rising(Crossed {
-                    inside: inside == Course::Rising,
-                    outside: outside == Course::Rising,
-                })
-            }
-            (Course::Falling | Course::Above, Course::Falling)
-            | (Course::Falling, Course::Below) => Pattern::Falling(Crossed {
-                inside: inside == Course::Falling,
-                outside: outside == Course::Falling,
+            (SignPattern::Above, SignPattern::Below) => PartPattern::Uniform(Side::Undecided),
+            (SignPattern::Rising | SignPattern::Above, SignPattern::Rising)
+            | (SignPattern::Rising, SignPattern::Below) => PartPattern::Rising(Crossed {
+                inside: inside == SignPattern::Rising,
+                outside: outside == SignPattern::Rising,
             }),
-            _ => Pattern::Mixed(Mixed {
+            (SignPattern::Falling | SignPattern::Above, SignPattern::Falling)
+            | (SignPattern::Falling, SignPattern::Below) => PartPattern::Falling(Crossed {
+                inside: inside == SignPattern::Falling,
+                outside: outside == SignPattern::Falling,
+            }),
+            _ => PartPattern::Mixed(Mixed {
                 start: self.own.side(s0 - error, s0 + error),
                 end: self.own.side(s3 - error, s3 + error),
                 least,
@@ -217,13 +216,13 @@ impl Question {
     }
 }
 
-struct Search {
-    question: Question,
+struct PartitionSearch {
+    question: ThresholdQuery,
     found: Stretches,
     work: u32,
 }
 
-impl Search {
+impl PartitionSearch {
     /// Appends what can be said about `start..end`, from left to right.
     fn examine(&mut self, start: f64, end: f64, turn: u32) {
         self.work += 1;
@@ -238,21 +237,21 @@ impl Search {
             .question
             .pattern(&points, 9.0 * UNIT_ROUNDOFF * cubic.size)
         {
-            Pattern::Uniform(side) => self.found.append(end, side),
-            Pattern::Rising(crossed) => {
+            PartPattern::Uniform(side) => self.found.append(end, side),
+            PartPattern::Rising(crossed) => {
                 let (inside, outside) = self.question.crossing(&points, (start, end), crossed);
                 self.found.append(inside, Side::Inside);
                 self.found.append(outside, Side::Undecided);
                 self.found.append(end, Side::Outside);
             }
-            Pattern::Falling(crossed) => {
+            PartPattern::Falling(crossed) => {
                 let points = reversed(points);
                 let (inside, outside) = self.question.crossing(&points, (end, start), crossed);
                 self.found.append(outside, Side::Outside);
                 self.found.append(inside, Side::Undecided);
                 self.found.append(end, Side::Inside);
             }
-            Pattern::Mixed(mixed) => {
+            PartPattern::Mixed(mixed) => {
                 if end - start < SHORTEST || self.question.is_undecidable(&mixed) {
                     self.found.append(end, Side::Undecided);
                 } else {

@@ -66,7 +66,7 @@ impl Best {
 
 pub(super) fn least_distance(given: &UncertainCubic) -> LeastDistance {
     let cubic = ScaledCubic::new(&given.points, given.error);
-    let mut search = Search::new(&cubic, least_point(&cubic.points));
+    let mut search = BranchAndBound::new(&cubic, least_point(&cubic.points));
     let (hull, effort) = if search.is_tight() {
         (search.hull(), Effort::Tight)
     } else {
@@ -86,7 +86,7 @@ pub(super) fn least_distance(given: &UncertainCubic) -> LeastDistance {
 pub(super) fn nearest(given: &UncertainCubic, guess: Option<f64>) -> (DistanceEnclosure, f64) {
     let cubic = ScaledCubic::new(&given.points, given.error);
     let guess = guess.unwrap_or_else(|| least_point(&cubic.points));
-    let mut search = Search::new(&cubic, guess);
+    let mut search = BranchAndBound::new(&cubic, guess);
     if !search.is_tight() {
         search.branch();
     }
@@ -155,7 +155,7 @@ fn union(
 }
 
 /// A search for the least distance, in the unit of the scaled cubic.
-struct Search<'c> {
+struct BranchAndBound<'c> {
     cubic: &'c ScaledCubic,
     /// Bound on the error of parts.
     error: f64,
@@ -167,7 +167,7 @@ struct Search<'c> {
     minorants: [Minorant; 2],
 }
 
-impl<'c> Search<'c> {
+impl<'c> BranchAndBound<'c> {
     #[inline]
     fn new(cubic: &'c ScaledCubic, guess: f64) -> Self {
         let [before, after] = split(&cubic.points, guess);
@@ -235,10 +235,10 @@ impl<'c> Search<'c> {
     /// target or the work is used up. The bounds are valid at any time.
     #[cold]
     #[inline(never)]
-    fn branch(&mut self) -> (Vec<Part>, Effort) {
+    fn branch(&mut self) -> (Vec<BoundedPart>, Effort) {
         let points = &self.cubic.points;
         let [before, after] = self.minorants.map(|minorant| minorant.lower());
-        let part = |start: f64, end: f64, lower: f64, is_cut: bool| Part {
+        let part = |start: f64, end: f64, lower: f64, is_cut: bool| BoundedPart {
             start,
             end,
             lower,
@@ -250,7 +250,7 @@ impl<'c> Search<'c> {
         loop {
             let least = least_index(&parts);
             let divided = parts[least];
-            let Part { start, end, .. } = divided;
+            let BoundedPart { start, end, .. } = divided;
             self.lower = divided.lower;
             if self.is_tight() {
                 return (parts, Effort::Tight);
@@ -272,7 +272,7 @@ impl<'c> Search<'c> {
     }
 
     /// Returns all parameters at which the minimum can be, by the parts that are left.
-    fn hull_of(&self, parts: &[Part]) -> Option<ParameterEnclosure> {
+    fn hull_of(&self, parts: &[BoundedPart]) -> Option<ParameterEnclosure> {
         let level = level(self.error, self.best.square);
         let possible = parts.iter().filter(|part| part.lower <= level);
         possible.fold(None, |hull, part| {
@@ -284,7 +284,7 @@ impl<'c> Search<'c> {
 
 /// A part of 0..=1 with a lower bound of the squared distance on it.
 #[derive(Clone, Copy, Debug)]
-struct Part {
+struct BoundedPart {
     start: f64,
     end: f64,
     lower: f64,
@@ -292,7 +292,7 @@ struct Part {
     is_cut: bool,
 }
 
-fn least_index(parts: &[Part]) -> usize {
+fn least_index(parts: &[BoundedPart]) -> usize {
     let mut least = 0;
     for (i, part) in parts.iter().enumerate() {
         if part.lower < parts[least].lower {
@@ -309,9 +309,9 @@ fn least_index(parts: &[Part]) -> usize {
     clippy::float_cmp,
     reason = "an end is the best point itself or is not"
 )]
-fn dividing_point(cubic: &ScaledCubic, divided: &Part, best: f64) -> f64 {
+fn dividing_point(cubic: &ScaledCubic, divided: &BoundedPart, best: f64) -> f64 {
     const NEAR_BEST: f64 = 1.0 / 32.0;
-    let Part { start, end, .. } = *divided;
+    let BoundedPart { start, end, .. } = *divided;
     let width = end - start;
     if !divided.is_cut {
         let s = start + least_point(&part(&cubic.points, start, end)) * width;

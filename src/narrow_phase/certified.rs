@@ -8,10 +8,10 @@
 //! The plain solver gives the numbers that are reported; they are moved into the enclosures where
 //! its rounding left them outside.
 
-use super::clusters::{Clusters, Shown};
-use super::contact::{Nearest, each_for_nearest, lone_pair};
+use super::clusters::{Clusters, ProvenContact};
+use super::contact::{ClosestSearch, each_for_nearest, lone_pair};
 use super::sphere_pair::{Approach, Contact, SpherePair};
-use super::stretches::Profile;
+use super::stretches::DistanceProfile;
 use super::{Party, contact_radius, two_sum};
 use crate::accuracy::{Certificate, TimeEnclosure};
 use crate::enclosure::{Side, Stretch, Threshold};
@@ -31,28 +31,28 @@ pub(crate) struct CertifiedContact {
 /// What a pair's work reuses.
 #[derive(Debug, Default)]
 pub(crate) struct Workspace {
-    members: Vec<Member>,
-    parts: Vec<Part>,
+    members: Vec<UncertainPair>,
+    parts: Vec<VerdictInterval>,
     /// By member: its place in the order of time and of their spheres' numbers, whenever they were
     /// solved; and how many parts it has.
     ranks: Vec<usize>,
     counts: Vec<usize>,
     /// What members have of the group at hand.
-    shares: Vec<Share>,
+    shares: Vec<MemberSummary>,
     /// For what is sorted.
     order: Vec<usize>,
 }
 
 /// Two spheres over a span in which they are not certainly apart.
 #[derive(Clone, Copy, Debug)]
-struct Member {
+struct UncertainPair {
     span: Span,
     pair: SpherePair,
 }
 
 /// A time in which a member is not certainly apart.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Part {
+pub(super) struct VerdictInterval {
     start: f64,
     end: f64,
     side: Side,
@@ -61,7 +61,7 @@ pub(super) struct Part {
 
 /// What a member has of a group of parts.
 #[derive(Clone, Copy, Debug)]
-struct Share {
+struct MemberSummary {
     member: usize,
     /// From the first to the last instant of its parts.
     start: f64,
@@ -93,7 +93,7 @@ pub(crate) fn certified_contacts(
             let Some(shown) = shown else { return };
             // Only what is certain keeps others from being looked at.
             let inside = parts.iter().filter(|part| part.side == Side::Inside);
-            shown.extend(inside.map(|part| Shown {
+            shown.extend(inside.map(|part| ProvenContact {
                 enter: part.start,
                 exit: part.end,
                 separation: pair.reaches(span, (part.start, part.end)),
@@ -116,11 +116,11 @@ impl Workspace {
         span: Span,
         margin: f64,
         clip: (f64, f64),
-    ) -> &[Part] {
+    ) -> &[VerdictInterval] {
         let count = self.parts.len();
         push_parts(pair, margin, clip, self.members.len(), &mut self.parts);
         if self.parts.len() > count {
-            self.members.push(Member { span, pair: *pair });
+            self.members.push(UncertainPair { span, pair: *pair });
         }
         &self.parts[count..]
     }
@@ -173,7 +173,7 @@ impl Workspace {
                 next += 1;
             }
             share_out(&parts[first..next], shares);
-            let group = Group {
+            let group = MergedConflict {
                 members,
                 counts,
                 parts: &parts[first..next],
@@ -198,7 +198,7 @@ pub(crate) fn certified_approach(
     spans: impl Iterator<Item = Span>,
     (from, to): (f64, f64),
 ) -> Option<(Approach, f64, TimeEnclosure)> {
-    let mut nearest = Nearest::new();
+    let mut nearest = ClosestSearch::new();
     let mut found: Vec<SeparationEnclosure> = Vec::new();
     let mut reached = f64::INFINITY;
     for span in spans {
@@ -225,7 +225,7 @@ fn push_parts(
     margin: f64,
     clip: (f64, f64),
     member: usize,
-    parts: &mut Vec<Part>,
+    parts: &mut Vec<VerdictInterval>,
 ) {
     let threshold = threshold(pair.radius_a, pair.radius_b, margin);
     let stretches = pair.cubic.uncertain().stretches(threshold);
@@ -243,7 +243,7 @@ fn push_parts(
         };
         let (start, end) = (times.0.max(clip.0), times.1.min(clip.1));
         if start <= end {
-            parts.push(Part {
+            parts.push(VerdictInterval {
                 start,
                 end,
                 side,
@@ -275,9 +275,9 @@ fn threshold(a: f64, b: f64, margin: f64) -> Threshold {
 }
 
 /// What each member has of some parts, by member; replaces what `shares` held.
-fn share_out(parts: &[Part], shares: &mut Vec<Share>) {
+fn share_out(parts: &[VerdictInterval], shares: &mut Vec<MemberSummary>) {
     shares.clear();
-    shares.extend(parts.iter().map(|part| Share {
+    shares.extend(parts.iter().map(|part| MemberSummary {
         member: part.member,
         start: part.start,
         end: part.end,
@@ -298,18 +298,18 @@ fn share_out(parts: &[Part], shares: &mut Vec<Share>) {
 }
 
 /// Parts that meet: one conflict.
-struct Group<'w> {
-    members: &'w [Member],
+struct MergedConflict<'w> {
+    members: &'w [UncertainPair],
     /// How many parts each member has, those of other groups included.
     counts: &'w [usize],
     /// Those of this group, by start, and what each member has of them, by member.
-    parts: &'w [Part],
-    shares: &'w [Share],
+    parts: &'w [VerdictInterval],
+    shares: &'w [MemberSummary],
     start: f64,
     end: f64,
 }
 
-impl Group<'_> {
+impl MergedConflict<'_> {
     /// The conflict; `order` is that in which members are gone through. None where no part is inside,
     /// and the least separation is proven to be above the margin: between the instants that a window
     /// leaves of a part, say, or where the bodies graze.
@@ -325,8 +325,8 @@ impl Group<'_> {
         let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
         for &index in order {
             let share = &self.shares[index];
-            let Member { span, pair } = &self.members[share.member];
-            let profile = Profile::of(&pair.cubic);
+            let UncertainPair { span, pair } = &self.members[share.member];
+            let profile = DistanceProfile::of(&pair.cubic);
             let instant = profile.closest(&pair.cubic, share.start, share.end);
             let approach = pair.approach(*span, instant);
             let (best, nearest) = closest.unwrap_or((approach, index));
@@ -378,7 +378,7 @@ impl Group<'_> {
         let others = (0..self.shares.len()).filter(|&index| index != nearest);
         for index in once(nearest).chain(others) {
             let share = &self.shares[index];
-            let Member { span, pair } = &self.members[share.member];
+            let UncertainPair { span, pair } = &self.members[share.member];
             if reached < f64::INFINITY && pair.is_beyond(a, b, *span, reached) {
                 continue;
             }
@@ -415,7 +415,7 @@ impl Group<'_> {
 
     /// Whether a member's least distance over its whole span is that over its parts in this
     /// group: it is certainly inside there, and elsewhere in the span certainly apart.
-    fn is_all_of(&self, share: &Share, span: &Span, clip: (f64, f64)) -> bool {
+    fn is_all_of(&self, share: &MemberSummary, span: &Span, clip: (f64, f64)) -> bool {
         clip.0 <= span.start
             && span.end <= clip.1
             && share.is_inside

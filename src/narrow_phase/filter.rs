@@ -72,7 +72,7 @@ fn beyond_by_coefficients(points: &[DVec3; 4], largest: DVec3, threshold: f64) -
 mod tests {
     use super::*;
     use crate::narrow_phase::relative::{RelativeCubic, filter_threshold, local_scale};
-    use crate::narrow_phase::stretches::Profile;
+    use crate::narrow_phase::stretches::DistanceProfile;
     use crate::trajectory::{State, Trajectory};
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
@@ -100,7 +100,7 @@ mod tests {
             let whole = (0.25, 1.75);
             let cubic = RelativeCubic::between(a, b, whole, DVec3::ZERO);
             let scale = local_scale(a, b, whole, DVec3::ZERO);
-            let profile = Profile::of(&cubic);
+            let profile = DistanceProfile::of(&cubic);
             let least = profile.closest(&cubic, whole.0, whole.1);
             let off = rng.random_range(-2.0..2.0) * cubic.tolerance();
             let radius = (least.distance + off).max(0.0);

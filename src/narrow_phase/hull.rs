@@ -8,13 +8,13 @@ use crate::rounding::{UNIT_ROUNDOFF, normalising_power};
 /// control point lies in [1, 2): no height exceeds 4, and each is wrong by 7 roundings of that
 /// (numerics, section 5).
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Heights {
+pub(super) struct SquaredDistance {
     heights: [f64; 7],
     /// Lengths times this are in that unit.
     power: f64,
 }
 
-impl Heights {
+impl SquaredDistance {
     pub(super) fn of(cubic: &RelativeCubic) -> Self {
         let power = normalising_power(cubic.size);
         Self {
@@ -106,7 +106,7 @@ mod tests {
             points = rest(points, share);
             let cubic = cubic(points);
             let found = stationary_points(&cubic);
-            if Heights::of(&cubic).are_monotonic() {
+            if SquaredDistance::of(&cubic).are_monotonic() {
                 assert!(found.as_slice().is_empty(), "{round} {points:?}");
                 monotonic += 1;
                 beside += u32::from(share < 1e-3);

@@ -4,8 +4,8 @@ use super::batch::Lanes;
 use super::cubic::{ControlPoints, distance, largest_coordinate, local_time, widened};
 use super::dispatch::{enclose_block_finely, guess_block, guess_block_again, guess_pair};
 use super::enclosures::enclose;
-use super::loops::{BLOCK, Block, Bounds};
-use super::pending::{Pending, whole_vectors};
+use super::loops::{BLOCK, EnclosureBlock, LaneBlock};
+use super::pending::{RetryQueue, whole_vectors};
 use super::refine::{QUICK, THOROUGH, normalised, refined};
 use crate::real::Real;
 use crate::simd::InstructionSet;
@@ -29,7 +29,7 @@ pub(super) fn closest_approach_of<R: Real>(points: &ControlPoints<R>) -> (R, R) 
     let (wide, unit) = normalised(&widened(points));
     let error = allowance::<R>(&wide);
     let mut nearest = refined(&wide, local_time(found.settled.time).to_f64(), QUICK);
-    let (lanes, mut bounds) = (Lanes::of_one(&wide), Bounds::new());
+    let (lanes, mut bounds) = (Lanes::of_one(&wide), EnclosureBlock::new());
     enclose_block_finely(instructions, &lanes, &[error], &[nearest.0], &mut bounds);
     if !bounds.is_tight(0) {
         nearest = searched(&wide, nearest.0, error);
@@ -54,19 +54,19 @@ fn allowance<R: Real>(points: &ControlPoints<f64>) -> f64 {
 }
 
 /// The work of one call of [`closest_approach`].
-struct Work<'a, R> {
+struct ClosestBatch<'a, R> {
     instructions: InstructionSet,
     lanes: Lanes<'a, R>,
     times: &'a mut [R],
     distances: &'a mut [R],
-    block: Block<R>,
+    block: LaneBlock<R>,
     /// Not certified at the first try: which pairs, how many, and their cubics and times.
     pairs: [usize; BLOCK],
     count: usize,
-    second: Block<R>,
+    second: LaneBlock<R>,
     /// Not certified at the second try, [`normalised`]: with time and distance, refined, and
     /// [`allowance`], and the unit, in f64.
-    third: Pending<f64, 4>,
+    third: RetryQueue<f64, 4>,
 }
 
 /// The closest approach of each pair, on one thread: local times in 0..=1, distances in metres.
@@ -76,16 +76,16 @@ pub(super) fn closest_approach<R: Real>(
     times: &mut [R],
     distances: &mut [R],
 ) {
-    let mut work = Work {
+    let mut work = ClosestBatch {
         instructions,
         lanes: *lanes,
         times,
         distances,
-        block: Block::new(),
+        block: LaneBlock::new(),
         pairs: [0; BLOCK],
         count: 0,
-        second: Block::new(),
-        third: Pending::new(),
+        second: LaneBlock::new(),
+        third: RetryQueue::new(),
     };
     let mut start = 0;
     while start < lanes.len() {
@@ -97,7 +97,7 @@ pub(super) fn closest_approach<R: Real>(
     work.prove();
 }
 
-impl<R: Real> Work<'_, R> {
+impl<R: Real> ClosestBatch<'_, R> {
     /// The first try for a part of the batch.
     fn guess(&mut self, start: usize, end: usize) {
         let mut certificates = [0.0; BLOCK];
@@ -160,7 +160,7 @@ impl<R: Real> Work<'_, R> {
     /// The third try: quarters of both sides of the refined time. What is still not proven is
     /// searched by branch and bound.
     fn prove(&mut self) {
-        let mut bounds = Bounds::new();
+        let mut bounds = EnclosureBlock::new();
         let lanes = self.third.lanes();
         let [times, distances, errors, units] = self.third.extras();
         enclose_block_finely(self.instructions, &lanes, errors, times, &mut bounds);

@@ -3,7 +3,7 @@
 use super::batch::Lanes;
 use super::cubic::ControlPoints;
 use super::guess::Guess;
-use super::loops::{self, Block, Bounds};
+use super::loops::{self, EnclosureBlock, LaneBlock};
 use super::screen::Verdict;
 use crate::real::Real;
 use crate::simd::{InstructionSet, for_each_instruction_set};
@@ -16,7 +16,7 @@ for_each_instruction_set! {
 for_each_instruction_set! {
     /// Guesses the closest approach of each pair of a block.
     guess_block<R: Real>(
-        block: &mut Block<R>,
+        block: &mut LaneBlock<R>,
         lanes: &Lanes<'_, R>,
         times: &mut [R],
         distances: &mut [R],
@@ -28,7 +28,7 @@ for_each_instruction_set! {
     /// Guesses again, for the cubics and from the first guesses of a block, and proves against the
     /// rival.
     guess_block_again<R: Real>(
-        block: &mut Block<R>,
+        block: &mut LaneBlock<R>,
         times: &mut [R],
         distances: &mut [R],
         certificates: &mut [f32],
@@ -38,10 +38,10 @@ for_each_instruction_set! {
 for_each_instruction_set! {
     /// Encloses the least distance of each pair of a block, from one split at the guess.
     enclose_block(
-        block: &mut Block<f64>,
+        block: &mut LaneBlock<f64>,
         lanes: &Lanes<'_, f64>,
         errors: &[f64],
-        bounds: &mut Bounds,
+        bounds: &mut EnclosureBlock,
     )
 }
 
@@ -52,7 +52,7 @@ for_each_instruction_set! {
         lanes: &Lanes<'_, f64>,
         errors: &[f64],
         times: &[f64],
-        bounds: &mut Bounds,
+        bounds: &mut EnclosureBlock,
     )
 }
 

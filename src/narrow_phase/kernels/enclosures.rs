@@ -4,8 +4,8 @@
 use super::batch::Lanes;
 use super::cubic::{ControlPoints, polygon};
 use super::dispatch::{enclose_block, enclose_block_finely};
-use super::loops::{BLOCK, Block, Bounds};
-use super::pending::Pending;
+use super::loops::{BLOCK, EnclosureBlock, LaneBlock};
+use super::pending::RetryQueue;
 use super::refine::{QUICK, refined};
 use crate::enclosure::UncertainCubic;
 use crate::simd::InstructionSet;
@@ -51,9 +51,9 @@ pub(super) fn enclosures(
     errors: &[f64],
     enclosures: &mut [Enclosure],
 ) {
-    let mut block = Block::new();
-    let mut pending = Pending::new();
-    let mut bounds = Bounds::new();
+    let mut block = LaneBlock::new();
+    let mut pending = RetryQueue::new();
+    let mut bounds = EnclosureBlock::new();
     let mut start = 0;
     while start < lanes.len() {
         let end = (start + BLOCK).min(lanes.len());
@@ -83,10 +83,10 @@ pub(super) fn enclosures(
 /// Quarters for the pairs that are pending, and branch and bound for those still not tight.
 fn enclose_again(
     instructions: InstructionSet,
-    pending: &mut Pending<f64, 2>,
+    pending: &mut RetryQueue<f64, 2>,
     enclosures: &mut [Enclosure],
 ) {
-    let mut bounds = Bounds::new();
+    let mut bounds = EnclosureBlock::new();
     let [errors, times] = pending.extras();
     enclose_block_finely(instructions, &pending.lanes(), errors, times, &mut bounds);
     for i in 0..pending.len() {
@@ -101,7 +101,7 @@ fn enclose_again(
     pending.clear();
 }
 
-impl Bounds {
+impl EnclosureBlock {
     #[inline]
     fn enclosure(&self, i: usize) -> Enclosure {
         Enclosure {

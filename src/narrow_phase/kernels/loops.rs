@@ -15,8 +15,8 @@ use super::cubic::{
     polygon,
 };
 use super::guess::{
-    Guess, HalleyStep, Outline, arrive, certify, descend, descend_safely, guess, halley_step,
-    lowest_sample, outline, polish, settle,
+    Guess, HalleyStep, LaneSquaredDistance, arrive, certify, descend, descend_safely, guess,
+    halley_step, lowest_sample, outline, polish, settle,
 };
 use super::rival::{self, certify_against, contest, guess_against_rival};
 use super::screen::{Verdict, screen_eighths, screen_halves};
@@ -34,7 +34,7 @@ pub(super) const BLOCK: usize = 96;
 /// cache lines.
 #[repr(align(64))]
 #[derive(Debug)]
-pub(super) struct Block<R> {
+pub(super) struct LaneBlock<R> {
     cubics: Columns<R>,
     rough: Columns<f32>,
     squares: [[f32; BLOCK]; 7],
@@ -43,13 +43,13 @@ pub(super) struct Block<R> {
     /// Slopes, steps and errors of Halley's method.
     steps: [[R; BLOCK]; 3],
     doubts: [f32; BLOCK],
-    /// In the second try: the times of the first, and what [`rival::Contest`] says.
+    /// In the second try: the times of the first, and what [`rival::MinimumChoice`] says.
     firsts: [f32; BLOCK],
     rivals: [f32; BLOCK],
     stays: [f32; BLOCK],
 }
 
-impl<R: Real> Block<R> {
+impl<R: Real> LaneBlock<R> {
     pub(super) fn new() -> Self {
         Self {
             cubics: [[[R::default(); BLOCK]; 3]; 4],
@@ -66,8 +66,8 @@ impl<R: Real> Block<R> {
     }
 
     #[inline(always)]
-    fn outline(&self, i: usize) -> Outline {
-        Outline {
+    fn outline(&self, i: usize) -> LaneSquaredDistance {
+        LaneSquaredDistance {
             square: self.square(i),
             margin: self.margins[i],
         }
@@ -137,7 +137,7 @@ impl<R: Real> Block<R> {
     }
 
     #[inline(always)]
-    fn set_outline(&mut self, i: usize, outline: &Outline) {
+    fn set_outline(&mut self, i: usize, outline: &LaneSquaredDistance) {
         let mut k = 0;
         while k < 7 {
             self.squares[k][i] = outline.square[k];
@@ -232,7 +232,7 @@ fn set<R: Real>(columns: &mut Columns<R>, i: usize, vectors: &[Vector<R>; 4]) {
 /// Enclosures of the least distances of a block.
 #[repr(align(64))]
 #[derive(Debug)]
-pub(super) struct Bounds {
+pub(super) struct EnclosureBlock {
     pub(super) times: [f64; BLOCK],
     pub(super) lows: [f64; BLOCK],
     pub(super) highs: [f64; BLOCK],
@@ -243,7 +243,7 @@ pub(super) struct Bounds {
     squares: [f64; BLOCK],
 }
 
-impl Bounds {
+impl EnclosureBlock {
     pub(super) fn new() -> Self {
         Self {
             times: [0.0; BLOCK],
@@ -279,7 +279,7 @@ pub(super) fn guess_pair<R: Real>(points: &ControlPoints<R>) -> Guess<R> {
 
 #[inline(always)]
 pub(super) fn guess_block<R: Real>(
-    block: &mut Block<R>,
+    block: &mut LaneBlock<R>,
     lanes: &Lanes<'_, R>,
     times: &mut [R],
     distances: &mut [R],
@@ -301,7 +301,7 @@ pub(super) fn guess_block<R: Real>(
 
 #[inline(always)]
 pub(super) fn guess_block_again<R: Real>(
-    block: &mut Block<R>,
+    block: &mut LaneBlock<R>,
     times: &mut [R],
     distances: &mut [R],
     certificates: &mut [f32],
@@ -335,10 +335,10 @@ pub(super) fn guess_block_again<R: Real>(
 
 #[inline(always)]
 pub(super) fn enclose_block(
-    block: &mut Block<f64>,
+    block: &mut LaneBlock<f64>,
     lanes: &Lanes<'_, f64>,
     errors: &[f64],
-    bounds: &mut Bounds,
+    bounds: &mut EnclosureBlock,
 ) {
     let count = errors.len().min(BLOCK);
     let (lanes, errors) = (lanes.first(count), &errors[..count]);
@@ -368,7 +368,7 @@ pub(super) fn enclose_block_finely(
     lanes: &Lanes<'_, f64>,
     errors: &[f64],
     times: &[f64],
-    bounds: &mut Bounds,
+    bounds: &mut EnclosureBlock,
 ) {
     let count = errors.len().min(BLOCK);
     let (lanes, errors, times) = (lanes.first(count), &errors[..count], &times[..count]);
@@ -420,7 +420,12 @@ fn lower_far(side: &ControlPolygon) -> f64 {
 /// Turns lower bounds of the squared distance on both sides of a split, in `lows` and `highs`,
 /// into enclosures of the distance; parts were halved that many times after it.
 #[inline(always)]
-fn finish_bounds(lanes: &Lanes<'_, f64>, errors: &[f64], bounds: &mut Bounds, halvings: f64) {
+fn finish_bounds(
+    lanes: &Lanes<'_, f64>,
+    errors: &[f64],
+    bounds: &mut EnclosureBlock,
+    halvings: f64,
+) {
     let count = errors.len().min(BLOCK);
     let lanes = lanes.first(count);
     for i in 0..count {

@@ -12,7 +12,7 @@ pub(super) fn whole_vectors<R>(count: usize) -> usize {
 
 /// Up to a block of pairs with `EXTRAS` more numbers each.
 #[derive(Debug)]
-pub(super) struct Pending<R, const EXTRAS: usize> {
+pub(super) struct RetryQueue<R, const EXTRAS: usize> {
     /// Where they were in the batch.
     pairs: [usize; BLOCK],
     coordinates: [[[R; BLOCK]; 4]; 3],
@@ -20,7 +20,7 @@ pub(super) struct Pending<R, const EXTRAS: usize> {
     count: usize,
 }
 
-impl<R: Real, const EXTRAS: usize> Pending<R, EXTRAS> {
+impl<R: Real, const EXTRAS: usize> RetryQueue<R, EXTRAS> {
     pub(super) fn new() -> Self {
         Self {
             pairs: [0; BLOCK],

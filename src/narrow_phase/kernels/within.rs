@@ -4,8 +4,8 @@ use super::batch::Lanes;
 use super::cubic::{ControlPoints, largest_coordinate, widened};
 use super::dispatch::{enclose_block, screen_block, screen_block_finely};
 use super::enclosures::enclose;
-use super::loops::{BLOCK, Block, Bounds};
-use super::pending::Pending;
+use super::loops::{BLOCK, EnclosureBlock, LaneBlock};
+use super::pending::RetryQueue;
 use super::screen::{Verdict, screen_eighths, screen_halves};
 use crate::real::Real;
 use crate::simd::InstructionSet;
@@ -59,13 +59,13 @@ fn conversion_error<R: Real>(points: &ControlPoints<f64>) -> f64 {
 }
 
 /// The work of one call of [`within`].
-struct Screening<'a, R> {
+struct WithinBatch<'a, R> {
     instructions: InstructionSet,
     verdicts: &'a mut [Verdict],
     /// Undecided after the first screen: with the thresholds.
-    second: Pending<R, 2>,
+    second: RetryQueue<R, 2>,
     /// Undecided after the second screen: with the thresholds and the error, in f64.
-    third: Pending<f64, 3>,
+    third: RetryQueue<f64, 3>,
 }
 
 /// The verdict on each pair, on one thread.
@@ -76,11 +76,11 @@ pub(super) fn within<R: Real>(
     outer: &[R],
     verdicts: &mut [Verdict],
 ) {
-    let mut screening = Screening {
+    let mut screening = WithinBatch {
         instructions,
         verdicts,
-        second: Pending::new(),
-        third: Pending::new(),
+        second: RetryQueue::new(),
+        third: RetryQueue::new(),
     };
     let mut start = 0;
     while start < lanes.len() {
@@ -111,7 +111,7 @@ pub(super) fn within<R: Real>(
     screening.enclose();
 }
 
-impl<R: Real> Screening<'_, R> {
+impl<R: Real> WithinBatch<'_, R> {
     /// The second screen for the pairs that wait for it.
     fn screen_again(&mut self) {
         let mut verdicts = [Verdict::Undecided; BLOCK];
@@ -147,16 +147,22 @@ impl<R: Real> Screening<'_, R> {
 
     fn enclose_pending(
         instructions: InstructionSet,
-        third: &mut Pending<f64, 3>,
+        third: &mut RetryQueue<f64, 3>,
         verdicts: &mut [Verdict],
     ) {
         if third.is_empty() {
             return;
         }
-        let mut bounds = Bounds::new();
+        let mut bounds = EnclosureBlock::new();
         let lanes = third.lanes();
         let [inner, outer, errors] = third.extras();
-        enclose_block(instructions, &mut Block::new(), &lanes, errors, &mut bounds);
+        enclose_block(
+            instructions,
+            &mut LaneBlock::new(),
+            &lanes,
+            errors,
+            &mut bounds,
+        );
         for i in 0..third.len() {
             let tight = bounds.tight[i];
             let mut found = Verdict::Undecided;
