@@ -102,6 +102,7 @@ mod polynomial;
 mod pool;
 mod query;
 mod readable;
+mod real;
 mod rounding;
 mod scene;
 mod screen;

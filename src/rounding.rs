@@ -29,18 +29,16 @@
 //! | blurs, gaps, what is reached | `narrow_phase/clusters`, `sphere_pair` | open |
 //! | passing lines: differences, products, range | `narrow_phase/approach` | `approach::tests::grazing_passes*` |
 //! | shares of a slice; instants | `narrow_phase/approach` | `approach::tests::{passes_that_touch*, intervals_between_instants*}` |
-//! | coefficients of a minorant | `enclosure/piece`, `kernels/minorant` | `tests::the_minorant_is_below_the_exact_coefficients` of both |
-//! | rounding of a slope | `enclosure/piece` | `piece::exactly::the_slope_is_below_the_exact_one` |
-//! | rounding of a bend: 4 u of both terms, and of the difference | `enclosure/piece` | proof 2 |
-//! | a minorant's least value: base | `enclosure/piece`, `kernels/minorant` | `piece::exactly`, `kernels::exactly` |
-//! | a minorant's least value: sink | `enclosure/piece` | `piece::exactly::the_lower_bound_is_below_the_quadratic` |
-//! | the same of lanes | `kernels/minorant` | proof 2 |
-//! | the end of its reach: base, root | `enclosure/piece` | `piece::exactly::the_quadratic_is_above_a_level_beyond_its_reach` |
-//! | splits and errors of a cubic, scaling, norms, restored lengths | `enclosure/normal` | `normal::tests`, `tests/extended/tests/enclosure` |
+//! | coefficients of a minorant | `enclosure/minorant` | `minorant::tests` |
+//! | rounding of a slope | `enclosure/minorant` | `minorant::exactly::the_slope_is_below_the_exact_one` |
+//! | rounding of a bend: of both terms, and of the difference | `enclosure/minorant` | proof 2 |
+//! | a minorant's least value: base, sink | `enclosure/minorant` | `minorant::exactly::the_lower_bound_is_below_the_quadratic` |
+//! | the end of its reach: base, root | `enclosure/minorant` | `minorant::exactly::the_quadratic_is_above_a_level_beyond_its_reach` |
+//! | splits and errors of a cubic, scaling, norms, restored lengths | `enclosure/part`, `scaled` | `scaled::tests`, `tests/extended/tests/enclosure` |
 //! | roots and ends of a distance, ends of parameters | `enclosure/minimum` | `minimum::tests` |
-//! | Markov's 18, 96 and 192, the error across the way, what a range takes away | `enclosure/piece` | `piece::exactly::nearest_points_are_within_reach_whatever_the_error` |
-//! | rounding of a stationary point's slope | `enclosure/piece` | `piece::exactly::nearest_points_are_within_reach_of_a_rounded_slope` |
-//! | 1 + 2^-40 on a stationary point | `enclosure/minimum`, `piece` | proof 3 |
+//! | Markov's 18, 96 and 192, the error across the way, what a range takes away | `enclosure/stationary` | `minorant::exactly::nearest_points_are_within_reach_whatever_the_error` |
+//! | rounding of a stationary point's slope | `enclosure/stationary` | `minorant::exactly::nearest_points_are_within_reach_of_a_rounded_slope` |
+//! | 1 + 2^-40 on a stationary point | `enclosure/minimum`, `stationary` | proof 3 |
 //! | twice the error to a minimiser | `enclosure/minimum` | `tests/extended/tests/enclosure` |
 //! | squares of levels; underflow of the outer one | `enclosure/levels` | `levels::tests`; `tests/extended/tests/enclosure` |
 //! | own error of a cubic, control points of a part | `enclosure/crossings` | `tests/extended/tests/enclosure` |
@@ -49,7 +47,8 @@
 //! | error of a span; thresholds in f32 | `kernels/spans`, `real` | `spans::what_is_badly_known_is_never_decided`, `real::tests` |
 //! | underflow of a screen | `kernels/screen` | `kernels::exactly::screens_are_rounded_outward` |
 //! | squares of a screen's thresholds | `kernels/screen` | proof 5 |
-//! | roundings outward of an enclosure; underflow of one and of a conversion | `kernels/enclosure`, `within` | proof 6 |
+//! | roundings outward of an enclosure | `enclosure/minimum` | `minimum::tests::distances_are_rounded_outward` |
+//! | underflow of a conversion, ends of the range of blocks | `kernels/within`, `loops` | proof 6 |
 //! | points of a sketch beyond the knots, extent | `bounds/points`, `piece` | `points::tests` |
 //! | own error of a segment, whole or in part | `bounds/points` | `points::tests::what_is_badly_known_is_held` |
 //! | splits of a sketch | `bounds/piece` | `piece::tests` |
@@ -79,7 +78,7 @@
 //!    the first terms have six.
 //!
 //! Squares that meet F of the enclosures need no term against underflow. In the cubic's unit the factor
-//! 1 + 2^-40 adds more than 1e-87 m to F, and what underflows is below 1e-124 m.
+//! 1 + 2^-40 adds more than 1e-43 to F, and what underflows is below 1e-124.
 
 use glam::DVec3;
 
@@ -116,8 +115,8 @@ pub(crate) fn normalising_power(magnitude: f64) -> f64 {
     match exponent {
         // Zero and subnormal: the largest power of two whose inverse is still normal.
         0 => f64::from_bits(0x7fd_u64 << 52),
-        // 2^1023 and above would need a subnormal factor: not reached below `MAX_MAGNITUDE`.
-        0x7fe | 0x7ff => 1.0,
+        // From 2^1023 on: the smallest normal power brings it as near as one factor can.
+        0x7fe | 0x7ff => f64::MIN_POSITIVE,
         normal => f64::from_bits((0x7fe - normal) << 52),
     }
 }

@@ -136,35 +136,35 @@ pub(crate) fn prefetch<T>(values: &[T]) {
 macro_rules! for_each_instruction_set {
     (
         $(#[$documentation:meta])*
-        $name:ident<$R:ident: $bound:ident>($($argument:ident: $type:ty),* $(,)?) $(-> $output:ty)?
+        $name:ident $(<$R:ident: $bound:ident>)? ($($argument:ident: $type:ty),* $(,)?) $(-> $output:ty)?
     ) => {
         $(#[$documentation])*
         #[allow(
             unsafe_code,
             reason = "an `InstructionSet` of a set is only made where the processor has the set"
         )]
-        pub(super) fn $name<$R: $bound>(instructions: InstructionSet, $($argument: $type),*) $(-> $output)? {
+        pub(super) fn $name $(<$R: $bound>)? (instructions: InstructionSet, $($argument: $type),*) $(-> $output)? {
             #[cfg(target_arch = "x86_64")]
             #[target_feature(enable = "avx2")]
-            fn avx2<$R: $bound>($($argument: $type),*) $(-> $output)? {
-                loops::$name::<$R>($($argument),*)
+            fn avx2 $(<$R: $bound>)? ($($argument: $type),*) $(-> $output)? {
+                loops::$name($($argument),*)
             }
 
             #[cfg(target_arch = "x86_64")]
             #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl")]
-            fn avx512<$R: $bound>($($argument: $type),*) $(-> $output)? {
-                loops::$name::<$R>($($argument),*)
+            fn avx512 $(<$R: $bound>)? ($($argument: $type),*) $(-> $output)? {
+                loops::$name($($argument),*)
             }
 
             match instructions.set() {
-                $crate::simd::Set::Portable => loops::$name::<$R>($($argument),*),
+                $crate::simd::Set::Portable => loops::$name($($argument),*),
                 #[cfg(target_arch = "x86_64")]
                 // SAFETY: a `InstructionSet` of this set is only made where the processor has AVX2.
-                $crate::simd::Set::Avx2 => unsafe { avx2::<$R>($($argument),*) },
+                $crate::simd::Set::Avx2 => unsafe { avx2($($argument),*) },
                 #[cfg(target_arch = "x86_64")]
                 // SAFETY: a `InstructionSet` of this set is only made where the processor has AVX-512 F,
                 // DQ, BW and VL.
-                $crate::simd::Set::Avx512 => unsafe { avx512::<$R>($($argument),*) },
+                $crate::simd::Set::Avx512 => unsafe { avx512($($argument),*) },
             }
         }
     };

@@ -1,12 +1,15 @@
 //! The certified partition: certainly inside a threshold, certainly outside, undecided.
 
-use super::guess::least_point;
-use super::levels::{Course, Levels};
+use super::levels::{SignPattern, SquaredThresholds};
 use super::meeting::{meeting_point, nearest_certain};
-use super::normal::{Normal, SLACK, TINY, UNIT};
-use super::piece::{Base, Minorant, Polygon, greater, part, point, reversed, smaller};
+use super::minorant::Minorant;
+use super::part::{ControlPolygon, part, point, reversed, squared_distance};
+use super::scaled::{SLACK, ScaledCubic, TINY};
 use super::stretches::Stretches;
 use super::{Side, Threshold, UncertainCubic};
+use crate::narrow_phase::kernels::least_point;
+use crate::real::Real;
+use crate::rounding::UNIT_ROUNDOFF;
 
 /// Parts looked at before the rest is left undecided.
 const MAX_WORK: u32 = 256;
@@ -15,20 +18,20 @@ const MAX_WORK: u32 = 256;
 const SHORTEST: f64 = 16.0 * f64::EPSILON;
 
 /// The computed cubic and the threshold in its unit.
-struct Question {
-    cubic: Normal,
+struct ThresholdQuery {
+    cubic: ScaledCubic,
     low: f64,
     high: f64,
     /// For the polygon's own cubic, without the rounding of restricting or evaluating it.
-    own: Levels,
+    own: SquaredThresholds,
     /// For points and polygons computed from it.
-    computed: Levels,
+    computed: SquaredThresholds,
     /// A few times farther apart: between these nothing is gained by looking closer.
-    blurred: Levels,
+    blurred: SquaredThresholds,
 }
 
 /// What the Bernstein coefficients of a part say.
-enum Pattern {
+enum PartPattern {
     Uniform(Side),
     /// Each of these levels is crossed once, outwards.
     Rising(Crossed),
@@ -71,24 +74,24 @@ pub(super) fn stretches(given: &UncertainCubic, threshold: Threshold) -> Stretch
     if threshold.high < 0.0 {
         return Stretches::all(Side::Outside);
     }
-    let cubic = Normal::new(&given.points, given.error);
+    let cubic = ScaledCubic::new(&given.points, given.error);
     let low = cubic.bring_below(threshold.low);
     let high = cubic.bring_above(threshold.high);
     // What is compared with `own` has passed `computed` before: the four roundings more cover those
     // of forming the levels themselves.
-    let error = cubic.part_error() + 4.0 * UNIT * greater(low.abs(), high.abs());
-    let question = Question {
+    let error = cubic.part_error() + 4.0 * UNIT_ROUNDOFF * low.abs().or_more(high.abs());
+    let question = ThresholdQuery {
         cubic,
         low,
         high,
-        own: Levels::new(low, high, cubic.error),
-        computed: Levels::new(low, high, error),
-        blurred: Levels::new(low, high, 4.0 * error),
+        own: SquaredThresholds::new(low, high, cubic.error),
+        computed: SquaredThresholds::new(low, high, error),
+        blurred: SquaredThresholds::new(low, high, 4.0 * error),
     };
-    if let Pattern::Uniform(side) = question.pattern(&cubic.points, 0.0) {
+    if let PartPattern::Uniform(side) = question.pattern(&cubic.points, 0.0) {
         return Stretches::all(side);
     }
-    let mut search = Search {
+    let mut search = PartitionSearch {
         question,
         found: Stretches::NONE,
         work: 0,
@@ -99,54 +102,48 @@ pub(super) fn stretches(given: &UncertainCubic, threshold: Threshold) -> Stretch
     search.found
 }
 
-impl Question {
+impl ThresholdQuery {
     /// Reads the Bernstein coefficients of the squared distance over a part whose control points
     /// are wrong by at most `rounding`.
     #[inline]
-    fn pattern(&self, points: &Polygon, rounding: f64) -> Pattern {
-        let [h0, h1, h2, h3] = *points;
-        let (s0, s1, s2, s3) = (h0.dot(h0), h1.dot(h1), h2.dot(h2), h3.dot(h3));
-        let coefficients = [
-            s0,
-            h0.dot(h1),
-            (2.0 * h0.dot(h2) + 3.0 * s1) * 0.2,
-            (h0.dot(h3) + 9.0 * h1.dot(h2)) * 0.1,
-            (2.0 * h1.dot(h3) + 3.0 * s2) * 0.2,
-            h2.dot(h3),
-            s3,
-        ];
-        let square = greater(greater(s0, s3), greater(s1, s2));
+    fn pattern(&self, points: &ControlPolygon, rounding: f64) -> PartPattern {
+        let coefficients = squared_distance(points);
+        let (s0, s3) = (coefficients[0], coefficients[6]);
+        let inner = points[1]
+            .length_squared()
+            .or_more(points[2].length_squared());
+        let square = s0.or_more(s3).or_more(inner);
         // Section 2 of the module documentation.
-        let size = (square + TINY).sqrt() * (1.0 + 4.0 * UNIT);
-        let error = (8.0 * UNIT * square + rounding * (2.0 * size + rounding)) * SLACK + TINY;
+        let size = (square + TINY).sqrt() * (1.0 + 4.0 * UNIT_ROUNDOFF);
+        let error =
+            (8.0 * UNIT_ROUNDOFF * square + rounding * (2.0 * size + rounding)) * SLACK + TINY;
         let (mut least, mut greatest) = (f64::INFINITY, f64::NEG_INFINITY);
         for c in coefficients {
-            least = smaller(least, c);
-            greatest = greater(greatest, c);
+            least = least.or_less(c);
+            greatest = greatest.or_more(c);
         }
         let (least, greatest) = (least - error, greatest + error);
         if least > self.own.outside {
-            return Pattern::Uniform(Side::Outside);
+            return PartPattern::Uniform(Side::Outside);
         }
         if greatest < self.own.inside {
-            return Pattern::Uniform(Side::Inside);
+            return PartPattern::Uniform(Side::Inside);
         }
-        let inside = Course::of(&coefficients, error, self.own.inside);
-        let outside = Course::of(&coefficients, error, self.own.outside);
+        let inside = SignPattern::of(&coefficients, error, self.own.inside);
+        let outside = SignPattern::of(&coefficients, error, self.own.outside);
         match (inside, outside) {
-            (Course::Above, Course::Below) => Pattern::Uniform(Side::Undecided),
-            (Course::Rising | Course::Above, Course::Rising) | (Course::Rising, Course::Below) => {
-                Pattern::Rising(Crossed {
-                    inside: inside == Course::Rising,
-                    outside: outside == Course::Rising,
-                })
-            }
-            (Course::Falling | Course::Above, Course::Falling)
-            | (Course::Falling, Course::Below) => Pattern::Falling(Crossed {
-                inside: inside == Course::Falling,
-                outside: outside == Course::Falling,
+            (SignPattern::Above, SignPattern::Below) => PartPattern::Uniform(Side::Undecided),
+            (SignPattern::Rising | SignPattern::Above, SignPattern::Rising)
+            | (SignPattern::Rising, SignPattern::Below) => PartPattern::Rising(Crossed {
+                inside: inside == SignPattern::Rising,
+                outside: outside == SignPattern::Rising,
             }),
-            _ => Pattern::Mixed(Mixed {
+            (SignPattern::Falling | SignPattern::Above, SignPattern::Falling)
+            | (SignPattern::Falling, SignPattern::Below) => PartPattern::Falling(Crossed {
+                inside: inside == SignPattern::Falling,
+                outside: outside == SignPattern::Falling,
+            }),
+            _ => PartPattern::Mixed(Mixed {
                 start: self.own.side(s0 - error, s0 + error),
                 end: self.own.side(s3 - error, s3 + error),
                 least,
@@ -162,7 +159,7 @@ impl Question {
     }
 
     /// Where to cut a part, counted from the end that is not outside.
-    fn cut(&self, points: &Polygon, least: f64) -> Cut {
+    fn cut(&self, points: &ControlPolygon, least: f64) -> Cut {
         /// Beyond these, halving is as good.
         const WORTHWHILE: f64 = 0.375;
         const SETTLED: f64 = 0.875;
@@ -172,7 +169,7 @@ impl Question {
             return Cut::Examine(2.0 * reach);
         }
         // A touch: all of the part is next to the outer level or beyond, and so is the cut.
-        let touching = greater(self.high - 4.0 * self.cubic.part_error(), 0.0);
+        let touching = (self.high - 4.0 * self.cubic.part_error()).or_more(0.0);
         let is_next = |x: f64| point(points, x).length_squared() <= self.blurred.outside;
         if reach < SETTLED && least >= touching * touching && is_next(reach) {
             Cut::Undecided(reach)
@@ -187,12 +184,12 @@ impl Question {
     /// `points` is counted from the inner end at `origin`; the outer end is at `target`.
     fn crossing(
         &self,
-        points: &Polygon,
+        points: &ControlPolygon,
         (origin, target): (f64, f64),
         crossed: Crossed,
     ) -> (f64, f64) {
         let at = |x: f64| origin + x * (target - origin);
-        let resolution = 4.0 * UNIT * greater(origin, target) / (target - origin).abs();
+        let resolution = 4.0 * UNIT_ROUNDOFF * origin.or_more(target) / (target - origin).abs();
         let square_at = |s: f64| point(&self.cubic.points, s).length_squared();
         let error = self.cubic.part_error();
 
@@ -200,16 +197,18 @@ impl Question {
         let mut guess = None;
         if crossed.inside {
             let (x, rate) = meeting_point(points, self.low - error, None);
-            let step = resolution + 12.0 * UNIT * self.low / rate;
-            let is_certain = |s: f64| square_at(s) * (1.0 + 4.0 * UNIT) < self.computed.inside;
+            let step = resolution + 12.0 * UNIT_ROUNDOFF * self.low / rate;
+            let is_certain =
+                |s: f64| square_at(s) * (1.0 + 4.0 * UNIT_ROUNDOFF) < self.computed.inside;
             last_inside =
                 nearest_certain(step, x, |step| at(x - step), is_certain).unwrap_or(origin);
             guess = Some(x + (self.high - self.low + 2.0 * error) / rate);
         }
         if crossed.outside {
             let (x, rate) = meeting_point(points, self.high + error, guess);
-            let step = resolution + 12.0 * UNIT * self.high / rate;
-            let is_certain = |s: f64| square_at(s) * (1.0 - 4.0 * UNIT) > self.computed.outside;
+            let step = resolution + 12.0 * UNIT_ROUNDOFF * self.high / rate;
+            let is_certain =
+                |s: f64| square_at(s) * (1.0 - 4.0 * UNIT_ROUNDOFF) > self.computed.outside;
             first_outside =
                 nearest_certain(step, 1.0 - x, |step| at(x + step), is_certain).unwrap_or(target);
         }
@@ -217,13 +216,13 @@ impl Question {
     }
 }
 
-struct Search {
-    question: Question,
+struct PartitionSearch {
+    question: ThresholdQuery,
     found: Stretches,
     work: u32,
 }
 
-impl Search {
+impl PartitionSearch {
     /// Appends what can be said about `start..end`, from left to right.
     fn examine(&mut self, start: f64, end: f64, turn: u32) {
         self.work += 1;
@@ -234,22 +233,25 @@ impl Search {
         }
         let cubic = &self.question.cubic;
         let points = part(&cubic.points, start, end);
-        match self.question.pattern(&points, 9.0 * UNIT * cubic.size) {
-            Pattern::Uniform(side) => self.found.append(end, side),
-            Pattern::Rising(crossed) => {
+        match self
+            .question
+            .pattern(&points, 9.0 * UNIT_ROUNDOFF * cubic.size)
+        {
+            PartPattern::Uniform(side) => self.found.append(end, side),
+            PartPattern::Rising(crossed) => {
                 let (inside, outside) = self.question.crossing(&points, (start, end), crossed);
                 self.found.append(inside, Side::Inside);
                 self.found.append(outside, Side::Undecided);
                 self.found.append(end, Side::Outside);
             }
-            Pattern::Falling(crossed) => {
+            PartPattern::Falling(crossed) => {
                 let points = reversed(points);
                 let (inside, outside) = self.question.crossing(&points, (end, start), crossed);
                 self.found.append(outside, Side::Outside);
                 self.found.append(inside, Side::Undecided);
                 self.found.append(end, Side::Inside);
             }
-            Pattern::Mixed(mixed) => {
+            PartPattern::Mixed(mixed) => {
                 if end - start < SHORTEST || self.question.is_undecidable(&mixed) {
                     self.found.append(end, Side::Undecided);
                 } else {
@@ -260,12 +262,12 @@ impl Search {
     }
 
     /// Cuts off what the quadratic below the squared distance shows to be outside, or divides.
-    fn divide(&mut self, start: f64, end: f64, points: &Polygon, mixed: &Mixed, turn: u32) {
+    fn divide(&mut self, start: f64, end: f64, points: &ControlPolygon, mixed: &Mixed, turn: u32) {
         let is_falling = points[3].length_squared() < points[0].length_squared();
-        let (base, inner) = if is_falling {
-            (Base::End, reversed(*points))
+        let inner = if is_falling {
+            reversed(*points)
         } else {
-            (Base::Start, *points)
+            *points
         };
         match (mixed.start == Side::Outside, mixed.end == Side::Outside) {
             (true, true) => {
@@ -277,7 +279,7 @@ impl Search {
             (false, false) => {}
             _ => {
                 let cut = self.question.cut(&inner, mixed.least);
-                if self.cut_off((start, end), base, &cut, turn) {
+                if self.cut_off((start, end), is_falling, &cut, turn) {
                     return;
                 }
             }
@@ -288,32 +290,35 @@ impl Search {
     }
 
     /// Appends the part cut in two, if there is a cut.
-    fn cut_off(&mut self, (start, end): (f64, f64), base: Base, cut: &Cut, turn: u32) -> bool {
+    fn cut_off(
+        &mut self,
+        (start, end): (f64, f64),
+        is_falling: bool,
+        cut: &Cut,
+        turn: u32,
+    ) -> bool {
         let (Cut::Examine(x) | Cut::Undecided(x)) = *cut else {
             return false;
         };
-        let (width, rounding) = (end - start, 4.0 * UNIT * end);
+        let (width, rounding) = (end - start, 4.0 * UNIT_ROUNDOFF * end);
         let inner = |search: &mut Self, start: f64, end: f64| match cut {
             Cut::Examine(_) => search.examine(start, end, turn + 1),
             Cut::Undecided(_) | Cut::None => search.found.append(end, Side::Undecided),
         };
-        match base {
-            Base::Start => {
-                inner(self, start, smaller(start + x * width + rounding, end));
-                self.found.append(end, Side::Outside);
-            }
-            Base::End => {
-                let s = greater(end - x * width - rounding, start);
-                self.found.append(s, Side::Outside);
-                inner(self, s, end);
-            }
+        if is_falling {
+            let s = (end - x * width - rounding).or_more(start);
+            self.found.append(s, Side::Outside);
+            inner(self, s, end);
+        } else {
+            inner(self, start, (start + x * width + rounding).or_less(end));
+            self.found.append(end, Side::Outside);
         }
         true
     }
 }
 
 /// In turns the middle and where the distance seems least, unless that is next to an end.
-fn dividing_fraction(points: &Polygon, turn: u32) -> f64 {
+fn dividing_fraction(points: &ControlPolygon, turn: u32) -> f64 {
     const NEAR_END: f64 = 1.0 / 64.0;
     if turn % 2 == 1 {
         let x = least_point(points);

@@ -1,28 +1,29 @@
 //! How a squared distance lies to the levels of a threshold.
 
 use super::Side;
-use super::normal::{TINY, UNIT};
+use super::scaled::TINY;
+use crate::rounding::UNIT_ROUNDOFF;
 
 /// Squared thresholds: what is below `inside` is certainly inside, above `outside` certainly
 /// outside. Minus infinity where nothing can be inside, or everything must be outside.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Levels {
+pub(super) struct SquaredThresholds {
     pub(super) inside: f64,
     pub(super) outside: f64,
 }
 
-impl Levels {
+impl SquaredThresholds {
     /// For distances wrong by at most `error`.
     pub(super) fn new(low: f64, high: f64, error: f64) -> Self {
         let (near, far) = (low - error, high + error);
         Self {
             inside: if near > 0.0 {
-                near * near * (1.0 - 8.0 * UNIT) - TINY
+                near * near * (1.0 - 8.0 * UNIT_ROUNDOFF) - TINY
             } else {
                 f64::NEG_INFINITY
             },
             outside: if far >= 0.0 {
-                far * far * (1.0 + 8.0 * UNIT) + TINY
+                far * far * (1.0 + 8.0 * UNIT_ROUNDOFF) + TINY
             } else {
                 f64::NEG_INFINITY
             },
@@ -47,7 +48,7 @@ impl Levels {
 /// sign changes is known whatever its sign: none or one, and so is the number of crossings
 /// (Descartes' rule in Bernstein form).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Course {
+pub(super) enum SignPattern {
     Below,
     Above,
     /// Crosses once, from below.
@@ -57,7 +58,7 @@ pub(super) enum Course {
     Unclear,
 }
 
-impl Course {
+impl SignPattern {
     pub(super) fn of(coefficients: &[f64; 7], error: f64, level: f64) -> Self {
         let (low, high) = (level - error, level + error);
         let first = coefficients[0];
@@ -97,30 +98,30 @@ mod tests {
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 
-    fn course(coefficients: [f64; 7]) -> Course {
-        Course::of(&coefficients, 0.5, 10.0)
+    fn course(coefficients: [f64; 7]) -> SignPattern {
+        SignPattern::of(&coefficients, 0.5, 10.0)
     }
 
     #[test]
     fn only_what_is_certain_counts() {
-        assert_eq!(course([1.0; 7]), Course::Below);
-        assert_eq!(course([20.0; 7]), Course::Above);
+        assert_eq!(course([1.0; 7]), SignPattern::Below);
+        assert_eq!(course([20.0; 7]), SignPattern::Above);
         assert_eq!(
             course([1.0, 1.0, 1.0, 20.0, 20.0, 20.0, 20.0]),
-            Course::Rising
+            SignPattern::Rising
         );
         assert_eq!(
             course([20.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]),
-            Course::Falling
+            SignPattern::Falling
         );
         // One uncertain coefficient where the course changes, and nowhere else.
         assert_eq!(
             course([1.0, 1.0, 10.2, 20.0, 20.0, 20.0, 20.0]),
-            Course::Rising
+            SignPattern::Rising
         );
         assert_eq!(
             course([20.0, 10.0, 1.0, 1.0, 1.0, 1.0, 1.0]),
-            Course::Falling
+            SignPattern::Falling
         );
         for unclear in [
             [10.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0],
@@ -135,16 +136,16 @@ mod tests {
             [f64::NAN, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0],
             [1.0, f64::NAN, 1.0, 1.0, 1.0, 1.0, 1.0],
         ] {
-            assert_eq!(course(unclear), Course::Unclear, "{unclear:?}");
+            assert_eq!(course(unclear), SignPattern::Unclear, "{unclear:?}");
         }
     }
 
     #[test]
     fn impossible_levels_are_at_minus_infinity() {
-        let nothing_inside = Levels::new(1.0, 1.0, 2.0);
+        let nothing_inside = SquaredThresholds::new(1.0, 1.0, 2.0);
         assert_eq!(nothing_inside.side(-9.0, -9.0), Side::Undecided);
         assert_eq!(nothing_inside.side(9.1, 9.2), Side::Outside);
-        let all_outside = Levels::new(-3.0, -3.0, 2.0);
+        let all_outside = SquaredThresholds::new(-3.0, -3.0, 2.0);
         assert_eq!(all_outside.side(-9.0, 0.0), Side::Outside);
     }
 
@@ -156,7 +157,7 @@ mod tests {
             let size = 10f64.powf(random.random_range(-59.0..59.0));
             let radius = size * random.random_range(0.5..1.0);
             let error = radius * [1e-15, 1e-3, 0.999][round % 3];
-            let levels = Levels::new(radius, radius, error);
+            let levels = SquaredThresholds::new(radius, radius, error);
             let (near, far) = (
                 number(radius) - number(error),
                 number(radius) + number(error),

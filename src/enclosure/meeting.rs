@@ -1,11 +1,15 @@
 //! Where a threshold is met: a guess by Newton, then the nearest points that are certain.
 
-use super::normal::TINY;
-use super::piece::Polygon;
+use super::part::ControlPolygon;
+use super::scaled::TINY;
 
 /// Where the distance seems to be `radius`, from 0 at the inner end to 1 at the outer end, and its
 /// rate there: bracketed Newton, not trusted by what follows.
-pub(super) fn meeting_point(points: &Polygon, radius: f64, guess: Option<f64>) -> (f64, f64) {
+pub(super) fn meeting_point(
+    points: &ControlPolygon,
+    radius: f64,
+    guess: Option<f64>,
+) -> (f64, f64) {
     const STEPS: u32 = 40;
     const SHORT: f64 = 1e-10;
     let k0 = points[0];

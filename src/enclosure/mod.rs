@@ -24,7 +24,7 @@
 //!
 //! Norms are Euclidean; an error of at most c |v| in every component v of a vector is one of at most
 //! c times its norm. A factor 1 + 2^-40 on the bounds covers all terms of second order and the
-//! rounding of the bounds themselves, an additive 1e-250 covers underflow (section 7).
+//! rounding of the bounds themselves, an additive 1e-150 covers underflow (section 7).
 //!
 //! Three ideas keep the bounds small. The error is carried as a length, in front of the squares:
 //! if h is known to E, so is its least norm, however small it is (an error of the square, seen
@@ -82,7 +82,8 @@
 //! |error of e1| <= 4 u m |δ1|        |error of e2..e6| <= u A (19 m + 10 A)
 //! ```
 //!
-//! Unlike 8 u M², these vanish with the length of the part.
+//! Unlike 8 u M², these vanish with the length of the part. Both are formed from one root, that of
+//! m² A²: with m A for m |δ1|, and the roundings of the bounds themselves.
 //!
 //! # 4. A quadratic from below
 //!
@@ -97,9 +98,9 @@
 //!
 //! Where k0 is a minimum up to rounding, c1 is of the order of u m A, so sink is of the order of u² m²:
 //! the lower bound is m² but for a few roundings of m², even for m far below M. The computed
-//! m² has a relative error of 3 u, and two differences follow; 6 u m² is subtracted. In c2, 4 u (|bk| + k |b1|) is subtracted from
-//! each difference: the roundings of bk, of k b1, and of the difference. The quadratic also tells
-//! beyond which x the distance is certainly above a level.
+//! m² has a relative error of 3 u, and two differences follow; 6 u m² is subtracted. c2 takes at most 15
+//! times the error of a coefficient, and 4 roundings of terms of 54 m A + 9 A² in sum; it is lowered by
+//! u (530 m A + 200 A²). The quadratic also tells beyond which x the distance is certainly above a level.
 //!
 //! # 5. The least distance
 //!
@@ -147,12 +148,15 @@
 //!
 //! # 7. Range
 //!
-//! For lengths from 1e-60 to 1e60 all squares, and products of two squares, are in range, and what is
-//! added against underflow (1e-250, to lengths and to squares) does not show. Other input is multiplied
-//! by a power of two first. That is exact but for results below 2^-1022, which the same 1e-250,
-//! added to the error of a cubic of size one, covers. The answer is multiplied back and moved outward
-//! by a unit in the last place. So subnormal control points are served like all others. Flushing of
-//! subnormal numbers to zero must be off in the threads that call this.
+//! The input is multiplied by a power of two first, so that the largest coordinate (or the error, if that
+//! is larger) lies in 1..2: all squares, and products of two squares, are in range then. Scaling is exact
+//! but for results below 2^-1022, which 1e-150, added to the error, covers. What underflow takes from a
+//! bound of squares is below 1e-174 (the root of a product m² A² that is lost is below 1e-161, and meets
+//! 530 u); 1e-150 is added to each, and does not show. The answer is multiplied back, and moved outward by
+//! a unit in the last place where that is not exact. So subnormal control points are served like all
+//! others. Flushing of subnormal numbers to zero must be off in the threads that call this. Blocks of
+//! kernels are not scaled; they are proven for sizes from 1e-50 to 1e50 alone.
+//!
 //! # 8. Measured
 //!
 //! `NEARMISS_SEEDS=0..2500 cargo test --release --test oracle -- --ignored --nocapture`: questions to
@@ -181,20 +185,23 @@
 
 mod crossings;
 mod cubic;
-mod guess;
 mod levels;
 mod meeting;
 mod minimum;
-mod normal;
-mod piece;
+mod minorant;
+mod part;
+mod scaled;
+mod stationary;
 mod stretches;
 
 pub use cubic::{
     DistanceEnclosure, Effort, LeastDistance, OutOfRange, ParameterEnclosure, Side, Stretch,
     Threshold, UncertainCubic,
 };
-#[cfg(test)]
-pub(crate) use piece::exact_differences;
+pub(crate) use minimum::{enclosure, target};
+pub(crate) use minorant::Minorant;
+pub(crate) use part::{ControlPolygon, from_nearer, part, reversed, split, squared_distance};
+pub(crate) use scaled::part_error;
 pub use stretches::Stretches;
 
 use glam::DVec3;
@@ -214,12 +221,9 @@ impl UncertainCubic {
         }
     }
 
-    /// The same for the difference of two motions, each of which is in range.
-    pub(crate) fn within_range(points: [DVec3; 4], error: f64) -> Self {
-        debug_assert!(
-            is_in_range(&points, error, 1e305),
-            "differences of numbers in range"
-        );
+    /// The same of all that is finite: the difference of two motions in range, say.
+    pub(crate) fn finite(points: [DVec3; 4], error: f64) -> Self {
+        debug_assert!(is_in_range(&points, error, f64::MAX), "finite numbers");
         Self { points, error }
     }
 
@@ -227,6 +231,11 @@ impl UncertainCubic {
     #[must_use]
     pub fn least_distance(&self) -> LeastDistance {
         minimum::least_distance(self)
+    }
+
+    /// The least distance, and a parameter at which it is reached; sooner if that is `guess`.
+    pub(crate) fn nearest(&self, guess: Option<f64>) -> (DistanceEnclosure, f64) {
+        minimum::nearest(self, guess)
     }
 
     /// The distance from the origin at a parameter in 0..=1.

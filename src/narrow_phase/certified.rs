@@ -8,16 +8,18 @@
 //! The plain solver gives the numbers that are reported; they are moved into the enclosures where
 //! its rounding left them outside.
 
-use super::clusters::{Clusters, Shown};
-use super::contact::{Nearest, each_for_nearest, lone_pair};
-use super::relative::RelativeCubic;
+use super::clusters::{Clusters, ProvenContact};
+use super::contact::{ClosestSearch, each_for_nearest, lone_pair};
 use super::sphere_pair::{Approach, Contact, SpherePair};
-use super::stretches::Profile;
+use super::stretches::DistanceProfile;
 use super::{Party, contact_radius, two_sum};
 use crate::accuracy::{Certificate, TimeEnclosure};
 use crate::enclosure::{Side, Stretch, Threshold};
 use crate::spans::Span;
+use separation::{SeparationEnclosure, least_separation};
 use std::iter::once;
+
+mod separation;
 
 /// A contact and what is proven of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,28 +31,28 @@ pub(crate) struct CertifiedContact {
 /// What a pair's work reuses.
 #[derive(Debug, Default)]
 pub(crate) struct Workspace {
-    members: Vec<Member>,
-    parts: Vec<Part>,
+    members: Vec<UncertainPair>,
+    parts: Vec<VerdictInterval>,
     /// By member: its place in the order of time and of their spheres' numbers, whenever they were
     /// solved; and how many parts it has.
     ranks: Vec<usize>,
     counts: Vec<usize>,
     /// What members have of the group at hand.
-    shares: Vec<Share>,
+    shares: Vec<MemberSummary>,
     /// For what is sorted.
     order: Vec<usize>,
 }
 
 /// Two spheres over a span in which they are not certainly apart.
 #[derive(Clone, Copy, Debug)]
-struct Member {
+struct UncertainPair {
     span: Span,
     pair: SpherePair,
 }
 
 /// A time in which a member is not certainly apart.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Part {
+pub(super) struct VerdictInterval {
     start: f64,
     end: f64,
     side: Side,
@@ -59,7 +61,7 @@ pub(super) struct Part {
 
 /// What a member has of a group of parts.
 #[derive(Clone, Copy, Debug)]
-struct Share {
+struct MemberSummary {
     member: usize,
     /// From the first to the last instant of its parts.
     start: f64,
@@ -67,18 +69,6 @@ struct Share {
     count: usize,
     /// It is certainly inside in one of them.
     is_inside: bool,
-}
-
-/// The least separation lies in `low..=high` (m), and is reached within `time` only.
-#[derive(Clone, Copy, Debug)]
-struct Least {
-    low: f64,
-    high: f64,
-    time: TimeEnclosure,
-    /// Where one whose separation is not above `high` is reached: within `own`.
-    span: Span,
-    spheres: (u32, u32),
-    own: TimeEnclosure,
 }
 
 /// The contacts within `margin` and `clip` found in `spans` (those not given are known to be free
@@ -103,7 +93,7 @@ pub(crate) fn certified_contacts(
             let Some(shown) = shown else { return };
             // Only what is certain keeps others from being looked at.
             let inside = parts.iter().filter(|part| part.side == Side::Inside);
-            shown.extend(inside.map(|part| Shown {
+            shown.extend(inside.map(|part| ProvenContact {
                 enter: part.start,
                 exit: part.end,
                 separation: pair.reaches(span, (part.start, part.end)),
@@ -126,11 +116,11 @@ impl Workspace {
         span: Span,
         margin: f64,
         clip: (f64, f64),
-    ) -> &[Part] {
+    ) -> &[VerdictInterval] {
         let count = self.parts.len();
         push_parts(pair, margin, clip, self.members.len(), &mut self.parts);
         if self.parts.len() > count {
-            self.members.push(Member { span, pair: *pair });
+            self.members.push(UncertainPair { span, pair: *pair });
         }
         &self.parts[count..]
     }
@@ -183,7 +173,7 @@ impl Workspace {
                 next += 1;
             }
             share_out(&parts[first..next], shares);
-            let group = Group {
+            let group = MergedConflict {
                 members,
                 counts,
                 parts: &parts[first..next],
@@ -208,8 +198,8 @@ pub(crate) fn certified_approach(
     spans: impl Iterator<Item = Span>,
     (from, to): (f64, f64),
 ) -> Option<(Approach, f64, TimeEnclosure)> {
-    let mut nearest = Nearest::new();
-    let mut found: Vec<Least> = Vec::new();
+    let mut nearest = ClosestSearch::new();
+    let mut found: Vec<SeparationEnclosure> = Vec::new();
     let mut reached = f64::INFINITY;
     for span in spans {
         each_for_nearest((a, b), span, (from, to), reached, |pair| {
@@ -224,7 +214,7 @@ pub(crate) fn certified_approach(
         nearest.settle();
     }
     let closest = nearest.closest;
-    let least = Least::of_all(&found)?;
+    let least = SeparationEnclosure::of_all(&found)?;
     let (approach, error) = least.settle(closest?);
     Some((approach, error, least.time))
 }
@@ -235,7 +225,7 @@ fn push_parts(
     margin: f64,
     clip: (f64, f64),
     member: usize,
-    parts: &mut Vec<Part>,
+    parts: &mut Vec<VerdictInterval>,
 ) {
     let threshold = threshold(pair.radius_a, pair.radius_b, margin);
     let stretches = pair.cubic.uncertain().stretches(threshold);
@@ -253,7 +243,7 @@ fn push_parts(
         };
         let (start, end) = (times.0.max(clip.0), times.1.min(clip.1));
         if start <= end {
-            parts.push(Part {
+            parts.push(VerdictInterval {
                 start,
                 end,
                 side,
@@ -284,95 +274,10 @@ fn threshold(a: f64, b: f64, margin: f64) -> Threshold {
     }
 }
 
-/// Encloses the least separation of two spheres over `start..=end`, a part of their span or all
-/// of it.
-fn least_separation(
-    (a, b): (&Party<'_>, &Party<'_>),
-    span: Span,
-    pair: &SpherePair,
-    is_whole: bool,
-    (start, end): (f64, f64),
-) -> Least {
-    let cubic = if is_whole {
-        pair.cubic
-    } else {
-        let [segment_a, segment_b] = &a.segments_in(b, span);
-        RelativeCubic::between(
-            segment_a,
-            segment_b,
-            (start, end),
-            a.spheres[pair.a as usize].offset - b.spheres[pair.b as usize].offset,
-        )
-    };
-    let least = cubic.uncertain().least_distance();
-    let radii = (pair.radius_a, pair.radius_b);
-    let time = TimeEnclosure {
-        earliest: cubic.earliest(least.parameter.first),
-        latest: cubic.latest(least.parameter.last),
-    };
-    Least {
-        low: minus_radii(least.distance.low, radii, f64::next_down),
-        high: minus_radii(least.distance.high, radii, f64::next_up),
-        time,
-        span,
-        spheres: (pair.a, pair.b),
-        own: time,
-    }
-}
-
-/// A distance less two radii, rounded outward.
-fn minus_radii(distance: f64, (a, b): (f64, f64), outward: fn(f64) -> f64) -> f64 {
-    let (radii, lost) = two_sum(a, b);
-    let (separation, rest) = two_sum(distance, -radii);
-    let exact = rest.abs() <= 0.0 && lost.abs() <= 0.0;
-    if exact {
-        separation
-    } else {
-        outward(separation + (rest - lost))
-    }
-}
-
-impl Least {
-    /// The least of several: the time is the hull of all that can be the least.
-    fn of_all(found: &[Self]) -> Option<Self> {
-        let low = found.iter().map(|least| least.low).reduce(f64::min)?;
-        let lowest = found.iter().min_by(|x, y| x.high.total_cmp(&y.high))?;
-        let high = lowest.high;
-        let possible = found.iter().filter(|least| least.low <= high);
-        let time = possible
-            .map(|least| least.time)
-            .reduce(TimeEnclosure::hull)?;
-        Some(Self {
-            low,
-            time,
-            ..*lowest
-        })
-    }
-
-    /// An approach moved into the enclosure, and the half-width around its separation.
-    fn settle(&self, mut approach: Approach) -> (Approach, f64) {
-        let (time, span) = (self.time.nearest(approach.time), approach.span);
-        if span.start <= time && time <= span.end {
-            approach.time = time;
-        } else {
-            // It was another cubic's.
-            let time = self.own.nearest(time);
-            approach = Approach::at(time, approach.separation, self.spheres, self.span);
-        }
-        approach.separation = approach.separation.max(self.low).min(self.high);
-        let (below, above) = (
-            approach.separation - self.low,
-            self.high - approach.separation,
-        );
-        let error = below.max(above);
-        (approach, if error > 0.0 { error.next_up() } else { 0.0 })
-    }
-}
-
 /// What each member has of some parts, by member; replaces what `shares` held.
-fn share_out(parts: &[Part], shares: &mut Vec<Share>) {
+fn share_out(parts: &[VerdictInterval], shares: &mut Vec<MemberSummary>) {
     shares.clear();
-    shares.extend(parts.iter().map(|part| Share {
+    shares.extend(parts.iter().map(|part| MemberSummary {
         member: part.member,
         start: part.start,
         end: part.end,
@@ -393,18 +298,18 @@ fn share_out(parts: &[Part], shares: &mut Vec<Share>) {
 }
 
 /// Parts that meet: one conflict.
-struct Group<'w> {
-    members: &'w [Member],
+struct MergedConflict<'w> {
+    members: &'w [UncertainPair],
     /// How many parts each member has, those of other groups included.
     counts: &'w [usize],
     /// Those of this group, by start, and what each member has of them, by member.
-    parts: &'w [Part],
-    shares: &'w [Share],
+    parts: &'w [VerdictInterval],
+    shares: &'w [MemberSummary],
     start: f64,
     end: f64,
 }
 
-impl Group<'_> {
+impl MergedConflict<'_> {
     /// The conflict; `order` is that in which members are gone through. None where no part is inside,
     /// and the least separation is proven to be above the margin: between the instants that a window
     /// leaves of a part, say, or where the bodies graze.
@@ -420,8 +325,8 @@ impl Group<'_> {
         let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
         for &index in order {
             let share = &self.shares[index];
-            let Member { span, pair } = &self.members[share.member];
-            let profile = Profile::of(&pair.cubic);
+            let UncertainPair { span, pair } = &self.members[share.member];
+            let profile = DistanceProfile::of(&pair.cubic);
             let instant = profile.closest(&pair.cubic, share.start, share.end);
             let approach = pair.approach(*span, instant);
             let (best, nearest) = closest.unwrap_or((approach, index));
@@ -467,13 +372,13 @@ impl Group<'_> {
         (a, b): (&Party<'_>, &Party<'_>),
         nearest: usize,
         clip: (f64, f64),
-    ) -> Option<Least> {
-        let mut found: Vec<Least> = Vec::new();
+    ) -> Option<SeparationEnclosure> {
+        let mut found: Vec<SeparationEnclosure> = Vec::new();
         let mut reached = f64::INFINITY;
         let others = (0..self.shares.len()).filter(|&index| index != nearest);
         for index in once(nearest).chain(others) {
             let share = &self.shares[index];
-            let Member { span, pair } = &self.members[share.member];
+            let UncertainPair { span, pair } = &self.members[share.member];
             if reached < f64::INFINITY && pair.is_beyond(a, b, *span, reached) {
                 continue;
             }
@@ -483,7 +388,7 @@ impl Group<'_> {
             reached = reached.min(least.high);
             found.push(least);
         }
-        Least::of_all(&found)
+        SeparationEnclosure::of_all(&found)
     }
 
     /// When it begins and ends, and whether it is certainly one conflict: that some part is
@@ -510,7 +415,7 @@ impl Group<'_> {
 
     /// Whether a member's least distance over its whole span is that over its parts in this
     /// group: it is certainly inside there, and elsewhere in the span certainly apart.
-    fn is_all_of(&self, share: &Share, span: &Span, clip: (f64, f64)) -> bool {
+    fn is_all_of(&self, share: &MemberSummary, span: &Span, clip: (f64, f64)) -> bool {
         clip.0 <= span.start
             && span.end <= clip.1
             && share.is_inside

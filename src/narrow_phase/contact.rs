@@ -1,10 +1,10 @@
 //! Contacts and closest approach of one pair, over all its spans and all its spheres.
 
-use super::clusters::{Clusters, Shown};
+use super::clusters::{Clusters, ProvenContact};
 use super::filter::{certainly_beyond, segments_apart};
 use super::relative::{RelativeCubic, RelativeMotion, filter_threshold, local_scale};
 use super::sphere_pair::{Approach, Contact, SpherePair};
-use super::stretches::Profile;
+use super::stretches::DistanceProfile;
 use super::{Party, contact_radius};
 use crate::spans::Span;
 use glam::DVec3;
@@ -15,7 +15,7 @@ use glam::DVec3;
 pub(crate) struct Solved {
     span: Span,
     pair: SpherePair,
-    profile: Profile,
+    profile: DistanceProfile,
 }
 
 /// The only two spheres of a pair, over a span; none if there are more.
@@ -93,7 +93,7 @@ pub(crate) fn solve(
         if radius < 0.0 {
             return;
         }
-        if let Some(profile) = Profile::near(&pair.cubic, radius)
+        if let Some(profile) = DistanceProfile::near(&pair.cubic, radius)
             && profile.comes_within(&pair.cubic, radius)
         {
             solved(Solved {
@@ -124,7 +124,7 @@ pub(crate) fn contacts(
     let first = found.len();
     for span in spans {
         let solve = |pair: &SpherePair, found: &mut Vec<Contact>| {
-            if let Some(profile) = Profile::near(&pair.cubic, pair.radius(margin)) {
+            if let Some(profile) = DistanceProfile::near(&pair.cubic, pair.radius(margin)) {
                 pair.contacts(&profile, span, margin, clip, found);
             }
         };
@@ -136,7 +136,7 @@ pub(crate) fn contacts(
                 let count = found.len();
                 solve(pair, found);
                 if let Some(shown) = shown {
-                    shown.extend(found[count..].iter().map(|contact| Shown {
+                    shown.extend(found[count..].iter().map(|contact| ProvenContact {
                         enter: contact.enter,
                         exit: contact.exit,
                         separation: contact.closest.separation,
@@ -201,7 +201,7 @@ pub(crate) fn closest_approach(
     spans: impl Iterator<Item = Span>,
     (from, to): (f64, f64),
 ) -> Option<Approach> {
-    let mut nearest = Nearest::new();
+    let mut nearest = ClosestSearch::new();
     for span in spans {
         let reached = nearest.reached;
         each_for_nearest((a, b), span, (from, to), reached, |pair| {
@@ -233,7 +233,7 @@ pub(super) fn each_for_nearest(
 
 /// The closest approach so far, span by span.
 #[derive(Debug)]
-pub(super) struct Nearest {
+pub(super) struct ClosestSearch {
     pub(super) closest: Option<Approach>,
     /// Of the pairs of spheres of the span at hand, in the order in which they were solved.
     found: Vec<Approach>,
@@ -241,7 +241,7 @@ pub(super) struct Nearest {
     pub(super) reached: f64,
 }
 
-impl Nearest {
+impl ClosestSearch {
     pub(super) const fn new() -> Self {
         Self {
             closest: None,
@@ -252,7 +252,7 @@ impl Nearest {
 
     /// Takes in a pair of spheres over a span; gives what has been reached, m.
     pub(super) fn push(&mut self, pair: &SpherePair, span: Span, (from, to): (f64, f64)) -> f64 {
-        let instant = Profile::of(&pair.cubic).closest(&pair.cubic, from, to);
+        let instant = DistanceProfile::of(&pair.cubic).closest(&pair.cubic, from, to);
         let approach = pair.approach(span, instant);
         self.found.push(approach);
         self.reached = self.reached.min(approach.separation);

@@ -6,9 +6,10 @@
 //! halved towards such places: each part is solved relative to its own size, down to where all that
 //! is left is rounding.
 
-use super::hull::Heights;
+use super::hull::SquaredDistance;
 use super::relative::RelativeCubic;
 use super::stationary::{MAX_STATIONARY, stationary_points};
+use crate::enclosure::part;
 use crate::rounding::largest_norm;
 
 /// Of the size of a span or a part: at a larger distance the squared distance shows all dips.
@@ -16,7 +17,7 @@ const NEAR: f64 = 1.0 / 256.0;
 
 /// An instant of a span as a local parameter, and the distance there (m).
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Place {
+pub(super) struct Extremum {
     pub(super) s: f64,
     pub(super) distance: f64,
 }
@@ -39,12 +40,12 @@ fn is_swift(cubic: &RelativeCubic) -> bool {
 
 /// Where the distance changes between rising and falling, in order, and both ends of the span.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Turns {
-    places: [Place; Self::ROOM],
+pub(super) struct DistanceExtrema {
+    places: [Extremum; Self::ROOM],
     count: usize,
 }
 
-impl Turns {
+impl DistanceExtrema {
     /// What a span can have, and its ends.
     const MAX: usize = MAX_STATIONARY + 2;
     const ROOM: usize = 2 * Self::MAX;
@@ -53,7 +54,7 @@ impl Turns {
     #[cold]
     pub(super) fn of(cubic: &RelativeCubic) -> Self {
         let mut turns = Self {
-            places: [Place::default(); Self::ROOM],
+            places: [Extremum::default(); Self::ROOM],
             count: 0,
         };
         turns.push(cubic, 0.0);
@@ -64,7 +65,7 @@ impl Turns {
         turns
     }
 
-    pub(super) fn as_slice(&self) -> &[Place] {
+    pub(super) fn as_slice(&self) -> &[Extremum] {
         &self.places[..self.count]
     }
 
@@ -74,7 +75,7 @@ impl Turns {
         const MAX_HALVINGS: u32 = 60;
         let part = part_of(cubic, (from, to));
         let is_rounding = part.size <= cubic.tolerance() || halvings == MAX_HALVINGS;
-        if !is_rounding && !Heights::of(&part).are_monotonic() {
+        if !is_rounding && !SquaredDistance::of(&part).are_monotonic() {
             let found = stationary_points(&part);
             let inside = found.as_slice().iter().map(|s| from + s * (to - from));
             let all = inside.clone().chain([from, to]);
@@ -95,7 +96,7 @@ impl Turns {
     /// Appends a place, unless the distance only goes on rising or falling: then it takes the place of
     /// the one before it.
     fn push(&mut self, cubic: &RelativeCubic, s: f64) {
-        let new = Place {
+        let new = Extremum {
             s,
             distance: cubic.distance(s),
         };
@@ -132,17 +133,7 @@ impl Turns {
 /// The part of a span between two local parameters, by its blossom: its points are as good as those of the
 /// whole.
 fn part_of(cubic: &RelativeCubic, (from, to): (f64, f64)) -> RelativeCubic {
-    let [p0, p1, p2, p3] = cubic.points;
-    let at = |x: f64, y: f64, z: f64| {
-        let (q0, q1, q2) = (p0.lerp(p1, x), p1.lerp(p2, x), p2.lerp(p3, x));
-        q0.lerp(q1, y).lerp(q1.lerp(q2, y), z)
-    };
-    let points = [
-        at(from, from, from),
-        at(from, from, to),
-        at(from, to, to),
-        at(to, to, to),
-    ];
+    let points = part(&cubic.points, from, to);
     RelativeCubic {
         points,
         size: largest_norm(&points),
@@ -152,7 +143,7 @@ fn part_of(cubic: &RelativeCubic, (from, to): (f64, f64)) -> RelativeCubic {
 
 #[cfg(test)]
 mod tests {
-    use super::{Place, Turns};
+    use super::{DistanceExtrema, Extremum};
 
     /// What is more than a span can have goes where the distance changes least, but for the ends.
     #[test]
@@ -170,15 +161,15 @@ mod tests {
             0.0,
             5.0,
         ];
-        let mut turns = Turns {
-            places: [Place::default(); Turns::ROOM],
+        let mut turns = DistanceExtrema {
+            places: [Extremum::default(); DistanceExtrema::ROOM],
             count: distances.len(),
         };
         for (place, (s, distance)) in turns.places.iter_mut().zip((0_u8..).zip(distances)) {
             let s = f64::from(s);
-            *place = Place { s, distance };
+            *place = Extremum { s, distance };
         }
-        turns.reduce(Turns::MAX);
+        turns.reduce(DistanceExtrema::MAX);
         let left: Vec<f64> = turns.as_slice().iter().map(|place| place.s).collect();
         assert_eq!(left, [0.0, 1.0, 4.0, 5.0, 6.0, 9.0, 10.0]);
     }

@@ -4,7 +4,7 @@
 //! let through goes to the exact solver; see [`CLEARANCE`](crate::rounding::CLEARANCE) for why
 //! they never reject what the solver would report.
 
-use super::hull::squared_distance;
+use crate::enclosure::squared_distance;
 use crate::rounding::{norm, normalising_power};
 use crate::trajectory::Segment;
 use glam::DVec3;
@@ -60,7 +60,7 @@ fn beyond_in_a_direction(points: &[DVec3; 4], threshold: f64) -> bool {
 /// The smallest Bernstein coefficient of the squared distance lies beyond the squared threshold.
 fn beyond_by_coefficients(points: &[DVec3; 4], largest: DVec3, threshold: f64) -> bool {
     let power = normalising_power(largest.max_element());
-    let coefficients = squared_distance(points.map(|point| point * power));
+    let coefficients = squared_distance(&points.map(|point| point * power));
     let least = coefficients.iter().copied().fold(f64::INFINITY, f64::min);
     // Its rounding is the clearance's. With vi = bi(s) hi, bi the Bernstein weights, the distance at s is
     // |v0 + v1 + v2 + v3|, and the sum P of their norms bounds the error of its square: 7 u P². Where no
@@ -74,7 +74,7 @@ fn beyond_by_coefficients(points: &[DVec3; 4], largest: DVec3, threshold: f64) -
 mod tests {
     use super::*;
     use crate::narrow_phase::relative::{RelativeCubic, filter_threshold, local_scale};
-    use crate::narrow_phase::stretches::Profile;
+    use crate::narrow_phase::stretches::DistanceProfile;
     use crate::trajectory::{State, Trajectory};
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
@@ -102,7 +102,7 @@ mod tests {
             let whole = (0.25, 1.75);
             let cubic = RelativeCubic::between(a, b, whole, DVec3::ZERO);
             let scale = local_scale(a, b, whole, DVec3::ZERO);
-            let profile = Profile::of(&cubic);
+            let profile = DistanceProfile::of(&cubic);
             let least = profile.closest(&cubic, whole.0, whole.1);
             let off = rng.random_range(-2.0..2.0) * cubic.tolerance();
             let radius = (least.distance + off).max(0.0);

@@ -1,24 +1,24 @@
 //! What the control heights of the squared distance prove of a span before a root is sought.
 
 use super::relative::RelativeCubic;
+use crate::enclosure::squared_distance;
 use crate::rounding::{UNIT_ROUNDOFF, normalising_power};
-use glam::DVec3;
 
 /// Control heights of the squared distance over a span, in a power of two in which the largest norm of a
 /// control point lies in [1, 2): no height exceeds 4, and each is wrong by 7 roundings of that
 /// (numerics, section 5).
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Heights {
+pub(super) struct SquaredDistance {
     heights: [f64; 7],
     /// Lengths times this are in that unit.
     power: f64,
 }
 
-impl Heights {
+impl SquaredDistance {
     pub(super) fn of(cubic: &RelativeCubic) -> Self {
         let power = normalising_power(cubic.size);
         Self {
-            heights: squared_distance(cubic.points.map(|point| point * power)),
+            heights: squared_distance(&cubic.points.map(|point| point * power)),
             power,
         }
     }
@@ -53,24 +53,12 @@ impl Heights {
     }
 }
 
-/// The control heights of the squared distance, degree 6, from the control points.
-pub(super) fn squared_distance(h: [DVec3; 4]) -> [f64; 7] {
-    [
-        h[0].dot(h[0]),
-        h[0].dot(h[1]),
-        (2.0 * h[0].dot(h[2]) + 3.0 * h[1].dot(h[1])) * 0.2,
-        (h[0].dot(h[3]) + 9.0 * h[1].dot(h[2])) * 0.1,
-        (2.0 * h[1].dot(h[3]) + 3.0 * h[2].dot(h[2])) * 0.2,
-        h[2].dot(h[3]),
-        h[3].dot(h[3]),
-    ]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::narrow_phase::stationary::stationary_points;
     use crate::rounding::exact::Exact;
+    use glam::DVec3;
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 
@@ -101,8 +89,8 @@ mod tests {
             while !exact.is_within(radius) {
                 radius = radius.next_up();
             }
-            assert!(!Heights::of(&cubic).are_beyond(radius), "{round} {end}");
-            is_near += u32::from(Heights::of(&cubic).are_beyond(radius * (1.0 - 1e-13)));
+            assert!(!SquaredDistance::of(&cubic).are_beyond(radius), "{round} {end}");
+            is_near += u32::from(SquaredDistance::of(&cubic).are_beyond(radius * (1.0 - 1e-13)));
         }
         assert!(is_near > 10_000, "{is_near}");
     }
@@ -142,7 +130,7 @@ mod tests {
             points = rest(points, share);
             let cubic = cubic(points);
             let found = stationary_points(&cubic);
-            if Heights::of(&cubic).are_monotonic() {
+            if SquaredDistance::of(&cubic).are_monotonic() {
                 assert!(found.as_slice().is_empty(), "{round} {points:?}");
                 monotonic += 1;
                 beside += u32::from(share < 1e-3);

@@ -102,7 +102,7 @@ impl RelativeCubic {
 
     /// The same cubic as an input of certified enclosures.
     pub(crate) fn uncertain(&self) -> UncertainCubic {
-        UncertainCubic::within_range(self.points, self.error)
+        UncertainCubic::finite(self.points, self.error)
     }
 
     /// Not after the exact instant of a local parameter; the span's own ends are met exactly.

@@ -2,7 +2,7 @@
 
 use super::filter::certainly_beyond;
 use super::relative::{RelativeCubic, filter_threshold, local_scale};
-use super::stretches::{Instant, Profile};
+use super::stretches::{DistanceProfile, ProfilePoint};
 use super::{Party, contact_radius};
 use crate::spans::Span;
 use glam::DVec3;
@@ -91,7 +91,7 @@ pub(super) struct SpherePair {
 }
 
 impl SpherePair {
-    pub(super) fn approach(&self, span: Span, instant: Instant) -> Approach {
+    pub(super) fn approach(&self, span: Span, instant: ProfilePoint) -> Approach {
         Approach {
             time: instant.time,
             separation: instant.distance - (self.radius_a + self.radius_b),
@@ -110,7 +110,7 @@ impl SpherePair {
     /// Appends the contacts of the two spheres within `margin`, clipped to `clip`.
     pub(super) fn contacts(
         &self,
-        profile: &Profile,
+        profile: &DistanceProfile,
         span: Span,
         margin: f64,
         clip: (f64, f64),
@@ -131,7 +131,7 @@ impl SpherePair {
 
     /// A separation (m) that is reached between two instants of a span, rounding included.
     pub(super) fn reaches(&self, span: Span, (from, to): (f64, f64)) -> f64 {
-        let instant = Profile::of(&self.cubic).closest(&self.cubic, from, to);
+        let instant = DistanceProfile::of(&self.cubic).closest(&self.cubic, from, to);
         self.approach(span, instant).separation + self.cubic.tolerance() + self.cubic.blur()
     }
 

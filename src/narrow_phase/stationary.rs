@@ -15,12 +15,12 @@ pub(crate) const MAX_STATIONARY: usize = 5;
 
 /// Local parameters of the stationary points inside a span, increasing.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Stationary {
+pub(crate) struct StationaryPoints {
     points: [f64; MAX_STATIONARY],
     count: usize,
 }
 
-impl Stationary {
+impl StationaryPoints {
     pub(crate) fn as_slice(&self) -> &[f64] {
         &self.points[..self.count]
     }
@@ -35,8 +35,8 @@ impl Stationary {
 }
 
 /// The stationary points of the distance inside the span, each minimum polished.
-pub(crate) fn stationary_points(cubic: &RelativeCubic) -> Stationary {
-    let mut found = Stationary::default();
+pub(crate) fn stationary_points(cubic: &RelativeCubic) -> StationaryPoints {
+    let mut found = StationaryPoints::default();
     let derivative = squared_distance(cubic).derivative();
     if let Roots::At(roots) = derivative.roots_in(-1.0, 1.0, 0.0) {
         let roots = &roots[..];

@@ -5,15 +5,15 @@
 //! the whole span first and clipped to the window afterwards, so that a stretch has the same bits
 //! whatever the window.
 
-use super::dips::{Turns, may_be_hidden};
-use super::hull::Heights;
+use super::dips::{DistanceExtrema, may_be_hidden};
+use super::hull::SquaredDistance;
 use super::relative::RelativeCubic;
 use super::stationary::{MAX_STATIONARY, stationary_points};
 use crate::rounding::normalising_power;
 
 /// An instant of a span at which the distance of two sphere centres is known.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Instant {
+pub(crate) struct ProfilePoint {
     pub(crate) time: f64,
     /// m.
     pub(crate) distance: f64,
@@ -23,29 +23,29 @@ pub(crate) struct Instant {
 
 /// A maximal part of a span within the threshold, with the instant of least distance.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Stretch {
+pub(crate) struct WithinInterval {
     pub(crate) enter: f64,
     pub(crate) exit: f64,
-    pub(crate) closest: Instant,
+    pub(crate) closest: ProfilePoint,
 }
 
 /// The distance at a span's ends and at its stationary points: monotonic in between.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Profile {
-    nodes: [Node; MAX_STATIONARY + 2],
+pub(crate) struct DistanceProfile {
+    nodes: [ProfileNode; MAX_STATIONARY + 2],
     count: usize,
-    /// See [`Instant::plateau`].
+    /// See [`ProfilePoint::plateau`].
     plateau: f64,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-struct Node {
+struct ProfileNode {
     s: f64,
     time: f64,
     distance: f64,
 }
 
-impl Node {
+impl ProfileNode {
     fn at(cubic: &RelativeCubic, s: f64) -> Self {
         Self {
             s,
@@ -55,12 +55,12 @@ impl Node {
     }
 }
 
-impl Profile {
+impl DistanceProfile {
     pub(crate) fn of(cubic: &RelativeCubic) -> Self {
         if cubic.is_constant() {
             Self::constant(cubic)
         } else {
-            Self::changing(cubic, &Heights::of(cubic))
+            Self::changing(cubic, &SquaredDistance::of(cubic))
         }
     }
 
@@ -71,7 +71,7 @@ impl Profile {
         if cubic.is_constant() {
             return Some(Self::constant(cubic));
         }
-        let heights = Heights::of(cubic);
+        let heights = SquaredDistance::of(cubic);
         // Once for what counts as within, once for the rounding of what is compared with it.
         let is_beyond = heights.are_beyond(radius + 2.0 * cubic.tolerance());
         (!is_beyond).then(|| Self::changing(cubic, &heights))
@@ -80,40 +80,40 @@ impl Profile {
     /// One distance for the whole span: what differs at its end is rounding.
     #[cold]
     fn constant(cubic: &RelativeCubic) -> Self {
-        let first = Node::at(cubic, 0.0);
+        let first = ProfileNode::at(cubic, 0.0);
         let mut profile = Self::from(first);
         profile.plateau = cubic.tolerance();
-        profile.push(Node {
+        profile.push(ProfileNode {
             distance: first.distance,
-            ..Node::at(cubic, 1.0)
+            ..ProfileNode::at(cubic, 1.0)
         });
         profile
     }
 
     #[inline]
-    fn changing(cubic: &RelativeCubic, heights: &Heights) -> Self {
-        let mut profile = Self::from(Node::at(cubic, 0.0));
+    fn changing(cubic: &RelativeCubic, heights: &SquaredDistance) -> Self {
+        let mut profile = Self::from(ProfileNode::at(cubic, 0.0));
         if heights.are_monotonic() {
-            profile.push(Node::at(cubic, 1.0));
+            profile.push(ProfileNode::at(cubic, 1.0));
             return profile;
         }
         for &s in stationary_points(cubic).as_slice() {
-            profile.push(Node::at(cubic, s));
+            profile.push(ProfileNode::at(cubic, s));
         }
-        profile.push(Node::at(cubic, 1.0));
+        profile.push(ProfileNode::at(cubic, 1.0));
         let distances = profile.nodes().iter().map(|node| node.distance);
         if may_be_hidden(cubic, distances.fold(f64::INFINITY, f64::min)) {
-            profile.turn_at(cubic, &Turns::of(cubic));
+            profile.turn_at(cubic, &DistanceExtrema::of(cubic));
         }
         profile
     }
 
     /// Takes over where the distance turns.
     #[cold]
-    fn turn_at(&mut self, cubic: &RelativeCubic, turns: &Turns) {
+    fn turn_at(&mut self, cubic: &RelativeCubic, turns: &DistanceExtrema) {
         self.count = 0;
         for place in turns.as_slice() {
-            self.push(Node {
+            self.push(ProfileNode {
                 s: place.s,
                 time: cubic.time(place.s),
                 distance: place.distance,
@@ -121,7 +121,7 @@ impl Profile {
         }
     }
 
-    const fn from(first: Node) -> Self {
+    const fn from(first: ProfileNode) -> Self {
         Self {
             nodes: [first; MAX_STATIONARY + 2],
             count: 1,
@@ -129,7 +129,7 @@ impl Profile {
         }
     }
 
-    const fn push(&mut self, node: Node) {
+    const fn push(&mut self, node: ProfileNode) {
         self.nodes[self.count] = node;
         self.count += 1;
     }
@@ -140,12 +140,12 @@ impl Profile {
         self.nodes().iter().any(|node| node.distance <= threshold)
     }
 
-    fn nodes(&self) -> &[Node] {
+    fn nodes(&self) -> &[ProfileNode] {
         &self.nodes[..self.count]
     }
 
-    fn instant(&self, node: &Node) -> Instant {
-        Instant {
+    fn instant(&self, node: &ProfileNode) -> ProfilePoint {
+        ProfilePoint {
             time: node.time,
             distance: node.distance,
             plateau: self.plateau,
@@ -153,7 +153,7 @@ impl Profile {
     }
 
     /// The instant of least distance within `from..=to` (which meets the span); the earliest.
-    pub(crate) fn closest(&self, cubic: &RelativeCubic, from: f64, to: f64) -> Instant {
+    pub(crate) fn closest(&self, cubic: &RelativeCubic, from: f64, to: f64) -> ProfilePoint {
         let interval = (from.max(cubic.start), to.min(cubic.end));
         self.closest_in(cubic, interval, interval)
     }
@@ -165,14 +165,14 @@ impl Profile {
         cubic: &RelativeCubic,
         (from, to): (f64, f64),
         clip: (f64, f64),
-    ) -> Instant {
-        let cut = |time: f64| Instant {
+    ) -> ProfilePoint {
+        let cut = |time: f64| ProfilePoint {
             time,
             distance: cubic.distance(cubic.parameter(time)),
             plateau: self.plateau,
         };
         let first = if self.plateau > 0.0 || from <= cubic.start {
-            Some(Instant {
+            Some(ProfilePoint {
                 time: from,
                 ..self.instant(&self.nodes[0])
             })
@@ -187,7 +187,7 @@ impl Profile {
         let last = (to >= clip.1 && to < cubic.end).then(|| cut(to));
         let instants = first.into_iter().chain(inside).chain(last);
         instants
-            .reduce(Instant::or_lower)
+            .reduce(ProfilePoint::or_lower)
             .unwrap_or_else(|| cut(from))
     }
 
@@ -198,11 +198,11 @@ impl Profile {
         cubic: &RelativeCubic,
         radius: f64,
         (from, to): (f64, f64),
-        mut found: impl FnMut(Stretch),
+        mut found: impl FnMut(WithinInterval),
     ) {
         let threshold = radius + cubic.tolerance();
         let nodes = self.nodes();
-        let is_inside = |node: &Node| node.distance <= threshold;
+        let is_inside = |node: &ProfileNode| node.distance <= threshold;
         let mut k = 0;
         while k < nodes.len() {
             if !is_inside(&nodes[k]) {
@@ -235,7 +235,7 @@ impl Profile {
             };
             let (enter, exit) = (enter.max(from), exit.min(to));
             if enter <= exit {
-                found(Stretch {
+                found(WithinInterval {
                     enter,
                     exit,
                     closest: self.closest_in(cubic, (enter, exit), (from, to)),
@@ -245,7 +245,7 @@ impl Profile {
     }
 }
 
-impl Instant {
+impl ProfilePoint {
     /// The lower of two instants, `self` being the earlier; the earlier where they tie, also
     /// within rounding where both are on plateaus.
     pub(crate) fn or_lower(self, later: Self) -> Self {
@@ -262,7 +262,12 @@ impl Instant {
 /// `inside` is within the radius, `outside` beyond it.
 ///
 /// A node that is inside only by rounding touches: it is the crossing itself.
-fn crossing(cubic: &RelativeCubic, radius: f64, inside: &Node, outside: &Node) -> f64 {
+fn crossing(
+    cubic: &RelativeCubic,
+    radius: f64,
+    inside: &ProfileNode,
+    outside: &ProfileNode,
+) -> f64 {
     /// Bisection alone ends after the 1075 binary digits that an f64 can resolve near 0; Newton's
     /// steps end it after half a dozen.
     const MAX_STEPS: usize = 1100;
@@ -346,7 +351,7 @@ mod tests {
                 error,
                 size,
             };
-            let profile = Profile::of(&cubic);
+            let profile = DistanceProfile::of(&cubic);
             let least = profile.closest(&cubic, 0.0, 1.0).distance;
             let share = rng.random_range(0.99..1.01);
             let radius = least - cubic.tolerance() * share;
@@ -354,10 +359,10 @@ mod tests {
                 continue;
             }
             let is_within = profile.comes_within(&cubic, radius);
-            let found = Profile::near(&cubic, radius).is_some();
+            let found = DistanceProfile::near(&cubic, radius).is_some();
             assert!(found || !is_within, "{round} {cubic:?} {radius}");
             within += u32::from(is_within);
-            beyond += u32::from(Profile::near(&cubic, radius * (1.0 - 1e-6) - 1e-6).is_none());
+            beyond += u32::from(DistanceProfile::near(&cubic, radius * (1.0 - 1e-6) - 1e-6).is_none());
         }
         assert!(within > 5_000 && beyond > 100, "{within} {beyond}");
     }

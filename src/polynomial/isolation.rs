@@ -16,7 +16,7 @@ const UNDERFLOW: f64 = 1e-300;
 
 /// An interval with one simple root inside.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Isolated {
+pub(super) struct IsolatingInterval {
     pub(super) low: f64,
     pub(super) high: f64,
     pub(super) negative_at_low: bool,
@@ -27,19 +27,19 @@ pub(super) struct Isolated {
 /// Up to six isolating intervals in increasing order.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Isolation {
-    intervals: [Isolated; 6],
+    intervals: [IsolatingInterval; 6],
     count: usize,
 }
 
 impl Isolation {
-    pub(super) fn intervals(&self) -> &[Isolated] {
+    pub(super) fn intervals(&self) -> &[IsolatingInterval] {
         &self.intervals[..self.count]
     }
 }
 
 /// A part of the interval, in fractions of it, with its Bernstein coefficients.
 #[derive(Clone, Copy)]
-struct Part {
+struct SubInterval {
     heights: [f64; 7],
     low: f64,
     high: f64,
@@ -70,7 +70,7 @@ pub(super) fn isolate<const D: usize>(
     let error = 32.0 * f64::EPSILON * magnitude + UNDERFLOW;
 
     let mut found = Isolation::default();
-    let mut stack = [Part {
+    let mut stack = [SubInterval {
         heights,
         low: 0.0,
         high: 1.0,
@@ -89,7 +89,7 @@ pub(super) fn isolate<const D: usize>(
         if changes == 1 {
             let (before, after) = (part.heights[place], part.heights[place + 1]);
             let fraction = (place as f64 + before / (before - after)) / D as f64;
-            *found.intervals.get_mut(found.count)? = Isolated {
+            *found.intervals.get_mut(found.count)? = IsolatingInterval {
                 low: low + width * part.low,
                 high: low + width * part.high,
                 negative_at_low: part.heights[0] < 0.0,
@@ -103,13 +103,13 @@ pub(super) fn isolate<const D: usize>(
             let middle = 0.5 * (part.low + part.high);
             let depth = part.depth + 1;
             let (left, right) = halves::<D>(&part.heights);
-            stack[waiting] = Part {
+            stack[waiting] = SubInterval {
                 heights: right,
                 low: middle,
                 high: part.high,
                 depth,
             };
-            stack[waiting + 1] = Part {
+            stack[waiting + 1] = SubInterval {
                 heights: left,
                 low: part.low,
                 high: middle,

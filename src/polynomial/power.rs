@@ -1,8 +1,8 @@
 //! Polynomials in powers of the variable.
 
-use super::quadratic::unit_factor;
 use super::recursion;
 use super::roots::{RootList, Roots};
+use crate::rounding::normalising_power;
 
 /// A real polynomial of degree at most `N - 1`: the sum of `coefficients[i]` times x to the i.
 ///
@@ -128,7 +128,7 @@ impl<const N: usize> Polynomial<N> {
         }
         // Away from the ends of the range nothing overflows in the derivatives or squares.
         if !(1e-90..=1e90).contains(&largest) {
-            let factor = unit_factor(largest);
+            let factor = normalising_power(largest);
             padded = padded.map(|coefficient| coefficient * factor);
         }
         Roots::At(match N {

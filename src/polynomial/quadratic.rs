@@ -1,6 +1,7 @@
 //! The quadratic formula without cancellation.
 
 use super::roots::RootList;
+use crate::rounding::normalising_power;
 
 /// The real roots of `c0 + c1 x + c2 x²`, sorted; a double root once.
 ///
@@ -27,16 +28,8 @@ pub fn quadratic(coefficients: [f64; 3]) -> RootList {
     if (1e-120..=1e120).contains(&largest) {
         return scaled_quadratic(c0, c1, c2);
     }
-    let factor = unit_factor(largest);
+    let factor = normalising_power(largest);
     scaled_quadratic(c0 * factor, c1 * factor, c2 * factor)
-}
-
-/// A power of two that brings `largest`, finite and not negative, to about 1.
-///
-/// Ratios of numbers multiplied by it stay exact as long as the smaller ones do not underflow.
-pub(super) fn unit_factor(largest: f64) -> f64 {
-    let biased_exponent = (largest.to_bits() >> 52) & 0x7ff;
-    f64::from_bits(2046_u64.saturating_sub(biased_exponent).max(1) << 52)
 }
 
 /// The formula for coefficients whose squares do not overflow.

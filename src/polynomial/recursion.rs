@@ -3,7 +3,7 @@
 //! All levels work on seven coefficients, those above the degree `D` unused: a derivative has one
 //! coefficient less, which the type cannot say. Loops over a constant range vanish in compilation.
 
-use super::isolation::{Isolated, isolate};
+use super::isolation::{IsolatingInterval, isolate};
 use super::quadratic::scaled_quadratic;
 use super::roots::RootList;
 
@@ -102,7 +102,7 @@ fn crossings<const D: usize>(
 
 /// A piece between two points of different sign.
 #[inline]
-fn monotone_piece(low: f64, low_value: f64, high: f64, high_value: f64) -> Isolated {
+fn monotone_piece(low: f64, low_value: f64, high: f64, high_value: f64) -> IsolatingInterval {
     // Between two turning points a polynomial looks like 3 x² - 2 x³, whose inverse is
     // 1/2 - sin(asin(1 - 2 y) / 3); this agrees with it at the ends and the middle.
     let y = low_value / (low_value - high_value);
@@ -115,7 +115,7 @@ fn monotone_piece(low: f64, low_value: f64, high: f64, high_value: f64) -> Isola
     } else {
         0.5 * low + 0.5 * high
     };
-    Isolated {
+    IsolatingInterval {
         low,
         high,
         negative_at_low: low_value < 0.0,
@@ -219,8 +219,8 @@ impl<const D: usize> InstructionSet<D> {
     /// convergence is quadratic, and with a factor of 16 to spare also where it is linear. A
     /// small step can be luck, so the steps must have shrunk twice in a row. Bisection between the
     /// bit patterns ends the search after at most some 150 evaluations on any interval.
-    fn refine(&self, interval: Isolated, tolerance: f64) -> f64 {
-        let Isolated {
+    fn refine(&self, interval: IsolatingInterval, tolerance: f64) -> f64 {
+        let IsolatingInterval {
             mut low,
             mut high,
             negative_at_low,

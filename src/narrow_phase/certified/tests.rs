@@ -1,5 +1,6 @@
 //! What is rounded outward, against exact sums.
 
+use super::separation::minus_radii;
 use super::*;
 use crate::rounding::exact::number;
 use rand::rngs::ChaCha8Rng;
@@ -53,7 +54,7 @@ fn half_widths_reach_both_ends() {
     };
     for _ in 0..5_000 {
         let (low, high) = (-any(&mut rng), any(&mut rng));
-        let least = Least {
+        let least = SeparationEnclosure {
             low,
             high,
             time,

@@ -1,6 +1,7 @@
 //! Chords of a relative motion: how near spheres come to each other, from below.
 
-use super::{Candidate, Clusters, short};
+use super::{Clusters, SpherePairBound, short};
+use crate::enclosure::part;
 use crate::hitbox::Sphere;
 use crate::narrow_phase::relative::filter_threshold;
 use crate::rounding::{norm, normalising_power};
@@ -10,25 +11,25 @@ use std::ops::Range;
 
 /// Chords of two bodies' relative motion, and how far it strays from them: from below, how near
 /// spheres come to each other.
-pub(super) struct Chords {
+pub(super) struct PiecewiseLinearBound {
     /// Lengths times this are near one; chords are in that unit, which is so long (m).
     pub(super) power: f64,
     unit: f64,
-    lines: Vec<Line>,
+    lines: Vec<Chord>,
     bend: f64,
     /// What all rounding amounts to at most, m.
     pub(super) slack: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Line {
+struct Chord {
     start: DVec3,
     change: DVec3,
     /// Of the square of its length; 0 where that vanishes.
     inverse: f64,
 }
 
-impl Line {
+impl Chord {
     /// The point nearest to zero, moved by an offset.
     #[inline]
     fn nearest_point(&self, offset: DVec3) -> DVec3 {
@@ -38,7 +39,7 @@ impl Line {
     }
 }
 
-impl Chords {
+impl PiecewiseLinearBound {
     const MAX: f64 = 8.0;
 
     /// Of the motion in a part of the span (first and last instant, s).
@@ -68,7 +69,7 @@ impl Chords {
         for piece in pieces_of(&points, count) {
             let change = piece[3] - piece[0];
             let square = change.length_squared();
-            lines.push(Line {
+            lines.push(Chord {
                 start: piece[0],
                 change,
                 // Of a subnormal number it would have no end.
@@ -96,7 +97,7 @@ impl Chords {
     #[inline]
     fn low(&self, offset: DVec3, radii: f64, bound: f64) -> Option<f64> {
         let offset = offset * self.power;
-        let square = |line: &Line| line.nearest_point(offset).length_squared();
+        let square = |line: &Chord| line.nearest_point(offset).length_squared();
         let least = self.lines.iter().map(square).fold(f64::INFINITY, f64::min);
         // Most are beyond, which is known without a root.
         let reach = (bound + radii) * self.power + self.bend;
@@ -124,7 +125,7 @@ impl Chords {
         clusters: &Clusters<'_>,
         spheres_a: Range<usize>,
         margin: f64,
-    ) -> Vec<Candidate> {
+    ) -> Vec<SpherePairBound> {
         let Clusters { a, b, .. } = *clusters;
         let bound = margin + self.slack;
         let is_near = |offset: DVec3, radii: f64| self.low(offset, radii, bound).is_some();
@@ -145,7 +146,7 @@ impl Chords {
             candidates.extend(near_b.iter().filter_map(|&(number_b, sphere_b)| {
                 let radii = sphere_a.radius + sphere_b.radius;
                 let low = self.low(sphere_a.offset - sphere_b.offset, radii, bound)?;
-                Some(Candidate {
+                Some(SpherePairBound {
                     a: number_a,
                     b: number_b,
                     low,
@@ -160,20 +161,5 @@ impl Chords {
 pub(super) fn pieces_of(points: &[DVec3; 4], count: f64) -> impl Iterator<Item = [DVec3; 4]> {
     let begins = successors(Some(0.0), |begin| Some(begin + 1.0));
     let begins = begins.take_while(move |&begin| begin < count);
-    begins.map(move |begin| piece_of(points, begin / count, (begin + 1.0) / count))
-}
-
-/// The control points of a part of a cubic, from one share of it to another one.
-fn piece_of(&[p0, p1, p2, p3]: &[DVec3; 4], from: f64, to: f64) -> [DVec3; 4] {
-    let blossom = |x: f64, y: f64, z: f64| {
-        let (q0, q1, q2) = (p0.lerp(p1, x), p1.lerp(p2, x), p2.lerp(p3, x));
-        let (r0, r1) = (q0.lerp(q1, y), q1.lerp(q2, y));
-        r0.lerp(r1, z)
-    };
-    [
-        blossom(from, from, from),
-        blossom(from, from, to),
-        blossom(from, to, to),
-        blossom(to, to, to),
-    ]
+    begins.map(move |begin| part(points, begin / count, (begin + 1.0) / count))
 }

@@ -1,13 +1,13 @@
 //! The lower envelope of all pairs' separations: which pairs are the nearest ones sometime.
 
-use super::chords::{Chords, pieces_of};
-use super::{Candidate, Clusters};
+use super::chords::{PiecewiseLinearBound, pieces_of};
+use super::{Clusters, SpherePairBound};
 use glam::DVec3;
 
 /// Pieces of a span, with the pairs of spheres that are the nearest ones where they begin and end.
 pub(super) struct Envelope<'a> {
     clusters: &'a Clusters<'a>,
-    pieces: Vec<Piece>,
+    pieces: Vec<EnvelopePart>,
     /// Lengths times this are near one; all lengths here are in that unit.
     power: f64,
     /// What nearer has to mean at least.
@@ -15,15 +15,15 @@ pub(super) struct Envelope<'a> {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Piece {
+struct EnvelopePart {
     /// Control points of the bodies' relative motion.
     points: [DVec3; 4],
-    nearest: [Near; 2],
+    nearest: [SphereOffset; 2],
 }
 
 /// A pair of spheres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Near {
+struct SphereOffset {
     offset: DVec3,
     radii: f64,
 }
@@ -34,12 +34,12 @@ impl<'a> Envelope<'a> {
     /// Of the candidates over the whole span.
     pub(super) fn of(
         clusters: &'a Clusters<'a>,
-        chords: &Chords,
-        candidates: &[Candidate],
+        chords: &PiecewiseLinearBound,
+        candidates: &[SpherePairBound],
     ) -> Self {
         let power = chords.power;
-        let near = |candidate: &Candidate| near(clusters, candidate, power);
-        let all: Vec<Near> = candidates.iter().map(near).collect();
+        let near = |candidate: &SpherePairBound| near(clusters, candidate, power);
+        let all: Vec<SphereOffset> = candidates.iter().map(near).collect();
         let points = clusters.motion.points(DVec3::ZERO);
         let points = points.map(|point| point * power);
         let widest = all.iter().map(|near| near.radii).fold(0.0, f64::max);
@@ -52,9 +52,10 @@ impl<'a> Envelope<'a> {
             1.0
         };
         let nearest_at = |place: DVec3| {
-            let separation = |near: &Near| (place + near.offset).length() - near.radii;
+            let separation = |near: &SphereOffset| (place + near.offset).length() - near.radii;
             let all = all.iter().map(|near| (separation(near), *near));
-            let nearer = |x: (f64, Near), y: (f64, Near)| if y.0 < x.0 { y } else { x };
+            let nearer =
+                |x: (f64, SphereOffset), y: (f64, SphereOffset)| if y.0 < x.0 { y } else { x };
             all.reduce(nearer).map(|(_, near)| near)
         };
         let mut pieces = Vec::new();
@@ -62,7 +63,7 @@ impl<'a> Envelope<'a> {
         for points in pieces_of(&points, count) {
             let after = nearest_at(points[3]);
             if let (Some(first), Some(last)) = (before, after) {
-                pieces.push(Piece {
+                pieces.push(EnvelopePart {
                     points,
                     nearest: [first, last],
                 });
@@ -79,10 +80,10 @@ impl<'a> Envelope<'a> {
     }
 
     /// Whether another pair is certainly nearer than this one at all times.
-    pub(super) fn is_above(&self, candidate: &Candidate) -> bool {
-        let Near { offset, radii } = near(self.clusters, candidate, self.power);
+    pub(super) fn is_above(&self, candidate: &SpherePairBound) -> bool {
+        let SphereOffset { offset, radii } = near(self.clusters, candidate, self.power);
         self.pieces.iter().all(|piece| {
-            let is_nearer = |near: &Near| {
+            let is_nearer = |near: &SphereOffset| {
                 // Larger spheres are nearer by more than their centres are.
                 near.radii >= radii && piece.is_nearer(near.offset, offset, self.slack)
             };
@@ -91,15 +92,15 @@ impl<'a> Envelope<'a> {
     }
 }
 
-fn near(clusters: &Clusters<'_>, candidate: &Candidate, power: f64) -> Near {
+fn near(clusters: &Clusters<'_>, candidate: &SpherePairBound, power: f64) -> SphereOffset {
     let (a, b) = clusters.spheres(candidate);
-    Near {
+    SphereOffset {
         offset: (a.offset - b.offset) * power,
         radii: (a.radius + b.radius) * power,
     }
 }
 
-impl Piece {
+impl EnvelopePart {
     /// Whether one offset keeps the centres nearer to each other than another one by `slack`, all
     /// along the piece: the difference of the squares of the distances is linear in the motion.
     fn is_nearer(&self, near: DVec3, far: DVec3, slack: f64) -> bool {

@@ -1,12 +1,12 @@
 //! What pairs of spheres have shown of their bodies, and which others may matter still.
 
-use super::{Candidate, Clusters, Shown};
+use super::{Clusters, ProvenContact, SpherePairBound};
 use crate::hitbox::Sphere;
 use crate::rounding::{norm, seen_from, seen_until};
 use glam::DVec3;
 
 /// What pairs of spheres have shown of their bodies so far.
-pub(super) struct Known<'a> {
+pub(super) struct ProvenIntervals<'a> {
     clusters: &'a Clusters<'a>,
     part: (f64, f64),
     margin: f64,
@@ -14,33 +14,33 @@ pub(super) struct Known<'a> {
     /// In which direction to look while nothing is known.
     toward: Option<DVec3>,
     /// When the bodies are within the margin, in the order of time.
-    stretches: Vec<Stretch>,
+    stretches: Vec<ProvenInterval>,
     /// What comes nearer than this may be nearer than what is known, m.
     near: f64,
     /// When they may be apart.
-    gaps: Vec<Gap>,
+    gaps: Vec<UnprovenInterval>,
     /// Whether these are too many: then all pairs are solved.
     is_scattered: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Stretch {
-    shown: Shown,
+struct ProvenInterval {
+    shown: ProvenContact,
     /// Offsets of the spheres that begin and end it.
     first: DVec3,
     last: DVec3,
 }
 
 /// A time in which no pair of spheres was shown to be within the margin.
-struct Gap {
+struct UnprovenInterval {
     /// Control points of the relative motion.
     points: [DVec3; 4],
     /// In which bodies may be apart: those in which they touch before and after.
-    directions: Vec<Direction>,
+    directions: Vec<SeparatingDirection>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Direction {
+struct SeparatingDirection {
     unit: DVec3,
     /// No control point is less far in it, m.
     least: f64,
@@ -48,7 +48,7 @@ struct Direction {
     is_asked: bool,
 }
 
-impl Direction {
+impl SeparatingDirection {
     fn new(points: &[DVec3; 4], toward: DVec3) -> Self {
         // No number where spheres touch at their centres: then it tells nothing.
         let length = norm(toward);
@@ -67,7 +67,7 @@ impl Direction {
     }
 }
 
-impl<'a> Known<'a> {
+impl<'a> ProvenIntervals<'a> {
     const MAX_GAPS: usize = 8;
 
     pub(super) fn new(
@@ -103,7 +103,7 @@ impl<'a> Known<'a> {
     }
 
     /// Takes in what a pair of spheres with this offset shows.
-    pub(super) fn learn(&mut self, shown: &[Shown], offset: DVec3) {
+    pub(super) fn learn(&mut self, shown: &[ProvenContact], offset: DVec3) {
         let mut is_longer = false;
         for &shown in shown {
             let mut stretches = self.stretches.iter_mut();
@@ -115,7 +115,7 @@ impl<'a> Known<'a> {
                 *separation = separation.min(shown.separation);
             } else {
                 is_longer = true;
-                self.stretches.push(Stretch {
+                self.stretches.push(ProvenInterval {
                     shown,
                     first: offset,
                     last: offset,
@@ -170,7 +170,11 @@ impl<'a> Known<'a> {
     }
 
     /// A gap between two touching pairs of spheres with these offsets, or the ends of the part.
-    fn gap(&self, (from, to): (f64, f64), (before, after): (Option<DVec3>, Option<DVec3>)) -> Gap {
+    fn gap(
+        &self,
+        (from, to): (f64, f64),
+        (before, after): (Option<DVec3>, Option<DVec3>),
+    ) -> UnprovenInterval {
         // Instants are rounded: what begins at one of these may have begun in the gap.
         let interval = (
             seen_from(from).max(self.part.0),
@@ -182,9 +186,9 @@ impl<'a> Known<'a> {
         let neither = before.is_none() && after.is_none();
         let towards = [before, after, self.toward.filter(|_| neither)];
         let directions = towards.into_iter().flatten();
-        Gap {
+        UnprovenInterval {
             directions: directions
-                .map(|toward| Direction::new(&points, toward))
+                .map(|toward| SeparatingDirection::new(&points, toward))
                 .collect(),
             points,
         }
@@ -204,7 +208,7 @@ impl<'a> Known<'a> {
 
     /// Whether a pair of spheres may be within the margin when nothing was shown to be, or nearer
     /// than what was.
-    pub(super) fn may_matter(&self, candidate: &Candidate) -> bool {
+    pub(super) fn may_matter(&self, candidate: &SpherePairBound) -> bool {
         if self.is_scattered {
             return true;
         }
@@ -221,8 +225,9 @@ impl<'a> Known<'a> {
         let (a, b) = clusters.spheres(candidate);
         let bound = self.margin + self.slack + (a.radius + b.radius);
         self.gaps.iter().any(|gap| {
-            let is_apart =
-                |direction: &Direction| direction.least + offset.dot(direction.unit) > bound;
+            let is_apart = |direction: &SeparatingDirection| {
+                direction.least + offset.dot(direction.unit) > bound
+            };
             !gap.directions.iter().any(is_apart) && !is_beyond(&gap.points, self.margin)
         })
     }
@@ -243,13 +248,16 @@ mod tests {
     #[test]
     fn no_direction_tells_nothing() {
         let points = [DVec3::splat(3.0); 4];
-        assert!(Direction::new(&points, DVec3::ONE).least > 5.0);
+        assert!(SeparatingDirection::new(&points, DVec3::ONE).least > 5.0);
         for toward in [
             DVec3::ZERO,
             DVec3::splat(5e-324),
             DVec3::new(1e-310, -1e-310, 0.0),
         ] {
-            assert!(Direction::new(&points, toward).least.is_nan(), "{toward}");
+            assert!(
+                SeparatingDirection::new(&points, toward).least.is_nan(),
+                "{toward}"
+            );
         }
     }
 }

@@ -23,11 +23,11 @@ mod sphere_pairs;
 mod tests;
 
 use super::sphere_pair::SpherePair;
-use chords::Chords;
+use chords::PiecewiseLinearBound;
 use envelope::Envelope;
-use known::Known;
-use sphere_pairs::{Candidate, short};
-pub(super) use sphere_pairs::{Clusters, Shown};
+use known::ProvenIntervals;
+pub(super) use sphere_pairs::{Clusters, ProvenContact};
+use sphere_pairs::{SpherePairBound, short};
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -43,7 +43,7 @@ impl Clusters<'_> {
         &self,
         margin: f64,
         clip: (f64, f64),
-        mut solve: impl FnMut(&SpherePair, Option<&mut Vec<Shown>>),
+        mut solve: impl FnMut(&SpherePair, Option<&mut Vec<ProvenContact>>),
     ) {
         let part = self.part(clip);
         if part.0 > part.1 {
@@ -53,10 +53,12 @@ impl Clusters<'_> {
             return self.each_within(margin, |pair| solve(pair, None));
         }
         let mut shown = Vec::new();
-        let chords = Chords::of(self, part, margin);
-        let mut known = Known::new(self, part, margin, chords.slack);
-        let mut seen = Seen::default();
-        let mut solve = |candidate: &Candidate, known: &mut Known<'_>, seen: &mut Seen| {
+        let chords = PiecewiseLinearBound::of(self, part, margin);
+        let mut known = ProvenIntervals::new(self, part, margin, chords.slack);
+        let mut seen = SolvedOffsets::default();
+        let mut solve = |candidate: &SpherePairBound,
+                         known: &mut ProvenIntervals<'_>,
+                         seen: &mut SolvedOffsets| {
             seen.add(self, candidate);
             let pair = self.pair(candidate);
             if !self.is_beyond(&pair.cubic.points, candidate, margin) {
@@ -75,7 +77,7 @@ impl Clusters<'_> {
             while let Some(candidate) = next {
                 solve(candidate, &mut known, &mut seen);
                 while let Some(support) = known.support() {
-                    let order = |other: &Candidate| (other.a, other.b);
+                    let order = |other: &SpherePairBound| (other.a, other.b);
                     if let Ok(place) = candidates.binary_search_by_key(&support, order)
                         && !seen.holds(self, &candidates[place])
                     {
@@ -95,8 +97,8 @@ impl Clusters<'_> {
         mut reached: f64,
         mut solve: impl FnMut(&SpherePair) -> f64,
     ) {
-        let chords = Chords::of(self, self.part(clip), 0.0);
-        let mut seen = Seen::default();
+        let chords = PiecewiseLinearBound::of(self, self.part(clip), 0.0);
+        let mut seen = SolvedOffsets::default();
         for spheres in self.batches() {
             let candidates = chords.candidates(self, spheres, reached);
             for candidate in nearest(&candidates).into_iter().chain(&candidates) {
@@ -122,10 +124,10 @@ impl Clusters<'_> {
         if self.are_few() || count > Self::BATCH {
             return self.each_within(margin, solve);
         }
-        let chords = Chords::of(self, (self.span.start, self.span.end), margin);
+        let chords = PiecewiseLinearBound::of(self, (self.span.start, self.span.end), margin);
         let candidates = chords.candidates(self, 0..self.a.spheres.len(), margin);
         let envelope = Envelope::of(self, &chords, &candidates);
-        let mut seen = Seen::default();
+        let mut seen = SolvedOffsets::default();
         for candidate in &candidates {
             if envelope.is_above(candidate) || seen.holds(self, candidate) {
                 continue;
@@ -154,7 +156,7 @@ impl Clusters<'_> {
     fn each_within(&self, margin: f64, mut solve: impl FnMut(&SpherePair)) {
         for a in 0..self.a.spheres.len() {
             for b in 0..self.b.spheres.len() {
-                let candidate = Candidate {
+                let candidate = SpherePairBound {
                     a: short(a),
                     b: short(b),
                     low: f64::NEG_INFINITY,
@@ -170,13 +172,13 @@ impl Clusters<'_> {
 
 /// Pairs of spheres that were solved.
 #[derive(Default)]
-struct Seen(HashMap<Motion, (u32, u32)>);
+struct SolvedOffsets(HashMap<OffsetKey, (u32, u32)>);
 
 /// What two spheres do: offset and radii, as bits.
-type Motion = ([u64; 3], [u64; 2]);
+type OffsetKey = ([u64; 3], [u64; 2]);
 
-impl Seen {
-    fn motion(clusters: &Clusters<'_>, candidate: &Candidate) -> Motion {
+impl SolvedOffsets {
+    fn motion(clusters: &Clusters<'_>, candidate: &SpherePairBound) -> OffsetKey {
         let (a, b) = clusters.spheres(candidate);
         // Of two zeros, one.
         let offset = (clusters.offset(candidate) + 0.0).to_array();
@@ -186,7 +188,7 @@ impl Seen {
         )
     }
 
-    fn add(&mut self, clusters: &Clusters<'_>, candidate: &Candidate) {
+    fn add(&mut self, clusters: &Clusters<'_>, candidate: &SpherePairBound) {
         let numbers = (candidate.a, candidate.b);
         let first = self.0.entry(Self::motion(clusters, candidate));
         let first = first.or_insert(numbers);
@@ -195,12 +197,12 @@ impl Seen {
 
     /// Whether it is among them, or moves as one that comes before it does: where they tie, that one is
     /// reported.
-    fn holds(&self, clusters: &Clusters<'_>, candidate: &Candidate) -> bool {
+    fn holds(&self, clusters: &Clusters<'_>, candidate: &SpherePairBound) -> bool {
         let first = self.0.get(&Self::motion(clusters, candidate));
         first.is_some_and(|&first| first <= (candidate.a, candidate.b))
     }
 }
 
-fn nearest(candidates: &[Candidate]) -> Option<&Candidate> {
+fn nearest(candidates: &[SpherePairBound]) -> Option<&SpherePairBound> {
     candidates.iter().min_by(|x, y| x.low.total_cmp(&y.low))
 }

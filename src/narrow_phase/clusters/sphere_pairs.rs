@@ -21,7 +21,7 @@ pub(in crate::narrow_phase) struct Clusters<'a> {
 /// What a pair of spheres that was solved shows: that the bodies are within the margin from one
 /// instant to another one (s), and then as near as this (m) at some time.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::narrow_phase) struct Shown {
+pub(in crate::narrow_phase) struct ProvenContact {
     pub(in crate::narrow_phase) enter: f64,
     pub(in crate::narrow_phase) exit: f64,
     pub(in crate::narrow_phase) separation: f64,
@@ -29,10 +29,10 @@ pub(in crate::narrow_phase) struct Shown {
 
 /// A pair of spheres, and a bound on how near it comes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Candidate {
+pub(super) struct SpherePairBound {
     pub(super) a: u32,
     pub(super) b: u32,
-    /// Not above the least separation, m, but for [`Chords::slack`].
+    /// Not above the least separation, m, but for [`PiecewiseLinearBound::slack`].
     pub(super) low: f64,
 }
 
@@ -63,19 +63,19 @@ impl<'a> Clusters<'a> {
         RelativeMotion::between(segment_a, segment_b, interval).points(DVec3::ZERO)
     }
 
-    pub(super) fn spheres(&self, candidate: &Candidate) -> (&'a Sphere, &'a Sphere) {
+    pub(super) fn spheres(&self, candidate: &SpherePairBound) -> (&'a Sphere, &'a Sphere) {
         (
             &self.a.spheres[candidate.a as usize],
             &self.b.spheres[candidate.b as usize],
         )
     }
 
-    pub(super) fn offset(&self, candidate: &Candidate) -> DVec3 {
+    pub(super) fn offset(&self, candidate: &SpherePairBound) -> DVec3 {
         let (a, b) = self.spheres(candidate);
         a.offset - b.offset
     }
 
-    pub(super) fn pair(&self, candidate: &Candidate) -> SpherePair {
+    pub(super) fn pair(&self, candidate: &SpherePairBound) -> SpherePair {
         let (a, b) = self.spheres(candidate);
         SpherePair {
             a: candidate.a,
@@ -91,7 +91,7 @@ impl<'a> Clusters<'a> {
     pub(super) fn is_beyond(
         &self,
         points: &[DVec3; 4],
-        candidate: &Candidate,
+        candidate: &SpherePairBound,
         margin: f64,
     ) -> bool {
         let (a, b) = self.spheres(candidate);

@@ -1,9 +1,9 @@
 //! What is left out changes nothing: against all pairs of spheres, solved one by one.
 
 use super::super::certified::{Workspace, certified_approach, certified_contacts};
-use super::super::contact::{Nearest, closest_approach, contacts, contacts_of, join, solve};
-use super::super::stretches::Profile;
-use super::{Candidate, Clusters};
+use super::super::contact::{ClosestSearch, closest_approach, contacts, contacts_of, join, solve};
+use super::super::stretches::DistanceProfile;
+use super::{Clusters, SpherePairBound};
 use crate::hitbox::{Hitbox, Sphere};
 use crate::knots::Knots;
 use crate::narrow_phase::Contact;
@@ -166,7 +166,7 @@ impl Case {
                 for number_b in 0..b.spheres.len() {
                     let number = |number| u32::try_from(number).unwrap_or(u32::MAX);
                     visit(
-                        &clusters.pair(&Candidate {
+                        &clusters.pair(&SpherePairBound {
                             a: number(number_a),
                             b: number(number_b),
                             low: 0.0,
@@ -204,7 +204,7 @@ fn contacts_are_those_of_all_pairs() {
             );
             expected.clear();
             case.each(|pair, span| {
-                let profile = Profile::of(&pair.cubic);
+                let profile = DistanceProfile::of(&pair.cubic);
                 pair.contacts(&profile, span, case.margin, clip, &mut expected);
             });
             join(&mut expected, 0);
@@ -240,7 +240,13 @@ fn the_envelope_serves_for_all_margins_and_windows() {
                 contacts_of(kept.iter(), margin, clip, &mut found);
                 expected.clear();
                 case.each(|pair, span| {
-                    pair.contacts(&Profile::of(&pair.cubic), span, margin, clip, &mut expected);
+                    pair.contacts(
+                        &DistanceProfile::of(&pair.cubic),
+                        span,
+                        margin,
+                        clip,
+                        &mut expected,
+                    );
                 });
                 join(&mut expected, 0);
                 assert_eq!(found, expected, "{kind} {margin} {clip:?}");
@@ -297,7 +303,7 @@ fn the_nearest_is_that_of_all_pairs() {
             let of_window = |span: &Span| span.end >= clip.0 && span.start <= clip.1;
             let spans = || case.spans().into_iter().filter(of_window);
             let found = closest_approach(a, b, spans(), clip);
-            let mut nearest = Nearest::new();
+            let mut nearest = ClosestSearch::new();
             let mut before = None;
             case.each(|pair, span| {
                 if of_window(&span) {
@@ -370,7 +376,7 @@ fn what_instants_are_rounded_by_rules_nothing_out() {
         let [a, b] = &case.parties();
         let mut instants = Vec::new();
         case.each(|pair, span| {
-            let profile = Profile::of(&pair.cubic);
+            let profile = DistanceProfile::of(&pair.cubic);
             let mut found = Vec::new();
             pair.contacts(&profile, span, case.margin, case.clip, &mut found);
             instants.extend(
@@ -402,7 +408,7 @@ fn what_instants_are_rounded_by_rules_nothing_out() {
             contacts(a, b, spans(), case.margin, clip, &mut found);
             case.each(|pair, span| {
                 pair.contacts(
-                    &Profile::of(&pair.cubic),
+                    &DistanceProfile::of(&pair.cubic),
                     span,
                     case.margin,
                     clip,
@@ -416,7 +422,7 @@ fn what_instants_are_rounded_by_rules_nothing_out() {
             assert_eq!(found, expected, "{round} {clip:?}");
             several += usize::from(!found.is_empty());
             let nearest = closest_approach(a, b, spans(), clip);
-            let mut all_of_them = Nearest::new();
+            let mut all_of_them = ClosestSearch::new();
             case.each(|pair, span| {
                 all_of_them.push(pair, span, clip);
             });

@@ -1,7 +1,8 @@
 //! Relative cubics of many pairs, coordinate by coordinate.
 
 use super::cubic::ControlPoints;
-use super::real::Real;
+use crate::real::Real;
+use std::slice;
 
 /// A view of the relative cubics of many pairs in structure-of-arrays form.
 ///
@@ -23,6 +24,14 @@ impl<'a, R: Real> Lanes<'a, R> {
             .flatten()
             .all(|slice| slice.len() == length);
         even.then_some(Self { coordinates })
+    }
+
+    /// A view of one cubic.
+    pub(super) fn of_one(points: &'a ControlPoints<R>) -> Self {
+        Self {
+            coordinates: [0, 1, 2]
+                .map(|axis| points.each_ref().map(|point| slice::from_ref(&point[axis]))),
+        }
     }
 
     /// The number of pairs.

@@ -3,11 +3,11 @@
 use super::batch::Lanes;
 use super::cubic::{ControlPoints, distance, largest_coordinate, local_time, widened};
 use super::dispatch::{enclose_block_finely, guess_block, guess_block_again, guess_pair};
-use super::enclosure::{bounds_of_halves, is_nearest_at, nearest_from};
-use super::loops::{BLOCK, Block, Bounds};
-use super::pending::{Pending, Selection, whole_vectors};
-use super::real::Real;
+use super::enclosures::enclose;
+use super::loops::{BLOCK, EnclosureBlock, LaneBlock};
+use super::pending::{RetryQueue, whole_vectors};
 use super::refine::{QUICK, THOROUGH, normalised, refined};
+use crate::real::Real;
 use crate::simd::InstructionSet;
 
 /// Whether a certificate is one: not if it is not a number.
@@ -18,7 +18,8 @@ fn is_positive<R: Real>(certificate: R) -> bool {
 
 /// The closest approach of one pair: local time and distance.
 pub(super) fn closest_approach_of<R: Real>(points: &ControlPoints<R>) -> (R, R) {
-    let found = guess_pair(InstructionSet::best(), points);
+    let instructions = InstructionSet::best();
+    let found = guess_pair(instructions, points);
     if is_positive(found.certificate) {
         return (
             local_time(found.settled.time),
@@ -26,25 +27,19 @@ pub(super) fn closest_approach_of<R: Real>(points: &ControlPoints<R>) -> (R, R) 
         );
     }
     let (wide, unit) = normalised(&widened(points));
+    let error = allowance::<R>(&wide);
     let mut nearest = refined(&wide, local_time(found.settled.time).to_f64(), QUICK);
-    let allowance = allowance::<R>(&wide);
-    let halves = bounds_of_halves(&wide, nearest.0);
-    if !is_nearest_at(&wide, nearest.0, allowance, &halves) {
-        nearest = searched(&wide, nearest.0, &halves, allowance);
+    let (lanes, mut bounds) = (Lanes::of_one(&wide), EnclosureBlock::new());
+    enclose_block_finely(instructions, &lanes, &[error], &[nearest.0], &mut bounds);
+    if !bounds.is_tight(0) {
+        nearest = searched(&wide, nearest.0, error);
     }
     (R::from_f64(nearest.0), R::from_f64(nearest.1 * unit))
 }
 
-/// The closest approach by branch and bound from a good time on, and the bounds on the halves of
-/// both sides of it.
-fn searched(
-    points: &ControlPoints<f64>,
-    time: f64,
-    halves: &[f64; 4],
-    allowance: f64,
-) -> (f64, f64) {
-    let found = nearest_from(points, time, halves, allowance);
-    refined(points, found, THOROUGH)
+/// The closest approach of one pair by branch and bound from a good time on.
+fn searched(points: &ControlPoints<f64>, time: f64, error: f64) -> (f64, f64) {
+    refined(points, enclose(points, error, Some(time)).time, THOROUGH)
 }
 
 /// An error of the cubic, metres, with which an enclosure is as tight as the type of the lanes
@@ -59,19 +54,19 @@ fn allowance<R: Real>(points: &ControlPoints<f64>) -> f64 {
 }
 
 /// The work of one call of [`closest_approach`].
-struct Work<'a, R> {
+struct ClosestBatch<'a, R> {
     instructions: InstructionSet,
     lanes: Lanes<'a, R>,
     times: &'a mut [R],
     distances: &'a mut [R],
-    block: Block<R>,
+    block: LaneBlock<R>,
     /// Not certified at the first try: which pairs, how many, and their cubics and times.
     pairs: [usize; BLOCK],
     count: usize,
-    second: Block<R>,
+    second: LaneBlock<R>,
     /// Not certified at the second try, [`normalised`]: with time and distance, refined, and
     /// [`allowance`], and the unit, in f64.
-    third: Pending<f64, 4>,
+    third: RetryQueue<f64, 4>,
 }
 
 /// The closest approach of each pair, on one thread: local times in 0..=1, distances in metres.
@@ -81,16 +76,16 @@ pub(super) fn closest_approach<R: Real>(
     times: &mut [R],
     distances: &mut [R],
 ) {
-    let mut work = Work {
+    let mut work = ClosestBatch {
         instructions,
         lanes: *lanes,
         times,
         distances,
-        block: Block::new(),
+        block: LaneBlock::new(),
         pairs: [0; BLOCK],
         count: 0,
-        second: Block::new(),
-        third: Pending::new(),
+        second: LaneBlock::new(),
+        third: RetryQueue::new(),
     };
     let mut start = 0;
     while start < lanes.len() {
@@ -102,7 +97,7 @@ pub(super) fn closest_approach<R: Real>(
     work.prove();
 }
 
-impl<R: Real> Work<'_, R> {
+impl<R: Real> ClosestBatch<'_, R> {
     /// The first try for a part of the batch.
     fn guess(&mut self, start: usize, end: usize) {
         let mut certificates = [0.0; BLOCK];
@@ -116,8 +111,10 @@ impl<R: Real> Work<'_, R> {
             &mut self.distances[start..end],
             certificates,
         );
-        let mut failed = Selection::without(certificates);
-        while let Some(place) = failed.next() {
+        for (place, &certificate) in certificates.iter().enumerate() {
+            if is_positive(certificate) {
+                continue;
+            }
             self.pairs[self.count] = start + place;
             self.second.take(self.count, &self.block, place);
             self.count += 1;
@@ -163,19 +160,15 @@ impl<R: Real> Work<'_, R> {
     /// The third try: quarters of both sides of the refined time. What is still not proven is
     /// searched by branch and bound.
     fn prove(&mut self) {
-        if self.third.is_empty() {
-            return;
-        }
-        let mut bounds = Bounds::new();
+        let mut bounds = EnclosureBlock::new();
         let lanes = self.third.lanes();
         let [times, distances, errors, units] = self.third.extras();
         enclose_block_finely(self.instructions, &lanes, errors, times, &mut bounds);
         for i in 0..self.third.len() {
-            let (time, distance) = if is_positive(bounds.tight[i]) {
+            let (time, distance) = if bounds.is_tight(i) {
                 (times[i], distances[i])
             } else {
-                let halves = bounds.halves.map(|half| half[i]);
-                searched(&self.third.control_points(i), times[i], &halves, errors[i])
+                searched(&self.third.control_points(i), times[i], errors[i])
             };
             let pair = self.third.pair(i);
             self.times[pair] = R::from_f64(time);

@@ -1,6 +1,8 @@
 //! One relative cubic, and vectors of three numbers.
 
-use super::real::Real;
+use crate::enclosure::ControlPolygon;
+use crate::real::Real;
+use glam::DVec3;
 
 /// A vector in space.
 pub(super) type Vector<R> = [R; 3];
@@ -111,6 +113,23 @@ impl<R: Real> CentredCubic<R> {
     }
 }
 
+/// The control points as the enclosures take them.
+#[inline(always)]
+pub(super) fn polygon([p0, p1, p2, p3]: &ControlPoints<f64>) -> ControlPolygon {
+    [
+        DVec3::from_array(*p0),
+        DVec3::from_array(*p1),
+        DVec3::from_array(*p2),
+        DVec3::from_array(*p3),
+    ]
+}
+
+/// The control points as the kernels take them.
+#[inline(always)]
+pub(super) fn coordinates([p0, p1, p2, p3]: &ControlPolygon) -> ControlPoints<f64> {
+    [p0.to_array(), p1.to_array(), p2.to_array(), p3.to_array()]
+}
+
 /// The same points in `f64`.
 #[inline]
 pub(super) fn widened<R: Real>([p0, p1, p2, p3]: &ControlPoints<R>) -> ControlPoints<f64> {
@@ -140,12 +159,6 @@ pub(super) fn largest_coordinate(points: &ControlPoints<f64>) -> f64 {
         };
     }
     largest
-}
-
-/// The greatest power of two that is not above a finite number, or the smallest normal number.
-#[inline]
-pub(super) fn power_of_two(number: f64) -> f64 {
-    f64::from_bits((number.to_bits() & (0x7ff << 52)).max(1 << 52))
 }
 
 /// The local time 0..=1 of a centred time -1..=1.

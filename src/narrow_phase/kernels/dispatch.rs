@@ -3,9 +3,9 @@
 use super::batch::Lanes;
 use super::cubic::ControlPoints;
 use super::guess::Guess;
-use super::loops::{self, Block, Bounds};
-use super::real::Real;
+use super::loops::{self, EnclosureBlock, LaneBlock};
 use super::screen::Verdict;
+use crate::real::Real;
 use crate::simd::{InstructionSet, for_each_instruction_set};
 
 for_each_instruction_set! {
@@ -16,7 +16,7 @@ for_each_instruction_set! {
 for_each_instruction_set! {
     /// Guesses the closest approach of each pair of a block.
     guess_block<R: Real>(
-        block: &mut Block<R>,
+        block: &mut LaneBlock<R>,
         lanes: &Lanes<'_, R>,
         times: &mut [R],
         distances: &mut [R],
@@ -28,7 +28,7 @@ for_each_instruction_set! {
     /// Guesses again, for the cubics and from the first guesses of a block, and proves against the
     /// rival.
     guess_block_again<R: Real>(
-        block: &mut Block<R>,
+        block: &mut LaneBlock<R>,
         times: &mut [R],
         distances: &mut [R],
         certificates: &mut [f32],
@@ -37,22 +37,22 @@ for_each_instruction_set! {
 
 for_each_instruction_set! {
     /// Encloses the least distance of each pair of a block, from one split at the guess.
-    enclose_block<R: Real>(
-        block: &mut Block<R>,
-        lanes: &Lanes<'_, R>,
-        errors: &[R],
-        bounds: &mut Bounds<R>,
+    enclose_block(
+        block: &mut LaneBlock<f64>,
+        lanes: &Lanes<'_, f64>,
+        errors: &[f64],
+        bounds: &mut EnclosureBlock,
     )
 }
 
 for_each_instruction_set! {
     /// Encloses the least distance of each pair of a block, from a split at given times and
     /// quarters of both sides.
-    enclose_block_finely<R: Real>(
-        lanes: &Lanes<'_, R>,
-        errors: &[R],
-        times: &[R],
-        bounds: &mut Bounds<R>,
+    enclose_block_finely(
+        lanes: &Lanes<'_, f64>,
+        errors: &[f64],
+        times: &[f64],
+        bounds: &mut EnclosureBlock,
     )
 }
 

@@ -1,11 +1,48 @@
-//! Enclosures for many pairs: one split, then quarters, then branch and bound.
+//! Enclosures of the least distance: one split for blocks of pairs, quarters for those that need
+//! them, then branch and bound.
 
 use super::batch::Lanes;
+use super::cubic::{ControlPoints, polygon};
 use super::dispatch::{enclose_block, enclose_block_finely};
-use super::enclosure::{Enclosure, enclose_near};
-use super::loops::{BLOCK, Block, Bounds};
-use super::pending::Pending;
+use super::loops::{BLOCK, EnclosureBlock, LaneBlock};
+use super::pending::RetryQueue;
+use super::refine::{QUICK, refined};
+use crate::enclosure::UncertainCubic;
 use crate::simd::InstructionSet;
+
+/// The least distance of a pair, enclosed, and where it was found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Enclosure {
+    /// Not more than the least distance, metres; not negative.
+    pub low: f64,
+    /// Not less than the least distance, metres.
+    pub high: f64,
+    /// The local time in 0..=1 at which the distance is at most `high`.
+    pub time: f64,
+}
+
+/// The enclosure of one pair, by branch and bound.
+///
+/// `error` bounds the distance between the true relative position and that of the polygon, at
+/// every instant, metres. If it is infinite the answer is everything from 0 on. The nearest point is
+/// probably at `guess`, if that is known.
+pub(super) fn enclose(points: &ControlPoints<f64>, error: f64, guess: Option<f64>) -> Enclosure {
+    let is_finite = points.iter().flatten().all(|x| x.is_finite());
+    if !is_finite || !(0.0..f64::INFINITY).contains(&error) {
+        return Enclosure {
+            low: 0.0,
+            high: f64::INFINITY,
+            time: 0.0,
+        };
+    }
+    let cubic = UncertainCubic::finite(polygon(points), error);
+    let (distance, time) = cubic.nearest(guess);
+    Enclosure {
+        low: distance.low,
+        high: distance.high,
+        time,
+    }
+}
 
 /// The enclosure of the least distance of each pair, on one thread.
 pub(super) fn enclosures(
@@ -14,26 +51,25 @@ pub(super) fn enclosures(
     errors: &[f64],
     enclosures: &mut [Enclosure],
 ) {
-    let mut block = Block::new();
-    let mut pending = Pending::new();
-    let mut bounds = Bounds::new();
+    let mut block = LaneBlock::new();
+    let mut pending = RetryQueue::new();
+    let mut bounds = EnclosureBlock::new();
     let mut start = 0;
     while start < lanes.len() {
         let end = (start + BLOCK).min(lanes.len());
+        let part = lanes.range(start, end);
         enclose_block(
             instructions,
             &mut block,
-            &lanes.range(start, end),
+            &part,
             &errors[start..end],
             &mut bounds,
         );
-        for (i, enclosure) in enclosures[start..end].iter_mut().enumerate() {
-            *enclosure = bounds.enclosure(i);
-        }
         for pair in start..end {
+            let found = bounds.enclosure(pair - start);
+            enclosures[pair] = found;
             if !bounds.is_tight(pair - start) {
-                let time = enclosures[pair].time;
-                pending.push(pair, lanes.control_points(pair), [errors[pair], time]);
+                pending.push(pair, lanes.control_points(pair), [errors[pair], found.time]);
                 if pending.is_full() {
                     enclose_again(instructions, &mut pending, enclosures);
                 }
@@ -47,27 +83,25 @@ pub(super) fn enclosures(
 /// Quarters for the pairs that are pending, and branch and bound for those still not tight.
 fn enclose_again(
     instructions: InstructionSet,
-    pending: &mut Pending<f64, 2>,
+    pending: &mut RetryQueue<f64, 2>,
     enclosures: &mut [Enclosure],
 ) {
-    if pending.is_empty() {
-        return;
-    }
-    let mut bounds = Bounds::new();
-    let lanes = pending.lanes();
+    let mut bounds = EnclosureBlock::new();
     let [errors, times] = pending.extras();
-    enclose_block_finely(instructions, &lanes, errors, times, &mut bounds);
+    enclose_block_finely(instructions, &pending.lanes(), errors, times, &mut bounds);
     for i in 0..pending.len() {
         enclosures[pending.pair(i)] = if bounds.is_tight(i) {
             bounds.enclosure(i)
         } else {
-            enclose_near(&pending.control_points(i), errors[i], times[i])
+            let points = pending.control_points(i);
+            let (time, _) = refined(&points, times[i], QUICK);
+            enclose(&points, errors[i], Some(time))
         };
     }
     pending.clear();
 }
 
-impl Bounds<f64> {
+impl EnclosureBlock {
     #[inline]
     fn enclosure(&self, i: usize) -> Enclosure {
         Enclosure {
@@ -79,7 +113,7 @@ impl Bounds<f64> {
 
     /// Not where it is not a number.
     #[inline]
-    fn is_tight(&self, i: usize) -> bool {
+    pub(super) fn is_tight(&self, i: usize) -> bool {
         self.tight[i] > 0.0
     }
 }

@@ -12,7 +12,7 @@
 //! the other: many short dependency chains at once instead of a long one.
 
 use super::cubic::{CentredCubic, ControlPoints, Vector, dot};
-use super::real::Real;
+use crate::real::Real;
 
 /// Units of rounding of the deflated coefficients, and that of the slope as a part of it (the
 /// derivation is in the documentation of `kernels`).
@@ -25,14 +25,14 @@ const STILL: f32 = 1e-10;
 /// A guessed closest approach.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Guess<R> {
-    pub(super) settled: Settled<R>,
+    pub(super) settled: RefinedGuess<R>,
     /// Positive if the guess is certainly the global minimum up to rounding; may be NaN.
     pub(super) certificate: f32,
 }
 
 /// A squared distance in powers of the centred time, and what its rounding can do.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Outline {
+pub(super) struct LaneSquaredDistance {
     pub(super) square: [f32; 7],
     /// What the least deflated coefficient has to exceed: everything does if nothing moves, and
     /// nothing where the squares may have left the range.
@@ -41,7 +41,7 @@ pub(super) struct Outline {
 
 /// A refined guess without its certificate.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Settled<R> {
+pub(super) struct RefinedGuess<R> {
     /// The centred local time, -1..=1.
     pub(super) time: R,
     /// 64 times the squared distance there.
@@ -67,7 +67,7 @@ pub(super) fn guess<R: Real>(points: ControlPoints<R>) -> Guess<R> {
 
 /// First stage: the squared distance of a cubic that was rounded from the type `R`.
 #[inline(always)]
-pub(super) fn outline<R: Real>(coefficients: [Vector<f32>; 4]) -> Outline {
+pub(super) fn outline<R: Real>(coefficients: [Vector<f32>; 4]) -> LaneSquaredDistance {
     let [c0, c1, c2, c3] = coefficients;
     let (s0, s1, s2, s3) = (dot(c0, c0), dot(c1, c1), dot(c2, c2), dot(c3, c3));
     let square = [
@@ -86,7 +86,7 @@ pub(super) fn outline<R: Real>(coefficients: [Vector<f32>; 4]) -> Outline {
     // A pair at rest but for rounding is as near at any time.
     let rounding = R::ROUNDING.to_f32();
     let still = ((s1 + s2 + s3) * (1.0 / (rounding * rounding)) <= s0) & (s0 > STILL) & is_served;
-    Outline {
+    LaneSquaredDistance {
         square,
         margin: if still { -f32::INFINITY } else { margin },
     }
@@ -222,13 +222,17 @@ impl Slope {
 /// Fourth stage: one Halley step on the scalar product of position and velocity, in the type of
 /// the lanes and free of the cancellation in the expanded coefficients.
 #[inline(always)]
-pub(super) fn settle<R: Real>(cubic: &CentredCubic<R>, u: R) -> Settled<R> {
+pub(super) fn settle<R: Real>(cubic: &CentredCubic<R>, u: R) -> RefinedGuess<R> {
     arrive(cubic, u, &halley_step(&cubic.derivatives(u)))
 }
 
 /// The second part of the fourth stage: where a Halley step leads, and whether that is near enough.
 #[inline(always)]
-pub(super) fn arrive<R: Real>(cubic: &CentredCubic<R>, u: R, found: &HalleyStep<R>) -> Settled<R> {
+pub(super) fn arrive<R: Real>(
+    cubic: &CentredCubic<R>,
+    u: R,
+    found: &HalleyStep<R>,
+) -> RefinedGuess<R> {
     let (zero, one) = (R::from_f64(0.0), R::from_f64(1.0));
     let HalleyStep { slope, step, error } = *found;
     // Not above 0 at an end with the slope inward, where there is nothing to settle.
@@ -240,7 +244,7 @@ pub(super) fn arrive<R: Real>(cubic: &CentredCubic<R>, u: R, found: &HalleyStep<
     // full. The least of both, or `inside` if the step is not a number.
     let off = (error - R::from_f64(4.0) * R::ROUNDING).or_more(step.abs() - R::SETTLED);
     let settled = off.or_less(inside) <= zero;
-    Settled {
+    RefinedGuess {
         time,
         square,
         doubt: if settled { 1.0 } else { f32::INFINITY },
@@ -322,7 +326,7 @@ pub(super) struct Deflated {
 }
 
 impl Deflated {
-    /// The quartic at a guess. `margin` is that of [`Outline`].
+    /// The quartic at a guess. `margin` is that of [`LaneSquaredDistance`].
     #[inline(always)]
     pub(super) fn new(square: &[f32; 7], u: f32, margin: f32) -> Self {
         let [_, a1, a2, a3, a4, a5, a6] = *square;
@@ -353,7 +357,7 @@ impl Deflated {
 
 /// Whether the quartic is positive on both halves of the span: more than 0 if it certainly is.
 #[inline(always)]
-pub(super) fn certify(outline: &Outline, u: f32, doubt: f32) -> f32 {
+pub(super) fn certify(outline: &LaneSquaredDistance, u: f32, doubt: f32) -> f32 {
     let Deflated {
         quartic: [q0, q1, q2, q3, q4],
         inward,

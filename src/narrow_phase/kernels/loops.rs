@@ -10,16 +10,20 @@
 )]
 
 use super::batch::Lanes;
-use super::cubic::{CentredCubic, ControlPoints, Vector, distance, dot, local_time};
-use super::enclosure::{SPLIT, SPLIT_AND_HALVED, enclose_between};
-use super::guess::{
-    Guess, HalleyStep, Outline, arrive, certify, descend, descend_safely, guess, halley_step,
-    lowest_sample, outline, polish, settle,
+use super::cubic::{
+    CentredCubic, ControlPoints, Vector, coordinates, distance, dot, largest_of, local_time,
+    polygon,
 };
-use super::minorant::{lower_bound, lower_bound_far, lower_bound_near, split};
-use super::real::Real;
+use super::guess::{
+    Guess, HalleyStep, LaneSquaredDistance, arrive, certify, descend, descend_safely, guess,
+    halley_step, lowest_sample, outline, polish, settle,
+};
 use super::rival::{self, certify_against, contest, guess_against_rival};
 use super::screen::{Verdict, screen_eighths, screen_halves};
+use crate::enclosure::{
+    ControlPolygon, Minorant, enclosure, from_nearer, part_error, reversed, split, target,
+};
+use crate::real::Real;
 
 /// The number of pairs in a block: small enough for the first-level cache, whole vectors of 16
 /// lanes, and not a power of two, or the columns would compete for the same places in the cache
@@ -30,7 +34,7 @@ pub(super) const BLOCK: usize = 96;
 /// cache lines.
 #[repr(align(64))]
 #[derive(Debug)]
-pub(super) struct Block<R> {
+pub(super) struct LaneBlock<R> {
     cubics: Columns<R>,
     rough: Columns<f32>,
     squares: [[f32; BLOCK]; 7],
@@ -39,13 +43,13 @@ pub(super) struct Block<R> {
     /// Slopes, steps and errors of Halley's method.
     steps: [[R; BLOCK]; 3],
     doubts: [f32; BLOCK],
-    /// In the second try: the times of the first, and what [`rival::Contest`] says.
+    /// In the second try: the times of the first, and what [`rival::MinimumChoice`] says.
     firsts: [f32; BLOCK],
     rivals: [f32; BLOCK],
     stays: [f32; BLOCK],
 }
 
-impl<R: Real> Block<R> {
+impl<R: Real> LaneBlock<R> {
     pub(super) fn new() -> Self {
         Self {
             cubics: [[[R::default(); BLOCK]; 3]; 4],
@@ -62,8 +66,8 @@ impl<R: Real> Block<R> {
     }
 
     #[inline(always)]
-    fn outline(&self, i: usize) -> Outline {
-        Outline {
+    fn outline(&self, i: usize) -> LaneSquaredDistance {
+        LaneSquaredDistance {
             square: self.square(i),
             margin: self.margins[i],
         }
@@ -133,7 +137,7 @@ impl<R: Real> Block<R> {
     }
 
     #[inline(always)]
-    fn set_outline(&mut self, i: usize, outline: &Outline) {
+    fn set_outline(&mut self, i: usize, outline: &LaneSquaredDistance) {
         let mut k = 0;
         while k < 7 {
             self.squares[k][i] = outline.square[k];
@@ -228,28 +232,25 @@ fn set<R: Real>(columns: &mut Columns<R>, i: usize, vectors: &[Vector<R>; 4]) {
 /// Enclosures of the least distances of a block.
 #[repr(align(64))]
 #[derive(Debug)]
-pub(super) struct Bounds<R> {
-    pub(super) times: [R; BLOCK],
-    pub(super) lows: [R; BLOCK],
-    pub(super) highs: [R; BLOCK],
-    /// See [`super::enclosure::Bracketed`].
-    pub(super) tight: [R; BLOCK],
+pub(super) struct EnclosureBlock {
+    pub(super) times: [f64; BLOCK],
+    pub(super) lows: [f64; BLOCK],
+    pub(super) highs: [f64; BLOCK],
+    /// 1 if the enclosure is as tight as the error of the cubic allows, 0 if it is wider, -1 or not
+    /// a number if the range has spoilt it.
+    pub(super) tight: [f64; BLOCK],
     /// The square of the distance at the split.
-    squares: [R; BLOCK],
-    /// Lower bounds of the squared distance on the halves of both sides of the split, where they
-    /// were formed; see [`super::enclosure::bounds_of_halves`].
-    pub(super) halves: [[R; BLOCK]; 4],
+    squares: [f64; BLOCK],
 }
 
-impl<R: Real> Bounds<R> {
+impl EnclosureBlock {
     pub(super) fn new() -> Self {
         Self {
-            times: [R::default(); BLOCK],
-            lows: [R::default(); BLOCK],
-            highs: [R::default(); BLOCK],
-            tight: [R::default(); BLOCK],
-            squares: [R::default(); BLOCK],
-            halves: [[R::default(); BLOCK]; 4],
+            times: [0.0; BLOCK],
+            lows: [0.0; BLOCK],
+            highs: [0.0; BLOCK],
+            tight: [0.0; BLOCK],
+            squares: [0.0; BLOCK],
         }
     }
 }
@@ -278,7 +279,7 @@ pub(super) fn guess_pair<R: Real>(points: &ControlPoints<R>) -> Guess<R> {
 
 #[inline(always)]
 pub(super) fn guess_block<R: Real>(
-    block: &mut Block<R>,
+    block: &mut LaneBlock<R>,
     lanes: &Lanes<'_, R>,
     times: &mut [R],
     distances: &mut [R],
@@ -300,7 +301,7 @@ pub(super) fn guess_block<R: Real>(
 
 #[inline(always)]
 pub(super) fn guess_block_again<R: Real>(
-    block: &mut Block<R>,
+    block: &mut LaneBlock<R>,
     times: &mut [R],
     distances: &mut [R],
     certificates: &mut [f32],
@@ -333,11 +334,11 @@ pub(super) fn guess_block_again<R: Real>(
 }
 
 #[inline(always)]
-pub(super) fn enclose_block<R: Real>(
-    block: &mut Block<R>,
-    lanes: &Lanes<'_, R>,
-    errors: &[R],
-    bounds: &mut Bounds<R>,
+pub(super) fn enclose_block(
+    block: &mut LaneBlock<f64>,
+    lanes: &Lanes<'_, f64>,
+    errors: &[f64],
+    bounds: &mut EnclosureBlock,
 ) {
     let count = errors.len().min(BLOCK);
     let (lanes, errors) = (lanes.first(count), &errors[..count]);
@@ -350,65 +351,99 @@ pub(super) fn enclose_block<R: Real>(
     // The cubics have served; their place takes the part after the split, which would cost more to
     // form anew.
     for i in 0..count {
-        let [before, after] = split(control_points(&lanes, i), bounds.times[i]);
-        bounds.lows[i] = lower_bound(before);
-        bounds.squares[i] = dot(before[0], before[0]);
-        set(&mut block.cubics, i, &after);
+        let [before, after] = split(&polygon(&control_points(&lanes, i)), bounds.times[i]);
+        let minorant = Minorant::of(&before);
+        bounds.lows[i] = minorant.lower();
+        bounds.squares[i] = minorant.base;
+        set(&mut block.cubics, i, &coordinates(&after));
     }
     for i in 0..count {
-        bounds.highs[i] = lower_bound(get(&block.cubics, i));
+        bounds.highs[i] = Minorant::of(&polygon(&get(&block.cubics, i))).lower();
     }
-    finish_bounds(&lanes, errors, bounds, SPLIT);
+    finish_bounds(&lanes, errors, bounds, 0.0);
 }
 
 #[inline(always)]
-pub(super) fn enclose_block_finely<R: Real>(
-    lanes: &Lanes<'_, R>,
-    errors: &[R],
-    times: &[R],
-    bounds: &mut Bounds<R>,
+pub(super) fn enclose_block_finely(
+    lanes: &Lanes<'_, f64>,
+    errors: &[f64],
+    times: &[f64],
+    bounds: &mut EnclosureBlock,
 ) {
     let count = errors.len().min(BLOCK);
     let (lanes, errors, times) = (lanes.first(count), &errors[..count], &times[..count]);
     bounds.times[..count].copy_from_slice(times);
+    // A half at a time: more than that the registers do not hold.
     for i in 0..count {
-        let [before, _] = split(control_points(&lanes, i), times[i]);
-        bounds.squares[i] = dot(before[0], before[0]);
-        bounds.halves[0][i] = lower_bound_near(before);
+        let [before, _] = split(&polygon(&control_points(&lanes, i)), times[i]);
+        bounds.squares[i] = before[0].length_squared();
+        bounds.lows[i] = lower_near(&before);
     }
     for i in 0..count {
-        let [before, _] = split(control_points(&lanes, i), times[i]);
-        bounds.halves[1][i] = lower_bound_far(before);
+        let [before, _] = split(&polygon(&control_points(&lanes, i)), times[i]);
+        bounds.lows[i] = bounds.lows[i].or_less(lower_far(&before));
     }
     for i in 0..count {
-        let [_, after] = split(control_points(&lanes, i), times[i]);
-        bounds.halves[2][i] = lower_bound_near(after);
+        let [_, after] = split(&polygon(&control_points(&lanes, i)), times[i]);
+        bounds.highs[i] = lower_near(&after);
     }
     for i in 0..count {
-        let [_, after] = split(control_points(&lanes, i), times[i]);
-        bounds.halves[3][i] = lower_bound_far(after);
+        let [_, after] = split(&polygon(&control_points(&lanes, i)), times[i]);
+        bounds.highs[i] = bounds.highs[i].or_less(lower_far(&after));
     }
-    let [near_before, far_before, near_after, far_after] = &bounds.halves;
-    for i in 0..count {
-        bounds.lows[i] = near_before[i].or_less(far_before[i]);
-        bounds.highs[i] = near_after[i].or_less(far_after[i]);
-    }
-    finish_bounds(&lanes, errors, bounds, SPLIT_AND_HALVED);
+    finish_bounds(&lanes, errors, bounds, 2.0);
+}
+
+/// Returns a lower bound of the squared distance on the first half of a side, from its quarters.
+#[inline(always)]
+fn lower_near(side: &ControlPolygon) -> f64 {
+    let [near, _] = split(side, 0.5);
+    let [first, second] = split(&near, 0.5);
+    // Counted from its own end, the near half begins in the middle of the side.
+    let (first, second) = (from_nearer(&first).0, reversed(second));
+    Minorant::of(&first)
+        .lower()
+        .or_less(Minorant::of(&second).lower())
+}
+
+/// Returns a lower bound of the squared distance on the second half of a side, from its quarters.
+#[inline(always)]
+fn lower_far(side: &ControlPolygon) -> f64 {
+    let [_, far] = split(side, 0.5);
+    let [first, second] = split(&far, 0.5);
+    let (first, second) = (from_nearer(&first).0, from_nearer(&second).0);
+    Minorant::of(&first)
+        .lower()
+        .or_less(Minorant::of(&second).lower())
 }
 
 /// Turns lower bounds of the squared distance on both sides of a split, in `lows` and `highs`,
-/// into enclosures of the distance.
+/// into enclosures of the distance; parts were halved that many times after it.
 #[inline(always)]
-fn finish_bounds<R: Real>(lanes: &Lanes<'_, R>, errors: &[R], bounds: &mut Bounds<R>, units: f64) {
+fn finish_bounds(
+    lanes: &Lanes<'_, f64>,
+    errors: &[f64],
+    bounds: &mut EnclosureBlock,
+    halvings: f64,
+) {
     let count = errors.len().min(BLOCK);
     let lanes = lanes.first(count);
     for i in 0..count {
         let bound = bounds.lows[i].or_less(bounds.highs[i]);
-        let points = control_points(&lanes, i);
-        let found = enclose_between(points, bounds.squares[i], bound, errors[i], units);
+        let [p0, p1, p2, p3] = control_points(&lanes, i);
+        let squares = [dot(p0, p0), dot(p1, p1), dot(p2, p2), dot(p3, p3)];
+        // Not a number where one of them is none.
+        let size = largest_of(squares).sqrt() * (1.0 + 4.0 * f64::ROUNDING);
+        // Each halving has three roundings.
+        let error = part_error(errors[i] + 3.0 * halvings * f64::ROUNDING * size, size);
+        let found = enclosure(bound, bounds.squares[i], error);
         bounds.lows[i] = found.low;
         bounds.highs[i] = found.high;
-        bounds.tight[i] = found.tight;
+        let is_tight = bound >= target(size, error, bounds.squares[i]);
+        let tight = if is_tight { 1.0 } else { 0.0 };
+        // Negative errors, and those that are no numbers, prove nothing; nor do squares out of range.
+        let is_served = (size > 1e-50) & (size < 1e50) & (errors[i] >= 0.0);
+        bounds.tight[i] = if is_served { tight } else { -1.0 };
     }
 }
 

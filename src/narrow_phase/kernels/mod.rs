@@ -35,7 +35,7 @@
 //! or shows where to cut the span for the proof, unless it is as low. The last ones are enclosed,
 //! and searched by branch and bound.
 //!
-//! *Enclosures* (`minorant.rs`): the span is split at the guess; on each side a quadratic below
+//! *Enclosures* ([`enclosure`](crate::enclosure)): the span is split at the guess; on each side a quadratic below
 //! the Bernstein coefficients of the squared distance, formed from differences, bounds it to the
 //! last digits. Then quarters, then branch and bound.
 //!
@@ -85,18 +85,15 @@ mod batch;
 mod closest;
 mod cubic;
 mod dispatch;
-mod enclosure;
 mod enclosures;
 #[cfg(test)]
 mod exactly;
 mod exhaustive;
 mod guess;
 mod loops;
-mod minorant;
 #[cfg(feature = "parallel")]
 pub mod parallel;
 mod pending;
-mod real;
 mod refine;
 mod rival;
 pub mod scalar;
@@ -104,11 +101,12 @@ mod screen;
 mod spans;
 mod within;
 
+pub use crate::real::Real;
 pub use crate::simd::InstructionSet;
 pub use batch::{CubicBatch, Lanes};
 pub use cubic::ControlPoints;
-pub use enclosure::Enclosure;
-pub use real::Real;
+pub use enclosures::Enclosure;
+pub(crate) use refine::least_point;
 pub use screen::Verdict;
 pub use spans::SpanBatch;
 

@@ -1,14 +1,26 @@
 //! A guess of the closest approach refined in f64.
 
 use super::cubic::{
-    CentredCubic, ControlPoints, distance, dot, largest_coordinate, local_time, power_of_two,
+    CentredCubic, ControlPoints, coordinates, distance, dot, largest_coordinate, local_time,
 };
-use super::guess::{halley_step, long_step};
+use super::guess::{descend, halley_step, long_step, lowest_sample, outline, polish, settle};
+use crate::enclosure::ControlPolygon;
+use crate::real::Real;
+use crate::rounding::normalising_power;
 
 /// Steps of refinement before a proof is tried, and where none was found: at a root of
 /// multiplicity five a step shortens the error by a third.
 pub(super) const QUICK: u32 = 6;
 pub(super) const THOROUGH: u32 = 10;
+
+/// Returns the local time at which the distance of a cubic of size one, or of a part of it, seems
+/// least. Nothing is proven of it.
+pub(crate) fn least_point(points: &ControlPolygon) -> f64 {
+    let cubic = CentredCubic::new(coordinates(points));
+    let square = outline::<f64>(cubic.rough().coefficients).square;
+    let rough = descend(&square, lowest_sample(&square), f64::STEPS);
+    local_time(settle(&cubic, polish(&cubic, f64::from(rough))).time)
+}
 
 /// A guess in local time refined until the distance shrinks no more; time and distance.
 pub(super) fn refined(points: &ControlPoints<f64>, time: f64, steps: u32) -> (f64, f64) {
@@ -48,6 +60,6 @@ pub(super) fn normalised(points: &ControlPoints<f64>) -> (ControlPoints<f64>, f6
     if (1e-60..=1e60).contains(&largest) {
         return (*points, 1.0);
     }
-    let unit = power_of_two(largest);
-    (points.map(|point| point.map(|x| x / unit)), unit)
+    let power = normalising_power(largest);
+    (points.map(|point| point.map(|x| x * power)), 1.0 / power)
 }

@@ -11,8 +11,10 @@
 //! first guess had settled, that stays and only the proof is made anew.
 
 use super::cubic::{CentredCubic, ControlPoints};
-use super::guess::{Deflated, Guess, Outline, Settled, descend_safely, outline, polish, settle};
-use super::real::Real;
+use super::guess::{
+    Deflated, Guess, LaneSquaredDistance, RefinedGuess, descend_safely, outline, polish, settle,
+};
+use crate::real::Real;
 
 /// The margin of the proof in parts of that of the first (the derivation is in `kernels`).
 const AGAIN: f32 = 4.0;
@@ -22,7 +24,7 @@ pub(super) const STEPS: u32 = 3;
 
 /// A guess and what it is to be proven against.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Contest {
+pub(super) struct MinimumChoice {
     /// The centred time near the better minimum.
     pub(super) start: f32,
     /// That near the other one.
@@ -55,7 +57,11 @@ pub(super) fn guess_against_rival<R: Real>(points: ControlPoints<R>, first: Gues
 
 /// The guess near a time from more steps than the first.
 #[inline(always)]
-fn again<R: Real>(cubic: &CentredCubic<R>, outline: &Outline, start: f32) -> Settled<R> {
+fn again<R: Real>(
+    cubic: &CentredCubic<R>,
+    outline: &LaneSquaredDistance,
+    start: f32,
+) -> RefinedGuess<R> {
     let rough = descend_safely(&outline.square, start, STEPS);
     settle(cubic, polish(cubic, R::from_f64(f64::from(rough))))
 }
@@ -63,8 +69,8 @@ fn again<R: Real>(cubic: &CentredCubic<R>, outline: &Outline, start: f32) -> Set
 /// First stage: which of the two minima is the better guess, and whether it was made already.
 /// `doubt` is that of the first guess.
 #[inline(always)]
-pub(super) fn contest(outline: &Outline, first: f32, doubt: f32) -> Contest {
-    let remainder = Remainder::new(outline, first);
+pub(super) fn contest(outline: &LaneSquaredDistance, first: f32, doubt: f32) -> MinimumChoice {
+    let remainder = DeflatedRemainder::new(outline, first);
     let least = remainder.least_point(remainder.lowest_sample());
     let rival = remainder.deflated.turn * least;
     let value = remainder.value(least);
@@ -72,7 +78,7 @@ pub(super) fn contest(outline: &Outline, first: f32, doubt: f32) -> Contest {
     let again = beaten | (doubt > 1.0);
     let decided = value.abs() > AGAIN * outline.margin;
     let stays = if again { 0.0 } else { 1.0 };
-    Contest {
+    MinimumChoice {
         start: if beaten { rival } else { first },
         rival: if beaten { first } else { rival },
         stays: if decided { stays } else { f32::INFINITY },
@@ -82,8 +88,13 @@ pub(super) fn contest(outline: &Outline, first: f32, doubt: f32) -> Contest {
 /// Last stage: more than 0 if no point is certainly lower than the guess at `u`; only those
 /// around `rival` could be.
 #[inline(always)]
-pub(super) fn certify_against(outline: &Outline, u: f32, rival: f32, doubt: f32) -> f32 {
-    let remainder = Remainder::new(outline, u);
+pub(super) fn certify_against(
+    outline: &LaneSquaredDistance,
+    u: f32,
+    rival: f32,
+    doubt: f32,
+) -> f32 {
+    let remainder = DeflatedRemainder::new(outline, u);
     let rival = remainder.deflated.turn * rival;
     let (low, high) = cut(
         remainder.bernstein(),
@@ -95,14 +106,14 @@ pub(super) fn certify_against(outline: &Outline, u: f32, rival: f32, doubt: f32)
 /// What has to be positive all over the span: a polynomial of degree 5, in powers and as it came
 /// from the deflation.
 #[derive(Clone, Copy, Debug)]
-struct Remainder {
+struct DeflatedRemainder {
     powers: [f32; 6],
     deflated: Deflated,
 }
 
-impl Remainder {
+impl DeflatedRemainder {
     #[inline(always)]
-    fn new(outline: &Outline, u: f32) -> Self {
+    fn new(outline: &LaneSquaredDistance, u: f32) -> Self {
         let deflated = Deflated::new(&outline.square, u, outline.margin);
         let [q0, q1, q2, q3, q4] = deflated.quartic;
         let inward = deflated.inward;

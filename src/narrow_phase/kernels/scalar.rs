@@ -1,7 +1,7 @@
 //! The kernels for one pair, and the exhaustive method they are measured against.
 
 use super::closest::closest_approach_of;
-use super::enclosure;
+use super::enclosures;
 use super::exhaustive::all_roots;
 use super::within::within_of;
 use super::{ControlPoints, Enclosure, Real, Verdict};
@@ -29,7 +29,7 @@ pub fn closest_approach_by_roots(points: &ControlPoints<f64>, tolerance: f64) ->
 /// within the width stated there.
 #[must_use]
 pub fn enclose(points: &ControlPoints<f64>, error: f64) -> Enclosure {
-    enclosure::enclose(points, error)
+    enclosures::enclose(points, error, None)
 }
 
 /// Whether a pair certainly comes nearer than `inner`, or certainly stays farther apart than

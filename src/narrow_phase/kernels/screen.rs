@@ -7,7 +7,7 @@
 //! margins below are at least twice that.
 
 use super::cubic::{ControlPoints, dot, largest_of};
-use super::real::Real;
+use crate::real::Real;
 
 /// Whether the bodies of a pair come within a threshold of each other during a span.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

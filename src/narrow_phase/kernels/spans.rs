@@ -3,10 +3,10 @@
 use glam::DVec3;
 
 use super::batch::{CubicBatch, Lanes};
-use super::real::Real;
 use super::screen::Verdict;
 use super::within::within;
 use crate::narrow_phase::relative::RelativeCubic;
+use crate::real::Real;
 use crate::simd::InstructionSet;
 use crate::trajectory::Segment;
 

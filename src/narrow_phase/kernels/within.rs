@@ -3,11 +3,11 @@
 use super::batch::Lanes;
 use super::cubic::{ControlPoints, largest_coordinate, widened};
 use super::dispatch::{enclose_block, screen_block, screen_block_finely};
-use super::enclosure::enclose_for;
-use super::loops::{BLOCK, Block, Bounds};
-use super::pending::{FLAGS, Pending, Selection};
-use super::real::Real;
+use super::enclosures::enclose;
+use super::loops::{BLOCK, EnclosureBlock, LaneBlock};
+use super::pending::RetryQueue;
 use super::screen::{Verdict, screen_eighths, screen_halves};
+use crate::real::Real;
 use crate::simd::InstructionSet;
 
 /// The verdict on one pair.
@@ -29,9 +29,9 @@ pub(super) fn within_of<R: Real>(points: &ControlPoints<R>, inner: R, outer: R) 
     )
 }
 
-/// The verdict from an enclosure by branch and bound.
+/// The verdict from a tight enclosure.
 fn last_verdict(points: &ControlPoints<f64>, error: f64, inner: f64, outer: f64) -> Verdict {
-    let enclosure = enclose_for(points, error, inner, outer);
+    let enclosure = enclose(points, error, None);
     verdict_between(enclosure.low, enclosure.high, inner, outer)
 }
 
@@ -59,13 +59,13 @@ fn conversion_error<R: Real>(points: &ControlPoints<f64>) -> f64 {
 }
 
 /// The work of one call of [`within`].
-struct Screening<'a, R> {
+struct WithinBatch<'a, R> {
     instructions: InstructionSet,
     verdicts: &'a mut [Verdict],
     /// Undecided after the first screen: with the thresholds.
-    second: Pending<R, 2>,
+    second: RetryQueue<R, 2>,
     /// Undecided after the second screen: with the thresholds and the error, in f64.
-    third: Pending<f64, 3>,
+    third: RetryQueue<f64, 3>,
 }
 
 /// The verdict on each pair, on one thread.
@@ -76,11 +76,11 @@ pub(super) fn within<R: Real>(
     outer: &[R],
     verdicts: &mut [Verdict],
 ) {
-    let mut screening = Screening {
+    let mut screening = WithinBatch {
         instructions,
         verdicts,
-        second: Pending::new(),
-        third: Pending::new(),
+        second: RetryQueue::new(),
+        third: RetryQueue::new(),
     };
     let mut start = 0;
     while start < lanes.len() {
@@ -94,12 +94,15 @@ pub(super) fn within<R: Real>(
             &outer[start..end],
             found,
         );
-        let mut left = undecided(found);
-        let thresholds = [&inner[start..end], &outer[start..end]];
-        while !left.is_empty() {
-            screening.second.take(&mut left, start, &block, thresholds);
-            if screening.second.is_full() {
-                screening.screen_again();
+        for pair in start..end {
+            if screening.verdicts[pair] == Verdict::Undecided {
+                let points = lanes.control_points(pair);
+                screening
+                    .second
+                    .push(pair, points, [inner[pair], outer[pair]]);
+                if screening.second.is_full() {
+                    screening.screen_again();
+                }
             }
         }
         start = end;
@@ -108,16 +111,7 @@ pub(super) fn within<R: Real>(
     screening.enclose();
 }
 
-/// The places of a block without a verdict.
-fn undecided(verdicts: &[Verdict]) -> Selection {
-    let mut flags = [0; FLAGS];
-    for (flag, verdict) in flags.iter_mut().zip(verdicts) {
-        *flag = u8::from(*verdict == Verdict::Undecided);
-    }
-    Selection::of(&flags)
-}
-
-impl<R: Real> Screening<'_, R> {
+impl<R: Real> WithinBatch<'_, R> {
     /// The second screen for the pairs that wait for it.
     fn screen_again(&mut self) {
         let mut verdicts = [Verdict::Undecided; BLOCK];
@@ -153,16 +147,22 @@ impl<R: Real> Screening<'_, R> {
 
     fn enclose_pending(
         instructions: InstructionSet,
-        third: &mut Pending<f64, 3>,
+        third: &mut RetryQueue<f64, 3>,
         verdicts: &mut [Verdict],
     ) {
         if third.is_empty() {
             return;
         }
-        let mut bounds = Bounds::new();
+        let mut bounds = EnclosureBlock::new();
         let lanes = third.lanes();
         let [inner, outer, errors] = third.extras();
-        enclose_block(instructions, &mut Block::new(), &lanes, errors, &mut bounds);
+        enclose_block(
+            instructions,
+            &mut LaneBlock::new(),
+            &lanes,
+            errors,
+            &mut bounds,
+        );
         for i in 0..third.len() {
             let tight = bounds.tight[i];
             let mut found = Verdict::Undecided;

@@ -1,7 +1,8 @@
 //! Each rounding of a quadratic's answers against exact arithmetic, and errors of a cubic at their worst.
 
-use super::super::normal::UNIT;
-use super::{Minorant, stationary_reach};
+use super::super::stationary::stationary_reach;
+use super::Minorant;
+use crate::rounding::UNIT_ROUNDOFF;
 use crate::rounding::exact::number;
 use dashu::rational::RBig;
 use glam::DVec3;
@@ -30,7 +31,7 @@ fn size_of(rng: &mut ChaCha8Rng) -> f64 {
 
 /// The least squared distance of which the base may be the computed one: with three roundings of its own.
 fn least_base(minorant: &Minorant) -> RBig {
-    number(minorant.base) * (number(1.0) - number(3.0 * UNIT))
+    number(minorant.base) * (number(1.0) - number(3.0 * UNIT_ROUNDOFF))
 }
 
 /// How much the quadratic adds to that.
@@ -189,4 +190,33 @@ fn the_slope_is_below_the_exact_one() {
 /// The control points of a + b x + c x².
 fn bezier(&[a, b, c]: &[DVec3; 3]) -> [DVec3; 4] {
     [a, a + b / 3.0, a + (2.0 * b + c) / 3.0, a + b + c]
+}
+
+/// From a base that moves on evenly: the least of the squared distance is known exactly.
+#[test]
+fn lower_bounds_are_below_straight_motions() {
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    for round in 0..40_000 {
+        let bits = [4, 11][round % 2];
+        let mut lane = || rng.random_range(-(1 << bits)..=1 << bits);
+        let (start, step) = ([lane(), lane(), lane()], [lane(), lane(), lane()]);
+        let points: [[i32; 3]; 4] =
+            [0, 1, 2, 3].map(|count| [0, 1, 2].map(|k| start[k] + count * step[k]));
+        let dot = |x: [i32; 3], y: [i32; 3]| {
+            let terms = [0, 1, 2].map(|k| i64::from(x[k]) * i64::from(y[k]));
+            RBig::from(terms.into_iter().sum::<i64>())
+        };
+        let way = step.map(|lane| 3 * lane);
+        let (square, slope, bend) = (dot(start, start), dot(start, way), dot(way, way));
+        let share = if bend > RBig::ZERO {
+            -slope.clone() / &bend
+        } else {
+            RBig::ZERO
+        };
+        let share = share.max(RBig::ZERO).min(RBig::ONE);
+        let least = (&bend * &share + RBig::from(2) * slope) * share + &square;
+        let found =
+            Minorant::of(&points.map(|point| DVec3::from_array(point.map(f64::from)))).lower();
+        assert!(number(found) <= least, "{points:?}");
+    }
 }

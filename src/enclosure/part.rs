@@ -1,0 +1,97 @@
+//! Parts of a cubic, each formed from the control points of the whole.
+//!
+//! A control point of a part is wrong by at most 9u times the largest norm of the control points
+//! given, however short the part: three levels with at most three roundings per term (weight,
+//! product, sum), and weights that are not negative and sum to one.
+
+use glam::DVec3;
+
+/// Control points of a cubic or of a part of one, from the end that bounds are formed around.
+pub(crate) type ControlPolygon = [DVec3; 4];
+
+/// Returns the parts before and after `s`, both counted from `s` (de Casteljau).
+#[inline(always)]
+pub(crate) fn split(points: &ControlPolygon, s: f64) -> [ControlPolygon; 2] {
+    let [h0, h1, h2, h3] = *points;
+    let (a0, a1, a2) = (lerp(h0, h1, s), lerp(h1, h2, s), lerp(h2, h3, s));
+    let (b0, b1) = (lerp(a0, a1, s), lerp(a1, a2, s));
+    let c = lerp(b0, b1, s);
+    [[c, b0, a0, h0], [c, b1, a2, h3]]
+}
+
+/// Returns the part from `start` to `end`, counted from `start` (blossoms).
+#[inline(always)]
+pub(crate) fn part(points: &ControlPolygon, start: f64, end: f64) -> ControlPolygon {
+    let [h0, h1, h2, h3] = *points;
+    let (a0, a1, a2) = (
+        lerp(h0, h1, start),
+        lerp(h1, h2, start),
+        lerp(h2, h3, start),
+    );
+    let (aa0, aa1) = (lerp(a0, a1, start), lerp(a1, a2, start));
+    let (b0, b1, b2) = (lerp(h0, h1, end), lerp(h1, h2, end), lerp(h2, h3, end));
+    let (bb0, bb1) = (lerp(b0, b1, end), lerp(b1, b2, end));
+    [
+        lerp(aa0, aa1, start),
+        lerp(aa0, aa1, end),
+        lerp(bb0, bb1, start),
+        lerp(bb0, bb1, end),
+    ]
+}
+
+/// Returns the same part counted from its other end.
+#[inline(always)]
+pub(crate) fn reversed([a, b, c, d]: ControlPolygon) -> ControlPolygon {
+    [d, c, b, a]
+}
+
+/// Returns the same part counted from its nearer end, and whether that is the other one: without a
+/// branch, for vectors.
+#[inline(always)]
+pub(crate) fn from_nearer(points: &ControlPolygon) -> (ControlPolygon, bool) {
+    let [p0, p1, p2, p3] = *points;
+    let is_turned = p3.length_squared() < p0.length_squared();
+    let points = [
+        select(is_turned, p3, p0),
+        select(is_turned, p2, p1),
+        select(is_turned, p1, p2),
+        select(is_turned, p0, p3),
+    ];
+    (points, is_turned)
+}
+
+#[inline(always)]
+fn select(first: bool, a: DVec3, b: DVec3) -> DVec3 {
+    DVec3::new(
+        if first { a.x } else { b.x },
+        if first { a.y } else { b.y },
+        if first { a.z } else { b.z },
+    )
+}
+
+/// Returns the point at `s`.
+#[inline]
+pub(super) fn point(points: &ControlPolygon, s: f64) -> DVec3 {
+    let [h0, h1, h2, h3] = *points;
+    let (a0, a1, a2) = (lerp(h0, h1, s), lerp(h1, h2, s), lerp(h2, h3, s));
+    lerp(lerp(a0, a1, s), lerp(a1, a2, s), s)
+}
+
+#[inline(always)]
+fn lerp(a: DVec3, b: DVec3, s: f64) -> DVec3 {
+    a * (1.0 - s) + b * s
+}
+
+/// Returns the Bernstein coefficients of the squared distance, of degree 6.
+#[inline]
+pub(crate) fn squared_distance(h: &ControlPolygon) -> [f64; 7] {
+    [
+        h[0].dot(h[0]),
+        h[0].dot(h[1]),
+        (2.0 * h[0].dot(h[2]) + 3.0 * h[1].dot(h[1])) * 0.2,
+        (h[0].dot(h[3]) + 9.0 * h[1].dot(h[2])) * 0.1,
+        (2.0 * h[1].dot(h[3]) + 3.0 * h[2].dot(h[2])) * 0.2,
+        h[2].dot(h[3]),
+        h[3].dot(h[3]),
+    ]
+}
