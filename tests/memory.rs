@@ -120,5 +120,5 @@ fn figures_are_as_documented() {
     }
     is("monitored", of_monitor(8, Outside::Absent), 1100.0);
     let coasting = of_monitor(8, Outside::Coast);
-    is("monitored and coasting", coasting, 1200.0);
+    is("monitored and coasting", coasting, 1100.0);
 }

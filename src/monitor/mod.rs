@@ -96,8 +96,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// # Memory
 ///
 /// That of its [`Scene`] and, from the first tick on, about 1,100 bytes a body (measured from 10,000 to
-/// 400,000 bodies with few conflicts; more where bodies pass through many slices), 6,000 if it goes
-/// on beyond its knots, of a plan of 8 segments. Then the spans, conflicts and encounters of the lookahead.
+/// 400,000 bodies with few conflicts; more where bodies pass through many slices). Then the spans, conflicts
+/// and encounters of the lookahead.
 /// A body that is replanned no longer needs the scene's copy of its segments in f32; that goes back to the
 /// system when others are put in or taken out, or when all have been replanned.
 ///

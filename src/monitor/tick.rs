@@ -28,10 +28,8 @@ impl Monitor {
     /// length, and tells all of it.
     ///
     /// In steady state a tick takes no memory: it uses that of earlier ones, which holds as much as was
-    /// ever needed. But for this: a body that goes on beyond its knots takes more when it has done so for
-    /// 16 times as long as its plan was laid out for at first (the lookahead, about), and again when it has
-    /// for some thousand times as long. And where the boxes of more than 1,024 pairs and four a body
-    /// meet in a slice of the lookahead, the memory for these is given back each time.
+    /// ever needed. One exception: where the boxes of more than 1,024 pairs and four a body meet in a slice
+    /// of the lookahead, the memory for these is given back each time.
     ///
     /// # Errors
     ///

@@ -41,7 +41,7 @@ mod tests {
         assert_eq!(size_of::<Segment>(), 128);
         assert_eq!(size_of::<Stroke>(), 64);
         // Its motion beyond its knots lies with its segments.
-        assert_eq!(size_of::<Occupant>() + 2 * size_of::<Segment>(), 552);
+        assert_eq!(size_of::<Occupant>() + 2 * size_of::<Segment>(), 544);
         assert_eq!(size_of::<Bundle>(), 64);
         let line = size_of::<Party<'_>>() + size_of::<Pose<'_, Stroke>>();
         let line = line + size_of::<(f64, f64)>();
