@@ -1,6 +1,6 @@
 //! Bodies under ids: what is screened.
 
-mod atlas;
+mod arena;
 mod body;
 mod ignored;
 mod occupant;
@@ -9,7 +9,7 @@ mod sample;
 #[cfg(feature = "serde")]
 mod serial;
 
-pub(crate) use atlas::Atlas;
+pub(crate) use arena::CubicArena;
 pub use body::Body;
 pub(crate) use ignored::IgnoredPairs;
 pub(crate) use occupant::Occupant;
@@ -99,7 +99,7 @@ pub struct Scene {
     len: usize,
     kinds: Kinds,
     /// Of the bodies' sketches.
-    atlas: Atlas,
+    arena: CubicArena,
     /// Scratch of screenings; no part of what a scene is.
     pool: Pool<SearchScratch>,
 }
@@ -120,8 +120,8 @@ impl Scene {
         Partners::of(&self.kinds, margin)
     }
 
-    pub(crate) const fn atlas(&self) -> &Atlas {
-        &self.atlas
+    pub(crate) const fn arena(&self) -> &CubicArena {
+        &self.arena
     }
 
     /// How many bodies there are.
@@ -154,7 +154,7 @@ impl Scene {
         };
         self.kinds.add(&body);
         let place = &mut self.slots[slot as usize];
-        place.occupant = Some(Occupant::new(body, &mut self.atlas, slot));
+        place.occupant = Some(Occupant::new(body, &mut self.arena));
         let id = BodyId {
             slot,
             generation: place.generation,
@@ -179,7 +179,7 @@ impl Scene {
         }
         self.ignored.forget(id);
         self.len -= 1;
-        let body = occupant.leave(&mut self.atlas);
+        let body = occupant.leave(&mut self.arena);
         self.kinds.remove_layers(body.layers);
         self.tidy();
         Ok(body)
@@ -212,8 +212,8 @@ impl Scene {
         id: BodyId,
         trajectory: Trajectory,
     ) -> Result<Trajectory, Error> {
-        let (occupant, atlas) = self.occupant_mut(id)?;
-        let old = occupant.follow(trajectory, atlas, id.slot);
+        let (occupant, arena) = self.occupant_mut(id)?;
+        let old = occupant.follow(trajectory, arena);
         self.tidy();
         Ok(old)
     }
@@ -224,10 +224,9 @@ impl Scene {
         id: BodyId,
         trajectory: &mut Trajectory,
     ) -> Result<&Occupant, Error> {
-        let (occupant, atlas) = self.occupant_mut(id)?;
-        occupant.swap(trajectory, atlas);
-        // A monitor's ticks have no time for it, and take no memory.
-        atlas.put_off_moves();
+        let (occupant, arena) = self.occupant_mut(id)?;
+        // A monitor's ticks have no time to copy what is left.
+        occupant.swap(trajectory, arena);
         Ok(occupant)
     }
 
@@ -387,21 +386,24 @@ impl Scene {
             && (self.ignored.is_empty() || !self.ignored.contains(id_a, id_b))
     }
 
-    /// Moves some sketches, if the last change made it their turn.
+    /// Copies all sketches to new memory, if most of the old one is garbage.
     fn tidy(&mut self) {
-        while let Some(slot) = self.atlas.next_to_move() {
-            let occupant = self.slots[slot as usize].occupant.as_mut();
-            if let Some(occupant) = occupant {
-                occupant.move_sketch(&mut self.atlas, slot);
+        if !self.arena.is_mostly_garbage() {
+            return;
+        }
+        let old = std::mem::take(&mut self.arena);
+        for slot in &mut self.slots {
+            if let Some(occupant) = &mut slot.occupant {
+                occupant.move_sketch(&old, &mut self.arena);
             }
         }
     }
 
     /// A body, and where its sketch is.
-    fn occupant_mut(&mut self, id: BodyId) -> Result<(&mut Occupant, &mut Atlas), Error> {
+    fn occupant_mut(&mut self, id: BodyId) -> Result<(&mut Occupant, &mut CubicArena), Error> {
         let occupant = slot_of(&mut self.slots, id)?.occupant.as_mut();
         occupant
-            .map(|occupant| (occupant, &mut self.atlas))
+            .map(|occupant| (occupant, &mut self.arena))
             .ok_or(Error::UnknownBody { id })
     }
 }
@@ -415,13 +417,13 @@ fn slot_of(slots: &mut [Slot], id: BodyId) -> Result<&mut Slot, Error> {
 
 impl Clone for Scene {
     fn clone(&self) -> Self {
-        let mut atlas = Atlas::default();
-        let slots = (0_u32..).zip(&self.slots).map(|(number, slot)| Slot {
-            generation: slot.generation,
-            occupant: slot
-                .occupant
-                .as_ref()
-                .map(|occupant| occupant.copy(&self.atlas, &mut atlas, number)),
+        let mut arena = CubicArena::default();
+        let slots = self.slots.iter().map(|slot| {
+            let occupant = slot.occupant.as_ref();
+            Slot {
+                generation: slot.generation,
+                occupant: occupant.map(|occupant| occupant.copy(&self.arena, &mut arena)),
+            }
         });
         Self {
             slots: slots.collect(),
@@ -429,7 +431,7 @@ impl Clone for Scene {
             ignored: self.ignored.clone(),
             len: self.len,
             kinds: self.kinds.clone(),
-            atlas,
+            arena,
             pool: self.pool.clone(),
         }
     }

@@ -126,7 +126,7 @@ fn fleets_that_pass_each_other_have_few_candidates() {
         }
         let (stats, conflicts) = screen(&scene, 0.0);
         assert_eq!(conflicts, 0);
-        assert!(stats.candidates < 120 * stats.boxes, "{stats:?}");
+        assert!(stats.candidates < 40 * stats.boxes, "{stats:?}");
         let mut monitor = monitor(scene, 0.0);
         monitor.advance(0.0, &mut Vec::new()).unwrap();
         let stats = monitor.stats();
@@ -148,13 +148,18 @@ fn a_storm_is_refused_in_little_memory() {
     let mut monitor = monitor(scene, 0.0);
     monitor.set_max_spans(100_000);
     let mut events = Vec::new();
-    for now in [0.0, 0.0, 0.1] {
-        let done = monitor.advance(now, &mut events);
-        assert_eq!(done, Err(Error::TooCrowded { limit: 100_000 }));
-        assert!(events.is_empty());
-    }
+    // Each thread has its own candidates.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build();
+    pool.unwrap().install(|| {
+        for now in [0.0, 0.0, 0.1] {
+            let done = monitor.advance(now, &mut events);
+            assert_eq!(done, Err(Error::TooCrowded { limit: 100_000 }));
+            assert!(events.is_empty());
+        }
+    });
+    // As much as the scene takes, and half a GiB more, were all slices to keep their candidates.
     let peak = PEAK.load(Ordering::Relaxed);
-    assert!(peak < GIB, "{peak}");
+    assert!(peak < GIB * 5 / 8, "{peak}");
 }
 
 /// Points at one place: each two of them are a pair for ever.

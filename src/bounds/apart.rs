@@ -56,7 +56,8 @@ fn see<C: Cubic, const EXTENDED: bool>(
     let apart = stance_a.place - stance_b.place;
     let points = [0, 1, 2, 3].map(|j| Vec3A::from_vec4(apart + (points_a[j] - points_b[j])));
     let rounding = Vec3A::from_vec4(rounding_a + rounding_b);
-    let radius = (stance_a.reach + stance_b.reach) * (1.0 + 4.0 * ROUNDING);
+    // Its rounding is in both stances'.
+    let radius = stance_a.reach + stance_b.reach;
     let [p0, p1, p2, p3] = points;
     let (low, high) = (p0.min(p1).min(p2.min(p3)), p0.max(p1).max(p2.max(p3)));
     let reach = rounding + radius;
@@ -65,10 +66,11 @@ fn see<C: Cubic, const EXTENDED: bool>(
     }
     let sum = (p0 + p3) + (p1 + p2);
     let square = sum.length_squared();
-    // Each product of coordinates has a few roundings of its own.
-    let size = low.abs().max(high.abs());
-    let blur = (rounding + size * (8.0 * ROUNDING)).element_sum();
-    let beyond = (radius + blur) * square.sqrt() * (1.0 + 16.0 * ROUNDING);
+    // Products of coordinates have three roundings of their own. So many are to spare in those of places and
+    // points, three of each of which are used. The bound has seven of the radius: stances have eight on each
+    // axis.
+    let blur = rounding.element_sum();
+    let beyond = (radius + blur) * square.sqrt();
     // With smaller squares digits are lost, with larger ones everything.
     if (1e-30..1e30).contains(&square) && points.iter().all(|point| point.dot(sum) > beyond) {
         return Sight::Apart;

@@ -1,7 +1,7 @@
 //! What boxes are formed from: a part of a segment, with all that f64 makes of it.
 
 use super::ROUNDING;
-use crate::rounding::{CLEARANCE, largest_norm};
+use crate::rounding::largest_norm;
 use crate::trajectory::{Restriction, Segment};
 use glam::DVec3;
 
@@ -24,10 +24,10 @@ impl Points {
     ///   grows with the distance from the knots), and it reports what is within its tolerance of the
     ///   threshold, 2 `e` from the motion in all; 2.25 `e` if certified (numerics, Section 6: the search
     ///   ends within a quarter of it). That is 3.25 `e`, with the box's own points.
-    /// - The rest of its tolerance is roundings of the points' distance from the origin, and of that
-    ///   between the origins of both segments: less than `CLEARANCE`. An origin is no farther from the
-    ///   frame's than the farthest point is from both of them, and boxes count more than that of the
-    ///   first. So 2 `CLEARANCE` of the farthest point's distance from the origin.
+    /// - The rest of its tolerance is 48 roundings of how far both bodies go in the span, which is nothing
+    ///   next to those of f32; one of the points' distance from the origin, and two of that between the
+    ///   origins of both segments, which is no more than both bodies' where they are near each other. `e`
+    ///   has 12 roundings of the points' distance: so that is 0.25 `e`.
     ///
     /// `e` does not tell where the body is: the terms of an extrapolated cubic may be far larger than their
     /// sum.
@@ -50,7 +50,7 @@ impl Points {
         Self {
             points,
             extent: largest_norm(&[p1 - p0, p2 - p0, p3 - p0]),
-            error: error + 0.5 * CLEARANCE * largest_norm(&points),
+            error,
         }
     }
 
@@ -63,12 +63,13 @@ impl Points {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Extremes, Frame, Inflation, Pose, ROUNDING, Sketch, Stroke};
+    use super::super::{Extremes, Frame, Inflation, Piece, Pose, ROUNDING, Sketch, Stroke};
+    use super::Points;
     use crate::hitbox::Hitbox;
     use crate::knots::Knots;
     use crate::search::{FormBounds, SliceBlock, SliceBounds};
     use crate::simd::InstructionSet;
-    use crate::trajectory::{DoubleDouble, Outside, Pieces, State, Trajectory};
+    use crate::trajectory::{DoubleDouble, Outside, Pieces, State, TimeBase, Trajectory};
     use crate::window::Window;
     use glam::DVec3;
     use rand::rngs::ChaCha8Rng;
@@ -273,6 +274,39 @@ mod tests {
         }
         // Four errors, where those are all.
         assert!(tightest < 4.5, "{tightest}");
+    }
+
+    /// Polynomials in absolute time that are known badly, for the numbers that they are made of, next to how
+    /// far they go: boxes are larger by four times that (in f32), whole or in part.
+    #[test]
+    fn what_is_badly_known_is_held() {
+        for share in [0.0, 0.25] {
+            let times = [1e6, 1e6 + 1.0];
+            let terms = [0.0, 1.0, -2e6, 1e12].map(|x| DVec3::splat(1e-3 * x));
+            let plan = Trajectory::from_coefficients(&times, &[terms], TimeBase::Absolute);
+            let plan = plan.unwrap_or_else(|error| unreachable!("{error}"));
+            let mut far = terms;
+            far[3] += DVec3::splat(1e15);
+            let far = Trajectory::from_coefficients(&times, &[far], TimeBase::Absolute);
+            let far = far.unwrap_or_else(|error| unreachable!("{error}"));
+            for plan in [plan, far] {
+                let segment = &plan.segments()[0];
+                let ends = (times[0] + share, times[1] - share);
+                let part = Points::of(segment, ends);
+                let error = segment.restrict(ends.0, ends.1).error;
+                let known = if share > 0.0 { error } else { segment.error() };
+                let frame = Frame {
+                    origin: segment.origin(),
+                    power: 1.0,
+                };
+                let stroke = Stroke::of(segment, ends, &frame);
+                let stroke = stroke.unwrap_or_else(|| unreachable!("all is near the frame"));
+                let piece = Piece::whole(&stroke, ends, 1.0);
+                let room = f64::from(piece.rounding().min_element());
+                assert!(room >= 3.99 * known, "{room} {known}");
+                assert!(known < 1e-6 || room < 5.0 * known + 1e-6 * part.extent);
+            }
+        }
     }
 
     /// Boxes far beyond the knots are hardly larger than the way of the body in them: those of

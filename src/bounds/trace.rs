@@ -261,6 +261,7 @@ mod tests {
     use super::*;
     use crate::hitbox::Hitbox;
     use crate::knots::Knots;
+    use crate::rounding::exact::{Exact, number};
     use crate::search::{FormBounds, SliceBlock};
     use crate::simd::InstructionSet;
     use crate::trajectory::{State, Trajectory};
@@ -370,6 +371,82 @@ mod tests {
             });
         }
         assert!(lengths[4] > 100 && lengths[16] > 30 && lengths[64] > 5);
+    }
+
+    /// How far a body strays from a line that is known exactly, and how far it reaches, of all sizes; also
+    /// such that squares vanish.
+    #[test]
+    fn slacks_are_rounded_outward() {
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        for round in 0..20_000 {
+            let unit = [1.0, 1e-10, 1e-23][round % 3];
+            let mut lane = || unit * rng.random_range(0.0_f32..1.0);
+            let stray = Vec4::new(lane(), lane(), lane(), 0.0);
+            let rounding = Vec4::new(lane(), lane(), lane(), 0.0) * [0.0, 1.0][round / 3 % 2];
+            let reach = lane() * [0.0, 1.0][round / 6 % 2];
+            let found = course(Vec4::ZERO, Vec4::ZERO, (stray, rounding), reach, 0);
+            let parts = [reach, rounding.x, rounding.y, rounding.z];
+            let others = parts.map(|part| number(f64::from(part))).into_iter();
+            let left = number(f64::from(found.slack)) - others.fold(number(0.0), |a, b| a + b);
+            let stray = Exact::of(stray.truncate().as_dvec3());
+            assert!(
+                stray.is_within_exactly(&left),
+                "{round} {stray:?} {found:?}"
+            );
+        }
+    }
+
+    /// How far a bundle strays that takes no time, and where its line ends.
+    #[test]
+    fn strays_of_bundles_are_rounded_outward() {
+        let mut rng = ChaCha8Rng::seed_from_u64(8);
+        for _ in 0..5_000 {
+            let (stray, end): (f32, f32) = (rng.random(), rng.random());
+            let mut trace = Trace::toward((Vec4::ZERO, 1.0), Vec4::ZERO, &Period::new(1.0, 1.0));
+            (trace.least, trace.most) = (Vec4::splat(-stray), Vec4::splat(stray));
+            let bundle = trace.sum_up(Vec4::splat(end)).unpack(1.0);
+            let exact = number(f64::from(stray)) + number(f64::from(end));
+            assert!(number(f64::from(bundle.stray.x)) >= exact, "{stray} {end}");
+        }
+    }
+
+    /// Bodies that rest in boxes that move far, and go along with them, from anywhere in a slice on.
+    #[test]
+    fn places_in_moving_boxes_are_within_their_rounding() {
+        let mut rng = ChaCha8Rng::seed_from_u64(9);
+        for round in 0..20_000 {
+            let mut vector =
+                |half: f64| DVec3::from_array([0; 3].map(|_| half * rng.random_range(-1.0..1.0)));
+            let (way, aside) = (vector(1e6).as_vec3().as_dvec3(), vector(1.0));
+            let from = [0.0, 0.5, 0.999, 0.999_999][round % 4];
+            let from = f64::from(0.999_f32.min(from as f32 * rng.random_range(0.9_f32..1.0)));
+            let period = Period::new(0.0, 1.0).moving(way);
+            let rests = round % 3 == 0;
+            let points = [0.0, 1.0, 2.0, 3.0].map(|step| {
+                let share = if rests {
+                    1.0
+                } else {
+                    from + (1.0 - from) * step / 3.0
+                };
+                (way * share + aside).as_vec3().extend(0.0)
+            });
+            let near = (points[3] - points[0]).truncate().length();
+            let piece = Piece {
+                points,
+                near,
+                splits: 0.0,
+                from,
+                to: 1.0,
+            };
+            let trace = Trace::between(&piece, &piece, &period);
+            let (_, aabb) = trace.finish(&Stance::NONE, 0);
+            let [low, high] = [aabb.mins, aabb.maxs]
+                .map(|edge| DVec3::new(edge.x.into(), edge.y.into(), edge.z.into()));
+            for (share, point) in [(from, points[0]), (1.0, points[3])] {
+                let place = point.truncate().as_dvec3() - way * share;
+                assert!(low.cmple(place).all() && high.cmpge(place).all(), "{round}");
+            }
+        }
     }
 
     /// In no time a body may be anywhere on its way, and the line as well.

@@ -114,7 +114,7 @@ impl Minorant {
         let error_first = (4.0 * UNIT * SLACK) * (norm * first) + TINY;
         let error = (UNIT * SLACK) * (reach * (19.0 * norm + 10.0 * reach)) + TINY;
 
-        let e1 = below(a1 - error_first);
+        let e1 = a1 - error_first;
         let rest = [
             (2.0 * a2 + 6.0 * a1 + 3.0 * g11) * 0.2 - error,
             (a3 + 9.0 * (a1 + a2 + g12)) * 0.1 - error,
@@ -142,16 +142,14 @@ impl Minorant {
     pub(super) fn lower(&self) -> f64 {
         let (slope, bend) = (self.slope, self.bend);
         let by_quadratic = if slope < 0.0 && -slope <= 2.0 * bend {
-            slope * (slope / (4.0 * bend)) * (1.0 + 16.0 * UNIT) + TINY
+            slope * (slope / (4.0 * bend)) + TINY
         } else {
-            greater(
-                0.0,
-                -(slope + bend) + 4.0 * UNIT * (slope.abs() + bend.abs()),
-            )
+            greater(0.0, -(slope + bend))
         };
         let by_floor = greater(0.0, -self.floor);
         let sink = smaller(by_quadratic, by_floor);
-        self.base - sink * (1.0 + 4.0 * UNIT) - 6.0 * UNIT * self.base - TINY
+        // Two roundings of the quadratic or one of the chord, two of the product, one of the difference.
+        self.base - sink * (1.0 + 8.0 * UNIT) - 6.0 * UNIT * self.base - TINY
     }
 
     /// A lower bound of the squared distance at the base.
@@ -165,11 +163,8 @@ impl Minorant {
     #[inline]
     pub(super) fn reach(&self, level: f64) -> f64 {
         let (slope, bend) = (self.slope, self.bend);
-        // Room above the base, rounded up; the quadratic exceeds it beyond its larger root.
-        let gap = greater(
-            (level - self.base_below()) * (1.0 + 8.0 * UNIT) + TINY,
-            TINY,
-        );
+        // Room above the base; the quadratic exceeds it beyond its larger root.
+        let gap = greater(level - self.base_below(), TINY);
         let x = if bend > 0.0 {
             // sqrt(slope² + 4 bend gap) <= |slope| + 2 sqrt(bend gap), and each term alone holds.
             let by_bend = (gap / bend).sqrt();
@@ -180,10 +175,10 @@ impl Minorant {
             }
         } else {
             // Concave: above the chord to its value at 1.
-            let chord = slope + bend - 4.0 * UNIT * (slope.abs() + bend.abs());
+            let chord = slope + bend;
             if chord > 0.0 { gap / chord } else { 1.0 }
         };
-        // NaN (0/0) and infinity answer 1.
+        // Five roundings at most, and two of what this is multiplied by. NaN (0/0) and infinity answer 1.
         let x = x * (1.0 + 16.0 * UNIT) + TINY;
         if x < 1.0 { x } else { 1.0 }
     }
@@ -276,6 +271,9 @@ pub(crate) fn exact_differences(points: &[[i64; 3]; 4]) -> [i128; 6] {
         10 * (2 * a3 + dot(d3, d3)),
     ]
 }
+
+#[cfg(test)]
+mod exactly;
 
 #[cfg(test)]
 mod tests {

@@ -27,7 +27,7 @@ use crate::error::Error;
 use crate::narrow_phase::{Contact, Party};
 use crate::parallel;
 use crate::pool::Pool;
-use crate::rounding::{seen_from, seen_until};
+use crate::rounding::seen_from;
 use crate::scene::Scene;
 use crate::search::{self, FEW_BOXES, LimitExceeded, SpanSorter};
 use crate::spans::SpanKey;
@@ -404,7 +404,7 @@ impl Outlook {
         self.ends.clear();
         loop {
             self.ends.push(self.start(index));
-            let is_needed = self.start(index) <= seen_until(to);
+            let is_needed = self.start(index) <= to;
             let place = usize::try_from(index - self.index(from)).unwrap_or(usize::MAX);
             if place >= self.slices.len() {
                 let mut slice = self.spare.pop().unwrap_or_default();
@@ -463,13 +463,13 @@ impl Outlook {
     }
 
     /// The first slice in which to look for what is reported from `time` on: where that is on a cut,
-    /// the one before it.
+    /// the one before it. (Instants are rounded to the nearest number. Two cuts are more than one apart, and
+    /// slices hold both their ends.)
     #[allow(
         clippy::cast_possible_truncation,
         reason = "saturates; a lookahead of 2^63 slices is refused by `Monitor`"
     )]
     fn index(&self, time: f64) -> i64 {
-        let time = seen_from(time);
         let mut index = ((time - self.grid.origin) / self.grid.length).floor() as i64;
         while self.start(index) >= time {
             index -= 1;

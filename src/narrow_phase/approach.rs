@@ -11,10 +11,9 @@ use glam::Vec3A;
 /// millionth of what is computed here: 2^-22 of the coordinates, where f64 rounds 2^-53.
 #[inline]
 pub(crate) fn approaching(a: &Course, b: &Course, (from, to): (f64, f64)) -> Option<(f64, f64)> {
-    /// Share by which the distance is taken larger, for the rounding of the roots.
+    /// Share by which the distance is taken larger, for the rounding of the roots: with slacks of 2^-22 of
+    /// the coordinates that is 2^-42 of the way at least, and 2^10 roundings of it.
     const WIDER: f64 = 1.0 + 1e-6;
-    /// Rounding of the shares of the slice, and of instants.
-    const ROUNDING: f64 = 1e-9;
     if lines_apart(a, b) {
         return None;
     }
@@ -41,9 +40,10 @@ pub(crate) fn approaching(a: &Course, b: &Course, (from, to): (f64, f64)) -> Opt
     }
     // Not below zero but for rounding: the nearest instant of all is no farther.
     let room = (reach - square_at(nearest)).max(0.0);
-    let half = (room / square).sqrt() + ROUNDING;
+    let half = (room / square).sqrt();
     let (enter, exit) = (nearest - half, nearest + half);
     let instant = |share: f64| from + share * (to - from);
+    // Instants are rounded, and between two of them bodies may go a long way.
     let resolution = 4.0 * f64::EPSILON * from.abs().max(to.abs());
     let first = if enter > 0.0 {
         instant(enter) - resolution
@@ -62,20 +62,21 @@ pub(crate) fn approaching(a: &Course, b: &Course, (from, to): (f64, f64)) -> Opt
 /// Whether the two bodies pass each other at a distance, whenever: what most candidates do.
 ///
 /// The distance of a straight motion from zero is that of its cross product with its change,
-/// divided by the change. Rounding (2^-24 each): one of each difference, one of a product, one of
-/// a sum; 7 of the product of both lengths in all.
+/// divided by the change. Rounding (2^-24 each), relative to the product of both lengths: one of each
+/// difference, one of a product, one of a sum, and three of its square, half of which count; 7 in all. The
+/// bound's own are 4 of itself: of that product, where they matter. 16 hold all.
 #[inline]
 fn lines_apart(a: &Course, b: &Course) -> bool {
     const ROUNDING: f32 = 0.5 * f32::EPSILON;
     let difference = |x: [f32; 3], y: [f32; 3]| Vec3A::from_array(x) - Vec3A::from_array(y);
     let (apart, change) = (difference(a.start, b.start), difference(a.change, b.change));
-    let radius = (a.slack + b.slack) + apart.abs().element_sum() * (8.0 * ROUNDING);
+    let radius = (a.slack + b.slack) + apart.abs().element_sum() * (16.0 * ROUNDING);
     let along = change.length_squared();
-    let bound = radius * radius * along * (1.0 + 64.0 * ROUNDING);
+    let bound = radius * radius * along;
     let square = apart.cross(change).length_squared();
-    // Smaller squares have lost digits (that of the radius has not: no slack is below 1e-18),
-    // larger ones are no numbers.
-    square > bound && along > 1e-30 && bound > 1e-30 && square < 1e30
+    // Smaller squares have lost digits (that of the radius has not: no slack is below 1e-18). Where those of
+    // bodies that meet overflow, so does the bound, and nothing is above it.
+    square > bound && along > 1e-30 && bound > 1e-30
 }
 
 #[cfg(test)]
@@ -195,6 +196,106 @@ mod tests {
             passes += 1;
         }
         assert!(passes > 10_000, "{passes}");
+    }
+
+    /// The same next to the smallest numbers and the largest, by the sizes of places, of changes, and of
+    /// what bodies pass each other by.
+    #[test]
+    fn grazing_passes_at_the_ends_of_the_range_are_not_ruled_out() {
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let sizes: [[f32; 3]; 5] = [
+            [1e-11, 1e-11, 1e-11],
+            [1e-9, 1e-9, 1e-15],
+            [1e8, 1e-21, 1e8],
+            [1e18, 1e18, 1e14],
+            [1e14, 1e14, 1e13],
+        ];
+        for round in 0..50_000 {
+            let [out, fast, aside] = sizes[round % 5];
+            let mut any = |half: f32| [0; 3].map(|_| half * rng.random_range(-1.0_f32..1.0));
+            let (place, change, step) = (any(out), any(fast), any(aside));
+            let square = |x: [f32; 3]| x.map(|x| f64::from(x).powi(2)).iter().sum::<f64>();
+            // From beside the origin, along the change.
+            let along =
+                f64::from(rng.random_range(-1.0_f32..1.0)) * f64::from(out) / square(change).sqrt();
+            #[allow(clippy::cast_possible_truncation, reason = "any place will do")]
+            let start =
+                [0, 1, 2].map(|k| (f64::from(step[k]) + along * f64::from(change[k])) as f32);
+            let start = if out > aside { start } else { place };
+            let [x, y, z] = [[1, 2], [2, 0], [0, 1]].map(|[j, k]: [usize; 2]| {
+                f64::from(start[j]) * f64::from(change[k])
+                    - f64::from(start[k]) * f64::from(change[j])
+            });
+            let least = (x * x + y * y + z * z).sqrt() / square(change).sqrt();
+            #[allow(clippy::cast_possible_truncation, reason = "rounded up after that")]
+            let slack = (least * (1.0 + 1e-15)) as f32;
+            let course = |start, change, slack| Course {
+                start,
+                change,
+                slack,
+                first: 0,
+            };
+            let moving = course(start, change, slack.next_up().max(1e-18));
+            let resting = course([0.0; 3], [0.0; 3], 0.0);
+            assert!(!lines_apart(&moving, &resting), "{moving:?} {least:e}");
+        }
+    }
+
+    /// Two that come as near as their slacks, exactly, at some share of the slice; each from nearly as far as
+    /// slacks allow.
+    #[test]
+    fn passes_that_touch_are_not_ruled_out() {
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        for round in 0..20_000 {
+            let [one, other] = [0; 2].map(|_| rng.random_range(-40_000..40_000_i32));
+            // Across (2, 2, 1), which is three long.
+            let way = [one + other, -one, -2 * other];
+            #[allow(clippy::cast_precision_loss, reason = "below 2^24")]
+            let lanes = |lanes: [i32; 3]| lanes.map(|lane| lane as f32);
+            let parts = rng.random_range(3..50_u8);
+            let part = rng.random_range(1..parts);
+            let [x, y, z] = way.map(|lane| i32::from(part) * lane);
+            let moving = Course {
+                start: lanes([2 - x, 2 - y, 1 - z]),
+                change: lanes(way.map(|lane| i32::from(parts) * lane)),
+                slack: 3.0,
+                first: 0,
+            };
+            let resting = Course {
+                start: [0.0; 3],
+                change: [0.0; 3],
+                slack: 0.0,
+                first: 0,
+            };
+            let found = approaching(&moving, &resting, (0.0, f64::from(parts)));
+            let time = f64::from(part);
+            let holds = |(first, last): (f64, f64)| first <= time && time <= last;
+            assert!(found.is_some_and(holds), "{round} {moving:?} {found:?}");
+        }
+    }
+
+    /// A slice a few instants long, late: also between these bodies that are near each other are.
+    #[test]
+    fn intervals_between_instants_hold_what_is_near() {
+        let mut rng = ChaCha8Rng::seed_from_u64(6);
+        let (from, to) = (1e9, 1e9 + 1e-6);
+        let mut near = 0;
+        for round in 0..5_000 {
+            let (a, b) = (course(&mut rng, 8.0, 30.0), course(&mut rng, 8.0, 30.0));
+            let radius = f64::from(a.slack) + f64::from(b.slack);
+            let found = approaching(&a, &b, (from, to));
+            for step in 0..=100 {
+                let share = f64::from(step) / 100.0;
+                if distance(&a, &b, share) > radius {
+                    continue;
+                }
+                near += 1;
+                let time = (to - from) * share;
+                let holds = |(first, last): (f64, f64)| first - from <= time && time <= last - from;
+                assert!(found.is_some_and(holds), "{round} {share} {found:?}");
+            }
+        }
+        assert!(near > 5_000, "{near}");
     }
 
     #[test]

@@ -5,7 +5,7 @@
 //! they never reject what the solver would report.
 
 use super::hull::squared_distance;
-use crate::rounding::{UNIT_ROUNDOFF, norm, normalising_power};
+use crate::rounding::{norm, normalising_power};
 use crate::trajectory::Segment;
 use glam::DVec3;
 
@@ -62,10 +62,12 @@ fn beyond_by_coefficients(points: &[DVec3; 4], largest: DVec3, threshold: f64) -
     let power = normalising_power(largest.max_element());
     let coefficients = squared_distance(points.map(|point| point * power));
     let least = coefficients.iter().copied().fold(f64::INFINITY, f64::min);
-    // No scaled component reaches 2, no scaled square 12. 7 roundings of it for the coefficients,
-    // 16 of the threshold's square.
+    // Its rounding is the clearance's. With vi = bi(s) hi, bi the Bernstein weights, the distance at s is
+    // |v0 + v1 + v2 + v3|, and the sum P of their norms bounds the error of its square: 7 u P². Where no
+    // coefficient is negative, |v0|² and |v3|², |v1|² + 2 v0·v2 and |v2|² + 2 v1·v3 are at most that
+    // square: so P is at most 7 times the distance, which is known to 170 u of itself.
     let radius = threshold * power;
-    least > radius * radius * (1.0 + 16.0 * UNIT_ROUNDOFF) + 128.0 * UNIT_ROUNDOFF
+    least > radius * radius
 }
 
 #[cfg(test)]

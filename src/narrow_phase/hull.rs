@@ -48,8 +48,8 @@ impl Heights {
     pub(super) fn are_beyond(&self, radius: f64) -> bool {
         let least = self.heights.into_iter().fold(f64::INFINITY, f64::min);
         let radius = radius * self.power;
-        // 28 roundings of the heights, and a few of the square.
-        least > radius * radius * (1.0 + 16.0 * UNIT_ROUNDOFF) + 64.0 * UNIT_ROUNDOFF
+        // 28 roundings of the heights, and two of the radius and its square: of 4 where it matters.
+        least > radius * radius + 64.0 * UNIT_ROUNDOFF
     }
 }
 
@@ -70,6 +70,7 @@ pub(super) fn squared_distance(h: [DVec3; 4]) -> [f64; 7] {
 mod tests {
     use super::*;
     use crate::narrow_phase::stationary::stationary_points;
+    use crate::rounding::exact::Exact;
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 
@@ -81,6 +82,29 @@ mod tests {
             error: 0.0,
             size: crate::rounding::largest_norm(&points),
         }
+    }
+
+    /// Distances that an end has exactly, or that are less than its own by no more than its rounding: no
+    /// radius that holds them is ruled out.
+    #[test]
+    fn what_is_reached_is_not_beyond() {
+        let mut rng = ChaCha8Rng::seed_from_u64(12);
+        let mut is_near = 0;
+        for round in 0..20_000 {
+            let mut vector = || DVec3::from_array([0; 3].map(|_| rng.random_range(-1.0..1.0)));
+            let (end, way) = (vector(), vector());
+            // Away from the origin, and nearest at the end.
+            let way = if way.dot(end) > 0.0 { way } else { -way };
+            let cubic = cubic([0.0, 1.0, 2.0, 3.0].map(|step| end + step * way));
+            let exact = Exact::of(end);
+            let mut radius = end.length().next_down().next_down();
+            while !exact.is_within(radius) {
+                radius = radius.next_up();
+            }
+            assert!(!Heights::of(&cubic).are_beyond(radius), "{round} {end}");
+            is_near += u32::from(Heights::of(&cubic).are_beyond(radius * (1.0 - 1e-13)));
+        }
+        assert!(is_near > 10_000, "{is_near}");
     }
 
     /// The part from `from` on of a cubic given by its control points.

@@ -218,11 +218,6 @@ impl RelativeMotion {
         self.local.map(|local| apart + local)
     }
 
-    /// A bound on the error of all control points of spheres, but for the rounding of their sums, m.
-    pub(super) const fn error(&self) -> f64 {
-        self.error
-    }
-
     /// As [`RelativeCubic::blur`].
     pub(super) fn blur(&self) -> f64 {
         blur(&self.local, (self.start, self.end))

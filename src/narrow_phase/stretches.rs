@@ -319,3 +319,46 @@ fn crossing(cubic: &RelativeCubic, radius: f64, inside: &Node, outside: &Node) -
     }
     cubic.time(s)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rounding::{UNIT_ROUNDOFF, largest_norm};
+    use glam::DVec3;
+    use rand::rngs::ChaCha8Rng;
+    use rand::{RngExt, SeedableRng};
+
+    /// What comes within the tolerance of a radius, and no nearer, is looked at: a tolerance of roundings
+    /// alone, and of motions that are badly known.
+    #[test]
+    fn what_counts_as_within_is_not_ruled_out() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let (mut within, mut beyond) = (0, 0);
+        for round in 0..20_000 {
+            let mut vector = || DVec3::from_array([0; 3].map(|_| rng.random_range(-1.0..1.0)));
+            let points = [0; 4].map(|_| vector());
+            let size = largest_norm(&points);
+            let error = [1.0, 1e9][round % 2] * UNIT_ROUNDOFF * size;
+            let cubic = RelativeCubic {
+                start: 0.0,
+                end: 1.0,
+                points,
+                error,
+                size,
+            };
+            let profile = Profile::of(&cubic);
+            let least = profile.closest(&cubic, 0.0, 1.0).distance;
+            let share = rng.random_range(0.99..1.01);
+            let radius = least - cubic.tolerance() * share;
+            if radius < 0.0 {
+                continue;
+            }
+            let is_within = profile.comes_within(&cubic, radius);
+            let found = Profile::near(&cubic, radius).is_some();
+            assert!(found || !is_within, "{round} {cubic:?} {radius}");
+            within += u32::from(is_within);
+            beyond += u32::from(Profile::near(&cubic, radius * (1.0 - 1e-6) - 1e-6).is_none());
+        }
+        assert!(within > 5_000 && beyond > 100, "{within} {beyond}");
+    }
+}

@@ -1,6 +1,6 @@
 //! A body in a scene, with what screenings work out of its motion: once, and kept for the next one.
 
-use super::atlas::{Atlas, Block};
+use super::arena::{ArenaRange, CubicArena};
 use super::body::Body;
 use crate::bounds::{Drawing, Extremes, Line, Sketch};
 use crate::error::Error;
@@ -45,7 +45,7 @@ impl Outline {
 #[derive(Debug)]
 enum Lines {
     /// As it was put into the scene.
-    Shared(Block),
+    Shared(ArenaRange),
     /// While the scene was being read.
     Own(Vec<Line>),
 }
@@ -58,19 +58,19 @@ impl Lines {
         (outline, Self::Own(lines))
     }
 
-    /// The same on lines of an atlas, in place of those of an outline before.
+    /// The same on lines of an arena, in place of those of an outline before.
     fn shared(
         trajectory: &Trajectory,
         before: Option<(Outline, Self)>,
-        (atlas, owner): (&mut Atlas, u32),
+        arena: &mut CubicArena,
     ) -> (Outline, Self) {
         let count = lines_for(trajectory);
-        let block = match before {
-            Some((_, Self::Shared(block))) => atlas.exchange(block, count, owner),
-            _ => atlas.take(count, owner),
+        let range = match before {
+            Some((_, Self::Shared(range))) => arena.exchange(range, count),
+            _ => arena.take(count),
         };
-        let outline = Outline::of(trajectory, atlas.at_mut(&block));
-        (outline, Self::Shared(block))
+        let outline = Outline::of(trajectory, arena.at_mut(&range));
+        (outline, Self::Shared(range))
     }
 }
 
@@ -87,9 +87,9 @@ pub(crate) struct Occupant {
 }
 
 impl Occupant {
-    /// The body in a slot of the scene with this atlas.
-    pub(super) fn new(body: Body, atlas: &mut Atlas, slot: u32) -> Self {
-        let outline = Lines::shared(&body.trajectory, None, (atlas, slot)).into();
+    /// The body in the scene with this arena.
+    pub(super) fn new(body: Body, arena: &mut CubicArena) -> Self {
+        let outline = Lines::shared(&body.trajectory, None, arena).into();
         Self { body, outline }
     }
 
@@ -103,11 +103,11 @@ impl Occupant {
         self.outline.get_or_init(|| Lines::of(trajectory))
     }
 
-    /// The trajectory's sketch; the atlas is that of the scene that the body is in.
-    pub(crate) fn drawing<'a>(&'a self, atlas: &'a Atlas) -> Drawing<'a> {
+    /// The trajectory's sketch; the arena is that of the scene that the body is in.
+    pub(crate) fn drawing<'a>(&'a self, arena: &'a CubicArena) -> Drawing<'a> {
         let (outline, lines) = self.outlined();
         outline.sketch.on(match lines {
-            Lines::Shared(block) => atlas.at(block),
+            Lines::Shared(range) => arena.at(range),
             Lines::Own(lines) => lines,
         })
     }
@@ -133,54 +133,49 @@ impl Occupant {
         extension.map_err(|error| error.in_body(*tag))
     }
 
-    /// Gives the body in a slot another trajectory, and returns the old one.
+    /// Gives the body another trajectory, and returns the old one.
     pub(super) fn follow(
         &mut self,
         mut trajectory: Trajectory,
-        atlas: &mut Atlas,
-        slot: u32,
+        arena: &mut CubicArena,
     ) -> Trajectory {
-        let outline = Lines::shared(&trajectory, self.outline.take(), (atlas, slot));
-        self.swap(&mut trajectory, atlas);
+        let outline = Lines::shared(&trajectory, self.outline.take(), arena);
+        self.swap(&mut trajectory, arena);
         self.outline = outline.into();
         trajectory
     }
 
     /// The same in place. The outline is left for when it is asked for: a body that is replanned
     /// each tick seldom needs it.
-    pub(super) fn swap(&mut self, trajectory: &mut Trajectory, atlas: &mut Atlas) {
-        self.forget_outline(atlas);
+    pub(super) fn swap(&mut self, trajectory: &mut Trajectory, arena: &mut CubicArena) {
+        self.forget_outline(arena);
         std::mem::swap(&mut self.body.trajectory, trajectory);
     }
 
     /// The body alone, which is in the scene no more.
-    pub(super) fn leave(mut self, atlas: &mut Atlas) -> Body {
-        self.forget_outline(atlas);
+    pub(super) fn leave(mut self, arena: &mut CubicArena) -> Body {
+        self.forget_outline(arena);
         self.body
     }
 
-    /// Moves the sketch to where the atlas has room for it.
-    pub(super) fn move_sketch(&mut self, atlas: &mut Atlas, slot: u32) {
-        if let Some((_, Lines::Shared(block))) = self.outline.get_mut() {
-            atlas.move_out(block, slot);
+    /// Copies the sketch from the scene's old arena to the new one.
+    pub(super) fn move_sketch(&mut self, old: &CubicArena, arena: &mut CubicArena) {
+        if let Some((_, Lines::Shared(range))) = self.outline.get_mut() {
+            *range = arena.take_copy(old, range);
         }
     }
 
-    fn forget_outline(&mut self, atlas: &mut Atlas) {
-        if let Some((_, Lines::Shared(block))) = self.outline.take() {
-            atlas.give_back(block);
+    fn forget_outline(&mut self, arena: &mut CubicArena) {
+        if let Some((_, Lines::Shared(range))) = self.outline.take() {
+            arena.give_back(range);
         }
     }
 
-    /// The same body in the same slot of a copy of its scene.
-    pub(super) fn copy(&self, atlas: &Atlas, copy: &mut Atlas, slot: u32) -> Self {
+    /// The same body in a copy of its scene.
+    pub(super) fn copy(&self, arena: &CubicArena, copy: &mut CubicArena) -> Self {
         let outline = self.outline.get().map(|(outline, lines)| {
             let lines = match lines {
-                Lines::Shared(block) => {
-                    let (lines, block) = (atlas.at(block), copy.take(atlas.at(block).len(), slot));
-                    copy.at_mut(&block).copy_from_slice(lines);
-                    Lines::Shared(block)
-                }
+                Lines::Shared(range) => Lines::Shared(copy.take_copy(arena, range)),
                 Lines::Own(lines) => Lines::Own(lines.clone()),
             };
             (*outline, lines)

@@ -35,12 +35,12 @@ impl TryFrom<Parts> for Scene {
             return Err(Error::SceneFull);
         }
         let mut scene = Self::default();
-        for (slot, (generation, body)) in (0..).zip(parts.slots) {
+        for (generation, body) in parts.slots {
             scene.len += usize::from(body.is_some());
             body.iter().for_each(|body| scene.kinds.add(body));
             scene.slots.push(Slot {
                 generation,
-                occupant: body.map(|body| Occupant::new(body, &mut scene.atlas, slot)),
+                occupant: body.map(|body| Occupant::new(body, &mut scene.arena)),
             });
         }
         // Each free slot is one that is empty, once.

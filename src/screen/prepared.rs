@@ -12,7 +12,7 @@ use crate::narrow_phase::Party;
 use crate::parallel;
 use crate::pool::Pool;
 use crate::query::Query;
-use crate::scene::{Atlas, Body, IgnoredPairs, Occupant, Scene, can_reach, radius};
+use crate::scene::{Body, CubicArena, IgnoredPairs, Occupant, Scene, can_reach, radius};
 use crate::search::{Lifetimes, Limits, SceneStatistics, SearchScratch};
 use crate::spans::common_domain;
 use crate::trajectory::Extension;
@@ -40,7 +40,7 @@ pub(super) struct PreparedScene<'a> {
     pub(super) prescribed: Option<NonZeroU32>,
     pub(super) limits: Limits,
     pub(super) pool: &'a Pool<SearchScratch>,
-    atlas: &'a Atlas,
+    arena: &'a CubicArena,
     pub(super) frame: MovingFrame,
     survey: SceneSurvey,
 }
@@ -82,7 +82,7 @@ impl<'a> PreparedScene<'a> {
             prescribed: query.slices,
             limits: Limits::of_spans(query.max_spans()),
             pool: scene.pool(),
-            atlas: scene.atlas(),
+            arena: scene.arena(),
             frame,
             survey,
         };
@@ -129,7 +129,7 @@ impl<'a> PreparedScene<'a> {
         let of_place = |(other, _): &(usize, Extension)| other.cmp(&place);
         let extension = self.extensions.binary_search_by(of_place);
         let extension = extension.ok().map(|number| &self.extensions[number].1);
-        let drawing = occupant.drawing(self.atlas);
+        let drawing = occupant.drawing(self.arena);
         // A screening reads knots next to the sketches.
         let knots = drawing.knots.extended(&occupant.body.trajectory, extension);
         let inflation = Inflation::of(&occupant.body.hitbox, self.margin, frame);

@@ -41,11 +41,11 @@ mod tests {
         assert_eq!(size_of::<Segment>(), 128);
         assert_eq!(size_of::<Stroke>(), 64);
         // Its motion beyond its knots lies with its segments.
-        assert_eq!(size_of::<Occupant>() + 2 * size_of::<Segment>(), 592);
+        assert_eq!(size_of::<Occupant>() + 2 * size_of::<Segment>(), 552);
         assert_eq!(size_of::<Bundle>(), 64);
         let line = size_of::<Party<'_>>() + size_of::<Pose<'_, Stroke>>();
         let line = line + size_of::<(f64, f64)>();
-        assert_eq!(line, 272);
+        assert_eq!(line, 320);
         let boxed = size_of::<BodyBox>() + size_of::<Course>() + size_of::<u32>();
         assert_eq!(boxed, 64);
         assert_eq!(size_of::<Candidate>(), 8);

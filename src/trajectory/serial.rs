@@ -2,7 +2,6 @@
 
 use super::build::{check_number, check_times};
 use super::extension::check_reach;
-use super::roomy::Roomy;
 use super::{Outside, Segment, Trajectory};
 use crate::error::{Error, Quantity};
 use crate::rounding::{largest_norm, one_zero};
@@ -23,11 +22,11 @@ pub(super) struct Numbers {
 
 impl From<Trajectory> for Numbers {
     fn from(trajectory: Trajectory) -> Self {
-        let ends = trajectory.segments.beside();
+        let segments = trajectory.segments().iter().map(Segment::numbers);
         Self {
-            knots: trajectory.knots.to_vec(),
-            segments: trajectory.segments.iter().map(Segment::numbers).collect(),
-            ends: [&ends[0], &ends[1]].map(Segment::numbers),
+            segments: segments.collect(),
+            ends: [trajectory.leading(), trajectory.trailing()].map(Segment::numbers),
+            knots: trajectory.knots,
             outside: [trajectory.before, trajectory.after],
         }
     }
@@ -74,9 +73,11 @@ impl TryFrom<Numbers> for Trajectory {
             // A piece may be any part of its cubic, also one beyond it.
             check_reach(segment, (ends[0], ends[1]), knot)?;
         }
+        let mut cubics = Self::list_of(segments.len(), ends);
+        cubics.extend(segments);
         Ok(Self {
-            segments: Roomy::new(&segments, &ends),
-            knots: Roomy::new(&knots, &[]),
+            knots,
+            cubics,
             before: rule_before,
             after: rule_after,
         })

@@ -12,6 +12,7 @@ mod budgets;
 mod clocks;
 mod crowded;
 mod grid;
+mod instants;
 mod late;
 mod questions;
 mod reference;

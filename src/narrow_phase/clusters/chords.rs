@@ -2,7 +2,8 @@
 
 use super::{Candidate, Clusters, short};
 use crate::hitbox::Sphere;
-use crate::rounding::{CLEARANCE, UNDERFLOW, norm, normalising_power};
+use crate::narrow_phase::relative::filter_threshold;
+use crate::rounding::{norm, normalising_power};
 use glam::DVec3;
 use std::iter::successors;
 use std::ops::Range;
@@ -84,9 +85,9 @@ impl Chords {
             unit: 1.0 / power,
             lines,
             bend: most,
-            // A filter's, twice: the pieces have as many roundings again. Distances that are constant
-            // tie within their error: what may matter for a tie has to be seen.
-            slack: 2.0 * CLEARANCE * scale + 4.0 * clusters.motion.error() + UNDERFLOW,
+            // A filter's, twice: the pieces have as many roundings again. Distances that are constant tie
+            // within their tolerance, of which a clearance has two: what may matter for a tie has to be seen.
+            slack: 2.0 * filter_threshold(0.0, scale),
         }
     }
 

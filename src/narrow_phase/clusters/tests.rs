@@ -321,6 +321,128 @@ fn the_nearest_is_that_of_all_pairs() {
     }
 }
 
+/// Clusters of spheres that fly by late on the clock, where instants are far apart: within one of these, and
+/// as far as bodies fly in it, spheres are the nearest ones by turns.
+fn late_case(rng: &mut ChaCha8Rng) -> Case {
+    const START: f64 = 1.7e9;
+    let vector = |rng: &mut ChaCha8Rng, half: f64| {
+        DVec3::from_array([0; 3].map(|_| rng.random_range(-half..=half)))
+    };
+    let velocity = vector(rng, 1e4);
+    let way = velocity.length() * 10f64.powf(rng.random_range(-9.0..-6.0));
+    let aside = 10f64.powf(rng.random_range(-3.0..1.0));
+    let radius = [0.0, 0.3 * aside][rng.random_range(0..2)];
+    let hitboxes = [0, 1].map(|_| {
+        let spheres = (0..4).map(|_| Sphere {
+            offset: vector(rng, way),
+            radius,
+        });
+        Hitbox::cluster(spheres.collect()).unwrap_or_else(|error| unreachable!("{error}"))
+    });
+    let across = velocity.any_orthonormal_vector() * aside;
+    let middle = START + rng.random_range(0.3..0.7);
+    let plans = [(velocity, across), (DVec3::ZERO, DVec3::ZERO)].map(|(velocity, place)| {
+        let states = [START, START + 1.0]
+            .map(|time| State::new(time, place + velocity * (time - middle), velocity));
+        let plan = Trajectory::from_states(&states);
+        Pieces::own(&plan.unwrap_or_else(|error| unreachable!("{error}")))
+    });
+    let more = [-way, 0.0, way, aside][rng.random_range(0..4)];
+    Case {
+        plans,
+        hitboxes,
+        margin: aside - 2.0 * radius + more,
+        clip: (f64::MIN, f64::MAX),
+        start: START,
+        end: START + 1.0,
+    }
+}
+
+/// Windows that begin and end with contacts and with the nearest instants of spheres, and an instant before
+/// or after.
+#[test]
+fn what_instants_are_rounded_by_rules_nothing_out() {
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let (mut workspace, mut all) = (Workspace::default(), Workspace::default());
+    let (mut several, mut kept) = (0, Vec::new());
+    for round in 0..600 {
+        let case = late_case(&mut rng);
+        let [a, b] = &case.parties();
+        let mut instants = Vec::new();
+        case.each(|pair, span| {
+            let profile = Profile::of(&pair.cubic);
+            let mut found = Vec::new();
+            pair.contacts(&profile, span, case.margin, case.clip, &mut found);
+            instants.extend(
+                found
+                    .iter()
+                    .flat_map(|one| [one.enter, one.closest.time, one.exit]),
+            );
+        });
+        let whole = (case.start, case.end);
+        let spans = || case.spans().into_iter();
+        kept.clear();
+        for span in spans() {
+            solve(a, b, span, case.margin, |solved| kept.push(solved));
+        }
+        for _ in 0..8.min(instants.len()) {
+            let any = |rng: &mut ChaCha8Rng| {
+                let time = instants[rng.random_range(0..instants.len())];
+                [time.next_down(), time, time.next_up()][rng.random_range(0..3)]
+            };
+            let (one, other) = (any(&mut rng), any(&mut rng));
+            let clips = [
+                (one, whole.1),
+                (whole.0, one),
+                (one.min(other), one.max(other)),
+                (one, one),
+            ];
+            let clip = clips[rng.random_range(0..4)];
+            let (mut found, mut expected) = (Vec::new(), Vec::new());
+            contacts(a, b, spans(), case.margin, clip, &mut found);
+            case.each(|pair, span| {
+                pair.contacts(
+                    &Profile::of(&pair.cubic),
+                    span,
+                    case.margin,
+                    clip,
+                    &mut expected,
+                );
+            });
+            join(&mut expected, 0);
+            assert_eq!(found, expected, "{round} {clip:?}");
+            found.clear();
+            contacts_of(kept.iter(), case.margin, clip, &mut found);
+            assert_eq!(found, expected, "{round} {clip:?}");
+            several += usize::from(!found.is_empty());
+            let nearest = closest_approach(a, b, spans(), clip);
+            let mut all_of_them = Nearest::new();
+            case.each(|pair, span| {
+                all_of_them.push(pair, span, clip);
+            });
+            all_of_them.settle();
+            assert_eq!(nearest, all_of_them.closest, "{round} {clip:?}");
+            let (mut proven, mut expected) = (Vec::new(), Vec::new());
+            certified_contacts(
+                a,
+                b,
+                spans(),
+                case.margin,
+                clip,
+                &mut workspace,
+                &mut proven,
+            );
+            all.clear();
+            case.each(|pair, span| {
+                all.solve(pair, span, case.margin, clip);
+            });
+            all.join((a, b), case.margin, clip, &mut expected);
+            assert_eq!(proven, expected, "{round} {clip:?}");
+        }
+    }
+    assert!(several > 500, "{several}");
+}
+
 /// Many contacts in one span: beads on a rod, flown along. And all but no motion at all.
 #[test]
 fn rods_and_next_to_no_motion() {

@@ -87,6 +87,8 @@ mod cubic;
 mod dispatch;
 mod enclosure;
 mod enclosures;
+#[cfg(test)]
+mod exactly;
 mod exhaustive;
 mod guess;
 mod loops;

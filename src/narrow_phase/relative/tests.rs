@@ -62,6 +62,24 @@ fn sums_are_within_the_error() {
     }
 }
 
+/// Differences half-way between two numbers, and a norm that is rounded down: what is left of the bound is
+/// its terms of second order.
+#[test]
+fn sums_are_within_the_error_to_second_order() {
+    let size = DVec3::new(1.0, 2f64.powi(-26), 0.0);
+    // Exactly size (1 + u), rounded to size; and the origins are as far apart as that was rounded by.
+    let lost = UNIT_ROUNDOFF * size;
+    let local = size - -lost;
+    let cubic = motion(lost, [local; 4], 0.0).of_spheres(DVec3::ZERO);
+    let exact = Exact::of(size)
+        .plus(&Exact::of(lost))
+        .plus(&Exact::of(lost));
+    for point in cubic.points {
+        let off = exact.minus(&Exact::of(point));
+        assert!(off.is_within(cubic.error), "{cubic:?} {off:?}");
+    }
+}
+
 /// Both bodies' errors count.
 #[test]
 fn errors_of_both_bodies_add_up() {

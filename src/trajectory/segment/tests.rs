@@ -145,6 +145,35 @@ fn points_of_parts() {
     }
 }
 
+/// The exact control points of a polynomial between two knots; its variable at the first one is `shift`.
+fn exact_points(coefficients: &[DVec3; 4], shift: f64, knots: [f64; 2]) -> [Exact; 4] {
+    let at = |share: u8| {
+        let lasting = number(knots[1]) - number(knots[0]);
+        number(shift) + lasting * RBig::from(share) / RBig::from(3)
+    };
+    // The blossom at three instants: products of all, of two, of one, of none.
+    let blossom = |x: &RBig, y: &RBig, z: &RBig| {
+        let three = RBig::from(3);
+        let factors = [
+            x * y * z,
+            (x * y + y * z + z * x) / &three,
+            (x + y + z) / &three,
+            RBig::ONE,
+        ];
+        let terms = coefficients.iter().zip(&factors);
+        terms.fold(Exact::of(DVec3::ZERO), |sum, (coefficient, factor)| {
+            sum.plus(&Exact::of(*coefficient).times(factor))
+        })
+    };
+    let (start, end) = (at(0), at(3));
+    [
+        blossom(&start, &start, &start),
+        blossom(&start, &start, &end),
+        blossom(&start, &end, &end),
+        blossom(&end, &end, &end),
+    ]
+}
+
 /// Polynomials in absolute time, far from the origin too, and such that all terms cancel.
 #[test]
 fn points_of_polynomials() {
@@ -168,36 +197,88 @@ fn points_of_polynomials() {
             unreachable!("all is finite")
         };
         let shift = if base == TimeBase::Absolute { far } else { 0.0 };
-        let at = |share: u8| {
-            let lasting = number(knots[1]) - number(knots[0]);
-            number(shift) + lasting * RBig::from(share) / RBig::from(3)
-        };
-        // The blossom at three instants: products of all, of two, of one, of none.
-        let blossom = |x: &RBig, y: &RBig, z: &RBig| {
-            let three = RBig::from(3);
-            let factors = [
-                x * y * z,
-                (x * y + y * z + z * x) / &three,
-                (x + y + z) / &three,
-                RBig::ONE,
-            ];
-            let terms = coefficients.iter().zip(&factors);
-            terms.fold(Exact::of(DVec3::ZERO), |sum, (coefficient, factor)| {
-                sum.plus(&Exact::of(*coefficient).times(factor))
-            })
-        };
-        let (start, end) = (at(0), at(3));
-        let exact = [
-            blossom(&start, &start, &start),
-            blossom(&start, &start, &end),
-            blossom(&start, &end, &end),
-            blossom(&end, &end, &end),
-        ];
+        let exact = exact_points(&coefficients, shift, knots);
         let segment = &motion.segments()[0];
         for (point, exact) in segment.control_points().into_iter().zip(exact) {
             let found = Exact::of(segment.origin()).plus(&Exact::of(point));
             let off = found.minus(&exact);
             assert!(off.is_within(segment.error()), "{segment:?} {off:?}");
+        }
+    }
+}
+
+/// Position and velocity vanish at the first knot but for rounding, and the next knot is the next number:
+/// what sums twice as precise as f64 leave is then more than the rounding of all control points.
+#[test]
+fn points_of_polynomials_that_vanish() {
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let mut vanishing = 0;
+    for _ in 0..60_000 {
+        let begin: f64 = rng.random_range(1.0..2.0);
+        let mut any = || rng.random_range(-1.0..1.0);
+        let (a, b): (f64, f64) = (any(), any());
+        let nearest = |exact: &RBig| exact.to_f64().value();
+        let time = number(begin);
+        let slope = (number(a) * RBig::from(3) * &time + number(b) * RBig::from(2)) * &time;
+        let c = -nearest(&slope);
+        let rest = ((number(a) * &time + number(b)) * &time + number(c)) * &time;
+        let d = -nearest(&rest);
+        // What is left is rounded to less than that.
+        if nearest(&(rest + number(d))).abs() > 2f64.powi(-58) {
+            continue;
+        }
+        vanishing += 1;
+        let coefficients = [a, b, c, d].map(|x| DVec3::X * x);
+        let knots = [begin, begin.next_up()];
+        let motion = Trajectory::from_coefficients(&knots, &[coefficients], TimeBase::Absolute);
+        let motion = motion.unwrap_or_else(|error| unreachable!("{error}"));
+        let segment = &motion.segments()[0];
+        let exact = exact_points(&coefficients, begin, knots);
+        for (point, exact) in segment.control_points().into_iter().zip(exact) {
+            let off = Exact::of(segment.origin())
+                .plus(&Exact::of(point))
+                .minus(&exact);
+            assert!(off.is_within(segment.error()), "{segment:?} {off:?}");
+        }
+    }
+    assert!(vanishing > 500, "{vanishing}");
+}
+
+/// A body goes straight on where a polynomial ends: its position there is rounded, and its velocity.
+#[test]
+fn lines_at_the_ends_of_polynomials() {
+    let mut rng = ChaCha8Rng::seed_from_u64(6);
+    for round in 0..20_000 {
+        let unit = [1.0, 1e-3][round % 2];
+        let knots = [0.0, 1.0].map(|time| time + unit * rng.random_range(0.0..1.0));
+        let mut coefficients = [0; 4].map(|_| vector(&mut rng, 1.0));
+        if round % 3 == 0 {
+            // Nearly at rest at its end, far from the origin.
+            let [a, b, c, _] = &mut coefficients;
+            *c = -(*a * 3.0 * knots[1] + *b * 2.0) * knots[1];
+        }
+        let motion = Trajectory::from_coefficients(&knots, &[coefficients], TimeBase::Absolute);
+        let motion = motion.unwrap_or_else(|error| unreachable!("{error}"));
+        for (line, knot) in motion.cubics[..2].iter().zip(knots) {
+            let line = line.straight();
+            let time = number(knot);
+            let [a, b, c, d] = coefficients.each_ref().map(|x| Exact::of(*x));
+            let linear = b.plus(&a.times(&time)).times(&time).plus(&c);
+            let position = linear.times(&time).plus(&d);
+            let (twice, thrice) = (RBig::from(2), RBig::from(3));
+            let velocity = b.times(&twice).plus(&a.times(&thrice).times(&time));
+            let velocity = velocity.times(&time).plus(&c);
+            let whole = line.restrict(line.start(), line.end());
+            let lasting = (number(line.end()) - number(line.start())) / RBig::from(3);
+            for (count, point) in (0_u8..).zip(whole.points) {
+                let exact = velocity
+                    .times(&(&lasting * RBig::from(count)))
+                    .plus(&position);
+                let off = Exact::of(line.origin())
+                    .plus(&Exact::of(point))
+                    .minus(&exact);
+                assert!(off.is_within(whole.error), "{round} {line:?} {off:?}");
+            }
         }
     }
 }

@@ -1,0 +1,117 @@
+//! Late on the clock, where instants are far apart: what begins or ends between two of them is told at one, and
+//! questions and jumps of the clock see it there.
+
+use super::support::{line, rng};
+use glam::DVec3;
+use nearmiss::{AlertLevel, Body, BodyId, Conflict, Monitor, Query, Scene, Trajectory, Window};
+use rand::RngExt;
+
+/// Instants are 2^-23 s apart; all lasts for a thousand of them.
+const NOW: f64 = 1e9;
+const ULP: f64 = 1.0 / 8_388_608.0;
+const LOOKAHEAD: f64 = 1_024.0 * ULP;
+const SPEED: f64 = 1e3;
+/// Plans of a few lookaheads: what f32 knows of them is finer than how far they go between two instants.
+const SHORT: (f64, f64) = (NOW - LOOKAHEAD, NOW + 3.0 * LOOKAHEAD);
+const LONG: (f64, f64) = (NOW - LOOKAHEAD, NOW + 256.0 * LOOKAHEAD);
+
+/// A body that is a metre from the origin at an instant, or so many spacings of them later.
+#[derive(Clone, Copy, Debug)]
+struct Passing {
+    time: f64,
+    later: f64,
+    velocity: f64,
+}
+
+impl Passing {
+    fn plan(self, (begin, end): (f64, f64)) -> Trajectory {
+        let place = 1.0 - self.velocity * ((self.time - begin) + self.later * ULP);
+        line(begin, end, DVec3::X * place, DVec3::X * self.velocity)
+    }
+}
+
+fn resting(x: f64, (begin, end): (f64, f64)) -> Trajectory {
+    line(begin, end, DVec3::X * x, DVec3::ZERO)
+}
+
+/// A body at rest in the origin, and another one.
+fn pair(plan: Trajectory) -> (Scene, [BodyId; 2]) {
+    let mut scene = Scene::new();
+    let knots = plan.knots();
+    let ends = (knots[0], knots[knots.len() - 1]);
+    let plans = [resting(0.0, ends), plan];
+    let ids = plans.map(|plan| scene.insert(Body::new(plan)).unwrap());
+    (scene, ids)
+}
+
+fn monitor(scene: Scene) -> Monitor {
+    Monitor::new(scene, NOW, LOOKAHEAD, &[AlertLevel::at(1.0)]).unwrap()
+}
+
+fn screened(scene: &Scene, from: f64, to: f64) -> Vec<Conflict> {
+    let query = Query::new(Window::new(from, to).unwrap()).with_margin(1.0);
+    scene.screen(&query).unwrap().conflicts
+}
+
+/// A contact that ends a third of a spacing before the clock, or begins as long after the lookahead: told at
+/// the clock, or at the end.
+#[test]
+fn questions_see_what_is_told_at_their_ends() {
+    for is_recent in [false, true] {
+        for (time, later, velocity) in [(NOW, -0.3, SPEED), (NOW + LOOKAHEAD, 0.3, -SPEED)] {
+            let passing = Passing {
+                time,
+                later,
+                velocity,
+            };
+            let (mut scene, [still, id]) = pair(resting(4.0, SHORT));
+            if is_recent {
+                scene.set_trajectory(still, resting(-4.0, SHORT)).unwrap();
+            }
+            let mut monitor = monitor(scene);
+            monitor.advance(NOW, &mut Vec::new()).unwrap();
+            if is_recent {
+                monitor.set_trajectory(still, resting(0.0, SHORT)).unwrap();
+            }
+            let found = monitor.what_if(id, &passing.plan(SHORT), 0).unwrap();
+            let (scene, _) = pair(passing.plan(SHORT));
+            assert_eq!(screened(&scene, NOW, NOW + LOOKAHEAD).len(), 1);
+            assert_eq!(found.len(), 1, "{is_recent} {passing:?}");
+        }
+    }
+}
+
+/// The same where two slices meet, and where a clock that jumps begins.
+#[test]
+fn slices_and_jumps_see_what_is_told_at_their_ends() {
+    let mut rng = rng(1);
+    for round in 0..400 {
+        // Slices are whole spacings long: some of these instants are cuts.
+        let time = NOW + ULP * f64::from(rng.random_range(0..1_024_u16));
+        let passing = Passing {
+            time: [NOW, NOW + LOOKAHEAD, NOW + 0.5 * LOOKAHEAD, time][round % 4],
+            later: [-0.3, 0.3][round / 4 % 2],
+            velocity: [SPEED, -SPEED][round / 8 % 2],
+        };
+        let (scene, _) = pair(passing.plan(SHORT));
+        let mut monitor = monitor(scene);
+        for now in [NOW, NOW + 0.5 * LOOKAHEAD, NOW + LOOKAHEAD] {
+            monitor.advance(now, &mut Vec::new()).unwrap();
+            let expected = screened(monitor.scene(), now, now + LOOKAHEAD);
+            assert_eq!(monitor.conflicts(0).unwrap(), expected, "{passing:?} {now}");
+        }
+        let jump = |first: Option<f64>| {
+            let (scene, _) = pair(passing.plan(LONG));
+            let mut monitor = self::monitor(scene);
+            let mut events = Vec::new();
+            for now in first.into_iter().chain([NOW + 100.0 * LOOKAHEAD]) {
+                monitor.advance(now, &mut events).unwrap();
+            }
+            !events.is_empty()
+        };
+        let (scene, _) = pair(passing.plan(LONG));
+        let is_told = !screened(&scene, NOW, NOW + 100.0 * LOOKAHEAD).is_empty();
+        assert_eq!(jump(None), is_told, "{passing:?}");
+        assert_eq!(jump(Some(NOW)), is_told, "{passing:?}");
+    }
+}
