@@ -8,17 +8,23 @@ pub use crate::simd::InstructionSet;
 
 pub mod broad_phase {
     //! Boxes in, candidate pairs out.
-    pub use crate::broad_phase::*;
+    pub use crate::broad_phase::{
+        BodyBox, BroadPhase, BruteForce, Candidate, Everyone, InstructionSet, Method, PairFilter,
+        Sweep, Tree,
+    };
 }
 
 pub mod enclosure {
     //! Certified enclosures of one cubic.
-    pub use crate::enclosure::*;
+    pub use crate::enclosure::{
+        DistanceEnclosure, Effort, LeastDistance, OutOfRange, ParameterEnclosure, Side, Stretch,
+        Stretches, Threshold, UncertainCubic,
+    };
 }
 
 pub mod polynomial {
     //! Roots of polynomials.
-    pub use crate::polynomial::*;
+    pub use crate::polynomial::{Bernstein, Polynomial, RootList, Roots, quadratic};
 }
 
 /// Ways to ask a query that change the time it takes, never the answer.

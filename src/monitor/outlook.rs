@@ -67,6 +67,8 @@ pub(super) struct Outlook {
     partners: Option<(u64, u64)>,
     /// End of the lookahead when it was last caught up with, s.
     reached: f64,
+    /// Most was unknown when it was last caught up with.
+    was_unknown: bool,
     /// With more spans it is too crowded.
     pub(super) max_spans: usize,
 }
@@ -98,6 +100,7 @@ impl Outlook {
             ends: Vec::new(),
             partners: None,
             reached: grid.origin,
+            was_unknown: false,
             max_spans,
         }
     }
@@ -275,7 +278,7 @@ impl Outlook {
         }
         self.drop_before(from);
         let needed = self.lay_slices(from, to);
-        if meter.is_unlimited() && self.is_mostly_unknown(needed) {
+        if meter.is_unlimited() && self.is_unknown_again(needed) {
             self.screen(scene, (from, needed), filter, (&mut *meter, &mut *stats))?;
             if !filter.gives_up() {
                 self.reached = to;

@@ -89,7 +89,10 @@ mod tests {
             while !exact.is_within(radius) {
                 radius = radius.next_up();
             }
-            assert!(!SquaredDistance::of(&cubic).are_beyond(radius), "{round} {end}");
+            assert!(
+                !SquaredDistance::of(&cubic).are_beyond(radius),
+                "{round} {end}"
+            );
             is_near += u32::from(SquaredDistance::of(&cubic).are_beyond(radius * (1.0 - 1e-13)));
         }
         assert!(is_near > 10_000, "{is_near}");

@@ -362,7 +362,8 @@ mod tests {
             let found = DistanceProfile::near(&cubic, radius).is_some();
             assert!(found || !is_within, "{round} {cubic:?} {radius}");
             within += u32::from(is_within);
-            beyond += u32::from(DistanceProfile::near(&cubic, radius * (1.0 - 1e-6) - 1e-6).is_none());
+            beyond +=
+                u32::from(DistanceProfile::near(&cubic, radius * (1.0 - 1e-6) - 1e-6).is_none());
         }
         assert!(within > 5_000 && beyond > 100, "{within} {beyond}");
     }

@@ -48,9 +48,16 @@ impl Outlook {
         stop
     }
 
+    /// Returns true if most is unknown, and was at the tick before: plans change faster than boxes of slices
+    /// pay. (The tick after that forms them all: so the first one of a monitor is no search from nothing.)
+    pub(super) fn is_unknown_again(&mut self, needed: usize) -> bool {
+        let is_unknown = self.is_mostly_unknown(needed);
+        std::mem::replace(&mut self.was_unknown, is_unknown) && is_unknown
+    }
+
     /// Returns true if more than half of the bodies are to be compared with all others in more than half of
     /// the slices that are needed, or so.
-    pub(super) fn is_mostly_unknown(&self, needed: usize) -> bool {
+    fn is_mostly_unknown(&self, needed: usize) -> bool {
         let (changed, all) = (self.dirty.len(), self.flights.len());
         let needed = self.slices.iter().take(needed);
         let unknown = needed.clone().map(|slice| slice.unknown(changed, all));

@@ -30,9 +30,10 @@ pub(super) fn least_separation(
     let cubic = if is_whole {
         pair.cubic
     } else {
+        let [segment_a, segment_b] = &a.segments_in(b, span);
         RelativeCubic::between(
-            &a.segments[span.a as usize],
-            &b.segments[span.b as usize],
+            segment_a,
+            segment_b,
             (start, end),
             a.spheres[pair.a as usize].offset - b.spheres[pair.b as usize].offset,
         )
