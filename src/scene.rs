@@ -54,7 +54,7 @@ struct Slot {
 /// was not yet. When the scene is empty, none is left. What stays until a scene is dropped is a slot of
 /// 310 bytes for each body of the time when there were most, which the next ones take.
 ///
-/// A screening adds some 330 a body and, for each
+/// A screening adds some 310 a body and, for each
 /// thread, at most 64 MiB of boxes (64 bytes each, for up to 2^20 of them or one slice, if that has
 /// more), 40 to 130 bytes a box of one slice for the sweep, and 8 for each of a slice's candidates;
 /// then 16 bytes for each span that is solved, and the conflicts themselves. Boxes, candidates and

@@ -24,6 +24,7 @@ mod reading;
 mod recent;
 #[cfg(feature = "recording")]
 pub(crate) mod recording;
+mod restore;
 mod slice;
 mod snapshot;
 mod tick;

@@ -1,156 +1,31 @@
 //! A monitor as it was at one time, to go back to.
 
-use super::encounters::{Encounters, Saved};
-use super::{AlertLevel, Event, EventKind, Monitor, RevisionThreshold, check_setting};
-use crate::error::{Error, MAX_MAGNITUDE};
-use crate::rounding::one_zero;
+use super::alert_level::AlertLevel;
+use super::encounters::{RevisionThreshold, Saved};
+use super::event::Event;
 use crate::scene::Scene;
 
-/// A [`Monitor`] as it was when [`Monitor::snapshot`] was called: its scene, clock, levels, settings and
+/// A [`Monitor`](crate::Monitor) as it was when [`Monitor::snapshot`](crate::Monitor::snapshot) was called: its scene, clock, levels, settings and
 /// encounters. With the feature `serde` it can be written to a file.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct Snapshot {
-    scene: Scene,
-    now: f64,
-    told: f64,
-    lookahead: f64,
-    levels: Vec<AlertLevel>,
-    revision_threshold: RevisionThreshold,
+    pub(super) scene: Scene,
+    pub(super) now: f64,
+    pub(super) told: f64,
+    pub(super) lookahead: f64,
+    pub(super) levels: Vec<AlertLevel>,
+    pub(super) revision_threshold: RevisionThreshold,
     #[cfg_attr(feature = "serde", serde(with = "crate::json_number"))]
-    history: f64,
-    max_spans: usize,
-    next_id: u64,
+    pub(super) history: f64,
+    pub(super) max_spans: usize,
+    pub(super) next_id: u64,
     /// By level.
-    encounters: Vec<Saved>,
-    waiting: Vec<Event>,
+    pub(super) encounters: Vec<Saved>,
+    pub(super) waiting: Vec<Event>,
     /// By slot: the end of its plan, if it has one, has been told.
-    end_told: Vec<bool>,
+    pub(super) end_told: Vec<bool>,
     /// Another tick at the same time would find everything as it is.
-    settled: bool,
-}
-
-/// No monitor has had more encounters: what comes after it can be counted.
-const MAX_ENCOUNTERS: u64 = 1 << 62;
-
-impl Monitor {
-    /// Returns all that is needed to go back to the monitor as it is now, as a game does that rolls back.
-    ///
-    /// The snapshot holds a copy of the scene, and nothing that can be worked out from it. A recording under way
-    /// is no part of it.
-    ///
-    /// ```
-    /// use nearmiss::{AlertLevel, Monitor, Scene};
-    ///
-    /// let mut monitor = Monitor::new(Scene::new(), 0.0, 10.0, &[AlertLevel::at(2.0)])?;
-    /// let mut events = Vec::new();
-    /// monitor.advance(1.0, &mut events)?;
-    /// let snapshot = monitor.snapshot();
-    /// monitor.advance(5.0, &mut events)?;
-    /// monitor = Monitor::restore(snapshot)?;
-    /// assert_eq!(monitor.now(), 1.0);
-    /// # Ok::<(), nearmiss::Error>(())
-    /// ```
-    #[must_use]
-    pub fn snapshot(&self) -> Snapshot {
-        let mut waiting = self.waiting.clone();
-        let mut encounters: Vec<Saved> = self.encounters.iter().map(Encounters::save).collect();
-        for saved in &mut encounters {
-            saved.end_of_removed(self.told, &self.removed, &mut waiting);
-        }
-        Snapshot {
-            scene: self.scene.clone(),
-            now: self.now,
-            told: self.told,
-            lookahead: self.lookahead,
-            levels: self.levels.clone(),
-            revision_threshold: self.revision_threshold,
-            history: self.history,
-            max_spans: self.outlook.max_spans,
-            next_id: self.next_id,
-            encounters,
-            waiting,
-            end_told: (0..)
-                .take(self.scene.slots())
-                .map(|slot| !self.plan_ends.has(slot))
-                .collect(),
-            settled: self.has_told_all(),
-        }
-    }
-
-    /// Returns the monitor that a snapshot was taken of. It tells the same events from then on, if the same
-    /// is done with it. Its next tick looks at all bodies, like the first one of a new monitor.
-    ///
-    /// # Errors
-    ///
-    /// None of a snapshot from [`snapshot`](Self::snapshot). Of one that was read from a file:
-    /// [`Error::Snapshot`] if it contradicts itself, and the errors of [`new`](Self::new),
-    /// [`advance`](Self::advance) and the setters.
-    pub fn restore(snapshot: Snapshot) -> Result<Self, Error> {
-        let Snapshot {
-            scene,
-            now,
-            told,
-            lookahead,
-            levels,
-            ..
-        } = snapshot;
-        let mut monitor = Self::new(scene, told, lookahead, &levels)?;
-        if !(now >= told && now <= MAX_MAGNITUDE) {
-            return Err(Error::ClockWentBack {
-                now: told,
-                time: now,
-            });
-        }
-        let contradiction = |problem| Err(Error::Snapshot { problem });
-        let lengths = [snapshot.encounters.len(), snapshot.end_told.len()];
-        if lengths != [levels.len(), monitor.scene.slots()] {
-            return contradiction("its lists do not fit its scene");
-        }
-        let could_be =
-            |(level, saved): (usize, &Saved)| saved.could_be(level, told, monitor.scene());
-        if !snapshot.encounters.iter().enumerate().all(could_be) {
-            return contradiction("its encounters cannot be");
-        }
-        let mut ids = Vec::new();
-        for event in &snapshot.waiting {
-            match event.kind {
-                EventKind::Ended(it, _) | EventKind::Withdrawn(it) => ids.push(it.id.0),
-                _ => return contradiction("what waits to be told is no end"),
-            }
-        }
-        ids.extend(snapshot.encounters.iter().flat_map(Saved::ids));
-        ids.sort_unstable();
-        let next_id = snapshot.next_id;
-        let are_new = ids.last().is_none_or(|last| *last < next_id);
-        if !are_new || ids.windows(2).any(|ids| ids[0] == ids[1]) || next_id > MAX_ENCOUNTERS {
-            return contradiction("its encounters are not told apart");
-        }
-        let threshold = snapshot.revision_threshold;
-        for value in [threshold.time, threshold.separation, snapshot.history] {
-            check_setting(value)?;
-        }
-        monitor.now = one_zero(now);
-        monitor.known = told;
-        if snapshot.settled {
-            // All of it has been told.
-            monitor.advance_to(now, now + lookahead, &mut Vec::new())?;
-        }
-        monitor.revision_threshold = threshold;
-        monitor.history = snapshot.history;
-        monitor.set_max_spans(snapshot.max_spans);
-        monitor.next_id = next_id;
-        for (number, saved) in snapshot.encounters.into_iter().enumerate() {
-            monitor.encounters[number] = Encounters::restored(number, saved);
-        }
-        monitor.waiting = snapshot.waiting;
-        for (slot, _) in (0..)
-            .zip(snapshot.end_told)
-            .filter(|(_, was_told)| *was_told)
-        {
-            monitor.plan_ends.set(slot, f64::INFINITY);
-        }
-        Ok(monitor)
-    }
+    pub(super) settled: bool,
 }

@@ -28,10 +28,7 @@ use crate::stats::Stats;
 use crate::wall_clock::Instant;
 use crate::window::Window;
 use prepared::{Admission, Lists, PreparedScene, clip_of, lone_party};
-use solve::describe;
-
-/// Share of the work that going through the slices is taken to be, when progress is told.
-const SHARE_OF_SLICES: f64 = 0.9;
+use solve::{SHARE_OF_SLICES, describe};
 
 /// The answer to a [`Query`].
 #[derive(Clone, Debug, Default)]

@@ -1,6 +1,5 @@
 //! The exact answer for the survivors, and how it is reported.
 
-use super::SHARE_OF_SLICES;
 use super::prepared::{PreparedScene, clip_of};
 use crate::accuracy::Accuracy;
 use crate::conflict::{Clip, ClosestApproach, Conflict};
@@ -22,6 +21,9 @@ struct SolveScratch {
     certified: Vec<CertifiedContact>,
     workspace: Workspace,
 }
+
+/// Share of the work that going through the slices is taken to be, when progress is told.
+pub(super) const SHARE_OF_SLICES: f64 = 0.9;
 
 /// Pairs of bodies that one thread solves at a time.
 const CHUNK: usize = 64;

@@ -45,7 +45,7 @@ mod tests {
         assert_eq!(size_of::<Bundle>(), 64);
         let line = size_of::<Party<'_>>() + size_of::<Pose<'_, Stroke>>();
         let line = line + size_of::<(f64, f64)>();
-        assert_eq!(line, 320);
+        assert_eq!(line, 304);
         let boxed = size_of::<BodyBox>() + size_of::<Course>() + size_of::<u32>();
         assert_eq!(boxed, 64);
         assert_eq!(size_of::<Candidate>(), 8);

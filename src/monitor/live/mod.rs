@@ -49,9 +49,8 @@ use worker::{Outcome, Worker};
 ///
 /// ```
 /// use nearmiss::glam::DVec3;
-/// use nearmiss::{
-///     AlertLevel, Body, Command, LiveOptions, Monitor, ReportKind, Scene, Trajectory,
-/// };
+/// use nearmiss::live::{LiveOptions, ReportKind};
+/// use nearmiss::{AlertLevel, Body, Command, Monitor, Scene, Trajectory};
 ///
 /// let monitor = Monitor::new(Scene::new(), 0.0, 10.0, &[AlertLevel::at(2.0)])?;
 /// let live = monitor.spawn(LiveOptions::default())?;
