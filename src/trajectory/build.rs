@@ -1,6 +1,7 @@
 //! The ways to make a trajectory, each with all its checks.
 
 use super::double_double::DoubleDouble;
+use super::roomy::Roomy;
 use super::{Outside, Segment, State, Trajectory, bend};
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
 use crate::rounding::{UNIT_ROUNDOFF, largest_norm, norm, one_zero};
@@ -30,15 +31,13 @@ impl Trajectory {
             });
         };
         check_states(states)?;
-        let mut knots = Vec::with_capacity(states.len() + Self::SPARE);
-        knots.extend(states.iter().map(|state| one_zero(state.time)));
-        // The ends are put in their places below.
-        let mut cubics = Self::list_of(
-            states.len() - 1,
-            [Segment::hermite(first, &states[1], 1)?; 2],
-        );
+        let mut knots = Roomy::with_capacity(states.len());
+        states
+            .iter()
+            .for_each(|state| knots.push(one_zero(state.time)));
+        let mut segments = Roomy::with_capacity(states.len() - 1);
         for (index, pair) in states.windows(2).enumerate() {
-            cubics.push(Segment::hermite(&pair[0], &pair[1], index + 1)?);
+            segments.push(Segment::hermite(&pair[0], &pair[1], index + 1)?);
         }
         let last_knot = states.len() - 1;
         let (before, after) = (
@@ -54,11 +53,11 @@ impl Trajectory {
             Segment::line(first, before, 0.0, 0)?,
             Segment::line(last, after, 0.0, last_knot)?,
         ];
-        cubics[0] = lines[0].with_bend(leaving[0], before);
-        cubics[1] = lines[1].with_bend(arriving[1], after);
+        segments.put_beside(0, lines[0].with_bend(leaving[0], before));
+        segments.put_beside(1, lines[1].with_bend(arriving[1], after));
         Ok(Self {
             knots,
-            cubics,
+            segments,
             before: Outside::default(),
             after: Outside::default(),
         })
@@ -193,12 +192,10 @@ impl Trajectory {
             Ok(line.with_bend([quadratic, cubic], 1.0))
         };
         let last = segments.len() - 1;
-        let ends = [end_line(0, 0)?, end_line(last, last + 1)?];
-        let mut cubics = Self::list_of(segments.len(), ends);
-        cubics.extend(segments);
+        let coast = [end_line(0, 0)?, end_line(last, last + 1)?];
         Ok(Self {
-            knots,
-            cubics,
+            knots: Roomy::new(&knots, &[]),
+            segments: Roomy::new(&segments, &coast),
             before: Outside::default(),
             after: Outside::default(),
         })
@@ -254,11 +251,9 @@ impl Trajectory {
     fn line(state: State, duration: f64) -> Result<Self, Error> {
         check_states(&[state])?;
         let line = Segment::line(&state, duration, 0.0, 0)?;
-        let mut knots = Vec::with_capacity(1 + Self::SPARE);
-        knots.push(one_zero(state.time));
         Ok(Self {
-            knots,
-            cubics: Self::list_of(0, [line, line]),
+            knots: Roomy::new(&[one_zero(state.time)], &[]),
+            segments: Roomy::new(&[], &[line, line]),
             before: Outside::Coast,
             after: Outside::Coast,
         })

@@ -34,8 +34,8 @@ impl Trajectory {
 
     /// Returns the cubic that the body follows before its first knot.
     pub(crate) fn segment_before(&self) -> Segment {
-        let end = self.leading();
-        match (self.before, self.segments().first()) {
+        let end = self.segments.beside()[0];
+        match (self.before, self.segments.first()) {
             // Of what was before the knots that are left nothing is known.
             (Outside::Extrapolate, Some(first)) if end.start() < self.knots[0] => *first,
             (Outside::Extrapolate, _) => end.extended(),
@@ -45,7 +45,7 @@ impl Trajectory {
 
     /// Returns the cubic that the body follows after its last knot.
     pub(crate) fn segment_after(&self) -> Segment {
-        let end = self.trailing();
+        let end = self.segments.beside()[1];
         match self.after {
             Outside::Extrapolate => end.extended(),
             _ => end.straight(),
@@ -130,7 +130,7 @@ impl Trajectory {
     fn cuts_after(&self, end: f64) -> DoublingCuts {
         let last = self.planned().end();
         // Without a cubic of its own a body goes on beyond its knot, whatever the window.
-        if self.after == Outside::Absent || !(self.segments().is_empty() || end >= last) {
+        if self.after == Outside::Absent || !(self.segments.is_empty() || end >= last) {
             return DoublingCuts::NONE;
         }
         let until = end.max(last).next_up().min(f64::MAX);
@@ -139,8 +139,8 @@ impl Trajectory {
 
     /// The duration of the first piece before the knots, negative, s.
     fn step_before(&self) -> f64 {
-        let end = self.leading();
-        let segment = match (self.before, self.segments().first()) {
+        let end = &self.segments.beside()[0];
+        let segment = match (self.before, self.segments.first()) {
             (Outside::Extrapolate, Some(first)) if end.start() < self.knots[0] => first,
             _ => end,
         };
@@ -149,7 +149,7 @@ impl Trajectory {
 
     /// The duration of the first piece after the knots, s.
     fn step_after(&self) -> f64 {
-        let end = self.trailing();
+        let end = &self.segments.beside()[1];
         end.end() - end.start()
     }
 }

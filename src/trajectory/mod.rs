@@ -5,6 +5,7 @@ mod build;
 mod cuts;
 mod double_double;
 mod extension;
+mod roomy;
 mod rows;
 mod segment;
 #[cfg(feature = "serde")]
@@ -24,6 +25,7 @@ pub use state::State;
 
 use crate::window::Window;
 use glam::DVec3;
+use roomy::Roomy;
 
 /// The motion of one body: cubic segments between knots, and what it does before and after.
 ///
@@ -47,10 +49,10 @@ use glam::DVec3;
 )]
 pub struct Trajectory {
     /// One more than segments. A body that is at rest, or only coasts, has one knot and no segment.
-    knots: Vec<f64>,
-    /// First the motion before the first knot and that after the last one, then the segments: one list
-    /// moves about more easily than two.
-    cubics: Vec<Segment>,
+    knots: Roomy<f64>,
+    /// Beside them: straight motion before the first and after the last knot. There they cost a
+    /// body that is moved about, or never asked, nothing.
+    segments: Roomy<Segment, 2>,
     /// Before the first knot.
     before: Outside,
     /// After the last knot.
@@ -107,7 +109,7 @@ impl Trajectory {
     /// whatever the rule.
     #[must_use]
     pub fn with_outside(mut self, outside: Outside) -> Self {
-        if !self.segments().is_empty() {
+        if !self.segments.is_empty() {
             (self.before, self.after) = (outside, outside);
         }
         self
@@ -132,30 +134,6 @@ impl Trajectory {
         self.before != Outside::Absent || self.after != Outside::Absent
     }
 
-    /// Cubics that are no segments.
-    const ENDS: usize = 2;
-
-    /// Knots and segments that there is memory for in a new plan: what is usually left of the one that it
-    /// is spliced into, and one more.
-    const SPARE: usize = 2;
-
-    /// Returns an empty list with memory for some cubics: the ends come first.
-    fn list_of(segments: usize, ends: [Segment; Self::ENDS]) -> Vec<Segment> {
-        let mut cubics = Vec::with_capacity(Self::ENDS + segments + Self::SPARE);
-        cubics.extend(ends);
-        cubics
-    }
-
-    /// Returns the motion before the first knot: straight, with the coefficients of a cubic.
-    fn leading(&self) -> &Segment {
-        &self.cubics[0]
-    }
-
-    /// Returns the motion after the last knot: straight, with the coefficients of a cubic.
-    fn trailing(&self) -> &Segment {
-        &self.cubics[1]
-    }
-
     /// The times of the knots, s, increasing.
     #[must_use]
     pub fn knots(&self) -> &[f64] {
@@ -166,7 +144,7 @@ impl Trajectory {
     /// between its knots is flown.
     #[must_use]
     pub fn segments(&self) -> &[Segment] {
-        &self.cubics[Self::ENDS..]
+        &self.segments
     }
 
     /// When the body exists: between its knots, and where it is not `Absent` before and after them.
@@ -244,9 +222,9 @@ impl Trajectory {
             return self.segment_before().motion_at(time);
         }
         if after < self.knots.len() {
-            return self.segments()[after - 1].motion_at(time);
+            return self.segments[after - 1].motion_at(time);
         }
-        match self.segments().last() {
+        match self.segments.last() {
             // It is at its last knot, where it ceases to exist.
             Some(last) if self.after == Outside::Absent => last.motion_at(time),
             _ => self.segment_after().motion_at(time),

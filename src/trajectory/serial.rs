@@ -2,6 +2,7 @@
 
 use super::build::{check_number, check_times};
 use super::extension::check_reach;
+use super::roomy::Roomy;
 use super::{Outside, Segment, Trajectory};
 use crate::error::{Error, Quantity};
 use crate::rounding::{largest_norm, one_zero};
@@ -22,11 +23,11 @@ pub(super) struct Numbers {
 
 impl From<Trajectory> for Numbers {
     fn from(trajectory: Trajectory) -> Self {
-        let segments = trajectory.segments().iter().map(Segment::numbers);
+        let ends = trajectory.segments.beside();
         Self {
-            segments: segments.collect(),
-            ends: [trajectory.leading(), trajectory.trailing()].map(Segment::numbers),
-            knots: trajectory.knots,
+            knots: trajectory.knots.to_vec(),
+            segments: trajectory.segments.iter().map(Segment::numbers).collect(),
+            ends: [&ends[0], &ends[1]].map(Segment::numbers),
             outside: [trajectory.before, trajectory.after],
         }
     }
@@ -73,11 +74,9 @@ impl TryFrom<Numbers> for Trajectory {
             // A piece may be any part of its cubic, also one beyond it.
             check_reach(segment, (ends[0], ends[1]), knot)?;
         }
-        let mut cubics = Self::list_of(segments.len(), ends);
-        cubics.extend(segments);
         Ok(Self {
-            knots,
-            cubics,
+            segments: Roomy::new(&segments, &ends),
+            knots: Roomy::new(&knots, &[]),
             before: rule_before,
             after: rule_after,
         })

@@ -63,8 +63,8 @@ impl Trajectory {
     /// Drops the first cubics.
     fn forget(&mut self, dropped: usize) {
         if dropped > 0 {
-            self.knots.drain(..dropped);
-            self.cubics.drain(Self::ENDS..Self::ENDS + dropped);
+            self.knots.drop_front(dropped);
+            self.segments.drop_front(dropped);
             self.before = Outside::Absent;
         }
     }
@@ -86,7 +86,7 @@ impl Trajectory {
         let cut = count_at_front(&flown.knots, |knot| knot < from);
         // Cut where it was before, so that what is found there stays the same bits; and so that a cubic
         // that is followed far from its knots is not looked at as a whole.
-        let beyond = (cut > flown.segments().len()).then(|| flown.segment_after());
+        let beyond = (cut > flown.segments.len()).then(|| flown.segment_after());
         let mut cuts_after = DoublingCuts::NONE;
         if let (Some(carrier), Some(&last)) = (&beyond, flown.knots.last()) {
             check_reach(carrier, (last, from), flown.knots.len() - 1)?;
@@ -109,37 +109,40 @@ impl Trajectory {
         let dropped = past.saturating_sub(1);
         let begins = begins.skip(dropped);
         let kept = begins.clone().count();
-        let own = flown.segments().len();
-        let flown_segments = &flown.segments()[dropped.min(own)..cut.min(own)];
+        let own = flown.segments.len();
+        let flown_segments = flown.segments[dropped.min(own)..cut.min(own)].iter();
         // To come: the piece of this plan that holds at `from`, and the rest.
         let goes_on = ahead < self.knots.len();
         let present = match ahead {
             0 => self.segment_before(),
-            _ if goes_on => self.segments()[ahead - 1],
+            _ if goes_on => self.segments[ahead - 1],
             _ => self.segment_after(),
         };
-        self.cubics[0] = *flown.leading();
+        self.segments.put_beside(0, flown.segments.beside()[0]);
         self.before = flown.before;
         if dropped > 0 {
             self.before = Outside::Absent;
         }
-        let replaced = ahead.min(self.segments().len());
+        let replaced = ahead.min(self.segments.len());
         let beyond_count = kept - flown_segments.len();
-        let beyond = repeat_n(beyond.unwrap_or(present), beyond_count);
+        let beyond = beyond
+            .into_iter()
+            .flat_map(|beyond| repeat_n(beyond, beyond_count));
         let cut_before = cuts_before.clone().count();
         let to_come = if goes_on { 1 + cut_before } else { 0 };
-        let first = Self::ENDS;
-        let segments = flown_segments.iter().copied();
-        let segments = segments.chain(beyond).chain(repeat_n(present, to_come));
-        self.cubics.splice(first..first + replaced, segments);
+        self.segments.replace_front(
+            replaced,
+            kept + to_come,
+            flown_segments
+                .copied()
+                .chain(beyond)
+                .chain(repeat_n(present, to_come)),
+        );
         let count = kept + 1 + cut_before;
         let knots = begins.chain(once(from)).chain(cuts_before);
-        make_room(&mut self.knots, ahead, count);
-        for (knot, new) in self.knots.iter_mut().zip(knots) {
-            *knot = new;
-        }
+        self.knots.replace_front(ahead, count, knots);
         // They come from the knot outwards.
-        self.knots[kept + 1..count].reverse();
+        self.knots.front_mut(count)[kept + 1..].reverse();
         self.forget(self.past(since));
         Ok(())
     }
@@ -149,33 +152,21 @@ impl Trajectory {
         /// One line or two.
         const KNOTS: usize = 8;
         prefetch(&self.knots[..self.knots.len().min(KNOTS)]);
-        prefetch(&self.cubics[..self.cubics.len().min(Self::ENDS + 2)]);
+        prefetch(self.segments.beside());
+        prefetch(&self.segments[..self.segments.len().min(2)]);
     }
 
     /// Fetches what dropping it reads into the caches.
     pub(crate) fn prefetch_ends(&self) {
-        let last = self.knots.len() - 1;
-        prefetch(&self.knots[..1]);
-        prefetch(&self.knots[last..]);
-        let last = self.cubics.len() - 1;
-        prefetch(&self.cubics[..1]);
-        prefetch(&self.cubics[last..]);
+        self.knots.prefetch_ends();
+        self.segments.prefetch_ends();
     }
 
     /// How many cubics end before `time`, but for the last one.
     fn past(&self, time: f64) -> usize {
         count_at_front(&self.knots, |knot| knot < time)
             .saturating_sub(1)
-            .min(self.segments().len().saturating_sub(1))
-    }
-}
-
-/// Puts `count` entries, whatever they are, in place of the first `replaced` ones.
-fn make_room(list: &mut Vec<f64>, replaced: usize, count: usize) {
-    if count > replaced {
-        list.splice(..0, repeat_n(0.0, count - replaced));
-    } else {
-        list.drain(..replaced - count);
+            .min(self.segments.len().saturating_sub(1))
     }
 }
 
@@ -243,10 +234,10 @@ mod tests {
                 2.0 => plan(&[now, now + 0.1], Outside::Extrapolate),
                 _ => plan(&[now + 2.0], Outside::Coast),
             };
-            let mut spliced = next;
-            let memory = spliced.cubics.as_ptr();
+            let mut spliced = next.clone();
+            let memory = spliced.segments.beside().as_ptr();
             assert!(spliced.precede_by(&flown, now, now).is_ok());
-            assert_eq!(spliced.cubics.as_ptr(), memory, "{now}");
+            assert_eq!(spliced.segments.beside().as_ptr(), memory, "{now}");
             flown = spliced;
         }
     }

@@ -1,0 +1,138 @@
+//! A list with room in front: what a new plan needs to take over the end of the one before it
+//! without a move of all its numbers.
+
+use crate::simd::prefetch;
+use std::iter::repeat_n;
+use std::ops::Deref;
+
+/// Entries that there is room for: what is usually left of the plan before, and one more.
+const ROOM: usize = 2;
+
+/// A list of numbers, without what lies before `first`; in the same memory, beside it, a few that
+/// are no part of it.
+#[derive(Clone, Debug)]
+pub(super) struct Roomy<T, const BESIDE: usize = 0> {
+    /// First those beside the list.
+    all: Vec<T>,
+    first: usize,
+}
+
+impl<T: Copy, const BESIDE: usize> Roomy<T, BESIDE> {
+    /// An empty list with memory for some entries, and room in front of them. What is beside it is
+    /// to be [put there](Self::put_beside) when it has an entry.
+    pub(super) fn with_capacity(count: usize) -> Self {
+        let first = BESIDE + ROOM;
+        Self {
+            all: Vec::with_capacity(first + count),
+            first,
+        }
+    }
+
+    /// A list, with room in front of it.
+    pub(super) fn new(list: &[T], beside: &[T; BESIDE]) -> Self {
+        let mut all = Vec::with_capacity(BESIDE + ROOM + list.len());
+        all.extend_from_slice(beside);
+        // Nobody reads what is there.
+        if let Some(&any) = beside.first().or(list.first()) {
+            all.extend(repeat_n(any, ROOM));
+        }
+        let first = all.len();
+        all.extend_from_slice(list);
+        Self { all, first }
+    }
+
+    pub(super) fn push(&mut self, entry: T) {
+        if self.all.is_empty() {
+            self.all.extend(repeat_n(entry, self.first));
+        }
+        self.all.push(entry);
+    }
+
+    /// What is beside the list.
+    pub(super) fn beside(&self) -> &[T] {
+        &self.all[..BESIDE]
+    }
+
+    pub(super) fn put_beside(&mut self, place: usize, value: T) {
+        self.all[..BESIDE][place] = value;
+    }
+
+    /// Puts `count` new entries in place of the first `replaced` ones.
+    pub(super) fn replace_front(
+        &mut self,
+        replaced: usize,
+        count: usize,
+        new: impl Iterator<Item = T>,
+    ) {
+        let rest = self.first + replaced;
+        if BESIDE + count <= rest {
+            self.first = rest - count;
+            for (entry, new) in self.all[self.first..rest].iter_mut().zip(new) {
+                *entry = new;
+            }
+        } else {
+            self.first = BESIDE;
+            self.all.splice(BESIDE..rest, new.take(count));
+        }
+    }
+
+    /// The first entries.
+    pub(super) fn front_mut(&mut self, count: usize) -> &mut [T] {
+        &mut self.all[self.first..][..count]
+    }
+
+    /// Fetches the lines at both ends of its memory into the caches.
+    pub(super) fn prefetch_ends(&self) {
+        prefetch(&self.all[..self.all.len().min(1)]);
+        prefetch(&self.all[self.all.len().saturating_sub(1)..]);
+    }
+
+    /// Drops the first entries.
+    pub(super) fn drop_front(&mut self, count: usize) {
+        self.all.drain(BESIDE..self.first + count);
+        self.first = BESIDE;
+    }
+}
+
+impl<T, const BESIDE: usize> Deref for Roomy<T, BESIDE> {
+    type Target = [T];
+
+    fn deref(&self) -> &[T] {
+        self.all.get(self.first..).unwrap_or_default()
+    }
+}
+
+impl<T: Copy + PartialEq, const BESIDE: usize> PartialEq for Roomy<T, BESIDE> {
+    fn eq(&self, other: &Self) -> bool {
+        **self == **other && self.beside() == other.beside()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Roomy;
+
+    #[test]
+    fn equals_a_plain_list_whatever_is_replaced_and_dropped() {
+        let mut roomy = Roomy::<usize, 2>::with_capacity(4);
+        (0..4).for_each(|entry| roomy.push(entry));
+        roomy.put_beside(0, 70);
+        roomy.put_beside(1, 71);
+        let mut plain = vec![0, 1, 2, 3];
+        let memory = roomy.all.as_ptr();
+        // Within the room, beyond it, and back.
+        for (replaced, count) in [(1, 2), (0, 1), (0, 3), (2, 0), (0, 1), (1, 4)] {
+            let new = 10 * count..11 * count;
+            roomy.replace_front(replaced, count, new.clone());
+            plain.splice(..replaced, new);
+            assert_eq!((&*roomy, roomy.beside()), (&plain[..], &[70, 71][..]));
+            if plain.len() == 6 {
+                assert_eq!(roomy.all.as_ptr(), memory, "there was room");
+            }
+        }
+        roomy.drop_front(3);
+        assert_eq!((&*roomy, roomy.beside()), (&plain[3..], &[70, 71][..]));
+        assert_eq!(roomy, Roomy::new(&plain[3..], &[70, 71]));
+        assert_ne!(roomy, Roomy::new(&plain[3..], &[70, 72]));
+    }
+}
