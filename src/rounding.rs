@@ -49,17 +49,17 @@
 //! | squares of a screen's thresholds | `kernels/screen` | proof 5 |
 //! | roundings outward of an enclosure | `enclosure/minimum` | `minimum::tests::distances_are_rounded_outward` |
 //! | underflow of a conversion, ends of the range of blocks | `kernels/within`, `loops` | proof 6 |
-//! | points of a sketch beyond the knots, extent | `bounds/points`, `piece` | `points::tests` |
+//! | points of a compact trajectory beyond the knots, extent | `bounds/points`, `sub_cubic` | `points::tests` |
 //! | own error of a segment, whole or in part | `bounds/points` | `points::tests::what_is_badly_known_is_held` |
-//! | splits of a sketch | `bounds/piece` | `piece::tests` |
-//! | hitbox and margin, underflow | `bounds/pose` | `pose::tests` |
-//! | line of a bundle; its way in no time; its sum; sums of a course, lengths that vanish | `bounds/trace` | `trace::tests` |
-//! | places far from the middle, in boxes and courses | `bounds/trace` | `pose::tests` |
-//! | the way of a box that moves: both terms | `bounds/trace` | `trace::tests::places_in_moving_boxes_are_within_their_rounding` |
-//! | one of them; the middle of a course | `bounds/trace` | proof 7 |
+//! | splits of a compact trajectory | `bounds/sub_cubic` | `sub_cubic::tests` |
+//! | hitbox and margin, underflow | `bounds/source` | `source::tests` |
+//! | line of a run of cubics; its way in no time; its sum; sums of a fat line, lengths that vanish | `bounds/builder` | `builder::tests` |
+//! | places far from the middle, in boxes and fat lines | `bounds/builder` | `source::tests` |
+//! | the way of a box that moves: both terms | `bounds/builder` | `builder::tests::places_in_moving_boxes_are_within_their_rounding` |
+//! | one of them; the middle of a fat line | `bounds/builder` | proof 7 |
 //! | places of a sight | `bounds/apart` | `apart::tests` |
-//! | instants of a screening's edges and of a budget's | `monitor/outlook`, `screen/pilot` | `tests/monitor` `budgets` |
-//! | instants of a question, of a bridge | `monitor/outlook/ask`, `bridge` | `tests/monitor` `instants` |
+//! | instants of a screening's edges and of a budget's | `monitor/lookahead`, `search/slice_length` | `tests/monitor` `budgets` |
+//! | instants of a question, of a jump | `monitor/lookahead/ask`, `jump` | `tests/monitor` `instants` |
 //!
 //! 1. Dropped once, the heights' own 64 roundings stand in for it. The solver may be wrong by 48 roundings of
 //!    the size in the worst case; by two or three where it was asked.
@@ -74,7 +74,7 @@
 //! 6. Size, total, root and sum are rounded by 3, 2, 3 and 2, and raised by 4, 8, 4 and 4: one dropped alone is
 //!    hidden by the others' room. Lengths are brought to the order of one, where rounding is far above what
 //!    underflows; a cubic that is brought back has a size above 1e-285 m, and its error is a normal number.
-//! 7. Seven roundings of the way are needed where each of the terms has six; seven of a course's place, where
+//! 7. Seven roundings of the way are needed where each of the terms has six; seven of a fat line's place, where
 //!    the first terms have six.
 //!
 //! Squares that meet F of the enclosures need no term against underflow. In the cubic's unit the factor

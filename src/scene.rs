@@ -2,8 +2,8 @@
 
 mod arena;
 mod body;
+mod entry;
 mod ignored;
-mod occupant;
 mod partners;
 mod sample;
 #[cfg(feature = "serde")]
@@ -11,12 +11,12 @@ mod serial;
 
 pub(crate) use arena::CubicArena;
 pub use body::Body;
+pub(crate) use entry::SceneEntry;
 pub(crate) use ignored::IgnoredPairs;
-pub(crate) use occupant::Occupant;
 use partners::{Kinds, Partners};
 pub(crate) use partners::{can_reach, radius};
 
-use crate::bounds::Extremes;
+use crate::bounds::DAabb;
 use crate::error::Error;
 use crate::hitbox::Hitbox;
 use crate::id::BodyId;
@@ -31,7 +31,7 @@ use std::slice::from_ref;
 #[derive(Debug, Default)]
 struct Slot {
     generation: u32,
-    occupant: Option<Occupant>,
+    entry: Option<SceneEntry>,
 }
 
 /// The bodies that are screened against each other.
@@ -93,7 +93,7 @@ pub struct Scene {
     ignored: IgnoredPairs,
     len: usize,
     kinds: Kinds,
-    /// Of the bodies' sketches.
+    /// Of the bodies' compact trajectories.
     arena: CubicArena,
     /// Scratch of screenings; no part of what a scene is.
     pool: Pool<SearchScratch>,
@@ -149,7 +149,7 @@ impl Scene {
         };
         self.kinds.add(&body);
         let place = &mut self.slots[slot as usize];
-        place.occupant = Some(Occupant::new(body, &mut self.arena));
+        place.entry = Some(SceneEntry::new(body, &mut self.arena));
         let id = BodyId {
             slot,
             generation: place.generation,
@@ -166,7 +166,7 @@ impl Scene {
     /// [`Error::UnknownBody`].
     pub fn remove(&mut self, id: BodyId) -> Result<Body, Error> {
         let slot = slot_of(&mut self.slots, id)?;
-        let occupant = slot.occupant.take().ok_or(Error::UnknownBody { id })?;
+        let entry = slot.entry.take().ok_or(Error::UnknownBody { id })?;
         // A slot whose generations are used up is never handed out again.
         if let Some(generation) = slot.generation.checked_add(1) {
             slot.generation = generation;
@@ -174,7 +174,7 @@ impl Scene {
         }
         self.ignored.forget(id);
         self.len -= 1;
-        let body = occupant.leave(&mut self.arena);
+        let body = entry.leave(&mut self.arena);
         self.kinds.remove_layers(body.layers);
         self.tidy();
         Ok(body)
@@ -183,18 +183,18 @@ impl Scene {
     /// The body with this id, if it is still there.
     #[must_use]
     pub fn body(&self, id: BodyId) -> Option<&Body> {
-        self.occupant(id).map(|occupant| &occupant.body)
+        self.entry(id).map(|entry| &entry.body)
     }
 
-    pub(crate) fn occupant(&self, id: BodyId) -> Option<&Occupant> {
+    pub(crate) fn entry(&self, id: BodyId) -> Option<&SceneEntry> {
         let slot = self.slots.get(id.slot as usize)?;
-        let occupant = slot.occupant.as_ref()?;
-        (slot.generation == id.generation).then_some(occupant)
+        let entry = slot.entry.as_ref()?;
+        (slot.generation == id.generation).then_some(entry)
     }
 
     /// All bodies, in the order of their ids' slots.
     pub fn bodies(&self) -> impl Iterator<Item = (BodyId, &Body)> {
-        self.occupants().map(|(id, occupant)| (id, &occupant.body))
+        self.entries().map(|(id, entry)| (id, &entry.body))
     }
 
     /// Replaces a body's trajectory and returns the old one.
@@ -207,8 +207,8 @@ impl Scene {
         id: BodyId,
         trajectory: Trajectory,
     ) -> Result<Trajectory, Error> {
-        let (occupant, arena) = self.occupant_mut(id)?;
-        let old = occupant.follow(trajectory, arena);
+        let (entry, arena) = self.occupant_mut(id)?;
+        let old = entry.follow(trajectory, arena);
         self.tidy();
         Ok(old)
     }
@@ -218,11 +218,11 @@ impl Scene {
         &mut self,
         id: BodyId,
         trajectory: &mut Trajectory,
-    ) -> Result<&Occupant, Error> {
-        let (occupant, arena) = self.occupant_mut(id)?;
+    ) -> Result<&SceneEntry, Error> {
+        let (entry, arena) = self.occupant_mut(id)?;
         // A monitor's ticks have no time to copy what is left.
-        occupant.swap(trajectory, arena);
-        Ok(occupant)
+        entry.swap(trajectory, arena);
+        Ok(entry)
     }
 
     /// Replaces a body's hitbox and returns the old one.
@@ -293,13 +293,13 @@ impl Scene {
         Ok((a.min(b), a.max(b)))
     }
 
-    pub(crate) fn occupants(&self) -> impl Iterator<Item = (BodyId, &Occupant)> {
+    pub(crate) fn entries(&self) -> impl Iterator<Item = (BodyId, &SceneEntry)> {
         (0_u32..).zip(&self.slots).filter_map(|(slot, place)| {
             let id = BodyId {
                 slot,
                 generation: place.generation,
             };
-            place.occupant.as_ref().map(|occupant| (id, occupant))
+            place.entry.as_ref().map(|entry| (id, entry))
         })
     }
 
@@ -332,11 +332,11 @@ impl Scene {
     }
 
     /// Rough extremes of all plans of bodies that may be part of a pair, m.
-    pub(crate) fn extremes(&self) -> Extremes {
-        let mut extremes = Extremes::NOTHING;
-        for (_, occupant) in self.occupants() {
-            if self.partners(0.0).has(&occupant.body) {
-                extremes.include(occupant.outline().extremes);
+    pub(crate) fn extremes(&self) -> DAabb {
+        let mut extremes = DAabb::NOTHING;
+        for (_, entry) in self.entries() {
+            if self.partners(0.0).has(&entry.body) {
+                extremes.include(entry.outline().extremes);
             }
         }
         extremes
@@ -355,13 +355,13 @@ impl Scene {
     }
 
     /// The body in a slot, if there is one.
-    pub(crate) fn in_slot(&self, slot: u32) -> Option<(BodyId, &Occupant)> {
+    pub(crate) fn in_slot(&self, slot: u32) -> Option<(BodyId, &SceneEntry)> {
         let place = self.slots.get(slot as usize)?;
         let id = BodyId {
             slot,
             generation: place.generation,
         };
-        Some((id, place.occupant.as_ref()?))
+        Some((id, place.entry.as_ref()?))
     }
 
     /// Returns true if each two bodies may be a pair with a margin (m).
@@ -381,24 +381,24 @@ impl Scene {
             && (self.ignored.is_empty() || !self.ignored.contains(id_a, id_b))
     }
 
-    /// Copies all sketches to new memory, if most of the old one is garbage.
+    /// Copies all compact trajectories to new memory, if most of the old one is garbage.
     fn tidy(&mut self) {
         if !self.arena.is_mostly_garbage() {
             return;
         }
         let old = std::mem::take(&mut self.arena);
         for slot in &mut self.slots {
-            if let Some(occupant) = &mut slot.occupant {
-                occupant.move_sketch(&old, &mut self.arena);
+            if let Some(entry) = &mut slot.entry {
+                entry.move_sketch(&old, &mut self.arena);
             }
         }
     }
 
-    /// A body, and where its sketch is.
-    fn occupant_mut(&mut self, id: BodyId) -> Result<(&mut Occupant, &mut CubicArena), Error> {
-        let occupant = slot_of(&mut self.slots, id)?.occupant.as_mut();
-        occupant
-            .map(|occupant| (occupant, &mut self.arena))
+    /// A body, and where its compact trajectory is.
+    fn occupant_mut(&mut self, id: BodyId) -> Result<(&mut SceneEntry, &mut CubicArena), Error> {
+        let entry = slot_of(&mut self.slots, id)?.entry.as_mut();
+        entry
+            .map(|entry| (entry, &mut self.arena))
             .ok_or(Error::UnknownBody { id })
     }
 }
@@ -414,10 +414,10 @@ impl Clone for Scene {
     fn clone(&self) -> Self {
         let mut arena = CubicArena::default();
         let slots = self.slots.iter().map(|slot| {
-            let occupant = slot.occupant.as_ref();
+            let entry = slot.entry.as_ref();
             Slot {
                 generation: slot.generation,
-                occupant: occupant.map(|occupant| occupant.copy(&self.arena, &mut arena)),
+                entry: entry.map(|entry| entry.copy(&self.arena, &mut arena)),
             }
         });
         Self {

@@ -1,19 +1,19 @@
-//! Whether two bodies stay apart while each follows one cubic: in f32, from their sketches.
+//! Whether two bodies stay apart while each follows one cubic: in f32, from their compact trajectories.
 
 use super::ROUNDING;
-use super::pose::{Cubic, Pose};
+use super::source::{BoundingCubic, CubicSource};
 use glam::Vec3A;
 
 /// One body on one of its cubics.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Leg<'a, C> {
-    pub(crate) pose: &'a Pose<'a, C>,
+pub(crate) struct BodyCubic<'a, C> {
+    pub(crate) source: &'a CubicSource<'a, C>,
     pub(crate) cubic: usize,
 }
 
-/// What sketches tell of two bodies over a while.
+/// What compact trajectories tell of two bodies over a while.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Sight {
+pub(crate) enum HullTest {
     /// They certainly stay apart by more than the margin.
     Apart,
     /// They may come near: f64 would rule out little more.
@@ -25,8 +25,12 @@ pub(crate) enum Sight {
 /// What can be told of two bodies from `from` to `to` (s), within one cubic of each. They are apart
 /// if all control points of the relative motion lie beyond the margin on an axis or in the direction
 /// of their sum.
-pub(crate) fn sight<C: Cubic>(a: &Leg<'_, C>, b: &Leg<'_, C>, interval: (f64, f64)) -> Sight {
-    if a.pose.knots.are_extended() || b.pose.knots.are_extended() {
+pub(crate) fn hull_test<C: BoundingCubic>(
+    a: &BodyCubic<'_, C>,
+    b: &BodyCubic<'_, C>,
+    interval: (f64, f64),
+) -> HullTest {
+    if a.source.knots.are_extended() || b.source.knots.are_extended() {
         see::<C, true>(a, b, interval)
     } else {
         see::<C, false>(a, b, interval)
@@ -34,58 +38,58 @@ pub(crate) fn sight<C: Cubic>(a: &Leg<'_, C>, b: &Leg<'_, C>, interval: (f64, f6
 }
 
 #[inline(always)]
-fn see<C: Cubic, const EXTENDED: bool>(
-    a: &Leg<'_, C>,
-    b: &Leg<'_, C>,
+fn see<C: BoundingCubic, const EXTENDED: bool>(
+    a: &BodyCubic<'_, C>,
+    b: &BodyCubic<'_, C>,
     (from, to): (f64, f64),
-) -> Sight {
+) -> HullTest {
     /// Of the distance that is asked about, what rounding may blur.
     const BLUR: f32 = 0.25;
-    let part = |leg: &Leg<'_, C>| {
-        let piece = leg.pose.piece::<EXTENDED>(leg.cubic);
-        let stance = &leg.pose.stance;
+    let part = |leg: &BodyCubic<'_, C>| {
+        let piece = leg.source.piece::<EXTENDED>(leg.cubic);
+        let placement = &leg.source.placement;
         let piece = piece.part(from, to);
-        let rounding = piece.rounding() + stance.steady;
+        let rounding = piece.rounding() + placement.steady;
         (
             piece.points,
-            rounding + stance.place.abs() * (6.0 * ROUNDING),
+            rounding + placement.place.abs() * (6.0 * ROUNDING),
         )
     };
     let ((points_a, rounding_a), (points_b, rounding_b)) = (part(a), part(b));
-    let (stance_a, stance_b) = (&a.pose.stance, &b.pose.stance);
-    let apart = stance_a.place - stance_b.place;
+    let (placement_a, placement_b) = (&a.source.placement, &b.source.placement);
+    let apart = placement_a.place - placement_b.place;
     let points = [0, 1, 2, 3].map(|j| Vec3A::from_vec4(apart + (points_a[j] - points_b[j])));
     let rounding = Vec3A::from_vec4(rounding_a + rounding_b);
-    // Its rounding is in both stances'.
-    let radius = stance_a.reach + stance_b.reach;
+    // Its rounding is in both placements'.
+    let radius = placement_a.reach + placement_b.reach;
     let [p0, p1, p2, p3] = points;
     let (low, high) = (p0.min(p1).min(p2.min(p3)), p0.max(p1).max(p2.max(p3)));
     let reach = rounding + radius;
     if (low.cmpgt(reach) | high.cmplt(-reach)).any() {
-        return Sight::Apart;
+        return HullTest::Apart;
     }
     let sum = (p0 + p3) + (p1 + p2);
     let square = sum.length_squared();
     // Products of coordinates have three roundings of their own. So many are to spare in those of places and
-    // points, three of each of which are used. The bound has seven of the radius: stances have eight on each
+    // points, three of each of which are used. The bound has seven of the radius: placements have eight on each
     // axis.
     let blur = rounding.element_sum();
     let beyond = (radius + blur) * square.sqrt();
     // With smaller squares digits are lost, with larger ones everything.
     if (1e-30..1e30).contains(&square) && points.iter().all(|point| point.dot(sum) > beyond) {
-        return Sight::Apart;
+        return HullTest::Apart;
     }
     if blur <= BLUR * radius {
-        Sight::Near
+        HullTest::Near
     } else {
-        Sight::Blurred
+        HullTest::Blurred
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bounds::{Extremes, Frame, Inflation, Sketch};
+    use crate::bounds::{CompactTrajectory, DAabb, Frame, Padding};
     use crate::hitbox::Hitbox;
     use crate::trajectory::{State, Trajectory};
     use glam::DVec3;
@@ -123,25 +127,25 @@ mod tests {
             let nearest = (0..=64)
                 .map(|step| distance((from + (to - from) * f64::from(step) / 64.0).min(to)))
                 .fold(f64::INFINITY, f64::min);
-            let extremes = Extremes {
+            let extremes = DAabb {
                 low: middle,
                 high: middle,
             };
             let frame = Frame::around(extremes, far);
-            let sketches =
-                [0, 1].map(|k: usize| Sketch::of(flights[k].knots(), flights[k].segments()));
+            let sketches = [0, 1]
+                .map(|k: usize| CompactTrajectory::of(flights[k].knots(), flights[k].segments()));
             let is_apart = |margin: f64| {
                 let point = Hitbox::POINT;
-                let inflation = Inflation::of(&point, margin, &frame);
-                let poses = sketches.each_ref().map(|(sketch, lines)| {
+                let padding = Padding::of(&point, margin, &frame);
+                let sources = sketches.each_ref().map(|(sketch, lines)| {
                     let drawing = sketch.on(lines);
-                    Pose::sketched(drawing.knots, &drawing, &inflation, &frame)
+                    CubicSource::sketched(drawing.knots, &drawing, &padding, &frame)
                 });
-                let [a, b] = [0, 1].map(|k: usize| Leg {
-                    pose: &poses[k],
+                let [a, b] = [0, 1].map(|k: usize| BodyCubic {
+                    source: &sources[k],
                     cubic: 1,
                 });
-                sight(&a, &b, (from, to)) == Sight::Apart
+                hull_test(&a, &b, (from, to)) == HullTest::Apart
             };
             assert!(!is_apart(nearest), "{round}");
             rejected += u32::from(is_apart(nearest / 3.0));

@@ -1,7 +1,7 @@
 //! Frames of f32 coordinates, and what boxes are larger by.
 
 use super::nearest;
-use super::period::Period;
+use super::slice_interval::SliceInterval;
 use crate::hitbox::Hitbox;
 use crate::rounding::normalising_power;
 use glam::{DVec3, Vec4};
@@ -39,9 +39,9 @@ impl MovingFrame {
     }
 
     /// Returns a slice of time, and how far boxes move in it.
-    pub(crate) fn period(&self, from: f64, to: f64) -> Period<true> {
+    pub(crate) fn period(&self, from: f64, to: f64) -> SliceInterval<true> {
         let way = self.velocity * ((to - from) * self.frame.power);
-        Period::new(from, to).moving(way)
+        SliceInterval::new(from, to).moving(way)
     }
 }
 
@@ -55,12 +55,12 @@ impl Deref for MovingFrame {
 
 /// A box in f64, in the scene's own coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Extremes {
+pub(crate) struct DAabb {
     pub(crate) low: DVec3,
     pub(crate) high: DVec3,
 }
 
-impl Extremes {
+impl DAabb {
     pub(crate) const NOTHING: Self = Self {
         low: DVec3::INFINITY,
         high: DVec3::NEG_INFINITY,
@@ -110,20 +110,20 @@ impl Frame {
         power: 1.0,
     };
 
-    /// A frame for coordinates within `extremes` and inflations up to `inflation` (m).
-    pub(crate) fn around(extremes: Extremes, inflation: f64) -> Self {
-        Self::amid(extremes, extremes, inflation)
+    /// A frame for coordinates within `extremes` and paddings up to `padding` (m).
+    pub(crate) fn around(extremes: DAabb, padding: f64) -> Self {
+        Self::amid(extremes, extremes, padding)
     }
 
     /// The same where `most` of what is within `world` is: f32 is fine next to where it is measured
     /// from, and coarse far away. A few bodies that are far off all others cost these nothing.
-    pub(crate) fn amid(world: Extremes, most: Extremes, inflation: f64) -> Self {
+    pub(crate) fn amid(world: DAabb, most: DAabb, padding: f64) -> Self {
         if !world.is_finite() {
             return Self::OF_NOTHING;
         }
-        let (origin, _) = middle(world, most, inflation);
+        let (origin, _) = middle(world, most, padding);
         let half = (world.high - origin).max(origin - world.low);
-        let half = half.max_element() + inflation;
+        let half = half.max_element() + padding;
         let power = if half <= 0.0 || (1e-10..1e30).contains(&half) {
             1.0
         } else {
@@ -140,16 +140,16 @@ impl Frame {
         }
     }
 
-    /// Whether it serves coordinates within a world, and inflations up to `inflation` (m), about as
+    /// Whether it serves coordinates within a world, and paddings up to `padding` (m), about as
     /// well as one [amid](Self::amid) them.
-    pub(crate) fn suits(&self, world: Extremes, most: Extremes, inflation: f64) -> bool {
+    pub(crate) fn suits(&self, world: DAabb, most: DAabb, padding: f64) -> bool {
         /// How much larger or smaller the unit may be: f32 has room to spare.
         const MANY: f64 = 65536.0;
         if !world.is_finite() {
             return true;
         }
-        let best = Self::amid(world, most, inflation);
-        let (_, half) = middle(world, most, inflation);
+        let best = Self::amid(world, most, padding);
+        let (_, half) = middle(world, most, padding);
         let away = (best.origin - self.origin).abs().max_element();
         (1.0 / MANY..=MANY).contains(&(self.power / best.power)) && away <= FEW * half
     }
@@ -159,9 +159,9 @@ impl Frame {
 const FEW: f64 = 16.0;
 
 /// Where a world is measured from, and how far from there most of it is, m.
-fn middle(world: Extremes, most: Extremes, inflation: f64) -> (DVec3, f64) {
+fn middle(world: DAabb, most: DAabb, padding: f64) -> (DVec3, f64) {
     let origin = world.middle();
-    let half_of = |part: &Extremes| (part.high - part.middle()).max_element() + inflation;
+    let half_of = |part: &DAabb| (part.high - part.middle()).max_element() + padding;
     let (half, half_of_most) = (half_of(&world), half_of(&most));
     let away = (origin - most.middle()).abs().max_element();
     // Nothing is gained where most are in one place, and that is the middle.
@@ -175,7 +175,7 @@ fn middle(world: Extremes, most: Extremes, inflation: f64) -> (DVec3, f64) {
 /// How much larger than its hull a body's box is, in the frame's unit. (Of four lanes, the last
 /// holds nothing of use, here and in what follows.)
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Inflation {
+pub(crate) struct Padding {
     /// Extremes of the hitbox in the body's frame, half the margin included.
     pub(super) low: Vec4,
     pub(super) high: Vec4,
@@ -186,7 +186,7 @@ pub(crate) struct Inflation {
     pub(super) size: f32,
 }
 
-impl Inflation {
+impl Padding {
     pub(crate) const NONE: Self = Self {
         low: Vec4::ZERO,
         high: Vec4::ZERO,
@@ -194,7 +194,7 @@ impl Inflation {
         size: 0.0,
     };
 
-    /// Returns the inflation by a hitbox and half a margin (m), in a frame's unit.
+    /// Returns the padding by a hitbox and half a margin (m), in a frame's unit.
     pub(crate) fn of(hitbox: &Hitbox, margin: f64, frame: &Frame) -> Self {
         let mut half = 0.5 * margin;
         // A margin that swallows one body's radius leaves a point; the other body's box is then at worst

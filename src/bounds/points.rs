@@ -5,8 +5,8 @@ use crate::rounding::largest_norm;
 use crate::trajectory::{Restriction, Segment};
 use glam::DVec3;
 
-/// What a stroke is drawn from: Bézier points relative to the segment's origin, m.
-pub(super) struct Points {
+/// What a compact cubic is drawn from: Bézier points relative to the segment's origin, m.
+pub(super) struct PaddedPoints {
     pub(super) points: [DVec3; 4],
     /// No point is farther from the first one, m.
     pub(super) extent: f64,
@@ -15,7 +15,7 @@ pub(super) struct Points {
     error: f64,
 }
 
-impl Points {
+impl PaddedPoints {
     /// Of a segment from an instant to another one (s), also beyond its knots.
     ///
     /// Four times the error hold all that f64 makes of the body:
@@ -55,7 +55,7 @@ impl Points {
     }
 
     /// What f32 rounding of the points is relative to, m, besides their size. A box takes at least four
-    /// roundings of that ([`Piece::NEAR`](super::Piece::NEAR)): so four times the error.
+    /// roundings of that ([`SubCubic::NEAR`](super::SubCubic::NEAR)): so four times the error.
     pub(super) fn spread(&self) -> f64 {
         self.extent + self.error / f64::from(ROUNDING)
     }
@@ -63,8 +63,10 @@ impl Points {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Extremes, Frame, Inflation, Piece, Pose, ROUNDING, Sketch, Stroke};
-    use super::Points;
+    use super::super::{
+        CompactCubic, CompactTrajectory, CubicSource, DAabb, Frame, Padding, ROUNDING, SubCubic,
+    };
+    use super::PaddedPoints;
     use crate::hitbox::Hitbox;
     use crate::knots::Knots;
     use crate::search::{FormBounds, SliceBlock, SliceBounds};
@@ -76,7 +78,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
 
     /// A plan over a window, and its pieces.
-    struct Course {
+    struct FatLine {
         plan: Trajectory,
         window: Window,
         pieces: Pieces,
@@ -116,7 +118,7 @@ mod tests {
         }
 
         /// Its pieces over so many of its lengths, before and after.
-        fn pieces(&self, (before, after): (f64, f64)) -> Course {
+        fn pieces(&self, (before, after): (f64, f64)) -> FatLine {
             let plan = Trajectory::from_states(&self.states);
             let plan = plan.map(|plan| plan.with_outside(self.outside));
             let [first, last] = [0, 1].map(|k: usize| self.states[k].time);
@@ -130,7 +132,7 @@ mod tests {
             if by_points {
                 pieces.segments.fill(plan.segments()[0]);
             }
-            Course {
+            FatLine {
                 plan,
                 window,
                 pieces,
@@ -181,34 +183,34 @@ mod tests {
 
     /// Pieces in a frame around them, and the slices between some instants.
     fn look(
-        course: &Course,
+        fat_line: &FatLine,
         ends: &[f64],
-        mut each: impl FnMut(&Frame, &Pose<'_, Stroke>, &[SliceBounds]),
+        mut each: impl FnMut(&Frame, &CubicSource<'_, CompactCubic>, &[SliceBounds]),
     ) {
-        let Course { plan, pieces, .. } = course;
-        let (sketch, lines) = Sketch::of(&pieces.knots, &pieces.segments);
-        let (own, own_lines) = Sketch::of(plan.knots(), plan.segments());
+        let FatLine { plan, pieces, .. } = fat_line;
+        let (sketch, lines) = CompactTrajectory::of(&pieces.knots, &pieces.segments);
+        let (own, own_lines) = CompactTrajectory::of(plan.knots(), plan.segments());
         let all = sketch.on(&lines);
         let frame = all.frame;
-        let inflation = Inflation::of(&Hitbox::POINT, 0.0, &frame);
-        let pose = if course.by_points {
-            Pose::sketched(all.knots, &all, &inflation, &frame)
+        let padding = Padding::of(&Hitbox::POINT, 0.0, &frame);
+        let source = if fat_line.by_points {
+            CubicSource::sketched(all.knots, &all, &padding, &frame)
         } else {
-            let extension = plan.extension(course.window);
+            let extension = plan.extension(fat_line.window);
             let extension = extension.unwrap_or_else(|_| unreachable!("it is near enough"));
             let knots = Knots::over(plan, extension.as_ref());
             assert_eq!(knots.cubics(), pieces.segments.len());
-            Pose::sketched(knots, &own.on(&own_lines), &inflation, &frame)
+            CubicSource::sketched(knots, &own.on(&own_lines), &padding, &frame)
         };
         let mut block = SliceBlock::default();
         InstructionSet::best().run(FormBounds {
             frame: &frame.moving(DVec3::ZERO),
             block: &mut block,
-            poses: &[pose],
+            sources: &[source],
             present: &[0],
             ends,
         });
-        each(&frame, &pose, &block.slices);
+        each(&frame, &source, &block.slices);
     }
 
     fn wide(lanes: [f32; 3]) -> DVec3 {
@@ -216,30 +218,30 @@ mod tests {
     }
 
     /// Where a body is by its exact cubic, however far beyond the knots, and within what the solver may
-    /// see of it from there, its pieces, boxes and courses hold it.
+    /// see of it from there, its pieces, boxes and fat lines hold it.
     #[test]
     fn what_goes_beyond_the_knots_is_held() {
-        /// Errors of the motion: see `Points::of`; the box's own is left to show.
+        /// Errors of the motion: see `PaddedPoints::of`; the box's own is left to show.
         const SEEN: f64 = 2.25;
         let mut rng = ChaCha8Rng::seed_from_u64(12);
         let mut tightest = f64::INFINITY;
         for round in 0..1_000 {
             let flight = Flight::any(&mut rng);
             let lengths = 10f64.powf(rng.random_range(0.0..9.0));
-            let course = flight.pieces([(lengths, lengths), (-0.5, lengths)][round % 2]);
-            let pieces = &course.pieces;
+            let fat_line = flight.pieces([(lengths, lengths), (-0.5, lengths)][round % 2]);
+            let pieces = &fat_line.pieces;
             let (first, last) = (pieces.knots[0], pieces.knots[pieces.knots.len() - 1]);
             // Short slices in the middle: numbers are small there, and those they come from are not.
             let ends = [0.0, 0.1, 0.4999, 0.5, 0.5001, 0.75, 1.0];
             let ends = ends.map(|share| first + share * (last - first));
             let between = |(from, to): (f64, f64), share: f64| (from + (to - from) * share).min(to);
-            look(&course, &ends, |frame, pose, slices| {
+            look(&fat_line, &ends, |frame, source, slices| {
                 for (number, segment) in pieces.segments.iter().enumerate() {
                     let ends = (pieces.knots[number], pieces.knots[number + 1]);
-                    let piece = pose.piece::<true>(number);
+                    let piece = source.piece::<true>(number);
                     let [p0, p1, p2, p3] = piece.points;
-                    let at = pose.stance.place;
-                    let rounding = piece.rounding() + pose.stance.steady;
+                    let at = source.placement.place;
+                    let rounding = piece.rounding() + source.placement.steady;
                     let rounding = rounding + at.abs() * (6.0 * ROUNDING);
                     let low = at + p0.min(p1).min(p2.min(p3)) - rounding;
                     let high = at + p0.max(p1).max(p2.max(p3)) + rounding;
@@ -254,19 +256,19 @@ mod tests {
                 }
                 for (slice, ends) in slices.iter().zip(ends.windows(2)) {
                     let ends = (ends[0], ends[1]);
-                    let (course, aabb) = (&slice.courses[0], &slice.boxes[0].aabb);
+                    let (fat_line, aabb) = (&slice.fat_lines[0], &slice.boxes[0].aabb);
                     let [low, high] = [aabb.mins, aabb.maxs].map(|edge| wide(edge.to_array()));
                     for step in 0..=4 {
                         let time = between(ends, f64::from(step) / 4.0);
                         let place = flight.place(time, frame);
                         // Instants may be coarse.
                         let share = (time - ends.0) / (ends.1 - ends.0).max(f64::MIN_POSITIVE);
-                        let line = wide(course.start) + share * wide(course.change);
+                        let line = wide(fat_line.start) + share * wide(fat_line.change);
                         let stray = place.distance(line);
                         assert!(low.cmple(place).all() && high.cmpge(place).all(), "{round}");
                         assert!(
-                            stray <= f64::from(course.slack),
-                            "{round} {stray} {course:?}"
+                            stray <= f64::from(fat_line.slack),
+                            "{round} {stray} {fat_line:?}"
                         );
                     }
                 }
@@ -292,16 +294,17 @@ mod tests {
             for plan in [plan, far] {
                 let segment = &plan.segments()[0];
                 let ends = (times[0] + share, times[1] - share);
-                let part = Points::of(segment, ends);
+                let part = PaddedPoints::of(segment, ends);
                 let error = segment.restrict(ends.0, ends.1).error;
                 let known = if share > 0.0 { error } else { segment.error() };
                 let frame = Frame {
                     origin: segment.origin(),
                     power: 1.0,
                 };
-                let stroke = Stroke::of(segment, ends, &frame);
-                let stroke = stroke.unwrap_or_else(|| unreachable!("all is near the frame"));
-                let piece = Piece::whole(&stroke, ends, 1.0);
+                let compact_cubic = CompactCubic::of(segment, ends, &frame);
+                let compact_cubic =
+                    compact_cubic.unwrap_or_else(|| unreachable!("all is near the frame"));
+                let piece = SubCubic::whole(&compact_cubic, ends, 1.0);
                 let room = f64::from(piece.rounding().min_element());
                 assert!(room >= 3.99 * known, "{room} {known}");
                 assert!(known < 1e-6 || room < 5.0 * known + 1e-6 * part.extent);
@@ -313,7 +316,7 @@ mod tests {
     /// segments that are short, too, bent or straight.
     #[test]
     fn what_goes_beyond_the_knots_is_held_closely() {
-        /// Of a sketch, the numbers of which are near one: some f32 roundings.
+        /// Of a compact trajectory, the numbers of which are near one: some f32 roundings.
         const FINE: f64 = 1.0 / 1_048_576.0;
         let turn = |time: f64| {
             let (sine, cosine) = (0.5 * time).sin_cos();
@@ -328,22 +331,22 @@ mod tests {
                 outside: Outside::Extrapolate,
                 by_points: false,
             };
-            let course = flight.pieces((3_000.0, 3_000.0));
+            let fat_line = flight.pieces((3_000.0, 3_000.0));
             for begin in [1.0, 60.0, 300.0, 560.0] {
                 let ends = [0.0, 1.0, 2.0, 3.0, 4.0].map(|second| begin + second);
-                look(&course, &ends, |frame, _, slices| {
+                look(&fat_line, &ends, |frame, _, slices| {
                     for (slice, ends) in slices.iter().zip(ends.windows(2)) {
-                        let mut way = Extremes::NOTHING;
+                        let mut way = DAabb::NOTHING;
                         for step in 0..=16 {
                             let time = ends[0] + (ends[1] - ends[0]) * f64::from(step) / 16.0;
                             let place = flight.place(time, frame);
-                            way.include(Extremes::about(place, 0.0));
+                            way.include(DAabb::about(place, 0.0));
                         }
                         let aabb = &slice.boxes[0].aabb;
                         let size = f64::from(aabb.extents().max_element());
                         let needed = (way.high - way.low).max_element();
                         assert!(size < 1.1 * needed + FINE, "{begin}: {size} {needed}");
-                        let slack = f64::from(slice.courses[0].slack);
+                        let slack = f64::from(slice.fat_lines[0].slack);
                         assert!(slack < needed + FINE, "{begin}: {slack} {needed}");
                     }
                 });

@@ -62,7 +62,7 @@ impl SignPattern {
     pub(super) fn of(coefficients: &[f64; 7], error: f64, level: f64) -> Self {
         let (low, high) = (level - error, level + error);
         let first = coefficients[0];
-        let mut course = if first < low {
+        let mut fat_line = if first < low {
             Self::Below
         } else if first > high {
             Self::Above
@@ -71,7 +71,7 @@ impl SignPattern {
         };
         let mut is_doubtful = false;
         for &c in &coefficients[1..] {
-            course = match course {
+            fat_line = match fat_line {
                 Self::Below if c > high => Self::Rising,
                 Self::Above if c < low => Self::Falling,
                 Self::Below if c < low && !is_doubtful => continue,
@@ -87,7 +87,7 @@ impl SignPattern {
             };
             is_doubtful = false;
         }
-        if is_doubtful { Self::Unclear } else { course }
+        if is_doubtful { Self::Unclear } else { fat_line }
     }
 }
 
@@ -98,29 +98,29 @@ mod tests {
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 
-    fn course(coefficients: [f64; 7]) -> SignPattern {
+    fn fat_line(coefficients: [f64; 7]) -> SignPattern {
         SignPattern::of(&coefficients, 0.5, 10.0)
     }
 
     #[test]
     fn only_what_is_certain_counts() {
-        assert_eq!(course([1.0; 7]), SignPattern::Below);
-        assert_eq!(course([20.0; 7]), SignPattern::Above);
+        assert_eq!(fat_line([1.0; 7]), SignPattern::Below);
+        assert_eq!(fat_line([20.0; 7]), SignPattern::Above);
         assert_eq!(
-            course([1.0, 1.0, 1.0, 20.0, 20.0, 20.0, 20.0]),
+            fat_line([1.0, 1.0, 1.0, 20.0, 20.0, 20.0, 20.0]),
             SignPattern::Rising
         );
         assert_eq!(
-            course([20.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]),
+            fat_line([20.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]),
             SignPattern::Falling
         );
         // One uncertain coefficient where the course changes, and nowhere else.
         assert_eq!(
-            course([1.0, 1.0, 10.2, 20.0, 20.0, 20.0, 20.0]),
+            fat_line([1.0, 1.0, 10.2, 20.0, 20.0, 20.0, 20.0]),
             SignPattern::Rising
         );
         assert_eq!(
-            course([20.0, 10.0, 1.0, 1.0, 1.0, 1.0, 1.0]),
+            fat_line([20.0, 10.0, 1.0, 1.0, 1.0, 1.0, 1.0]),
             SignPattern::Falling
         );
         for unclear in [
@@ -136,7 +136,7 @@ mod tests {
             [f64::NAN, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0],
             [1.0, f64::NAN, 1.0, 1.0, 1.0, 1.0, 1.0],
         ] {
-            assert_eq!(course(unclear), SignPattern::Unclear, "{unclear:?}");
+            assert_eq!(fat_line(unclear), SignPattern::Unclear, "{unclear:?}");
         }
     }
 

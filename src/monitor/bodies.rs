@@ -1,10 +1,10 @@
 //! The bodies as searches see them, and their boxes.
 
-use super::flights::Flights;
 use super::grid::Grid;
-use crate::bounds::{Course, Inflation, MovingFrame, Pose};
+use super::monitored_bodies::MonitoredBodies;
+use crate::bounds::{CubicSource, FatLine, MovingFrame, Padding};
 use crate::broad_phase::BodyBox;
-use crate::narrow_phase::Party;
+use crate::narrow_phase::BodyView;
 use crate::parallel;
 use crate::scene::Scene;
 use crate::search::{Bodies, FEW_BOXES, FormBounds, SliceBlock};
@@ -15,7 +15,7 @@ use crate::trajectory::Segment;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BodyTable<'m> {
     pub(super) scene: &'m Scene,
-    pub(super) flights: &'m Flights,
+    pub(super) flights: &'m MonitoredBodies,
     pub(super) frame: &'m MovingFrame,
     /// Slices in which all bodies are searched from nothing are so long, s.
     pub(super) search_length: f64,
@@ -24,8 +24,8 @@ pub(super) struct BodyTable<'m> {
 }
 
 impl Bodies for BodyTable<'_> {
-    fn party(&self, body: u32) -> Party<'_> {
-        self.get(body).unwrap_or(Party::NONE)
+    fn view(&self, body: u32) -> BodyView<'_> {
+        self.get(body).unwrap_or(BodyView::NONE)
     }
 
     fn fetch(&self, body: u32) {
@@ -52,7 +52,7 @@ impl<'m> BodyTable<'m> {
     /// Those of a scene, as they lie in the frame of a grid; pairs within a margin (m) are looked for.
     pub(super) const fn of(
         scene: &'m Scene,
-        flights: &'m Flights,
+        flights: &'m MonitoredBodies,
         grid: &'m Grid,
         margin: f64,
     ) -> Self {
@@ -71,22 +71,22 @@ impl<'m> BodyTable<'m> {
     const KNOTS: usize = 16;
 
     /// Returns the body in a slot.
-    pub(super) fn get(&self, slot: u32) -> Option<Party<'m>> {
-        self.flights.party(self.scene, slot)
+    pub(super) fn get(&self, slot: u32) -> Option<BodyView<'m>> {
+        self.flights.view(self.scene, slot)
     }
 
-    /// Calls `visit` with the box and the course of each body in each slice in which it exists,
+    /// Calls `visit` with the box and the fat line of each body in each slice in which it exists,
     /// slices numbered from 0; in each slice in the order of `slots`. `ends`: see [`FormBounds`].
     pub(super) fn boxes(
         &self,
         slots: impl Iterator<Item = u32>,
         ends: &[f64],
         block: &mut SliceBlock,
-        mut visit: impl FnMut(usize, BodyBox, &Course),
+        mut visit: impl FnMut(usize, BodyBox, &FatLine),
     ) {
         let mut batch = [0; BATCH];
-        let mut parties = [Party::NONE; BATCH];
-        let mut poses = [Pose::NONE; BATCH];
+        let mut views = [BodyView::NONE; BATCH];
+        let mut sources = [CubicSource::NONE; BATCH];
         let mut slots = slots.peekable();
         while slots.peek().is_some() {
             let mut listed = 0;
@@ -94,7 +94,7 @@ impl<'m> BodyTable<'m> {
                 *place = slot;
                 listed += 1;
             }
-            let mut inflations = [&Inflation::NONE; BATCH];
+            let mut paddings = [&Padding::NONE; BATCH];
             let mut count = 0;
             for place in 0..listed {
                 // What each loop reads lies anywhere in memory, and was fetched by the one before.
@@ -104,26 +104,26 @@ impl<'m> BodyTable<'m> {
                 }
                 let slot = batch[place];
                 let flight = self.flights.get(self.scene, slot);
-                let Some((flight, party)) = flight.filter(|(flight, _)| flight.has_partner) else {
+                let Some((flight, view)) = flight.filter(|(flight, _)| flight.has_partner) else {
                     continue;
                 };
-                party.prefetch(party.knots.before());
-                party.knots.prefetch(0, Self::KNOTS);
+                view.prefetch(view.knots.before());
+                view.knots.prefetch(0, Self::KNOTS);
                 batch[count] = slot;
-                parties[count] = party;
-                inflations[count] = &flight.inflation;
+                views[count] = view;
+                paddings[count] = &flight.padding;
                 count += 1;
             }
-            let known = parties[..count].iter().zip(inflations);
-            for (pose, (party, inflation)) in poses.iter_mut().zip(known) {
-                *pose = Pose::plain((party.knots, party.segments), inflation, self.frame);
+            let known = views[..count].iter().zip(paddings);
+            for (source, (view, padding)) in sources.iter_mut().zip(known) {
+                *source = CubicSource::plain((view.knots, view.segments), padding, self.frame);
             }
-            form(self.frame, &poses[..count], ends, block);
+            form(self.frame, &sources[..count], ends, block);
             for (number, slice) in block.slices[..ends.len() - 1].iter().enumerate() {
-                let boxes = slice.boxes.iter().zip(&slice.courses);
-                for ((boxed, course), &place) in boxes.zip(&slice.bodies) {
+                let boxes = slice.boxes.iter().zip(&slice.fat_lines);
+                for ((boxed, fat_line), &place) in boxes.zip(&slice.bodies) {
                     let body = batch[place as usize];
-                    visit(number, BodyBox { body, ..*boxed }, course);
+                    visit(number, BodyBox { body, ..*boxed }, fat_line);
                 }
             }
         }
@@ -133,20 +133,20 @@ impl<'m> BodyTable<'m> {
 /// Forms the boxes of bodies in the first slices of `block`.
 pub(super) fn form(
     frame: &MovingFrame,
-    poses: &[Pose<'_, Segment>],
+    sources: &[CubicSource<'_, Segment>],
     ends: &[f64],
     block: &mut SliceBlock,
 ) {
     InstructionSet::best().run(FormBounds {
         block,
         frame,
-        poses,
-        present: &PLACES[..poses.len()],
+        sources,
+        present: &PLACES[..sources.len()],
         ends,
     });
 }
 
-/// The boxes and courses of bodies that have changed, formed for all slices together: each body's
+/// The boxes and fat lines of bodies that have changed, formed for all slices together: each body's
 /// segments are read once.
 #[derive(Debug, Default)]
 pub(super) struct ChangedBounds {
@@ -161,7 +161,7 @@ struct ChangedBatch {
     /// Place of its first body in the list of all.
     first: usize,
     /// By slice.
-    boxes: Vec<Vec<(BodyBox, Course)>>,
+    boxes: Vec<Vec<(BodyBox, FatLine)>>,
     block: SliceBlock,
 }
 
@@ -193,8 +193,8 @@ impl ChangedBounds {
         self.slots == slots
     }
 
-    /// The boxes and courses in a slice, in the order of the bodies.
-    pub(super) fn of(&self, slice: usize) -> impl Iterator<Item = &(BodyBox, Course)> {
+    /// The boxes and fat lines in a slice, in the order of the bodies.
+    pub(super) fn of(&self, slice: usize) -> impl Iterator<Item = &(BodyBox, FatLine)> {
         let count = self.slots.len().div_ceil(Self::CHUNK);
         let chunks = self.chunks[..count].iter();
         chunks.flat_map(move |chunk| &chunk.boxes[slice])
@@ -212,8 +212,8 @@ impl ChangedBatch {
         for first in (0..slices).step_by(most) {
             let ends = &ends[first..=slices.min(first + most)];
             let (slots, boxes) = (slots.iter().copied(), &mut self.boxes[first..]);
-            bodies.boxes(slots, ends, &mut self.block, |slice, boxed, course| {
-                boxes[slice].push((boxed, *course));
+            bodies.boxes(slots, ends, &mut self.block, |slice, boxed, fat_line| {
+                boxes[slice].push((boxed, *fat_line));
             });
         }
     }

@@ -28,14 +28,14 @@ pub enum Budget {
 
 /// Watches a budget.
 #[derive(Debug)]
-pub(super) struct Meter {
+pub(super) struct BudgetMeter {
     deadline: Option<Instant>,
     left: Option<u64>,
     until: Option<f64>,
     done: u64,
 }
 
-impl Meter {
+impl BudgetMeter {
     pub(super) fn start(budget: Budget) -> Self {
         Self {
             deadline: match budget {
@@ -67,6 +67,7 @@ impl Meter {
     }
 
     /// Boxes formed and candidates found so far.
+    #[cfg(feature = "recording")]
     pub(super) const fn done(&self) -> u64 {
         self.done
     }

@@ -1,12 +1,12 @@
 //! Changes between ticks: each is checked as a whole before any of it takes effect.
 
 use super::Monitor;
-use super::command::{Batch, Command, PairRule, Terms};
+use super::command::{ChangeContext, Command, CommandBatch, PairRule};
 use super::event::EndReason;
-use super::flights::Flight;
 use super::grid::{Grid, RescheduleTrigger, SceneSignature};
-use super::outlook::push_once;
-use super::read::Readings;
+use super::lookahead::push_once;
+use super::monitored_bodies::MonitoredBody;
+use super::read::LevelCaches;
 #[cfg(feature = "recording")]
 use super::recording::Record;
 use super::tick::plan_end;
@@ -41,7 +41,7 @@ impl Monitor {
         self.put(body, flight)
     }
 
-    fn put(&mut self, body: Body, flight: Flight) -> Result<BodyId, Error> {
+    fn put(&mut self, body: Body, flight: MonitoredBody) -> Result<BodyId, Error> {
         let id = self.scene.insert(body)?;
         self.place(id, Some(flight));
         self.watch_plan_end(id);
@@ -237,7 +237,7 @@ impl Monitor {
 
     /// Lets a batch take effect. Nothing is refused: the scene has room for them, and all
     /// ids were found.
-    fn take_over(&mut self, batch: &mut Batch) -> Result<Vec<BodyId>, Error> {
+    fn take_over(&mut self, batch: &mut CommandBatch) -> Result<Vec<BodyId>, Error> {
         // Of bodies, some of which may be removed below.
         for &(a, b, rule) in &batch.pairs {
             match rule {
@@ -246,9 +246,9 @@ impl Monitor {
             }
         }
         for place in 0..batch.changed.len() {
-            if let Some(later) = batch.changed.get(place + Batch::AHEAD) {
+            if let Some(later) = batch.changed.get(place + CommandBatch::AHEAD) {
                 self.scene.prefetch(later.id.slot);
-                self.outlook.prefetch(later.id.slot);
+                self.search.prefetch(later.id.slot);
             }
             let revision = &mut batch.changed[place];
             let id = revision.id;
@@ -290,7 +290,7 @@ impl Monitor {
     fn ignore(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
         self.scene.ignore_pair(a, b)?;
         let slots = (a.slot.min(b.slot), a.slot.max(b.slot));
-        self.outlook.leave_out(slots);
+        self.search.leave_out(slots);
         Ok(())
     }
 
@@ -311,49 +311,49 @@ impl Monitor {
         // Either will do: the one that costs less to look for.
         let spheres = |id| self.scene.body(id).map(|body| body.hitbox.spheres().len());
         let simpler = if spheres(a) <= spheres(b) { a } else { b };
-        self.outlook.forget(simpler.slot);
+        self.search.forget(simpler.slot);
         Ok(())
     }
 
     /// What changes are worked out with now.
-    pub(super) fn terms(&self) -> Result<Terms<'_>, Error> {
-        let end = self.outlook.laid_out(self.now + self.lookahead);
-        Ok(Terms {
-            reach: self.outlook.reach(),
+    pub(super) fn terms(&self) -> Result<ChangeContext<'_>, Error> {
+        let end = self.search.laid_out(self.now + self.lookahead);
+        Ok(ChangeContext {
+            reach: self.search.reach(),
             window: Window::new(self.told, end)?,
             now: self.now,
             forget_before: self.told - self.history,
         })
     }
 
-    /// Prepares all bodies for an outlook that knows none yet.
+    /// Prepares all bodies for a search that knows none yet.
     pub(super) fn lay_out(&mut self) -> Result<(), Error> {
         let terms = self.terms()?;
         let bodies = self.scene.bodies();
         let flights = bodies.map(|(id, body)| Ok((id, terms.flight_of(body)?)));
         for (id, flight) in flights.collect::<Result<Vec<_>, Error>>()? {
-            self.outlook.set(id.slot, Some(flight));
+            self.search.set(id.slot, Some(flight));
         }
-        self.outlook.find_partners(&self.scene, None);
+        self.search.find_partners(&self.scene, None);
         Ok(())
     }
 
     /// Forgets all that can be worked out again from the scene: it is to be looked at as if it was new,
     /// on this grid.
     pub(super) fn renew(&mut self, grid: Grid) -> Result<(), Error> {
-        let renewed = self.outlook.renewed(grid);
-        let before = std::mem::replace(&mut self.outlook, renewed);
+        let renewed = self.search.renewed(grid);
+        let before = std::mem::replace(&mut self.search, renewed);
         if let Err(error) = self.lay_out() {
-            self.outlook = before;
+            self.search = before;
             return Err(error);
         }
-        self.readings = Readings::of_levels(self.levels.len());
+        self.readings = LevelCaches::of_levels(self.levels.len());
         Ok(())
     }
 
     /// Forgets all that can be worked out again, and stays on its grid.
     pub(super) fn look_anew(&mut self) -> Result<(), Error> {
-        self.renew(*self.outlook.grid())
+        self.renew(*self.search.grid())
     }
 
     /// Chooses another grid, on which all is looked at anew, where the one there is cannot stay: since
@@ -362,9 +362,9 @@ impl Monitor {
     /// one, say, or for bodies at rest that fly now; but that is not done if the tick may not wait for all
     /// that is to be looked at then: it has a budget, or lags behind.
     pub(super) fn choose_grid(&mut self, now: f64, may_wait: bool) -> Result<(), Error> {
-        let (margin, _) = self.outlook.reach();
+        let (margin, _) = self.search.reach();
         let span = (self.told, self.lookahead);
-        let grid = self.outlook.grid();
+        let grid = self.search.grid();
         let can_stay = grid.has_room(now) && !grid.is_too_fine(&self.scene);
         if can_stay {
             let bodies = self.scene.len();
@@ -379,19 +379,19 @@ impl Monitor {
             }
         }
         let other = Grid::for_scene(&self.scene, margin, span, now)?;
-        if can_stay && self.outlook.grid().serves(&self.scene, margin, &other) {
+        if can_stay && self.search.grid().serves(&self.scene, margin, &other) {
             self.review.was_in_vain();
-            self.outlook.confirm_grid(&other);
+            self.search.confirm_grid(&other);
             return Ok(());
         }
         self.renew(other)
     }
 
-    fn place(&mut self, id: BodyId, flight: Option<Flight>) {
+    fn place(&mut self, id: BodyId, flight: Option<MonitoredBody>) {
         self.changed_bodies += 1;
         self.review.changes += 1;
-        self.outlook.set(id.slot, flight);
-        self.outlook.find_partners(&self.scene, Some(id.slot));
+        self.search.set(id.slot, flight);
+        self.search.find_partners(&self.scene, Some(id.slot));
     }
 
     /// The end of a new plan is to be told, once it comes into sight.

@@ -1,6 +1,6 @@
 //! Changes between ticks: one, or several that take effect together or not at all.
 
-use super::flights::Flight;
+use super::monitored_bodies::MonitoredBody;
 use crate::bounds::Frame;
 use crate::error::Error;
 use crate::hitbox::Hitbox;
@@ -41,7 +41,7 @@ pub enum Command {
 
 /// What all changes are worked out with.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Terms<'m> {
+pub(super) struct ChangeContext<'m> {
     /// Within what pairs are looked for (m), and where their boxes are measured from.
     pub(super) reach: (f64, &'m Frame),
     /// As far as plans are laid out.
@@ -52,15 +52,15 @@ pub(super) struct Terms<'m> {
     pub(super) forget_before: f64,
 }
 
-impl Terms<'_> {
+impl ChangeContext<'_> {
     /// What a plan means over the lookahead.
     pub(super) fn flight(
         &self,
         trajectory: &Trajectory,
         hitbox: &Hitbox,
         tag: u64,
-    ) -> Result<Flight, Error> {
-        let flight = Flight::of(trajectory, hitbox, self.reach, self.window);
+    ) -> Result<MonitoredBody, Error> {
+        let flight = MonitoredBody::of(trajectory, hitbox, self.reach, self.window);
         flight.map_err(|error| error.in_body(tag))
     }
 
@@ -82,7 +82,7 @@ impl Terms<'_> {
     }
 
     /// The same of a body as it is.
-    pub(super) fn flight_of(&self, body: &Body) -> Result<Flight, Error> {
+    pub(super) fn flight_of(&self, body: &Body) -> Result<MonitoredBody, Error> {
         self.flight(&body.trajectory, &body.hitbox, body.tag)
     }
 }
@@ -90,12 +90,12 @@ impl Terms<'_> {
 /// What a batch comes to: what becomes of the bodies that it changes, and the new ones. Its memory
 /// is used again and again.
 #[derive(Debug, Default)]
-pub(super) struct Batch {
+pub(super) struct CommandBatch {
     /// One for each body, in the order of the commands.
-    pub(super) changed: Vec<Revision>,
+    pub(super) changed: Vec<PendingChange>,
     /// By slot: the place of its revision in `changed`, if that is of this slot.
     place_of: Vec<usize>,
-    pub(super) inserted: Vec<(Body, Flight)>,
+    pub(super) inserted: Vec<(Body, MonitoredBody)>,
     /// Pairs that are to be ignored, or no more, in the order of the commands.
     pub(super) pairs: Vec<(BodyId, BodyId, PairRule)>,
 }
@@ -109,12 +109,12 @@ pub(super) enum PairRule {
 
 /// What of a body is replaced.
 #[derive(Debug)]
-pub(super) struct Revision {
+pub(super) struct PendingChange {
     pub(super) id: BodyId,
     pub(super) is_removed: bool,
     pub(super) trajectory: Option<Trajectory>,
     /// The trajectory is a plan yet, which what has been flown must precede.
-    splice: Option<Splice>,
+    splice: Option<PendingSplice>,
     /// From when on the body follows its last plan, if that came too late for what it asked, s.
     late: Option<f64>,
     pub(super) hitbox: Option<Hitbox>,
@@ -123,25 +123,25 @@ pub(super) struct Revision {
     first: usize,
     last: usize,
     /// None once it is taken, and of what is removed.
-    pub(super) flight: Option<Flight>,
-    refusal: Option<Refusal>,
+    pub(super) flight: Option<MonitoredBody>,
+    refusal: Option<Rejection>,
 }
 
 /// From when on a plan is followed (none: the last knot of the one before), s.
 #[derive(Clone, Copy, Debug)]
-struct Splice {
+struct PendingSplice {
     from: Option<f64>,
     command: usize,
 }
 
 /// Which command is refused, and why.
 #[derive(Debug)]
-struct Refusal {
+struct Rejection {
     command: usize,
     error: Error,
 }
 
-impl Batch {
+impl CommandBatch {
     /// Revisions that one thread settles at a time.
     const CHUNK: usize = 64;
     /// Revisions that are not worth another thread to work out or to drop: 0.3 ms.
@@ -155,7 +155,7 @@ impl Batch {
         &mut self,
         scene: &Scene,
         commands: impl IntoIterator<Item = Command>,
-        terms: &Terms<'_>,
+        terms: &ChangeContext<'_>,
     ) -> Result<(), Error> {
         self.clear();
         let mut refused = None;
@@ -213,9 +213,9 @@ impl Batch {
         &mut self,
         scene: &Scene,
         (number, command): (usize, Command),
-        terms: &Terms<'_>,
-    ) -> Result<(), Refusal> {
-        let refuse = |error| Refusal {
+        terms: &ChangeContext<'_>,
+    ) -> Result<(), Rejection> {
+        let refuse = |error| Rejection {
             command: number,
             error,
         };
@@ -283,7 +283,7 @@ impl Batch {
         scene: &Scene,
         id: BodyId,
         command: usize,
-    ) -> Result<&mut Revision, Error> {
+    ) -> Result<&mut PendingChange, Error> {
         if self.place_of.len() < scene.slots() {
             self.place_of.resize(scene.slots(), 0);
         }
@@ -292,7 +292,7 @@ impl Batch {
         let known = self.changed.get(*place);
         if known.is_none_or(|known| known.id != id) {
             *place = self.changed.len();
-            self.changed.push(Revision::nothing(id, command));
+            self.changed.push(PendingChange::nothing(id, command));
         }
         let revision = &mut self.changed[*place];
         if revision.is_removed {
@@ -303,7 +303,7 @@ impl Batch {
     }
 }
 
-impl Revision {
+impl PendingChange {
     const fn nothing(id: BodyId, command: usize) -> Self {
         Self {
             id,
@@ -321,8 +321,8 @@ impl Revision {
     }
 
     /// The body as it is.
-    fn body<'s>(&self, scene: &'s Scene) -> Result<&'s Body, Refusal> {
-        scene.body(self.id).ok_or(Refusal {
+    fn body<'s>(&self, scene: &'s Scene) -> Result<&'s Body, Rejection> {
+        scene.body(self.id).ok_or(Rejection {
             command: self.first,
             error: Error::UnknownBody { id: self.id },
         })
@@ -334,11 +334,11 @@ impl Revision {
         scene: &Scene,
         from: Option<f64>,
         plan: Trajectory,
-        terms: &Terms<'_>,
-    ) -> Result<(), Refusal> {
+        terms: &ChangeContext<'_>,
+    ) -> Result<(), Rejection> {
         self.splice(scene, terms)?;
         let flown = self.trajectory.replace(plan);
-        self.splice = Some(Splice {
+        self.splice = Some(PendingSplice {
             from,
             command: self.last,
         });
@@ -349,7 +349,7 @@ impl Revision {
     }
 
     /// Lets the body's own trajectory precede the plan, if that is still to be done.
-    fn splice(&mut self, scene: &Scene, terms: &Terms<'_>) -> Result<(), Refusal> {
+    fn splice(&mut self, scene: &Scene, terms: &ChangeContext<'_>) -> Result<(), Rejection> {
         if self.splice.is_none() {
             return Ok(());
         }
@@ -361,8 +361,8 @@ impl Revision {
         &mut self,
         flown: &Trajectory,
         tag: u64,
-        terms: &Terms<'_>,
-    ) -> Result<(), Refusal> {
+        terms: &ChangeContext<'_>,
+    ) -> Result<(), Rejection> {
         let (Some(plan), Some(splice)) = (&mut self.trajectory, self.splice.take()) else {
             return Ok(());
         };
@@ -374,21 +374,21 @@ impl Revision {
             self.late = splice.from.filter(|asked| *asked < from).map(|_| from);
             plan.precede_by(flown, from, terms.forget_before)
         });
-        spliced.map_err(|error| Refusal {
+        spliced.map_err(|error| Rejection {
             command: splice.command,
             error: error.in_body(tag),
         })
     }
 
     /// Works out what becomes of the body.
-    fn settle(&mut self, scene: &Scene, terms: &Terms<'_>) -> Result<(), Refusal> {
+    fn settle(&mut self, scene: &Scene, terms: &ChangeContext<'_>) -> Result<(), Rejection> {
         let body = self.body(scene)?;
         self.splice(scene, terms)?;
         if !self.is_removed {
             let trajectory = self.trajectory.as_ref().unwrap_or(&body.trajectory);
             let hitbox = self.hitbox.as_ref().unwrap_or(&body.hitbox);
             let flight = terms.flight(trajectory, hitbox, body.tag);
-            self.flight = Some(flight.map_err(|error| Refusal {
+            self.flight = Some(flight.map_err(|error| Rejection {
                 command: self.last,
                 error,
             })?);

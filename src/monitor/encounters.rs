@@ -5,42 +5,16 @@
 //! changed. How old and new are matched is said at [`Encounter`].
 
 use super::event::{Encounter, EncounterId, EndReason, Event, EventKind};
-use super::finds::Slots;
-use super::kept::Kept;
+use super::revision_threshold::RevisionThreshold;
+use super::solved_spans::SlotPair;
+use super::sorted_slab::SortedSlab;
 use crate::conflict::ClosestApproach;
 use crate::id::BodyId;
 use crate::scene::Scene;
 
-/// The largest change of an encounter that is not reported, measured from the last report.
-///
-/// The default keeps back what rounding changes: where a distance hardly changes, or as the clock passes
-/// an instant that was worked out. With 0 every change is reported. (The nearest point of an open
-/// encounter is another one each tick as long as it lies at the end of what is known: it is told once a
-/// lookahead at most.)
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct RevisionThreshold {
-    /// Of enter, exit and the time of closest approach, s; 1e-9 by default.
-    #[cfg_attr(feature = "serde", serde(with = "crate::json_number"))]
-    pub time: f64,
-    /// Of the least separation, m; 1e-9 by default.
-    #[cfg_attr(feature = "serde", serde(with = "crate::json_number"))]
-    pub separation: f64,
-}
-
-impl Default for RevisionThreshold {
-    /// 1e-9 s and 1e-9 m.
-    fn default() -> Self {
-        Self {
-            time: 1e-9,
-            separation: 1e-9,
-        }
-    }
-}
-
 /// An encounter as the plans have it now.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Plain {
+pub(super) struct PlannedEncounter {
     pub(super) a: BodyId,
     pub(super) b: BodyId,
     pub(super) tags: [u64; 2],
@@ -60,7 +34,7 @@ pub(super) struct Plain {
 
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Tracked {
+pub(super) struct TrackedEncounter {
     now: Encounter,
     sent: Encounter,
     begun: bool,
@@ -72,13 +46,13 @@ pub(super) struct Tracked {
 /// What the encounters of a level are remembered by.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Saved(Vec<Tracked>);
+pub(super) struct Saved(Vec<TrackedEncounter>);
 
 impl Saved {
     /// Whether a monitor of this scene that has told all up to `told` (s) can have had these.
     pub(super) fn could_be(&self, level: usize, told: f64, scene: &Scene) -> bool {
         self.0.iter().all(
-            |Tracked {
+            |TrackedEncounter {
                  now, sent, begun, ..
              }| {
                 let has = |id, tag| scene.body(id).is_some_and(|body| body.tag == tag);
@@ -110,29 +84,29 @@ impl Saved {
 
 /// The encounters of one alert level.
 #[derive(Debug, Default)]
-pub(super) struct Encounters {
+pub(super) struct EncounterTracker {
     level: usize,
     /// Those of one pair in the order of time.
-    tracked: Kept<Slots, Tracked>,
+    tracked: SortedSlab<SlotPair, TrackedEncounter>,
     /// Pairs of which some lie beyond what is known and were not found again, sorted.
-    waiting: Vec<Slots>,
+    waiting: Vec<SlotPair>,
     /// What was worked out last, and has not taken effect yet.
-    next: Next,
+    next: PendingUpdate,
 }
 
 /// What has become of some pairs.
 #[derive(Debug, Default)]
-struct Next {
+struct PendingUpdate {
     /// Those pairs, sorted.
-    pairs: Vec<Slots>,
+    pairs: Vec<SlotPair>,
     /// What they have from now on, each pair's in the order of time.
-    tracked: Vec<(Slots, Tracked)>,
-    waiting: Vec<Slots>,
+    tracked: Vec<(SlotPair, TrackedEncounter)>,
+    waiting: Vec<SlotPair>,
 }
 
 /// What a tick knows about time.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Tick {
+pub(super) struct TickContext {
     /// The clock, s.
     pub(super) now: f64,
     /// Up to where clock events may be told: the clock, or the end of what is known if sooner.
@@ -152,7 +126,7 @@ fn lower(x: Option<ClosestApproach>, y: ClosestApproach) -> ClosestApproach {
     }
 }
 
-impl Encounters {
+impl EncounterTracker {
     pub(super) fn of_level(level: usize) -> Self {
         Self {
             level,
@@ -166,7 +140,7 @@ impl Encounters {
     }
 
     /// Pairs that are to be worked out whether something of them has changed or not, sorted.
-    pub(super) fn waiting(&self) -> &[Slots] {
+    pub(super) fn waiting(&self) -> &[SlotPair] {
         &self.waiting
     }
 
@@ -181,10 +155,10 @@ impl Encounters {
     /// Works out what has become of some pairs, without letting it take effect: of those that
     /// [wait](Self::waiting), and all others of which plain encounters, or what a tick sees of them,
     /// are not as they were. Pairs are sorted, and so are the plain encounters of each, by time.
-    pub(super) fn work_out<'p, P: Iterator<Item = &'p Plain>>(
+    pub(super) fn work_out<'p, P: Iterator<Item = &'p PlannedEncounter>>(
         &mut self,
-        changed: impl Iterator<Item = (Slots, P)>,
-        tick: &Tick,
+        changed: impl Iterator<Item = (SlotPair, P)>,
+        tick: &TickContext,
         next_id: &mut u64,
         events: &mut Vec<Event>,
     ) {
@@ -199,7 +173,7 @@ impl Encounters {
 
     /// Lets what was worked out last take effect.
     pub(super) fn take_over(&mut self) {
-        let Next {
+        let PendingUpdate {
             pairs,
             tracked,
             waiting,
@@ -220,9 +194,9 @@ impl Encounters {
     /// The same for one pair.
     fn work_out_pair<'p>(
         &mut self,
-        slots: Slots,
-        plain: impl Iterator<Item = &'p Plain>,
-        tick: &Tick,
+        slots: SlotPair,
+        plain: impl Iterator<Item = &'p PlannedEncounter>,
+        tick: &TickContext,
         next_id: &mut u64,
         events: &mut Vec<Event>,
     ) {
@@ -268,7 +242,7 @@ impl Encounters {
     pub(super) fn restored(level: usize, saved: Saved) -> Self {
         let mut encounters = Self::of_level(level);
         let Saved(mut saved) = saved;
-        let slots_of = |tracked: &Tracked| (tracked.now.a.slot, tracked.now.b.slot);
+        let slots_of = |tracked: &TrackedEncounter| (tracked.now.a.slot, tracked.now.b.slot);
         // They are, unless the file was changed.
         saved.sort_by_key(slots_of);
         encounters.next.tracked = saved
@@ -303,7 +277,7 @@ enum Match {
     Both,
 }
 
-fn compare(old: &Tracked, new: &Plain, tick: &Tick) -> Match {
+fn compare(old: &TrackedEncounter, new: &PlannedEncounter, tick: &TickContext) -> Match {
     let (x, y) = ((old.now.a, old.now.b), (new.a, new.b));
     if x != y {
         return if x < y {
@@ -328,7 +302,7 @@ fn compare(old: &Tracked, new: &Plain, tick: &Tick) -> Match {
     }
 }
 
-fn over_at(tracked: &Tracked, now: f64, reason: EndReason) -> Event {
+fn over_at(tracked: &TrackedEncounter, now: f64, reason: EndReason) -> Event {
     if tracked.begun {
         let closest = tracked.passed.unwrap_or(tracked.now.closest);
         let encounter = Encounter {
@@ -350,7 +324,11 @@ fn over_at(tracked: &Tracked, now: f64, reason: EndReason) -> Event {
 }
 
 /// An encounter that the plans no longer have.
-fn unmatched(old: &Tracked, tick: &Tick, events: &mut Vec<Event>) -> Option<Tracked> {
+fn unmatched(
+    old: &TrackedEncounter,
+    tick: &TickContext,
+    events: &mut Vec<Event>,
+) -> Option<TrackedEncounter> {
     if !old.begun && old.now.enter > tick.known {
         // Beyond what is known nothing is said: it waits.
         return Some(*old);
@@ -363,12 +341,12 @@ fn unmatched(old: &Tracked, tick: &Tick, events: &mut Vec<Event>) -> Option<Trac
 
 /// A new encounter.
 fn appear(
-    new: &Plain,
+    new: &PlannedEncounter,
     level: usize,
-    tick: &Tick,
+    tick: &TickContext,
     next_id: &mut u64,
     events: &mut Vec<Event>,
-) -> Option<Tracked> {
+) -> Option<TrackedEncounter> {
     // Within the release margin alone nothing begins.
     let enter = new.enter?;
     let encounter = Encounter {
@@ -384,7 +362,7 @@ fn appear(
         closest: new.closest,
     };
     *next_id += 1;
-    let tracked = Tracked {
+    let tracked = TrackedEncounter {
         now: encounter,
         sent: encounter,
         begun: false,
@@ -401,7 +379,12 @@ fn appear(
 }
 
 /// An encounter that the plans still have.
-fn go_on(old: &Tracked, new: &Plain, tick: &Tick, events: &mut Vec<Event>) -> Option<Tracked> {
+fn go_on(
+    old: &TrackedEncounter,
+    new: &PlannedEncounter,
+    tick: &TickContext,
+    events: &mut Vec<Event>,
+) -> Option<TrackedEncounter> {
     let Some(enter) = new.enter.or(old.begun.then_some(old.now.enter)) else {
         // Only the release margin is left of one that had not begun.
         return unmatched(old, tick, events);
@@ -431,11 +414,11 @@ fn go_on(old: &Tracked, new: &Plain, tick: &Tick, events: &mut Vec<Event>) -> Op
 
 /// Begins and ends what the clock has passed.
 fn clock(
-    mut tracked: Tracked,
-    new: &Plain,
-    tick: &Tick,
+    mut tracked: TrackedEncounter,
+    new: &PlannedEncounter,
+    tick: &TickContext,
     events: &mut Vec<Event>,
-) -> Option<Tracked> {
+) -> Option<TrackedEncounter> {
     if !tracked.begun && tracked.now.enter <= tick.told {
         tracked.begun = true;
         events.push(Event {
@@ -465,7 +448,7 @@ fn clock(
 
 /// Whether the numbers differ by more than the least change, as far as both are known: what lies
 /// beyond the end of what is known, which moves, is no revision.
-fn differs(now: &Encounter, sent: &Encounter, tick: &Tick) -> bool {
+fn differs(now: &Encounter, sent: &Encounter, tick: &TickContext) -> bool {
     let threshold = &tick.revision_threshold;
     let moved = |x: f64, y: f64| (x - y).abs() > threshold.time;
     let exit = match (now.open, sent.open) {
@@ -478,7 +461,7 @@ fn differs(now: &Encounter, sent: &Encounter, tick: &Tick) -> bool {
     moved(now.enter, sent.enter) || exit || closest_differs(now, sent, tick)
 }
 
-fn closest_differs(now: &Encounter, sent: &Encounter, tick: &Tick) -> bool {
+fn closest_differs(now: &Encounter, sent: &Encounter, tick: &TickContext) -> bool {
     let threshold = &tick.revision_threshold;
     // At an open end the bodies may still be closing in.
     let is_known =

@@ -1,6 +1,6 @@
 //! The frame of a monitor and its slices of time: as they suit its scene.
 
-use crate::bounds::{Extremes, Frame, MovingFrame};
+use crate::bounds::{DAabb, Frame, MovingFrame};
 use crate::error::Error;
 use crate::query::Query;
 use crate::scene::Scene;
@@ -29,7 +29,7 @@ pub(super) struct Grid {
 pub(super) struct SceneSignature {
     slices: f64,
     /// The middle half of the bodies on each axis (m): a few that stray make no difference.
-    middle: Extremes,
+    middle: DAabb,
 }
 
 /// When a grid was last compared with its scene.
@@ -81,8 +81,8 @@ impl SceneSignature {
         let mut speeds = [0.0; Scene::SAMPLE];
         let mut places = [DVec3::ZERO; Scene::SAMPLE];
         let mut count = 0;
-        for occupant in scene.sample((from, from + lookahead)) {
-            let plan = &occupant.body.trajectory;
+        for entry in scene.sample((from, from + lookahead)) {
+            let plan = &entry.body.trajectory;
             let (first, last) = (plan.domain().start(), plan.domain().end());
             let [early, late] =
                 [from, from + 0.5 * lookahead].map(|time| time.max(first).min(last));
@@ -97,11 +97,11 @@ impl SceneSignature {
             places[count] = place;
             count += 1;
         }
-        let (mut slices, mut middle) = (0.0, Extremes::NOTHING);
+        let (mut slices, mut middle) = (0.0, DAabb::NOTHING);
         if count > 1 {
             let reach = margin.max(f64::MIN_POSITIVE);
             let mut spacing = 1.0;
-            middle = Extremes::of_middle_half(&mut places[..count]);
+            middle = DAabb::of_middle_half(&mut places[..count]);
             for extent in (middle.high - middle.low).to_array() {
                 spacing *= (2.0 * extent).max(reach).cbrt();
             }

@@ -5,7 +5,7 @@
 //! new. What it passed over is searched once, in pieces that grow as long as they take little work, each
 //! in slices that suit the bodies there. What is found does not depend on it.
 
-use super::budget::Meter;
+use super::budget::BudgetMeter;
 use super::prepared::PreparedBodies;
 use crate::broad_phase::PairFilter;
 use crate::parallel;
@@ -60,7 +60,7 @@ impl JumpSearch {
         (from, to, length): (f64, f64, f64),
         (bodies, filter): (&PreparedBodies<'_>, &F),
         (limits, pool): (Limits, &Pool<SearchScratch>),
-        meter: &mut Meter,
+        meter: &mut BudgetMeter,
         (found, stats): Found<'_>,
     ) -> Result<Option<f64>, LimitExceeded> {
         let progress = self.progress.get_or_insert(Progress {

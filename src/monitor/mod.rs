@@ -4,37 +4,38 @@ mod alert_level;
 mod bodies;
 mod boxes;
 mod budget;
-mod calendar;
 mod change;
 mod command;
+mod due_queue;
 mod encounters;
 mod event;
-mod finds;
-mod flights;
-mod foresight;
 mod grid;
 mod jump;
-mod kept;
 #[cfg(feature = "live")]
 pub(crate) mod live;
-mod outlook;
+mod lookahead;
+mod monitored_bodies;
 mod prepared;
 mod read;
 mod reading;
-mod recent;
+mod recent_changes;
 #[cfg(feature = "recording")]
 pub(crate) mod recording;
 mod restore;
+mod revision_threshold;
 mod slice;
 mod snapshot;
+mod solved_spans;
+mod sorted_slab;
 mod tick;
-mod timed;
+mod time_key;
+mod what_if;
 
 pub use alert_level::AlertLevel;
 pub use budget::Budget;
 pub use command::Command;
-pub use encounters::RevisionThreshold;
 pub use event::{Encounter, EncounterId, EndReason, Event, EventKind};
+pub use revision_threshold::RevisionThreshold;
 pub use snapshot::Snapshot;
 
 use crate::broad_phase::PairFilter;
@@ -44,12 +45,12 @@ use crate::id::BodyId;
 use crate::rounding::one_zero;
 use crate::scene::Scene;
 use crate::stats::Stats;
-use calendar::Calendar;
-use command::Batch;
-use encounters::Encounters;
+use command::CommandBatch;
+use due_queue::DueQueue;
+use encounters::EncounterTracker;
 use grid::{Grid, RescheduleTrigger, can_tell_apart};
-use outlook::Outlook;
-use read::Readings;
+use lookahead::LookaheadSearch;
+use read::LevelCaches;
 #[cfg(feature = "recording")]
 use recording::Record;
 use std::sync::Arc;
@@ -123,9 +124,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 #[derive(Debug)]
 pub struct Monitor {
     scene: Scene,
-    outlook: Outlook,
+    search: LookaheadSearch,
     levels: Vec<AlertLevel>,
-    encounters: Vec<Encounters>,
+    encounters: Vec<EncounterTracker>,
     conflicts: Vec<Vec<Conflict>>,
     now: f64,
     lookahead: f64,
@@ -141,20 +142,20 @@ pub struct Monitor {
     /// Slots of bodies that were taken out since.
     removed: Vec<u32>,
     /// When plans end of which that has not been told.
-    plan_ends: Calendar,
+    plan_ends: DueQueue,
     stats: Stats,
     changed_bodies: u64,
     review: RescheduleTrigger,
-    batch: Batch,
-    readings: Readings,
+    batch: CommandBatch,
+    readings: LevelCaches,
     /// Set from another thread to have a tick end early, as if its budget were spent.
     interrupt: Option<Arc<AtomicBool>>,
     #[cfg(feature = "recording")]
-    tape: Option<recording::Tape>,
+    tape: Option<recording::RecordWriter>,
 }
 
 /// Layers and ignored pairs, by slot.
-struct Admission<'s> {
+struct SlotAdmission<'s> {
     scene: &'s Scene,
     /// The widest margin, m.
     margin: f64,
@@ -164,7 +165,7 @@ struct Admission<'s> {
     interrupt: Option<&'s AtomicBool>,
 }
 
-impl<'s> Admission<'s> {
+impl<'s> SlotAdmission<'s> {
     fn of(scene: &'s Scene, margin: f64, interrupt: Option<&'s AtomicBool>) -> Self {
         Self {
             scene,
@@ -175,7 +176,7 @@ impl<'s> Admission<'s> {
     }
 }
 
-impl PairFilter for Admission<'_> {
+impl PairFilter for SlotAdmission<'_> {
     fn admits(&self, a: u32, b: u32) -> bool {
         self.admits_all || self.scene.admits(a, b, self.margin)
     }
@@ -230,9 +231,9 @@ impl Monitor {
         let widest = widest.reduce(f64::max).ok_or(Error::NoAlertLevel)?;
         let grid = Grid::for_scene(&scene, widest, (now, lookahead), now)?;
         let mut monitor = Self {
-            outlook: Outlook::new(widest, grid, Self::MAX_SPANS),
+            search: LookaheadSearch::new(widest, grid, Self::MAX_SPANS),
             levels: levels.to_vec(),
-            encounters: (0..levels.len()).map(Encounters::of_level).collect(),
+            encounters: (0..levels.len()).map(EncounterTracker::of_level).collect(),
             conflicts: vec![Vec::new(); levels.len()],
             now,
             lookahead,
@@ -243,12 +244,12 @@ impl Monitor {
             next_id: 0,
             waiting: Vec::new(),
             removed: Vec::new(),
-            plan_ends: Calendar::default(),
+            plan_ends: DueQueue::default(),
             stats: Stats::default(),
             changed_bodies: 0,
             review: RescheduleTrigger::made(scene.len(), now),
-            batch: Batch::default(),
-            readings: Readings::of_levels(levels.len()),
+            batch: CommandBatch::default(),
+            readings: LevelCaches::of_levels(levels.len()),
             interrupt: None,
             #[cfg(feature = "recording")]
             tape: None,
@@ -318,7 +319,7 @@ impl Monitor {
     /// The tick after such an error looks at everything anew. Take bodies out, ignore pairs, use layers,
     /// or make more room before it.
     pub fn set_max_spans(&mut self, limit: usize) {
-        self.outlook.max_spans = limit;
+        self.search.max_spans = limit;
         #[cfg(feature = "recording")]
         self.write_down(|| Record::MostSpans(limit));
     }
@@ -326,7 +327,7 @@ impl Monitor {
     /// Returns the number of spans that may hold an encounter for which there is room.
     #[must_use]
     pub const fn max_spans(&self) -> usize {
-        self.outlook.max_spans
+        self.search.max_spans
     }
 
     /// Returns how far the monitor looks ahead of its clock, s.
@@ -363,7 +364,7 @@ impl Monitor {
     /// Whether all of the lookahead is known, with all changes.
     #[must_use]
     pub fn is_caught_up(&self) -> bool {
-        !self.outlook.has_changed() && self.is_known()
+        !self.search.has_changed() && self.is_known()
     }
 
     /// Whether all of the lookahead was known at the last tick.
@@ -407,7 +408,7 @@ impl Monitor {
 
     /// Encounters under way and ahead, level by level.
     pub fn encounters(&self) -> impl Iterator<Item = &Encounter> {
-        let all = self.encounters.iter().flat_map(Encounters::iter);
+        let all = self.encounters.iter().flat_map(EncounterTracker::iter);
         let is_there = |id| self.removed.is_empty() || self.scene.body(id).is_some();
         all.filter(move |encounter| is_there(encounter.a) && is_there(encounter.b))
     }

@@ -1,8 +1,8 @@
 //! All bodies of a monitor side by side: for searches from nothing.
 
 use super::bodies::BodyTable;
-use crate::bounds::{Inflation, Pose};
-use crate::narrow_phase::Party;
+use crate::bounds::{CubicSource, Padding};
+use crate::narrow_phase::BodyView;
 use crate::parallel;
 use crate::pool::Pool;
 use crate::search::{
@@ -17,16 +17,16 @@ use crate::window::Window;
 #[derive(Debug)]
 pub(super) struct PreparedBodies<'m> {
     table: BodyTable<'m>,
-    parties: Vec<Party<'m>>,
-    poses: Vec<Pose<'m, Segment>>,
+    views: Vec<BodyView<'m>>,
+    sources: Vec<CubicSource<'m, Segment>>,
     presence: Lifetimes,
 }
 
 /// Memory for them.
 #[derive(Debug, Default)]
 pub(super) struct ListMemory {
-    parties: Vec<Party<'static>>,
-    poses: Vec<Pose<'static, Segment>>,
+    views: Vec<BodyView<'static>>,
+    sources: Vec<CubicSource<'static, Segment>>,
     presence: Lifetimes,
 }
 
@@ -35,40 +35,44 @@ impl<'m> PreparedBodies<'m> {
     pub(super) fn of(table: BodyTable<'m>, memory: &mut ListMemory) -> Self {
         /// Fewer are gone through on this thread.
         const FEW: usize = 4096;
-        let mut parties = recycled(std::mem::take(&mut memory.parties));
-        let mut poses = recycled(std::mem::take(&mut memory.poses));
+        let mut views = recycled(std::mem::take(&mut memory.views));
+        let mut sources = recycled(std::mem::take(&mut memory.sources));
         let mut presence = std::mem::take(&mut memory.presence);
         let prepare = |slot: usize| {
             let body = u32::try_from(slot).ok();
             let body = body.and_then(|slot| table.flights.get(table.scene, slot));
-            let Some((flight, party)) = body.filter(|(flight, _)| flight.has_partner) else {
-                let pose = Pose::plain((Party::NONE.knots, &[]), &Inflation::NONE, table.frame);
-                return (Party::NONE, pose);
+            let Some((flight, view)) = body.filter(|(flight, _)| flight.has_partner) else {
+                let source =
+                    CubicSource::plain((BodyView::NONE.knots, &[]), &Padding::NONE, table.frame);
+                return (BodyView::NONE, source);
             };
-            let cubics = (party.knots, party.segments);
-            (party, Pose::plain(cubics, &flight.inflation, table.frame))
+            let cubics = (view.knots, view.segments);
+            (
+                view,
+                CubicSource::plain(cubics, &flight.padding, table.frame),
+            )
         };
-        let lists = (&mut parties, &mut poses);
+        let lists = (&mut views, &mut sources);
         parallel::map_both(table.flights.len(), FEW, lists, prepare);
-        presence.fill(parties.iter().map(|party| party.knots.ends()));
+        presence.fill(views.iter().map(|view| view.knots.ends()));
         Self {
             table,
-            parties,
-            poses,
+            views,
+            sources,
             presence,
         }
     }
 
     /// Leaves the memory for other ones.
     pub(super) fn forget(self, memory: &mut ListMemory) {
-        memory.parties = recycled(self.parties);
-        memory.poses = recycled(self.poses);
+        memory.views = recycled(self.views);
+        memory.sources = recycled(self.sources);
         memory.presence = self.presence;
     }
 
     /// Returns the number of slots.
     pub(super) const fn len(&self) -> usize {
-        self.parties.len()
+        self.views.len()
     }
 
     /// Returns a search over some time (s) on so many threads.
@@ -80,8 +84,8 @@ impl<'m> PreparedBodies<'m> {
     ) -> WindowSearch<'s, Segment> {
         WindowSearch {
             bodies: BodyLists {
-                parties: &self.parties,
-                poses: &self.poses,
+                views: &self.views,
+                sources: &self.sources,
             },
             presence: &self.presence,
             frame: self.table.frame,
@@ -114,7 +118,7 @@ impl<'m> PreparedBodies<'m> {
             instructions: InstructionSet::best(),
             pool,
         };
-        let some = |slots: &[usize]| slots.iter().map(|&slot| self.poses[slot]).collect();
+        let some = |slots: &[usize]| slots.iter().map(|&slot| self.sources[slot]).collect();
         let slices = TimeSlices::whole(from, to).with_count(count);
         trials.cheapest(slices, &traffic, some)
     }
@@ -122,12 +126,12 @@ impl<'m> PreparedBodies<'m> {
     /// Returns how much moves in a window (s), as far as the number of slices depends on it.
     pub(super) fn traffic(&self, (from, to): (f64, f64)) -> SceneStatistics {
         let mut traffic = SceneStatistics::default();
-        for (&(first, last), party) in self.presence.lives().iter().zip(&self.parties) {
+        for (&(first, last), view) in self.presence.lives().iter().zip(&self.views) {
             let time = (last.min(to) - first.max(from)).max(0.0);
             traffic.body_time += time;
             if last > first {
                 #[allow(clippy::cast_precision_loss, reason = "an estimate")]
-                let segments = party.knots.cubics() as f64;
+                let segments = view.knots.cubics() as f64;
                 traffic.segments += segments * (time / (last - first));
             }
         }

@@ -1,4 +1,4 @@
-//! Reading the outlook: the conflicts that are reported, and the plain encounters that feed the
+//! Reading the search: the conflicts that are reported, and the plain encounters that feed the
 //! state machine.
 //!
 //! Most contacts lie well within the window, and stay the same from tick to tick: each pair is
@@ -6,10 +6,10 @@
 //! window, or the clock, touches is read again: conflicts one by one, encounters pair by pair.
 
 use super::alert_level::AlertLevel;
-use super::encounters::{Plain, Tick};
-use super::finds::Slots;
-use super::outlook::Outlook;
-use super::reading::{Conflicts, Plains};
+use super::encounters::{PlannedEncounter, TickContext};
+use super::lookahead::LookaheadSearch;
+use super::reading::{ConflictCache, EncounterCache};
+use super::solved_spans::SlotPair;
 use crate::conflict::{ClosestApproach, Conflict};
 use crate::narrow_phase::Contact;
 use crate::scene::Scene;
@@ -17,18 +17,18 @@ use crate::screen::conflict;
 
 /// What each alert level has of every pair.
 #[derive(Debug)]
-pub(super) struct Readings {
-    pub(super) conflicts: Vec<Conflicts>,
-    pub(super) plains: Vec<Plains>,
+pub(super) struct LevelCaches {
+    pub(super) conflicts: Vec<ConflictCache>,
+    pub(super) plains: Vec<EncounterCache>,
     /// Pairs to be read.
-    pub(super) changed: Vec<Slots>,
+    pub(super) changed: Vec<SlotPair>,
     /// Of two threads.
-    pub(super) scratch: [Scratch; 2],
+    pub(super) scratch: [ReadScratch; 2],
 }
 
 /// What reading reuses.
 #[derive(Debug, Default)]
-pub(super) struct Scratch {
+pub(super) struct ReadScratch {
     pub(super) contacts: Vec<Contact>,
     released: Vec<Contact>,
     passed: Vec<Contact>,
@@ -36,17 +36,17 @@ pub(super) struct Scratch {
 
 /// What is read.
 #[derive(Clone, Copy)]
-pub(super) struct Source<'m> {
-    pub(super) outlook: &'m Outlook,
+pub(super) struct ReadContext<'m> {
+    pub(super) search: &'m LookaheadSearch,
     pub(super) scene: &'m Scene,
 }
 
-impl Readings {
+impl LevelCaches {
     /// Of so many levels, and no pair.
     pub(super) fn of_levels(count: usize) -> Self {
         Self {
-            conflicts: (0..count).map(|_| Conflicts::default()).collect(),
-            plains: (0..count).map(|_| Plains::default()).collect(),
+            conflicts: (0..count).map(|_| ConflictCache::default()).collect(),
+            plains: (0..count).map(|_| EncounterCache::default()).collect(),
             changed: Vec::new(),
             scratch: Default::default(),
         }
@@ -54,12 +54,12 @@ impl Readings {
 
     /// Whether all is to be read next.
     pub(super) fn reads_all(&self) -> bool {
-        self.plains.iter().any(Plains::lists_all)
+        self.plains.iter().any(EncounterCache::lists_all)
     }
 
     /// Takes over what is known of pairs that have not changed, unless it has ended before an
     /// instant, and reads the others.
-    pub(super) fn update(&mut self, source: Source<'_>, levels: &[AlertLevel], before: f64) {
+    pub(super) fn update(&mut self, source: ReadContext<'_>, levels: &[AlertLevel], before: f64) {
         let (changed, [scratch, _]) = (&self.changed, &mut self.scratch);
         let readings = self.conflicts.iter_mut().zip(&mut self.plains);
         for ((conflicts, plains), alert) in readings.zip(levels) {
@@ -74,20 +74,20 @@ impl Readings {
     }
 }
 
-impl Source<'_> {
+impl ReadContext<'_> {
     /// Fetches what reading these pairs reads. What each loop reads was fetched by the one before.
-    pub(super) fn fetch(&self, pairs: &[Slots]) {
+    pub(super) fn fetch(&self, pairs: &[SlotPair]) {
         for slot in pairs.iter().flat_map(|&(a, b)| [a, b]) {
             self.scene.prefetch(slot);
-            self.outlook.prefetch(slot);
+            self.search.prefetch(slot);
         }
         for &pair in pairs {
-            self.outlook.finds().fetch(pair);
+            self.search.finds().fetch(pair);
         }
         for &pair in pairs {
-            let parties = [pair.0, pair.1].map(|slot| self.outlook.party(self.scene, slot));
-            if let [Some(a), Some(b)] = parties {
-                for (span_a, span_b) in self.outlook.finds().spans_fetched(pair) {
+            let views = [pair.0, pair.1].map(|slot| self.search.view(self.scene, slot));
+            if let [Some(a), Some(b)] = views {
+                for (span_a, span_b) in self.search.finds().spans_fetched(pair) {
                     a.prefetch(span_a as usize);
                     b.prefetch(span_b as usize);
                 }
@@ -98,27 +98,27 @@ impl Source<'_> {
     /// Reads a pair as if the window were endless, and the clock had not come to it.
     fn always(
         &self,
-        slots: Slots,
+        slots: SlotPair,
         alert: &AlertLevel,
-        scratch: &mut Scratch,
-        conflicts: &mut Conflicts,
-        plains: &mut Plains,
+        scratch: &mut ReadScratch,
+        conflicts: &mut ConflictCache,
+        plains: &mut EncounterCache,
     ) {
-        let Some(always) = self.outlook.domain(self.scene, slots) else {
+        let Some(always) = self.search.domain(self.scene, slots) else {
             return;
         };
         let contacts = &mut scratch.contacts;
-        self.outlook.contacts(slots, alert.margin, always, contacts);
+        self.search.contacts(slots, alert.margin, always, contacts);
         for conflict in contacts
             .iter()
             .filter_map(|one| self.report(slots, always, one))
         {
             conflicts.add(slots, conflict);
         }
-        let ahead = Tick {
+        let ahead = TickContext {
             told: f64::NEG_INFINITY,
             known: f64::INFINITY,
-            ..Tick::default()
+            ..TickContext::default()
         };
         self.each_plain(slots, alert, &ahead, (always, always.1), scratch, |plain| {
             plains.add(slots, plain);
@@ -126,8 +126,8 @@ impl Source<'_> {
     }
 
     /// When both bodies of a pair exist within a window; and when they cease to.
-    fn clip(&self, slots: Slots, (from, to): (f64, f64)) -> Option<((f64, f64), f64)> {
-        let (start, ends) = self.outlook.domain(self.scene, slots)?;
+    fn clip(&self, slots: SlotPair, (from, to): (f64, f64)) -> Option<((f64, f64), f64)> {
+        let (start, ends) = self.search.domain(self.scene, slots)?;
         let clip = (start.max(from), ends.min(to));
         (clip.0 <= clip.1).then_some((clip, ends))
     }
@@ -135,7 +135,7 @@ impl Source<'_> {
     /// What a window has of the conflict of a pair that lasts for some time whatever the window.
     pub(super) fn clipped(
         &self,
-        slots: Slots,
+        slots: SlotPair,
         margin: f64,
         (lasts, window): ((f64, f64), (f64, f64)),
         contacts: &mut Vec<Contact>,
@@ -145,7 +145,7 @@ impl Source<'_> {
             return;
         };
         let part = (clip.0.max(lasts.0), clip.1.min(lasts.1));
-        self.outlook.contacts(slots, margin, part, contacts);
+        self.search.contacts(slots, margin, part, contacts);
         let report = |contact| self.report(slots, clip, contact);
         conflicts.extend(contacts.iter().filter_map(report));
     }
@@ -153,16 +153,16 @@ impl Source<'_> {
     /// The plain encounters of a pair as a tick sees them.
     pub(super) fn plains(
         &self,
-        slots: Slots,
+        slots: SlotPair,
         alert: &AlertLevel,
-        tick: &Tick,
-        scratch: &mut Scratch,
-        plains: &mut Vec<Plain>,
+        tick: &TickContext,
+        scratch: &mut ReadScratch,
+        plains: &mut Vec<PlannedEncounter>,
     ) {
         let window = (tick.before, tick.known);
         if let Some((clip, ends)) = self.clip(slots, window) {
             let contacts = &mut scratch.contacts;
-            self.outlook.contacts(slots, alert.margin, clip, contacts);
+            self.search.contacts(slots, alert.margin, clip, contacts);
             let period = (clip, ends);
             self.each_plain(slots, alert, tick, period, scratch, |plain| {
                 plains.push(plain)
@@ -174,21 +174,21 @@ impl Source<'_> {
     /// at the margin. `ends` is when one of its bodies ceases to exist.
     fn each_plain(
         &self,
-        slots: Slots,
+        slots: SlotPair,
         alert: &AlertLevel,
-        tick: &Tick,
+        tick: &TickContext,
         (clip, ends): ((f64, f64), f64),
-        scratch: &mut Scratch,
-        mut visit: impl FnMut(Plain),
+        scratch: &mut ReadScratch,
+        mut visit: impl FnMut(PlannedEncounter),
     ) {
-        let outlook = self.outlook;
-        let Scratch {
+        let search = self.search;
+        let ReadScratch {
             contacts,
             released,
             passed,
         } = scratch;
         if alert.release > alert.margin {
-            outlook.contacts(slots, alert.release, clip, released);
+            search.contacts(slots, alert.release, clip, released);
         } else {
             released.clone_from(contacts);
         }
@@ -205,7 +205,7 @@ impl Source<'_> {
                 continue;
             };
             let flown = (start, exit.min(tick.told));
-            visit(Plain {
+            visit(PlannedEncounter {
                 a: closest.a,
                 b: closest.b,
                 tags: [closest.tag_a, closest.tag_b],
@@ -223,7 +223,7 @@ impl Source<'_> {
     /// The closest approach over the part of an encounter that the clock has passed.
     fn passed_closest(
         &self,
-        slots: Slots,
+        slots: SlotPair,
         margin: f64,
         flown: (f64, f64),
         scratch: &mut Vec<Contact>,
@@ -231,7 +231,7 @@ impl Source<'_> {
         if flown.0 > flown.1 {
             return None;
         }
-        self.outlook.contacts(slots, margin, flown, scratch);
+        self.search.contacts(slots, margin, flown, scratch);
         let conflicts = scratch
             .iter()
             .filter_map(|contact| self.report(slots, flown, contact));
@@ -240,16 +240,16 @@ impl Source<'_> {
             .reduce(|x, y| if y.separation < x.separation { y } else { x })
     }
 
-    fn report(&self, (a, b): Slots, clip: (f64, f64), contact: &Contact) -> Option<Conflict> {
+    fn report(&self, (a, b): SlotPair, clip: (f64, f64), contact: &Contact) -> Option<Conflict> {
         let name = |slot| {
-            let (id, occupant) = self.scene.in_slot(slot)?;
-            Some((id, occupant.body.tag))
+            let (id, entry) = self.scene.in_slot(slot)?;
+            Some((id, entry.body.tag))
         };
         let names = [name(a)?, name(b)?];
-        let parties = (
-            self.outlook.party(self.scene, a)?,
-            self.outlook.party(self.scene, b)?,
+        let views = (
+            self.search.view(self.scene, a)?,
+            self.search.view(self.scene, b)?,
         );
-        Some(conflict(contact, names, (&parties.0, &parties.1), clip))
+        Some(conflict(contact, names, (&views.0, &views.1), clip))
     }
 }

@@ -1,6 +1,6 @@
 //! Snapshots of a monitor, and monitors from snapshots.
 
-use super::encounters::{Encounters, Saved};
+use super::encounters::{EncounterTracker, Saved};
 use super::snapshot::Snapshot;
 use super::{EventKind, Monitor, check_setting};
 use crate::error::{Error, MAX_MAGNITUDE};
@@ -30,7 +30,8 @@ impl Monitor {
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
         let mut waiting = self.waiting.clone();
-        let mut encounters: Vec<Saved> = self.encounters.iter().map(Encounters::save).collect();
+        let mut encounters: Vec<Saved> =
+            self.encounters.iter().map(EncounterTracker::save).collect();
         for saved in &mut encounters {
             saved.end_of_removed(self.told, &self.removed, &mut waiting);
         }
@@ -42,7 +43,7 @@ impl Monitor {
             levels: self.levels.clone(),
             revision_threshold: self.revision_threshold,
             history: self.history,
-            max_spans: self.outlook.max_spans,
+            max_spans: self.search.max_spans,
             next_id: self.next_id,
             encounters,
             waiting,
@@ -117,7 +118,7 @@ impl Monitor {
         monitor.set_max_spans(snapshot.max_spans);
         monitor.next_id = next_id;
         for (number, saved) in snapshot.encounters.into_iter().enumerate() {
-            monitor.encounters[number] = Encounters::restored(number, saved);
+            monitor.encounters[number] = EncounterTracker::restored(number, saved);
         }
         monitor.waiting = snapshot.waiting;
         for (slot, _) in (0..)

@@ -1,8 +1,9 @@
 //! A monitor as it was at one time, to go back to.
 
 use super::alert_level::AlertLevel;
-use super::encounters::{RevisionThreshold, Saved};
+use super::encounters::Saved;
 use super::event::Event;
+use super::revision_threshold::RevisionThreshold;
 use crate::scene::Scene;
 
 /// A [`Monitor`](crate::Monitor) as it was when [`Monitor::snapshot`](crate::Monitor::snapshot) was called: its scene, clock, levels, settings and

@@ -3,17 +3,17 @@
 //! Everything is worked out first and takes effect at the end, so that a tick that fails has done
 //! nothing.
 
-use super::budget::{Budget, Meter};
-use super::command::Batch;
-use super::encounters::{Encounters, Tick};
+use super::budget::{Budget, BudgetMeter};
+use super::command::CommandBatch;
+use super::encounters::{EncounterTracker, TickContext};
 use super::event::{EndReason, Event, EventKind};
-use super::finds::Slots;
 use super::grid::{Grid, can_tell_apart};
-use super::read::{Readings, Source};
-use super::reading::{Edges, Plains};
+use super::read::{LevelCaches, ReadContext};
+use super::reading::{EncounterCache, WindowEdges};
 #[cfg(feature = "recording")]
 use super::recording::Record;
-use super::{Admission, Monitor};
+use super::solved_spans::SlotPair;
+use super::{Monitor, SlotAdmission};
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::parallel;
 use crate::rounding::one_zero;
@@ -75,7 +75,7 @@ impl Monitor {
         budget: Budget,
         events: &mut Vec<Event>,
     ) -> Result<(), Error> {
-        self.advance_by(now, Meter::start(budget), events)
+        self.advance_by(now, BudgetMeter::start(budget), events)
     }
 
     /// Moves the clock, and knows everything up to `known` (s) afterwards, as an earlier run did.
@@ -87,13 +87,18 @@ impl Monitor {
     ) -> Result<(), Error> {
         let known = known.clamp(self.told, (now + self.lookahead).max(self.told));
         // There was room for it; but not all was found in the same ticks.
-        let limit = std::mem::replace(&mut self.outlook.max_spans, usize::MAX);
-        let done = self.advance_by(now, Meter::up_to(known), events);
-        self.outlook.max_spans = limit;
+        let limit = std::mem::replace(&mut self.search.max_spans, usize::MAX);
+        let done = self.advance_by(now, BudgetMeter::up_to(known), events);
+        self.search.max_spans = limit;
         done
     }
 
-    fn advance_by(&mut self, now: f64, meter: Meter, events: &mut Vec<Event>) -> Result<(), Error> {
+    fn advance_by(
+        &mut self,
+        now: f64,
+        meter: BudgetMeter,
+        events: &mut Vec<Event>,
+    ) -> Result<(), Error> {
         let done = self.tick(now, meter, events);
         #[cfg(feature = "recording")]
         if done.is_err() && self.readings.reads_all() {
@@ -102,7 +107,12 @@ impl Monitor {
         done
     }
 
-    fn tick(&mut self, now: f64, mut meter: Meter, events: &mut Vec<Event>) -> Result<(), Error> {
+    fn tick(
+        &mut self,
+        now: f64,
+        mut meter: BudgetMeter,
+        events: &mut Vec<Event>,
+    ) -> Result<(), Error> {
         let begin = Instant::now();
         let now = one_zero(now);
         if now < self.now {
@@ -134,31 +144,31 @@ impl Monitor {
         }
         let end = now + self.lookahead;
         self.choose_grid(now, meter.is_unlimited() && self.told >= self.now)?;
-        self.outlook.extend_beyond(&self.scene, end)?;
+        self.search.extend_beyond(&self.scene, end)?;
         let mut stats = Stats {
             bodies: self.scene.len() as u64,
             changed: self.changed_bodies,
             ..Stats::default()
         };
-        let (margin, _) = self.outlook.reach();
-        let admission = Admission::of(&self.scene, margin, self.interrupt.as_deref());
+        let (margin, _) = self.search.reach();
+        let admission = SlotAdmission::of(&self.scene, margin, self.interrupt.as_deref());
         let (known, ()) = parallel::join(
             self.batch.changed.len(),
-            Batch::FEW,
+            CommandBatch::FEW,
             || {
                 let window = (self.told, end);
                 let (meter, stats) = (&mut meter, &mut stats);
-                self.outlook
+                self.search
                     .catch_up(&self.scene, window, &admission, meter, stats)
             },
             || self.batch.clear(),
         );
         let Ok(known) = known else {
-            let limit = self.outlook.max_spans;
+            let limit = self.search.max_spans;
             self.look_anew()?;
             return Err(Error::TooCrowded { limit });
         };
-        let tick = Tick {
+        let tick = TickContext {
             now,
             told: now.min(known),
             before: self.told,
@@ -173,7 +183,9 @@ impl Monitor {
         let first = events.len();
         self.read(&tick, &mut next_id, events);
         if known > self.told {
-            self.encounters.iter_mut().for_each(Encounters::take_over);
+            self.encounters
+                .iter_mut()
+                .for_each(EncounterTracker::take_over);
         }
         (self.now, self.told, self.known) = (now, tick.told, known);
         self.next_id = next_id;
@@ -228,14 +240,14 @@ impl Monitor {
     /// Tells each plan that ends within the lookahead, once.
     fn tell_plan_ends(&mut self, end: f64, events: &mut Vec<Event>) {
         while let Some(slot) = self.plan_ends.next(end) {
-            let Some((id, occupant)) = self.scene.in_slot(slot) else {
+            let Some((id, entry)) = self.scene.in_slot(slot) else {
                 continue;
             };
-            events.extend(plan_end(&occupant.body.trajectory).map(|time| Event {
+            events.extend(plan_end(&entry.body.trajectory).map(|time| Event {
                 time,
                 kind: EventKind::PlanEnds {
                     body: id,
-                    tag: occupant.body.tag,
+                    tag: entry.body.tag,
                 },
             }));
         }
@@ -251,9 +263,9 @@ pub(super) fn plan_end(trajectory: &Trajectory) -> Option<f64> {
 impl Monitor {
     /// Reads the pairs that have changed.
     pub(super) fn read_changed_pairs(&mut self) {
-        self.outlook.take_changed(&mut self.readings.changed);
-        let source = Source {
-            outlook: &self.outlook,
+        self.search.take_changed(&mut self.readings.changed);
+        let source = ReadContext {
+            search: &self.search,
             scene: &self.scene,
         };
         self.readings.update(source, &self.levels, self.told);
@@ -261,14 +273,14 @@ impl Monitor {
 
     /// Reads the conflicts from now to the end of what is known; and the plain encounters from the
     /// last tick's clock on, and works out what they come to.
-    pub(super) fn read(&mut self, tick: &Tick, next_id: &mut u64, events: &mut Vec<Event>) {
+    pub(super) fn read(&mut self, tick: &TickContext, next_id: &mut u64, events: &mut Vec<Event>) {
         /// Spans of pairs that are sooner read than another thread wakes up.
         const FEW: usize = 1024;
-        let source = Source {
-            outlook: &self.outlook,
+        let source = ReadContext {
+            search: &self.search,
             scene: &self.scene,
         };
-        let Readings {
+        let LevelCaches {
             conflicts,
             plains,
             scratch: [scratch, other_scratch],
@@ -280,7 +292,7 @@ impl Monitor {
                 reported.clear();
                 if tick.now < tick.known {
                     let window = (tick.now, tick.known);
-                    let fetch = |pairs: &[Slots]| source.fetch(pairs);
+                    let fetch = |pairs: &[SlotPair]| source.fetch(pairs);
                     reported.extend(conflicts.list(window, fetch, |pair, lasts, found| {
                         let period = (lasts, window);
                         source.clipped(pair, alert.margin, period, &mut scratch.contacts, found);
@@ -293,7 +305,7 @@ impl Monitor {
             // Up to an instant that was reached before, nothing new is known.
             if tick.before < tick.known {
                 for ((plains, encounters), alert) in plains.iter_mut().zip(encounters).zip(levels) {
-                    let edges = Edges {
+                    let edges = WindowEdges {
                         // What the clock has reached must say how close it came.
                         within: (tick.told, tick.known),
                         around: (tick.before, tick.known),
@@ -301,7 +313,7 @@ impl Monitor {
                     if plains.lists_all() {
                         encounters.wait_for_all();
                     }
-                    let fetch = |pairs: &[Slots]| source.fetch(pairs);
+                    let fetch = |pairs: &[SlotPair]| source.fetch(pairs);
                     plains.list(edges, encounters.waiting(), fetch, |pair, found| {
                         source.plains(pair, alert, tick, other_scratch, found);
                     });
@@ -309,12 +321,15 @@ impl Monitor {
                 }
             }
         };
-        let count = self.outlook.finds().len();
+        let count = self.search.finds().len();
         parallel::join(count, FEW, read_plains, read_conflicts);
     }
 
     /// Tells of all encounters whatever a least change that was set before has kept back.
     pub(super) fn read_all_plains(&mut self) {
-        self.readings.plains.iter_mut().for_each(Plains::list_all);
+        self.readings
+            .plains
+            .iter_mut()
+            .for_each(EncounterCache::list_all);
     }
 }

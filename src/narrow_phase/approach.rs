@@ -1,16 +1,16 @@
 //! When two bodies may be near each other in a slice of time: the cheapest test of a candidate.
 
-use crate::bounds::Course;
+use crate::bounds::FatLine;
 use glam::Vec3A;
 
 /// The part of a slice (first and last instant, s) in which two bodies may be within the margin of
-/// each other, from their courses alone; none where they certainly are not.
+/// each other, from their fat lines alone; none where they certainly are not.
 ///
 /// The difference of two straight motions is one, and within the sum of the slacks of zero only
-/// between the roots of a quadratic. The slacks hold all rounding of the courses, and more than a
+/// between the roots of a quadratic. The slacks hold all rounding of the fat lines, and more than a
 /// millionth of what is computed here: 2^-22 of the coordinates, where f64 rounds 2^-53.
 #[inline]
-pub(crate) fn approaching(a: &Course, b: &Course, (from, to): (f64, f64)) -> Option<(f64, f64)> {
+pub(crate) fn approaching(a: &FatLine, b: &FatLine, (from, to): (f64, f64)) -> Option<(f64, f64)> {
     /// Share by which the distance is taken larger, for the rounding of the roots: with slacks of 2^-22 of
     /// the coordinates that is 2^-42 of the way at least, and 2^10 roundings of it.
     const WIDER: f64 = 1.0 + 1e-6;
@@ -66,7 +66,7 @@ pub(crate) fn approaching(a: &Course, b: &Course, (from, to): (f64, f64)) -> Opt
 /// difference, one of a product, one of a sum, and three of its square, half of which count; 7 in all. The
 /// bound's own are 4 of itself: of that product, where they matter. 16 hold all.
 #[inline]
-fn lines_apart(a: &Course, b: &Course) -> bool {
+fn lines_apart(a: &FatLine, b: &FatLine) -> bool {
     const ROUNDING: f32 = 0.5 * f32::EPSILON;
     let difference = |x: [f32; 3], y: [f32; 3]| Vec3A::from_array(x) - Vec3A::from_array(y);
     let (apart, change) = (difference(a.start, b.start), difference(a.change, b.change));
@@ -87,9 +87,9 @@ mod tests {
 
     const SLICE: (f64, f64) = (1_000.0, 1_003.0);
 
-    fn course(rng: &mut ChaCha8Rng, far: f32, fast: f32) -> Course {
+    fn fat_line(rng: &mut ChaCha8Rng, far: f32, fast: f32) -> FatLine {
         let mut vector = |half: f32| [0; 3].map(|_| rng.random_range(-half..half));
-        Course {
+        FatLine {
             start: vector(far),
             change: vector(fast),
             slack: rng.random_range(0.0..4.0),
@@ -97,7 +97,7 @@ mod tests {
         }
     }
 
-    fn distance(a: &Course, b: &Course, share: f64) -> f64 {
+    fn distance(a: &FatLine, b: &FatLine, share: f64) -> f64 {
         let lane = |axis: usize| {
             f64::from(a.start[axis]) - f64::from(b.start[axis])
                 + share * (f64::from(a.change[axis]) - f64::from(b.change[axis]))
@@ -119,11 +119,11 @@ mod tests {
                 _ => (5.0, 10f32.powf(rng.random_range(-30.0..3.0)), 1e6),
             };
             let mut any = || {
-                let course = course(&mut rng, far, fast);
-                Course {
-                    start: course.start.map(|lane| lane * size),
-                    slack: course.slack * size,
-                    ..course
+                let fat_line = fat_line(&mut rng, far, fast);
+                FatLine {
+                    start: fat_line.start.map(|lane| lane * size),
+                    slack: fat_line.slack * size,
+                    ..fat_line
                 }
             };
             let (a, b) = (any(), any());
@@ -168,7 +168,7 @@ mod tests {
             let mut any = |half: f32| [0; 3].map(|_| rng.random_range(-half..half));
             let (start, change, aside) = (any(out), any(out), any(1.0));
             let back = any(out);
-            let one = |start, change| Course {
+            let one = |start, change| FatLine {
                 start,
                 change,
                 slack: 0.0,
@@ -229,14 +229,14 @@ mod tests {
             let least = (x * x + y * y + z * z).sqrt() / square(change).sqrt();
             #[allow(clippy::cast_possible_truncation, reason = "rounded up after that")]
             let slack = (least * (1.0 + 1e-15)) as f32;
-            let course = |start, change, slack| Course {
+            let fat_line = |start, change, slack| FatLine {
                 start,
                 change,
                 slack,
                 first: 0,
             };
-            let moving = course(start, change, slack.next_up().max(1e-18));
-            let resting = course([0.0; 3], [0.0; 3], 0.0);
+            let moving = fat_line(start, change, slack.next_up().max(1e-18));
+            let resting = fat_line([0.0; 3], [0.0; 3], 0.0);
             assert!(!lines_apart(&moving, &resting), "{moving:?} {least:e}");
         }
     }
@@ -255,13 +255,13 @@ mod tests {
             let parts = rng.random_range(3..50_u8);
             let part = rng.random_range(1..parts);
             let [x, y, z] = way.map(|lane| i32::from(part) * lane);
-            let moving = Course {
+            let moving = FatLine {
                 start: lanes([2 - x, 2 - y, 1 - z]),
                 change: lanes(way.map(|lane| i32::from(parts) * lane)),
                 slack: 3.0,
                 first: 0,
             };
-            let resting = Course {
+            let resting = FatLine {
                 start: [0.0; 3],
                 change: [0.0; 3],
                 slack: 0.0,
@@ -281,7 +281,7 @@ mod tests {
         let (from, to) = (1e9, 1e9 + 1e-6);
         let mut near = 0;
         for round in 0..5_000 {
-            let (a, b) = (course(&mut rng, 8.0, 30.0), course(&mut rng, 8.0, 30.0));
+            let (a, b) = (fat_line(&mut rng, 8.0, 30.0), fat_line(&mut rng, 8.0, 30.0));
             let radius = f64::from(a.slack) + f64::from(b.slack);
             let found = approaching(&a, &b, (from, to));
             for step in 0..=100 {
@@ -301,9 +301,9 @@ mod tests {
     #[test]
     fn what_is_not_known_rules_nothing_out() {
         let mut rng = ChaCha8Rng::seed_from_u64(2);
-        let known = course(&mut rng, 10.0, 10.0);
+        let known = fat_line(&mut rng, 10.0, 10.0);
         for slack in [f32::INFINITY, f32::NAN] {
-            let unknown = Course {
+            let unknown = FatLine {
                 start: [f32::NAN, f32::INFINITY, 0.0],
                 slack,
                 ..known
@@ -311,8 +311,8 @@ mod tests {
             assert_eq!(approaching(&known, &unknown, SLICE), Some(SLICE));
         }
         // A slice that is a single instant.
-        let (apart, instant) = (course(&mut rng, 10.0, 10.0), (5.0, 5.0));
-        let close = Course {
+        let (apart, instant) = (fat_line(&mut rng, 10.0, 10.0), (5.0, 5.0));
+        let close = FatLine {
             slack: 40.0,
             ..apart
         };

@@ -8,11 +8,11 @@
 //! The plain solver gives the numbers that are reported; they are moved into the enclosures where
 //! its rounding left them outside.
 
-use super::clusters::{Clusters, ProvenContact};
+use super::clusters::{ClusterPair, ProvenContact};
 use super::contact::{ClosestSearch, each_for_nearest, lone_pair};
 use super::sphere_pair::{Approach, Contact, SpherePair};
 use super::stretches::DistanceProfile;
-use super::{Party, contact_radius, two_sum};
+use super::{BodyView, contact_radius, two_sum};
 use crate::accuracy::{Certificate, TimeEnclosure};
 use crate::enclosure::{Side, Stretch, Threshold};
 use crate::spans::Span;
@@ -74,8 +74,8 @@ struct MemberSummary {
 /// The contacts within `margin` and `clip` found in `spans` (those not given are known to be free
 /// of contact), in the order of time; appends to `found`.
 pub(crate) fn certified_contacts(
-    a: &Party<'_>,
-    b: &Party<'_>,
+    a: &BodyView<'_>,
+    b: &BodyView<'_>,
     spans: impl Iterator<Item = Span>,
     margin: f64,
     clip: (f64, f64),
@@ -88,7 +88,7 @@ pub(crate) fn certified_contacts(
             workspace.solve(&pair, span, margin, clip);
             continue;
         }
-        Clusters::of(a, b, span).each_for_contacts(margin, clip, |pair, shown| {
+        ClusterPair::of(a, b, span).each_for_contacts(margin, clip, |pair, shown| {
             let parts = workspace.solve(pair, span, margin, clip);
             let Some(shown) = shown else { return };
             // Only what is certain keeps others from being looked at.
@@ -128,7 +128,7 @@ impl Workspace {
     /// The contacts of all that was taken in, in the order of time; appends to `found`.
     pub(super) fn join(
         &mut self,
-        parties: (&Party<'_>, &Party<'_>),
+        views: (&BodyView<'_>, &BodyView<'_>),
         margin: f64,
         clip: (f64, f64),
         found: &mut Vec<CertifiedContact>,
@@ -184,7 +184,7 @@ impl Workspace {
             order.clear();
             order.extend(0..shares.len());
             order.sort_unstable_by_key(|&share| ranks[shares[share].member]);
-            found.extend(group.contact(parties, order, margin, clip));
+            found.extend(group.contact(views, order, margin, clip));
             first = next;
         }
     }
@@ -193,8 +193,8 @@ impl Workspace {
 /// The least separation over `spans` within `clip`, its error half-width, and when it is reached;
 /// none without a span.
 pub(crate) fn certified_approach(
-    a: &Party<'_>,
-    b: &Party<'_>,
+    a: &BodyView<'_>,
+    b: &BodyView<'_>,
     spans: impl Iterator<Item = Span>,
     (from, to): (f64, f64),
 ) -> Option<(Approach, f64, TimeEnclosure)> {
@@ -315,7 +315,7 @@ impl MergedConflict<'_> {
     /// leaves of a part, say, or where the bodies graze.
     fn contact(
         &self,
-        parties: (&Party<'_>, &Party<'_>),
+        views: (&BodyView<'_>, &BodyView<'_>),
         order: &[usize],
         margin: f64,
         clip: (f64, f64),
@@ -341,7 +341,7 @@ impl MergedConflict<'_> {
                 }
             });
         }
-        let least = closest.and_then(|(_, nearest)| self.least(parties, nearest, clip));
+        let least = closest.and_then(|(_, nearest)| self.least(views, nearest, clip));
         let (Some(least), Some((closest, _))) = (least, closest) else {
             unreachable!("a group has parts, and each part a member")
         };
@@ -369,7 +369,7 @@ impl MergedConflict<'_> {
     /// whose enclosure rules out most others without one of their own.
     fn least(
         &self,
-        (a, b): (&Party<'_>, &Party<'_>),
+        (a, b): (&BodyView<'_>, &BodyView<'_>),
         nearest: usize,
         clip: (f64, f64),
     ) -> Option<SeparationEnclosure> {

@@ -1,25 +1,25 @@
 //! Contacts and closest approach of one pair, over all its spans and all its spheres.
 
-use super::clusters::{Clusters, ProvenContact};
+use super::clusters::{ClusterPair, ProvenContact};
 use super::filter::{certainly_beyond, segments_apart};
 use super::relative::{RelativeCubic, RelativeMotion, filter_threshold, local_scale};
 use super::sphere_pair::{Approach, Contact, SpherePair};
 use super::stretches::DistanceProfile;
-use super::{Party, contact_radius};
+use super::{BodyView, contact_radius};
 use crate::spans::Span;
 use glam::DVec3;
 
 /// Two spheres over one span, solved: their contacts at any margin and in any window follow from
 /// it without another root.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Solved {
+pub(crate) struct SolvedSpan {
     span: Span,
     pair: SpherePair,
     profile: DistanceProfile,
 }
 
 /// The only two spheres of a pair, over a span; none if there are more.
-pub(super) fn lone_pair(a: &Party<'_>, b: &Party<'_>, span: Span) -> Option<SpherePair> {
+pub(super) fn lone_pair(a: &BodyView<'_>, b: &BodyView<'_>, span: Span) -> Option<SpherePair> {
     let ([sphere_a], [sphere_b]) = (a.spheres, b.spheres) else {
         return None;
     };
@@ -37,8 +37,8 @@ pub(super) fn lone_pair(a: &Party<'_>, b: &Party<'_>, span: Span) -> Option<Sphe
 /// Whether the bounding spheres of a pair come within the margin in a span, as far as cheap tests
 /// can tell, looking at `from..=to` only.
 pub(crate) fn may_touch(
-    a: &Party<'_>,
-    b: &Party<'_>,
+    a: &BodyView<'_>,
+    b: &BodyView<'_>,
     span: Span,
     margin: f64,
     interval: (f64, f64),
@@ -59,7 +59,7 @@ pub(crate) fn may_touch(
 /// The distance beyond which the bounding spheres of a pair are certainly apart in a span; none if
 /// no distance is small enough.
 #[inline]
-fn near_threshold(a: &Party<'_>, b: &Party<'_>, span: Span, margin: f64) -> Option<f64> {
+fn near_threshold(a: &BodyView<'_>, b: &BodyView<'_>, span: Span, margin: f64) -> Option<f64> {
     let radius = contact_radius(a.bounding.radius, b.bounding.radius, margin);
     if radius < 0.0 {
         return None;
@@ -73,7 +73,12 @@ fn near_threshold(a: &Party<'_>, b: &Party<'_>, span: Span, margin: f64) -> Opti
 /// The relative control points of a pair's bounding spheres in the part of a span within
 /// `from..=to`.
 #[inline]
-fn near_points(a: &Party<'_>, b: &Party<'_>, span: Span, (from, to): (f64, f64)) -> [DVec3; 4] {
+fn near_points(
+    a: &BodyView<'_>,
+    b: &BodyView<'_>,
+    span: Span,
+    (from, to): (f64, f64),
+) -> [DVec3; 4] {
     let [segment_a, segment_b] = &a.segments_in(b, span);
     let part = (span.start.max(from), span.end.min(to));
     let offset = a.bounding.offset - b.bounding.offset;
@@ -82,11 +87,11 @@ fn near_points(a: &Party<'_>, b: &Party<'_>, span: Span, (from, to): (f64, f64))
 
 /// Solves each pair of spheres over a span; gives those that come within `margin`.
 pub(crate) fn solve(
-    a: &Party<'_>,
-    b: &Party<'_>,
+    a: &BodyView<'_>,
+    b: &BodyView<'_>,
     span: Span,
     margin: f64,
-    mut solved: impl FnMut(Solved),
+    mut solved: impl FnMut(SolvedSpan),
 ) {
     let mut solve = |pair: &SpherePair| {
         let radius = pair.radius(margin);
@@ -96,7 +101,7 @@ pub(crate) fn solve(
         if let Some(profile) = DistanceProfile::near(&pair.cubic, radius)
             && profile.comes_within(&pair.cubic, radius)
         {
-            solved(Solved {
+            solved(SolvedSpan {
                 span,
                 pair: *pair,
                 profile,
@@ -105,7 +110,7 @@ pub(crate) fn solve(
     };
     match lone_pair(a, b, span) {
         Some(pair) => solve(&pair),
-        None => Clusters::of(a, b, span).each_on_envelope(margin, solve),
+        None => ClusterPair::of(a, b, span).each_on_envelope(margin, solve),
     }
 }
 
@@ -114,8 +119,8 @@ pub(crate) fn solve(
 ///
 /// Appends to `found`.
 pub(crate) fn contacts(
-    a: &Party<'_>,
-    b: &Party<'_>,
+    a: &BodyView<'_>,
+    b: &BodyView<'_>,
     spans: impl Iterator<Item = Span>,
     margin: f64,
     clip: (f64, f64),
@@ -132,7 +137,7 @@ pub(crate) fn contacts(
         if let Some(pair) = lone_pair(a, b, span) {
             solve(&pair, found);
         } else {
-            Clusters::of(a, b, span).each_for_contacts(margin, clip, |pair, shown| {
+            ClusterPair::of(a, b, span).each_for_contacts(margin, clip, |pair, shown| {
                 let count = found.len();
                 solve(pair, found);
                 if let Some(shown) = shown {
@@ -150,13 +155,13 @@ pub(crate) fn contacts(
 
 /// The same from spans of one pair that were solved at this margin or a larger one.
 pub(crate) fn contacts_of<'s>(
-    solved: impl Iterator<Item = &'s Solved>,
+    solved: impl Iterator<Item = &'s SolvedSpan>,
     margin: f64,
     clip: (f64, f64),
     found: &mut Vec<Contact>,
 ) {
     let first = found.len();
-    for Solved {
+    for SolvedSpan {
         span,
         pair,
         profile,
@@ -196,8 +201,8 @@ pub(super) fn join(contacts: &mut Vec<Contact>, first: usize) {
 /// The least separation over `spans` within `clip`, the earliest where it is reached often; none
 /// without a span.
 pub(crate) fn closest_approach(
-    a: &Party<'_>,
-    b: &Party<'_>,
+    a: &BodyView<'_>,
+    b: &BodyView<'_>,
     spans: impl Iterator<Item = Span>,
     (from, to): (f64, f64),
 ) -> Option<Approach> {
@@ -215,7 +220,7 @@ pub(crate) fn closest_approach(
 /// Solves the pairs of spheres over a span one of which may be nearer in `clip` than what was
 /// `reached` so far (m); `solve` gives what is reached then.
 pub(super) fn each_for_nearest(
-    (a, b): (&Party<'_>, &Party<'_>),
+    (a, b): (&BodyView<'_>, &BodyView<'_>),
     span: Span,
     clip: (f64, f64),
     reached: f64,
@@ -227,7 +232,7 @@ pub(super) fn each_for_nearest(
                 solve(&pair);
             }
         }
-        None => Clusters::of(a, b, span).each_for_nearest(clip, reached, solve),
+        None => ClusterPair::of(a, b, span).each_for_nearest(clip, reached, solve),
     }
 }
 

@@ -20,7 +20,7 @@ mod stretches;
 
 pub(crate) use approach::approaching;
 pub(crate) use certified::{CertifiedContact, Workspace, certified_approach, certified_contacts};
-pub(crate) use contact::{Solved, closest_approach, contacts, contacts_of, may_touch, solve};
+pub(crate) use contact::{SolvedSpan, closest_approach, contacts, contacts_of, may_touch, solve};
 pub(crate) use sphere_pair::{Approach, Contact};
 
 use crate::hitbox::Sphere;
@@ -34,7 +34,7 @@ use std::slice::from_ref;
 
 /// What the narrow phase needs to know of a body.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Party<'a> {
+pub(crate) struct BodyView<'a> {
     /// The k-th and the next one are the ends of the k-th cubic.
     pub(crate) knots: Knots<'a>,
     /// Those of the plan.
@@ -43,7 +43,7 @@ pub(crate) struct Party<'a> {
     pub(crate) bounding: Sphere,
 }
 
-impl<'a> Party<'a> {
+impl<'a> BodyView<'a> {
     /// Returns the cubic with a number.
     #[inline(always)]
     pub(crate) fn segment(&self, number: usize) -> Cow<'a, Segment> {
@@ -74,7 +74,7 @@ impl<'a> Party<'a> {
     }
 }
 
-impl Party<'_> {
+impl BodyView<'_> {
     /// A body that never exists.
     pub(crate) const NONE: Self = Self {
         knots: Knots::NONE,

@@ -3,7 +3,7 @@
 use super::filter::certainly_beyond;
 use super::relative::{RelativeCubic, filter_threshold, local_scale};
 use super::stretches::{DistanceProfile, ProfilePoint};
-use super::{Party, contact_radius};
+use super::{BodyView, contact_radius};
 use crate::spans::Span;
 use glam::DVec3;
 
@@ -63,13 +63,13 @@ impl Approach {
 
     /// Positions of both bodies (m) and the velocity of a relative to b (m/s) at this instant, from this
     /// instant on.
-    pub(crate) fn kinematics(&self, a: &Party<'_>, b: &Party<'_>) -> (DVec3, DVec3, DVec3) {
-        let motion = |party: &Party<'_>, cubic: u32| {
+    pub(crate) fn kinematics(&self, a: &BodyView<'_>, b: &BodyView<'_>) -> (DVec3, DVec3, DVec3) {
+        let motion = |view: &BodyView<'_>, cubic: u32| {
             let cubic = cubic as usize;
-            let (position, velocity, _) = party.segment(cubic).motion_at(self.time);
-            let has_ended = party.knots.at(cubic + 1) <= self.time;
-            if has_ended && cubic + 1 < party.knots.cubics() {
-                (position, party.segment(cubic + 1).motion_at(self.time).1)
+            let (position, velocity, _) = view.segment(cubic).motion_at(self.time);
+            let has_ended = view.knots.at(cubic + 1) <= self.time;
+            if has_ended && cubic + 1 < view.knots.cubics() {
+                (position, view.segment(cubic + 1).motion_at(self.time).1)
             } else {
                 (position, velocity)
             }
@@ -137,7 +137,13 @@ impl SpherePair {
 
     /// Whether cheap tests show that the separation stays above `margin` all along the span of
     /// these two bodies.
-    pub(super) fn is_beyond(&self, a: &Party<'_>, b: &Party<'_>, span: Span, margin: f64) -> bool {
+    pub(super) fn is_beyond(
+        &self,
+        a: &BodyView<'_>,
+        b: &BodyView<'_>,
+        span: Span,
+        margin: f64,
+    ) -> bool {
         let [segment_a, segment_b] = &a.segments_in(b, span);
         let offset = a.spheres[self.a as usize].offset - b.spheres[self.b as usize].offset;
         let scale = local_scale(segment_a, segment_b, (span.start, span.end), offset);

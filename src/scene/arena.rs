@@ -1,4 +1,4 @@
-//! Memory for the sketches of a scene's bodies.
+//! Memory for the compact trajectories of a scene's bodies.
 //!
 //! A screening reads all of them, time and again, and there is more of it than fits into any cache. So
 //! they lie next to each other, in large pages where the system has these.
@@ -8,7 +8,7 @@ use bytemuck::{cast_slice, cast_slice_mut};
 use memmap2::MmapMut;
 use std::fmt;
 
-/// Lines for the sketches of bodies: each sketch is put behind the last one, and what is given back is
+/// Lines for the compact trajectories of bodies: each compact trajectory is put behind the last one, and what is given back is
 /// used again when all that is left is [copied](Self::take_copy) to another arena.
 #[derive(Default)]
 pub(crate) struct CubicArena {
@@ -21,7 +21,7 @@ pub(crate) struct CubicArena {
     garbage: usize,
 }
 
-/// The lines of one sketch.
+/// The lines of one compact trajectory.
 #[derive(Debug)]
 pub(crate) struct ArenaRange {
     chunk: usize,

@@ -1,6 +1,6 @@
 //! A sample of a scene's bodies, and what most of them have in common.
 
-use super::{Occupant, Scene};
+use super::{Scene, SceneEntry};
 use glam::DVec3;
 
 impl Scene {
@@ -9,7 +9,7 @@ impl Scene {
 
     /// Some of the bodies that may be part of a pair within a time (s): of all where there are few, else of
     /// those in slots scattered over all.
-    pub(crate) fn sample(&self, (from, to): (f64, f64)) -> impl Iterator<Item = &Occupant> {
+    pub(crate) fn sample(&self, (from, to): (f64, f64)) -> impl Iterator<Item = &SceneEntry> {
         let count = self.slots.len();
         let some = (0..count.min(Self::SAMPLE)).filter_map(move |number| {
             // Not in equal strides: no order in which bodies are put in hides some kinds of them.
@@ -18,11 +18,11 @@ impl Scene {
             } else {
                 number * count / Self::SAMPLE + number % (count / Self::SAMPLE)
             };
-            self.slots[slot].occupant.as_ref()
+            self.slots[slot].entry.as_ref()
         });
-        some.filter(move |occupant| {
-            let domain = occupant.body.trajectory.domain();
-            self.partners(0.0).has(&occupant.body) && domain.start() <= to && domain.end() >= from
+        some.filter(move |entry| {
+            let domain = entry.body.trajectory.domain();
+            self.partners(0.0).has(&entry.body) && domain.start() <= to && domain.end() >= from
         })
     }
 
@@ -54,8 +54,8 @@ impl Scene {
 
 /// The mean velocity of a body in the part of a time in which it exists; none where that has no end or is
 /// an instant.
-fn mean_velocity(occupant: &Occupant, (from, to): (f64, f64)) -> Option<DVec3> {
-    let plan = &occupant.body.trajectory;
+fn mean_velocity(entry: &SceneEntry, (from, to): (f64, f64)) -> Option<DVec3> {
+    let plan = &entry.body.trajectory;
     let domain = plan.domain();
     let (from, to) = (from.max(domain.start()), to.min(domain.end()));
     let way = plan.position(to)? - plan.position(from)?;

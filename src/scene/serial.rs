@@ -1,6 +1,6 @@
 //! Scenes in files: bodies with their slots, so that ids stay what they were.
 
-use super::{Body, Occupant, Scene, Slot};
+use super::{Body, Scene, SceneEntry, Slot};
 use crate::error::Error;
 use crate::id::BodyId;
 use serde::{Deserialize, Serialize};
@@ -18,7 +18,7 @@ pub(super) struct Parts {
 
 impl From<Scene> for Parts {
     fn from(scene: Scene) -> Self {
-        let body = |slot: Slot| (slot.generation, slot.occupant.map(|occupant| occupant.body));
+        let body = |slot: Slot| (slot.generation, slot.entry.map(|entry| entry.body));
         Self {
             ignored: scene.ignored.iter().collect(),
             slots: scene.slots.into_iter().map(body).collect(),
@@ -40,14 +40,14 @@ impl TryFrom<Parts> for Scene {
             body.iter().for_each(|body| scene.kinds.add(body));
             scene.slots.push(Slot {
                 generation,
-                occupant: body.map(|body| Occupant::new(body, &mut scene.arena)),
+                entry: body.map(|body| SceneEntry::new(body, &mut scene.arena)),
             });
         }
         // Each free slot is one that is empty, once.
         let mut is_free = vec![false; scene.slots.len()];
         for &slot in &parts.free {
             let place = slot as usize;
-            let is_empty = |slot: &Slot| slot.occupant.is_none();
+            let is_empty = |slot: &Slot| slot.entry.is_none();
             let taken = is_free
                 .get_mut(place)
                 .is_none_or(|free| std::mem::replace(free, true));

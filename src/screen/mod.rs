@@ -12,12 +12,12 @@ mod survey;
 pub(crate) use solve::conflict;
 
 use crate::accuracy::TimeEnclosure;
-use crate::bounds::{Pose, Stroke};
+use crate::bounds::{CompactCubic, CubicSource};
 use crate::broad_phase::{Everyone, Method, PairFilter};
 use crate::conflict::{ClosestApproach, Conflict};
 use crate::error::Error;
 use crate::id::BodyId;
-use crate::narrow_phase::{Party, certified_approach, closest_approach};
+use crate::narrow_phase::{BodyView, certified_approach, closest_approach};
 use crate::parallel;
 use crate::query::Query;
 use crate::rounding::{seen_from, seen_until};
@@ -27,7 +27,7 @@ use crate::spans::{Spans, spans};
 use crate::stats::Stats;
 use crate::wall_clock::Instant;
 use crate::window::Window;
-use prepared::{Admission, Lists, PreparedScene, clip_of, lone_party};
+use prepared::{Lists, PlaceAdmission, PreparedScene, clip_of, lone_view};
 use solve::{SHARE_OF_SLICES, describe};
 
 /// The answer to a [`Query`].
@@ -91,7 +91,11 @@ impl Scene {
         let mut screening = if self.admits_all(query.margin()) {
             line_up.screen(query.method, &Everyone, &progress)?
         } else {
-            line_up.screen(query.method, &Admission::new(self, &line_up), &progress)?
+            line_up.screen(
+                query.method,
+                &PlaceAdmission::new(self, &line_up),
+                &progress,
+            )?
         };
         screening.stats.bodies = self.len() as u64;
         screening.stats.total_time = begin.elapsed();
@@ -112,9 +116,9 @@ impl Scene {
         b: BodyId,
         window: Window,
     ) -> Result<Option<ClosestApproach>, Error> {
-        self.with_spans(a, b, window, |party_a, party_b, met, clip| {
-            closest_approach(party_a, party_b, met, clip)
-                .map(|approach| describe(&approach, party_a, party_b))
+        self.with_spans(a, b, window, |view_a, view_b, met, clip| {
+            closest_approach(view_a, view_b, met, clip)
+                .map(|approach| describe(&approach, view_a, view_b))
         })
     }
 
@@ -147,10 +151,10 @@ impl Scene {
         b: BodyId,
         window: Window,
     ) -> Result<Option<CertifiedApproach>, Error> {
-        self.with_spans(a, b, window, |party_a, party_b, met, clip| {
-            let (approach, error, time) = certified_approach(party_a, party_b, met, clip)?;
+        self.with_spans(a, b, window, |view_a, view_b, met, clip| {
+            let (approach, error, time) = certified_approach(view_a, view_b, met, clip)?;
             Some(CertifiedApproach {
-                approach: describe(&approach, party_a, party_b),
+                approach: describe(&approach, view_a, view_b),
                 error,
                 time,
             })
@@ -163,7 +167,7 @@ impl Scene {
         if line_up.ids.len() < 2 {
             return Ok(1);
         }
-        let slices = line_up.slices(&line_up.traffic(), |places| line_up.poses(places));
+        let slices = line_up.slices(&line_up.traffic(), |places| line_up.sources(places));
         Ok(slices.count())
     }
 
@@ -174,27 +178,27 @@ impl Scene {
         a: BodyId,
         b: BodyId,
         window: Window,
-        answer: impl FnOnce(&Party<'_>, &Party<'_>, Spans<'_>, (f64, f64)) -> Option<T>,
+        answer: impl FnOnce(&BodyView<'_>, &BodyView<'_>, Spans<'_>, (f64, f64)) -> Option<T>,
     ) -> Result<Option<T>, Error> {
         self.pair(a, b)?;
-        let occupant = |id| self.occupant(id).ok_or(Error::UnknownBody { id });
-        let (a, b) = (occupant(a)?, occupant(b)?);
-        let [party_a, party_b] = [lone_party(a, window)?, lone_party(b, window)?];
-        let Some(clip) = clip_of(&party_a, &party_b, window) else {
+        let entry = |id| self.entry(id).ok_or(Error::UnknownBody { id });
+        let (a, b) = (entry(a)?, entry(b)?);
+        let [view_a, view_b] = [lone_view(a, window)?, lone_view(b, window)?];
+        let Some(clip) = clip_of(&view_a, &view_b, window) else {
             return Ok(None);
         };
-        let met = spans(&party_a.knots, &party_b.knots, clip.0, clip.1);
-        Ok(answer(&party_a, &party_b, met, clip))
+        let met = spans(&view_a.knots, &view_b.knots, clip.0, clip.1);
+        Ok(answer(&view_a, &view_b, met, clip))
     }
 }
 
 impl PreparedScene<'_> {
     /// The window, and no less than all that is reported of it, cut into slices of the length that is
-    /// expected to cost least. `poses` gives those of the bodies in some places.
+    /// expected to cost least. `sources` gives those of the bodies in some places.
     fn slices<'p>(
         &self,
         traffic: &SceneStatistics,
-        poses: impl FnOnce(&[usize]) -> Vec<Pose<'p, Stroke>>,
+        sources: impl FnOnce(&[usize]) -> Vec<CubicSource<'p, CompactCubic>>,
     ) -> TimeSlices {
         let window = (
             seen_from(self.window.start()),
@@ -210,7 +214,7 @@ impl PreparedScene<'_> {
             instructions: self.instructions,
             pool: self.pool,
         };
-        trials.cheapest(slices, traffic, poses)
+        trials.cheapest(slices, traffic, sources)
     }
 
     /// All bodies, and the window in slices: both at the same time where there are many bodies.
@@ -218,15 +222,15 @@ impl PreparedScene<'_> {
         /// Fewer are sooner lined up than another thread wakes up.
         const FEW: usize = 1024;
         if parallel::threads() > 1 && self.ids.len() > FEW {
-            let slices = || self.slices(traffic, |places| self.poses(places));
-            let (slices, lists) = parallel::join(self.ids.len(), FEW, slices, || self.parties());
+            let slices = || self.slices(traffic, |places| self.sources(places));
+            let (slices, lists) = parallel::join(self.ids.len(), FEW, slices, || self.views());
             return (lists, slices);
         }
         // Then it is cheaper to copy some than to look at their bodies again.
-        let (parties, poses) = self.parties();
-        let some = |places: &[usize]| places.iter().map(|&place| poses[place]).collect();
+        let (views, sources) = self.views();
+        let some = |places: &[usize]| places.iter().map(|&place| sources[place]).collect();
         let slices = self.slices(traffic, some);
-        ((parties, poses), slices)
+        ((views, sources), slices)
     }
 
     fn screen<F: PairFilter>(
@@ -236,19 +240,19 @@ impl PreparedScene<'_> {
         progress: &(impl Fn(f64) + Sync),
     ) -> Result<Screening, Error> {
         if self.ids.len() < 2 {
-            let (parties, _) = self.parties();
+            let (views, _) = self.views();
             return Ok(Screening {
                 conflicts: Vec::new(),
                 window: self.asked,
-                stats: counted(&parties),
+                stats: counted(&views),
             });
         }
         let traffic = self.traffic();
-        let ((parties, poses), slices) = self.prepared(&traffic);
+        let ((views, sources), slices) = self.prepared(&traffic);
         let search = WindowSearch {
             bodies: BodyLists {
-                parties: &parties,
-                poses: &poses,
+                views: &views,
+                sources: &sources,
             },
             presence: &self.presence,
             frame: &self.frame,
@@ -259,7 +263,7 @@ impl PreparedScene<'_> {
             pool: self.pool,
             threads: parallel::threads(),
         };
-        let mut stats = counted(&parties);
+        let mut stats = counted(&views);
         stats.slices = u64::from(slices.count());
         let mut survivors = Vec::new();
         let (cut, found) = ((&slices, &traffic), (&mut survivors, &mut stats));
@@ -291,7 +295,7 @@ impl PreparedScene<'_> {
         let limit = self.limits.spans;
         done.map_err(|_| Error::TooCrowded { limit })?;
         let begin = Instant::now();
-        let conflicts = self.solve(&parties, &survivors, progress);
+        let conflicts = self.solve(&views, &survivors, progress);
         stats.narrow_time += begin.elapsed();
         stats.survivors = survivors.len() as u64;
         stats.conflicts = conflicts.len() as u64;
@@ -304,8 +308,8 @@ impl PreparedScene<'_> {
 }
 
 /// The beginning of the funnel.
-fn counted(parties: &[Party<'_>]) -> Stats {
-    let segments = parties.iter().map(|party| party.knots.cubics() as u64);
+fn counted(views: &[BodyView<'_>]) -> Stats {
+    let segments = views.iter().map(|view| view.knots.cubics() as u64);
     Stats {
         segments: segments.sum(),
         ..Stats::default()

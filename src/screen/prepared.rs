@@ -2,17 +2,17 @@
 
 use super::survey::SceneSurvey;
 use crate::accuracy::Accuracy;
-use crate::bounds::{Frame, Inflation, MovingFrame, Pose, Stroke};
+use crate::bounds::{CompactCubic, CubicSource, Frame, MovingFrame, Padding};
 use crate::broad_phase::{InstructionSet, PairFilter};
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::id::BodyId;
 use crate::knots::Knots;
 use crate::layers::Layers;
-use crate::narrow_phase::Party;
+use crate::narrow_phase::BodyView;
 use crate::parallel;
 use crate::pool::Pool;
 use crate::query::Query;
-use crate::scene::{Body, CubicArena, IgnoredPairs, Occupant, Scene, can_reach, radius};
+use crate::scene::{Body, CubicArena, IgnoredPairs, Scene, SceneEntry, can_reach, radius};
 use crate::search::{Lifetimes, Limits, SceneStatistics, SearchScratch};
 use crate::spans::common_domain;
 use crate::trajectory::Extension;
@@ -20,12 +20,12 @@ use crate::window::Window;
 use std::num::NonZeroU32;
 
 /// Each body as the narrow phase takes it, and how it lies in a frame; by place.
-pub(super) type Lists<'a> = (Vec<Party<'a>>, Vec<Pose<'a, Stroke>>);
+pub(super) type Lists<'a> = (Vec<BodyView<'a>>, Vec<CubicSource<'a, CompactCubic>>);
 
 /// The bodies of a scene as the pipeline sees them: by place, in the order of their ids.
 pub(super) struct PreparedScene<'a> {
     pub(super) ids: Vec<BodyId>,
-    pub(super) occupants: Vec<&'a Occupant>,
+    pub(super) entries: Vec<&'a SceneEntry>,
     pub(super) presence: Lifetimes,
     /// Those that go on beyond their knots in the window, by ascending place.
     extensions: Vec<(usize, Extension)>,
@@ -58,20 +58,20 @@ impl<'a> PreparedScene<'a> {
         let partners = scene.partners(margin);
         let mut survey = SceneSurvey::of(scene.len(), asked, margin);
         let mut ids = Vec::with_capacity(scene.len());
-        let mut occupants = Vec::with_capacity(scene.len());
+        let mut entries = Vec::with_capacity(scene.len());
         let mut extensions = Vec::new();
-        for (place, (id, occupant)) in scene.occupants().enumerate() {
-            let extension = occupant.extension(asked)?;
-            let has_partner = partners.has(&occupant.body);
-            survey.include(place, (occupant, extension.as_ref()), has_partner);
+        for (place, (id, entry)) in scene.entries().enumerate() {
+            let extension = entry.extension(asked)?;
+            let has_partner = partners.has(&entry.body);
+            survey.include(place, (entry, extension.as_ref()), has_partner);
             ids.push(id);
-            occupants.push(occupant);
+            entries.push(entry);
             extensions.extend(extension.map(|extension| (place, extension)));
         }
         let frame = survey.frame(scene);
         let mut line_up = Self {
             ids,
-            occupants,
+            entries,
             presence: Lifetimes::default(),
             extensions,
             asked,
@@ -95,7 +95,7 @@ impl<'a> PreparedScene<'a> {
             }
             None => {
                 line_up.ids.clear();
-                line_up.occupants.clear();
+                line_up.entries.clear();
                 line_up.extensions.clear();
             }
         }
@@ -104,37 +104,37 @@ impl<'a> PreparedScene<'a> {
 
     /// Each body as the narrow phase takes it, and how it lies in a frame that serves all of them; by
     /// place.
-    pub(super) fn parties(&self) -> Lists<'_> {
+    pub(super) fn views(&self) -> Lists<'_> {
         /// Fewer are gone through on this thread.
         const FEW: usize = 4096;
         let frame = self.frame;
-        let count = self.occupants.len();
-        let (mut parties, mut poses) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        let lists = (&mut parties, &mut poses);
-        parallel::map_both(count, FEW, lists, |place| self.party(place, &frame));
-        (parties, poses)
+        let count = self.entries.len();
+        let (mut views, mut sources) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let lists = (&mut views, &mut sources);
+        parallel::map_both(count, FEW, lists, |place| self.view(place, &frame));
+        (views, sources)
     }
 
     /// Returns the sources of boxes of the bodies in some places.
-    pub(super) fn poses(&self, places: &[usize]) -> Vec<Pose<'_, Stroke>> {
+    pub(super) fn sources(&self, places: &[usize]) -> Vec<CubicSource<'_, CompactCubic>> {
         let frame = self.frame;
-        let pose = |&place: &usize| self.party(place, &frame).1;
-        places.iter().map(pose).collect()
+        let source = |&place: &usize| self.view(place, &frame).1;
+        places.iter().map(source).collect()
     }
 
     /// The body in a place as the narrow phase takes it, and how it lies in a frame.
     #[inline]
-    fn party(&self, place: usize, frame: &Frame) -> (Party<'_>, Pose<'_, Stroke>) {
-        let occupant = self.occupants[place];
+    fn view(&self, place: usize, frame: &Frame) -> (BodyView<'_>, CubicSource<'_, CompactCubic>) {
+        let entry = self.entries[place];
         let of_place = |(other, _): &(usize, Extension)| other.cmp(&place);
         let extension = self.extensions.binary_search_by(of_place);
         let extension = extension.ok().map(|number| &self.extensions[number].1);
-        let drawing = occupant.drawing(self.arena);
-        // A screening reads knots next to the sketches.
-        let knots = drawing.knots.extended(&occupant.body.trajectory, extension);
-        let inflation = Inflation::of(&occupant.body.hitbox, self.margin, frame);
-        let pose = Pose::sketched(knots, &drawing, &inflation, frame);
-        (party_of(&occupant.body, knots), pose)
+        let drawing = entry.drawing(self.arena);
+        // A screening reads knots next to the compact trajectories.
+        let knots = drawing.knots.extended(&entry.body.trajectory, extension);
+        let padding = Padding::of(&entry.body.hitbox, self.margin, frame);
+        let source = CubicSource::sketched(knots, &drawing, &padding, frame);
+        (party_of(&entry.body, knots), source)
     }
 
     /// Returns how much moves in the window, from what is known of each body as a whole.
@@ -144,7 +144,7 @@ impl<'a> PreparedScene<'a> {
 }
 
 /// Layers and ignored pairs, by place in the line-up.
-pub(super) struct Admission<'a> {
+pub(super) struct PlaceAdmission<'a> {
     layers: Vec<Layers>,
     /// Radii, if the margin is negative: some pairs cannot be within it.
     radii: Vec<f64>,
@@ -153,9 +153,9 @@ pub(super) struct Admission<'a> {
     ignored: &'a IgnoredPairs,
 }
 
-impl<'a> Admission<'a> {
+impl<'a> PlaceAdmission<'a> {
     pub(super) fn new(scene: &'a Scene, line_up: &'a PreparedScene<'_>) -> Self {
-        let bodies = || line_up.occupants.iter().map(|occupant| &occupant.body);
+        let bodies = || line_up.entries.iter().map(|entry| &entry.body);
         let is_negative = line_up.margin < 0.0;
         let radii = bodies()
             .filter(|_| is_negative)
@@ -170,7 +170,7 @@ impl<'a> Admission<'a> {
     }
 }
 
-impl PairFilter for Admission<'_> {
+impl PairFilter for PlaceAdmission<'_> {
     fn admits(&self, a: u32, b: u32) -> bool {
         let (a, b) = (a as usize, b as usize);
         self.layers[a].admits(self.layers[b])
@@ -184,16 +184,16 @@ impl PairFilter for Admission<'_> {
 ///
 /// # Errors
 ///
-/// See [`Occupant::extension`].
-pub(super) fn lone_party(occupant: &Occupant, window: Window) -> Result<Party<'_>, Error> {
-    let extension = occupant.extension(window)?;
-    let knots = Knots::over(&occupant.body.trajectory, extension.as_ref());
-    Ok(party_of(&occupant.body, knots))
+/// See [`SceneEntry::extension`].
+pub(super) fn lone_view(entry: &SceneEntry, window: Window) -> Result<BodyView<'_>, Error> {
+    let extension = entry.extension(window)?;
+    let knots = Knots::over(&entry.body.trajectory, extension.as_ref());
+    Ok(party_of(&entry.body, knots))
 }
 
 /// Returns a body as the narrow phase takes it, with these knots.
-fn party_of<'a>(body: &'a Body, knots: Knots<'a>) -> Party<'a> {
-    Party {
+fn party_of<'a>(body: &'a Body, knots: Knots<'a>) -> BodyView<'a> {
+    BodyView {
         knots,
         segments: body.trajectory.segments(),
         spheres: body.hitbox.spheres(),
@@ -202,7 +202,7 @@ fn party_of<'a>(body: &'a Body, knots: Knots<'a>) -> Party<'a> {
 }
 
 /// The part of the window in which both bodies exist.
-pub(super) fn clip_of(a: &Party<'_>, b: &Party<'_>, window: Window) -> Option<(f64, f64)> {
+pub(super) fn clip_of(a: &BodyView<'_>, b: &BodyView<'_>, window: Window) -> Option<(f64, f64)> {
     let (start, end) = common_domain(&a.knots, &b.knots)?;
     let (start, end) = (start.max(window.start()), end.min(window.end()));
     (start <= end).then_some((start, end))

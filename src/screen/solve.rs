@@ -5,7 +5,7 @@ use crate::accuracy::Accuracy;
 use crate::conflict::{Clip, ClosestApproach, Conflict};
 use crate::id::BodyId;
 use crate::narrow_phase::{
-    Approach, CertifiedContact, Contact, Party, Workspace, certified_contacts, contacts,
+    Approach, BodyView, CertifiedContact, Contact, Workspace, certified_contacts, contacts,
 };
 use crate::parallel;
 use crate::simd::prefetch;
@@ -35,7 +35,7 @@ impl PreparedScene<'_> {
     /// The answer for the survivors (sorted), in the order of reports.
     pub(super) fn solve(
         &self,
-        parties: &[Party<'_>],
+        views: &[BodyView<'_>],
         survivors: &[SpanKey],
         progress: &(impl Fn(f64) + Sync),
     ) -> Vec<Conflict> {
@@ -48,8 +48,8 @@ impl PreparedScene<'_> {
             let mut conflicts = Vec::new();
             let chunk = chunks[chunk];
             match self.accuracy {
-                Accuracy::Exact => self.exact(parties, chunk, scratch, &mut conflicts),
-                Accuracy::Certified => self.certified(parties, chunk, scratch, &mut conflicts),
+                Accuracy::Exact => self.exact(views, chunk, scratch, &mut conflicts),
+                Accuracy::Certified => self.certified(views, chunk, scratch, &mut conflicts),
             }
             let done = done_chunks.fetch_add(1, Ordering::Relaxed) + 1;
             if done < chunks.len() {
@@ -63,18 +63,18 @@ impl PreparedScene<'_> {
 
     fn exact(
         &self,
-        parties: &[Party<'_>],
+        views: &[BodyView<'_>],
         pairs: &[OfPair<'_>],
         scratch: &mut SolveScratch,
         conflicts: &mut Vec<Conflict>,
     ) {
         let found = &mut scratch.contacts;
         for number in 0..pairs.len() {
-            let Some(pair) = self.pair(parties, pairs, number) else {
+            let Some(pair) = self.pair(views, pairs, number) else {
                 continue;
             };
             found.clear();
-            let (a, b) = pair.parties;
+            let (a, b) = pair.views;
             contacts(a, b, pair.spans(), self.margin, pair.clip, found);
             conflicts.extend(found.iter().map(|contact| pair.conflict(contact)));
         }
@@ -82,18 +82,18 @@ impl PreparedScene<'_> {
 
     fn certified(
         &self,
-        parties: &[Party<'_>],
+        views: &[BodyView<'_>],
         pairs: &[OfPair<'_>],
         scratch: &mut SolveScratch,
         conflicts: &mut Vec<Conflict>,
     ) {
         let (found, workspace) = (&mut scratch.certified, &mut scratch.workspace);
         for number in 0..pairs.len() {
-            let Some(pair) = self.pair(parties, pairs, number) else {
+            let Some(pair) = self.pair(views, pairs, number) else {
                 continue;
             };
             found.clear();
-            let (a, b) = pair.parties;
+            let (a, b) = pair.views;
             certified_contacts(a, b, pair.spans(), self.margin, pair.clip, workspace, found);
             conflicts.extend(found.iter().map(|certified| Conflict {
                 certificate: Some(certified.certificate),
@@ -106,18 +106,17 @@ impl PreparedScene<'_> {
     /// at the same time within the window.
     fn pair<'p>(
         &self,
-        parties: &'p [Party<'p>],
+        views: &'p [BodyView<'p>],
         pairs: &[OfPair<'p>],
         number: usize,
     ) -> Option<PairTask<'p>> {
-        fetch(parties, pairs, number);
+        fetch(views, pairs, number);
         let survivors = pairs[number];
         let (place_a, place_b) = (survivors[0].a as usize, survivors[0].b as usize);
-        let pair = (&parties[place_a], &parties[place_b]);
+        let pair = (&views[place_a], &views[place_b]);
         Some(PairTask {
-            names: [place_a, place_b]
-                .map(|place| (self.ids[place], self.occupants[place].body.tag)),
-            parties: pair,
+            names: [place_a, place_b].map(|place| (self.ids[place], self.entries[place].body.tag)),
+            views: pair,
             clip: clip_of(pair.0, pair.1, self.window)?,
             survivors,
         })
@@ -130,22 +129,22 @@ fn ratio(done: usize, all: usize) -> f64 {
 }
 
 /// Fetches what solving reads of pairs that come after one: it lies anywhere in memory.
-fn fetch(parties: &[Party<'_>], pairs: &[OfPair<'_>], number: usize) {
+fn fetch(views: &[BodyView<'_>], pairs: &[OfPair<'_>], number: usize) {
     /// Pairs ahead; of bodies, twice as many.
     const AHEAD: usize = 4;
     /// Spans of one of them: most have no more.
     const SPANS: usize = 4;
     if let Some(later) = pairs.get(number + 2 * AHEAD) {
         for place in [later[0].a, later[0].b] {
-            prefetch(from_ref(&parties[place as usize]));
+            prefetch(from_ref(&views[place as usize]));
         }
     }
     if let Some(later) = pairs.get(number + AHEAD) {
         for survivor in later.iter().take(SPANS) {
             for (place, cubic) in survivor.cubics() {
-                let (party, cubic) = (&parties[place as usize], cubic as usize);
-                party.knots.prefetch(cubic, 2);
-                party.prefetch(cubic);
+                let (view, cubic) = (&views[place as usize], cubic as usize);
+                view.knots.prefetch(cubic, 2);
+                view.prefetch(cubic);
             }
         }
     }
@@ -178,21 +177,21 @@ fn in_order(found: &[Vec<Conflict>]) -> Vec<Conflict> {
 /// Two bodies with the spans in which they may touch.
 struct PairTask<'p> {
     names: [(BodyId, u64); 2],
-    parties: (&'p Party<'p>, &'p Party<'p>),
+    views: (&'p BodyView<'p>, &'p BodyView<'p>),
     clip: (f64, f64),
     survivors: OfPair<'p>,
 }
 
 impl PairTask<'_> {
     fn spans(&self) -> impl Iterator<Item = Span> {
-        let (a, b) = self.parties;
+        let (a, b) = self.views;
         self.survivors
             .iter()
             .map(|survivor| survivor.span(&a.knots, &b.knots))
     }
 
     fn conflict(&self, contact: &Contact) -> Conflict {
-        conflict(contact, self.names, self.parties, self.clip)
+        conflict(contact, self.names, self.views, self.clip)
     }
 }
 
@@ -200,7 +199,7 @@ impl PairTask<'_> {
 pub(crate) fn conflict(
     contact: &Contact,
     [(a, tag_a), (b, tag_b)]: [(BodyId, u64); 2],
-    (party_a, party_b): (&Party<'_>, &Party<'_>),
+    (view_a, view_b): (&BodyView<'_>, &BodyView<'_>),
     clip: (f64, f64),
 ) -> Conflict {
     Conflict {
@@ -210,7 +209,7 @@ pub(crate) fn conflict(
         tag_b,
         enter: contact.enter,
         exit: contact.exit,
-        closest: describe(&contact.closest, party_a, party_b),
+        closest: describe(&contact.closest, view_a, view_b),
         clip: Clip {
             at_enter: contact.enter <= clip.0,
             at_exit: contact.exit >= clip.1,
@@ -219,7 +218,7 @@ pub(crate) fn conflict(
     }
 }
 
-pub(super) fn describe(approach: &Approach, a: &Party<'_>, b: &Party<'_>) -> ClosestApproach {
+pub(super) fn describe(approach: &Approach, a: &BodyView<'_>, b: &BodyView<'_>) -> ClosestApproach {
     let (position_a, position_b, relative_velocity) = approach.kinematics(a, b);
     ClosestApproach {
         time: approach.time,

@@ -1,8 +1,8 @@
 //! Statistics of all bodies before any of them is looked at closely, from one pass: they
 //! lie next to each other in memory, but are larger together than the caches.
 
-use crate::bounds::{Extremes, Frame, Inflation, MovingFrame};
-use crate::scene::{Occupant, Scene};
+use crate::bounds::{DAabb, Frame, MovingFrame, Padding};
+use crate::scene::{Scene, SceneEntry};
 use crate::search::SceneStatistics;
 use crate::trajectory::{Extension, Segment};
 use crate::window::Window;
@@ -18,9 +18,9 @@ pub(super) struct SceneSurvey {
     pub(super) lives: Vec<(f64, f64)>,
     pub(super) existence: (f64, f64),
     /// Extremes of all that is followed, roughly, m: of bodies that exist in the window.
-    pub(super) extremes: Extremes,
+    pub(super) extremes: DAabb,
     /// Extremes of the plans alone, roughly, m.
-    plans: Extremes,
+    plans: DAabb,
     traffic: SceneStatistics,
     /// Largest distance from a body's position that matters, m.
     pub(super) size: f64,
@@ -34,8 +34,8 @@ impl SceneSurvey {
             margin,
             lives: vec![(0.0, 0.0); count],
             existence: (f64::INFINITY, f64::NEG_INFINITY),
-            extremes: Extremes::NOTHING,
-            plans: Extremes::NOTHING,
+            extremes: DAabb::NOTHING,
+            plans: DAabb::NOTHING,
             traffic: SceneStatistics {
                 body_time: 0.0,
                 path: 0.0,
@@ -52,10 +52,10 @@ impl SceneSurvey {
     pub(super) fn include(
         &mut self,
         place: usize,
-        (occupant, extension): (&Occupant, Option<&Extension>),
+        (entry, extension): (&SceneEntry, Option<&Extension>),
         has_partner: bool,
     ) {
-        let (body, plan) = (&occupant.body, occupant.outline());
+        let (body, plan) = (&entry.body, entry.outline());
         let own = plan.sketch.ends();
         let (first, last) = extension.map_or(own, |extension| extension.domain);
         if !has_partner {
@@ -69,7 +69,7 @@ impl SceneSurvey {
         }
         self.extremes.include(plan.extremes);
         self.plans.include(plan.extremes);
-        let size = Inflation::size(&body.hitbox, self.margin);
+        let size = Padding::size(&body.hitbox, self.margin);
         self.size = self.size.max(size);
         self.count(
             plan.sketch.ends(),
@@ -92,7 +92,7 @@ impl SceneSurvey {
     fn count_beyond(&mut self, segment: &Segment, (from, to): (f64, f64), pieces: u32) {
         let [begin, end] = [from, to].map(|time| segment.motion_at(time).0);
         for position in [begin, end] {
-            self.extremes.include(Extremes {
+            self.extremes.include(DAabb {
                 low: position,
                 high: position,
             });
@@ -120,7 +120,7 @@ impl SceneSurvey {
         let window = (self.window.start(), self.window.end());
         let some = scene.sample(window);
         let mut places: Vec<DVec3> = some.map(|one| one.outline().extremes.middle()).collect();
-        let most = Extremes::of_middle_half(&mut places);
+        let most = DAabb::of_middle_half(&mut places);
         Frame::amid(self.extremes, most, self.size).moving(scene.common_velocity(window))
     }
 

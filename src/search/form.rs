@@ -1,16 +1,19 @@
-//! One box and one course for each body in each of a few slices.
+//! One box and one fat line for each body in each of a few slices.
 
-use crate::bounds::{Bundle, Course, Cubic, MovingFrame, Period, Piece, Pose, Trace};
+use crate::bounds::{
+    BoundingCubic, BoundsBuilder, CubicRun, CubicSource, FatLine, MovingFrame, SliceInterval,
+    SubCubic,
+};
 use crate::broad_phase::BodyBox;
 use crate::knots::Knots;
 use crate::simd::Task;
 
-/// One slice: a box and a course for each body that exists in it, side by side.
+/// One slice: a box and a fat line for each body that exists in it, side by side.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SliceBounds {
     /// Bodies of boxes are places in these lists.
     pub(crate) boxes: Vec<BodyBox>,
-    pub(crate) courses: Vec<Course>,
+    pub(crate) fat_lines: Vec<FatLine>,
     /// Bodies by place, ascending.
     pub(crate) bodies: Vec<u32>,
 }
@@ -31,18 +34,18 @@ impl SliceBlock {
     pub(crate) const SLICES: usize = 32;
 }
 
-/// Forms the boxes and courses of some slices (at most [`SliceBlock::SLICES`]).
+/// Forms the boxes and fat lines of some slices (at most [`SliceBlock::SLICES`]).
 pub(crate) struct FormBounds<'a, C> {
     pub(crate) block: &'a mut SliceBlock,
     pub(crate) frame: &'a MovingFrame,
-    pub(crate) poses: &'a [Pose<'a, C>],
+    pub(crate) sources: &'a [CubicSource<'a, C>],
     /// Places of those to look at, ascending: each that exists in one of the slices is among them.
     pub(crate) present: &'a [u32],
     /// Ends of the slices, s: one more than there are slices.
     pub(crate) ends: &'a [f64],
 }
 
-impl<C: Cubic> Task for FormBounds<'_, C> {
+impl<C: BoundingCubic> Task for FormBounds<'_, C> {
     type Output = ();
 
     #[inline(always)]
@@ -51,18 +54,18 @@ impl<C: Cubic> Task for FormBounds<'_, C> {
         if frame.moves() {
             self.form(|from, to| frame.period(from, to));
         } else {
-            self.form(Period::new);
+            self.form(SliceInterval::new);
         }
     }
 }
 
-impl<'a, C: Cubic> FormBounds<'a, C> {
+impl<'a, C: BoundingCubic> FormBounds<'a, C> {
     /// Number of bodies by which segments are fetched ahead. They are what there is most of,
     /// and each body's lie somewhere else: without it, half of the time is waiting.
     const AHEAD: usize = 4;
 
     #[inline(always)]
-    fn form<const MOVES: bool>(mut self, period: impl Fn(f64, f64) -> Period<MOVES>) {
+    fn form<const MOVES: bool>(mut self, period: impl Fn(f64, f64) -> SliceInterval<MOVES>) {
         let Self { ends, present, .. } = self;
         let count = ends.len() - 1;
         if self.block.slices.len() < count {
@@ -71,11 +74,11 @@ impl<'a, C: Cubic> FormBounds<'a, C> {
         let slices = &mut self.block.slices[..count];
         for slice in &mut *slices {
             slice.boxes.clear();
-            slice.courses.clear();
+            slice.fat_lines.clear();
             slice.bodies.clear();
             // At once: growing step by step would touch twice the memory.
             slice.boxes.reserve(present.len());
-            slice.courses.reserve(present.len());
+            slice.fat_lines.reserve(present.len());
             slice.bodies.reserve(present.len());
         }
         let mut periods = [period(0.0, 0.0); SliceBlock::SLICES];
@@ -83,7 +86,7 @@ impl<'a, C: Cubic> FormBounds<'a, C> {
             *place = period(ends[0], ends[1]);
         }
         let periods = &periods[..count];
-        self.block.pieces.resize(self.poses.len(), 0);
+        self.block.pieces.resize(self.sources.len(), 0);
         for number in 0..Self::AHEAD {
             self.look_up(number, periods);
         }
@@ -91,17 +94,17 @@ impl<'a, C: Cubic> FormBounds<'a, C> {
             self.prefetch_knots(number + 2 * Self::AHEAD);
             let ahead = self.look_up(number + Self::AHEAD, periods);
             let body = place as usize;
-            let pose = &self.poses[body];
-            if !exists(pose, periods) {
+            let source = &self.sources[body];
+            if !exists(source, periods) {
                 continue;
             }
             let piece = self.block.pieces[body] as usize;
             let slices = &mut self.block.slices[..count];
-            let end = if pose.knots.are_extended() {
-                let walk = BodyWalk::<_, _, true>::new(pose, periods, ahead, piece);
+            let end = if source.knots.are_extended() {
+                let walk = BodyWalk::<_, _, true>::new(source, periods, ahead, piece);
                 walk.through_extended(piece, place, slices)
             } else {
-                let walk = BodyWalk::<_, _, false>::new(pose, periods, ahead, piece);
+                let walk = BodyWalk::<_, _, false>::new(source, periods, ahead, piece);
                 walk.through(piece, place, slices)
             };
             self.block.pieces[body] = short(end);
@@ -113,7 +116,7 @@ impl<'a, C: Cubic> FormBounds<'a, C> {
     fn prefetch_knots(&self, number: usize) {
         if let Some(&place) = self.present.get(number) {
             let first = self.block.pieces[place as usize] as usize;
-            self.poses[place as usize].knots.prefetch(first, 8);
+            self.sources[place as usize].knots.prefetch(first, 8);
         }
     }
 
@@ -124,20 +127,20 @@ impl<'a, C: Cubic> FormBounds<'a, C> {
     fn look_up<const MOVES: bool>(
         &mut self,
         number: usize,
-        periods: &[Period<MOVES>],
+        periods: &[SliceInterval<MOVES>],
     ) -> Ahead<'a, C> {
         let Some(&place) = self.present.get(number) else {
             return Ahead::Own;
         };
-        let pose = &self.poses[place as usize];
+        let source = &self.sources[place as usize];
         let piece = &mut self.block.pieces[place as usize];
-        let first = cubic_before(&pose.knots, periods[0].from, *piece);
+        let first = cubic_before(&source.knots, periods[0].from, *piece);
         *piece = short(first);
-        if !goes_in_bundles(pose, periods) {
-            return Ahead::Later(pose, first);
+        if !goes_in_bundles(source, periods) {
+            return Ahead::Later(source, first);
         }
-        if exists(pose, periods) {
-            fetch_route(pose, periods, first);
+        if exists(source, periods) {
+            fetch_route(source, periods, first);
         }
         Ahead::Nothing
     }
@@ -145,47 +148,50 @@ impl<'a, C: Cubic> FormBounds<'a, C> {
 
 /// When a block begins and ends, s.
 #[inline(always)]
-fn ends_of<const MOVES: bool>(periods: &[Period<MOVES>]) -> (f64, f64) {
+fn ends_of<const MOVES: bool>(periods: &[SliceInterval<MOVES>]) -> (f64, f64) {
     (periods[0].from, periods[periods.len() - 1].to)
 }
 
 /// Returns true if a body exists in a block.
 #[inline(always)]
-fn exists<C, const MOVES: bool>(pose: &Pose<'_, C>, periods: &[Period<MOVES>]) -> bool {
-    let (first, last) = pose.knots.ends();
+fn exists<C, const MOVES: bool>(
+    source: &CubicSource<'_, C>,
+    periods: &[SliceInterval<MOVES>],
+) -> bool {
+    let (first, last) = source.knots.ends();
     let (from, to) = ends_of(periods);
     first <= to && last >= from
 }
 
-/// Returns true if a body mostly goes through so many cubics in a slice that there are bundles of them.
+/// Returns true if a body mostly goes through so many cubics in a slice that there are runs of cubics of them.
 #[inline(always)]
-fn goes_in_bundles<C: Cubic, const MOVES: bool>(
-    pose: &Pose<'_, C>,
-    periods: &[Period<MOVES>],
+fn goes_in_bundles<C: BoundingCubic, const MOVES: bool>(
+    source: &CubicSource<'_, C>,
+    periods: &[SliceInterval<MOVES>],
 ) -> bool {
-    let (first, last) = pose.knots.ends();
+    let (first, last) = source.knots.ends();
     let (from, to) = ends_of(periods);
     #[allow(clippy::cast_precision_loss, reason = "an estimate")]
     let [cubics, bundles] =
-        [pose.knots.cubics(), 2 * Bundle::SIZE * periods.len()].map(|count| count as f64);
-    pose.is_in_bundles() && cubics * (to - from) > bundles * (last - first)
+        [source.knots.cubics(), 2 * CubicRun::SIZE * periods.len()].map(|count| count as f64);
+    source.is_in_bundles() && cubics * (to - from) > bundles * (last - first)
 }
 
 /// Fetches what a walk through the slices will read, from a cubic on.
 #[inline(always)]
-fn fetch_route<C: Cubic, const MOVES: bool>(
-    pose: &Pose<'_, C>,
-    periods: &[Period<MOVES>],
+fn fetch_route<C: BoundingCubic, const MOVES: bool>(
+    source: &CubicSource<'_, C>,
+    periods: &[SliceInterval<MOVES>],
     mut number: usize,
 ) {
-    pose.fetch(number);
+    source.fetch(number);
     for period in periods {
-        let end = cubic_at::<false>(&pose.knots, period.to, number);
+        let end = cubic_at::<false>(&source.knots, period.to, number);
         let mut next = number + 1;
         while next < end {
-            next = pose.fetch_first(next, end);
+            next = source.fetch_first(next, end);
         }
-        pose.fetch(end);
+        source.fetch(end);
         number = end;
     }
 }
@@ -234,8 +240,8 @@ fn cubic_at<const EXTENDED: bool>(knots: &Knots<'_>, time: f64, number: usize) -
 
 /// One body's way through the slices of a block.
 struct BodyWalk<'a, C, const MOVES: bool, const EXTENDED: bool> {
-    pose: &'a Pose<'a, C>,
-    periods: &'a [Period<MOVES>],
+    source: &'a CubicSource<'a, C>,
+    periods: &'a [SliceInterval<MOVES>],
     ahead: Ahead<'a, C>,
     begin: usize,
 }
@@ -243,26 +249,28 @@ struct BodyWalk<'a, C, const MOVES: bool, const EXTENDED: bool> {
 /// Cubics that are fetched on the way.
 enum Ahead<'a, C> {
     /// The cubics of a body that is still to come, from one on, one for one with this one's.
-    Later(&'a Pose<'a, C>, usize),
+    Later(&'a CubicSource<'a, C>, usize),
     /// This one's own: none is to come.
     Own,
     /// None: those to come have been fetched.
     Nothing,
 }
 
-impl<'a, C: Cubic, const MOVES: bool, const EXTENDED: bool> BodyWalk<'a, C, MOVES, EXTENDED> {
+impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
+    BodyWalk<'a, C, MOVES, EXTENDED>
+{
     /// Number of a body's own cubics by which one is fetched ahead.
     const AHEAD: usize = 8;
 
     #[inline(always)]
     const fn new(
-        pose: &'a Pose<'a, C>,
-        periods: &'a [Period<MOVES>],
+        source: &'a CubicSource<'a, C>,
+        periods: &'a [SliceInterval<MOVES>],
         ahead: Ahead<'a, C>,
         begin: usize,
     ) -> Self {
         Self {
-            pose,
+            source,
             periods,
             ahead,
             begin,
@@ -270,7 +278,7 @@ impl<'a, C: Cubic, const MOVES: bool, const EXTENDED: bool> BodyWalk<'a, C, MOVE
     }
 
     #[inline(always)]
-    fn piece(&self, number: usize) -> Piece {
+    fn piece(&self, number: usize) -> SubCubic {
         match self.ahead {
             Ahead::Later(later, first) => {
                 if number == self.begin {
@@ -279,17 +287,17 @@ impl<'a, C: Cubic, const MOVES: bool, const EXTENDED: bool> BodyWalk<'a, C, MOVE
                 // One more: it may go through more cubics than this one.
                 later.fetch(first + (number - self.begin) + 1);
             }
-            Ahead::Own => self.pose.fetch(number + Self::AHEAD),
+            Ahead::Own => self.source.fetch(number + Self::AHEAD),
             Ahead::Nothing => {}
         }
-        self.pose.piece::<EXTENDED>(number)
+        self.source.piece::<EXTENDED>(number)
     }
 
     /// Has a trace follow the cubics from `next` to before `end`.
     #[inline(always)]
-    fn follow_whole(&self, trace: &mut Trace<MOVES>, mut next: usize, end: usize) {
+    fn follow_whole(&self, trace: &mut BoundsBuilder<MOVES>, mut next: usize, end: usize) {
         while next < end {
-            if let Some(after) = self.pose.pass::<MOVES, EXTENDED>(trace, (next, end)) {
+            if let Some(after) = self.source.pass::<MOVES, EXTENDED>(trace, (next, end)) {
                 next = after;
             } else {
                 trace.follow_from_start(&self.piece(next));
@@ -303,12 +311,14 @@ impl<'a, C: Cubic, const MOVES: bool, const EXTENDED: bool> BodyWalk<'a, C, MOVE
         self.through(number, body, slices)
     }
 
-    /// Appends the body's box and course to each slice in which it exists; gives the cubic that it
+    /// Appends the body's box and fat line to each slice in which it exists; gives the cubic that it
     /// comes to.
     #[inline(always)]
     fn through(&self, mut number: usize, body: u32, slices: &mut [SliceBounds]) -> usize {
-        let Self { pose, periods, .. } = *self;
-        let knots = &pose.knots;
+        let Self {
+            source, periods, ..
+        } = *self;
+        let knots = &source.knots;
         let (first, last) = knots.ends();
         let mut rest = self.piece(number);
         if knots.at(number) < periods[0].from {
@@ -324,24 +334,24 @@ impl<'a, C: Cubic, const MOVES: bool, const EXTENDED: bool> BodyWalk<'a, C, MOVE
                 let (piece, after) = rest.split(period.to.min(rest.end()));
                 rest = after;
                 if piece.fills(period) {
-                    Trace::alone(&piece, period)
+                    BoundsBuilder::alone(&piece, period)
                 } else {
-                    Trace::between(&piece, &piece, period)
+                    BoundsBuilder::between(&piece, &piece, period)
                 }
             } else {
                 let head = rest;
                 let whole = self.piece(number);
                 let (tail, after) = whole.split(period.to.min(whole.end()));
                 rest = after;
-                let mut trace = Trace::between(&head, &tail, period);
+                let mut trace = BoundsBuilder::between(&head, &tail, period);
                 self.follow_whole(&mut trace, begin + 1, number);
                 trace.follow_from_start(&tail);
                 trace
             };
             let place = short(slice.bodies.len());
-            let (course, aabb) = trace.finish(&pose.stance, short(begin));
+            let (fat_line, aabb) = trace.finish(&source.placement, short(begin));
             slice.boxes.push(BodyBox { aabb, body: place });
-            slice.courses.push(course);
+            slice.fat_lines.push(fat_line);
             slice.bodies.push(body);
         }
         number
@@ -358,7 +368,7 @@ pub(crate) fn short(count: usize) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bounds::{Extremes, Frame, Inflation, Sketch};
+    use crate::bounds::{CompactTrajectory, DAabb, Frame, Padding};
     use crate::hitbox::Hitbox;
     use crate::knots::Knots;
     use crate::search::TimeSlices;
@@ -369,15 +379,15 @@ mod tests {
     use rand::{RngExt, SeedableRng};
 
     /// Every box contains its body at every instant of its slice, and is not much larger; so does
-    /// every course.
+    /// every fat line.
     #[test]
     fn boxes_contain_their_bodies() {
         let mut rng = ChaCha8Rng::seed_from_u64(9);
         let mut tightest = f64::INFINITY;
-        let still = Frame::around(Extremes::NOTHING, 0.0);
+        let still = Frame::around(DAabb::NOTHING, 0.0);
         let slices = TimeSlices::whole(-1.0, 12.0).with_count(19.0);
         let hitbox = Hitbox::POINT;
-        let inflation = Inflation::of(&hitbox, 0.0, &still);
+        let padding = Padding::of(&hitbox, 0.0, &still);
         for seed in 0..200 {
             let far = if seed % 2 == 0 { 10.0 } else { 1e6 };
             // Boxes stay, or move with some of the bodies' velocity, or faster.
@@ -397,7 +407,7 @@ mod tests {
             } else {
                 0.3 + f64::from(seed) * 0.01
             };
-            // Some so many that slices hold bundles of bundles.
+            // Some so many that slices hold runs of cubics of runs of cubics.
             let (gap, count) = if seed % 4 == 1 {
                 (gap / 25.0, 225)
             } else {
@@ -412,11 +422,11 @@ mod tests {
             let Ok(trajectory) = Trajectory::from_states(&states) else {
                 unreachable!("the states are in order")
             };
-            let (sketch, lines) = Sketch::of(trajectory.knots(), trajectory.segments());
-            let pose = Pose::sketched(
+            let (sketch, lines) = CompactTrajectory::of(trajectory.knots(), trajectory.segments());
+            let source = CubicSource::sketched(
                 Knots::of(trajectory.knots()),
                 &sketch.on(&lines),
-                &inflation,
+                &padding,
                 &frame,
             );
             let mut block = SliceBlock::default();
@@ -427,26 +437,26 @@ mod tests {
                 InstructionSet::best().run(FormBounds {
                     block: &mut block,
                     frame: &frame,
-                    poses: &[pose],
+                    sources: &[source],
                     present: &[0],
                     ends: &ends,
                 });
                 for (slice, found) in range.zip(&block.slices) {
                     let boxes = &found.boxes;
                     let (from, to) = slices.interval(slice);
-                    let mut sampled = Extremes::NOTHING;
+                    let mut sampled = DAabb::NOTHING;
                     for step in 0..=50 {
                         let share = f64::from(step) / 50.0;
                         let time = (from + (to - from) * share).min(to);
                         if let Some(position) = trajectory.position(time) {
-                            let course = &found.courses[0];
-                            let [start, change] = [course.start, course.change]
+                            let fat_line = &found.fat_lines[0];
+                            let [start, change] = [fat_line.start, fat_line.change]
                                 .map(|lanes| DVec3::from_array(lanes.map(f64::from)));
                             let stray = (position - (start + share * change)).length();
-                            assert!(stray <= f64::from(course.slack), "{stray} {course:?}");
-                            tightest = tightest.min(f64::from(course.slack) - stray);
+                            assert!(stray <= f64::from(fat_line.slack), "{stray} {fat_line:?}");
+                            tightest = tightest.min(f64::from(fat_line.slack) - stray);
                             let position = position - common * (time - from);
-                            sampled.include(Extremes {
+                            sampled.include(DAabb {
                                 low: position,
                                 high: position,
                             });

@@ -6,7 +6,7 @@
 //! of the time.
 
 use super::Bodies;
-use crate::bounds::{Course, Sight};
+use crate::bounds::{FatLine, HullTest};
 use crate::broad_phase::Candidate;
 use crate::narrow_phase::{approaching, may_touch};
 use crate::simd::prefetch;
@@ -19,7 +19,7 @@ use std::slice::from_ref;
 pub(crate) struct RefineContext<'a, B> {
     pub(crate) bodies: &'a B,
     /// Fat lines of the slice, by the numbers in its candidates.
-    pub(crate) courses: &'a [Course],
+    pub(crate) fat_lines: &'a [FatLine],
     /// The slice's, s.
     pub(crate) interval: (f64, f64),
     pub(crate) window: Window,
@@ -130,22 +130,24 @@ impl CandidateRefiner {
         pair: impl Fn(Candidate) -> Option<[u32; 2]>,
     ) {
         let RefineContext {
-            courses, interval, ..
+            fat_lines,
+            interval,
+            ..
         } = *question;
         self.near.clear();
         for (i, &candidate) in batch.iter().enumerate() {
             if let Some(later) = batch.get(i + Self::AHEAD_OF_CANDIDATES) {
-                prefetch(from_ref(&courses[later.a as usize]));
-                prefetch(from_ref(&courses[later.b as usize]));
+                prefetch(from_ref(&fat_lines[later.a as usize]));
+                prefetch(from_ref(&fat_lines[later.b as usize]));
             }
             let (a, b) = (candidate.a as usize, candidate.b as usize);
-            let Some(interval) = approaching(&courses[a], &courses[b], interval) else {
+            let Some(interval) = approaching(&fat_lines[a], &fat_lines[b], interval) else {
                 continue;
             };
             if let Some(bodies) = pair(candidate) {
                 self.near.push(NearPair {
                     bodies,
-                    hints: [courses[a].first, courses[b].first],
+                    hints: [fat_lines[a].first, fat_lines[b].first],
                     interval,
                 });
             }
@@ -197,10 +199,10 @@ impl CandidateRefiner {
                     .for_each(|cubic| bodies.fetch_cubic(cubic));
             }
             let one = self.spans[number];
-            match bodies.sight(one.key().cubics(), one.part()) {
-                Sight::Apart => {}
-                Sight::Near if question.solves_at_once(one.span) => found.push(one.key()),
-                Sight::Near | Sight::Blurred => {
+            match bodies.hull_test(one.key().cubics(), one.part()) {
+                HullTest::Apart => {}
+                HullTest::Near if question.solves_at_once(one.span) => found.push(one.key()),
+                HullTest::Near | HullTest::Blurred => {
                     self.spans[kept] = one;
                     kept += 1;
                 }
@@ -220,7 +222,7 @@ impl CandidateRefiner {
                     .into_iter()
                     .for_each(|cubic| bodies.fetch_segment(cubic));
             }
-            let (a, b) = (bodies.party(one.a), bodies.party(one.b));
+            let (a, b) = (bodies.view(one.a), bodies.view(one.b));
             if may_touch(&a, &b, one.span, question.margin, one.interval) {
                 found.push(one.key());
             }

@@ -6,7 +6,7 @@ use crate::spans::SpanKey;
 
 /// Memory that one thread reuses from slice to slice.
 ///
-/// A box, its course and its body take 64 bytes, in each slice of a block; the sweep's own lists 40
+/// A box, its fat line and its body take 64 bytes, in each slice of a block; the sweep's own lists 40
 /// to 130 a box of one slice.
 #[derive(Debug, Default)]
 pub(crate) struct SearchScratch {
@@ -28,10 +28,10 @@ pub(crate) struct SearchScratch {
 
 #[cfg(test)]
 mod tests {
-    use crate::bounds::{Bundle, Course, Pose, Stroke};
+    use crate::bounds::{CompactCubic, CubicRun, CubicSource, FatLine};
     use crate::broad_phase::{BodyBox, Candidate};
-    use crate::narrow_phase::Party;
-    use crate::scene::Occupant;
+    use crate::narrow_phase::BodyView;
+    use crate::scene::SceneEntry;
     use crate::spans::SpanKey;
     use crate::trajectory::Segment;
 
@@ -39,14 +39,14 @@ mod tests {
     #[test]
     fn sizes_are_as_documented() {
         assert_eq!(size_of::<Segment>(), 128);
-        assert_eq!(size_of::<Stroke>(), 64);
+        assert_eq!(size_of::<CompactCubic>(), 64);
         // Its motion beyond its knots lies with its segments.
-        assert_eq!(size_of::<Occupant>() + 2 * size_of::<Segment>(), 544);
-        assert_eq!(size_of::<Bundle>(), 64);
-        let line = size_of::<Party<'_>>() + size_of::<Pose<'_, Stroke>>();
+        assert_eq!(size_of::<SceneEntry>() + 2 * size_of::<Segment>(), 544);
+        assert_eq!(size_of::<CubicRun>(), 64);
+        let line = size_of::<BodyView<'_>>() + size_of::<CubicSource<'_, CompactCubic>>();
         let line = line + size_of::<(f64, f64)>();
         assert_eq!(line, 304);
-        let boxed = size_of::<BodyBox>() + size_of::<Course>() + size_of::<u32>();
+        let boxed = size_of::<BodyBox>() + size_of::<FatLine>() + size_of::<u32>();
         assert_eq!(boxed, 64);
         assert_eq!(size_of::<Candidate>(), 8);
         assert_eq!(size_of::<SpanKey>(), 16);

@@ -7,7 +7,7 @@
 //! tried in turn.
 
 use super::{FormBounds, Lifetimes, SceneStatistics, SearchScratch, TimeSlices};
-use crate::bounds::{Cubic, MovingFrame, Pose};
+use crate::bounds::{BoundingCubic, CubicSource, MovingFrame};
 use crate::broad_phase::{BroadPhase, CandidateLimit, Everyone};
 use crate::narrow_phase::approaching;
 use crate::pool::Pool;
@@ -20,12 +20,12 @@ mod cost {
     /// Going through a slice, and through the list of bodies for those that exist in it.
     pub(super) const SLICE: f64 = 60.0;
     pub(super) const LISTING: f64 = 0.1;
-    /// Forming a box and a course, cutting a segment for it, and sorting it.
+    /// Forming a box and a fat line, cutting a segment for it, and sorting it.
     pub(super) const BOX: f64 = 65.0;
     /// Comparing a box with its neighbours, times this power of its candidates.
     pub(super) const SWEEP: f64 = 25.0;
     pub(super) const SWEEP_POWER: f64 = 0.75;
-    /// Judging a candidate by its courses.
+    /// Judging a candidate by its fat lines.
     pub(super) const CANDIDATE: f64 = 15.0;
     /// Looking at one that they do not rule out, and at each of its spans.
     pub(super) const NEAR: f64 = 120.0;
@@ -36,7 +36,7 @@ mod cost {
 const MAX_CANDIDATES: u64 = 1 << 20;
 
 /// Growth of near candidates with the length of a slice, as a power of it, until two lengths were
-/// tried: in proportion in any case, and courses become less straight.
+/// tried: in proportion in any case, and fat lines become less straight.
 const NEAR_GROWTH: f64 = 2.5;
 
 /// No count grows faster: a volume does not.
@@ -51,7 +51,7 @@ const SETTLED: Range<f64> = 0.7..1.5;
 /// Counts in slices of one length, for all bodies.
 struct Trial {
     bodies: f64,
-    /// Boxes, candidates, and candidates not ruled out by their courses, a slice.
+    /// Boxes, candidates, and candidates not ruled out by their fat lines, a slice.
     boxes: f64,
     candidates: f64,
     near: f64,
@@ -148,12 +148,12 @@ pub(crate) struct SliceTrials<'a> {
 
 impl SliceTrials<'_> {
     /// Returns the same window cut into slices of the length that is expected to cost least, searched from
-    /// the length given. `poses` gives those of the bodies in some places.
-    pub(crate) fn cheapest<'p, C: Cubic + 'p>(
+    /// the length given. `sources` gives those of the bodies in some places.
+    pub(crate) fn cheapest<'p, C: BoundingCubic + 'p>(
         &self,
         mut slices: TimeSlices,
         traffic: &SceneStatistics,
-        poses: impl FnOnce(&[usize]) -> Vec<Pose<'p, C>>,
+        sources: impl FnOnce(&[usize]) -> Vec<CubicSource<'p, C>>,
     ) -> TimeSlices {
         /// Fewer bodies are not worth a trial, unless they would have more boxes than these.
         const FEW: usize = 64;
@@ -175,7 +175,7 @@ impl SliceTrials<'_> {
         if sample.len() < FEW && boxes <= FEW_BOXES && most_near <= spans {
             return slices;
         }
-        let sampled = poses(&sample);
+        let sampled = sources(&sample);
         let presence = self.presence.of_some(&sample);
         let whole = bodies as f64 / sample.len() as f64;
         let mut last: Option<(Trial, f64)> = None;
@@ -223,10 +223,10 @@ impl SliceTrials<'_> {
     }
 
     /// Counts in a few slices of a length, scaled from the sample to all bodies.
-    fn trial<C: Cubic>(
+    fn trial<C: BoundingCubic>(
         &self,
         presence: &Lifetimes,
-        poses: &[Pose<'_, C>],
+        sources: &[CubicSource<'_, C>],
         slices: &TimeSlices,
         whole: f64,
         cubics: f64,
@@ -252,7 +252,7 @@ impl SliceTrials<'_> {
             self.instructions.run(FormBounds {
                 block: &mut *block,
                 frame: self.frame,
-                poses,
+                sources,
                 present: &*present,
                 ends: &*ends,
             });
@@ -266,7 +266,7 @@ impl SliceTrials<'_> {
             for pair in &*candidates {
                 let (a, b) = (pair.a as usize, pair.b as usize);
                 if let Some((from, to)) =
-                    approaching(&slice.courses[a], &slice.courses[b], interval)
+                    approaching(&slice.fat_lines[a], &slice.fat_lines[b], interval)
                 {
                     near += 1.0;
                     // An instant is near for all of it.
@@ -281,17 +281,17 @@ impl SliceTrials<'_> {
                 }
             }
         }
-        let reach: f64 = poses.iter().map(|pose| pose.stance.reach()).sum();
+        let reach: f64 = sources.iter().map(|source| source.placement.reach()).sum();
         let places = f64::from(places);
         Trial {
-            bodies: poses.len() as f64 * whole,
+            bodies: sources.len() as f64 * whole,
             boxes: boxes * whole / places,
             candidates: found * whole * whole / places,
             near: near * whole * whole / places,
             shares: shares * whole * whole / places,
             cubics,
             extents: extents.map(|extent| extent / boxes.max(1.0)),
-            least: 2.0 * reach / poses.len() as f64,
+            least: 2.0 * reach / sources.len() as f64,
         }
     }
 }

@@ -5,7 +5,7 @@ use super::{
     BodyLists, Lifetimes, LimitExceeded, Limits, RefineContext, SceneStatistics, SearchScratch,
     TimeSlices,
 };
-use crate::bounds::{Cubic, MovingFrame};
+use crate::bounds::{BoundingCubic, MovingFrame};
 use crate::broad_phase::{BroadPhase, Candidate, CandidateLimit, PairFilter, mean_size};
 use crate::parallel;
 use crate::pool::Pool;
@@ -32,7 +32,7 @@ pub(crate) struct WindowSearch<'a, C> {
     pub(crate) threads: usize,
 }
 
-impl<C: Cubic + Sync> WindowSearch<'_, C> {
+impl<C: BoundingCubic + Sync> WindowSearch<'_, C> {
     /// Appends every span of every pair in which they may touch within some slices to `found`, which is
     /// sorted then and holds each once. `progress` is told the share of the slices that are done.
     /// If the filter gives up, not all are found.
@@ -48,7 +48,7 @@ impl<C: Cubic + Sync> WindowSearch<'_, C> {
         progress: &(impl Fn(f64) + Sync),
         (found, stats): (&mut Vec<SpanKey>, &mut Stats),
     ) -> Result<(), LimitExceeded> {
-        let bodies = self.bodies.parties.len();
+        let bodies = self.bodies.views.len();
         let blocks = SliceBlocks::of(slices, traffic, (bodies, self.threads));
         let done_blocks = AtomicU32::new(0);
         let is_given_up = AtomicBool::new(false);
@@ -154,7 +154,7 @@ impl<C: Cubic + Sync> WindowSearch<'_, C> {
         let begin = Instant::now();
         if scratch.found.len() > FEW_FOUND {
             let SearchScratch { sorter, found, .. } = scratch;
-            sorter.sort_and_dedup(found, self.bodies.parties.len());
+            sorter.sort_and_dedup(found, self.bodies.views.len());
         }
         stats.narrow_time += begin.elapsed();
         Ok(stats)
@@ -164,7 +164,7 @@ impl<C: Cubic + Sync> WindowSearch<'_, C> {
         self.instructions.run(FormBounds {
             block,
             frame: self.frame,
-            poses: self.bodies.poses,
+            sources: self.bodies.sources,
             present,
             ends,
         });
@@ -186,7 +186,7 @@ impl<C: Cubic + Sync> WindowSearch<'_, C> {
         } = scratch;
         let question = RefineContext {
             bodies: &self.bodies,
-            courses: &slice.courses,
+            fat_lines: &slice.fat_lines,
             interval,
             window: self.window,
             margin: self.margin,
@@ -196,7 +196,7 @@ impl<C: Cubic + Sync> WindowSearch<'_, C> {
         let looked_at = refiner.refine(&question, candidates, pair, found);
         if found.len() > self.limits.spans {
             // A span that lasts for several slices is found in each.
-            sorter.sort_and_dedup(found, self.bodies.parties.len());
+            sorter.sort_and_dedup(found, self.bodies.views.len());
             self.limits.check(found.len())?;
         }
         Ok(looked_at)

@@ -80,7 +80,7 @@ fn replaces(later: &Request, earlier: &Request, clock: f64) -> bool {
 
 /// Requests received and not yet applied, superseded ones taken out.
 #[derive(Debug, Default)]
-pub(super) struct Waiting {
+pub(super) struct RequestQueue {
     /// As the last clock request leaves it, s.
     clock: f64,
     requests: VecDeque<Option<(Ticket, Request)>>,
@@ -91,7 +91,7 @@ pub(super) struct Waiting {
     plans: BTreeMap<BodyId, VecDeque<usize>>,
 }
 
-impl Waiting {
+impl RequestQueue {
     /// None yet, for a monitor whose clock shows this, s.
     pub(super) fn at(clock: f64) -> Self {
         Self {

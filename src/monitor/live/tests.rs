@@ -6,7 +6,7 @@
     reason = "times are handed on unchanged; a monitor that cannot be built fails the test"
 )]
 
-use super::request::Waiting;
+use super::request::RequestQueue;
 use super::*;
 use crate::error::Error;
 use crate::id::BodyId;
@@ -93,9 +93,9 @@ fn after_a_panic_only_what_is_planned_is_reported() {
 #[test]
 fn waiting_orders_coalesce_as_the_contract_says() {
     let (_, [a, b]) = monitor();
-    let mut waiting = Waiting::default();
+    let mut waiting = RequestQueue::default();
     let mut number = 0;
-    let mut push = |waiting: &mut Waiting, request: Request| {
+    let mut push = |waiting: &mut RequestQueue, request: Request| {
         number += 1;
         waiting.push(Ticket(number), request)
     };
@@ -175,7 +175,7 @@ fn waiting_orders_coalesce_as_the_contract_says() {
 /// Nothing is remembered of requests that were taken, however long others wait.
 #[test]
 fn orders_that_were_taken_leave_nothing() {
-    let mut waiting = Waiting::default();
+    let mut waiting = RequestQueue::default();
     for number in 0..1_000 {
         let id = BodyId {
             slot: number % 90,

@@ -2,7 +2,7 @@
 
 use super::handle::Shared;
 use super::report::{LiveOptions, Report, ReportKind};
-use super::request::{Request, Ticket, Waiting};
+use super::request::{Request, RequestQueue, Ticket};
 use crate::error::Error;
 use crate::monitor::{Budget, Command, Event, Monitor};
 use crossbeam_channel::{Receiver, Sender, TryRecvError, TrySendError, select};
@@ -52,7 +52,7 @@ pub(super) struct Worker {
     stop: Receiver<()>,
     shared: Arc<Shared>,
     options: LiveOptions,
-    waiting: Waiting,
+    waiting: RequestQueue,
     /// Reports that the reader has no room for.
     outbox: VecDeque<Report>,
     /// How many reports there have been.
@@ -70,7 +70,7 @@ impl Worker {
         options: LiveOptions,
     ) -> Self {
         Self {
-            waiting: Waiting::at(monitor.now()),
+            waiting: RequestQueue::at(monitor.now()),
             monitor,
             requests,
             reports,
@@ -93,7 +93,7 @@ impl Worker {
             }
             let next = self.waiting.pop();
             in_hand = u64::from(next.is_some());
-            // A panic leaves at worst half-filled buffers, an outlook and what was read of it to be
+            // A panic leaves at worst half-filled buffers, a search and what was read of it to be
             // made anew: all else takes effect at the end of a step, by moves that do not panic.
             let step = catch_unwind(AssertUnwindSafe(|| self.step(next)));
             if let Err(payload) = step {

@@ -1,37 +1,37 @@
 //! The conflicts of one alert level.
 
-use super::{Edges, FETCHED, Origin, Place};
+use super::{CacheSlot, FETCHED, WindowEdges, WindowSide};
 use crate::conflict::Conflict;
-use crate::monitor::finds::Slots;
-use crate::monitor::kept::{Entry, Kept};
-use crate::monitor::timed::Timed;
+use crate::monitor::solved_spans::SlotPair;
+use crate::monitor::sorted_slab::{IndexEntry, SortedSlab};
+use crate::monitor::time_key::TimeKey;
 
 /// See the module.
 #[derive(Debug, Default)]
-pub(in crate::monitor) struct Conflicts {
+pub(in crate::monitor) struct ConflictCache {
     /// Whatever the window, by when a conflict begins, and whose it is: the order of reports.
-    always: Kept<Timed<Slots>, Conflict>,
+    always: SortedSlab<TimeKey<SlotPair>, Conflict>,
     /// Pairs of those at an edge of the window, in order, and what this tick sees of them.
-    edge: Vec<Slots>,
+    edge: Vec<SlotPair>,
     at_edge: Vec<Conflict>,
     /// All of the window, in the order of reports.
-    listed: Vec<Origin>,
+    listed: Vec<CacheSlot>,
 }
 
-impl Conflicts {
+impl ConflictCache {
     /// Drops those of some pairs (sorted), and those that have ended before an instant.
-    pub(in crate::monitor) fn drop_changed(&mut self, changed: &[Slots], before: f64) {
+    pub(in crate::monitor) fn drop_changed(&mut self, changed: &[SlotPair], before: f64) {
         self.always.retain(|entry, _| {
             entry.interval.1 >= before && changed.binary_search(&entry.key.what).is_err()
         });
     }
 
     /// Adds one of a pair of which there is none, or one that is earlier.
-    pub(in crate::monitor) fn add(&mut self, slots: Slots, conflict: Conflict) {
+    pub(in crate::monitor) fn add(&mut self, slots: SlotPair, conflict: Conflict) {
         let enter = conflict.enter;
         let interval = (enter, conflict.exit);
         self.always.add(
-            Timed {
+            TimeKey {
                 time: enter,
                 what: slots,
             },
@@ -51,8 +51,8 @@ impl Conflicts {
     pub(in crate::monitor) fn list(
         &mut self,
         window: (f64, f64),
-        fetch: impl Fn(&[Slots]),
-        mut again: impl FnMut(Slots, (f64, f64), &mut Vec<Conflict>),
+        fetch: impl Fn(&[SlotPair]),
+        mut again: impl FnMut(SlotPair, (f64, f64), &mut Vec<Conflict>),
     ) -> impl Iterator<Item = &Conflict> {
         let Self {
             always,
@@ -63,13 +63,14 @@ impl Conflicts {
         edge.clear();
         at_edge.clear();
         listed.clear();
-        let edges = Edges {
+        let edges = WindowEdges {
             within: window,
             around: window,
         };
         let entries = always.entries().iter();
-        let is_at_edge =
-            |entry: &&Entry<Timed<Slots>>| edges.place(entry.interval) == Place::AtEdge;
+        let is_at_edge = |entry: &&IndexEntry<TimeKey<SlotPair>>| {
+            edges.place(entry.interval) == WindowSide::AtEdge
+        };
         edge.extend(entries.filter(is_at_edge).map(|entry| entry.key.what));
         let mut some = edge.chunks(FETCHED).flat_map(|some| {
             fetch(some);
@@ -78,13 +79,13 @@ impl Conflicts {
         let mut begun = 0;
         for entry in always.entries() {
             match edges.place(entry.interval) {
-                Place::Within => listed.push(Origin::Always(entry.place)),
-                Place::Beyond => {}
-                Place::AtEdge => {
+                WindowSide::Within => listed.push(CacheSlot::Always(entry.place)),
+                WindowSide::Beyond => {}
+                WindowSide::AtEdge => {
                     some.next();
                     let first = at_edge.len();
                     again(entry.key.what, entry.interval, at_edge);
-                    listed.extend((first..at_edge.len()).map(Origin::AtEdge));
+                    listed.extend((first..at_edge.len()).map(CacheSlot::AtEdge));
                     if entry.key.time <= window.0 {
                         begun = at_edge.len();
                     }
@@ -95,8 +96,8 @@ impl Conflicts {
         at_edge[..begun].sort_unstable_by(Conflict::order);
         let (always, at_edge) = (&*always, &*at_edge);
         listed.iter().map(|origin| match *origin {
-            Origin::Always(place) => always.at(place),
-            Origin::AtEdge(number) => &at_edge[number],
+            CacheSlot::Always(place) => always.at(place),
+            CacheSlot::AtEdge(number) => &at_edge[number],
         })
     }
 }

@@ -3,8 +3,8 @@
 mod conflicts;
 mod plains;
 
-pub(super) use conflicts::Conflicts;
-pub(super) use plains::Plains;
+pub(super) use conflicts::ConflictCache;
+pub(super) use plains::EncounterCache;
 
 /// Pairs whose data are fetched together: they lie anywhere in memory.
 const FETCHED: usize = 16;
@@ -12,7 +12,7 @@ const FETCHED: usize = 16;
 /// Where a value is: its place among those that are kept whatever the window, or its number among
 /// those that were read again, since they are at an edge of it.
 #[derive(Clone, Copy, Debug)]
-enum Origin {
+enum CacheSlot {
     Always(usize),
     AtEdge(usize),
 }
@@ -20,37 +20,37 @@ enum Origin {
 /// Where a window ends, twice: what lies between the ends of `within` is within the window, what
 /// does not meet `around` is beyond it, and the rest is at its edge.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Edges {
+pub(super) struct WindowEdges {
     pub(super) within: (f64, f64),
     pub(super) around: (f64, f64),
 }
 
 /// How a contact lies to a window.
 #[derive(PartialEq)]
-enum Place {
+enum WindowSide {
     Within,
     Beyond,
     AtEdge,
 }
 
-impl Edges {
-    fn place(&self, (start, end): (f64, f64)) -> Place {
+impl WindowEdges {
+    fn place(&self, (start, end): (f64, f64)) -> WindowSide {
         if start > self.within.0 && end < self.within.1 {
-            Place::Within
+            WindowSide::Within
         } else if end < self.around.0 || start > self.around.1 {
-            Place::Beyond
+            WindowSide::Beyond
         } else {
-            Place::AtEdge
+            WindowSide::AtEdge
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Conflicts, Edges, Plains};
+    use super::{ConflictCache, EncounterCache, WindowEdges};
     use crate::conflict::{Clip, ClosestApproach, Conflict};
     use crate::id::BodyId;
-    use crate::monitor::encounters::Plain;
+    use crate::monitor::encounters::PlannedEncounter;
     use glam::DVec3;
 
     const CLOSEST: ClosestApproach = ClosestApproach {
@@ -89,9 +89,9 @@ mod tests {
         }
     }
 
-    fn plain(slots: (u32, u32), (start, exit): (f64, f64)) -> Plain {
+    fn plain(slots: (u32, u32), (start, exit): (f64, f64)) -> PlannedEncounter {
         let (a, b) = ids(slots);
-        Plain {
+        PlannedEncounter {
             a,
             b,
             tags: [0; 2],
@@ -108,7 +108,7 @@ mod tests {
     /// Else a monitor would never forget encounters of bodies whose plans do not change.
     #[test]
     fn what_has_ended_is_dropped() {
-        let (mut conflicts, mut plains) = (Conflicts::default(), Plains::default());
+        let (mut conflicts, mut plains) = (ConflictCache::default(), EncounterCache::default());
         for number in 0..10 {
             let (slots, start) = ((0, number + 1), f64::from(number));
             conflicts.add(slots, conflict(slots, (start, start + 0.5)));
@@ -117,7 +117,7 @@ mod tests {
         conflicts.settle();
         plains.settle();
         let all = (f64::NEG_INFINITY, f64::INFINITY);
-        let edges = Edges {
+        let edges = WindowEdges {
             within: all,
             around: all,
         };
@@ -144,8 +144,8 @@ mod tests {
     /// does not fill the memory: it looks at all pairs once it does.
     #[test]
     fn changes_that_nobody_lists_do_not_add_up() {
-        let mut plains = Plains::default();
-        let edges = Edges {
+        let mut plains = EncounterCache::default();
+        let edges = WindowEdges {
             within: (0.0, 1.0),
             around: (0.0, 1.0),
         };
@@ -169,14 +169,14 @@ mod tests {
     /// Pairs of which nothing has changed are not looked at again.
     #[test]
     fn only_what_may_have_changed_is_listed() {
-        let mut plains = Plains::default();
+        let mut plains = EncounterCache::default();
         for number in 0..10 {
             let (slots, start) = ((0, number + 1), f64::from(number));
             plains.add(slots, plain(slots, (start, start + 0.5)));
         }
         plains.settle();
-        let listed = |plains: &mut Plains, now: f64, known: f64, wait: &[(u32, u32)]| {
-            let edges = Edges {
+        let listed = |plains: &mut EncounterCache, now: f64, known: f64, wait: &[(u32, u32)]| {
+            let edges = WindowEdges {
                 within: (now, known),
                 around: (now - 0.1, known),
             };

@@ -2,32 +2,32 @@
 //!
 //! Most are the same from tick to tick, and nothing can be told of them.
 
-use super::{Edges, FETCHED, Origin, Place};
-use crate::monitor::encounters::Plain;
-use crate::monitor::finds::Slots;
-use crate::monitor::kept::{Entry, Kept};
+use super::{CacheSlot, FETCHED, WindowEdges, WindowSide};
+use crate::monitor::encounters::PlannedEncounter;
+use crate::monitor::solved_spans::SlotPair;
+use crate::monitor::sorted_slab::{IndexEntry, SortedSlab};
 
 /// See the module.
 #[derive(Debug, Default)]
-pub(in crate::monitor) struct Plains {
+pub(in crate::monitor) struct EncounterCache {
     /// Whatever the window.
-    always: Kept<Slots, Plain>,
+    always: SortedSlab<SlotPair, PlannedEncounter>,
     /// Pairs at an edge of the window, and what this tick sees of them.
-    edge: Vec<Slots>,
-    at_edge: Vec<Plain>,
+    edge: Vec<SlotPair>,
+    at_edge: Vec<PlannedEncounter>,
     /// Pairs that were dropped, or added, since the last listing.
-    touched: Vec<Slots>,
+    touched: Vec<SlotPair>,
     /// What each listed pair has.
-    listed: Vec<Origin>,
+    listed: Vec<CacheSlot>,
     /// The pairs, and where the list of each ends.
-    pairs: Vec<(Slots, usize)>,
+    pairs: Vec<(SlotPair, usize)>,
     /// Of the last listing; none if all are to be listed.
-    before: Option<Edges>,
+    before: Option<WindowEdges>,
 }
 
-impl Plains {
+impl EncounterCache {
     /// Drops those of some pairs (sorted), and those that have ended before an instant.
-    pub(in crate::monitor) fn drop_changed(&mut self, changed: &[Slots], before: f64) {
+    pub(in crate::monitor) fn drop_changed(&mut self, changed: &[SlotPair], before: f64) {
         let (mut changed, touched) = (changed.iter().peekable(), &mut self.touched);
         self.always.retain(|entry, _| {
             while changed.next_if(|slots| **slots < entry.key).is_some() {}
@@ -40,7 +40,7 @@ impl Plains {
     }
 
     /// Adds what a pair has, the pairs in order.
-    pub(in crate::monitor) fn add(&mut self, slots: Slots, plain: Plain) {
+    pub(in crate::monitor) fn add(&mut self, slots: SlotPair, plain: PlannedEncounter) {
         self.touched.push(slots);
         self.always.add(slots, (plain.start, plain.exit), plain);
     }
@@ -76,10 +76,10 @@ impl Plains {
     /// before.
     pub(in crate::monitor) fn list(
         &mut self,
-        edges: Edges,
-        wait: &[Slots],
-        fetch: impl Fn(&[Slots]),
-        mut again: impl FnMut(Slots, &mut Vec<Plain>),
+        edges: WindowEdges,
+        wait: &[SlotPair],
+        fetch: impl Fn(&[SlotPair]),
+        mut again: impl FnMut(SlotPair, &mut Vec<PlannedEncounter>),
     ) {
         let Self {
             always,
@@ -95,7 +95,8 @@ impl Plains {
         listed.clear();
         pairs.clear();
         let entries = always.entries().iter();
-        let at_edge_of = |entry: &&Entry<Slots>| edges.place(entry.interval) == Place::AtEdge;
+        let at_edge_of =
+            |entry: &&IndexEntry<SlotPair>| edges.place(entry.interval) == WindowSide::AtEdge;
         edge.extend(entries.filter(at_edge_of).map(|entry| entry.key));
         edge.dedup();
         let mut some = edge.chunks(FETCHED).flat_map(|some| {
@@ -113,20 +114,25 @@ impl Plains {
                 pairs.push((gone, listed.len()));
             }
             let is_touched = touched.next_if_eq(&slots).is_some();
-            let place = |entry: &Entry<Slots>| edges.place(entry.interval);
-            let is_at_edge = entries.iter().any(|entry| place(entry) == Place::AtEdge);
-            let is_as_before = |before: Edges| {
-                let is_same = |entry: &Entry<Slots>| place(entry) == before.place(entry.interval);
+            let place = |entry: &IndexEntry<SlotPair>| edges.place(entry.interval);
+            let is_at_edge = entries
+                .iter()
+                .any(|entry| place(entry) == WindowSide::AtEdge);
+            let is_as_before = |before: WindowEdges| {
+                let is_same =
+                    |entry: &IndexEntry<SlotPair>| place(entry) == before.place(entry.interval);
                 entries.iter().all(is_same)
             };
             if is_at_edge {
                 some.next();
                 let first = at_edge.len();
                 again(slots, at_edge);
-                listed.extend((first..at_edge.len()).map(Origin::AtEdge));
+                listed.extend((first..at_edge.len()).map(CacheSlot::AtEdge));
             } else if is_touched || !before.is_some_and(is_as_before) {
-                let within = entries.iter().filter(|entry| place(entry) == Place::Within);
-                listed.extend(within.map(|entry| Origin::Always(entry.place)));
+                let within = entries
+                    .iter()
+                    .filter(|entry| place(entry) == WindowSide::Within);
+                listed.extend(within.map(|entry| CacheSlot::Always(entry.place)));
             } else {
                 continue;
             }
@@ -138,7 +144,7 @@ impl Plains {
     /// The pairs that were listed, sorted, each with all that it has in the window, sorted by time.
     pub(in crate::monitor) fn listed(
         &self,
-    ) -> impl Iterator<Item = (Slots, impl Iterator<Item = &Plain>)> {
+    ) -> impl Iterator<Item = (SlotPair, impl Iterator<Item = &PlannedEncounter>)> {
         let mut first = 0;
         self.pairs.iter().map(move |&(slots, end)| {
             let plains = self.listed[std::mem::replace(&mut first, end)..end].iter();
@@ -146,10 +152,10 @@ impl Plains {
         })
     }
 
-    fn at(&self, origin: Origin) -> &Plain {
+    fn at(&self, origin: CacheSlot) -> &PlannedEncounter {
         match origin {
-            Origin::Always(place) => self.always.at(place),
-            Origin::AtEdge(number) => &self.at_edge[number],
+            CacheSlot::Always(place) => self.always.at(place),
+            CacheSlot::AtEdge(number) => &self.at_edge[number],
         }
     }
 }

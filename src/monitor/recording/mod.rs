@@ -3,12 +3,12 @@
 
 mod record;
 mod replay;
-mod tape;
+mod writer;
 
 pub(in crate::monitor) use record::Record;
 pub use record::RecordingError;
 pub use replay::Replay;
-pub(in crate::monitor) use tape::Tape;
+pub(in crate::monitor) use writer::RecordWriter;
 
 use super::Monitor;
 use std::io::{self, Write};
@@ -29,7 +29,7 @@ impl Monitor {
     /// monitor panics for it. The writer is dropped at once.
     pub fn start_recording(&mut self, target: impl Write + Send + 'static) -> io::Result<()> {
         self.tape = None;
-        let mut tape = Tape::start(Box::new(target))?;
+        let mut tape = RecordWriter::start(Box::new(target))?;
         tape.write(&Record::Begin(Box::new(self.snapshot())));
         tape.flush()?;
         self.tape = Some(tape);
@@ -42,7 +42,7 @@ impl Monitor {
     ///
     /// The first error that writing it has met: what was written until then is good.
     pub fn stop_recording(&mut self) -> io::Result<u64> {
-        self.tape.take().map_or(Ok(0), Tape::finish)
+        self.tape.take().map_or(Ok(0), RecordWriter::finish)
     }
 
     /// Writes a record, if a recording is under way.
@@ -55,6 +55,6 @@ impl Monitor {
     /// Whether a recording is under way, and nothing has gone wrong with it.
     #[must_use]
     pub fn is_recording(&self) -> bool {
-        self.tape.as_ref().is_some_and(Tape::is_whole)
+        self.tape.as_ref().is_some_and(RecordWriter::is_whole)
     }
 }

@@ -70,13 +70,13 @@ pub struct Replay<R> {
     offset: u64,
     /// The checksum of the last record.
     checksum: u32,
-    state: State,
+    state: ReplayState,
     monitor: Monitor,
 }
 
 /// How far a replay is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum State {
+enum ReplayState {
     Open,
     /// The monitor was closed: only the end may follow.
     Closed,
@@ -103,7 +103,7 @@ impl<R: BufRead> Replay<R> {
             return Err(RecordingError::NotARecording { found });
         }
         let offset = TITLE.len() as u64;
-        let Line {
+        let RecordLine {
             record,
             checksum,
             length,
@@ -119,7 +119,7 @@ impl<R: BufRead> Replay<R> {
             source,
             offset: offset + length,
             checksum,
-            state: State::Open,
+            state: ReplayState::Open,
             monitor,
         })
     }
@@ -144,7 +144,7 @@ impl<R: BufRead> Replay<R> {
     pub fn tick(&mut self, events: &mut Vec<Event>) -> Result<Option<f64>, RecordingError> {
         let done = self.go_on(events);
         if done.is_err() {
-            self.state = State::Failed;
+            self.state = ReplayState::Failed;
         }
         done
     }
@@ -153,11 +153,13 @@ impl<R: BufRead> Replay<R> {
         loop {
             let offset = self.offset;
             match self.state {
-                State::Open | State::Closed => {}
-                State::Ended => return Ok(None),
-                State::Failed => return Err(damaged(offset, "it could not be read up to here")),
+                ReplayState::Open | ReplayState::Closed => {}
+                ReplayState::Ended => return Ok(None),
+                ReplayState::Failed => {
+                    return Err(damaged(offset, "it could not be read up to here"));
+                }
             }
-            let Line {
+            let RecordLine {
                 record,
                 checksum,
                 length,
@@ -166,10 +168,10 @@ impl<R: BufRead> Replay<R> {
                 if !self.source.fill_buf()?.is_empty() {
                     return Err(damaged(offset + length, "something follows its end"));
                 }
-                self.state = State::Ended;
+                self.state = ReplayState::Ended;
                 continue;
             }
-            if self.state == State::Closed {
+            if self.state == ReplayState::Closed {
                 return Err(damaged(offset, "it goes on after the monitor was closed"));
             }
             self.offset += length;
@@ -211,14 +213,14 @@ impl<R: BufRead> Replay<R> {
             Record::Anew => monitor.look_anew().map_err(refused)?,
             Record::Close => {
                 monitor.end_all(events);
-                self.state = State::Closed;
+                self.state = ReplayState::Closed;
             }
         }
         Ok(None)
     }
 }
 
-struct Line {
+struct RecordLine {
     record: Record,
     checksum: u32,
     /// Bytes.
@@ -226,7 +228,7 @@ struct Line {
 }
 
 /// Reads the line that begins at `offset`, after a record with the checksum `before`.
-fn read(source: &mut impl BufRead, offset: u64, before: u32) -> Result<Line, RecordingError> {
+fn read(source: &mut impl BufRead, offset: u64, before: u32) -> Result<RecordLine, RecordingError> {
     let mut prefix = Vec::new();
     let wanted = PREFIX as u64;
     source.by_ref().take(wanted).read_to_end(&mut prefix)?;
@@ -246,7 +248,7 @@ fn read(source: &mut impl BufRead, offset: u64, before: u32) -> Result<Line, Rec
     }
     let record = Record::parse(&line, checksum, before);
     let record = record.map_err(|problem| RecordingError::Damaged { offset, problem })?;
-    Ok(Line {
+    Ok(RecordLine {
         record,
         checksum,
         length: PREFIX as u64 + wanted,

@@ -2,7 +2,7 @@
 
 use super::LookaheadSlice;
 use super::state::Index;
-use crate::bounds::Pose;
+use crate::bounds::CubicSource;
 use crate::monitor::bodies::{BodyTable, form};
 use crate::monitor::boxes::TreeSearch;
 use crate::narrow_phase::approaching;
@@ -30,12 +30,12 @@ pub(in crate::monitor) struct QueryScratch {
 }
 
 impl LookaheadSlice {
-    /// Lists the bodies that may be near one in this pose within the slice. What has changed since it
+    /// Lists the bodies that may be near one in this cubic source within the slice. What has changed since it
     /// was boxed here may be anywhere.
     pub(in crate::monitor) fn neighbours(
         &self,
         bodies: &BodyTable<'_>,
-        pose: &Pose<'_, Segment>,
+        source: &CubicSource<'_, Segment>,
         answer: &mut QueryScratch,
     ) {
         let QueryScratch {
@@ -49,18 +49,18 @@ impl LookaheadSlice {
         } else {
             self.asked.get_or_init(|| self.index_of(bodies))
         };
-        form(bodies.frame, from_ref(pose), &self.ends(), block);
+        form(bodies.frame, from_ref(source), &self.ends(), block);
         let own = &block.slices[0];
         met.clear();
         index.boxes.meeting(&own.boxes, search, |_, slot| {
             // They lie anywhere in memory, and are read when all are known.
-            prefetch(from_ref(&index.courses[slot as usize]));
+            prefetch(from_ref(&index.fat_lines[slot as usize]));
             met.push(slot);
         });
-        for course in &own.courses {
+        for fat_line in &own.fat_lines {
             neighbours.extend(met.iter().filter_map(|&slot| {
-                let theirs = &index.courses[slot as usize];
-                let (from, to) = approaching(course, theirs, self.interval)?;
+                let theirs = &index.fat_lines[slot as usize];
+                let (from, to) = approaching(fat_line, theirs, self.interval)?;
                 Some(NearBody { slot, from, to })
             }));
         }
@@ -72,15 +72,17 @@ impl LookaheadSlice {
     /// Returns the boxes of all bodies.
     fn index_of(&self, bodies: &BodyTable<'_>) -> Index {
         let mut index = Index::default();
-        index.courses.resize(bodies.flights.len(), Self::NO_COURSE);
-        let (mut listed, courses) = (Vec::new(), &mut index.courses);
+        index
+            .fat_lines
+            .resize(bodies.flights.len(), Self::NO_FAT_LINE);
+        let (mut listed, fat_lines) = (Vec::new(), &mut index.fat_lines);
         let slots = (0_u32..).take(bodies.flights.len());
         bodies.boxes(
             slots,
             &self.ends(),
             &mut SliceBlock::default(),
-            |_, boxed, course| {
-                courses[boxed.body as usize] = *course;
+            |_, boxed, fat_line| {
+                fat_lines[boxed.body as usize] = *fat_line;
                 listed.push(boxed);
             },
         );

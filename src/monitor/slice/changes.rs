@@ -1,7 +1,7 @@
 //! Bodies that changed since a slice was compared.
 
 use super::{BuildStage, LookaheadSlice, SliceScratch};
-use crate::bounds::Course;
+use crate::bounds::FatLine;
 use crate::broad_phase::{BodyBox, BroadPhase, PairFilter};
 use crate::monitor::bodies::{BodyTable, ChangedBounds};
 
@@ -73,21 +73,21 @@ impl LookaheadSlice {
         let SliceScratch { listed, block, .. } = scratch;
         listed.clear();
         let ends = self.ends();
-        let courses = &mut self.index.courses;
-        courses.resize(bodies.flights.len(), Self::NO_COURSE);
-        let mut list = |boxed: BodyBox, course: &Course| {
-            courses[boxed.body as usize] = *course;
+        let fat_lines = &mut self.index.fat_lines;
+        fat_lines.resize(bodies.flights.len(), Self::NO_FAT_LINE);
+        let mut list = |boxed: BodyBox, fat_line: &FatLine| {
+            fat_lines[boxed.body as usize] = *fat_line;
             listed.push(boxed);
         };
         match moved {
             Some((moved, number)) if moved.are(&self.changed) => {
                 let boxes = moved.of(number);
-                boxes.for_each(|(boxed, course)| list(*boxed, course));
+                boxes.for_each(|(boxed, fat_line)| list(*boxed, fat_line));
             }
             _ => {
                 let changed = self.changed.iter().copied();
-                bodies.boxes(changed, &ends, block, |_, boxed, course| {
-                    list(boxed, course)
+                bodies.boxes(changed, &ends, block, |_, boxed, fat_line| {
+                    list(boxed, fat_line)
                 });
             }
         }

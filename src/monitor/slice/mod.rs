@@ -6,7 +6,7 @@ mod refine;
 mod state;
 
 use super::bodies::{BodyTable, ChangedBounds};
-use crate::bounds::Course;
+use crate::bounds::FatLine;
 use crate::broad_phase::{BodyBox, BroadPhase, Candidate, CandidateLimit, PairFilter};
 use crate::search::{LimitExceeded, Limits, SliceBlock};
 use crate::wall_clock::Instant;
@@ -38,7 +38,7 @@ impl LookaheadSlice {
     const ASKED: usize = 64;
 
     /// Stands for the fat line of a body without a box: nobody asks for it.
-    const NO_COURSE: Course = Course {
+    const NO_FAT_LINE: FatLine = FatLine {
         start: [0.0; 3],
         change: [0.0; 3],
         slack: f32::INFINITY,
@@ -237,7 +237,7 @@ impl LookaheadSlice {
         self.take_steps(bodies, filter, moved, limits, scratch, goes_on);
         let is_used = self.sifted < self.candidates.len();
         if !is_used
-            && self.candidates.capacity() > Self::FEW_CANDIDATES + 4 * self.index.courses.len()
+            && self.candidates.capacity() > Self::FEW_CANDIDATES + 4 * self.index.fat_lines.len()
         {
             self.candidates = Vec::new();
             self.sifted = 0;
@@ -386,11 +386,11 @@ impl LookaheadSlice {
         let until = self.due_slots(bodies).min(first + Self::STEP);
         let slots = (first..until).filter_map(|slot| u32::try_from(slot).ok());
         let ends = self.ends();
-        let courses = &mut self.index.courses;
-        courses.resize(bodies.flights.len(), Self::NO_COURSE);
+        let fat_lines = &mut self.index.fat_lines;
+        fat_lines.resize(bodies.flights.len(), Self::NO_FAT_LINE);
         let before = listed.len();
-        bodies.boxes(slots, &ends, block, |_, boxed, course| {
-            courses[boxed.body as usize] = *course;
+        bodies.boxes(slots, &ends, block, |_, boxed, fat_line| {
+            fat_lines[boxed.body as usize] = *fat_line;
             listed.push(boxed);
         });
         self.stats.boxes += (listed.len() - before) as u64;

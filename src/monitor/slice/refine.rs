@@ -53,7 +53,7 @@ impl LookaheadSlice {
         self.sifted = self.candidates.len().min(first + Self::STEP);
         let question = RefineContext {
             bodies,
-            courses: &self.index.courses,
+            fat_lines: &self.index.fat_lines,
             interval: self.interval,
             window: Window::ALL,
             margin: bodies.margin,

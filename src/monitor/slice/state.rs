@@ -1,6 +1,6 @@
 //! One slice of the lookahead, and the stage it is in.
 
-use crate::bounds::Course;
+use crate::bounds::FatLine;
 use crate::broad_phase::{BodyBox, Candidate, Sweep};
 use crate::monitor::boxes::{BoxTree, TreeSearch};
 use crate::pool::Pool;
@@ -46,7 +46,7 @@ pub(in crate::monitor) struct LookaheadSlice {
 pub(super) struct Index {
     pub(super) boxes: BoxTree,
     /// By slot: nearer to the body than its box, as long as it has one.
-    pub(super) courses: Vec<Course>,
+    pub(super) fat_lines: Vec<FatLine>,
 }
 
 /// Memory that one thread reuses from slice to slice.

@@ -2,7 +2,7 @@
 
 use super::super::relative::RelativeCubic;
 use super::super::sphere_pair::{Approach, SpherePair};
-use super::super::{Party, two_sum};
+use super::super::{BodyView, two_sum};
 use crate::accuracy::TimeEnclosure;
 use crate::spans::Span;
 
@@ -21,7 +21,7 @@ pub(super) struct SeparationEnclosure {
 /// Encloses the least separation of two spheres over `start..=end`, a part of their span or all
 /// of it.
 pub(super) fn least_separation(
-    (a, b): (&Party<'_>, &Party<'_>),
+    (a, b): (&BodyView<'_>, &BodyView<'_>),
     span: Span,
     pair: &SpherePair,
     is_whole: bool,

@@ -1,6 +1,6 @@
 //! Chords of a relative motion: how near spheres come to each other, from below.
 
-use super::{Clusters, SpherePairBound, short};
+use super::{ClusterPair, SpherePairBound, short};
 use crate::enclosure::part;
 use crate::hitbox::Sphere;
 use crate::narrow_phase::relative::filter_threshold;
@@ -43,8 +43,8 @@ impl PiecewiseLinearBound {
     const MAX: f64 = 8.0;
 
     /// Of the motion in a part of the span (first and last instant, s).
-    pub(super) fn of(clusters: &Clusters<'_>, part: (f64, f64), margin: f64) -> Self {
-        let Clusters { a, b, .. } = *clusters;
+    pub(super) fn of(clusters: &ClusterPair<'_>, part: (f64, f64), margin: f64) -> Self {
+        let ClusterPair { a, b, .. } = *clusters;
         let reach = |sphere: &Sphere| norm(sphere.offset) + sphere.radius;
         let reach = reach(&a.bounding) + reach(&b.bounding);
         let scale = clusters.scale + reach + margin.abs();
@@ -122,11 +122,11 @@ impl PiecewiseLinearBound {
     /// The pairs of some of a's spheres that may come within `margin`, in the order of their numbers.
     pub(super) fn candidates(
         &self,
-        clusters: &Clusters<'_>,
+        clusters: &ClusterPair<'_>,
         spheres_a: Range<usize>,
         margin: f64,
     ) -> Vec<SpherePairBound> {
-        let Clusters { a, b, .. } = *clusters;
+        let ClusterPair { a, b, .. } = *clusters;
         let bound = margin + self.slack;
         let is_near = |offset: DVec3, radii: f64| self.low(offset, radii, bound).is_some();
         // Each sphere against all of the other body first.

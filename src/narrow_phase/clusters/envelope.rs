@@ -1,12 +1,12 @@
 //! The lower envelope of all pairs' separations: which pairs are the nearest ones sometime.
 
 use super::chords::{PiecewiseLinearBound, pieces_of};
-use super::{Clusters, SpherePairBound};
+use super::{ClusterPair, SpherePairBound};
 use glam::DVec3;
 
 /// Pieces of a span, with the pairs of spheres that are the nearest ones where they begin and end.
 pub(super) struct Envelope<'a> {
-    clusters: &'a Clusters<'a>,
+    clusters: &'a ClusterPair<'a>,
     pieces: Vec<EnvelopePart>,
     /// Lengths times this are near one; all lengths here are in that unit.
     power: f64,
@@ -33,7 +33,7 @@ impl<'a> Envelope<'a> {
 
     /// Of the candidates over the whole span.
     pub(super) fn of(
-        clusters: &'a Clusters<'a>,
+        clusters: &'a ClusterPair<'a>,
         chords: &PiecewiseLinearBound,
         candidates: &[SpherePairBound],
     ) -> Self {
@@ -92,7 +92,7 @@ impl<'a> Envelope<'a> {
     }
 }
 
-fn near(clusters: &Clusters<'_>, candidate: &SpherePairBound, power: f64) -> SphereOffset {
+fn near(clusters: &ClusterPair<'_>, candidate: &SpherePairBound, power: f64) -> SphereOffset {
     let (a, b) = clusters.spheres(candidate);
     SphereOffset {
         offset: (a.offset - b.offset) * power,

@@ -1,13 +1,13 @@
 //! What pairs of spheres have shown of their bodies, and which others may matter still.
 
-use super::{Clusters, ProvenContact, SpherePairBound};
+use super::{ClusterPair, ProvenContact, SpherePairBound};
 use crate::hitbox::Sphere;
 use crate::rounding::{norm, seen_from, seen_until};
 use glam::DVec3;
 
 /// What pairs of spheres have shown of their bodies so far.
 pub(super) struct ProvenIntervals<'a> {
-    clusters: &'a Clusters<'a>,
+    clusters: &'a ClusterPair<'a>,
     part: (f64, f64),
     margin: f64,
     slack: f64,
@@ -71,7 +71,7 @@ impl<'a> ProvenIntervals<'a> {
     const MAX_GAPS: usize = 8;
 
     pub(super) fn new(
-        clusters: &'a Clusters<'a>,
+        clusters: &'a ClusterPair<'a>,
         part: (f64, f64),
         margin: f64,
         slack: f64,
@@ -196,7 +196,7 @@ impl<'a> ProvenIntervals<'a> {
 
     /// The two spheres that reach farthest in a direction that was not asked about before.
     pub(super) fn support(&mut self) -> Option<(u32, u32)> {
-        let Clusters { a, b, .. } = self.clusters;
+        let ClusterPair { a, b, .. } = self.clusters;
         let mut directions = self.gaps.iter_mut().flat_map(|gap| &mut gap.directions);
         let direction = directions.find(|direction| !direction.is_asked)?;
         direction.is_asked = true;

@@ -26,12 +26,12 @@ use super::sphere_pair::SpherePair;
 use chords::PiecewiseLinearBound;
 use envelope::Envelope;
 use known::ProvenIntervals;
-pub(super) use sphere_pairs::{Clusters, ProvenContact};
+pub(super) use sphere_pairs::{ClusterPair, ProvenContact};
 use sphere_pairs::{SpherePairBound, short};
 use std::collections::HashMap;
 use std::ops::Range;
 
-impl Clusters<'_> {
+impl ClusterPair<'_> {
     /// Up to so many pairs of spheres are solved as they come: nothing else would be faster.
     const FEW: usize = 9;
     /// Pairs of spheres that are listed at a time, at least a sphere of a with all of b.
@@ -178,7 +178,7 @@ struct SolvedOffsets(HashMap<OffsetKey, (u32, u32)>);
 type OffsetKey = ([u64; 3], [u64; 2]);
 
 impl SolvedOffsets {
-    fn motion(clusters: &Clusters<'_>, candidate: &SpherePairBound) -> OffsetKey {
+    fn motion(clusters: &ClusterPair<'_>, candidate: &SpherePairBound) -> OffsetKey {
         let (a, b) = clusters.spheres(candidate);
         // Of two zeros, one.
         let offset = (clusters.offset(candidate) + 0.0).to_array();
@@ -188,7 +188,7 @@ impl SolvedOffsets {
         )
     }
 
-    fn add(&mut self, clusters: &Clusters<'_>, candidate: &SpherePairBound) {
+    fn add(&mut self, clusters: &ClusterPair<'_>, candidate: &SpherePairBound) {
         let numbers = (candidate.a, candidate.b);
         let first = self.0.entry(Self::motion(clusters, candidate));
         let first = first.or_insert(numbers);
@@ -197,7 +197,7 @@ impl SolvedOffsets {
 
     /// Whether it is among them, or moves as one that comes before it does: where they tie, that one is
     /// reported.
-    fn holds(&self, clusters: &Clusters<'_>, candidate: &SpherePairBound) -> bool {
+    fn holds(&self, clusters: &ClusterPair<'_>, candidate: &SpherePairBound) -> bool {
         let first = self.0.get(&Self::motion(clusters, candidate));
         first.is_some_and(|&first| first <= (candidate.a, candidate.b))
     }

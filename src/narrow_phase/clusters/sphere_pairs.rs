@@ -1,7 +1,7 @@
 //! The pairs of spheres of two clusters, and their motion over a span.
 
 use crate::hitbox::Sphere;
-use crate::narrow_phase::Party;
+use crate::narrow_phase::BodyView;
 use crate::narrow_phase::relative::{RelativeMotion, local_scale};
 use crate::narrow_phase::sphere_pair::{SpherePair, spheres_beyond};
 use crate::rounding::{seen_from, seen_until};
@@ -9,9 +9,9 @@ use crate::spans::Span;
 use glam::DVec3;
 
 /// Two clusters over a span.
-pub(in crate::narrow_phase) struct Clusters<'a> {
-    pub(super) a: &'a Party<'a>,
-    pub(super) b: &'a Party<'a>,
+pub(in crate::narrow_phase) struct ClusterPair<'a> {
+    pub(super) a: &'a BodyView<'a>,
+    pub(super) b: &'a BodyView<'a>,
     pub(super) span: Span,
     pub(super) motion: RelativeMotion,
     /// What the rounding of the motion is relative to, m.
@@ -36,8 +36,12 @@ pub(super) struct SpherePairBound {
     pub(super) low: f64,
 }
 
-impl<'a> Clusters<'a> {
-    pub(in crate::narrow_phase) fn of(a: &'a Party<'a>, b: &'a Party<'a>, span: Span) -> Self {
+impl<'a> ClusterPair<'a> {
+    pub(in crate::narrow_phase) fn of(
+        a: &'a BodyView<'a>,
+        b: &'a BodyView<'a>,
+        span: Span,
+    ) -> Self {
         let [segment_a, segment_b] = &a.segments_in(b, span);
         let interval = (span.start, span.end);
         Self {

@@ -3,11 +3,11 @@
 use super::super::certified::{Workspace, certified_approach, certified_contacts};
 use super::super::contact::{ClosestSearch, closest_approach, contacts, contacts_of, join, solve};
 use super::super::stretches::DistanceProfile;
-use super::{Clusters, SpherePairBound};
+use super::{ClusterPair, SpherePairBound};
 use crate::hitbox::{Hitbox, Sphere};
 use crate::knots::Knots;
+use crate::narrow_phase::BodyView;
 use crate::narrow_phase::Contact;
-use crate::narrow_phase::Party;
 use crate::spans::{Span, spans};
 use crate::trajectory::{Outside, Pieces, State, Trajectory};
 use crate::window::Window;
@@ -123,7 +123,7 @@ fn case(rng: &mut ChaCha8Rng, kind: usize) -> Case {
     };
     if kind.is_multiple_of(4) {
         // A touch, as far as rounding can tell.
-        let [a, b] = &case.parties();
+        let [a, b] = &case.views();
         let nearest = closest_approach(a, b, case.spans().into_iter(), clip);
         case.margin = nearest.map_or(margin, |nearest| nearest.separation);
     }
@@ -131,8 +131,8 @@ fn case(rng: &mut ChaCha8Rng, kind: usize) -> Case {
 }
 
 impl Case {
-    fn parties(&self) -> [Party<'_>; 2] {
-        [0, 1].map(|number: usize| Party {
+    fn views(&self) -> [BodyView<'_>; 2] {
+        [0, 1].map(|number: usize| BodyView {
             knots: Knots::of(&self.plans[number].knots),
             segments: &self.plans[number].segments,
             spheres: self.hitboxes[number].spheres(),
@@ -141,7 +141,7 @@ impl Case {
     }
 
     fn spans(&self) -> Vec<Span> {
-        let [a, b] = self.parties();
+        let [a, b] = self.views();
         spans(&a.knots, &b.knots, self.start, self.end).collect()
     }
 
@@ -159,9 +159,9 @@ impl Case {
 
     /// Each pair of spheres over each span.
     fn each(&self, mut visit: impl FnMut(&super::SpherePair, Span)) {
-        let [a, b] = &self.parties();
+        let [a, b] = &self.views();
         for span in self.spans() {
-            let clusters = Clusters::of(a, b, span);
+            let clusters = ClusterPair::of(a, b, span);
             for number_a in 0..a.spheres.len() {
                 for number_b in 0..b.spheres.len() {
                     let number = |number| u32::try_from(number).unwrap_or(u32::MAX);
@@ -186,7 +186,7 @@ fn contacts_are_those_of_all_pairs() {
     let (mut several, mut one) = (0, 0);
     for kind in 0..4_000 {
         let case = case(&mut rng, kind);
-        let [a, b] = &case.parties();
+        let [a, b] = &case.views();
         found.clear();
         let spans = case.spans().into_iter();
         contacts(a, b, spans, case.margin, case.clip, &mut found);
@@ -222,7 +222,7 @@ fn the_envelope_serves_for_all_margins_and_windows() {
     let (mut several, mut count, mut all) = (0, 0, 0);
     for kind in 0..2_000 {
         let case = case(&mut rng, kind);
-        let [a, b] = &case.parties();
+        let [a, b] = &case.views();
         kept.clear();
         for span in case.spans() {
             solve(a, b, span, case.margin, |solved| kept.push(solved));
@@ -268,7 +268,7 @@ fn proofs_are_those_of_all_pairs() {
     let (mut resolved, mut unresolved) = (0, 0);
     for kind in 0..800 {
         let case = case(&mut rng, kind);
-        let [a, b] = &case.parties();
+        let [a, b] = &case.views();
         let mut plain = Vec::new();
         let spans = case.spans().into_iter();
         contacts(a, b, spans, case.margin, case.clip, &mut plain);
@@ -295,7 +295,7 @@ fn the_nearest_is_that_of_all_pairs() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     for kind in 0..3_000 {
         let case = case(&mut rng, kind);
-        let [a, b] = &case.parties();
+        let [a, b] = &case.views();
         let mut touching = Vec::new();
         let spans = case.spans().into_iter();
         contacts(a, b, spans, case.margin, case.clip, &mut touching);
@@ -373,7 +373,7 @@ fn what_instants_are_rounded_by_rules_nothing_out() {
     let (mut several, mut kept) = (0, Vec::new());
     for round in 0..600 {
         let case = late_case(&mut rng);
-        let [a, b] = &case.parties();
+        let [a, b] = &case.views();
         let mut instants = Vec::new();
         case.each(|pair, span| {
             let profile = DistanceProfile::of(&pair.cubic);
@@ -482,7 +482,7 @@ fn rods_and_next_to_no_motion() {
             start: 0.0,
             end: 1.0,
         };
-        let [a, b] = &case.parties();
+        let [a, b] = &case.views();
         let mut found = Vec::new();
         contacts(a, b, case.spans().into_iter(), 0.0, case.clip, &mut found);
         assert_eq!(found.len(), contacts_of_all);

@@ -1,7 +1,7 @@
 //! Ranges that are taken, given back and copied, alone and under the bodies of a scene.
 
 use super::{ArenaRange, CubicArena};
-use crate::bounds::{Line, Sketch};
+use crate::bounds::{CompactTrajectory, Line};
 use crate::scene::{Body, Scene};
 use crate::trajectory::{State, Trajectory};
 use glam::DVec3;
@@ -98,7 +98,7 @@ fn bodies_that_are_gone_leave_their_lines() {
             // Sketched while the scene is being read, and then as it was put in.
             _ => scene
                 .swap_trajectory(ids[place], &mut plan.clone())
-                .map(|occupant| occupant.outline().path)
+                .map(|entry| entry.outline().path)
                 .and_then(|_| scene.set_trajectory(ids[place], plan).map(drop)),
         };
         assert_eq!(changed, Ok(()));
@@ -143,7 +143,7 @@ fn memory_goes_back_when_all_plans_change() {
     for (number, round) in rounds.enumerate() {
         for body in 0..BODIES {
             cubics[body] = round.unwrap_or(mixed(body));
-            // Some as a monitor does it: the sketch is left for later.
+            // Some as a monitor does it: the compact trajectory is left for later.
             let mut plan = straight(cubics[body]);
             if body % 50 == 7 {
                 assert!(scene.swap_trajectory(ids[body], &mut plan).is_ok());
@@ -179,7 +179,7 @@ fn memory_goes_back_when_all_plans_change() {
 fn excess(scene: &Scene) -> f64 {
     let lines = |body: &Body| {
         let plan = &body.trajectory;
-        Sketch::lines(plan.knots().len(), plan.segments().len())
+        CompactTrajectory::lines(plan.knots().len(), plan.segments().len())
     };
     let needed: usize = scene.bodies().map(|(_, body)| lines(body)).sum();
     let held = scene.arena().lines().saturating_sub(5 * CubicArena::FEW);
@@ -188,12 +188,12 @@ fn excess(scene: &Scene) -> f64 {
     held / needed
 }
 
-/// Each body's sketch is that of its plan, wherever it was moved.
+/// Each body's compact trajectory is that of its plan, wherever it was moved.
 fn is_drawn_right(scene: &Scene) {
-    for (_, occupant) in scene.occupants() {
-        let plan = &occupant.body.trajectory;
-        let (sketch, lines) = Sketch::of(plan.knots(), plan.segments());
-        let [there, afresh] = [occupant.drawing(scene.arena()), sketch.on(&lines)];
+    for (_, entry) in scene.entries() {
+        let plan = &entry.body.trajectory;
+        let (sketch, lines) = CompactTrajectory::of(plan.knots(), plan.segments());
+        let [there, afresh] = [entry.drawing(scene.arena()), sketch.on(&lines)];
         assert_eq!(format!("{there:?}"), format!("{afresh:?}"));
     }
 }

@@ -1,11 +1,11 @@
-//! A body's box and course in one slice, under construction.
+//! A body's box and fat line in one slice, under construction.
 
 use super::ROUNDING;
-use super::bundle::{Bundle, Unpacked};
-use super::course::Course;
-use super::period::Period;
-use super::piece::Piece;
-use super::stance::Stance;
+use super::cubic_run::{CubicRun, ScaledRun};
+use super::fat_line::FatLine;
+use super::placement::FramePlacement;
+use super::slice_interval::SliceInterval;
+use super::sub_cubic::SubCubic;
 use glam::Vec4;
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
@@ -13,7 +13,7 @@ use parry3d::math::Vector;
 /// What is known of a body in a slice from the pieces of its motion so far, relative to the body's
 /// place. (Of four lanes, the last holds nothing of use.)
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Trace<const MOVES: bool> {
+pub(crate) struct BoundsBuilder<const MOVES: bool> {
     /// Its box, which moves.
     low: Vec4,
     high: Vec4,
@@ -29,13 +29,13 @@ pub(crate) struct Trace<const MOVES: bool> {
     /// Where it is at the end of the pieces so far, and which share of the slice has passed then.
     line: Vec4,
     share: f32,
-    period: Period<MOVES>,
+    period: SliceInterval<MOVES>,
 }
 
-impl<const MOVES: bool> Trace<MOVES> {
+impl<const MOVES: bool> BoundsBuilder<MOVES> {
     /// From the first piece of a slice to the last.
     #[inline(always)]
-    pub(crate) fn between(head: &Piece, tail: &Piece, period: &Period<MOVES>) -> Self {
+    pub(crate) fn between(head: &SubCubic, tail: &SubCubic, period: &SliceInterval<MOVES>) -> Self {
         let mut trace = Self::toward((head.points[0], head.from), tail.points[3], period);
         trace.follow(head);
         trace
@@ -43,7 +43,7 @@ impl<const MOVES: bool> Trace<MOVES> {
 
     /// Of a single piece from the slice's beginning to its end.
     #[inline(always)]
-    pub(crate) fn alone(piece: &Piece, period: &Period<MOVES>) -> Self {
+    pub(crate) fn alone(piece: &SubCubic, period: &SliceInterval<MOVES>) -> Self {
         let [p0, p1, p2, p3] = piece.points;
         let change = p3 - p0;
         let third = change * (1.0 / 3.0);
@@ -66,11 +66,11 @@ impl<const MOVES: bool> Trace<MOVES> {
         }
     }
 
-    /// From a bundle, at the beginning of a period, to where another one ends.
+    /// From a run of cubics, at the beginning of a period, to where another one ends.
     pub(super) fn between_bundles(
-        first: &Unpacked,
-        last: &Unpacked,
-        period: &Period<MOVES>,
+        first: &ScaledRun,
+        last: &ScaledRun,
+        period: &SliceInterval<MOVES>,
     ) -> Self {
         Self {
             // It does not go through the ends of their lines.
@@ -82,7 +82,7 @@ impl<const MOVES: bool> Trace<MOVES> {
 
     /// From a point at an instant (s) to another one.
     #[inline(always)]
-    fn toward((start, from): (Vec4, f64), end: Vec4, period: &Period<MOVES>) -> Self {
+    fn toward((start, from): (Vec4, f64), end: Vec4, period: &SliceInterval<MOVES>) -> Self {
         // In no time there is no change: what is elsewhere strays.
         let change = if period.rate > 0.0 {
             end - start
@@ -109,7 +109,7 @@ impl<const MOVES: bool> Trace<MOVES> {
 
     /// Goes on with a piece that begins when the one before ends, wherever that is.
     #[inline(always)]
-    pub(crate) fn follow_from_start(&mut self, piece: &Piece) {
+    pub(crate) fn follow_from_start(&mut self, piece: &SubCubic) {
         let start = piece.points[0];
         let place = self.period.relative_at(start, self.share);
         self.low = self.low.min(place);
@@ -121,7 +121,7 @@ impl<const MOVES: bool> Trace<MOVES> {
     /// Goes on with a piece from its start, which is known. Its difference to the line is a cubic
     /// as well, whose control points are those differences at every third of the piece.
     #[inline(always)]
-    fn follow(&mut self, piece: &Piece) {
+    fn follow(&mut self, piece: &SubCubic) {
         let [_, p1, p2, p3] = piece.points;
         let share = self.period.share(piece.to);
         let [_, q1, q2, q3] = self.period.relative(piece.points, self.share, share);
@@ -147,7 +147,7 @@ impl<const MOVES: bool> Trace<MOVES> {
 
     /// Goes on with many cubics at once, until an instant (s).
     #[inline(always)]
-    pub(super) fn pass(&mut self, bundle: &Unpacked, until: f64) {
+    pub(super) fn pass(&mut self, bundle: &ScaledRun, until: f64) {
         let share = self.period.share(until);
         let (low, high) = if MOVES {
             let first = self.period.relative_at(bundle.start, self.share);
@@ -177,16 +177,16 @@ impl<const MOVES: bool> Trace<MOVES> {
         (middle, (self.most - middle).max(middle - self.least))
     }
 
-    /// All of it as a bundle; `end` is where it ends.
-    pub(super) fn sum_up(&self, end: Vec4) -> Bundle {
+    /// All of it as a run of cubics; `end` is where it ends.
+    pub(super) fn sum_up(&self, end: Vec4) -> CubicRun {
         let (middle, stray) = self.middle();
         // Of the line: three of where it starts, eight of its change, shares of time included; one
         // where either end is moved.
         let size = self.start.abs() + self.change.abs() + middle.abs();
         let rounding = size * (9.0 * ROUNDING);
-        // A bundle is about the line to its end, even if that takes no time.
+        // A run of cubics is about the line to its end, even if that takes no time.
         let turned = (end - self.start - self.change).abs();
-        Bundle::new(&Unpacked {
+        CubicRun::new(&ScaledRun {
             start: self.start + middle,
             end: end + middle,
             low: self.low,
@@ -196,43 +196,43 @@ impl<const MOVES: bool> Trace<MOVES> {
         })
     }
 
-    /// The course, and the box rounded outward, in the frame's unit; everywhere, where the frame
+    /// The fat line, and the box rounded outward, in the frame's unit; everywhere, where the frame
     /// does not serve. `first` is the cubic that the body follows first.
     #[inline(always)]
-    pub(crate) fn finish(&self, stance: &Stance, first: u32) -> (Course, Aabb) {
+    pub(crate) fn finish(&self, placement: &FramePlacement, first: u32) -> (FatLine, Aabb) {
         let Self { low, high, .. } = *self;
         // How far rounding can have moved each coordinate, before it was measured from a moving box.
         let way = self.period.way().abs();
         let largest = low.abs().max(high.abs()) + way;
-        let rounding = Piece::roundings(largest, self.near, self.splits) + stance.steady;
+        let rounding = SubCubic::roundings(largest, self.near, self.splits) + placement.steady;
         let (middle, stray) = self.middle();
-        let (start, change) = (stance.place + (self.start + middle), self.change);
+        let (start, change) = (placement.place + (self.start + middle), self.change);
         // One where the line is moved.
         let moved = rounding + middle.abs() * ROUNDING;
-        let course = course(start, change, (stray, moved), stance.reach, first);
+        let fat_line = fat_line(start, change, (stray, moved), placement.reach, first);
         // Of the place, of the two sums with it, and of the subtraction below: 4; and more than the
         // clearance of filters. Of the way at an instant: six at most, with that of the difference.
-        let rounding = rounding + (stance.place.abs() + way) * (6.0 * ROUNDING);
-        let low = (stance.low + low - rounding).max(Vec4::splat(f32::MIN));
-        let high = (stance.high + high + rounding).min(Vec4::splat(f32::MAX));
+        let rounding = rounding + (placement.place.abs() + way) * (6.0 * ROUNDING);
+        let low = (placement.low + low - rounding).max(Vec4::splat(f32::MIN));
+        let high = (placement.high + high + rounding).min(Vec4::splat(f32::MAX));
         let aabb = Aabb::new(
             Vector::new(low.x, low.y, low.z),
             Vector::new(high.x, high.y, high.z),
         );
-        (course, aabb)
+        (fat_line, aabb)
     }
 }
 
 /// A line from which a body's control points stray this far on each axis, as far as rounding can
 /// tell.
 #[inline(always)]
-fn course(
+fn fat_line(
     start: Vec4,
     change: Vec4,
     (stray, rounding): (Vec4, Vec4),
     reach: f32,
     first: u32,
-) -> Course {
+) -> FatLine {
     let stray = stray * stray;
     // Eight of the line's change; of where it starts in its own place, `rounding` holds those.
     let rounding = rounding + (start.abs() + change.abs()) * (8.0 * ROUNDING);
@@ -240,7 +240,7 @@ fn course(
         + VANISHING
         + reach
         + (rounding.x + rounding.y + rounding.z);
-    Course {
+    FatLine {
         start: [start.x, start.y, start.z],
         change: [change.x, change.y, change.z],
         // A few roundings of itself.
@@ -255,9 +255,9 @@ const VANISHING: f32 = 1e-18;
 
 #[cfg(test)]
 mod tests {
-    use super::super::bundle::largest;
-    use super::super::sketch::Sketch;
-    use super::super::{Extremes, Frame, Inflation, Pose};
+    use super::super::compact_trajectory::CompactTrajectory;
+    use super::super::cubic_run::largest;
+    use super::super::{CubicSource, DAabb, Frame, Padding};
     use super::*;
     use crate::hitbox::Hitbox;
     use crate::knots::Knots;
@@ -269,7 +269,7 @@ mod tests {
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 
-    /// The course of what bends one way lies in the middle of the bend: it strays half as far as the
+    /// The fat line of what bends one way lies in the middle of the bend: it strays half as far as the
     /// line between the ends does.
     #[test]
     fn courses_lie_in_the_middle_of_a_bend() {
@@ -282,40 +282,43 @@ mod tests {
                 velocity + fall,
             )
         };
-        // It rises 2 m and falls again, in one cubic, in several, and in bundles of them.
+        // It rises 2 m and falls again, in one cubic, in several, and in runs of them.
         for count in [1, 3, 40] {
             let states = (0..=count).map(|k| thrown(2.0 * f64::from(k) / f64::from(count)));
             let Ok(flight) = Trajectory::from_states(&states.collect::<Vec<_>>()) else {
                 unreachable!("the states are in order")
             };
-            let (sketch, lines) = Sketch::of(flight.knots(), flight.segments());
-            let frame = Frame::around(Extremes::NOTHING, 0.0);
+            let (sketch, lines) = CompactTrajectory::of(flight.knots(), flight.segments());
+            let frame = Frame::around(DAabb::NOTHING, 0.0);
             let hitbox = Hitbox::POINT;
-            let inflation = Inflation::of(&hitbox, 0.0, &frame);
-            let pose = Pose::sketched(
+            let padding = Padding::of(&hitbox, 0.0, &frame);
+            let source = CubicSource::sketched(
                 Knots::of(flight.knots()),
                 &sketch.on(&lines),
-                &inflation,
+                &padding,
                 &frame,
             );
             let mut block = SliceBlock::default();
             InstructionSet::best().run(FormBounds {
                 block: &mut block,
                 frame: &frame.moving(DVec3::ZERO),
-                poses: &[pose],
+                sources: &[source],
                 present: &[0],
                 ends: &[0.0, 2.0],
             });
-            let course = block.slices[0].courses[0];
-            assert!((course.start[0] - 4.0).abs() < 0.15, "{count} {course:?}");
+            let fat_line = block.slices[0].fat_lines[0];
             assert!(
-                course.slack > 1.0 && course.slack < 1.15,
-                "{count} {course:?}"
+                (fat_line.start[0] - 4.0).abs() < 0.15,
+                "{count} {fat_line:?}"
+            );
+            assert!(
+                fat_line.slack > 1.0 && fat_line.slack < 1.15,
+                "{count} {fat_line:?}"
             );
         }
     }
 
-    /// Whatever the line, a bundle strays from it as far as its cubics do, and not much farther.
+    /// Whatever the line, a run of cubics strays from it as far as its cubics do, and not much farther.
     #[test]
     fn bundles_stray_as_far_as_their_cubics() {
         let mut rng = ChaCha8Rng::seed_from_u64(4);
@@ -340,24 +343,24 @@ mod tests {
                 unreachable!("the states are in order")
             };
             let knots = flight.knots();
-            let (sketch, lines) = Sketch::of(knots, flight.segments());
+            let (sketch, lines) = CompactTrajectory::of(knots, flight.segments());
             let drawing = sketch.on(&lines);
-            let (strokes, bundles) = (drawing.strokes, drawing.bundles);
+            let (compact_cubics, bundles) = (drawing.compact_cubics, drawing.bundles);
             assert_eq!(bundles.len(), 16 + 4 + 1);
             let first = 4 * rng.random_range(0..16);
-            let Some((bundle, count)) = largest(bundles, strokes.len(), first, 64) else {
+            let Some((bundle, count)) = largest(bundles, compact_cubics.len(), first, 64) else {
                 unreachable!("there is one of four cubics at least")
             };
             lengths[count] += 1;
-            let period = Period::new(knots[first] - 1.0, knots[first + count] + 2.0);
+            let period = SliceInterval::new(knots[first] - 1.0, knots[first + count] + 2.0);
             let mut anywhere = || Vec4::from_array([0; 4].map(|_| rng.random_range(-1.0..=1.0)));
             let (start, end) = (anywhere(), anywhere());
-            let mut whole = Trace::toward((start, knots[first]), end, &period);
+            let mut whole = BoundsBuilder::toward((start, knots[first]), end, &period);
             let mut bundled = whole;
             bundled.pass(&bundle.unpack(1.0), knots[first + count]);
             for number in first..first + count {
                 let ends = (knots[number], knots[number + 1]);
-                whole.follow_from_start(&Piece::whole(&strokes[number], ends, 1.0));
+                whole.follow_from_start(&SubCubic::whole(&compact_cubics[number], ends, 1.0));
             }
             let curved = bundle.unpack(1.0).stray.truncate();
             // To either side.
@@ -384,7 +387,7 @@ mod tests {
             let stray = Vec4::new(lane(), lane(), lane(), 0.0);
             let rounding = Vec4::new(lane(), lane(), lane(), 0.0) * [0.0, 1.0][round / 3 % 2];
             let reach = lane() * [0.0, 1.0][round / 6 % 2];
-            let found = course(Vec4::ZERO, Vec4::ZERO, (stray, rounding), reach, 0);
+            let found = fat_line(Vec4::ZERO, Vec4::ZERO, (stray, rounding), reach, 0);
             let parts = [reach, rounding.x, rounding.y, rounding.z];
             let others = parts.map(|part| number(f64::from(part))).into_iter();
             let left = number(f64::from(found.slack)) - others.fold(number(0.0), |a, b| a + b);
@@ -396,13 +399,14 @@ mod tests {
         }
     }
 
-    /// How far a bundle strays that takes no time, and where its line ends.
+    /// How far a run of cubics strays that takes no time, and where its line ends.
     #[test]
     fn strays_of_bundles_are_rounded_outward() {
         let mut rng = ChaCha8Rng::seed_from_u64(8);
         for _ in 0..5_000 {
             let (stray, end): (f32, f32) = (rng.random(), rng.random());
-            let mut trace = Trace::toward((Vec4::ZERO, 1.0), Vec4::ZERO, &Period::new(1.0, 1.0));
+            let mut trace =
+                BoundsBuilder::toward((Vec4::ZERO, 1.0), Vec4::ZERO, &SliceInterval::new(1.0, 1.0));
             (trace.least, trace.most) = (Vec4::splat(-stray), Vec4::splat(stray));
             let bundle = trace.sum_up(Vec4::splat(end)).unpack(1.0);
             let exact = number(f64::from(stray)) + number(f64::from(end));
@@ -420,7 +424,7 @@ mod tests {
             let (way, aside) = (vector(1e6).as_vec3().as_dvec3(), vector(1.0));
             let from = [0.0_f32, 0.5, 0.999, 0.999_999][round % 4] * rng.random_range(0.9_f32..1.0);
             let from = f64::from(from);
-            let period = Period::new(0.0, 1.0).moving(way);
+            let period = SliceInterval::new(0.0, 1.0).moving(way);
             let rests = round % 3 == 0;
             let points = [0.0, 1.0, 2.0, 3.0].map(|step| {
                 let share = if rests {
@@ -431,15 +435,15 @@ mod tests {
                 (way * share + aside).as_vec3().extend(0.0)
             });
             let near = (points[3] - points[0]).truncate().length();
-            let piece = Piece {
+            let piece = SubCubic {
                 points,
                 near,
                 splits: 0.0,
                 from,
                 to: 1.0,
             };
-            let trace = Trace::between(&piece, &piece, &period);
-            let (_, aabb) = trace.finish(&Stance::NONE, 0);
+            let trace = BoundsBuilder::between(&piece, &piece, &period);
+            let (_, aabb) = trace.finish(&FramePlacement::NONE, 0);
             let [low, high] = [aabb.mins, aabb.maxs]
                 .map(|edge| DVec3::new(edge.x.into(), edge.y.into(), edge.z.into()));
             for (share, point) in [(from, points[0]), (1.0, points[3])] {
@@ -453,14 +457,14 @@ mod tests {
     #[test]
     fn bundles_of_no_duration_stray_as_far_as_both_ends() {
         let points = [0.0, 0.25, 0.5, 1.0].map(|x| Vec4::new(x, 0.0, 0.0, 0.0));
-        let piece = Piece {
+        let piece = SubCubic {
             points,
             near: 1.0,
             splits: 0.0,
             from: 1.0,
             to: 1.0,
         };
-        let trace = Trace::between(&piece, &piece, &Period::new(1.0, 1.0));
+        let trace = BoundsBuilder::between(&piece, &piece, &SliceInterval::new(1.0, 1.0));
         let bundle = trace.sum_up(points[3]).unpack(1.0);
         let farthest = (bundle.end.x - points[0].x).max(points[3].x - bundle.start.x);
         assert!(bundle.stray.x >= farthest, "{farthest}");

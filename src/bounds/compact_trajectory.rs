@@ -1,10 +1,10 @@
 //! Trajectories in f32: of a motion, the part that a screening reads most.
 
-use super::bundle::{Bundle, count_of_bundles};
 use super::bundling::bundle_up;
-use super::frame::{Extremes, Frame};
-use super::points::Points;
-use super::stroke::Stroke;
+use super::compact_cubic::CompactCubic;
+use super::cubic_run::{CubicRun, count_of_bundles};
+use super::frame::{DAabb, Frame};
+use super::points::PaddedPoints;
 use crate::knots::Knots;
 use crate::rounding::normalising_power;
 use crate::trajectory::Segment;
@@ -22,11 +22,11 @@ impl Line {
     const KNOTS: usize = 8;
 }
 
-/// A trajectory in f32, but for what is drawn of it: knots, cubics and bundles one after the other,
+/// A trajectory in f32, but for what is drawn of it: knots, cubics and runs of cubics one after the other,
 /// on lines that are kept elsewhere. The knots are a copy: whoever reads the cubics reads them as well,
 /// and the trajectory's own lie somewhere else.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sketch {
+pub(crate) struct CompactTrajectory {
     /// Where it is drawn: around itself.
     frame: Frame,
     /// No coordinate is larger, in the frame's unit; infinite where `f32` does not serve them.
@@ -37,17 +37,17 @@ pub(crate) struct Sketch {
     cubics: usize,
 }
 
-/// A sketch with its lines.
+/// A compact trajectory with its lines.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Drawing<'a> {
+pub(crate) struct CompactView<'a> {
     pub(super) frame: Frame,
     pub(super) size: f64,
     pub(crate) knots: Knots<'a>,
-    pub(super) strokes: &'a [Stroke],
-    pub(super) bundles: &'a [Bundle],
+    pub(super) compact_cubics: &'a [CompactCubic],
+    pub(super) bundles: &'a [CubicRun],
 }
 
-impl Sketch {
+impl CompactTrajectory {
     /// Lines that a motion with so many knots and cubics takes.
     pub(crate) const fn lines(knots: usize, cubics: usize) -> usize {
         knots.div_ceil(Line::KNOTS) + cubics + count_of_bundles(cubics)
@@ -55,16 +55,12 @@ impl Sketch {
 
     /// Draws the cubics of a motion, each between two knots, on as many lines as they take; gives how
     /// far it goes as well.
-    pub(crate) fn draw(
-        knots: &[f64],
-        segments: &[Segment],
-        lines: &mut [Line],
-    ) -> (Self, Extremes) {
-        let (mut extremes, mut spread) = (Extremes::NOTHING, 0.0_f64);
+    pub(crate) fn draw(knots: &[f64], segments: &[Segment], lines: &mut [Line]) -> (Self, DAabb) {
+        let (mut extremes, mut spread) = (DAabb::NOTHING, 0.0_f64);
         for (segment, ends) in segments.iter().zip(knots.windows(2)) {
-            let part = Points::of(segment, (ends[0], ends[1]));
+            let part = PaddedPoints::of(segment, (ends[0], ends[1]));
             let first = segment.origin() + part.points[0];
-            extremes.include(Extremes::about(first, part.extent));
+            extremes.include(DAabb::about(first, part.extent));
             // It may be lost in the extremes: below their resolution.
             spread = spread.max(part.spread());
         }
@@ -82,17 +78,18 @@ impl Sketch {
             sketch.size = size * sketch.frame.power;
         }
         let (of_knots, rest) = lines.split_at_mut(knots.len().div_ceil(Line::KNOTS));
-        let (strokes, bundles) = rest.split_at_mut(segments.len());
+        let (compact_cubics, bundles) = rest.split_at_mut(segments.len());
         cast_slice_mut(of_knots)[..knots.len()].copy_from_slice(knots);
-        let strokes: &mut [Stroke] = cast_slice_mut(strokes);
+        let compact_cubics: &mut [CompactCubic] = cast_slice_mut(compact_cubics);
         let pieces = segments.iter().zip(knots.windows(2));
-        for (stroke, (segment, ends)) in strokes.iter_mut().zip(pieces) {
-            *stroke = Stroke::of(segment, (ends[0], ends[1]), &sketch.frame).unwrap_or_else(|| {
-                sketch.size = f64::INFINITY;
-                Stroke::NONE
-            });
+        for (compact_cubic, (segment, ends)) in compact_cubics.iter_mut().zip(pieces) {
+            *compact_cubic = CompactCubic::of(segment, (ends[0], ends[1]), &sketch.frame)
+                .unwrap_or_else(|| {
+                    sketch.size = f64::INFINITY;
+                    CompactCubic::NONE
+                });
         }
-        bundle_up(knots, strokes, cast_slice_mut(bundles));
+        bundle_up(knots, compact_cubics, cast_slice_mut(bundles));
         (sketch, extremes)
     }
 
@@ -102,14 +99,14 @@ impl Sketch {
     }
 
     /// What was drawn on these lines.
-    pub(crate) fn on<'a>(&self, lines: &'a [Line]) -> Drawing<'a> {
+    pub(crate) fn on<'a>(&self, lines: &'a [Line]) -> CompactView<'a> {
         let (knots, rest) = lines.split_at(self.knots.div_ceil(Line::KNOTS));
-        let (strokes, bundles) = rest.split_at(self.cubics);
-        Drawing {
+        let (compact_cubics, bundles) = rest.split_at(self.cubics);
+        CompactView {
             frame: self.frame,
             size: self.size,
             knots: Knots::with_ends(&cast_slice(knots)[..self.knots], self.ends),
-            strokes: cast_slice(strokes),
+            compact_cubics: cast_slice(compact_cubics),
             bundles: cast_slice(&bundles[..count_of_bundles(self.cubics)]),
         }
     }

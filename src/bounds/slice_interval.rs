@@ -5,7 +5,7 @@ use glam::{DVec3, Vec4};
 
 /// The time of a slice, in which boxes move or rest.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Period<const MOVES: bool> {
+pub(crate) struct SliceInterval<const MOVES: bool> {
     /// First and last instant, s.
     pub(crate) from: f64,
     pub(crate) to: f64,
@@ -15,7 +15,7 @@ pub(crate) struct Period<const MOVES: bool> {
     way: Vec4,
 }
 
-impl Period<false> {
+impl SliceInterval<false> {
     pub(crate) fn new(from: f64, to: f64) -> Self {
         let duration = to - from;
         let rate = if duration >= f64::MIN_POSITIVE {
@@ -33,7 +33,7 @@ impl Period<false> {
 
     /// The slice with boxes that move so far in it, in the frame's unit. Any way serves that is the same
     /// for all bodies: one beyond f32 is none.
-    pub(super) fn moving(self, way: DVec3) -> Period<true> {
+    pub(super) fn moving(self, way: DVec3) -> SliceInterval<true> {
         let Self { from, to, rate, .. } = self;
         let DVec3 { x, y, z } = way;
         let way = if way.abs().max_element() < FAR && rate > 0.0 {
@@ -41,7 +41,7 @@ impl Period<false> {
         } else {
             Vec4::ZERO
         };
-        Period {
+        SliceInterval {
             from,
             to,
             rate,
@@ -50,7 +50,7 @@ impl Period<false> {
     }
 }
 
-impl<const MOVES: bool> Period<MOVES> {
+impl<const MOVES: bool> SliceInterval<MOVES> {
     /// Returns how far boxes move in it, in the frame's unit.
     #[inline(always)]
     pub(super) const fn way(&self) -> Vec4 {

@@ -1,17 +1,17 @@
 //! Every span in which a pair comes within the largest margin, solved once and kept.
 
 use super::bodies::BodyTable;
-use super::kept::{Entry, Kept};
-use crate::narrow_phase::{Contact, Solved, contacts_of, solve};
+use super::sorted_slab::{IndexEntry, SortedSlab};
+use crate::narrow_phase::{Contact, SolvedSpan, contacts_of, solve};
 use crate::search::LimitExceeded;
 use crate::simd::prefetch;
 use crate::spans::SpanKey;
 use std::slice::from_ref;
 
 /// Two bodies, the smaller slot first.
-pub(super) type Slots = (u32, u32);
+pub(super) type SlotPair = (u32, u32);
 
-fn pair_of(key: &SpanKey) -> Slots {
+fn pair_of(key: &SpanKey) -> SlotPair {
     (key.a, key.b)
 }
 
@@ -19,11 +19,11 @@ fn pair_of(key: &SpanKey) -> Slots {
 #[derive(Debug, Default)]
 pub(super) struct SolvedSpans {
     /// The solution of each span for each two spheres.
-    finds: Kept<SpanKey, Solved>,
+    finds: SortedSlab<SpanKey, SolvedSpan>,
     /// Pairs to which spans were added, or with a body of which all was forgotten, since they were
     /// [taken](Self::take_changed). (Not those of which something has passed: that changes nothing
     /// that is still to come, and who reads them sees when.)
-    changed: Vec<Slots>,
+    changed: Vec<SlotPair>,
 }
 
 impl SolvedSpans {
@@ -33,7 +33,7 @@ impl SolvedSpans {
     }
 
     /// Forgets all that concerns some pairs.
-    pub(super) fn forget(&mut self, is_gone: impl Fn(Slots) -> bool) {
+    pub(super) fn forget(&mut self, is_gone: impl Fn(SlotPair) -> bool) {
         let changed = &mut self.changed;
         self.finds.retain(|find, _| {
             let is_gone = is_gone(pair_of(&find.key));
@@ -67,8 +67,8 @@ impl SolvedSpans {
             if self.finds.has(&key) {
                 continue;
             }
-            let parties = [key.a, key.b].map(|slot| bodies.get(slot));
-            let [Some(a), Some(b)] = parties else {
+            let views = [key.a, key.b].map(|slot| bodies.get(slot));
+            let [Some(a), Some(b)] = views else {
                 continue;
             };
             count += 1;
@@ -91,7 +91,7 @@ impl SolvedSpans {
     }
 
     /// Puts the pairs that have changed into `changed`, sorted, each once; replaces what it held.
-    pub(super) fn take_changed(&mut self, changed: &mut Vec<Slots>) {
+    pub(super) fn take_changed(&mut self, changed: &mut Vec<SlotPair>) {
         changed.clear();
         std::mem::swap(&mut self.changed, changed);
         changed.sort_unstable();
@@ -102,22 +102,22 @@ impl SolvedSpans {
     const FETCHED: usize = 4;
 
     /// Fetches what is known of a pair into the caches.
-    pub(super) fn fetch(&self, pair: Slots) {
+    pub(super) fn fetch(&self, pair: SlotPair) {
         for find in self.of(pair).take(Self::FETCHED) {
             prefetch(from_ref(self.finds.at(find.place)));
         }
     }
 
     /// Returns the cubics of the two bodies that these are about.
-    pub(super) fn spans_fetched(&self, pair: Slots) -> impl Iterator<Item = (u32, u32)> {
+    pub(super) fn spans_fetched(&self, pair: SlotPair) -> impl Iterator<Item = (u32, u32)> {
         let fetched = self.of(pair).take(Self::FETCHED);
         fetched.map(|find| (find.key.cubic_a, find.key.cubic_b))
     }
 
-    fn of(&self, pair: Slots) -> impl Iterator<Item = &Entry<SpanKey>> {
+    fn of(&self, pair: SlotPair) -> impl Iterator<Item = &IndexEntry<SpanKey>> {
         let entries = self.finds.entries();
         let first = entries.partition_point(|find| pair_of(&find.key) < pair);
-        let of_pair = move |find: &&Entry<SpanKey>| pair_of(&find.key) == pair;
+        let of_pair = move |find: &&IndexEntry<SpanKey>| pair_of(&find.key) == pair;
         entries[first..].iter().take_while(of_pair)
     }
 
@@ -125,7 +125,7 @@ impl SolvedSpans {
     /// `found` held.
     pub(super) fn contacts(
         &self,
-        pair: Slots,
+        pair: SlotPair,
         margin: f64,
         clip: (f64, f64),
         found: &mut Vec<Contact>,

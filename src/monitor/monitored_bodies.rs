@@ -1,10 +1,10 @@
-//! Bodies as the outlook sees them, by slot: their plans as far as the lookahead reaches.
+//! Bodies as the search sees them, by slot: their plans as far as the lookahead reaches.
 
-use crate::bounds::{Frame, Inflation};
+use crate::bounds::{Frame, Padding};
 use crate::error::Error;
 use crate::hitbox::Hitbox;
 use crate::knots::Knots;
-use crate::narrow_phase::Party;
+use crate::narrow_phase::BodyView;
 use crate::scene::Scene;
 use crate::simd::prefetch;
 use crate::trajectory::{Extension, Outside, Trajectory};
@@ -13,8 +13,8 @@ use std::slice::from_ref;
 
 /// What is worked out about a body's plan and hitbox once, when they are set.
 #[derive(Debug)]
-pub(super) struct Flight {
-    pub(super) inflation: Inflation,
+pub(super) struct MonitoredBody {
+    pub(super) padding: Padding,
     /// The pieces beyond the knots, where the body exists there and the monitor's window reaches it. They
     /// begin with that window at the time the plan was set, so that their numbers stay as its end moves on.
     extension: Option<Extension>,
@@ -27,7 +27,7 @@ pub(super) struct Flight {
     pub(super) has_partner: bool,
 }
 
-impl Flight {
+impl MonitoredBody {
     /// What a plan means over `window`, for pairs within `margin` (m) in `frame`.
     pub(super) fn of(
         trajectory: &Trajectory,
@@ -36,7 +36,7 @@ impl Flight {
         window: Window,
     ) -> Result<Self, Error> {
         let mut flight = Self {
-            inflation: Inflation::of(hitbox, margin, frame),
+            padding: Padding::of(hitbox, margin, frame),
             extension: None,
             begin: window.start(),
             ends: Knots::of(trajectory.knots()).ends(),
@@ -74,9 +74,13 @@ impl Flight {
     }
 
     /// The plan and the hitbox it was made of, as the narrow phase takes them.
-    pub(super) fn party<'s>(&'s self, trajectory: &'s Trajectory, hitbox: &'s Hitbox) -> Party<'s> {
+    pub(super) fn view<'s>(
+        &'s self,
+        trajectory: &'s Trajectory,
+        hitbox: &'s Hitbox,
+    ) -> BodyView<'s> {
         let knots = Knots::with_ends(trajectory.knots(), self.ends);
-        Party {
+        BodyView {
             knots: knots.extended(trajectory, self.extension.as_ref()),
             segments: trajectory.segments(),
             spheres: hitbox.spheres(),
@@ -87,13 +91,13 @@ impl Flight {
 
 /// By slot; a slot without a body has none.
 #[derive(Debug)]
-pub(super) struct Flights {
-    by_slot: Vec<Option<Flight>>,
+pub(super) struct MonitoredBodies {
+    by_slot: Vec<Option<MonitoredBody>>,
     /// Up to where all those that exist for ever are followed, s.
     until: f64,
 }
 
-impl Default for Flights {
+impl Default for MonitoredBodies {
     fn default() -> Self {
         Self {
             by_slot: Vec::new(),
@@ -102,13 +106,13 @@ impl Default for Flights {
     }
 }
 
-impl Flights {
+impl MonitoredBodies {
     /// One more than the last slot.
     pub(super) fn len(&self) -> usize {
         self.by_slot.len()
     }
 
-    pub(super) fn set(&mut self, slot: u32, flight: Option<Flight>) {
+    pub(super) fn set(&mut self, slot: u32, flight: Option<MonitoredBody>) {
         let place = slot as usize;
         if self.by_slot.len() <= place {
             self.by_slot.resize_with(place + 1, || None);
@@ -139,21 +143,21 @@ impl Flights {
         &'s self,
         scene: &'s Scene,
         slot: u32,
-    ) -> Option<(&'s Flight, Party<'s>)> {
+    ) -> Option<(&'s MonitoredBody, BodyView<'s>)> {
         let flight = self.by_slot.get(slot as usize)?.as_ref()?;
         let body = &scene.in_slot(slot)?.1.body;
-        Some((flight, flight.party(&body.trajectory, &body.hitbox)))
+        Some((flight, flight.view(&body.trajectory, &body.hitbox)))
     }
 
-    pub(super) fn party<'s>(&'s self, scene: &'s Scene, slot: u32) -> Option<Party<'s>> {
-        self.get(scene, slot).map(|(_, party)| party)
+    pub(super) fn view<'s>(&'s self, scene: &'s Scene, slot: u32) -> Option<BodyView<'s>> {
+        self.get(scene, slot).map(|(_, view)| view)
     }
 
     /// When the body in a slot exists, as far back as it is known: also beyond where it is followed to, if it
     /// goes on there.
     pub(super) fn domain(&self, scene: &Scene, slot: u32) -> Option<(f64, f64)> {
-        let (flight, party) = self.get(scene, slot)?;
-        let (start, end) = party.knots.ends();
+        let (flight, view) = self.get(scene, slot)?;
+        let (start, end) = view.knots.ends();
         let is_endless = flight.until < f64::INFINITY;
         (start <= end).then_some((start, if is_endless { f64::INFINITY } else { end }))
     }
@@ -165,10 +169,10 @@ impl Flights {
         }
         let mut until = f64::INFINITY;
         for (flight, slot) in self.by_slot.iter_mut().zip(0_u32..) {
-            let (Some(flight), Some((_, occupant))) = (flight, scene.in_slot(slot)) else {
+            let (Some(flight), Some((_, entry))) = (flight, scene.in_slot(slot)) else {
                 continue;
             };
-            let body = &occupant.body;
+            let body = &entry.body;
             if flight.until <= end {
                 let done = flight.follow(&body.trajectory, end);
                 done.map_err(|error| error.in_body(body.tag))?;

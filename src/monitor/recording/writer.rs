@@ -7,7 +7,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Mutex, PoisonError};
 
 /// Where a monitor's recording goes.
-pub(in crate::monitor) struct Tape {
+pub(in crate::monitor) struct RecordWriter {
     /// Never locked: a writer need not be shared between threads, a monitor may be.
     target: Mutex<BufWriter<Guarded>>,
     records: u64,
@@ -17,7 +17,7 @@ pub(in crate::monitor) struct Tape {
     failure: Option<io::Error>,
 }
 
-impl Tape {
+impl RecordWriter {
     pub(super) fn start(target: Box<dyn Write + Send>) -> io::Result<Self> {
         let mut target = BufWriter::new(Guarded(Some(target)));
         target.write_all(TITLE.as_bytes())?;
@@ -72,9 +72,9 @@ impl Tape {
     }
 }
 
-impl fmt::Debug for Tape {
+impl fmt::Debug for RecordWriter {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Tape")
+        f.debug_struct("RecordWriter")
             .field("records", &self.records)
             .field("failure", &self.failure)
             .finish_non_exhaustive()

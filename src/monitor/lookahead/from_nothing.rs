@@ -1,9 +1,9 @@
 //! Searches of all bodies from nothing: of what the clock passed over, and of the whole lookahead.
 
 use super::super::bodies::BodyTable;
-use super::super::budget::Meter;
+use super::super::budget::BudgetMeter;
 use super::super::prepared::PreparedBodies;
-use super::Outlook;
+use super::LookaheadSearch;
 use crate::broad_phase::PairFilter;
 use crate::parallel;
 use crate::rounding::seen_from;
@@ -13,7 +13,7 @@ use crate::stats::Stats;
 use crate::wall_clock::Instant;
 use crate::window::Window;
 
-impl Outlook {
+impl LookaheadSearch {
     /// Survivors for each span that there is room for: they take a fiftieth of what is kept of it.
     const SURVIVORS: usize = 8;
 
@@ -31,7 +31,7 @@ impl Outlook {
         scene: &Scene,
         (from, to): (f64, f64),
         filter: &F,
-        meter: &mut Meter,
+        meter: &mut BudgetMeter,
         stats: &mut Stats,
     ) -> Result<Option<f64>, LimitExceeded> {
         let limits = self.limits();
@@ -70,7 +70,7 @@ impl Outlook {
         scene: &Scene,
         (from, needed): (f64, usize),
         filter: &F,
-        (meter, stats): (&mut Meter, &mut Stats),
+        (meter, stats): (&mut BudgetMeter, &mut Stats),
     ) -> Result<(), LimitExceeded> {
         let limits = self.limits();
         let window = (seen_from(from).max(self.ends[0]), self.ends[needed]);

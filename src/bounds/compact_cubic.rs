@@ -1,26 +1,26 @@
 //! One cubic in f32.
 
 use super::frame::Frame;
-use super::points::Points;
+use super::points::PaddedPoints;
 use super::{FAR, nearest};
 use crate::trajectory::Segment;
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec4};
 
-/// One cubic of a sketch, 64 bytes: its Bézier points, relative to the sketch's frame.
+/// One cubic of a compact trajectory, 64 bytes: its Bézier points, relative to the compact trajectory's frame.
 ///
 /// Each coordinate is rounded once from f64. The fourth lane of the first point is what all other
 /// rounding of the cubic is relative to: no point is farther from the first one; more where the
 /// segment itself is known less well than f32 could tell.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
-pub(crate) struct Stroke([Vec4; 4]);
+pub(crate) struct CompactCubic([Vec4; 4]);
 
-impl Stroke {
+impl CompactCubic {
     /// None where `f32` does not serve its coordinates.
     #[inline(always)]
     pub(super) fn of(segment: &Segment, ends: (f64, f64), frame: &Frame) -> Option<Self> {
-        let part = Points::of(segment, ends);
+        let part = PaddedPoints::of(segment, ends);
         let (offset, near) = (segment.origin() - frame.origin, part.spread() * frame.power);
         let lanes = |point: DVec3, last: f64| {
             let DVec3 { x, y, z } = (offset + point) * frame.power;

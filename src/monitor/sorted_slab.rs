@@ -5,28 +5,28 @@ use std::ops::Range;
 
 /// What is known of a value without looking at it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Entry<K> {
+pub(super) struct IndexEntry<K> {
     pub(super) key: K,
     /// When, s.
     pub(super) interval: (f64, f64),
-    /// See [`Kept::at`].
+    /// See [`SortedSlab::at`].
     pub(super) place: usize,
 }
 
 /// See the module.
 #[derive(Debug)]
-pub(super) struct Kept<K, V> {
+pub(super) struct SortedSlab<K, V> {
     /// Sorted by key.
-    entries: Vec<Entry<K>>,
+    entries: Vec<IndexEntry<K>>,
     /// Those that are not among the entries yet.
-    added: Vec<Entry<K>>,
-    merged: Vec<Entry<K>>,
+    added: Vec<IndexEntry<K>>,
+    merged: Vec<IndexEntry<K>>,
     values: Vec<V>,
     /// Places of values that nobody needs.
     free: Vec<usize>,
 }
 
-impl<K, V> Default for Kept<K, V> {
+impl<K, V> Default for SortedSlab<K, V> {
     fn default() -> Self {
         Self {
             entries: Vec::new(),
@@ -38,9 +38,9 @@ impl<K, V> Default for Kept<K, V> {
     }
 }
 
-impl<K: Copy + Ord, V> Kept<K, V> {
+impl<K: Copy + Ord, V> SortedSlab<K, V> {
     /// In the order of their keys; those of one key as they were added.
-    pub(super) fn entries(&self) -> &[Entry<K>] {
+    pub(super) fn entries(&self) -> &[IndexEntry<K>] {
         &self.entries
     }
 
@@ -73,7 +73,7 @@ impl<K: Copy + Ord, V> Kept<K, V> {
     }
 
     /// Drops all but those that `keeps` says, asked in order.
-    pub(super) fn retain(&mut self, mut keeps: impl FnMut(&Entry<K>, &V) -> bool) {
+    pub(super) fn retain(&mut self, mut keeps: impl FnMut(&IndexEntry<K>, &V) -> bool) {
         let Self {
             entries,
             values,
@@ -99,7 +99,7 @@ impl<K: Copy + Ord, V> Kept<K, V> {
             self.values.push(value);
             self.values.len() - 1
         };
-        self.added.push(Entry {
+        self.added.push(IndexEntry {
             key,
             interval,
             place,
@@ -129,14 +129,14 @@ impl<K: Copy + Ord, V> Kept<K, V> {
 
 #[cfg(test)]
 mod tests {
-    use super::Kept;
+    use super::SortedSlab;
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 
     #[test]
     fn equals_a_plain_sorted_list_whatever_comes_and_goes() {
         let mut rng = ChaCha8Rng::seed_from_u64(4);
-        let (mut kept, mut plain) = (Kept::default(), Vec::<(u32, u32)>::new());
+        let (mut kept, mut plain) = (SortedSlab::default(), Vec::<(u32, u32)>::new());
         let mut most = 0;
         for value in 0..2000 {
             let gone: u32 = rng.random_range(0..8);

@@ -3,15 +3,15 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec4;
 
-/// Four consecutive cubics, or four bundles of them, as one: 64 bytes.
+/// Four consecutive cubics, or four runs of them, as one: 64 bytes.
 ///
-/// Coordinates are as in a [`Stroke`](super::Stroke). A path that strays some way from a line strays from any other
+/// Coordinates are as in a [`CompactCubic`](super::CompactCubic). A path that strays some way from a line strays from any other
 /// one (each gone along in proportion to time), to either side, at most by that and what the end of
 /// the line that is farther on that side does. The line lies midway between how far the path strays to
 /// either side of the line between its ends.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
-pub(crate) struct Bundle {
+pub(crate) struct CubicRun {
     /// Where its line begins; the last lane is what rounding is relative to besides coordinates.
     start: Vec4,
     /// Where that ends, and its extremes; their last lanes are how far it strays on each axis.
@@ -20,8 +20,8 @@ pub(crate) struct Bundle {
     high: Vec4,
 }
 
-/// A bundle in another unit.
-pub(super) struct Unpacked {
+/// A run of cubics in another unit.
+pub(super) struct ScaledRun {
     pub(super) start: Vec4,
     pub(super) end: Vec4,
     pub(super) low: Vec4,
@@ -30,12 +30,12 @@ pub(super) struct Unpacked {
     pub(super) stray: Vec4,
 }
 
-impl Bundle {
-    /// Cubics in a bundle of cubics, and bundles in a larger one.
+impl CubicRun {
+    /// Cubics in a run, and runs in a larger one.
     pub(crate) const SIZE: usize = 1 << Self::SHIFT;
     const SHIFT: u32 = 2;
 
-    pub(super) fn new(unpacked: &Unpacked) -> Self {
+    pub(super) fn new(unpacked: &ScaledRun) -> Self {
         let with = |lanes: Vec4, last: f32| lanes.truncate().extend(last);
         Self {
             start: with(unpacked.start, unpacked.near),
@@ -46,10 +46,10 @@ impl Bundle {
     }
 
     #[inline(always)]
-    pub(super) fn unpack(&self, factor: f32) -> Unpacked {
+    pub(super) fn unpack(&self, factor: f32) -> ScaledRun {
         let [start, end, low, high] =
             [self.start, self.end, self.low, self.high].map(|lanes| lanes * factor);
-        Unpacked {
+        ScaledRun {
             start,
             end,
             low,
@@ -60,30 +60,30 @@ impl Bundle {
     }
 }
 
-/// How many complete bundles there are of some cubics: of 4, of 16, and so on.
+/// How many complete runs of cubics there are of some cubics: of 4, of 16, and so on.
 pub(super) const fn count_of_bundles(mut cubics: usize) -> usize {
     let mut count = 0;
-    while cubics >= Bundle::SIZE {
-        cubics /= Bundle::SIZE;
+    while cubics >= CubicRun::SIZE {
+        cubics /= CubicRun::SIZE;
         count += cubics;
     }
     count
 }
 
-/// The largest bundle that begins with cubic `first` and ends before cubic `end`, out of all of
+/// The largest run of cubics that begins with cubic `first` and ends before cubic `end`, out of all of
 /// `cubics`; and how many it holds.
 #[inline(always)]
 pub(super) fn largest(
-    bundles: &[Bundle],
+    bundles: &[CubicRun],
     cubics: usize,
     first: usize,
     end: usize,
-) -> Option<(&Bundle, usize)> {
-    let (mut level, mut shift, mut found) = (0, Bundle::SHIFT, None);
+) -> Option<(&CubicRun, usize)> {
+    let (mut level, mut shift, mut found) = (0, CubicRun::SHIFT, None);
     while first & ((1 << shift) - 1) == 0 && first + (1 << shift) <= end {
         found = Some((level + (first >> shift), 1 << shift));
         level += cubics >> shift;
-        shift += Bundle::SHIFT;
+        shift += CubicRun::SHIFT;
     }
     let (number, count) = found?;
     Some((bundles.get(number)?, count))

@@ -1,6 +1,6 @@
 //! Plans that are only thought of: what would they lead into?
 
-use super::{Admission, Monitor};
+use super::{Monitor, SlotAdmission};
 use crate::conflict::Conflict;
 use crate::error::Error;
 use crate::id::BodyId;
@@ -35,25 +35,25 @@ impl Monitor {
             return Err(Error::NoPlanAt { time: self.now }.in_body(body.tag));
         }
         let flight = self.terms()?.flight(plan, &body.hitbox, body.tag)?;
-        let own = flight.party(plan, &body.hitbox);
+        let own = flight.view(plan, &body.hitbox);
         let window = (self.now, self.known);
         if window.1 < window.0 {
             return Ok(Vec::new());
         }
-        let (margin, _) = self.outlook.reach();
-        let filter = Admission::of(&self.scene, margin, None);
+        let (margin, _) = self.search.reach();
+        let filter = SlotAdmission::of(&self.scene, margin, None);
         let mut conflicts = Vec::new();
-        self.outlook.contacts_with(
+        self.search.contacts_with(
             &self.scene,
             (id.slot, &flight, &own),
             alert.margin,
             window,
             &filter,
             |other, clip, theirs, contact| {
-                let Some((other, occupant)) = self.scene.in_slot(other) else {
+                let Some((other, entry)) = self.scene.in_slot(other) else {
                     return;
                 };
-                let (own_name, other_name) = ((id, body.tag), (other, occupant.body.tag));
+                let (own_name, other_name) = ((id, body.tag), (other, entry.body.tag));
                 conflicts.push(if id.slot < other.slot {
                     conflict(contact, [own_name, other_name], (&own, theirs), clip)
                 } else {

@@ -1,64 +1,64 @@
 //! How a body lies in the frame: its cubics, and what is the same for all its boxes.
 
-use super::bundle::{Bundle, largest};
-use super::frame::{Frame, Inflation};
-use super::piece::Piece;
-use super::sketch::Drawing;
-use super::stance::Stance;
-use super::stroke::Stroke;
-use super::trace::Trace;
+use super::builder::BoundsBuilder;
+use super::compact_cubic::CompactCubic;
+use super::compact_trajectory::CompactView;
+use super::cubic_run::{CubicRun, largest};
+use super::frame::{Frame, Padding};
+use super::placement::FramePlacement;
+use super::sub_cubic::SubCubic;
 use crate::knots::Knots;
 use crate::simd::prefetch;
 use crate::trajectory::Segment;
 use std::slice::from_ref;
 
 /// A cubic that boxes are formed from.
-pub(crate) trait Cubic {
+pub(crate) trait BoundingCubic {
     /// It is so cheap to read that two bodies are compared by it.
     const IS_COMPACT: bool;
 
     /// The whole of it between two knots, relative to the body's place, in the frame's unit.
-    fn piece(&self, knots: (f64, f64), stance: &Stance) -> Piece;
+    fn piece(&self, knots: (f64, f64), placement: &FramePlacement) -> SubCubic;
 }
 
 /// A body's cubics, and how it lies in the frame.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pose<'a, C> {
+pub(crate) struct CubicSource<'a, C> {
     pub(crate) knots: Knots<'a>,
     /// Those of the plan.
     cubics: &'a [C],
     /// Those of the cubics that were summed up.
-    bundles: &'a [Bundle],
-    pub(crate) stance: Stance,
+    bundles: &'a [CubicRun],
+    pub(crate) placement: FramePlacement,
 }
 
-impl<C> Pose<'_, C> {
+impl<C> CubicSource<'_, C> {
     /// Of a body that never exists.
     pub(crate) const NONE: Self = Self {
         knots: Knots::NONE,
         cubics: &[],
         bundles: &[],
-        stance: Stance::NONE,
+        placement: FramePlacement::NONE,
     };
 }
 
-impl<C: Cubic> Pose<'_, C> {
+impl<C: BoundingCubic> CubicSource<'_, C> {
     /// A whole cubic, of a motion that goes beyond its plan or of one that does not.
     #[inline(always)]
-    pub(crate) fn piece<const EXTENDED: bool>(&self, number: usize) -> Piece {
+    pub(crate) fn piece<const EXTENDED: bool>(&self, number: usize) -> SubCubic {
         if EXTENDED {
             return self.piece_of_extended(number);
         }
         let knots = self.knots.own();
-        self.cubics[number].piece((knots[number], knots[number + 1]), &self.stance)
+        self.cubics[number].piece((knots[number], knots[number + 1]), &self.placement)
     }
 
     #[inline(never)]
-    fn piece_of_extended(&self, number: usize) -> Piece {
+    fn piece_of_extended(&self, number: usize) -> SubCubic {
         let ends = (self.knots.at(number), self.knots.at(number + 1));
         match self.knots.segment_beyond(number) {
-            None => self.cubics[number - self.knots.before()].piece(ends, &self.stance),
-            Some(segment) => segment.piece(ends, &self.stance),
+            None => self.cubics[number - self.knots.before()].piece(ends, &self.placement),
+            Some(segment) => segment.piece(ends, &self.placement),
         }
     }
 
@@ -76,7 +76,7 @@ impl<C: Cubic> Pose<'_, C> {
         !self.bundles.is_empty() && !self.knots.are_extended()
     }
 
-    /// Fetches what [`pass`](Self::pass) would read, or the first cubic if there is no such bundle;
+    /// Fetches what [`pass`](Self::pass) would read, or the first cubic if there is no such run of cubics;
     /// gives the one after it.
     #[inline(always)]
     pub(crate) fn fetch_first(&self, first: usize, end: usize) -> usize {
@@ -89,55 +89,55 @@ impl<C: Cubic> Pose<'_, C> {
         }
     }
 
-    /// Has a trace go on with the largest bundle of cubics from `first` to before `end`; gives the
-    /// one after it, or none if there is no such bundle.
+    /// Has a builder go on with the largest run of cubics from `first` to before `end`; gives the
+    /// one after it, or none if there is no such run of cubics.
     #[inline(always)]
     pub(crate) fn pass<const MOVES: bool, const EXTENDED: bool>(
         &self,
-        trace: &mut Trace<MOVES>,
+        trace: &mut BoundsBuilder<MOVES>,
         (first, end): (usize, usize),
     ) -> Option<usize> {
         if !EXTENDED {
             let (bundle, count) = largest(self.bundles, self.cubics.len(), first, end)?;
             let until = self.knots.own()[first + count];
-            trace.pass(&bundle.unpack(self.stance.factor), until);
+            trace.pass(&bundle.unpack(self.placement.factor), until);
             return Some(first + count);
         }
         let (before, cubics) = (self.knots.before(), self.cubics.len());
         let own = (first.checked_sub(before)?, (end - before).min(cubics));
         let (bundle, count) = largest(self.bundles, cubics, own.0, own.1)?;
         let until = self.knots.at(first + count);
-        trace.pass(&bundle.unpack(self.stance.factor), until);
+        trace.pass(&bundle.unpack(self.placement.factor), until);
         Some(first + count)
     }
 }
 
-impl<'a> Pose<'a, Stroke> {
-    /// Of a body that was sketched, with these knots, some beyond the sketch's own maybe.
+impl<'a> CubicSource<'a, CompactCubic> {
+    /// Of a body that was sketched, with these knots, some beyond the compact trajectory's own maybe.
     pub(crate) fn sketched(
         knots: Knots<'a>,
-        drawing: &Drawing<'a>,
-        inflation: &Inflation,
+        drawing: &CompactView<'a>,
+        padding: &Padding,
         frame: &Frame,
     ) -> Self {
         let mut anchor = drawing.frame;
-        if drawing.strokes.is_empty() {
+        if drawing.compact_cubics.is_empty() {
             anchor.origin = knots.origin().unwrap_or(anchor.origin);
         }
         Self {
             knots,
-            cubics: drawing.strokes,
+            cubics: drawing.compact_cubics,
             bundles: drawing.bundles,
-            stance: Stance::new(anchor, drawing.size, inflation, frame),
+            placement: FramePlacement::new(anchor, drawing.size, padding, frame),
         }
     }
 }
 
-impl<'a> Pose<'a, Segment> {
-    /// Of a body of which a few boxes are wanted only: not worth a sketch.
+impl<'a> CubicSource<'a, Segment> {
+    /// Of a body of which a few boxes are wanted only: not worth a compact trajectory.
     pub(crate) fn plain(
         (knots, segments): (Knots<'a>, &'a [Segment]),
-        inflation: &Inflation,
+        padding: &Padding,
         frame: &Frame,
     ) -> Self {
         let origin = segments.first().map(Segment::origin);
@@ -149,35 +149,35 @@ impl<'a> Pose<'a, Segment> {
             knots,
             cubics: segments,
             bundles: &[],
-            stance: Stance::new(anchor, 0.0, inflation, frame),
+            placement: FramePlacement::new(anchor, 0.0, padding, frame),
         }
     }
 }
 
-impl Cubic for Stroke {
+impl BoundingCubic for CompactCubic {
     const IS_COMPACT: bool = true;
 
     #[inline(always)]
-    fn piece(&self, knots: (f64, f64), stance: &Stance) -> Piece {
-        Piece::whole(self, knots, stance.factor)
+    fn piece(&self, knots: (f64, f64), placement: &FramePlacement) -> SubCubic {
+        SubCubic::whole(self, knots, placement.factor)
     }
 }
 
-impl Cubic for Segment {
+impl BoundingCubic for Segment {
     const IS_COMPACT: bool = false;
 
     #[inline(always)]
-    fn piece(&self, knots: (f64, f64), stance: &Stance) -> Piece {
-        match Stroke::of(self, knots, &stance.anchor) {
-            Some(stroke) => Piece::whole(&stroke, knots, 1.0),
-            None => Piece::anywhere(knots),
+    fn piece(&self, knots: (f64, f64), placement: &FramePlacement) -> SubCubic {
+        match CompactCubic::of(self, knots, &placement.anchor) {
+            Some(compact_cubic) => SubCubic::whole(&compact_cubic, knots, 1.0),
+            None => SubCubic::anywhere(knots),
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::Period;
+    use super::super::SliceInterval;
     use super::*;
     use crate::hitbox::{Hitbox, Sphere};
     use glam::{DVec3, Vec4};
@@ -185,7 +185,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
 
     /// Offsets, radii and margins, each the largest, and so small that f32 has hardly any digits of
-    /// them: the rounding of a stance holds what f32 makes of a hitbox.
+    /// them: the rounding of a placement holds what f32 makes of a hitbox.
     #[test]
     fn hitboxes_are_within_their_rounding() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
@@ -201,22 +201,22 @@ mod tests {
                 unreachable!("all is finite")
             };
             let frame = Frame::OF_NOTHING;
-            let inflation = Inflation::of(&hitbox, margin, &frame);
-            let stance = Stance::new(frame, 0.0, &inflation, &frame);
+            let padding = Padding::of(&hitbox, margin, &frame);
+            let placement = FramePlacement::new(frame, 0.0, &padding, &frame);
             // In f64 their rounding does not show.
             let reach = radius + 0.5 * margin;
             let wide = |lanes: Vec4| lanes.truncate().as_dvec3();
-            let low = wide(stance.low) - f64::from(stance.steady);
-            let high = wide(stance.high) + f64::from(stance.steady);
+            let low = wide(placement.low) - f64::from(placement.steady);
+            let high = wide(placement.high) + f64::from(placement.steady);
             let holds = low.cmple(offset - reach).all() && high.cmpge(offset + reach).all();
             assert!(holds, "{hitbox:?} {margin}");
             let far = offset.length() + reach;
-            assert!(f64::from(stance.reach + stance.steady) >= far * (1.0 - 1e-15));
+            assert!(f64::from(placement.reach + placement.steady) >= far * (1.0 - 1e-15));
         }
     }
 
     /// Bodies far from the scene's middle that rest, or fly far: the box holds all places, and the
-    /// course strays by no more than it says.
+    /// fat line strays by no more than it says.
     #[test]
     fn places_far_away_are_within_their_rounding() {
         let mut rng = ChaCha8Rng::seed_from_u64(2);
@@ -228,24 +228,25 @@ mod tests {
                 origin,
                 ..Frame::OF_NOTHING
             };
-            let stance = Stance::new(anchor, 0.0, &Inflation::NONE, &Frame::OF_NOTHING);
+            let placement = FramePlacement::new(anchor, 0.0, &Padding::NONE, &Frame::OF_NOTHING);
             let way = way.as_vec3();
-            let piece = Piece {
+            let piece = SubCubic {
                 points: [0.0, 1.0, 2.0, 3.0].map(|step| (way * (step / 3.0)).extend(0.0)),
                 near: 0.0,
                 splits: 0.0,
                 from: 0.0,
                 to: 1.0,
             };
-            let (course, aabb) = Trace::alone(&piece, &Period::new(0.0, 1.0)).finish(&stance, 0);
+            let (fat_line, aabb) =
+                BoundsBuilder::alone(&piece, &SliceInterval::new(0.0, 1.0)).finish(&placement, 0);
             let [low, high] = [aabb.mins, aabb.maxs]
                 .map(|edge| DVec3::new(edge.x.into(), edge.y.into(), edge.z.into()));
             let line = |lanes: [f32; 3]| DVec3::from_array(lanes.map(f64::from));
             for (share, point) in [(0.0, piece.points[0]), (1.0, piece.points[3])] {
                 let place = origin + point.truncate().as_dvec3();
                 assert!(low.cmple(place).all() && high.cmpge(place).all(), "{round}");
-                let stray = place.distance(line(course.start) + share * line(course.change));
-                assert!(stray <= f64::from(course.slack), "{stray} {course:?}");
+                let stray = place.distance(line(fat_line.start) + share * line(fat_line.change));
+                assert!(stray <= f64::from(fat_line.slack), "{stray} {fat_line:?}");
             }
         }
     }

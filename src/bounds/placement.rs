@@ -1,12 +1,12 @@
 //! The place of a body's cubics in the frame, and what is the same for all its boxes.
 
-use super::frame::{Frame, Inflation};
+use super::frame::{Frame, Padding};
 use super::{FAR, ROUNDING, nearest};
 use glam::{DVec3, Vec4};
 
 /// Where a body's cubics are measured from, and how much larger than their hull its boxes are.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Stance {
+pub(crate) struct FramePlacement {
     /// What the cubics are relative to, in the frame's unit.
     pub(super) anchor: Frame,
     /// From the unit of those that are drawn to the frame's.
@@ -22,7 +22,7 @@ pub(crate) struct Stance {
     pub(super) steady: f32,
 }
 
-impl Stance {
+impl FramePlacement {
     pub(super) const NONE: Self = Self {
         anchor: Frame::OF_NOTHING,
         factor: 1.0,
@@ -42,12 +42,12 @@ impl Stance {
     };
 
     /// Of cubics no coordinate of which is larger than `size`, as far as that is known.
-    pub(super) fn new(anchor: Frame, size: f64, inflation: &Inflation, frame: &Frame) -> Self {
+    pub(super) fn new(anchor: Frame, size: f64, padding: &Padding, frame: &Frame) -> Self {
         let lanes = |DVec3 { x, y, z }: DVec3| Vec4::new(nearest(x), nearest(y), nearest(z), 0.0);
         let place = lanes((anchor.origin - frame.origin) * frame.power);
         let factor = frame.power / anchor.power;
         let largest =
-            f64::from(place.abs().max_element()) + size * factor + f64::from(inflation.size);
+            f64::from(place.abs().max_element()) + size * factor + f64::from(padding.size);
         if largest.is_nan() || largest >= FAR {
             return Self::ANYWHERE;
         }
@@ -60,11 +60,11 @@ impl Stance {
             },
             factor,
             place,
-            low: place + inflation.low,
-            high: place + inflation.high,
-            reach: inflation.reach,
+            low: place + padding.low,
+            high: place + padding.high,
+            reach: padding.reach,
             // What underflows on either side of the factor is below a smallest normal number.
-            steady: 8.0 * ROUNDING * inflation.size + f32::MIN_POSITIVE * factor.max(1.0),
+            steady: 8.0 * ROUNDING * padding.size + f32::MIN_POSITIVE * factor.max(1.0),
         }
     }
 

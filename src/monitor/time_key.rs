@@ -4,28 +4,28 @@ use std::cmp::Ordering;
 
 /// Something at an instant (s): in the order of time, and then of what it is.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Timed<K> {
+pub(super) struct TimeKey<K> {
     pub(super) time: f64,
     pub(super) what: K,
 }
 
-impl<K: Ord> Ord for Timed<K> {
+impl<K: Ord> Ord for TimeKey<K> {
     fn cmp(&self, other: &Self) -> Ordering {
         let order = self.time.total_cmp(&other.time);
         order.then_with(|| self.what.cmp(&other.what))
     }
 }
 
-impl<K: Ord> PartialOrd for Timed<K> {
+impl<K: Ord> PartialOrd for TimeKey<K> {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl<K: Ord> PartialEq for Timed<K> {
+impl<K: Ord> PartialEq for TimeKey<K> {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other).is_eq()
     }
 }
 
-impl<K: Ord> Eq for Timed<K> {}
+impl<K: Ord> Eq for TimeKey<K> {}

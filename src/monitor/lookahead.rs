@@ -13,18 +13,18 @@ mod ask;
 mod from_nothing;
 
 use super::bodies::{BodyTable, ChangedBounds};
-use super::budget::Meter;
-use super::finds::{Slots, SolvedSpans};
-use super::flights::{Flight, Flights};
+use super::budget::BudgetMeter;
 use super::grid::Grid;
 use super::jump::JumpSearch;
+use super::monitored_bodies::{MonitoredBodies, MonitoredBody};
 use super::prepared::ListMemory;
-use super::recent::Recent;
+use super::recent_changes::RecentChanges;
 use super::slice::{LookaheadSlice, SliceScratch};
+use super::solved_spans::{SlotPair, SolvedSpans};
 use crate::bounds::Frame;
 use crate::broad_phase::PairFilter;
 use crate::error::Error;
-use crate::narrow_phase::{Contact, Party};
+use crate::narrow_phase::{BodyView, Contact};
 use crate::parallel;
 use crate::pool::Pool;
 use crate::rounding::seen_from;
@@ -40,8 +40,8 @@ use std::sync::atomic::Ordering::Relaxed;
 
 /// See the module.
 #[derive(Debug)]
-pub(super) struct Outlook {
-    flights: Flights,
+pub(super) struct LookaheadSearch {
+    flights: MonitoredBodies,
     finds: SolvedSpans,
     margin: f64,
     grid: Grid,
@@ -57,9 +57,9 @@ pub(super) struct Outlook {
     /// Bodies that changed since the last catching up, each once.
     dirty: Vec<u32>,
     is_dirty: Vec<bool>,
-    recent: Recent,
+    recent: RecentChanges,
     /// Pairs that are ignored since then.
-    left_out: Vec<Slots>,
+    left_out: Vec<SlotPair>,
     moved: ChangedBounds,
     /// Ends of the slices of the lookahead, s.
     ends: Vec<f64>,
@@ -73,14 +73,14 @@ pub(super) struct Outlook {
     pub(super) max_spans: usize,
 }
 
-impl Outlook {
+impl LookaheadSearch {
     /// More changes than bodies that are not too many.
     const MANY_CHANGES: usize = 1024;
 
-    /// An outlook for pairs within `margin` (m) on a grid, with room for so many spans.
+    /// A search for pairs within `margin` (m) on a grid, with room for so many spans.
     pub(super) fn new(margin: f64, grid: Grid, max_spans: usize) -> Self {
         Self {
-            flights: Flights::default(),
+            flights: MonitoredBodies::default(),
             finds: SolvedSpans::default(),
             margin,
             grid,
@@ -94,7 +94,7 @@ impl Outlook {
             lists: ListMemory::default(),
             dirty: Vec::new(),
             is_dirty: Vec::new(),
-            recent: Recent::default(),
+            recent: RecentChanges::default(),
             left_out: Vec::new(),
             moved: ChangedBounds::default(),
             ends: Vec::new(),
@@ -129,13 +129,13 @@ impl Outlook {
         (self.margin, &self.grid.frame)
     }
 
-    pub(super) fn party<'s>(&'s self, scene: &'s Scene, slot: u32) -> Option<Party<'s>> {
-        self.flights.party(scene, slot)
+    pub(super) fn view<'s>(&'s self, scene: &'s Scene, slot: u32) -> Option<BodyView<'s>> {
+        self.flights.view(scene, slot)
     }
 
     /// Puts a body's new state of affairs in place (none: it is gone). What was found of it is
     /// forgotten, and looked for again.
-    pub(super) fn set(&mut self, slot: u32, flight: Option<Flight>) {
+    pub(super) fn set(&mut self, slot: u32, flight: Option<MonitoredBody>) {
         self.flights.set(slot, flight);
         self.forget(slot);
     }
@@ -168,7 +168,7 @@ impl Outlook {
     }
 
     /// Forgets what was found of a pair: its bodies ignore each other now.
-    pub(super) fn leave_out(&mut self, pair: Slots) {
+    pub(super) fn leave_out(&mut self, pair: SlotPair) {
         push_once(&mut self.left_out, pair);
     }
 
@@ -229,7 +229,7 @@ impl Outlook {
         scene: &Scene,
         (from, to): (f64, f64),
         filter: &F,
-        meter: &mut Meter,
+        meter: &mut BudgetMeter,
         stats: &mut Stats,
     ) -> Result<f64, LimitExceeded> {
         self.spread_changes();
@@ -262,7 +262,7 @@ impl Outlook {
         scene: &Scene,
         (mut from, to): (f64, f64),
         filter: &F,
-        meter: &mut Meter,
+        meter: &mut BudgetMeter,
         stats: &mut Stats,
     ) -> Result<(f64, bool), LimitExceeded> {
         let present = self.start(self.index(to - self.grid.ahead * self.grid.length));
@@ -299,7 +299,7 @@ impl Outlook {
         (from, to): (f64, f64),
         needed: usize,
         filter: &F,
-        meter: &mut Meter,
+        meter: &mut BudgetMeter,
         stats: &mut Stats,
     ) -> Result<(f64, bool), LimitExceeded> {
         let limits = self.limits();
@@ -427,7 +427,7 @@ impl Outlook {
     }
 
     /// See [`SolvedSpans::take_changed`].
-    pub(super) fn take_changed(&mut self, changed: &mut Vec<Slots>) {
+    pub(super) fn take_changed(&mut self, changed: &mut Vec<SlotPair>) {
         self.finds.take_changed(changed);
     }
 
@@ -442,7 +442,7 @@ impl Outlook {
     /// All contacts of a pair within `margin` in `clip`; replaces what `found` held.
     pub(super) fn contacts(
         &self,
-        pair: Slots,
+        pair: SlotPair,
         margin: f64,
         clip: (f64, f64),
         found: &mut Vec<Contact>,

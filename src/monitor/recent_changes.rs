@@ -9,7 +9,7 @@ use std::sync::{Mutex, PoisonError};
 
 /// See the module.
 #[derive(Debug, Default)]
-pub(super) struct Recent {
+pub(super) struct RecentChanges {
     /// Slots, one for each change.
     slots: Vec<u32>,
     /// Formed when they are asked for.
@@ -26,7 +26,7 @@ struct RecentBoxes {
     block: SliceBlock,
 }
 
-impl Recent {
+impl RecentChanges {
     /// Notes a change of a body.
     pub(super) fn push(&mut self, slot: u32) {
         self.slots.push(slot);

@@ -5,7 +5,7 @@
 /// At the share `s` of the slice, 0..=1, every sphere of the body with half the margin around it is
 /// within `slack` of `start + s change`, what the exact solver's rounding can add included.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Course {
+pub(crate) struct FatLine {
     pub(crate) start: [f32; 3],
     pub(crate) change: [f32; 3],
     /// Infinite where the frame does not serve.

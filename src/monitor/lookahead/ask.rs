@@ -1,17 +1,17 @@
 //! Contacts of a plan that is not in place.
 
 use super::super::bodies::form;
-use super::super::flights::Flight;
+use super::super::monitored_bodies::MonitoredBody;
 use super::super::slice::{NearBody, QueryScratch};
-use super::Outlook;
-use crate::bounds::Pose;
+use super::LookaheadSearch;
+use crate::bounds::CubicSource;
 use crate::broad_phase::PairFilter;
-use crate::narrow_phase::{Contact, Party, contacts, may_touch};
+use crate::narrow_phase::{BodyView, Contact, contacts, may_touch};
 use crate::rounding::{seen_from, seen_until};
 use crate::scene::Scene;
 use crate::spans::{common_domain, spans};
 
-impl Outlook {
+impl LookaheadSearch {
     /// Contacts of one plan that is not in place with all others, within `from..=to`.
     ///
     /// Of another body, only those spans are looked at in which slices say that it may be near: in a
@@ -19,11 +19,11 @@ impl Outlook {
     pub(in crate::monitor) fn contacts_with<F: PairFilter>(
         &self,
         scene: &Scene,
-        (slot, flight, own): (u32, &Flight, &Party<'_>),
+        (slot, flight, own): (u32, &MonitoredBody, &BodyView<'_>),
         margin: f64,
         (from, to): (f64, f64),
         filter: &F,
-        mut visit: impl FnMut(u32, (f64, f64), &Party<'_>, &Contact),
+        mut visit: impl FnMut(u32, (f64, f64), &BodyView<'_>, &Contact),
     ) {
         let mut neighbours = self.neighbours(scene, (flight, own), (from, to));
         neighbours.sort_unstable_by_key(|neighbour| neighbour.slot);
@@ -31,14 +31,14 @@ impl Outlook {
         for times in neighbours.chunk_by(|one, next| one.slot == next.slot) {
             let other = times[0].slot;
             let admitted = other != slot && filter.admits(slot.min(other), slot.max(other));
-            let Some(party) = self.party(scene, other).filter(|_| admitted) else {
+            let Some(view) = self.view(scene, other).filter(|_| admitted) else {
                 continue;
             };
             // The smaller slot is a: the same order, and so the same bits, as everywhere.
             let (a, b) = if slot < other {
-                (own, &party)
+                (own, &view)
             } else {
-                (&party, own)
+                (&view, own)
             };
             let domain = common_domain(&a.knots, &b.knots);
             let clip = domain.map(|(start, end)| (start.max(from), end.min(to)));
@@ -61,7 +61,7 @@ impl Outlook {
             found.clear();
             contacts(a, b, near.iter().copied(), margin, clip, &mut found);
             for contact in &found {
-                visit(other, clip, &party, contact);
+                visit(other, clip, &view, contact);
             }
         }
     }
@@ -70,19 +70,19 @@ impl Outlook {
     fn neighbours(
         &self,
         scene: &Scene,
-        (flight, own): (&Flight, &Party<'_>),
+        (flight, own): (&MonitoredBody, &BodyView<'_>),
         (from, to): (f64, f64),
     ) -> Vec<NearBody> {
         let window = (seen_from(from), seen_until(to));
         let knots = (own.knots, own.segments);
-        let pose = Pose::plain(knots, &flight.inflation, &self.grid.frame);
+        let source = CubicSource::plain(knots, &flight.padding, &self.grid.frame);
         let mut answer = QueryScratch::default();
         let bodies = self.bodies(scene);
         if self.recent.len() > 0 {
             // What slices know of these is out of date, wherever it is.
             let mut met = Vec::new();
             let ends = [window.0, window.1];
-            form(&self.grid.frame, &[pose], &ends, &mut answer.block);
+            form(&self.grid.frame, &[source], &ends, &mut answer.block);
             for own in &answer.block.slices[0].boxes {
                 self.recent.meeting(&bodies, window, &own.aabb, &mut met);
             }
@@ -92,7 +92,7 @@ impl Outlook {
         }
         for slice in &self.slices {
             if slice.covers_some_of(window) {
-                slice.neighbours(&bodies, &pose, &mut answer);
+                slice.neighbours(&bodies, &source, &mut answer);
             }
         }
         answer.neighbours

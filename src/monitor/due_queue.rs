@@ -1,6 +1,6 @@
 //! When something is due of a body: the soonest first, without going through all of them.
 
-use super::timed::Timed;
+use super::time_key::TimeKey;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -9,16 +9,16 @@ use std::collections::BinaryHeap;
 /// Instants mostly move on, with new plans, before they have come. Then nothing is done: a slot waits
 /// in the queue for the soonest instant that it had, and is put off when that has come.
 #[derive(Debug, Default)]
-pub(super) struct Calendar {
+pub(super) struct DueQueue {
     /// By slot: when it is due, s; infinite if never.
     due: Vec<f64>,
     /// By slot: the soonest of its entries in the queue, s; infinite if there is none.
     queued: Vec<f64>,
     /// A slot that is due has an entry that is no later.
-    queue: BinaryHeap<Reverse<Timed<u32>>>,
+    queue: BinaryHeap<Reverse<TimeKey<u32>>>,
 }
 
-impl Calendar {
+impl DueQueue {
     /// Entries that are not too many, whatever there is.
     const FEW: usize = 1024;
 
@@ -67,14 +67,14 @@ impl Calendar {
         let time = self.due[place];
         if time < self.queued[place] {
             self.queued[place] = time;
-            self.queue.push(Reverse(Timed { time, what: slot }));
+            self.queue.push(Reverse(TimeKey { time, what: slot }));
             // Instants that come ever sooner leave entries behind.
             if self.queue.len() > Self::FEW + 2 * self.due.len() {
                 self.queue.clear();
                 let queued = (0..).zip(&self.queued);
                 let queued = queued.filter(|(_, time)| **time < f64::INFINITY);
                 self.queue
-                    .extend(queued.map(|(slot, &time)| Reverse(Timed { time, what: slot })));
+                    .extend(queued.map(|(slot, &time)| Reverse(TimeKey { time, what: slot })));
             }
         }
     }
@@ -82,7 +82,7 @@ impl Calendar {
 
 #[cfg(test)]
 mod tests {
-    use super::Calendar;
+    use super::DueQueue;
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 
@@ -90,7 +90,7 @@ mod tests {
     fn equals_a_plain_list_whatever_is_put_off_and_brought_forward() {
         const SLOTS: u32 = 50;
         let mut rng = ChaCha8Rng::seed_from_u64(8);
-        let mut calendar = Calendar::default();
+        let mut calendar = DueQueue::default();
         let mut plain = vec![f64::INFINITY; SLOTS as usize];
         let mut told = 0;
         for round in 0..20_000 {
@@ -119,7 +119,7 @@ mod tests {
             for slot in found {
                 plain[slot as usize] = f64::INFINITY;
             }
-            assert!(calendar.queue.len() <= Calendar::FEW + 2 * SLOTS as usize);
+            assert!(calendar.queue.len() <= DueQueue::FEW + 2 * SLOTS as usize);
         }
         assert!(told > 5_000, "{told}");
     }

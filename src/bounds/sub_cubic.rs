@@ -1,13 +1,13 @@
-//! Parts of a sketch's cubics.
+//! Parts of a compact trajectory's cubics.
 
-use super::period::Period;
-use super::stroke::Stroke;
+use super::compact_cubic::CompactCubic;
+use super::slice_interval::SliceInterval;
 use super::{ROUNDING, nearest};
 use glam::Vec4;
 
 /// A cubic or a part of one: control points relative to a body's place, in the frame's unit.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Piece {
+pub(crate) struct SubCubic {
     pub(super) points: [Vec4; 4],
     /// What rounding is relative to, besides the points' own size: no two points are farther from
     /// each other than twice this.
@@ -18,12 +18,12 @@ pub(crate) struct Piece {
     pub(super) to: f64,
 }
 
-impl Piece {
+impl SubCubic {
     /// Roundings that the points carry, relative to their coordinates and to `near`, at first and
     /// for each split.
     ///
-    /// Far: one of each point of a sketch; a split has three levels of de Casteljau, each with the
-    /// rounding of its sum. Two more for the sums of a box, or three for the line of a course and
+    /// Far: one of each point of a compact trajectory; a split has three levels of de Casteljau, each with the
+    /// rounding of its sum. Two more for the sums of a box, or three for the line of a fat line and
     /// one for its place, and one to spare.
     /// Near: differences of points are at most 2. At each level a difference and its product with
     /// the share are rounded, 3 (2 + 2); the share's own rounding moves a point by up to 6; and
@@ -46,8 +46,8 @@ impl Piece {
 
     /// A whole cubic.
     #[inline(always)]
-    pub(super) fn whole(stroke: &Stroke, (from, to): (f64, f64), factor: f32) -> Self {
-        let (points, near) = stroke.points(factor);
+    pub(super) fn whole(compact_cubic: &CompactCubic, (from, to): (f64, f64), factor: f32) -> Self {
+        let (points, near) = compact_cubic.points(factor);
         Self {
             points,
             near,
@@ -65,7 +65,7 @@ impl Piece {
 
     /// Whether it lasts from a slice's beginning to its end, and some time.
     #[inline(always)]
-    pub(crate) fn fills<const MOVES: bool>(&self, period: &Period<MOVES>) -> bool {
+    pub(crate) fn fills<const MOVES: bool>(&self, period: &SliceInterval<MOVES>) -> bool {
         period.rate > 0.0 && self.from <= period.from && self.to >= period.to
     }
 
@@ -146,7 +146,7 @@ mod tests {
             let points = [0; 4].map(|_| (place + vector(1.0)).extend(0.0));
             let exact = points.map(|point| Exact::of(wide(point)));
             let near = points.map(|point| wide(point).distance(wide(points[0])));
-            let whole = Piece {
+            let whole = SubCubic {
                 points,
                 near: nearest(near.into_iter().fold(0.0, f64::max)),
                 splits: 0.0,
@@ -162,8 +162,8 @@ mod tests {
                     let ends = [number(piece.from), number(piece.to)];
                     let largest = piece.points.map(Vec4::abs).into_iter();
                     let largest = largest.reduce(Vec4::max).unwrap_or_default();
-                    let all = Piece::roundings(largest, piece.near, piece.splits);
-                    let once = Piece::roundings(largest, piece.near, 0.0);
+                    let all = SubCubic::roundings(largest, piece.near, piece.splits);
+                    let once = SubCubic::roundings(largest, piece.near, 0.0);
                     for (j, point) in piece.points.into_iter().enumerate() {
                         let off = Exact::of(wide(point)).minus(&Exact::blossom(&exact, j, &ends));
                         let holds = off.is_within_box(wide(all - once));

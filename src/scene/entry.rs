@@ -2,7 +2,7 @@
 
 use super::arena::{ArenaRange, CubicArena};
 use super::body::Body;
-use crate::bounds::{Drawing, Extremes, Line, Sketch};
+use crate::bounds::{CompactTrajectory, CompactView, DAabb, Line};
 use crate::error::Error;
 use crate::trajectory::{Extension, Segment, Trajectory};
 use crate::window::Window;
@@ -10,19 +10,19 @@ use std::sync::OnceLock;
 
 /// What screening needs to know of a motion.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Outline {
+pub(crate) struct MotionSummary {
     /// Rough extremes of all segments, m.
-    pub(crate) extremes: Extremes,
+    pub(crate) extremes: DAabb,
     /// Sum of the segments' extents: a bound on the way flown, m.
     pub(crate) path: f64,
     /// Drawn on lines that are kept beside it.
-    pub(crate) sketch: Sketch,
+    pub(crate) sketch: CompactTrajectory,
 }
 
-impl Outline {
+impl MotionSummary {
     fn of(trajectory: &Trajectory, lines: &mut [Line]) -> Self {
         let (knots, segments) = (trajectory.knots(), trajectory.segments());
-        let (sketch, extremes) = Sketch::draw(knots, segments, lines);
+        let (sketch, extremes) = CompactTrajectory::draw(knots, segments, lines);
         let mut outline = Self {
             extremes,
             path: segments.iter().map(Segment::extent).sum(),
@@ -32,7 +32,7 @@ impl Outline {
             let position = trajectory
                 .position(outline.sketch.ends().0)
                 .unwrap_or_default();
-            outline.extremes.include(Extremes {
+            outline.extremes.include(DAabb {
                 low: position,
                 high: position,
             });
@@ -41,7 +41,7 @@ impl Outline {
     }
 }
 
-/// Where a body's sketch is drawn.
+/// Where a body's compact trajectory is drawn.
 #[derive(Debug)]
 enum Lines {
     /// As it was put into the scene.
@@ -52,41 +52,41 @@ enum Lines {
 
 impl Lines {
     /// Outlines a trajectory on lines of its own.
-    fn of(trajectory: &Trajectory) -> (Outline, Self) {
+    fn of(trajectory: &Trajectory) -> (MotionSummary, Self) {
         let mut lines = vec![Line::BLANK; lines_for(trajectory)];
-        let outline = Outline::of(trajectory, &mut lines);
+        let outline = MotionSummary::of(trajectory, &mut lines);
         (outline, Self::Own(lines))
     }
 
     /// The same on lines of an arena, in place of those of an outline before.
     fn shared(
         trajectory: &Trajectory,
-        before: Option<(Outline, Self)>,
+        before: Option<(MotionSummary, Self)>,
         arena: &mut CubicArena,
-    ) -> (Outline, Self) {
+    ) -> (MotionSummary, Self) {
         let count = lines_for(trajectory);
         let range = match before {
             Some((_, Self::Shared(range))) => arena.exchange(range, count),
             _ => arena.take(count),
         };
-        let outline = Outline::of(trajectory, arena.at_mut(&range));
+        let outline = MotionSummary::of(trajectory, arena.at_mut(&range));
         (outline, Self::Shared(range))
     }
 }
 
-/// Lines that the sketch of a trajectory takes.
+/// Lines that the compact form of a trajectory takes.
 fn lines_for(trajectory: &Trajectory) -> usize {
-    Sketch::lines(trajectory.knots().len(), trajectory.segments().len())
+    CompactTrajectory::lines(trajectory.knots().len(), trajectory.segments().len())
 }
 
 /// A body, and what was worked out of its motion so far.
 #[derive(Debug)]
-pub(crate) struct Occupant {
+pub(crate) struct SceneEntry {
     pub(crate) body: Body,
-    outline: OnceLock<(Outline, Lines)>,
+    outline: OnceLock<(MotionSummary, Lines)>,
 }
 
-impl Occupant {
+impl SceneEntry {
     /// The body in the scene with this arena.
     pub(super) fn new(body: Body, arena: &mut CubicArena) -> Self {
         let outline = Lines::shared(&body.trajectory, None, arena).into();
@@ -94,17 +94,17 @@ impl Occupant {
     }
 
     /// Of the trajectory: worked out now, if it was not yet.
-    pub(crate) fn outline(&self) -> &Outline {
+    pub(crate) fn outline(&self) -> &MotionSummary {
         &self.outlined().0
     }
 
-    fn outlined(&self) -> &(Outline, Lines) {
+    fn outlined(&self) -> &(MotionSummary, Lines) {
         let trajectory = &self.body.trajectory;
         self.outline.get_or_init(|| Lines::of(trajectory))
     }
 
-    /// The trajectory's sketch; the arena is that of the scene that the body is in.
-    pub(crate) fn drawing<'a>(&'a self, arena: &'a CubicArena) -> Drawing<'a> {
+    /// The compact trajectory; the arena is that of the scene that the body is in.
+    pub(crate) fn drawing<'a>(&'a self, arena: &'a CubicArena) -> CompactView<'a> {
         let (outline, lines) = self.outlined();
         outline.sketch.on(match lines {
             Lines::Shared(range) => arena.at(range),
@@ -158,7 +158,7 @@ impl Occupant {
         self.body
     }
 
-    /// Copies the sketch from the scene's old arena to the new one.
+    /// Copies the compact trajectory from the scene's old arena to the new one.
     pub(super) fn move_sketch(&mut self, old: &CubicArena, arena: &mut CubicArena) {
         if let Some((_, Lines::Shared(range))) = self.outline.get_mut() {
             *range = arena.take_copy(old, range);

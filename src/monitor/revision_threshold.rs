@@ -1,0 +1,28 @@
+//! How much an encounter changes before that is told.
+
+/// The largest change of an encounter that is not reported, measured from the last report.
+///
+/// The default keeps back what rounding changes: where a distance hardly changes, or as the clock passes
+/// an instant that was worked out. With 0 every change is reported. (The nearest point of an open
+/// encounter is another one each tick as long as it lies at the end of what is known: it is told once a
+/// lookahead at most.)
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct RevisionThreshold {
+    /// Of enter, exit and the time of closest approach, s; 1e-9 by default.
+    #[cfg_attr(feature = "serde", serde(with = "crate::json_number"))]
+    pub time: f64,
+    /// Of the least separation, m; 1e-9 by default.
+    #[cfg_attr(feature = "serde", serde(with = "crate::json_number"))]
+    pub separation: f64,
+}
+
+impl Default for RevisionThreshold {
+    /// 1e-9 s and 1e-9 m.
+    fn default() -> Self {
+        Self {
+            time: 1e-9,
+            separation: 1e-9,
+        }
+    }
+}
