@@ -33,7 +33,7 @@
 /// | clusters | the bounding sphere is tested first | its radius is rounded outward; then the pairs of spheres that bounds cannot rule out are solved, and the results united |
 /// | relative cubic | restriction to the span and difference: a bound on its error is computed with it | handed to the solver |
 /// | threshold | radii and margin are summed exactly | `Certified` takes the two neighbours of the rounded sum where it had to be rounded |
-/// | solver | `Exact` counts as contact what comes within its worst-case rounding of the threshold | `Certified` proves each part of a span inside or outside ([`enclosure`](crate::enclosure)); what is neither is reported, and what it separates is joined, as unresolved |
+/// | solver | `Exact` counts as contact what comes within its worst-case rounding of the threshold | `Certified` proves each part of a span inside or outside (`src/enclosure`); what is neither is reported, and what it separates is joined, as unresolved |
 /// | times | the local parameter is exact, its instant is rounded | outward in `Certified`; knots are met exactly |
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -63,7 +63,7 @@ pub struct TimeEnclosure {
 ///
 /// The truth is the motion in real arithmetic through the `f64` states (or of the `f64`
 /// polynomials) given, with the exact sum of radii and margin. The proof is in
-/// [`enclosure`](crate::enclosure).
+/// `src/enclosure`.
 ///
 /// ```
 /// use nearmiss::glam::DVec3;

@@ -71,11 +71,11 @@
 //!   pool, and `kernels::parallel` exists. Without it they run on the caller's thread,
 //!   with the same answers.
 //! - `live` (default): `Monitor::spawn` runs a monitor on a thread of its own, behind the bounded
-//!   channels of [`live`].
+//!   channels of `live`.
 //! - `serde`: scenes, states, queries, screenings, options, commands, events, snapshots, conflicts and their parts
 //!   implement `Serialize` and `Deserialize`.
 //! - `recording`: `Monitor::start_recording` writes down what a monitor is told, and
-//!   [`recording::Replay`] goes through it again, bit for bit. Turns `serde` on.
+//!   `recording::Replay` goes through it again, bit for bit. Turns `serde` on.
 //! - `mint`: [`State::new`] takes the vectors of other libraries.
 //!
 //! On `wasm32-unknown-unknown` everything runs on the caller's thread without `parallel` and `live`; the clock that

@@ -35,7 +35,7 @@
 //! or shows where to cut the span for the proof, unless it is as low. The last ones are enclosed,
 //! and searched by branch and bound.
 //!
-//! *Enclosures* ([`enclosure`](crate::enclosure)): the span is split at the guess; on each side a quadratic below
+//! *Enclosures* (`src/enclosure`): the span is split at the guess; on each side a quadratic below
 //! the Bernstein coefficients of the squared distance, formed from differences, bounds it to the
 //! last digits. Then quarters, then branch and bound.
 //!
