@@ -84,21 +84,23 @@ impl JumpSearch {
             let slices = bodies.cheapest_slices(window, progress.slice, pool);
             let traffic = bodies.traffic(window);
             let mut counted = Stats::default();
-            bodies.search(Window::ALL, limits, (pool, threads)).spans(
+            let search = bodies.search(Window::ALL, limits, (pool, threads));
+            let done = search.spans(
                 |scratch| &mut scratch.sweep,
                 (&slices, &traffic),
                 filter,
                 &|_| {},
                 (&mut *found, &mut counted),
-            )?;
+            );
+            if filter.gives_up() {
+                return Ok(Some(progress.at.max(from)));
+            }
+            done?;
             let work = counted.boxes + counted.candidates;
             let work = usize::try_from(work).unwrap_or(usize::MAX);
             counted.slices = u64::from(slices.count());
             *stats += counted;
             meter.count(work.saturating_add(1));
-            if filter.gives_up() {
-                return Ok(Some(progress.at.max(from)));
-            }
             progress.at = end;
             progress.slice = slices.length();
             let little = Self::LITTLE.0 + Self::LITTLE.1 * bodies.len();

@@ -41,7 +41,7 @@ mod tests {
         assert_eq!(size_of::<Segment>(), 128);
         assert_eq!(size_of::<CompactCubic>(), 64);
         // Its motion beyond its knots lies with its segments.
-        assert_eq!(size_of::<SceneEntry>() + 2 * size_of::<Segment>(), 544);
+        assert_eq!(size_of::<SceneEntry>() + 2 * size_of::<Segment>(), 560);
         assert_eq!(size_of::<CubicRun>(), 64);
         let line = size_of::<BodyView<'_>>() + size_of::<CubicSource<'_, CompactCubic>>();
         let line = line + size_of::<(f64, f64)>();

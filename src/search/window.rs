@@ -136,7 +136,8 @@ impl<C: BoundingCubic + Sync> WindowSearch<'_, C> {
             let mut rest = &candidates[..];
             for (slice, &count) in run.iter().zip(&counts) {
                 let (these, others) = rest.split_at(count);
-                stats.spans += self.refine(slice, slices.interval(number), these, scratch)?;
+                stats.spans +=
+                    self.refine(slice, (slices.interval(number), these), filter, scratch)?;
                 (rest, number) = (others, number + 1);
             }
             stats.candidates += candidates.len() as u64;
@@ -170,30 +171,39 @@ impl<C: BoundingCubic + Sync> WindowSearch<'_, C> {
         });
     }
 
-    /// Adds the spans of a slice's candidates to those found; returns how many were looked at.
-    fn refine(
+    /// Adds the spans of a slice's candidates to those found; returns how many were looked at. Not all are, if
+    /// the filter gives up.
+    fn refine<F: PairFilter>(
         &self,
         slice: &SliceBounds,
-        interval: (f64, f64),
-        candidates: &[Candidate],
+        (interval, candidates): ((f64, f64), &[Candidate]),
+        filter: &F,
         scratch: &mut SearchScratch,
     ) -> Result<u64, LimitExceeded> {
+        /// Candidates that are looked at before the filter is asked again: some milliseconds.
+        const STEP: usize = 1 << 14;
         let SearchScratch {
             refiner,
             found,
             sorter,
             ..
         } = scratch;
-        let question = RefineContext {
-            bodies: &self.bodies,
-            fat_lines: &slice.fat_lines,
-            interval,
-            window: self.window,
-            margin: self.margin,
-            max_spans: self.limits.spans,
-        };
         let pair = |pair: Candidate| Some([pair.a, pair.b].map(|at| slice.bodies[at as usize]));
-        let looked_at = refiner.refine(&question, candidates, pair, found);
+        let (mut looked_at, before) = (0, found.len());
+        for some in candidates.chunks(STEP) {
+            if filter.gives_up() {
+                break;
+            }
+            let context = RefineContext {
+                bodies: &self.bodies,
+                fat_lines: &slice.fat_lines,
+                interval,
+                window: self.window,
+                margin: self.margin,
+                max_spans: self.limits.spans.saturating_sub(found.len() - before),
+            };
+            looked_at += refiner.refine(&context, some, pair, found);
+        }
         if found.len() > self.limits.spans {
             // A span that lasts for several slices is found in each.
             sorter.sort_and_dedup(found, self.bodies.views.len());
@@ -237,7 +247,7 @@ impl<C: BoundingCubic + Sync> WindowSearch<'_, C> {
             let room = self.limits.candidates;
             if list_pairs(method(scratch), slice, room, filter, &mut candidates) {
                 stats.candidates += candidates.len() as u64;
-                stats.spans += self.refine(slice, interval, &candidates, scratch)?;
+                stats.spans += self.refine(slice, (interval, &candidates), filter, scratch)?;
                 return Ok(());
             }
             if halves.slices.is_empty() || both.extent >= 2.0 * LESS * whole.extent {
@@ -253,7 +263,7 @@ impl<C: BoundingCubic + Sync> WindowSearch<'_, C> {
             let room = self.limits.candidates_of_slice(half.boxes.len());
             if list_pairs(method(scratch), half, room, filter, &mut candidates) {
                 stats.candidates += candidates.len() as u64;
-                stats.spans += self.refine(half, interval, &candidates, scratch)?;
+                stats.spans += self.refine(half, (interval, &candidates), filter, scratch)?;
             } else {
                 drop(candidates);
                 self.divide(method, (interval, half), filter, stats, scratch)?;

@@ -85,17 +85,18 @@ impl LookaheadSearch {
         let found = (&mut self.survivors, &mut counted);
         let done = search.spans(|scratch| &mut scratch.sweep, cut, filter, &|_| {}, found);
         bodies.forget(&mut self.lists);
+        if filter.gives_up() {
+            return Ok(());
+        }
         done?;
         meter.count(usize::try_from(counted.boxes + counted.candidates).unwrap_or(0));
         *stats += counted;
-        if !filter.gives_up() {
-            for (number, slice) in self.slices.iter_mut().enumerate() {
-                if number < needed {
-                    slice.set_compared();
-                    *stats += std::mem::take(&mut slice.stats);
-                } else {
-                    slice.note(&self.dirty);
-                }
+        for (number, slice) in self.slices.iter_mut().enumerate() {
+            if number < needed {
+                slice.set_compared();
+                *stats += std::mem::take(&mut slice.stats);
+            } else {
+                slice.note(&self.dirty);
             }
         }
         Ok(())
