@@ -47,7 +47,7 @@ impl<'a> Knots<'a> {
 
     /// Returns the knots of a plan, as far as it is extended.
     pub(crate) fn over(plan: &'a Trajectory, extension: Option<&Extension>) -> Self {
-        Self::of(plan.knots()).extended(plan, extension)
+        Self::of(plan.cuts()).extended(plan, extension)
     }
 
     /// Returns these knots of a plan with those beyond them.

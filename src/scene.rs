@@ -328,7 +328,11 @@ impl Scene {
     pub fn planned(&self) -> Option<Window> {
         let trajectories = self.bodies().map(|(_, body)| &body.trajectory);
         let plans = trajectories.filter(|trajectory| !trajectory.segments().is_empty());
-        plans.map(Trajectory::planned).reduce(hull)
+        let planned = plans.filter_map(|plan| match plan.knots() {
+            [first, .., last] => Window::new(*first, *last).ok(),
+            _ => None,
+        });
+        planned.reduce(hull)
     }
 
     /// Rough extremes of all plans of bodies that may be part of a pair, m.

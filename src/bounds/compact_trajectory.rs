@@ -93,6 +93,17 @@ impl CompactTrajectory {
         (sketch, extremes)
     }
 
+    /// Of a straight motion between two instants (s): nothing is drawn of it.
+    pub(crate) const fn of_line(ends: (f64, f64)) -> Self {
+        Self {
+            frame: Frame::OF_NOTHING,
+            size: 0.0,
+            ends,
+            knots: 0,
+            cubics: 0,
+        }
+    }
+
     /// First and last knot, s; the first is later only if there are none.
     pub(crate) const fn ends(&self) -> (f64, f64) {
         self.ends

@@ -25,8 +25,9 @@ pub(crate) trait BoundingCubic {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CubicSource<'a, C> {
     pub(crate) knots: Knots<'a>,
-    /// Those of the plan.
+    /// Those of the plan; none where it is a straight motion.
     cubics: &'a [C],
+    straight: Option<&'a Segment>,
     /// Those of the cubics that were summed up.
     bundles: &'a [CubicRun],
     pub(crate) placement: FramePlacement,
@@ -37,6 +38,7 @@ impl<C> CubicSource<'_, C> {
     pub(crate) const NONE: Self = Self {
         knots: Knots::NONE,
         cubics: &[],
+        straight: None,
         bundles: &[],
         placement: FramePlacement::NONE,
     };
@@ -50,14 +52,24 @@ impl<C: BoundingCubic> CubicSource<'_, C> {
             return self.piece_of_extended(number);
         }
         let knots = self.knots.own();
-        self.cubics[number].piece((knots[number], knots[number + 1]), &self.placement)
+        self.own_piece(number, (knots[number], knots[number + 1]))
+    }
+
+    /// A whole cubic of the plan, or the one of a straight motion.
+    #[inline(always)]
+    fn own_piece(&self, number: usize, ends: (f64, f64)) -> SubCubic {
+        match (self.cubics.get(number), self.straight) {
+            (Some(cubic), _) => cubic.piece(ends, &self.placement),
+            (None, Some(straight)) => straight.piece(ends, &self.placement),
+            (None, None) => SubCubic::anywhere(ends),
+        }
     }
 
     #[inline(never)]
     fn piece_of_extended(&self, number: usize) -> SubCubic {
         let ends = (self.knots.at(number), self.knots.at(number + 1));
         match self.knots.segment_beyond(number) {
-            None => self.cubics[number - self.knots.before()].piece(ends, &self.placement),
+            None => self.own_piece(number - self.knots.before(), ends),
             Some(segment) => segment.piece(ends, &self.placement),
         }
     }
@@ -127,8 +139,30 @@ impl<'a> CubicSource<'a, CompactCubic> {
         Self {
             knots,
             cubics: drawing.compact_cubics,
+            straight: None,
             bundles: drawing.bundles,
             placement: FramePlacement::new(anchor, drawing.size, padding, frame),
+        }
+    }
+}
+
+impl<'a, C> CubicSource<'a, C> {
+    /// Of a body that moves straight, with these knots.
+    pub(crate) fn straight(
+        (knots, segment): (Knots<'a>, &'a Segment),
+        padding: &Padding,
+        frame: &Frame,
+    ) -> Self {
+        let anchor = Frame {
+            origin: segment.origin(),
+            power: frame.power,
+        };
+        Self {
+            knots,
+            cubics: &[],
+            straight: Some(segment),
+            bundles: &[],
+            placement: FramePlacement::new(anchor, 0.0, padding, frame),
         }
     }
 }
@@ -148,6 +182,7 @@ impl<'a> CubicSource<'a, Segment> {
         Self {
             knots,
             cubics: segments,
+            straight: None,
             bundles: &[],
             placement: FramePlacement::new(anchor, 0.0, padding, frame),
         }

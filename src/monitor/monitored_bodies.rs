@@ -39,7 +39,7 @@ impl MonitoredBody {
             padding: Padding::of(hitbox, margin, frame),
             extension: None,
             begin: window.start(),
-            ends: Knots::of(trajectory.knots()).ends(),
+            ends: Knots::of(trajectory.cuts()).ends(),
             until: f64::INFINITY,
             has_partner: true,
         };
@@ -49,15 +49,18 @@ impl MonitoredBody {
         Ok(flight)
     }
 
-    /// Follows a plan without end up to an instant (s), and far beyond it if that can be done.
+    /// Follows a plan without end up to an instant (s), and far beyond it if it is left before and that can be
+    /// done.
     fn follow(&mut self, trajectory: &Trajectory, end: f64) -> Result<(), Error> {
         /// Windows that are followed ahead: pieces get twice as long from one to the next.
         const AHEAD: f64 = 1024.0;
-        let far = end + AHEAD * (end - self.begin);
-        let extended = self.extended(trajectory, far);
-        self.extension = extended.or_else(|_| self.extended(trajectory, end))?;
-        if let Some(extension) = &self.extension {
+        let needed = self.extended(trajectory, end)?;
+        if let Some(needed) = needed {
+            let far = end + AHEAD * (end - self.begin);
+            let extension = self.extended(trajectory, far).ok().flatten();
+            let extension = extension.unwrap_or(needed);
             self.ends = extension.domain;
+            self.extension = Some(extension);
         }
         if trajectory.outside_after() != Outside::Absent {
             self.until = self.ends.1;
@@ -79,10 +82,10 @@ impl MonitoredBody {
         trajectory: &'s Trajectory,
         hitbox: &'s Hitbox,
     ) -> BodyView<'s> {
-        let knots = Knots::with_ends(trajectory.knots(), self.ends);
+        let knots = Knots::with_ends(trajectory.cuts(), self.ends);
         BodyView {
             knots: knots.extended(trajectory, self.extension.as_ref()),
-            segments: trajectory.segments(),
+            segments: trajectory.cubics(),
             spheres: hitbox.spheres(),
             bounding: hitbox.bounding(),
         }

@@ -21,14 +21,25 @@ pub(crate) struct MotionSummary {
 
 impl MotionSummary {
     fn of(trajectory: &Trajectory, lines: &mut [Line]) -> Self {
-        let (knots, segments) = (trajectory.knots(), trajectory.segments());
+        if let Some((segment, [first, last])) = trajectory.line() {
+            let position = segment.origin();
+            return Self {
+                extremes: DAabb {
+                    low: position,
+                    high: position,
+                },
+                path: 2.0 * segment.extent(),
+                sketch: CompactTrajectory::of_line((first, last)),
+            };
+        }
+        let (knots, segments) = (trajectory.cuts(), trajectory.cubics());
         let (sketch, extremes) = CompactTrajectory::draw(knots, segments, lines);
         let mut outline = Self {
             extremes,
             path: segments.iter().map(Segment::extent).sum(),
             sketch,
         };
-        if trajectory.segments().is_empty() {
+        if segments.is_empty() {
             let position = trajectory
                 .position(outline.sketch.ends().0)
                 .unwrap_or_default();
@@ -76,7 +87,10 @@ impl Lines {
 
 /// Lines that the compact form of a trajectory takes.
 fn lines_for(trajectory: &Trajectory) -> usize {
-    CompactTrajectory::lines(trajectory.knots().len(), trajectory.segments().len())
+    match trajectory.line() {
+        Some(_) => 0,
+        None => CompactTrajectory::lines(trajectory.cuts().len(), trajectory.cubics().len()),
+    }
 }
 
 /// A body, and what was worked out of its motion so far.

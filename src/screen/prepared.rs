@@ -129,10 +129,15 @@ impl<'a> PreparedScene<'a> {
         let of_place = |(other, _): &(usize, Extension)| other.cmp(&place);
         let extension = self.extensions.binary_search_by(of_place);
         let extension = extension.ok().map(|number| &self.extensions[number].1);
+        let padding = Padding::of(&entry.body.hitbox, self.margin, frame);
+        if let Some((segment, _)) = entry.body.trajectory.line() {
+            let knots = Knots::over(&entry.body.trajectory, extension);
+            let source = CubicSource::straight((knots, segment), &padding, frame);
+            return (party_of(&entry.body, knots), source);
+        }
         let drawing = entry.drawing(self.arena);
         // A screening reads knots next to the compact trajectories.
         let knots = drawing.knots.extended(&entry.body.trajectory, extension);
-        let padding = Padding::of(&entry.body.hitbox, self.margin, frame);
         let source = CubicSource::sketched(knots, &drawing, &padding, frame);
         (party_of(&entry.body, knots), source)
     }
@@ -195,7 +200,7 @@ pub(super) fn lone_view(entry: &SceneEntry, window: Window) -> Result<BodyView<'
 fn party_of<'a>(body: &'a Body, knots: Knots<'a>) -> BodyView<'a> {
     BodyView {
         knots,
-        segments: body.trajectory.segments(),
+        segments: body.trajectory.cubics(),
         spheres: body.hitbox.spheres(),
         bounding: body.hitbox.bounding(),
     }

@@ -71,10 +71,14 @@ impl SceneSurvey {
         self.plans.include(plan.extremes);
         let size = Padding::size(&body.hitbox, self.margin);
         self.size = self.size.max(size);
-        self.count(
-            plan.sketch.ends(),
-            (plan.path, body.trajectory.segments().len()),
-        );
+        if let Some((segment, _)) = body.trajectory.line() {
+            let (start, end) = (self.window.start(), self.window.end());
+            if own.0 <= end && own.1 >= start {
+                self.count_beyond(segment, (own.0.max(start), own.1.min(end)), 1);
+            }
+        } else {
+            self.count(own, (plan.path, body.trajectory.cubics().len()));
+        }
         if let Some(extension) = extension {
             let plan = &body.trajectory;
             if extension.before > 0 {

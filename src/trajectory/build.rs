@@ -1,8 +1,9 @@
 //! The ways to make a trajectory, each with all its checks.
 
+use super::cuts::DoublingCuts;
 use super::double_double::DoubleDouble;
 use super::roomy::Roomy;
-use super::{Outside, Segment, State, Trajectory, bend};
+use super::{Form, Line, Outside, Plan, Segment, State, Trajectory, bend};
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
 use crate::rounding::{UNIT_ROUNDOFF, largest_norm, norm, one_zero};
 use glam::DVec3;
@@ -55,12 +56,7 @@ impl Trajectory {
         ];
         segments.put_beside(0, lines[0].with_bend(leaving[0], before));
         segments.put_beside(1, lines[1].with_bend(arriving[1], after));
-        Ok(Self {
-            knots,
-            segments,
-            before: Outside::default(),
-            after: Outside::default(),
-        })
+        Ok(Self::absent_outside(knots, segments))
     }
 
     /// Cubic Hermite segments through positions only, `(time, position)`; velocities by the
@@ -193,12 +189,20 @@ impl Trajectory {
         };
         let last = segments.len() - 1;
         let coast = [end_line(0, 0)?, end_line(last, last + 1)?];
-        Ok(Self {
-            knots: Roomy::new(&knots, &[]),
-            segments: Roomy::new(&segments, &coast),
-            before: Outside::default(),
-            after: Outside::default(),
-        })
+        let (knots, segments) = (Roomy::new(&knots, &[]), Roomy::new(&segments, &coast));
+        Ok(Self::absent_outside(knots, segments))
+    }
+
+    const fn absent_outside(knots: Roomy<f64>, segments: Roomy<Segment, 2>) -> Self {
+        Self {
+            form: Form::Plan(Plan {
+                knots,
+                segments,
+                before: Outside::Absent,
+                after: Outside::Absent,
+                has_piece_after: false,
+            }),
+        }
     }
 
     /// A body that stays at `position` for all time (m).
@@ -213,7 +217,7 @@ impl Trajectory {
     /// [`Error::NotFinite`] and [`Error::OutOfRange`] if the position is no position.
     pub fn at_rest(position: DVec3) -> Result<Self, Error> {
         // It lasts as long as times go, so that a window however long needs one piece, or two.
-        Self::line(State::new(0.0, position, DVec3::ZERO), MAX_MAGNITUDE)
+        Self::through(State::new(0.0, position, DVec3::ZERO), MAX_MAGNITUDE)
     }
 
     /// A body that keeps its velocity for all time: dead reckoning from one state, of a body that a
@@ -244,19 +248,22 @@ impl Trajectory {
         /// Seconds: as long as many lookaheads, which then need one piece, or two. Not longer: boxes are as
         /// good as f32 can tell the way that is covered in that time.
         const DURATION: f64 = 6.0;
-        Self::line(state, DURATION)
+        Self::through(state, DURATION)
     }
 
-    /// Straight motion through one state, in pieces of this duration (s) and longer ones.
-    fn line(state: State, duration: f64) -> Result<Self, Error> {
+    /// Straight motion through one state, of which one cubic serves for this duration (s) before and after it.
+    fn through(state: State, duration: f64) -> Result<Self, Error> {
         check_states(&[state])?;
-        let line = Segment::line(&state, duration, 0.0, 0)?;
-        Ok(Self {
-            knots: Roomy::new(&[one_zero(state.time)], &[]),
-            segments: Roomy::new(&[], &[line, line]),
-            before: Outside::Coast,
-            after: Outside::Coast,
-        })
+        Ok(Self::of_line(Segment::line(&state, duration, 0.0, 0)?))
+    }
+
+    /// The motion that goes on from the start of a cubic, before and after.
+    pub(super) fn of_line(segment: Segment) -> Self {
+        let (knot, duration) = (segment.start(), segment.end() - segment.start());
+        let ends = [-duration, duration].map(|step| DoublingCuts::cut(knot, step, 1));
+        Self {
+            form: Form::Line(Line { segment, ends }),
+        }
     }
 }
 

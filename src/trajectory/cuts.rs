@@ -25,6 +25,15 @@ impl DoublingCuts {
         }
     }
 
+    /// Those after the cut with a number (k).
+    pub(super) fn after(number: u32, knot: f64, step: f64, until: f64) -> Self {
+        Self {
+            number,
+            last: Self::cut(knot, step, number),
+            ..Self::of(knot, step, until)
+        }
+    }
+
     /// Returns the cut with a number (k), whether or not the one before it is another instant.
     pub(super) fn cut(knot: f64, step: f64, number: u32) -> f64 {
         let factor = 2_f64.powi(number.cast_signed());

@@ -24,8 +24,11 @@ pub use segment::Segment;
 pub use state::State;
 
 use crate::window::Window;
+use cuts::DoublingCuts;
+use extension::check_reach;
 use glam::DVec3;
 use roomy::Roomy;
+use std::slice::from_ref;
 
 /// The motion of one body: cubic segments between knots, and what it does before and after.
 ///
@@ -41,14 +44,40 @@ use roomy::Roomy;
 /// assert_eq!(plan.position(3.0), None); // absent after its last knot
 /// # Ok::<(), nearmiss::Error>(())
 /// ```
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
     feature = "serde",
     serde(try_from = "serial::Numbers", into = "serial::Numbers")
 )]
 pub struct Trajectory {
-    /// One more than segments. A body that is at rest, or only coasts, has one knot and no segment.
+    form: Form,
+}
+
+/// The two forms of a trajectory.
+#[derive(Clone, Debug)]
+enum Form {
+    /// Straight motion for all time, from one state.
+    Line(Line),
+    Plan(Plan),
+}
+
+/// Straight motion for all time. It takes no memory beside this.
+///
+/// One cubic serves from its duration before the state to its duration after it. Farther away the motion is
+/// cut into [pieces](extension), as beyond the knots of a plan.
+#[derive(Clone, Debug)]
+struct Line {
+    /// Begins at the state.
+    segment: Segment,
+    /// First and last instant of the cubic, s.
+    ends: [f64; 2],
+}
+
+/// Cubics between knots.
+#[derive(Clone, Debug)]
+struct Plan {
+    /// One more than segments. There are none where a straight motion is followed by another one.
     knots: Roomy<f64>,
     /// Beside them: straight motion before the first and after the last knot. There they cost a
     /// body that is moved about, or never asked, nothing.
@@ -57,6 +86,53 @@ pub struct Trajectory {
     before: Outside,
     /// After the last knot.
     after: Outside,
+    /// The first piece after the last knot is the last one of the lists: it is read as fast as the plan's own.
+    has_piece_after: bool,
+}
+
+impl Plan {
+    /// Returns the knots, without the end of the piece after the last one.
+    fn knots(&self) -> &[f64] {
+        &self.knots[..self.knots.len() - usize::from(self.has_piece_after)]
+    }
+
+    /// Returns the cubics between the knots.
+    fn segments(&self) -> &[Segment] {
+        &self.segments[..self.segments.len() - usize::from(self.has_piece_after)]
+    }
+
+    /// Takes the first piece after the last knot into the lists, if the plan coasts there.
+    fn add_piece_after(&mut self) {
+        let carrier = self.segments.beside()[1].straight();
+        let Some(&last) = self.knots.last().filter(|_| self.after == Outside::Coast) else {
+            return;
+        };
+        let cut = DoublingCuts::cut(last, carrier.end() - carrier.start(), 1);
+        let is_piece = cut > last && check_reach(&carrier, (last, cut), 0).is_ok();
+        if is_piece && !self.has_piece_after {
+            self.knots.push(cut);
+            self.segments.push(carrier);
+            self.has_piece_after = true;
+        }
+    }
+
+    /// Takes the piece after the last knot out of the lists.
+    fn drop_piece_after(&mut self) {
+        if std::mem::take(&mut self.has_piece_after) {
+            self.knots.pop();
+            self.segments.pop();
+        }
+    }
+}
+
+impl PartialEq for Trajectory {
+    fn eq(&self, other: &Self) -> bool {
+        let rules = |plan: &Self| (plan.outside_before(), plan.outside_after());
+        self.knots() == other.knots()
+            && self.segments() == other.segments()
+            && self.carriers() == other.carriers()
+            && rules(self) == rules(other)
+    }
 }
 
 /// What a body does before its first and after its last knot.
@@ -109,8 +185,11 @@ impl Trajectory {
     /// whatever the rule.
     #[must_use]
     pub fn with_outside(mut self, outside: Outside) -> Self {
-        if !self.segments.is_empty() {
-            (self.before, self.after) = (outside, outside);
+        if let Form::Plan(plan) = &mut self.form
+            && !plan.segments().is_empty()
+        {
+            plan.drop_piece_after();
+            (plan.before, plan.after) = (outside, outside);
         }
         self
     }
@@ -118,7 +197,10 @@ impl Trajectory {
     /// What the body does before its first knot.
     #[must_use]
     pub const fn outside_before(&self) -> Outside {
-        self.before
+        match &self.form {
+            Form::Line(_) => Outside::Coast,
+            Form::Plan(plan) => plan.before,
+        }
     }
 
     /// What the body does after its last knot. Not the same as [before](Self::outside_before) its first
@@ -126,25 +208,70 @@ impl Trajectory {
     /// on as it did.
     #[must_use]
     pub const fn outside_after(&self) -> Outside {
-        self.after
+        match &self.form {
+            Form::Line(_) => Outside::Coast,
+            Form::Plan(plan) => plan.after,
+        }
     }
 
-    /// Whether it exists before its first knot or after its last one.
+    /// Returns true if it exists before its first knot or after its last one.
     pub(crate) fn goes_beyond(&self) -> bool {
-        self.before != Outside::Absent || self.after != Outside::Absent
+        self.outside_before() != Outside::Absent || self.outside_after() != Outside::Absent
+    }
+
+    /// Returns the cubic of a straight motion from one state, and where that begins and ends (s).
+    pub(crate) const fn line(&self) -> Option<(&Segment, [f64; 2])> {
+        match &self.form {
+            Form::Line(line) => Some((&line.segment, line.ends)),
+            Form::Plan(_) => None,
+        }
+    }
+
+    /// Returns the knots between which its own cubics are followed, s: those of the plan, and where the cubic of
+    /// a straight motion from a state begins and ends.
+    pub(crate) fn cuts(&self) -> &[f64] {
+        match &self.form {
+            Form::Line(line) => &line.ends,
+            Form::Plan(plan) => &plan.knots,
+        }
+    }
+
+    /// Returns the cubics between the [cuts](Self::cuts).
+    pub(crate) fn cubics(&self) -> &[Segment] {
+        match &self.form {
+            Form::Line(line) => from_ref(&line.segment),
+            Form::Plan(plan) => &plan.segments,
+        }
+    }
+
+    /// Returns what follows from the first and from the last state: straight motion before and after.
+    fn carriers(&self) -> [&Segment; 2] {
+        match &self.form {
+            Form::Line(line) => [&line.segment; 2],
+            Form::Plan(plan) => {
+                let ends = plan.segments.beside();
+                [&ends[0], &ends[1]]
+            }
+        }
     }
 
     /// The times of the knots, s, increasing.
     #[must_use]
     pub fn knots(&self) -> &[f64] {
-        &self.knots
+        match &self.form {
+            Form::Line(line) => from_ref(line.segment.start_ref()),
+            Form::Plan(plan) => plan.knots(),
+        }
     }
 
     /// The cubics, one between each two knots. Of a cubic that a splice has cut, only the part
     /// between its knots is flown.
     #[must_use]
     pub fn segments(&self) -> &[Segment] {
-        &self.segments
+        match &self.form {
+            Form::Line(_) => &[],
+            Form::Plan(plan) => plan.segments(),
+        }
     }
 
     /// When the body exists: between its knots, and where it is not `Absent` before and after them.
@@ -155,8 +282,8 @@ impl Trajectory {
             Outside::Absent => knot,
             Outside::Extrapolate | Outside::Coast => ever,
         };
-        let start = or_ever(self.before, planned.start(), all.start());
-        let end = or_ever(self.after, planned.end(), all.end());
+        let start = or_ever(self.outside_before(), planned.start(), all.start());
+        let end = or_ever(self.outside_after(), planned.end(), all.end());
         Window::new(start, end).unwrap_or(all)
     }
 
@@ -217,16 +344,20 @@ impl Trajectory {
 
     /// Position, velocity and acceleration on the cubic that the body follows at `time`.
     fn followed_at(&self, time: f64) -> (DVec3, DVec3, DVec3) {
-        let after = self.knots.partition_point(|&knot| knot <= time);
+        let plan = match &self.form {
+            Form::Line(line) => return line.segment.motion_at(time),
+            Form::Plan(plan) => plan,
+        };
+        let after = plan.knots().partition_point(|&knot| knot <= time);
         if after == 0 {
             return self.segment_before().motion_at(time);
         }
-        if after < self.knots.len() {
-            return self.segments[after - 1].motion_at(time);
+        if after < plan.knots().len() {
+            return plan.segments()[after - 1].motion_at(time);
         }
-        match self.segments.last() {
+        match plan.segments().last() {
             // It is at its last knot, where it ceases to exist.
-            Some(last) if self.after == Outside::Absent => last.motion_at(time),
+            Some(last) if plan.after == Outside::Absent => last.motion_at(time),
             _ => self.segment_after().motion_at(time),
         }
     }

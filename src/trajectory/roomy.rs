@@ -48,6 +48,13 @@ impl<T: Copy, const BESIDE: usize> Roomy<T, BESIDE> {
         self.all.push(entry);
     }
 
+    /// Takes the last entry out.
+    pub(super) fn pop(&mut self) {
+        if self.all.len() > self.first {
+            self.all.pop();
+        }
+    }
+
     /// What is beside the list.
     pub(super) fn beside(&self) -> &[T] {
         &self.all[..BESIDE]

@@ -206,6 +206,11 @@ impl Segment {
         self.start
     }
 
+    /// The same, to be looked at as a list of one knot.
+    pub(super) const fn start_ref(&self) -> &f64 {
+        &self.start
+    }
+
     /// Time of the second knot, s.
     #[must_use]
     pub const fn end(&self) -> f64 {

@@ -3,7 +3,7 @@
 use super::build::{check_number, check_times};
 use super::extension::check_reach;
 use super::roomy::Roomy;
-use super::{Outside, Segment, Trajectory};
+use super::{Form, Outside, Plan, Segment, Trajectory};
 use crate::error::{Error, Quantity};
 use crate::rounding::{largest_norm, one_zero};
 use glam::DVec3;
@@ -23,12 +23,11 @@ pub(super) struct Numbers {
 
 impl From<Trajectory> for Numbers {
     fn from(trajectory: Trajectory) -> Self {
-        let ends = trajectory.segments.beside();
         Self {
-            knots: trajectory.knots.to_vec(),
-            segments: trajectory.segments.iter().map(Segment::numbers).collect(),
-            ends: [&ends[0], &ends[1]].map(Segment::numbers),
-            outside: [trajectory.before, trajectory.after],
+            knots: trajectory.knots().to_vec(),
+            segments: trajectory.segments().iter().map(Segment::numbers).collect(),
+            ends: trajectory.carriers().map(Segment::numbers),
+            outside: [trajectory.outside_before(), trajectory.outside_after()],
         }
     }
 }
@@ -74,11 +73,22 @@ impl TryFrom<Numbers> for Trajectory {
             // A piece may be any part of its cubic, also one beyond it.
             check_reach(segment, (ends[0], ends[1]), knot)?;
         }
+        let is_line = last == 0
+            && outside == [Outside::Coast; 2]
+            && ends[0] == ends[1]
+            && ends[0] == ends[0].straight()
+            && ends[0].start().total_cmp(&knots[0]).is_eq();
+        if is_line {
+            return Ok(Self::of_line(ends[0]));
+        }
         Ok(Self {
-            segments: Roomy::new(&segments, &ends),
-            knots: Roomy::new(&knots, &[]),
-            before: rule_before,
-            after: rule_after,
+            form: Form::Plan(Plan {
+                segments: Roomy::new(&segments, &ends),
+                knots: Roomy::new(&knots, &[]),
+                before: rule_before,
+                after: rule_after,
+                has_piece_after: false,
+            }),
         })
     }
 }

@@ -2,11 +2,13 @@
 
 use super::cuts::DoublingCuts;
 use super::extension::check_reach;
-use super::{Outside, Trajectory};
+use super::roomy::Roomy;
+use super::{Form, Outside, Plan, Trajectory};
 use crate::error::Error;
 use crate::rounding::one_zero;
 use crate::simd::prefetch;
 use std::iter::{once, repeat_n};
+use std::slice::from_ref;
 
 impl Trajectory {
     /// This plan up to `from` (s), then `plan`.
@@ -46,8 +48,8 @@ impl Trajectory {
 
     /// Whether it exists at a time (s), and goes on from there.
     pub(crate) fn goes_on_from(&self, time: f64) -> bool {
-        let is_over =
-            self.after == Outside::Absent && self.knots.last().is_none_or(|last| *last <= time);
+        let is_over = self.outside_after() == Outside::Absent
+            && self.knots().last().is_none_or(|last| *last <= time);
         time.is_finite() && self.domain().contains(time) && !is_over
     }
 
@@ -56,17 +58,10 @@ impl Trajectory {
     /// did before all of them.
     #[must_use]
     pub fn trimmed_before(mut self, time: f64) -> Self {
-        self.forget(self.past(time));
-        self
-    }
-
-    /// Drops the first cubics.
-    fn forget(&mut self, dropped: usize) {
-        if dropped > 0 {
-            self.knots.drop_front(dropped);
-            self.segments.drop_front(dropped);
-            self.before = Outside::Absent;
+        if let Form::Plan(plan) = &mut self.form {
+            plan.forget_before(time);
         }
+        self
     }
 
     /// Makes it `flown` up to `from` (s), then this plan; of `flown` only what [`trimmed_before`](Self::trimmed_before) would
@@ -80,58 +75,61 @@ impl Trajectory {
         if !flown.domain().contains(from) || !self.goes_on_from(from) {
             return Err(Error::NoPlanAt { time: from });
         }
-        let ahead = count_at_front(&self.knots, |knot| knot <= from);
+        let ahead = count_at_front(self.knots(), |knot| knot <= from);
         // Flown: whole pieces, then the one that is cut. Beyond its knots a plan goes on along its
         // carrier, which becomes a piece like any other.
-        let cut = count_at_front(&flown.knots, |knot| knot < from);
+        let (flown_knots, flown_segments) = (flown.knots(), flown.segments());
+        let cut = count_at_front(flown_knots, |knot| knot < from);
         // Cut where it was before, so that what is found there stays the same bits; and so that a cubic
         // that is followed far from its knots is not looked at as a whole.
-        let beyond = (cut > flown.segments.len()).then(|| flown.segment_after());
+        let beyond = (cut > flown_segments.len()).then(|| flown.segment_after());
         let mut cuts_after = DoublingCuts::NONE;
-        if let (Some(carrier), Some(&last)) = (&beyond, flown.knots.last()) {
-            check_reach(carrier, (last, from), flown.knots.len() - 1)?;
+        if let (Some(carrier), Some(&last)) = (&beyond, flown_knots.last()) {
+            check_reach(carrier, (last, from), flown_knots.len() - 1)?;
             cuts_after = DoublingCuts::of(last, carrier.end() - carrier.start(), from);
         }
         let mut cuts_before = DoublingCuts::NONE;
-        if let (0, Some(&first)) = (ahead, self.knots.first()) {
+        if let (0, Some(&first)) = (ahead, self.knots().first()) {
             let carrier = self.segment_before();
             check_reach(&carrier, (from, first), 0)?;
             cuts_before = DoublingCuts::of(first, carrier.start() - carrier.end(), from);
         }
         let (cuts_after, cuts_before) = (cuts_after.but_last(), cuts_before.but_last());
         // Where its pieces begin; not copied only to be dropped.
-        let begins = flown.knots[..cut].iter().copied().chain(cuts_after);
+        let begins = flown_knots[..cut].iter().copied().chain(cuts_after);
         let is_past = |time: f64| time < since.min(from);
-        let mut past = count_at_front(&flown.knots[..cut], is_past);
+        let mut past = count_at_front(&flown_knots[..cut], is_past);
         if past == cut {
             past = begins.clone().take_while(|&time| is_past(time)).count();
         }
         let dropped = past.saturating_sub(1);
         let begins = begins.skip(dropped);
         let kept = begins.clone().count();
-        let own = flown.segments.len();
-        let flown_segments = flown.segments[dropped.min(own)..cut.min(own)].iter();
+        let own = flown_segments.len();
+        let flown_segments = flown_segments[dropped.min(own)..cut.min(own)].iter();
         // To come: the piece of this plan that holds at `from`, and the rest.
-        let goes_on = ahead < self.knots.len();
+        let goes_on = ahead < self.knots().len();
         let present = match ahead {
             0 => self.segment_before(),
-            _ if goes_on => self.segments[ahead - 1],
+            _ if goes_on => self.segments()[ahead - 1],
             _ => self.segment_after(),
         };
-        self.segments.put_beside(0, flown.segments.beside()[0]);
-        self.before = flown.before;
-        if dropped > 0 {
-            self.before = Outside::Absent;
-        }
-        let replaced = ahead.min(self.segments.len());
         let beyond_count = kept - flown_segments.len();
         let beyond = beyond
             .into_iter()
             .flat_map(|beyond| repeat_n(beyond, beyond_count));
         let cut_before = cuts_before.clone().count();
         let to_come = if goes_on { 1 + cut_before } else { 0 };
-        self.segments.replace_front(
-            replaced,
+        let is_line = self.line().is_some();
+        let plan = self.as_plan();
+        plan.drop_piece_after();
+        plan.segments.put_beside(0, *flown.carriers()[0]);
+        plan.before = flown.outside_before();
+        if dropped > 0 {
+            plan.before = Outside::Absent;
+        }
+        plan.segments.replace_front(
+            ahead.min(plan.segments.len()),
             kept + to_come,
             flown_segments
                 .copied()
@@ -140,33 +138,107 @@ impl Trajectory {
         );
         let count = kept + 1 + cut_before;
         let knots = begins.chain(once(from)).chain(cuts_before);
-        self.knots.replace_front(ahead, count, knots);
+        plan.knots.replace_front(ahead, count, knots);
         // They come from the knot outwards.
-        self.knots.front_mut(count)[kept + 1..].reverse();
-        self.forget(self.past(since));
+        plan.knots.front_mut(count)[kept + 1..].reverse();
+        plan.forget_before(since);
+        if is_line {
+            plan.add_piece_after();
+        }
         Ok(())
+    }
+
+    /// Makes it the motion so far up to `from` (s), then a straight one; of the motion so far only what
+    /// [`trimmed_before`](Self::trimmed_before) would keep at `since`. Where that is a straight one as well, in
+    /// place: its own memory is used.
+    ///
+    /// # Errors
+    ///
+    /// As [`spliced`](Self::spliced); nothing was changed then.
+    pub(crate) fn turn(&mut self, from: f64, line: &Self, since: f64) -> Result<(), Error> {
+        if let (Form::Plan(plan), Form::Line(line)) = (&mut self.form, &line.form)
+            && plan.is_cut_once(from, line.segment.start())
+        {
+            let carrier = plan.segments.beside()[1].straight();
+            let last = plan.knots().len() - 1;
+            check_reach(&carrier, (plan.knots[last], from), last)?;
+            plan.drop_piece_after();
+            plan.segments.push(carrier);
+            plan.knots.push(one_zero(from));
+            plan.segments.put_beside(1, line.segment);
+            plan.forget_before(since);
+            plan.add_piece_after();
+            return Ok(());
+        }
+        let mut turned = line.clone();
+        turned.precede_by(self, from, since)?;
+        *self = turned;
+        Ok(())
+    }
+
+    /// Returns the plan that this is made of, or would be.
+    fn as_plan(&mut self) -> &mut Plan {
+        if let Form::Line(line) = &self.form {
+            let ends = [line.segment; 2];
+            let plan = Plan {
+                knots: Roomy::new(from_ref(line.segment.start_ref()), &[]),
+                segments: Roomy::new(&[], &ends),
+                before: Outside::Coast,
+                after: Outside::Coast,
+                has_piece_after: false,
+            };
+            self.form = Form::Plan(plan);
+        }
+        match &mut self.form {
+            Form::Plan(plan) => plan,
+            Form::Line(_) => unreachable!("it was made a plan"),
+        }
     }
 
     /// Fetches what a splice near the front reads into the caches.
     pub(crate) fn prefetch(&self) {
         /// One line or two.
         const KNOTS: usize = 8;
-        prefetch(&self.knots[..self.knots.len().min(KNOTS)]);
-        prefetch(self.segments.beside());
-        prefetch(&self.segments[..self.segments.len().min(2)]);
+        if let Form::Plan(plan) = &self.form {
+            prefetch(&plan.knots[..plan.knots.len().min(KNOTS)]);
+            prefetch(plan.segments.beside());
+            prefetch(&plan.segments[..plan.segments.len().min(2)]);
+        }
     }
 
     /// Fetches what dropping it reads into the caches.
     pub(crate) fn prefetch_ends(&self) {
-        self.knots.prefetch_ends();
-        self.segments.prefetch_ends();
+        if let Form::Plan(plan) = &self.form {
+            plan.knots.prefetch_ends();
+            plan.segments.prefetch_ends();
+        }
+    }
+}
+
+impl Plan {
+    /// Drops the cubics that end before `time` (s), but for the last one.
+    fn forget_before(&mut self, time: f64) {
+        let dropped = count_at_front(self.knots(), |knot| knot < time)
+            .saturating_sub(1)
+            .min(self.segments().len().saturating_sub(1));
+        if dropped > 0 {
+            self.knots.drop_front(dropped);
+            self.segments.drop_front(dropped);
+            self.before = Outside::Absent;
+        }
     }
 
-    /// How many cubics end before `time`, but for the last one.
-    fn past(&self, time: f64) -> usize {
-        count_at_front(&self.knots, |knot| knot < time)
-            .saturating_sub(1)
-            .min(self.segments.len().saturating_sub(1))
+    /// Returns true if it coasts from its last knot to an instant (s) in one piece, and a straight motion from
+    /// a state of some time (s) goes on from there in one as well.
+    fn is_cut_once(&self, from: f64, state: f64) -> bool {
+        let carrier = &self.segments.beside()[1];
+        let duration = carrier.end() - carrier.start();
+        self.after == Outside::Coast
+            && state <= from
+            && self
+                .knots()
+                .last()
+                .is_some_and(|&last| last < from && from <= last + duration)
     }
 }
 
@@ -235,9 +307,10 @@ mod tests {
                 _ => plan(&[now + 2.0], Outside::Coast),
             };
             let mut spliced = next.clone();
-            let memory = spliced.segments.beside().as_ptr();
+            spliced.as_plan();
+            let memory = std::ptr::from_ref(spliced.carriers()[0]);
             assert!(spliced.precede_by(&flown, now, now).is_ok());
-            assert_eq!(spliced.segments.beside().as_ptr(), memory, "{now}");
+            assert_eq!(std::ptr::from_ref(spliced.carriers()[0]), memory, "{now}");
             flown = spliced;
         }
     }

@@ -259,7 +259,7 @@ fn lines_at_the_ends_of_polynomials() {
         }
         let motion = Trajectory::from_coefficients(&knots, &[coefficients], TimeBase::Absolute);
         let motion = motion.unwrap_or_else(|error| unreachable!("{error}"));
-        for (line, knot) in motion.segments.beside().iter().zip(knots) {
+        for (line, knot) in motion.carriers().into_iter().zip(knots) {
             let line = line.straight();
             let time = number(knot);
             let [a, b, c, d] = coefficients.each_ref().map(|x| Exact::of(*x));
