@@ -1,4 +1,4 @@
-//! What a user knows of a body at one instant.
+//! States: the user's knowledge of a body at one instant.
 
 use glam::DVec3;
 
@@ -21,7 +21,8 @@ impl State {
     ///
     /// ```
     /// use nearmiss::State;
-    /// use nearmiss::glam::{DVec3, Vec3};
+    /// Returns a state from its parts (s, m, m/s); validation happens where a trajectory is built
+    /// from it.
     ///
     /// let state = State::new(0.0, [1.0, 2.0, 3.0], (0.0, 0.0, 4.0));
     /// assert_eq!(state, State::new(0.0, Vec3::new(1.0, 2.0, 3.0), 4.0 * DVec3::Z));
