@@ -10,30 +10,31 @@ use glam::Vec4;
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
 
-/// What is known of a body in a slice from the pieces of its motion so far, relative to the body's
-/// place. (Of four lanes, the last holds nothing of use.)
+/// The bounds of a body's motion over the pieces so far of one slice, relative to the body's place.
+/// The fourth lane is unused.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BoundsBuilder<const MOVES: bool> {
-    /// Its box, which moves.
+    /// The body's box, which moves with the slice interval.
     low: Vec4,
     high: Vec4,
-    /// What rounding is relative to, besides these, and how often a piece was split at most.
+    /// The other magnitude to which rounding is relative, and the largest number of splits of a
+    /// piece.
     near: f32,
     splits: f32,
-    /// How far it strays from the line on each axis: to the one side, and to the other.
+    /// Least and largest deviation from the line on each axis.
     least: Vec4,
     most: Vec4,
-    /// The line from where the first piece begins to where the last one ends.
+    /// The line from the start of the first piece to the end of the last one.
     start: Vec4,
     change: Vec4,
-    /// Where it is at the end of the pieces so far, and which share of the slice has passed then.
+    /// Point on the line at the end of the pieces so far, and the elapsed share of the slice.
     line: Vec4,
     share: f32,
     period: SliceInterval<MOVES>,
 }
 
 impl<const MOVES: bool> BoundsBuilder<MOVES> {
-    /// From the first piece of a slice to the last.
+    /// Starts a builder with the first piece of a slice, on the line to the end of the last one.
     #[inline(always)]
     pub(crate) fn between(head: &SubCubic, tail: &SubCubic, period: &SliceInterval<MOVES>) -> Self {
         let mut trace = Self::toward((head.points[0], head.from), tail.points[3], period);
@@ -41,7 +42,7 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         trace
     }
 
-    /// Of a single piece from the slice's beginning to its end.
+    /// Returns the bounds of a single piece that fills the slice.
     #[inline(always)]
     pub(crate) fn alone(piece: &SubCubic, period: &SliceInterval<MOVES>) -> Self {
         let [p0, p1, p2, p3] = piece.points;
@@ -66,7 +67,8 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         }
     }
 
-    /// From a run of cubics, at the beginning of a period, to where another one ends.
+    /// Starts a builder at the beginning of one run of cubics, on the line to the end of another
+    /// one.
     pub(super) fn between_bundles(
         first: &ScaledRun,
         last: &ScaledRun,
@@ -80,7 +82,7 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         }
     }
 
-    /// From a point at an instant (s) to another one.
+    /// Starts a builder on the line from a point at an instant (s) to another point.
     #[inline(always)]
     fn toward((start, from): (Vec4, f64), end: Vec4, period: &SliceInterval<MOVES>) -> Self {
         // In no time there is no change: what is elsewhere strays.
@@ -107,7 +109,7 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         }
     }
 
-    /// Goes on with a piece that begins when the one before ends, wherever that is.
+    /// Adds a piece that begins when the previous one ends, possibly at another position.
     #[inline(always)]
     pub(crate) fn follow_from_start(&mut self, piece: &SubCubic) {
         let start = piece.points[0];
@@ -118,8 +120,8 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         self.follow(piece);
     }
 
-    /// Goes on with a piece from its start, which is known. Its difference to the line is a cubic
-    /// as well, whose control points are those differences at every third of the piece.
+    /// Adds a piece whose start is already included. Its difference from the line is a cubic as
+    /// well, with the differences at every third of the piece as control points.
     #[inline(always)]
     fn follow(&mut self, piece: &SubCubic) {
         let [_, p1, p2, p3] = piece.points;
@@ -138,14 +140,14 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         (self.line, self.share) = (line_3, share);
     }
 
-    /// Takes in where it is, measured from the line.
+    /// Adds a deviation from the line.
     #[inline(always)]
     fn stray(&mut self, point: Vec4) {
         self.least = self.least.min(point);
         self.most = self.most.max(point);
     }
 
-    /// Goes on with many cubics at once, until an instant (s).
+    /// Adds a run of cubics that lasts until an instant (s).
     #[inline(always)]
     pub(super) fn pass(&mut self, bundle: &ScaledRun, until: f64) {
         let share = self.period.share(until);
@@ -169,15 +171,15 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         (self.line, self.share) = (line, share);
     }
 
-    /// The middle between how far it strays to either side, and how far it strays from the line moved
-    /// there: where a motion bends one way, half as far as from the line between its ends.
+    /// Returns the offset that centres the line between the extreme deviations, and the deviation
+    /// that remains. For a motion that bends one way this halves the deviation.
     #[inline(always)]
     fn middle(&self) -> (Vec4, Vec4) {
         let middle = (self.least + self.most) * 0.5;
         (middle, (self.most - middle).max(middle - self.least))
     }
 
-    /// All of it as a run of cubics; `end` is where it ends.
+    /// Summarises the bounds as a run of cubics that ends at `end`.
     pub(super) fn sum_up(&self, end: Vec4) -> CubicRun {
         let (middle, stray) = self.middle();
         // Of the line: three of where it starts, eight of its change, shares of time included; one
@@ -196,8 +198,8 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         })
     }
 
-    /// The fat line, and the box rounded outward, in the frame's unit; everywhere, where the frame
-    /// does not serve. `first` is the cubic that the body follows first.
+    /// Returns the fat line, and the box rounded outward, in the frame's unit; infinite where the
+    /// frame does not serve. `first` is the cubic that the body follows first.
     #[inline(always)]
     pub(crate) fn finish(&self, placement: &FramePlacement, first: u32) -> (FatLine, Aabb) {
         let Self { low, high, .. } = *self;
@@ -223,8 +225,8 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
     }
 }
 
-/// A line from which a body's control points stray this far on each axis, as far as rounding can
-/// tell.
+/// Returns the fat line with a given deviation of the control points on each axis, rounding
+/// included.
 #[inline(always)]
 fn fat_line(
     start: Vec4,
@@ -249,8 +251,7 @@ fn fat_line(
     }
 }
 
-/// Lengths below this may vanish when they are squared. The frame's unit is such that worlds are no
-/// smaller than 1e-10.
+/// Lengths below this may vanish when squared. The frame's unit keeps worlds larger than 1e-10.
 const VANISHING: f32 = 1e-18;
 
 #[cfg(test)]
@@ -269,8 +270,7 @@ mod tests {
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 
-    /// The fat line of what bends one way lies in the middle of the bend: it strays half as far as the
-    /// line between the ends does.
+    /// A motion that bends one way deviates from its fat line half as far as from the chord.
     #[test]
     fn courses_lie_in_the_middle_of_a_bend() {
         let thrown = |time: f64| {
@@ -318,7 +318,7 @@ mod tests {
         }
     }
 
-    /// Whatever the line, a run of cubics strays from it as far as its cubics do, and not much farther.
+    /// The deviation of a run bounds that of its cubics for every line, and is not much larger.
     #[test]
     fn bundles_stray_as_far_as_their_cubics() {
         let mut rng = ChaCha8Rng::seed_from_u64(4);
@@ -376,8 +376,8 @@ mod tests {
         assert!(lengths[4] > 100 && lengths[16] > 30 && lengths[64] > 5);
     }
 
-    /// How far a body strays from a line that is known exactly, and how far it reaches, of all sizes; also
-    /// such that squares vanish.
+    /// Deviation and extent of a body against an exactly known line, for all sizes, also where
+    /// squares underflow.
     #[test]
     fn slacks_are_rounded_outward() {
         let mut rng = ChaCha8Rng::seed_from_u64(7);
@@ -399,7 +399,7 @@ mod tests {
         }
     }
 
-    /// How far a run of cubics strays that takes no time, and where its line ends.
+    /// Returns the deviation of a run of cubics of no duration, and the end of its line.
     #[test]
     fn strays_of_bundles_are_rounded_outward() {
         let mut rng = ChaCha8Rng::seed_from_u64(8);
@@ -414,7 +414,8 @@ mod tests {
         }
     }
 
-    /// Bodies that rest in boxes that move far, and go along with them, from anywhere in a slice on.
+    /// Bodies at rest, in boxes that move far, and bodies that move along with them, from any
+    /// instant of a slice.
     #[test]
     fn places_in_moving_boxes_are_within_their_rounding() {
         let mut rng = ChaCha8Rng::seed_from_u64(9);
@@ -453,7 +454,7 @@ mod tests {
         }
     }
 
-    /// In no time a body may be anywhere on its way, and the line as well.
+    /// In a slice of no duration, a body and the line may be anywhere on the body's path.
     #[test]
     fn bundles_of_no_duration_stray_as_far_as_both_ends() {
         let points = [0.0, 0.25, 0.5, 1.0].map(|x| Vec4::new(x, 0.0, 0.0, 0.0));

@@ -1,4 +1,4 @@
-//! Bundles of a motion's cubics, under construction.
+//! Construction of cubic runs.
 
 use super::builder::BoundsBuilder;
 use super::compact_cubic::CompactCubic;
@@ -7,7 +7,7 @@ use super::slice_interval::SliceInterval;
 use super::sub_cubic::SubCubic;
 
 impl CubicRun {
-    /// Of four cubics, between five knots.
+    /// Returns the run of four cubics, between five knots.
     fn of_cubics(compact_cubics: &[CompactCubic], knots: &[f64]) -> Self {
         let piece = |number: usize| {
             let ends = (knots[number], knots[number + 1]);
@@ -22,7 +22,7 @@ impl CubicRun {
         trace.sum_up(tail.points[3])
     }
 
-    /// Of four runs of cubics, with as many cubics each between these knots.
+    /// Returns the run of four runs, each with the same number of cubics between these knots.
     fn of_bundles(bundles: &[Self], knots: &[f64]) -> Self {
         let [first, last] = [0, Self::SIZE - 1].map(|number| bundles[number].unpack(1.0));
         let step = (knots.len() - 1) / Self::SIZE;
@@ -35,7 +35,7 @@ impl CubicRun {
     }
 }
 
-/// Draws all complete runs of cubics of some cubics: those of 4 cubics, then those of 16, and so on.
+/// Forms all complete runs: of 4 cubics each, then of 16, and so on.
 pub(super) fn bundle_up(knots: &[f64], compact_cubics: &[CompactCubic], bundles: &mut [CubicRun]) {
     let (mut span, mut below, mut level) = (CubicRun::SIZE, 0, 0);
     while compact_cubics.len() >= span {

@@ -1,4 +1,4 @@
-//! Trajectories in f32: of a motion, the part that a screening reads most.
+//! Trajectories in f32: the data that a screening reads most.
 
 use super::bundling::bundle_up;
 use super::compact_cubic::CompactCubic;
@@ -10,7 +10,7 @@ use crate::rounding::normalising_power;
 use crate::trajectory::Segment;
 use bytemuck::{Pod, Zeroable, cast_slice, cast_slice_mut};
 
-/// Memory that is drawn on: as long as a line of the caches.
+/// One cache line of untyped storage.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(crate) struct Line([f64; 8]);
@@ -22,16 +22,15 @@ impl Line {
     const KNOTS: usize = 8;
 }
 
-/// A trajectory in f32, but for what is drawn of it: knots, cubics and runs of cubics one after the other,
-/// on lines that are kept elsewhere. The knots are a copy: whoever reads the cubics reads them as well,
-/// and the trajectory's own lie somewhere else.
+/// Header of a trajectory in f32. Its knots, cubics and runs of cubics follow one another on lines
+/// stored elsewhere. The knots are a copy, so that they lie next to the cubics.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CompactTrajectory {
-    /// Where it is drawn: around itself.
+    /// The frame of the cubics: around the trajectory.
     frame: Frame,
-    /// No coordinate is larger, in the frame's unit; infinite where `f32` does not serve them.
+    /// Upper bound of all coordinates, in the frame's unit; infinite where f32 does not serve them.
     size: f64,
-    /// Of the knots.
+    /// First and last knot, s.
     ends: (f64, f64),
     knots: usize,
     cubics: usize,
@@ -48,13 +47,13 @@ pub(crate) struct CompactView<'a> {
 }
 
 impl CompactTrajectory {
-    /// Lines that a motion with so many knots and cubics takes.
+    /// Returns the number of lines for a motion with these counts of knots and cubics.
     pub(crate) const fn lines(knots: usize, cubics: usize) -> usize {
         knots.div_ceil(Line::KNOTS) + cubics + count_of_bundles(cubics)
     }
 
-    /// Draws the cubics of a motion, each between two knots, on as many lines as they take; gives how
-    /// far it goes as well.
+    /// Writes the cubics of a motion, each between two knots, to its lines; returns the header and
+    /// the motion's extremes.
     pub(crate) fn draw(knots: &[f64], segments: &[Segment], lines: &mut [Line]) -> (Self, DAabb) {
         let (mut extremes, mut spread) = (DAabb::NOTHING, 0.0_f64);
         for (segment, ends) in segments.iter().zip(knots.windows(2)) {
@@ -93,12 +92,12 @@ impl CompactTrajectory {
         (sketch, extremes)
     }
 
-    /// First and last knot, s; the first is later only if there are none.
+    /// Returns the first and last knot, s; the first is later only if there are no knots.
     pub(crate) const fn ends(&self) -> (f64, f64) {
         self.ends
     }
 
-    /// What was drawn on these lines.
+    /// Returns the view of the data on these lines.
     pub(crate) fn on<'a>(&self, lines: &'a [Line]) -> CompactView<'a> {
         let (knots, rest) = lines.split_at(self.knots.div_ceil(Line::KNOTS));
         let (compact_cubics, bundles) = rest.split_at(self.cubics);
@@ -111,7 +110,7 @@ impl CompactTrajectory {
         }
     }
 
-    /// Of some knots and cubics, on lines of its own.
+    /// Returns a compact trajectory on lines of its own.
     #[cfg(test)]
     pub(crate) fn of(knots: &[f64], segments: &[Segment]) -> (Self, Vec<Line>) {
         let mut lines = vec![Line::BLANK; Self::lines(knots.len(), segments.len())];
