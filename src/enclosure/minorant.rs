@@ -8,7 +8,7 @@ use crate::rounding::UNIT_ROUNDOFF;
 /// A quadratic below the squared distance on a part: `base + slope x + bend x²`, x in 0..=1 from
 /// the base.
 ///
-/// It holds for the control points as they are, where those of the whole cubic lie within
+/// It is valid for the computed control points of a part, if those of the whole cubic lie within
 /// 1e-50..1e50.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Minorant {
@@ -16,7 +16,8 @@ pub(crate) struct Minorant {
     pub(crate) base: f64,
     slope: f64,
     bend: f64,
-    /// No Bernstein coefficient of the squared distance minus that at the base is below this.
+    /// Lower bound of the Bernstein coefficients of the squared distance minus its value at the
+    /// base.
     floor: f64,
 }
 
@@ -79,8 +80,7 @@ impl Minorant {
         self.base - sink * (1.0 + 8.0 * UNIT_ROUNDOFF) - 6.0 * UNIT_ROUNDOFF * self.base - TINY
     }
 
-    /// Returns an x beyond which the squared distance is certainly above `level`; 1 where that
-    /// cannot be told.
+    /// Returns an x beyond which the squared distance is certainly above `level`, or 1 if unknown.
     #[inline]
     pub(super) fn reach(&self, level: f64) -> f64 {
         let (slope, bend) = (self.slope, self.bend);
@@ -139,7 +139,7 @@ mod tests {
         ]
     }
 
-    /// Bases and differences of all sizes, as integers: also such that cancel in the products.
+    /// Bases and differences of all sizes, as integers, also with products that cancel.
     #[test]
     fn the_minorant_is_below_the_exact_coefficients() {
         let mut random = ChaCha8Rng::seed_from_u64(1);

@@ -1,5 +1,5 @@
-//! Certified enclosures: how near a cubic comes to the origin, when, and on which side of a
-//! threshold it is, each with a proof that rounding has not spoilt it.
+//! Certified enclosures of a cubic's least distance from the origin, its time, and the side of a
+//! threshold, with proof against rounding.
 //!
 //! The input is an [`UncertainCubic`]: four Bézier control points in `f64`, and a bound for how far
 //! the exact relative motion can be from the cubic that they define. The answers are
@@ -207,12 +207,12 @@ pub use stretches::Stretches;
 use glam::DVec3;
 
 impl UncertainCubic {
-    /// The cubic with these Bézier control points (m) on 0..=1, of which the exact cubic is
-    /// nowhere farther than `error` (m).
+    /// Returns the cubic with these Bézier control points (m) on 0..=1; the exact cubic is nowhere
+    /// farther than `error` (m) from it.
     ///
     /// # Errors
     ///
-    /// [`OutOfRange`] for what is not finite, beyond 1e300, or a negative error.
+    /// [`OutOfRange`] for numbers that are not finite or beyond 1e300, or a negative error.
     pub fn new(points: [DVec3; 4], error: f64) -> Result<Self, OutOfRange> {
         if is_in_range(&points, error, 1e300) {
             Ok(Self { points, error })
@@ -221,24 +221,26 @@ impl UncertainCubic {
         }
     }
 
-    /// The same of all that is finite: the difference of two motions in range, say.
+    /// Returns a cubic with finite control points, possibly beyond 1e300: the difference of two
+    /// motions in range.
     pub(crate) fn finite(points: [DVec3; 4], error: f64) -> Self {
         debug_assert!(is_in_range(&points, error, f64::MAX), "finite numbers");
         Self { points, error }
     }
 
-    /// The least distance from the origin.
+    /// Returns the least distance from the origin.
     #[must_use]
     pub fn least_distance(&self) -> LeastDistance {
         minimum::least_distance(self)
     }
 
-    /// The least distance, and a parameter at which it is reached; sooner if that is `guess`.
+    /// Returns the least distance, and a parameter at which it is attained; faster if that is
+    /// `guess`.
     pub(crate) fn nearest(&self, guess: Option<f64>) -> (DistanceEnclosure, f64) {
         minimum::nearest(self, guess)
     }
 
-    /// The distance from the origin at a parameter in 0..=1.
+    /// Returns the distance from the origin at a parameter in 0..=1.
     ///
     /// # Panics
     ///
@@ -249,8 +251,8 @@ impl UncertainCubic {
         minimum::distance_at(self, parameter)
     }
 
-    /// Where the distance is certainly below the threshold, where certainly above, and where that
-    /// cannot be told: a partition of 0..=1.
+    /// Returns a partition of 0..=1 by the side of the threshold: certainly inside, certainly
+    /// outside, undecided.
     #[must_use]
     pub fn stretches(&self, threshold: Threshold) -> Stretches {
         crossings::stretches(self, threshold)

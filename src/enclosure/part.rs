@@ -39,14 +39,14 @@ pub(crate) fn part(points: &ControlPolygon, start: f64, end: f64) -> ControlPoly
     ]
 }
 
-/// Returns the same part counted from its other end.
+/// Returns the part counted from its other end.
 #[inline(always)]
 pub(crate) fn reversed([a, b, c, d]: ControlPolygon) -> ControlPolygon {
     [d, c, b, a]
 }
 
-/// Returns the same part counted from its nearer end, and whether that is the other one: without a
-/// branch, for vectors.
+/// Returns the part counted from its nearer end, and true if that is the other end. Free of
+/// branches, for vectors.
 #[inline(always)]
 pub(crate) fn from_nearer(points: &ControlPolygon) -> (ControlPolygon, bool) {
     let [p0, p1, p2, p3] = *points;
