@@ -110,7 +110,7 @@ pub(crate) use refine::least_point;
 pub use screen::Verdict;
 pub use spans::SpanBatch;
 
-/// The closest approach of each pair: local times in 0..=1, distances in metres.
+/// Computes the closest approach of each pair: local times in 0..=1, distances in metres.
 ///
 /// The distance is the global minimum over the span up to rounding: some 1e-15 (f64) or 1e-6
 /// (f32) of the size of the polygon. Of several equal minima, or where the distance is constant,
@@ -131,7 +131,7 @@ pub fn closest_approach<R: Real>(
     closest::closest_approach(instructions, lanes, times, distances);
 }
 
-/// Proven bounds of the least distance of each pair, metres.
+/// Computes proven bounds of the least distance of each pair, metres.
 ///
 /// `errors[i]` bounds, in metres and at every instant, the distance between the true relative
 /// position of pair `i` and the one its control points give. Then the true least distance lies in
@@ -164,7 +164,7 @@ pub fn enclose(
     enclosures::enclosures(instructions, lanes, errors, enclosures);
 }
 
-/// Whether each pair comes near: certainly nearer than `inner` at some instant, or certainly
+/// Decides for each pair whether it is certainly nearer than `inner` at some instant, or certainly
 /// farther apart than `outer` at every instant, both in metres.
 ///
 /// For a threshold `R` and control points with an error of up to `E` metres these are `R - E`

@@ -48,15 +48,15 @@ pub struct SpanBatch<R> {
 }
 
 impl<R: Real> SpanBatch<R> {
-    /// An empty batch.
+    /// Returns an empty batch.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
     /// Appends a pair: body `a` on one segment, `b` on another, from the first to the second time
-    /// of `span` (s). Outside their knots the cubics go on. Of a span or a threshold that is no number
-    /// the verdict is undecided.
+    /// of `span` (s). Outside their knots the cubics continue. If span or threshold is NaN the
+    /// verdict is undecided.
     ///
     /// `offset` (m) is added to the position of `a` relative to `b`: the difference of the spheres'
     /// centres in their bodies' frames. `threshold` (m) is the distance asked about; nothing comes
@@ -82,7 +82,7 @@ impl<R: Real> SpanBatch<R> {
             .push(-R::not_above(-(threshold + cubic.error).next_up()));
     }
 
-    /// The number of pairs.
+    /// Returns the number of pairs.
     #[must_use]
     pub fn len(&self) -> usize {
         self.inner.len()
