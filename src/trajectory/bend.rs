@@ -21,10 +21,10 @@
 //! - their own rounding, and that of the powers of the unit: 7 u |b|, 10 u |c|;
 //! - 64 u² (|b| + |c|) + 16 u³ (|a| + 2 |b| + 3 |c|), with a the coefficient of s.
 //!
-//! The second line, times s² and s³, is less than u (|a| s + |b| s² + |c| s³) (1 + 64 u s)² for s
-//! >= 1; below that, the error of the first piece covers it. Polynomials: all coefficients are
+//! The second line, times s² and s³, is below u (|a| s + |b| s² + |c| s³) (1 + 64 u s)² from s = 1
+//! on. Before that, the error of the first piece covers it. Polynomials: all coefficients are
 //! formed exactly and rounded once. The computation from them adds 12 roundings, so 32 roundings of
-//! each term cover everything; 32 of the first piece's extent are added throughout. Underflow loses
+//! each term cover everything. 32 of the first piece's extent are added throughout. Underflow loses
 //! less than 2^-1022, times s³.
 
 use super::State;
@@ -55,8 +55,9 @@ pub(super) fn of_states(first: &State, second: &State) -> [[DVec3; 2]; 2] {
     [[leaving, cubic], [arriving, cubic]]
 }
 
-/// Returns position, velocity, and the coefficients of time squared and cubed of `a t³ + b t² + c t
-/// + d` around the instant `time`. The second value bounds the rounding of the position, m.
+/// Returns position, velocity, and the coefficients of time squared and cubed of the polynomial
+/// `a t³ + b t² + c t + d` around the instant `time`. The second value bounds the rounding of the
+/// position, m.
 pub(super) fn of_polynomial(polynomial: &[DVec3; 4], time: DoubleDouble) -> ([DVec3; 4], f64) {
     let mut around = [DVec3::ZERO; 4];
     let mut lost = DVec3::ZERO;
