@@ -1,4 +1,4 @@
-//! A body in a scene, with what screenings work out of its motion: once, and kept for the next one.
+//! A body in a scene, with cached data of its motion.
 
 use super::arena::{ArenaRange, CubicArena};
 use super::body::Body;
@@ -8,14 +8,14 @@ use crate::trajectory::{Extension, Segment, Trajectory};
 use crate::window::Window;
 use std::sync::OnceLock;
 
-/// What screening needs to know of a motion.
+/// The cached data of a motion.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MotionSummary {
-    /// Rough extremes of all segments, m.
+    /// Approximate extremes of all segments, m.
     pub(crate) extremes: DAabb,
-    /// Sum of the segments' extents: a bound on the way flown, m.
+    /// Sum of the segments' extents, m: a bound on the length of the path.
     pub(crate) path: f64,
-    /// Drawn on lines that are kept beside it.
+    /// Header of the compact trajectory; its lines are stored separately.
     pub(crate) sketch: CompactTrajectory,
 }
 
@@ -41,24 +41,24 @@ impl MotionSummary {
     }
 }
 
-/// Where a body's compact trajectory is drawn.
+/// The storage of a body's compact trajectory.
 #[derive(Debug)]
 enum Lines {
-    /// As it was put into the scene.
+    /// In the scene's arena.
     Shared(ArenaRange),
-    /// While the scene was being read.
+    /// Allocated on its own, by a read access to the scene.
     Own(Vec<Line>),
 }
 
 impl Lines {
-    /// Outlines a trajectory on lines of its own.
+    /// Computes the summary of a trajectory on lines of its own.
     fn of(trajectory: &Trajectory) -> (MotionSummary, Self) {
         let mut lines = vec![Line::BLANK; lines_for(trajectory)];
         let outline = MotionSummary::of(trajectory, &mut lines);
         (outline, Self::Own(lines))
     }
 
-    /// The same on lines of an arena, in place of those of an outline before.
+    /// Computes the summary of a trajectory on lines of an arena, in place of a previous one.
     fn shared(
         trajectory: &Trajectory,
         before: Option<(MotionSummary, Self)>,
@@ -74,12 +74,12 @@ impl Lines {
     }
 }
 
-/// Lines that the compact form of a trajectory takes.
+/// Returns the number of lines of a trajectory's compact form.
 fn lines_for(trajectory: &Trajectory) -> usize {
     CompactTrajectory::lines(trajectory.knots().len(), trajectory.segments().len())
 }
 
-/// A body, and what was worked out of its motion so far.
+/// A body, with the cached data of its motion.
 #[derive(Debug)]
 pub(crate) struct SceneEntry {
     pub(crate) body: Body,
@@ -87,13 +87,13 @@ pub(crate) struct SceneEntry {
 }
 
 impl SceneEntry {
-    /// The body in the scene with this arena.
+    /// Returns the entry of a body in the scene with this arena.
     pub(super) fn new(body: Body, arena: &mut CubicArena) -> Self {
         let outline = Lines::shared(&body.trajectory, None, arena).into();
         Self { body, outline }
     }
 
-    /// Of the trajectory: worked out now, if it was not yet.
+    /// Returns the summary of the trajectory; computes it if needed.
     pub(crate) fn outline(&self) -> &MotionSummary {
         &self.outlined().0
     }
@@ -103,7 +103,7 @@ impl SceneEntry {
         self.outline.get_or_init(|| Lines::of(trajectory))
     }
 
-    /// The compact trajectory; the arena is that of the scene that the body is in.
+    /// Returns the compact trajectory; the arena is that of the body's scene.
     pub(crate) fn drawing<'a>(&'a self, arena: &'a CubicArena) -> CompactView<'a> {
         let (outline, lines) = self.outlined();
         outline.sketch.on(match lines {
@@ -112,8 +112,8 @@ impl SceneEntry {
         })
     }
 
-    /// Returns the pieces that the body follows beyond its knots over a window; none if that stays within
-    /// them.
+    /// Returns the pieces that the body follows beyond its knots over a window, or `None` if there
+    /// are none.
     ///
     /// # Errors
     ///
@@ -133,7 +133,7 @@ impl SceneEntry {
         extension.map_err(|error| error.in_body(*tag))
     }
 
-    /// Gives the body another trajectory, and returns the old one.
+    /// Replaces the trajectory and returns the old one.
     pub(super) fn follow(
         &mut self,
         mut trajectory: Trajectory,
@@ -145,14 +145,14 @@ impl SceneEntry {
         trajectory
     }
 
-    /// The same in place. The outline is left for when it is asked for: a body that is replanned
+    /// Swaps the trajectory in place. The summary is computed when needed: a body that is replanned
     /// each tick seldom needs it.
     pub(super) fn swap(&mut self, trajectory: &mut Trajectory, arena: &mut CubicArena) {
         self.forget_outline(arena);
         std::mem::swap(&mut self.body.trajectory, trajectory);
     }
 
-    /// The body alone, which is in the scene no more.
+    /// Returns the body alone; it leaves the scene.
     pub(super) fn leave(mut self, arena: &mut CubicArena) -> Body {
         self.forget_outline(arena);
         self.body
@@ -171,7 +171,7 @@ impl SceneEntry {
         }
     }
 
-    /// The same body in a copy of its scene.
+    /// Returns this entry for a copy of its scene.
     pub(super) fn copy(&self, arena: &CubicArena, copy: &mut CubicArena) -> Self {
         let outline = self.outline.get().map(|(outline, lines)| {
             let lines = match lines {
