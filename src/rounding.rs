@@ -57,7 +57,7 @@
 //! | places far from the middle, in boxes and fat lines | `bounds/builder` | `source::tests` |
 //! | the way of a box that moves: both terms | `bounds/builder` | `builder::tests::places_in_moving_boxes_are_within_their_rounding` |
 //! | one of them; the middle of a fat line | `bounds/builder` | proof 7 |
-//! | places of a sight | `bounds/apart` | `apart::tests` |
+//! | places of a hull test | `bounds/apart` | `apart::tests` |
 //! | instants of a screening's edges and of a budget's | `monitor/lookahead`, `search/slice_length` | `tests/monitor` `budgets` |
 //! | instants of a question, of a jump | `monitor/lookahead/ask`, `jump` | `tests/monitor` `instants` |
 //!
@@ -85,29 +85,27 @@ use glam::DVec3;
 /// Unit roundoff of f64, 2^-53: the largest relative error of one operation.
 pub(crate) const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
 
-/// Absolute error that underflow can add to a chain of linear operations (numerator of all the
-/// bounds' additive terms): 2^-1022.
+/// Largest absolute error of a chain of linear operations by underflow: 2^-1022.
 pub(crate) const UNDERFLOW: f64 = f64::MIN_POSITIVE;
 
-/// What a filter must see a pair clear by, relative to the pair's local scale, before it may
-/// reject it: 2^-44 = 512 roundings.
+/// Clearance of filters, relative to the pair's local scale: 2^-44 = 512 roundings. A filter
+/// rejects only pairs that exceed the threshold by this.
 ///
-/// The exact solver counts as contact whatever comes within its own rounding of the threshold:
-/// at most 70 roundings of the local scale, and what it finds there is wrong by as much again.
-/// A filter's own error is at most 170. 512 covers their sum, so no filter rejects what the
-/// solver would report.
+/// The exact solver reports distances within its own rounding of the threshold as contact: at most
+/// 70 roundings of the local scale, with an error as large again. A filter's own error is at
+/// most 170. 512 covers their sum, so no filter rejects a contact that the solver would report.
 pub(crate) const CLEARANCE: f64 = 512.0 * UNIT_ROUNDOFF;
 
-/// A time as it was given, but for one of the zeros: reports are ordered by the bits of times, and
-/// of two zeros either may come out as the later one.
+/// Returns the time with -0 replaced by 0: reports are ordered by the bits of times, and of two
+/// zeros either may come out as the later one.
 #[inline]
 pub(crate) const fn one_zero(time: f64) -> f64 {
     time + 0.0
 }
 
-/// The power of two that brings `magnitude` into [1, 2); 1 where there is nothing to bring.
+/// Returns the power of two that scales `magnitude` into [1, 2).
 ///
-/// Exact; a subnormal magnitude is brought as near as one factor can.
+/// Zero, subnormal and the largest magnitudes are scaled as far as one exact factor can.
 #[inline]
 pub(crate) fn normalising_power(magnitude: f64) -> f64 {
     const EXPONENT_MASK: u64 = 0x7ff;
@@ -121,7 +119,7 @@ pub(crate) fn normalising_power(magnitude: f64) -> f64 {
     }
 }
 
-/// Euclidean norm, correct to a few roundings from the smallest to the largest numbers.
+/// Returns the Euclidean norm, correct to a few roundings for all magnitudes.
 #[inline]
 pub(crate) fn norm(vector: DVec3) -> f64 {
     let largest = vector.abs().max_element();
@@ -133,7 +131,7 @@ pub(crate) fn norm(vector: DVec3) -> f64 {
     }
 }
 
-/// The largest norm of some vectors: with a root less for each than [`norm`], and the same bits.
+/// Returns the largest norm of some vectors, with the bits of [`norm`], but only one root in all.
 #[inline]
 pub(crate) fn largest_norm(vectors: &[DVec3]) -> f64 {
     let (mut largest, mut square) = (DVec3::ZERO, 0.0_f64);
@@ -148,21 +146,21 @@ pub(crate) fn largest_norm(vectors: &[DVec3]) -> f64 {
     }
 }
 
-/// From when on (s) to look for all that is reported from `time` on: a reported instant is rounded,
-/// and where the motion is then it was a little earlier.
+/// Returns the earliest exact instant (s) that may be reported as `time`, since reported instants
+/// are rounded.
 #[inline]
 pub(crate) fn seen_from(time: f64) -> f64 {
     time - INSTANT * time.abs()
 }
 
-/// Until when (s) to look for all that is reported up to `time`.
+/// Returns the latest exact instant (s) that may be reported as `time`.
 #[inline]
 pub(crate) fn seen_until(time: f64) -> f64 {
     time + INSTANT * time.abs()
 }
 
-/// Relative rounding of a reported instant: half a unit of its last place, and some to spare. (What
-/// the solver's own parameter is off by, it is off by in distance: that is [`CLEARANCE`]'s.)
+/// Relative rounding of a reported instant: half a unit of its last place, and some spare. The
+/// error of the solver's local parameter is one of distance, which [`CLEARANCE`] covers.
 const INSTANT: f64 = 8.0 * UNIT_ROUNDOFF;
 
 #[cfg(test)]
