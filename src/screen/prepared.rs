@@ -1,4 +1,4 @@
-//! The bodies of a scene as the pipeline sees them: by place, in the order of their ids.
+//! All bodies of a scene, prepared for one query and indexed densely in id order.
 
 use super::survey::SceneSurvey;
 use crate::accuracy::Accuracy;
@@ -19,24 +19,24 @@ use crate::trajectory::Extension;
 use crate::window::Window;
 use std::num::NonZeroU32;
 
-/// Each body as the narrow phase takes it, and how it lies in a frame; by place.
+/// Views and box sources of all bodies, by place.
 pub(super) type Lists<'a> = (Vec<BodyView<'a>>, Vec<CubicSource<'a, CompactCubic>>);
 
-/// The bodies of a scene as the pipeline sees them: by place, in the order of their ids.
+/// All bodies of a scene, prepared for one query and indexed densely ("place") in id order.
 pub(super) struct PreparedScene<'a> {
     pub(super) ids: Vec<BodyId>,
     pub(super) entries: Vec<&'a SceneEntry>,
     pub(super) presence: Lifetimes,
-    /// Those that go on beyond their knots in the window, by ascending place.
+    /// Extensions beyond the knots in the window, by ascending place.
     extensions: Vec<(usize, Extension)>,
-    /// The window of the answer.
+    /// Window of the answer.
     pub(super) asked: Window,
-    /// The same window, its open ends closed where no body exists beyond them.
+    /// The window of the answer with open ends closed where no body exists beyond them.
     pub(super) window: Window,
     pub(super) margin: f64,
     pub(super) accuracy: Accuracy,
     pub(super) instructions: InstructionSet,
-    /// Number of slices, if that was prescribed.
+    /// Number of slices, if prescribed.
     pub(super) prescribed: Option<NonZeroU32>,
     pub(super) limits: Limits,
     pub(super) pool: &'a Pool<SearchScratch>,
@@ -102,10 +102,9 @@ impl<'a> PreparedScene<'a> {
         Ok(line_up)
     }
 
-    /// Each body as the narrow phase takes it, and how it lies in a frame that serves all of them; by
-    /// place.
+    /// Returns views and box sources of all bodies, by place, in a common frame.
     pub(super) fn views(&self) -> Lists<'_> {
-        /// Fewer are gone through on this thread.
+        /// Fewer are prepared on this thread.
         const FEW: usize = 4096;
         let frame = self.frame;
         let count = self.entries.len();
@@ -115,14 +114,14 @@ impl<'a> PreparedScene<'a> {
         (views, sources)
     }
 
-    /// Returns the sources of boxes of the bodies in some places.
+    /// Returns the box sources of the bodies at some places.
     pub(super) fn sources(&self, places: &[usize]) -> Vec<CubicSource<'_, CompactCubic>> {
         let frame = self.frame;
         let source = |&place: &usize| self.view(place, &frame).1;
         places.iter().map(source).collect()
     }
 
-    /// The body in a place as the narrow phase takes it, and how it lies in a frame.
+    /// Returns view and box source of the body at a place.
     #[inline]
     fn view(&self, place: usize, frame: &Frame) -> (BodyView<'_>, CubicSource<'_, CompactCubic>) {
         let entry = self.entries[place];
@@ -137,16 +136,16 @@ impl<'a> PreparedScene<'a> {
         (party_of(&entry.body, knots), source)
     }
 
-    /// Returns how much moves in the window, from what is known of each body as a whole.
+    /// Returns the statistics of motion in the window.
     pub(super) fn traffic(&self) -> SceneStatistics {
         self.survey.traffic()
     }
 }
 
-/// Layers and ignored pairs, by place in the line-up.
+/// Layers and ignored pairs, by place.
 pub(super) struct PlaceAdmission<'a> {
     layers: Vec<Layers>,
-    /// Radii, if the margin is negative: some pairs cannot be within it.
+    /// Radii, if the margin is negative, which excludes some pairs.
     radii: Vec<f64>,
     margin: f64,
     ids: &'a [BodyId],
@@ -179,8 +178,7 @@ impl PairFilter for PlaceAdmission<'_> {
     }
 }
 
-/// Returns a body as the narrow phase takes it over a window, of which nothing is sketched if it was not
-/// before.
+/// Returns the view of a body over a window, without computing its summary.
 ///
 /// # Errors
 ///
@@ -191,7 +189,7 @@ pub(super) fn lone_view(entry: &SceneEntry, window: Window) -> Result<BodyView<'
     Ok(party_of(&entry.body, knots))
 }
 
-/// Returns a body as the narrow phase takes it, with these knots.
+/// Returns the view of a body with these knots.
 fn party_of<'a>(body: &'a Body, knots: Knots<'a>) -> BodyView<'a> {
     BodyView {
         knots,
@@ -201,7 +199,7 @@ fn party_of<'a>(body: &'a Body, knots: Knots<'a>) -> BodyView<'a> {
     }
 }
 
-/// The part of the window in which both bodies exist.
+/// Returns the part of the window in which both bodies exist.
 pub(super) fn clip_of(a: &BodyView<'_>, b: &BodyView<'_>, window: Window) -> Option<(f64, f64)> {
     let (start, end) = common_domain(&a.knots, &b.knots)?;
     let (start, end) = (start.max(window.start()), end.min(window.end()));
