@@ -61,7 +61,7 @@ pub struct TimeEnclosure {
 
 /// Proven facts about a conflict, as worst cases over all rounding.
 ///
-/// They hold for the motion in real arithmetic through the given `f64` states or polynomials, with
+/// The facts hold for the motion in real arithmetic through the given `f64` states or polynomials, with
 /// the exact sum of radii and margin. The proof is in `src/enclosure`.
 ///
 /// ```

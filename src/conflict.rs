@@ -23,8 +23,7 @@ pub struct ClosestApproach {
     pub position_a: DVec3,
     /// Position of body b at `time`, m.
     pub position_b: DVec3,
-    /// Velocity of a minus that of b, m/s. At a jump, as with a new plan: the velocity from then
-    /// on.
+    /// Velocity of a minus that of b, m/s. At a jump: the velocity from then on.
     pub relative_velocity: DVec3,
     /// Number of the closest sphere of a's hitbox (0 for a single sphere); of several, any one.
     pub sphere_a: u32,

@@ -176,8 +176,7 @@ pub enum Error {
         /// The body's tag.
         body: u64,
     },
-    /// More pairs may be in contact than the limit: a crowd in one place, or a margin as large as
-    /// the world.
+    /// More pairs may be in contact than the limit: a crowd, or a margin as large as the world.
     #[error(
         "too many pairs may be in conflict (with room for {limit} of their spans): narrow the window \
          (the lookahead) or the margin, or raise the limit"
@@ -211,8 +210,7 @@ pub enum Error {
          new one ends; give one that goes on from then, or set the trajectory as a whole"
     )]
     NoPlanAt {
-        /// Time of the splice, s; the monitor's clock for a late plan that does not continue from
-        /// it.
+        /// Time of the splice, s; the monitor's clock if a late plan does not continue from it.
         time: f64,
     },
     /// The monitor's clock never goes back.
@@ -232,8 +230,7 @@ pub enum Error {
         /// The time, s.
         time: f64,
     },
-    /// A monitor's lookahead is not a positive duration up to 1e300, or vanishes in the rounding of
-    /// its time.
+    /// A monitor's lookahead is not a positive duration up to 1e300, or vanishes by rounding.
     #[error(
         "{value:?} s is not a usable lookahead: not a positive number up to 1e300, or lost in the rounding \
          of the clock"
@@ -257,8 +254,7 @@ pub enum Error {
         /// The value, s or m.
         value: f64,
     },
-    /// A margin of an alert level is not a number within ±1e300, or its release margin is smaller
-    /// than its margin.
+    /// An alert level's margin is not a number within ±1e300, or exceeds its release margin.
     #[error(
         "alert level {level}: margin {margin:?} m, release margin {release:?} m: both must be within \
          ±1e300, and the release margin not the smaller one"

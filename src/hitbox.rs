@@ -85,8 +85,7 @@ impl Hitbox {
         Ok(Self::single(sphere))
     }
 
-    /// Returns a cluster of spheres in the body's frame. It translates with the body; it does not
-    /// rotate.
+    /// Returns a cluster of spheres in the body's frame. It moves with the body without rotating.
     ///
     /// # Errors
     ///

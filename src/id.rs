@@ -30,8 +30,7 @@ impl BodyId {
         self.slot
     }
 
-    /// Returns the id as one number: the generation in the upper 32 bits, the slot in the lower
-    /// ones.
+    /// Returns the id as one number: the generation in the upper 32 bits, the slot in the lower.
     ///
     /// [`from_bits`](Self::from_bits) is the inverse. The number is valid where the id is: in its
     /// scene, in copies of it, and in scenes restored from it by `serde`. Numbers are not ordered

@@ -44,7 +44,6 @@ impl<'a> Knots<'a> {
         }
     }
 
-    /// Returns the knots of a plan and its extension.
     pub(crate) fn over(plan: &'a Trajectory, extension: Option<&Extension>) -> Self {
         Self::of(plan.knots()).extended(plan, extension)
     }
@@ -72,7 +71,6 @@ impl<'a> Knots<'a> {
         self.ends
     }
 
-    /// Returns the number of cubics.
     #[inline(always)]
     pub(crate) fn cubics(&self) -> usize {
         self.before as usize + self.own.len().saturating_sub(1) + self.after as usize
@@ -151,8 +149,7 @@ impl<'a> Knots<'a> {
         self.plan.map(|plan| plan.segment_after().origin())
     }
 
-    /// Returns the number of leading knots for which `precedes` holds; it must not hold again after
-    /// failing once.
+    /// Returns the number of leading knots for which `precedes` holds.
     pub(crate) fn count(&self, precedes: impl Fn(f64) -> bool) -> usize {
         let (before, after) = (self.before(), self.after as usize);
         let cuts = (0..before).take_while(|&number| precedes(self.at(number)));

@@ -122,8 +122,7 @@ pub(crate) fn join<T: Send, U: Send>(
     (one(), other)
 }
 
-/// Sorts by a total order, in which ties must not matter: the result does not depend on the
-/// threads.
+/// Sorts by a total order without ties that matter: the same on any number of threads.
 pub(crate) fn sort<T: Send>(values: &mut [T], order: impl Fn(&T, &T) -> Ordering + Sync) {
     #[cfg(feature = "parallel")]
     {

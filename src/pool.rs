@@ -22,7 +22,6 @@ impl<T: Default> Pool<T> {
 }
 
 impl<T: Default> Clone for Pool<T> {
-    /// Returns an empty pool.
     fn clone(&self) -> Self {
         Self::default()
     }
@@ -34,7 +33,6 @@ impl<T> fmt::Debug for Pool<T> {
     }
 }
 
-/// Scratch in use.
 pub(crate) struct Pooled<'p, T: Default> {
     scratch: T,
     pool: &'p Pool<T>,

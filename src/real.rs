@@ -31,15 +31,14 @@ pub trait Real:
 
     /// Upper bound of the underflow in a sum of some hundred products.
     ///
-    /// It is large enough not to underflow when multiplied by a rounding: a subnormal result costs
+    /// Large enough not to underflow when multiplied by a rounding: a subnormal result costs
     /// a hundred times an ordinary one.
     const UNDERFLOW: Self;
 
     /// Squares up to this size do not overflow in sums of some hundred products.
     const LARGE: Self;
 
-    /// Limit as `LARGE`, for squares that are squared again in these lanes, and for those used in
-    /// proofs, in f32.
+    /// Limit as `LARGE`, for squares to be squared again or used in proofs, in f32.
     const MOST: f32;
 
     /// A step of Halley's method up to this size leaves an error of a few units of rounding:

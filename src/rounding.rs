@@ -146,8 +146,7 @@ pub(crate) fn largest_norm(vectors: &[DVec3]) -> f64 {
     }
 }
 
-/// Returns the earliest exact instant (s) that may be reported as `time`, since reported instants
-/// are rounded.
+/// Returns the earliest exact instant (s) that may be reported as `time`, by rounding.
 #[inline]
 pub(crate) fn seen_from(time: f64) -> f64 {
     time - INSTANT * time.abs()

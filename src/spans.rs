@@ -43,8 +43,7 @@ impl SpanKey {
 }
 
 impl Ord for SpanKey {
-    /// Orders by bodies, then by cubics. Compares two numbers instead of four, since lists are
-    /// sorted often.
+    /// Orders by bodies, then by cubics; by two numbers instead of four, as lists are sorted often.
     fn cmp(&self, other: &Self) -> Ordering {
         let both = |first: u32, second: u32| u64::from(first) << 32 | u64::from(second);
         let key = |one: &Self| (both(one.a, one.b), both(one.cubic_a, one.cubic_b));

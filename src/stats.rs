@@ -21,8 +21,7 @@ pub struct Stats {
     /// Changes since a monitor's last tick: inserted and removed bodies, plans, hitboxes, layers. A
     /// batch counts one for each body.
     pub changed: u64,
-    /// Cubic segments of the bodies, pieces beyond the knots included. (Not counted in a monitor's
-    /// tick.)
+    /// Cubic segments, pieces beyond the knots included. (Not counted in a monitor's tick.)
     pub segments: u64,
     /// Time slices of the window; in a monitor's tick, the slices completed.
     pub slices: u64,

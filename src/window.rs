@@ -41,8 +41,7 @@ impl Window {
         end: f64::INFINITY,
     };
 
-    /// Returns the window from `start` to `end`, both included (s; infinities mean open-ended; -0
-    /// is taken as 0).
+    /// Returns the window from `start` to `end`, both included (s; may be infinite; -0 becomes 0).
     ///
     /// # Errors
     ///
@@ -94,8 +93,7 @@ impl Window {
 }
 
 impl fmt::Display for Window {
-    /// Writes `0.000..60.000 s`, without an open end. A precision (`{:.6}`) sets the number of
-    /// decimals.
+    /// Writes `0.000..60.000 s`, without an open end. A precision (`{:.6}`) sets the decimals.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let decimals = f.precision().unwrap_or(3);
         for (end, before) in [(self.start, ""), (self.end, "..")] {
@@ -120,9 +118,7 @@ impl Default for Window {
 #[derive(serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Ends {
-    /// Start, s.
     start: Option<f64>,
-    /// End, s.
     end: Option<f64>,
 }
 

@@ -11,7 +11,6 @@ pub(crate) struct BodyCubic<'a, C> {
     pub(crate) cubic: usize,
 }
 
-/// The result of a hull test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum HullTest {
     /// The bodies certainly stay apart by more than the margin.
@@ -23,8 +22,7 @@ pub(crate) enum HullTest {
 }
 
 /// Tests two bodies from `from` to `to` (s), within one cubic of each. They are apart if all
-/// control points of the relative motion lie beyond the margin on an axis or in the direction of
-/// their sum.
+/// control points of the relative motion lie beyond the margin on an axis or along their sum.
 pub(crate) fn hull_test<C: BoundingCubic>(
     a: &BodyCubic<'_, C>,
     b: &BodyCubic<'_, C>,

@@ -17,8 +17,7 @@ pub(crate) struct BoundsBuilder<const MOVES: bool> {
     /// The body's box, which moves with the slice interval.
     low: Vec4,
     high: Vec4,
-    /// The other magnitude to which rounding is relative, and the largest number of splits of a
-    /// piece.
+    /// The other magnitude of rounding, and the largest number of splits of a piece.
     near: f32,
     splits: f32,
     /// Least and largest deviation from the line on each axis.
@@ -67,8 +66,7 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         }
     }
 
-    /// Starts a builder at the beginning of one run of cubics, on the line to the end of another
-    /// one.
+    /// Starts a builder at the beginning of a run of cubics, on the line to the end of another.
     pub(super) fn between_bundles(
         first: &ScaledRun,
         last: &ScaledRun,
@@ -225,8 +223,7 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
     }
 }
 
-/// Returns the fat line with a given deviation of the control points on each axis, rounding
-/// included.
+/// Returns the fat line with this deviation of the control points per axis, rounding included.
 #[inline(always)]
 fn fat_line(
     start: Vec4,

@@ -7,8 +7,7 @@ use crate::trajectory::Segment;
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec4};
 
-/// One cubic of a compact trajectory, 64 bytes: Bézier points relative to the compact trajectory's
-/// frame.
+/// One cubic of a compact trajectory, 64 bytes: Bézier points in the trajectory's frame.
 ///
 /// Each coordinate is rounded once from f64. The fourth lane of the first point is the magnitude to
 /// which all other rounding is relative. It bounds the distance of the points from the first one,

@@ -13,8 +13,7 @@ use glam::Vec4;
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(crate) struct CubicRun {
-    /// Start of the line; the last lane is the magnitude to which rounding is relative besides
-    /// coordinates.
+    /// Start of the line; the last lane is the other magnitude of rounding besides coordinates.
     start: Vec4,
     /// End of the line, and the extremes; the last lanes are the deviation on each axis.
     end: Vec4,

@@ -23,7 +23,6 @@ pub(crate) struct Frame {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MovingFrame {
     frame: Frame,
-    /// Common velocity, m/s.
     velocity: DVec3,
 }
 
@@ -33,7 +32,6 @@ impl MovingFrame {
         self.velocity
     }
 
-    /// Returns true if boxes move.
     pub(crate) fn moves(&self) -> bool {
         self.velocity != DVec3::ZERO
     }
@@ -71,8 +69,7 @@ impl DAabb {
         self.high = self.high.max(other.high);
     }
 
-    /// Returns the range of the middle half of `places` on each axis, so that a few outliers make
-    /// no difference.
+    /// Returns the range of the middle half of `places` on each axis, which ignores outliers.
     pub(crate) fn of_middle_half(places: &mut [DVec3]) -> Self {
         let mut middle = Self::NOTHING;
         let Some(last) = places.len().checked_sub(1) else {
@@ -95,8 +92,7 @@ impl DAabb {
         self.low * 0.5 + self.high * 0.5
     }
 
-    /// Returns the box within `reach` of a place (m), for choosing a frame: rounding is not
-    /// accounted for.
+    /// Returns the box within `reach` of a place (m), for choosing a frame: not rounded outward.
     pub(super) fn about(place: DVec3, reach: f64) -> Self {
         Self {
             low: place - reach,
@@ -173,15 +169,13 @@ fn middle(world: DAabb, most: DAabb, padding: f64) -> (DVec3, f64) {
     }
 }
 
-/// The distance by which a body's box exceeds its hull, in the frame's unit. The fourth lane is
-/// unused.
+/// The excess of a body's box over its hull, in the frame's unit. The fourth lane is unused.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Padding {
     /// Extremes of the hitbox in the body's frame, half the margin included.
     pub(super) low: Vec4,
     pub(super) high: Vec4,
-    /// Largest distance from the body's position to the surface of the bounding sphere, half the
-    /// margin included.
+    /// Largest distance from the body's position within bounding sphere and half the margin.
     pub(super) reach: f32,
     /// The magnitude to which the rounding of the padding is relative.
     pub(super) size: f32,

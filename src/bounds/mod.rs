@@ -1,5 +1,4 @@
-//! Boxes: the Bézier hull of a body's motion in a time slice, rounded outward to a parry3d `Aabb`
-//! (f32).
+//! Boxes: the Bézier hull of a motion in a time slice, rounded outward to a parry3d `Aabb` (f32).
 //!
 //! A box contains every position from which the exact solver would report a contact, including the
 //! solver's own rounding. Its padding is the hitbox, half the margin and the clearance of all

@@ -10,8 +10,7 @@ pub(super) struct PaddedPoints {
     pub(super) points: [DVec3; 4],
     /// Largest distance of a point from the first one, m.
     pub(super) extent: f64,
-    /// Error of the points and the solver's own rounding, m: a quarter of the padding needed for
-    /// both.
+    /// Error of the points and the solver's rounding, m: a quarter of the padding for both.
     error: f64,
 }
 
@@ -30,8 +29,7 @@ impl PaddedPoints {
     ///   bodies' distances. `e` contains 12 roundings of the points' distance, so this part is 0.25
     ///   `e`.
     ///
-    /// `e` cannot be derived from the position: terms of an extrapolated cubic may far exceed their
-    /// sum.
+    /// `e` does not follow from the position: terms of an extrapolated cubic may far exceed their sum.
     #[inline(always)]
     pub(super) fn of(segment: &Segment, (from, to): (f64, f64)) -> Self {
         let is_whole =
@@ -97,8 +95,7 @@ mod tests {
     }
 
     impl Flight {
-        /// Returns a segment of some size and duration; it bends by a share of its velocity, often
-        /// only by rounding.
+        /// Returns a segment of any size and duration; it bends, often only by rounding.
         fn any(rng: &mut ChaCha8Rng) -> Self {
             let mut power = |from: f64, to: f64| 10f64.powf(rng.random_range(from..to));
             let (size, duration, bend) = (power(-3.0, 3.0), power(-3.0, 3.0), power(-18.0, 0.0));
@@ -314,8 +311,7 @@ mod tests {
         }
     }
 
-    /// Boxes far beyond the knots hardly exceed the body's path, also for short segments, bent or
-    /// straight.
+    /// Boxes far beyond the knots hardly exceed the body's path, also for short segments.
     #[test]
     fn what_goes_beyond_the_knots_is_held_closely() {
         /// Some f32 roundings of a compact trajectory whose numbers are near one.

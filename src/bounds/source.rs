@@ -17,8 +17,7 @@ pub(crate) trait BoundingCubic {
     /// True if it is cheap enough to read for comparing two bodies.
     const IS_COMPACT: bool;
 
-    /// Returns the whole cubic between two knots, relative to the body's place, in the frame's
-    /// unit.
+    /// Returns the whole cubic between two knots, relative to the body's place (frame's unit).
     fn piece(&self, knots: (f64, f64), placement: &FramePlacement) -> SubCubic;
 }
 
@@ -135,8 +134,7 @@ impl<'a> CubicSource<'a, CompactCubic> {
 }
 
 impl<'a> CubicSource<'a, Segment> {
-    /// Returns the source of a body of which only a few boxes are needed, without a compact
-    /// trajectory.
+    /// Returns the source of a body without a compact trajectory, for a few boxes.
     pub(crate) fn plain(
         (knots, segments): (Knots<'a>, &'a [Segment]),
         padding: &Padding,

@@ -19,8 +19,7 @@ pub(crate) struct SubCubic {
 }
 
 impl SubCubic {
-    /// Roundings of the points, relative to their coordinates (far) and to `near`: at first, and
-    /// per split.
+    /// Roundings of the points at first, and per split: of coordinates (far) and of `near`.
     ///
     /// Far: one per point of a compact trajectory. A split has three levels of de Casteljau, each
     /// with one rounding of its sum. Two more for the sums of a box, or three for the line of a fat
@@ -46,7 +45,6 @@ impl SubCubic {
         }
     }
 
-    /// Returns a whole cubic.
     #[inline(always)]
     pub(super) fn whole(compact_cubic: &CompactCubic, (from, to): (f64, f64), factor: f32) -> Self {
         let (points, near) = compact_cubic.points(factor);
@@ -135,8 +133,7 @@ mod tests {
         point.truncate().as_dvec3()
     }
 
-    /// Repeated splits of a cubic that is small and far away, or through zero: the rounding bound
-    /// holds.
+    /// Repeated splits of a small and distant cubic, or through zero: the rounding bound holds.
     #[test]
     fn splits_are_within_their_rounding() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);

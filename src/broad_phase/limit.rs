@@ -21,7 +21,6 @@ impl<'f, F: PairFilter> CandidateLimit<'f, F> {
         }
     }
 
-    /// Returns true if more pairs than the limit were admitted.
     #[inline]
     pub(crate) fn is_short(&self) -> bool {
         self.admitted.load(Ordering::Relaxed) > self.most

@@ -99,14 +99,12 @@ impl PairFilter for Everyone {
     }
 }
 
-/// A method that finds all pairs of overlapping boxes. A value owns its buffers, reused from slice
-/// to slice.
+/// A method that finds all pairs of overlapping boxes. A value owns its buffers.
 pub trait BroadPhase: Default + Send {
     /// Appends every admitted pair of bodies whose boxes overlap, each once and no other; fewer if
     /// the filter gives up.
     ///
-    /// The order is unspecified, but depends on `boxes` alone: not on earlier calls, nor on the
-    /// processor.
+    /// The order is unspecified, but depends on `boxes` alone.
     fn pairs<F: PairFilter>(
         &mut self,
         boxes: &[BodyBox],

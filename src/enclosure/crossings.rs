@@ -317,8 +317,7 @@ impl PartitionSearch {
     }
 }
 
-/// Returns, in turns, the middle, and the place of the apparent minimum unless that is next to an
-/// end.
+/// Returns, in turns, the middle, and the place of the apparent minimum if not next to an end.
 fn dividing_fraction(points: &ControlPolygon, turn: u32) -> f64 {
     const NEAR_END: f64 = 1.0 / 64.0;
     if turn % 2 == 1 {

@@ -30,7 +30,6 @@ impl SquaredThresholds {
         }
     }
 
-    /// Returns the side of values within `low..=high`.
     pub(super) fn side(&self, low: f64, high: f64) -> Side {
         if high < self.inside {
             Side::Inside

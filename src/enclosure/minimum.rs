@@ -42,8 +42,7 @@ fn can_reach(minorant: &Minorant, level: f64, base: f64, tip: f64) -> Option<Par
     })
 }
 
-/// Returns `s` moved up (`direction` 1) or down (-1) by more than the rounding of a sum without
-/// underflow.
+/// Returns `s` moved up (`direction` 1) or down (-1) by more than a sum's rounding.
 #[inline]
 fn outward(s: f64, direction: f64) -> f64 {
     s + direction * (4.0 * UNIT_ROUNDOFF * s.abs())
@@ -206,8 +205,7 @@ impl<'c> BranchAndBound<'c> {
         )
     }
 
-    /// Returns the hull, narrowed by the slope at the best point where the distance is convex
-    /// around it.
+    /// Returns the hull, narrowed by the slope at the best point if the distance is convex there.
     fn narrowed(&self, hull: Option<ParameterEnclosure>) -> ParameterEnclosure {
         const WIDEST: f64 = 0.125;
         let s = self.best.s;

@@ -5,19 +5,16 @@ use super::scaled::TINY;
 use crate::real::Real;
 use crate::rounding::UNIT_ROUNDOFF;
 
-/// A quadratic below the squared distance on a part: `base + slope x + bend x²`, x in 0..=1 from
-/// the base.
+/// A quadratic `base + slope x + bend x²` below the squared distance, x in 0..=1 from the base.
 ///
-/// It is valid for the computed control points of a part, if those of the whole cubic lie within
-/// 1e-50..1e50.
+/// Valid for the computed control points, if those of the whole cubic lie within 1e-50..1e50.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Minorant {
     /// Computed squared norm at the base (relative error 3u).
     pub(crate) base: f64,
     slope: f64,
     bend: f64,
-    /// Lower bound of the Bernstein coefficients of the squared distance minus its value at the
-    /// base.
+    /// Lower bound of the squared distance's Bernstein coefficients minus its value at the base.
     floor: f64,
 }
 

@@ -96,7 +96,7 @@
 //!                               max(0, -(c1 + c2))    elsewhere;  at most max(0, -b1, .., -b6)
 //! ```
 //!
-//! Where k0 is a minimum up to rounding, c1 is of the order of u m A, so sink is of the order of u² m²:
+//! If k0 is a minimum up to rounding, c1 is of the order of u m A, so sink is of the order of u² m²:
 //! the lower bound is m² but for a few roundings of m², even for m far below M. The computed
 //! m² has a relative error of 3 u, and two differences follow; 6 u m² is subtracted. c2 takes at most 15
 //! times the error of a coefficient, and 4 roundings of terms of 54 m A + 9 A² in sum; it is lowered by
@@ -142,7 +142,7 @@
 //! - else the quadratic of section 4 cuts off what is outside, or the part is divided;
 //! - what stays within four times the error of the threshold is undecided: dividing is of no use.
 //!
-//! So an undecided stretch ends where the distance differs from the threshold by a few F (about one
+//! An undecided stretch therefore ends where the distance differs from the threshold by a few F (about one
 //! at a crossing). At a crossing with the closing speed v, per unit of s, it is 2 F / v long; at a
 //! touch its length is of the order of sqrt(F).
 //!
@@ -221,8 +221,7 @@ impl UncertainCubic {
         }
     }
 
-    /// Returns a cubic with finite control points, possibly beyond 1e300: the difference of two
-    /// motions in range.
+    /// Returns a cubic with finite control points, possibly beyond 1e300.
     pub(crate) fn finite(points: [DVec3; 4], error: f64) -> Self {
         debug_assert!(is_in_range(&points, error, f64::MAX), "finite numbers");
         Self { points, error }

@@ -69,7 +69,6 @@ fn select(first: bool, a: DVec3, b: DVec3) -> DVec3 {
     )
 }
 
-/// Returns the point at `s`.
 #[inline]
 pub(super) fn point(points: &ControlPolygon, s: f64) -> DVec3 {
     let [h0, h1, h2, h3] = *points;

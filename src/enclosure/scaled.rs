@@ -29,8 +29,7 @@ pub(super) struct ScaledCubic {
 }
 
 impl ScaledCubic {
-    /// Returns the scaled cubic; the control points must be finite and `error` finite and not
-    /// negative.
+    /// Returns the scaled cubic; control points and `error >= 0` must be finite.
     pub(super) fn new(points: &[DVec3; 4], error: f64) -> Self {
         let [a, b, c, d] = *points;
         let largest = (a.abs().max(b.abs())).max(c.abs().max(d.abs()));
@@ -46,8 +45,7 @@ impl ScaledCubic {
         }
     }
 
-    /// Returns a bound on the distance between any part computed from this cubic and the exact
-    /// motion (F).
+    /// Returns a bound on the distance between any computed part and the exact motion (F).
     pub(super) fn part_error(&self) -> f64 {
         part_error(self.error, self.size)
     }
@@ -106,7 +104,7 @@ mod tests {
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 
-    /// From the smallest numbers to the largest.
+    /// Returns a size from the smallest to the largest numbers.
     fn size_of(rng: &mut ChaCha8Rng) -> f64 {
         10f64.powf(rng.random_range(-322.0..300.0))
     }

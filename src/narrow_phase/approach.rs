@@ -59,8 +59,7 @@ pub(crate) fn approaching(a: &FatLine, b: &FatLine, (from, to): (f64, f64)) -> O
     Some((from.max(first), to.min(last)))
 }
 
-/// Returns true if the lines of two bodies, extended to all times, stay apart: so for most
-/// candidates.
+/// Returns true if the lines of two bodies, extended to all times, stay apart.
 ///
 /// The distance of a straight motion from zero is that of its cross product with its change,
 /// divided by the change. Rounding (2^-24 each), relative to the product of both lengths: one per
@@ -199,8 +198,7 @@ mod tests {
         assert!(passes > 10_000, "{passes}");
     }
 
-    /// Places, changes and least distances of all magnitudes, from the smallest numbers to the
-    /// largest.
+    /// Places, changes and least distances of all magnitudes.
     #[test]
     fn grazing_passes_at_the_ends_of_the_range_are_not_ruled_out() {
         let mut rng = ChaCha8Rng::seed_from_u64(5);

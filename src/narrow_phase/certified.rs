@@ -21,7 +21,6 @@ use std::iter::once;
 
 mod separation;
 
-/// A contact with its certificate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct CertifiedContact {
     pub(crate) contact: Contact,
@@ -33,11 +32,9 @@ pub(crate) struct CertifiedContact {
 pub(crate) struct Workspace {
     members: Vec<UncertainPair>,
     parts: Vec<VerdictInterval>,
-    /// Rank of each member by time and sphere numbers, whatever the order of solving; and its
-    /// number of parts.
+    /// Rank of each member by time and sphere numbers, and its number of parts.
     ranks: Vec<usize>,
     counts: Vec<usize>,
-    /// Summaries of the members in the current group.
     shares: Vec<MemberSummary>,
     /// Buffer for sorting.
     order: Vec<usize>,

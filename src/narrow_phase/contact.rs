@@ -9,8 +9,7 @@ use super::{BodyView, contact_radius};
 use crate::spans::Span;
 use glam::DVec3;
 
-/// A solved pair of spheres over one span: its contacts at any margin and window need no further
-/// roots.
+/// A solved pair of spheres over a span: contacts at any margin and window need no more roots.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SolvedSpan {
     span: Span,
@@ -70,8 +69,7 @@ fn near_threshold(a: &BodyView<'_>, b: &BodyView<'_>, span: Span, margin: f64) -
     Some(filter_threshold(radius, scale))
 }
 
-/// Returns the relative control points of a pair's bounding spheres over `from..=to`, a part of a
-/// span.
+/// Returns the relative control points of a pair's bounding spheres over a part of a span.
 #[inline]
 fn near_points(
     a: &BodyView<'_>,
@@ -198,8 +196,7 @@ pub(super) fn join(contacts: &mut Vec<Contact>, first: usize) {
     contacts.truncate(contacts.len().min(last + 1));
 }
 
-/// Returns the least separation over `spans` within `clip`, the earliest one of ties; `None`
-/// without a span.
+/// Returns the least separation over `spans` within `clip`, the earliest of ties, if any.
 pub(crate) fn closest_approach(
     a: &BodyView<'_>,
     b: &BodyView<'_>,

@@ -12,8 +12,7 @@ use super::stationary::{MAX_STATIONARY, stationary_points};
 use crate::enclosure::part;
 use crate::rounding::largest_norm;
 
-/// As a share of the size of a span or part: at a larger distance the squared distance shows all
-/// minima.
+/// Share of the size of a part: beyond this distance the squared distance shows all minima.
 const NEAR: f64 = 1.0 / 256.0;
 
 /// A local parameter of a span, and the distance there (m).
@@ -94,8 +93,7 @@ impl DistanceExtrema {
         }
     }
 
-    /// Appends an extremum. If the distance only continues to rise or fall, it replaces the
-    /// previous one.
+    /// Appends an extremum; replaces the previous one if the distance only continues its course.
     fn push(&mut self, cubic: &RelativeCubic, s: f64) {
         let new = Extremum {
             s,

@@ -9,8 +9,7 @@ use crate::rounding::{norm, normalising_power};
 use crate::trajectory::Segment;
 use glam::DVec3;
 
-/// Returns true if two bodies stay farther apart than `threshold` (m) along the cubic with these
-/// Bézier points.
+/// Returns true if two bodies stay farther apart than `threshold` (m) along this cubic.
 ///
 /// `threshold` comes from [`filter_threshold`](super::relative::filter_threshold).
 pub(crate) fn certainly_beyond(points: &[DVec3; 4], threshold: f64) -> bool {

@@ -73,8 +73,7 @@ mod tests {
         }
     }
 
-    /// No radius is ruled out that a distance attains, or misses by no more than its rounding, at
-    /// an end.
+    /// No radius is ruled out that a distance attains, or misses by its rounding, at an end.
     #[test]
     fn what_is_reached_is_not_beyond() {
         let mut rng = ChaCha8Rng::seed_from_u64(12);

@@ -35,8 +35,7 @@ impl RelativeCubic {
         self.error + 48.0 * UNIT_ROUNDOFF * self.size
     }
 
-    /// Returns a bound on the motion between an instant and its rounded value, m; infinite if
-    /// unknown.
+    /// Returns a bound on the motion between an instant and its rounded value, m; or infinity.
     pub(super) fn blur(&self) -> f64 {
         blur(&self.points, (self.start, self.end))
     }

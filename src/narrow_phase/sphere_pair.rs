@@ -61,8 +61,7 @@ impl Approach {
         }
     }
 
-    /// Returns the positions of both bodies (m) and the velocity of a relative to b (m/s), from
-    /// this instant on.
+    /// Returns both bodies' positions (m) and the velocity of a relative to b (m/s) from then on.
     pub(crate) fn kinematics(&self, a: &BodyView<'_>, b: &BodyView<'_>) -> (DVec3, DVec3, DVec3) {
         let motion = |view: &BodyView<'_>, cubic: u32| {
             let cubic = cubic as usize;
@@ -107,7 +106,6 @@ impl SpherePair {
         contact_radius(self.radius_a, self.radius_b, margin)
     }
 
-    /// Appends the contacts of the two spheres within `margin`, clipped to `clip`.
     pub(super) fn contacts(
         &self,
         profile: &DistanceProfile,
@@ -135,8 +133,7 @@ impl SpherePair {
         self.approach(span, instant).separation + self.cubic.tolerance() + self.cubic.blur()
     }
 
-    /// Returns true if cheap tests show that the separation stays above `margin` over the whole
-    /// span.
+    /// Returns true if cheap tests show that the separation stays above `margin` in the span.
     pub(super) fn is_beyond(
         &self,
         a: &BodyView<'_>,

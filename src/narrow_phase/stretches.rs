@@ -153,8 +153,7 @@ impl DistanceProfile {
         }
     }
 
-    /// Returns the earliest instant of least distance within `from..=to`, which must overlap the
-    /// span.
+    /// Returns the earliest instant of least distance in the overlap of `from..=to` and the span.
     pub(crate) fn closest(&self, cubic: &RelativeCubic, from: f64, to: f64) -> ProfilePoint {
         let interval = (from.max(cubic.start), to.min(cubic.end));
         self.closest_in(cubic, interval, interval)

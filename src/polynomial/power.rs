@@ -45,8 +45,7 @@ impl<const N: usize> Polynomial<N> {
         (value, derivative)
     }
 
-    /// Returns the derivative, with a last coefficient of zero: the type keeps its number of
-    /// coefficients.
+    /// Returns the derivative, with a last coefficient of zero.
     ///
     /// ```
     /// use nearmiss::internals::polynomial::Polynomial;
@@ -157,7 +156,6 @@ impl<const N: usize> Polynomial<N> {
         }
     }
 
-    /// Returns the largest absolute value of the coefficients.
     #[inline]
     fn largest_coefficient(&self) -> f64 {
         self.coefficients

@@ -75,8 +75,7 @@ pub(super) fn solve<const D: usize>(
     roots
 }
 
-/// Returns the points in the open interval where a polynomial of degree at most `D` changes its
-/// sign.
+/// Returns the sign changes of a polynomial of degree at most `D` in the open interval.
 ///
 /// For bracketing only: a touching zero may be missed or reported.
 fn crossings<const D: usize>(
@@ -298,7 +297,6 @@ fn evaluate<const D: usize>(coefficients: &[f64; 7], x: f64) -> f64 {
     even + x * odd
 }
 
-/// Returns the value by Horner's rule.
 #[inline]
 fn horner<const D: usize>(coefficients: &[f64; 7], x: f64) -> f64 {
     let mut value = 0.0;

@@ -71,7 +71,6 @@ impl CubicArena {
         copy
     }
 
-    /// Frees a range.
     pub(crate) fn give_back(&mut self, range: ArenaRange) {
         self.live -= range.lines;
         self.garbage += range.lines;
@@ -103,7 +102,6 @@ impl CubicArena {
         self.garbage > self.live + Self::FEW
     }
 
-    /// Returns the number of lines of all chunks.
     fn lines(&self) -> usize {
         self.chunks.iter().map(|chunk| chunk.lines().len()).sum()
     }

@@ -79,7 +79,6 @@ fn lines_for(trajectory: &Trajectory) -> usize {
     CompactTrajectory::lines(trajectory.knots().len(), trajectory.segments().len())
 }
 
-/// A body, with the cached data of its motion.
 #[derive(Debug)]
 pub(crate) struct SceneEntry {
     pub(crate) body: Body,
@@ -112,8 +111,7 @@ impl SceneEntry {
         })
     }
 
-    /// Returns the pieces that the body follows beyond its knots over a window, or `None` if there
-    /// are none.
+    /// Returns the pieces that the body follows beyond its knots over a window, if any.
     ///
     /// # Errors
     ///

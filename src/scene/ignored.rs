@@ -17,7 +17,6 @@ impl IgnoredPairs {
         self.0.remove(&(b, a));
     }
 
-    /// Removes all pairs of a body.
     pub(super) fn forget(&mut self, id: BodyId) {
         let pairs = self.0.range((id, BodyId::FIRST)..=(id, BodyId::LAST));
         let others: Vec<BodyId> = pairs.map(|&(_, other)| other).collect();

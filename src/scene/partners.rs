@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 /// The kinds of bodies in a scene: counts by layers, and the largest radius.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Kinds {
-    /// By membership and filter: the number of bodies, and whether any body is a partner.
+    /// Number of bodies by membership and filter, and true if any body is a partner.
     layers: BTreeMap<(u32, u32), (usize, bool)>,
     /// Upper bound of the radii of all bodies so far, m.
     largest: f64,
@@ -94,8 +94,7 @@ impl<'s> Partners<'s> {
         Self { kinds, margin }
     }
 
-    /// Returns false if the body cannot be part of any pair, because of its layers or a margin far
-    /// below zero.
+    /// Returns false if the body can be part of no pair, by its layers or a very negative margin.
     pub(crate) fn has(&self, body: &Body) -> bool {
         let key = (body.layers.membership, body.layers.filter);
         let has_partner = || self.kinds.layers.get(&key).is_some_and(|kind| kind.1);
@@ -114,8 +113,7 @@ pub(crate) const fn radius(hitbox: &Hitbox) -> f64 {
     hitbox.bounding().radius
 }
 
-/// Returns false if two radii and a margin (m) certainly add up to less than zero: no distance is
-/// within that.
+/// Returns false if two radii and a margin (m) certainly add up to less than zero.
 pub(crate) fn can_reach(one: f64, other: f64, margin: f64) -> bool {
     let rounding = 4.0 * UNIT_ROUNDOFF * (one + other + margin.abs());
     one + other + margin >= -rounding

@@ -4,7 +4,6 @@ use super::{Scene, SceneEntry};
 use glam::DVec3;
 
 impl Scene {
-    /// Size of the sample.
     pub(crate) const SAMPLE: usize = 64;
 
     /// Returns some of the bodies that may be part of a pair within a time (s): all if they are

@@ -121,7 +121,6 @@ impl<'a> PreparedScene<'a> {
         places.iter().map(source).collect()
     }
 
-    /// Returns view and box source of the body at a place.
     #[inline]
     fn view(&self, place: usize, frame: &Frame) -> (BodyView<'_>, CubicSource<'_, CompactCubic>) {
         let entry = self.entries[place];
@@ -189,7 +188,6 @@ pub(super) fn lone_view(entry: &SceneEntry, window: Window) -> Result<BodyView<'
     Ok(party_of(&entry.body, knots))
 }
 
-/// Returns the view of a body with these knots.
 fn party_of<'a>(body: &'a Body, knots: Knots<'a>) -> BodyView<'a> {
     BodyView {
         knots,

@@ -46,8 +46,7 @@ impl SceneSurvey {
         }
     }
 
-    /// Includes a body, and its pieces beyond the knots in the window. A body without a partner is
-    /// left out.
+    /// Includes a body and its pieces beyond the knots in the window, if it has a partner.
     pub(super) fn include(
         &mut self,
         place: usize,

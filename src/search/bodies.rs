@@ -11,7 +11,6 @@ pub(crate) trait Bodies: Sync {
     /// Returns the view of a body; one that never exists if there is none.
     fn view(&self, body: u32) -> BodyView<'_>;
 
-    /// Returns the knots of a body.
     fn knots(&self, body: u32) -> Knots<'_> {
         self.view(body).knots
     }
@@ -30,7 +29,6 @@ pub(crate) trait Bodies: Sync {
     /// Prefetches a cubic for the [hull test](Self::hull_test).
     fn fetch_cubic(&self, _: (u32, u32)) {}
 
-    /// Prefetches a segment.
     fn fetch_segment(&self, _: (u32, u32)) {}
 }
 

@@ -8,8 +8,7 @@ use crate::broad_phase::BodyBox;
 use crate::knots::Knots;
 use crate::simd::Task;
 
-/// The bounds of one slice: a box and a fat line for each body that exists in it, in parallel
-/// lists.
+/// The bounds of one slice: a box and a fat line for each body that exists in it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SliceBounds {
     /// The `body` of a box is its place in these lists.
@@ -25,14 +24,12 @@ pub(crate) struct SliceBounds {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SliceBlock {
     pub(crate) slices: Vec<SliceBounds>,
-    /// Each body's first cubic in the block, then its last one: the start of the next block's
-    /// search.
+    /// Each body's first cubic in the block, then its last one, where the next search begins.
     pieces: Vec<u32>,
 }
 
 impl SliceBlock {
-    /// Largest number of slices in a block: each list gets the capacity of the longest possible
-    /// one.
+    /// Largest number of slices in a block: each list may be as long as the longest.
     pub(crate) const SLICES: usize = 32;
 }
 
@@ -41,8 +38,7 @@ pub(crate) struct FormBounds<'a, C> {
     pub(crate) block: &'a mut SliceBlock,
     pub(crate) frame: &'a MovingFrame,
     pub(crate) sources: &'a [CubicSource<'a, C>],
-    /// Places of the candidates for existence, ascending: includes each body that exists in one of
-    /// the slices.
+    /// Places of bodies, ascending: includes each body that exists in one of the slices.
     pub(crate) present: &'a [u32],
     /// Ends of the slices, s: one more than there are slices.
     pub(crate) ends: &'a [f64],
@@ -199,8 +195,7 @@ fn fetch_route<C: BoundingCubic, const MOVES: bool>(
     }
 }
 
-/// Returns the last cubic that begins before `time` (the first one if none does), searched from a
-/// guess.
+/// Returns the last cubic that begins before `time` (or the first), searched from a guess.
 #[inline(always)]
 fn cubic_before(knots: &Knots<'_>, time: f64, guess: u32) -> usize {
     /// Linear steps before the search halves the rest.
@@ -315,8 +310,7 @@ impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
         self.through(number, body, slices)
     }
 
-    /// Appends the body's box and fat line to each slice in which it exists; returns the number of
-    /// its last cubic.
+    /// Appends box and fat line to each slice in which the body exists; returns its last cubic.
     #[inline(always)]
     fn through(&self, mut number: usize, body: u32, slices: &mut [SliceBounds]) -> usize {
         let Self {
@@ -382,8 +376,7 @@ mod tests {
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 
-    /// Every box and fat line contains its body at every instant of its slice, and is not much
-    /// larger.
+    /// Every box and fat line contains its body in its slice, and is not much larger.
     #[test]
     fn boxes_contain_their_bodies() {
         let mut rng = ChaCha8Rng::seed_from_u64(9);

@@ -9,7 +9,6 @@ pub(crate) struct Limits {
     pub(crate) spans: usize,
 }
 
-/// The error of a search that exceeds its limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct LimitExceeded;
 

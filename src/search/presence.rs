@@ -1,7 +1,6 @@
 //! Lifetimes of bodies.
 
-/// First and last instant of each body, s, in one list: most bodies of a long recording exist in
-/// few slices.
+/// First and last instant of each body, s; most bodies of long recordings exist in few slices.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lifetimes(Vec<(f64, f64)>);
 
@@ -10,23 +9,19 @@ impl Lifetimes {
         Self(lives)
     }
 
-    /// Replaces all lifetimes.
     pub(crate) fn fill(&mut self, lives: impl Iterator<Item = (f64, f64)>) {
         self.0.clear();
         self.0.extend(lives);
     }
 
-    /// Returns the lifetimes, by number.
     pub(crate) fn lives(&self) -> &[(f64, f64)] {
         &self.0
     }
 
-    /// Returns the number of bodies.
     pub(crate) const fn len(&self) -> usize {
         self.0.len()
     }
 
-    /// Returns the lifetimes of the bodies at some places.
     pub(crate) fn of_some(&self, places: &[usize]) -> Self {
         Self(places.iter().map(|&place| self.0[place]).collect())
     }

@@ -20,7 +20,6 @@ pub(crate) struct RefineContext<'a, B> {
     pub(crate) bodies: &'a B,
     /// Fat lines of the slice, indexed as in its candidates.
     pub(crate) fat_lines: &'a [FatLine],
-    /// Interval of the slice, s.
     pub(crate) interval: (f64, f64),
     pub(crate) window: Window,
     pub(crate) margin: f64,
@@ -39,8 +38,7 @@ impl<B> RefineContext<'_, B> {
     }
 }
 
-/// A pair that may be near by its fat lines, with the interval, and for each body a cubic that is
-/// not later.
+/// A pair that may be near by its fat lines: interval, and a cubic of each that is not later.
 #[derive(Clone, Copy, Debug)]
 struct NearPair {
     bodies: [u32; 2],
@@ -155,7 +153,6 @@ impl CandidateRefiner {
         }
     }
 
-    /// Lists the spans of near pairs.
     fn list_spans(&mut self, bodies: &impl Bodies) {
         self.spans.clear();
         for (i, near) in self.near.iter().enumerate() {

@@ -14,8 +14,7 @@ use crate::pool::Pool;
 use crate::simd::InstructionSet;
 use std::ops::Range;
 
-/// Nanoseconds of each kind of work on one thread, measured on the reference swarm. Only their
-/// ratios matter.
+/// Nanoseconds of each kind of work on one thread (reference swarm). Only ratios matter.
 mod cost {
     /// Passing a slice, and listing a body of those that exist in it.
     pub(super) const SLICE: f64 = 60.0;
@@ -32,8 +31,7 @@ mod cost {
     pub(super) const SPAN: f64 = 40.0;
 }
 
-/// Largest number of candidates examined in a trial's slice: with more, slices must be shorter
-/// anyway.
+/// Largest number of candidates in a trial's slice: with more, slices must be shorter.
 const MAX_CANDIDATES: u64 = 1 << 20;
 
 /// Growth of near candidates with the length of a slice, as a power of it, before two lengths were

@@ -142,8 +142,7 @@ impl TimeSlices {
         (self.cut(slice), self.cut(slice + 1))
     }
 
-    /// Replaces the content of `ends` by the ends of some slices, s: one more than there are
-    /// slices.
+    /// Replaces the content of `ends` by the ends of some slices, s: one more than slices.
     pub(crate) fn ends(&self, slices: Range<u32>, ends: &mut Vec<f64>) {
         let cuts = slices.start..=slices.end;
         ends.clear();

@@ -337,8 +337,7 @@ fn slices_in_a_run(block: &SliceBlock, count: usize) -> usize {
 struct SliceBlocks {
     slices: u32,
     count: u32,
-    /// Blocks after which results are merged, so that a span that lasts for many slices is kept
-    /// once.
+    /// Blocks after which results are merged, so that a long span is kept once.
     round: u32,
     /// True if several threads share the blocks.
     is_shared: bool,

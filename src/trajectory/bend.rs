@@ -158,8 +158,7 @@ mod tests {
             time * (norm(1) + time * (norm(2) + time * norm(3)))
         }
 
-        /// Returns the distance of the control points over an interval from given ones relative to
-        /// a place.
+        /// Returns the largest distance between control points over an interval and given ones.
         fn farthest(&self, points: &[DVec3; 4], from: DVec3, interval: (f64, f64)) -> f64 {
             let [a, b] = [interval.0, interval.1].map(|time| exact(time) - &self.since);
             let instants = [[&a, &a, &a], [&a, &a, &b], [&a, &b, &b], [&b, &b, &b]];

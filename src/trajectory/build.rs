@@ -204,7 +204,7 @@ impl Trajectory {
 
     /// Builds a body that stays at `position` (m) for all time.
     ///
-    /// It can only be screened within a closed window ([`Error::WindowNotClosed`]). Its single knot
+    /// The body can only be screened within a closed window ([`Error::WindowNotClosed`]). Its single knot
     /// is at 0 s: [`Monitor::extend`](crate::Monitor::extend) continues from there, whatever the
     /// clock shows. To set it in motion use [`Monitor::replan`](crate::Monitor::replan).
     ///
@@ -219,7 +219,7 @@ impl Trajectory {
     /// Builds a body that keeps its velocity for all time: dead reckoning from one state, such as
     /// that of a body moved by a physics engine.
     ///
-    /// It can only be screened within a closed window ([`Error::WindowNotClosed`]). Its single knot
+    /// The body can only be screened within a closed window ([`Error::WindowNotClosed`]). Its single knot
     /// is the state's time. Positions are good to a few roundings of the distance covered in 6 s,
     /// or in the time to or from the state if that is longer.
     ///

@@ -13,7 +13,6 @@ pub(super) struct DoublingCuts {
 }
 
 impl DoublingCuts {
-    /// No cuts.
     pub(super) const NONE: Self = Self::of(0.0, 0.0, 0.0);
 
     pub(super) const fn of(knot: f64, step: f64, until: f64) -> Self {
@@ -32,7 +31,6 @@ impl DoublingCuts {
         (knot + step * (factor - 1.0)).clamp(-f64::MAX, f64::MAX)
     }
 
-    /// Returns all cuts except the last one.
     pub(super) fn but_last(self) -> impl Iterator<Item = f64> + Clone {
         let count = self.clone().count();
         self.take(count.saturating_sub(1))

@@ -195,7 +195,6 @@ pub(crate) struct Pieces {
 
 #[cfg(test)]
 impl Pieces {
-    /// Returns a trajectory's pieces over a window.
     pub(crate) fn over(plan: &Trajectory, window: Window) -> Self {
         let mut knots: Vec<f64> = plan.cuts_before(window.start()).collect();
         knots.reverse();
@@ -226,8 +225,7 @@ mod tests {
     use crate::window::Window;
     use glam::DVec3;
 
-    /// Returns plans that continue before and after their knots: at rest, coasting, of three
-    /// states.
+    /// Returns plans that continue beyond their knots: at rest, coasting, of three states.
     fn plans() -> [Trajectory; 5] {
         let state = |time: f64| State::new(time, DVec3::X * time, DVec3::X);
         let late = |time: f64| State::new(1.7e9 + time, DVec3::X * time, DVec3::Y * time);

@@ -48,15 +48,11 @@ use roomy::Roomy;
     serde(try_from = "serial::Numbers", into = "serial::Numbers")
 )]
 pub struct Trajectory {
-    /// Knots, s; one more than segments. A body at rest or only coasting has one knot and no
-    /// segment.
+    /// Knots, s; one more than segments. A body at rest or only coasting has no segment.
     knots: Roomy<f64>,
-    /// Segments between the knots. Beside them: the end motions before the first and after the last
-    /// knot.
+    /// Segments between the knots; beside them, the end motions before and after.
     segments: Roomy<Segment, 2>,
-    /// Rule before the first knot.
     before: Outside,
-    /// Rule after the last knot.
     after: Outside,
 }
 
@@ -148,8 +144,7 @@ impl Trajectory {
         &self.segments
     }
 
-    /// Returns the window in which the body exists: its knots' range, extended where the rule is
-    /// not `Absent`.
+    /// Returns the window in which the body exists: its knots' range, or more unless `Absent`.
     #[must_use]
     pub fn domain(&self) -> Window {
         let (planned, all) = (self.planned(), Window::ALL);

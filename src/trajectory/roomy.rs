@@ -47,7 +47,6 @@ impl<T: Copy, const BESIDE: usize> Roomy<T, BESIDE> {
         self.all.push(entry);
     }
 
-    /// Returns the values beside the list.
     pub(super) fn beside(&self) -> &[T] {
         &self.all[..BESIDE]
     }
@@ -75,18 +74,15 @@ impl<T: Copy, const BESIDE: usize> Roomy<T, BESIDE> {
         }
     }
 
-    /// Returns the first `count` entries.
     pub(super) fn front_mut(&mut self, count: usize) -> &mut [T] {
         &mut self.all[self.first..][..count]
     }
 
-    /// Prefetches both ends of the allocation.
     pub(super) fn prefetch_ends(&self) {
         prefetch(&self.all[..self.all.len().min(1)]);
         prefetch(&self.all[self.all.len().saturating_sub(1)..]);
     }
 
-    /// Removes the first `count` entries.
     pub(super) fn drop_front(&mut self, count: usize) {
         self.all.drain(BESIDE..self.first + count);
         self.first = BESIDE;

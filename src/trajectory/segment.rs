@@ -36,8 +36,7 @@ pub(crate) struct Restriction {
 }
 
 impl Segment {
-    /// Builds the cubic Hermite segment between two consecutive states; `knot` is the second one's
-    /// number.
+    /// Builds the cubic Hermite segment between two states; `knot` is the second one's number.
     ///
     /// The states must be finite and their times increase.
     pub(super) fn hermite(first: &State, second: &State, knot: usize) -> Result<Self, Error> {
@@ -214,8 +213,7 @@ impl Segment {
         self.end
     }
 
-    /// Returns the position at [`start`](Self::start), m: exactly the user's number where states
-    /// were given.
+    /// Returns the position at [`start`](Self::start), m: the user's number if states were given.
     #[must_use]
     pub const fn origin(&self) -> DVec3 {
         self.origin
@@ -261,8 +259,7 @@ impl Segment {
         (self.control_points, self.error)
     }
 
-    /// Returns position, velocity and acceleration at `time` (m, m/s, m/s²). Outside its knots the
-    /// cubic continues.
+    /// Returns position, velocity and acceleration at `time` (m, m/s, m/s²), also outside its knots.
     #[must_use]
     pub fn motion_at(&self, time: f64) -> (DVec3, DVec3, DVec3) {
         let duration = self.end - self.start;
@@ -428,8 +425,7 @@ impl Segment {
         size + error / (16.0 * UNIT_ROUNDOFF)
     }
 
-    /// Returns the largest distance in time between the start and a point of the interval, in
-    /// durations.
+    /// Returns how far an interval reaches from the start, in durations of the segment.
     pub(crate) fn lengths_to(&self, from: f64, to: f64) -> f64 {
         let duration = self.end - self.start;
         ((from - self.start).abs().max((to - self.start).abs())) / duration

@@ -15,14 +15,13 @@ pub struct State {
 }
 
 impl State {
-    /// A state from its parts (s, m, m/s); validation happens where a trajectory is built from it.
+    /// Returns a state from its parts (s, m, m/s); building a trajectory from it validates it.
     ///
     /// Position and velocity can be vectors of f64 or f32, arrays or tuples.
     ///
     /// ```
     /// use nearmiss::State;
-    /// Returns a state from its parts (s, m, m/s); validation happens where a trajectory is built
-    /// from it.
+    /// use nearmiss::glam::{DVec3, Vec3};
     ///
     /// let state = State::new(0.0, [1.0, 2.0, 3.0], (0.0, 0.0, 4.0));
     /// assert_eq!(state, State::new(0.0, Vec3::new(1.0, 2.0, 3.0), 4.0 * DVec3::Z));

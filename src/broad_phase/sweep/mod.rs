@@ -55,8 +55,7 @@ impl Sweep {
     const MAX: usize = 1 << 28;
     /// Largest number of copies by dividing in a slice, per box.
     const MAX_COPIES: usize = 8;
-    /// Comparisons per box from which the hit rate is measured: they cost twice as much as
-    /// dividing.
+    /// Comparisons per box from which the hit rate is measured: twice the cost of dividing.
     const LONG_RUNS: f64 = 256.0;
     /// Hit rate below which boxes are divided.
     const IN_VAIN: f64 = 1.0 / 16.0;

@@ -14,8 +14,7 @@ const MAX_COPIES: u64 = 4;
 
 /// Copies of boxes in the order of rows and bins, one array per face.
 ///
-/// A box is copied into every row that it reaches. Each array is followed by enough unused elements
-/// for a whole step.
+/// A box is copied into every row that it reaches. Each array ends with spare room for a step.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SortedRows {
     packed: Vec<QuantizedBox>,
@@ -74,7 +73,6 @@ impl RecordSource {
     /// Set where the box starts in an earlier row on the first or second axis of rows.
     const EARLIER: [u32; 2] = [1 << 31, 1 << 30];
 
-    /// Returns the box's number.
     #[inline(always)]
     pub(super) fn number(self) -> usize {
         (self.0 & !(Self::EARLIER[0] | Self::EARLIER[1])) as usize

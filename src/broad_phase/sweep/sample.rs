@@ -59,8 +59,7 @@ impl BoxSample {
         self.shares
     }
 
-    /// Sets planes in the empty space between boxes and returns true, if that space is more than
-    /// half of an axis.
+    /// Sets planes in empty space and returns true, if that is more than half of an axis.
     pub(super) fn cut_at_gaps(&self, cuts: &mut SplitPlanes) -> bool {
         for axis in 0..3 {
             cuts.axis = axis;
@@ -85,8 +84,7 @@ impl BoxSample {
         false
     }
 
-    /// Sets planes that divide the boxes into four about equal parts, across the axis with the
-    /// shortest boxes.
+    /// Sets planes that quarter the boxes about equally, across the axis with the shortest boxes.
     pub(super) fn cut_evenly(&self, cuts: &mut SplitPlanes) {
         let shares = &self.shares;
         let shorter = |&one: &usize, &other: &usize| shares[one].total_cmp(&shares[other]);
@@ -105,8 +103,7 @@ fn low(one: &BodyBox, region: &Region, axis: usize) -> f32 {
     one.aabb.mins[axis].max(region.low[axis])
 }
 
-/// Returns the range of ascending numbers without outliers, widened by an eighth within the
-/// outermost ones.
+/// Returns the range of ascending numbers without outliers, widened by up to an eighth.
 fn range(lows: &[f32]) -> (f32, f32) {
     let strays = lows.len() / BoxSample::STRAYS;
     let (first, last) = (lows[0], lows[lows.len() - 1]);

@@ -129,8 +129,7 @@ fn nearest_points_are_within_reach_whatever_the_error() {
     }
 }
 
-/// Cubics known exactly, from a base at which they are all but nearest: their computed slope there
-/// is rounding.
+/// Cubics known exactly, from a base that is all but nearest: the slope there is rounding.
 #[test]
 fn nearest_points_are_within_reach_of_a_rounded_slope() {
     const RANGE: f64 = 1e-6;

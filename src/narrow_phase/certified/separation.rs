@@ -18,8 +18,7 @@ pub(super) struct SeparationEnclosure {
     pub(super) own: TimeEnclosure,
 }
 
-/// Encloses the least separation of two spheres over `start..=end`, a part of their span or all
-/// of it.
+/// Encloses the least separation of two spheres over `start..=end`, within their span.
 pub(super) fn least_separation(
     (a, b): (&BodyView<'_>, &BodyView<'_>),
     span: Span,

@@ -1,5 +1,4 @@
-//! The lower envelope of all pairs' separations, for the pairs that are the nearest ones at some
-//! time.
+//! The lower envelope of all pairs' separations: the pairs that are nearest at some time.
 
 use super::chords::{PiecewiseLinearBound, pieces_of};
 use super::{ClusterPair, SpherePairBound};

@@ -206,8 +206,7 @@ impl<'a> ProvenIntervals<'a> {
         Some((support_a, support_b))
     }
 
-    /// Returns true if a pair of spheres may be within the margin in a gap, or nearer than the
-    /// pairs solved.
+    /// Returns true if a pair may be within the margin in a gap, or nearer than the pairs solved.
     pub(super) fn may_matter(&self, candidate: &SpherePairBound) -> bool {
         if self.is_scattered {
             return true;

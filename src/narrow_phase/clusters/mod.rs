@@ -151,7 +151,6 @@ impl ClusterPair<'_> {
         firsts.map(move |first| first..(first + size).min(count))
     }
 
-    /// Solves all pairs of spheres that may come within `margin`.
     fn each_within(&self, margin: f64, mut solve: impl FnMut(&SpherePair)) {
         for a in 0..self.a.spheres.len() {
             for b in 0..self.b.spheres.len() {

@@ -60,8 +60,7 @@ impl<'a> ClusterPair<'a> {
         (start.max(seen_from(from)), end.min(seen_until(to)))
     }
 
-    /// Returns the control points of the bodies' relative motion between two instants of the span
-    /// (s).
+    /// Returns the relative control points of the bodies between two instants of the span (s).
     pub(super) fn points_between(&self, interval: (f64, f64)) -> [DVec3; 4] {
         let Self { a, b, span, .. } = *self;
         let [segment_a, segment_b] = &a.segments_in(b, span);

@@ -26,8 +26,7 @@ struct Case {
     end: f64,
 }
 
-/// Returns a plan's pieces between two instants (s), or its own if these are its first and last
-/// knot.
+/// Returns a plan's pieces between two instants (s), or its own if they end there.
 fn pieces(plan: Trajectory, (start, end): (f64, f64)) -> Pieces {
     let knots = plan.knots().to_vec();
     match Window::new(start, end) {
@@ -158,7 +157,6 @@ impl Case {
         windows.chain([self.clip]).collect()
     }
 
-    /// Visits each pair of spheres over each span.
     fn each(&self, mut visit: impl FnMut(&super::SpherePair, Span)) {
         let [a, b] = &self.views();
         for span in self.spans() {
@@ -365,8 +363,7 @@ fn late_case(rng: &mut ChaCha8Rng) -> Case {
     }
 }
 
-/// Windows begin and end at contacts and at the nearest instants of spheres, or at an adjacent
-/// instant.
+/// Windows begin and end at, or an instant beside, contacts and nearest instants of spheres.
 #[test]
 fn what_instants_are_rounded_by_rules_nothing_out() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);

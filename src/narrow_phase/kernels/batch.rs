@@ -62,7 +62,6 @@ impl<'a, R: Real> Lanes<'a, R> {
         [at(0), at(1), at(2), at(3)]
     }
 
-    /// Returns the first `count` pairs.
     #[inline(always)]
     pub(super) fn first(&self, count: usize) -> Self {
         self.range(0, count)

@@ -16,7 +16,6 @@ fn is_positive<R: Real>(certificate: R) -> bool {
     certificate > R::from_f64(0.0)
 }
 
-/// Returns the closest approach of one pair: local time and distance.
 pub(super) fn closest_approach_of<R: Real>(points: &ControlPoints<R>) -> (R, R) {
     let instructions = InstructionSet::best();
     let found = guess_pair(instructions, points);
@@ -69,8 +68,7 @@ struct ClosestBatch<'a, R> {
     third: RetryQueue<f64, 4>,
 }
 
-/// Computes the closest approach of each pair on one thread: local times in 0..=1, distances in
-/// metres.
+/// Computes the closest approach of each pair on one thread: times in 0..=1, distances in m.
 pub(super) fn closest_approach<R: Real>(
     instructions: InstructionSet,
     lanes: &Lanes<'_, R>,

@@ -4,7 +4,6 @@ use crate::enclosure::ControlPolygon;
 use crate::real::Real;
 use glam::DVec3;
 
-/// A vector in space.
 pub(super) type Vector<R> = [R; 3];
 
 /// The motion of one body relative to another over a span: four Bezier control points, metres.
@@ -130,7 +129,6 @@ pub(super) fn coordinates([p0, p1, p2, p3]: &ControlPolygon) -> ControlPoints<f6
     [p0.to_array(), p1.to_array(), p2.to_array(), p3.to_array()]
 }
 
-/// Converts control points to `f64`.
 #[inline]
 pub(super) fn widened<R: Real>([p0, p1, p2, p3]: &ControlPoints<R>) -> ControlPoints<f64> {
     let wide = |p: &Vector<R>| [p[0].to_f64(), p[1].to_f64(), p[2].to_f64()];
@@ -145,7 +143,6 @@ pub(super) fn largest_of<R: Real>([a, b, c, d]: [R; 4]) -> R {
     (a.or_more(b)).or_more(c.or_more(d)) + R::from_f64(0.0) * sum
 }
 
-/// Returns the largest absolute value of a coordinate.
 #[inline]
 pub(super) fn largest_coordinate(points: &ControlPoints<f64>) -> f64 {
     let mut largest = 0.0;

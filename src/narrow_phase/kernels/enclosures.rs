@@ -1,5 +1,4 @@
-//! Enclosures of the least distance: one split for blocks of pairs, then quarters, then branch and
-//! bound.
+//! Enclosures of the least distance: one split for blocks, then quarters, then branch and bound.
 
 use super::batch::Lanes;
 use super::cubic::{ControlPoints, polygon};
@@ -44,7 +43,6 @@ pub(super) fn enclose(points: &ControlPoints<f64>, error: f64, guess: Option<f64
     }
 }
 
-/// Computes the enclosure of the least distance of each pair, on one thread.
 pub(super) fn enclosures(
     instructions: InstructionSet,
     lanes: &Lanes<'_, f64>,

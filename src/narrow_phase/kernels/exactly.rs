@@ -12,7 +12,7 @@ fn square(point: [f64; 3]) -> RBig {
     squares.into_iter().fold(RBig::ZERO, |sum, x| sum + x)
 }
 
-/// The least distance of a constant cubic is that of a point.
+/// Checks constant cubics: their least distance is that of a point.
 fn resting<R: Real>(rng: &mut ChaCha8Rng, least: i32) {
     for round in 0..20_000 {
         let unit =

@@ -132,8 +132,7 @@ fn narrow_place(place: u32) -> f32 {
     place as f32
 }
 
-/// Third stage: takes a few steps on the slope of the squared distance, kept between the neighbours
-/// of the sample.
+/// Third stage: takes a few steps on the slope, kept between the neighbours of the sample.
 #[inline(always)]
 pub(super) fn descend(square: &[f32; 7], start: f32, steps: u32) -> f32 {
     let slope = Slope::new(square);
@@ -279,8 +278,7 @@ pub(super) struct HalleyStep<R> {
     pub(super) error: R,
 }
 
-/// Returns the step from position, velocity, half the acceleration and a sixth of the third
-/// derivative.
+/// Returns the step from position, velocity, half the acceleration and a sixth of the jerk.
 #[inline(always)]
 pub(super) fn halley_step<R: Real>(derivatives: &[Vector<R>; 4]) -> HalleyStep<R> {
     let [slope, first, second] = slopes(derivatives);
@@ -301,8 +299,7 @@ pub(super) fn long_step<R: Real>(derivatives: &[Vector<R>; 4]) -> R {
     slope * first / (first * first - R::from_f64(2.0) * (slope * second))
 }
 
-/// Returns half the slope of the squared distance, and its first two derivatives, divided by 1 and
-/// 2.
+/// Returns half the slope of the squared distance, its derivative, and half the second one.
 #[inline(always)]
 fn slopes<R: Real>([position, velocity, bend, twist]: &[Vector<R>; 4]) -> [R; 3] {
     let (two, three) = (R::from_f64(2.0), R::from_f64(3.0));

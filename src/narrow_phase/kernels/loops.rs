@@ -30,8 +30,7 @@ use crate::real::Real;
 /// 5 % slower in `f64` and 13 % in `f32`.
 pub(super) const BLOCK: usize = 96;
 
-/// Results of the stages of a guess, pair by pair; aligned so that no vector straddles two cache
-/// lines.
+/// Results of the stages of a guess; aligned so that no vector straddles two cache lines.
 #[repr(align(64))]
 #[derive(Debug)]
 pub(super) struct LaneBlock<R> {
@@ -158,8 +157,7 @@ impl<R: Real> LaneBlock<R> {
         }
     }
 
-    /// Fourth stage: computes times, distances, and centred times for the certificates. `times` are
-    /// centred before.
+    /// Fourth stage: turns centred `times` into times, distances, and times for the certificates.
     #[inline(always)]
     fn settle(&mut self, times: &mut [R], distances: &mut [R]) {
         let count = times.len().min(BLOCK);
@@ -229,7 +227,6 @@ fn set<R: Real>(columns: &mut Columns<R>, i: usize, vectors: &[Vector<R>; 4]) {
     }
 }
 
-/// Enclosures of the least distances of a block.
 #[repr(align(64))]
 #[derive(Debug)]
 pub(super) struct EnclosureBlock {
@@ -255,7 +252,6 @@ impl EnclosureBlock {
     }
 }
 
-/// Returns the control points of one pair of a block.
 #[inline(always)]
 fn control_points<R: Real>(lanes: &Lanes<'_, R>, i: usize) -> ControlPoints<R> {
     let [x, y, z] = lanes.coordinates;

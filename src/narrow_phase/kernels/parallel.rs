@@ -8,7 +8,7 @@ use super::{Enclosure, InstructionSet, Lanes, Real, Verdict};
 /// `benches/results` with AVX-512, in `f64`.
 const CHUNK: usize = 4096;
 
-/// [`closest_approach`](super::closest_approach) on all threads.
+/// Runs [`closest_approach`](super::closest_approach) on all threads.
 ///
 /// # Panics
 ///
@@ -31,7 +31,7 @@ pub fn closest_approach<R: Real>(
     );
 }
 
-/// [`enclose`](super::enclose) on all threads.
+/// Runs [`enclose`](super::enclose) on all threads.
 ///
 /// # Panics
 ///
@@ -54,7 +54,7 @@ pub fn enclose(
     );
 }
 
-/// [`within`](super::within) on all threads.
+/// Runs [`within`](super::within) on all threads.
 ///
 /// # Panics
 ///

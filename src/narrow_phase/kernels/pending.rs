@@ -69,7 +69,6 @@ impl<R: Real, const EXTRAS: usize> RetryQueue<R, EXTRAS> {
         self.pairs[i]
     }
 
-    /// Returns the control points of a pair.
     #[inline]
     pub(super) fn control_points(&self, i: usize) -> ControlPoints<R> {
         let at = |point: usize| {

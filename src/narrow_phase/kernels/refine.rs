@@ -45,7 +45,6 @@ pub(super) fn refined(points: &ControlPoints<f64>, time: f64, steps: u32) -> (f6
     (local_time(u), distance(square) * unit)
 }
 
-/// Returns 64 times the squared distance, formed from the position.
 #[inline]
 pub(super) fn square_at(cubic: &CentredCubic<f64>, u: f64) -> f64 {
     let position = cubic.position(u);

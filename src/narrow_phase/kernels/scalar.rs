@@ -35,8 +35,7 @@ pub fn enclose(points: &ControlPoints<f64>, error: f64) -> Enclosure {
 /// Decides whether a pair certainly comes nearer than `inner`, or certainly stays farther apart
 /// than `outer`, metres; see the [batch](super::within).
 ///
-/// Certain verdicts agree with those of the batch. Because of rounding, one of the two may be
-/// undecided.
+/// Certain verdicts agree with those of the batch; either may be undecided by rounding.
 #[must_use]
 pub fn within<R: Real>(points: &ControlPoints<R>, inner: R, outer: R) -> Verdict {
     within_of(points, inner, outer)

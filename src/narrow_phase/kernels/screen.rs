@@ -85,8 +85,7 @@ fn verdict<R: Real>(lowest: R, nearest: R, inner: R, outer: R, units: f64, size:
     }
 }
 
-/// Returns the Bernstein coefficients of the squared distance, and the square of the polygon's
-/// size.
+/// Returns the squared distance's Bernstein coefficients, and the square of the polygon's size.
 #[inline(always)]
 fn squared_distance<R: Real>(points: ControlPoints<R>) -> ([R; 7], R) {
     let [p0, p1, p2, p3] = points;

@@ -88,7 +88,7 @@ impl<R: Real> SpanBatch<R> {
         self.inner.len()
     }
 
-    /// Whether there is no pair.
+    /// Returns true if there is no pair.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.inner.is_empty()
@@ -101,13 +101,13 @@ impl<R: Real> SpanBatch<R> {
         self.outer.clear();
     }
 
-    /// The relative cubics, for the other kernels.
+    /// Returns the relative cubics, for the other kernels.
     #[must_use]
     pub fn lanes(&self) -> Lanes<'_, R> {
         self.cubics.lanes()
     }
 
-    /// The verdict on each pair, on the caller's thread.
+    /// Decides each pair, on the caller's thread.
     ///
     /// # Panics
     ///

@@ -10,7 +10,6 @@ use super::screen::{Verdict, screen_eighths, screen_halves};
 use crate::real::Real;
 use crate::simd::InstructionSet;
 
-/// Returns the verdict on one pair.
 pub(super) fn within_of<R: Real>(points: &ControlPoints<R>, inner: R, outer: R) -> Verdict {
     let first = screen_halves(*points, inner, outer);
     if first != Verdict::Undecided {
@@ -68,7 +67,6 @@ struct WithinBatch<'a, R> {
     third: RetryQueue<f64, 3>,
 }
 
-/// Decides each pair, on one thread.
 pub(super) fn within<R: Real>(
     instructions: InstructionSet,
     lanes: &Lanes<'_, R>,

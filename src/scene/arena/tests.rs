@@ -122,8 +122,7 @@ fn straight(cubics: u32) -> Trajectory {
     Trajectory::from_states(&states).unwrap_or_else(|error| unreachable!("{error}"))
 }
 
-/// All plans get longer, and shorter, and bodies are removed: memory never exceeds a few times the
-/// data.
+/// All plans get longer, and shorter, and bodies are removed: memory follows the data.
 #[test]
 fn memory_goes_back_when_all_plans_change() {
     const BODIES: usize = 300;

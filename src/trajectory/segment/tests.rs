@@ -145,8 +145,7 @@ fn points_of_parts() {
     }
 }
 
-/// Returns the exact control points of a polynomial between two knots; its variable at the first
-/// one is `shift`.
+/// Returns a polynomial's exact control points between two knots; its variable starts at `shift`.
 fn exact_points(coefficients: &[DVec3; 4], shift: f64, knots: [f64; 2]) -> [Exact; 4] {
     let at = |share: u8| {
         let lasting = number(knots[1]) - number(knots[0]);
