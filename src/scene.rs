@@ -215,7 +215,7 @@ impl Scene {
         id: BodyId,
         trajectory: Trajectory,
     ) -> Result<Trajectory, Error> {
-        let (entry, arena) = self.occupant_mut(id)?;
+        let (entry, arena) = self.entry_mut(id)?;
         let old = entry.follow(trajectory, arena);
         self.tidy();
         Ok(old)
@@ -227,7 +227,7 @@ impl Scene {
         id: BodyId,
         trajectory: &mut Trajectory,
     ) -> Result<&SceneEntry, Error> {
-        let (entry, arena) = self.occupant_mut(id)?;
+        let (entry, arena) = self.entry_mut(id)?;
         // A monitor's ticks have no time to copy what is left.
         entry.swap(trajectory, arena);
         Ok(entry)
@@ -240,7 +240,7 @@ impl Scene {
     /// [`Error::UnknownBody`].
     pub fn set_hitbox(&mut self, id: BodyId, hitbox: Hitbox) -> Result<Hitbox, Error> {
         let radius = radius(&hitbox);
-        let old = std::mem::replace(&mut self.occupant_mut(id)?.0.body.hitbox, hitbox);
+        let old = std::mem::replace(&mut self.entry_mut(id)?.0.body.hitbox, hitbox);
         self.kinds.add_radius(radius);
         Ok(old)
     }
@@ -251,7 +251,7 @@ impl Scene {
     ///
     /// [`Error::UnknownBody`].
     pub fn set_layers(&mut self, id: BodyId, layers: Layers) -> Result<Layers, Error> {
-        let old = std::mem::replace(&mut self.occupant_mut(id)?.0.body.layers, layers);
+        let old = std::mem::replace(&mut self.entry_mut(id)?.0.body.layers, layers);
         self.kinds.add_layers(layers);
         self.kinds.remove_layers(old);
         Ok(old)
@@ -345,7 +345,7 @@ impl Scene {
         let mut extremes = DAabb::NOTHING;
         for (_, entry) in self.entries() {
             if self.partners(0.0).has(&entry.body) {
-                extremes.include(entry.outline().extremes);
+                extremes.include(entry.summary().extremes);
             }
         }
         extremes
@@ -398,13 +398,13 @@ impl Scene {
         let old = std::mem::take(&mut self.arena);
         for slot in &mut self.slots {
             if let Some(entry) = &mut slot.entry {
-                entry.move_sketch(&old, &mut self.arena);
+                entry.move_compact(&old, &mut self.arena);
             }
         }
     }
 
     /// Returns a body's entry and the arena of its compact trajectory.
-    fn occupant_mut(&mut self, id: BodyId) -> Result<(&mut SceneEntry, &mut CubicArena), Error> {
+    fn entry_mut(&mut self, id: BodyId) -> Result<(&mut SceneEntry, &mut CubicArena), Error> {
         let entry = slot_of(&mut self.slots, id)?.entry.as_mut();
         entry
             .map(|entry| (entry, &mut self.arena))

@@ -44,9 +44,9 @@ fn see<C: BoundingCubic, const EXTENDED: bool>(
     /// Largest rounding, as a share of the distance in question, for which `Near` is told from
     /// `Blurred`.
     const BLUR: f32 = 0.25;
-    let part = |leg: &BodyCubic<'_, C>| {
-        let piece = leg.source.piece::<EXTENDED>(leg.cubic);
-        let placement = &leg.source.placement;
+    let part = |body: &BodyCubic<'_, C>| {
+        let piece = body.source.piece::<EXTENDED>(body.cubic);
+        let placement = &body.source.placement;
         let piece = piece.part(from, to);
         let rounding = piece.rounding() + placement.steady;
         (
@@ -131,14 +131,14 @@ mod tests {
                 high: middle,
             };
             let frame = Frame::around(extremes, far);
-            let sketches = [0, 1]
+            let compacts = [0, 1]
                 .map(|k: usize| CompactTrajectory::of(flights[k].knots(), flights[k].segments()));
             let is_apart = |margin: f64| {
                 let point = Hitbox::POINT;
                 let padding = Padding::of(&point, margin, &frame);
-                let sources = sketches.each_ref().map(|(sketch, lines)| {
-                    let drawing = sketch.on(lines);
-                    CubicSource::sketched(drawing.knots, &drawing, &padding, &frame)
+                let sources = compacts.each_ref().map(|(compact, lines)| {
+                    let view = compact.on(lines);
+                    CubicSource::compact(view.knots, &view, &padding, &frame)
                 });
                 let [a, b] = [0, 1].map(|k: usize| BodyCubic {
                     source: &sources[k],

@@ -36,9 +36,9 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
     /// Starts a builder with the first piece of a slice, on the line to the end of the last one.
     #[inline(always)]
     pub(crate) fn between(head: &SubCubic, tail: &SubCubic, period: &SliceInterval<MOVES>) -> Self {
-        let mut trace = Self::toward((head.points[0], head.from), tail.points[3], period);
-        trace.follow(head);
-        trace
+        let mut builder = Self::toward((head.points[0], head.from), tail.points[3], period);
+        builder.follow(head);
+        builder
     }
 
     /// Returns the bounds of a single piece that fills the slice.
@@ -67,7 +67,7 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
     }
 
     /// Starts a builder at the beginning of a run of cubics, on the line to the end of another.
-    pub(super) fn between_bundles(
+    pub(super) fn between_runs(
         first: &ScaledRun,
         last: &ScaledRun,
         period: &SliceInterval<MOVES>,
@@ -114,7 +114,7 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         let place = self.period.relative_at(start, self.share);
         self.low = self.low.min(place);
         self.high = self.high.max(place);
-        self.stray(start - self.line);
+        self.include_deviation(start - self.line);
         self.follow(piece);
     }
 
@@ -140,32 +140,32 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
 
     /// Adds a deviation from the line.
     #[inline(always)]
-    fn stray(&mut self, point: Vec4) {
+    fn include_deviation(&mut self, point: Vec4) {
         self.least = self.least.min(point);
         self.most = self.most.max(point);
     }
 
     /// Adds a run of cubics that lasts until an instant (s).
     #[inline(always)]
-    pub(super) fn pass(&mut self, bundle: &ScaledRun, until: f64) {
+    pub(super) fn pass(&mut self, run: &ScaledRun, until: f64) {
         let share = self.period.share(until);
         let (low, high) = if MOVES {
-            let first = self.period.relative_at(bundle.start, self.share);
-            let last = self.period.relative_at(bundle.end, share);
+            let first = self.period.relative_at(run.start, self.share);
+            let last = self.period.relative_at(run.end, share);
             (
-                first.min(last) - bundle.stray,
-                first.max(last) + bundle.stray,
+                first.min(last) - run.deviation,
+                first.max(last) + run.deviation,
             )
         } else {
-            (bundle.low, bundle.high)
+            (run.low, run.high)
         };
         self.low = self.low.min(low);
         self.high = self.high.max(high);
-        self.near = self.near.max(bundle.near);
+        self.near = self.near.max(run.near);
         let line = self.start + self.change * share;
-        let (first, last) = (bundle.start - self.line, bundle.end - line);
-        self.least = self.least.min(first.min(last) - bundle.stray);
-        self.most = self.most.max(first.max(last) + bundle.stray);
+        let (first, last) = (run.start - self.line, run.end - line);
+        self.least = self.least.min(first.min(last) - run.deviation);
+        self.most = self.most.max(first.max(last) + run.deviation);
         (self.line, self.share) = (line, share);
     }
 
@@ -179,7 +179,7 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
 
     /// Summarises the bounds as a run of cubics that ends at `end`.
     pub(super) fn sum_up(&self, end: Vec4) -> CubicRun {
-        let (middle, stray) = self.middle();
+        let (middle, deviation) = self.middle();
         // Of the line: three of where it starts, eight of its change, shares of time included; one
         // where either end is moved.
         let size = self.start.abs() + self.change.abs() + middle.abs();
@@ -192,7 +192,7 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
             low: self.low,
             high: self.high,
             near: self.near,
-            stray: (stray + rounding + turned) * (1.0 + 4.0 * ROUNDING),
+            deviation: (deviation + rounding + turned) * (1.0 + 4.0 * ROUNDING),
         })
     }
 
@@ -205,11 +205,11 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         let way = self.period.way().abs();
         let largest = low.abs().max(high.abs()) + way;
         let rounding = SubCubic::roundings(largest, self.near, self.splits) + placement.steady;
-        let (middle, stray) = self.middle();
+        let (middle, deviation) = self.middle();
         let (start, change) = (placement.place + (self.start + middle), self.change);
         // One where the line is moved.
         let moved = rounding + middle.abs() * ROUNDING;
-        let fat_line = fat_line(start, change, (stray, moved), placement.reach, first);
+        let fat_line = fat_line(start, change, (deviation, moved), placement.reach, first);
         // Of the place, of the two sums with it, and of the subtraction below: 4; and more than the
         // clearance of filters. Of the way at an instant: six at most, with that of the difference.
         let rounding = rounding + (placement.place.abs() + way) * (6.0 * ROUNDING);
@@ -228,14 +228,14 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
 fn fat_line(
     start: Vec4,
     change: Vec4,
-    (stray, rounding): (Vec4, Vec4),
+    (deviation, rounding): (Vec4, Vec4),
     reach: f32,
     first: u32,
 ) -> FatLine {
-    let stray = stray * stray;
+    let deviation = deviation * deviation;
     // Eight of the line's change; of where it starts in its own place, `rounding` holds those.
     let rounding = rounding + (start.abs() + change.abs()) * (8.0 * ROUNDING);
-    let slack = (stray.x + stray.y + stray.z).sqrt()
+    let slack = (deviation.x + deviation.y + deviation.z).sqrt()
         + VANISHING
         + reach
         + (rounding.x + rounding.y + rounding.z);
@@ -285,13 +285,13 @@ mod tests {
             let Ok(flight) = Trajectory::from_states(&states.collect::<Vec<_>>()) else {
                 unreachable!("the states are in order")
             };
-            let (sketch, lines) = CompactTrajectory::of(flight.knots(), flight.segments());
+            let (compact, lines) = CompactTrajectory::of(flight.knots(), flight.segments());
             let frame = Frame::around(DAabb::NOTHING, 0.0);
             let hitbox = Hitbox::POINT;
             let padding = Padding::of(&hitbox, 0.0, &frame);
-            let source = CubicSource::sketched(
+            let source = CubicSource::compact(
                 Knots::of(flight.knots()),
-                &sketch.on(&lines),
+                &compact.on(&lines),
                 &padding,
                 &frame,
             );
@@ -340,12 +340,12 @@ mod tests {
                 unreachable!("the states are in order")
             };
             let knots = flight.knots();
-            let (sketch, lines) = CompactTrajectory::of(knots, flight.segments());
-            let drawing = sketch.on(&lines);
-            let (compact_cubics, bundles) = (drawing.compact_cubics, drawing.bundles);
-            assert_eq!(bundles.len(), 16 + 4 + 1);
+            let (compact, lines) = CompactTrajectory::of(knots, flight.segments());
+            let view = compact.on(&lines);
+            let (compact_cubics, runs) = (view.compact_cubics, view.runs);
+            assert_eq!(runs.len(), 16 + 4 + 1);
             let first = 4 * rng.random_range(0..16);
-            let Some((bundle, count)) = largest(bundles, compact_cubics.len(), first, 64) else {
+            let Some((run, count)) = largest(runs, compact_cubics.len(), first, 64) else {
                 unreachable!("there is one of four cubics at least")
             };
             lengths[count] += 1;
@@ -353,21 +353,21 @@ mod tests {
             let mut anywhere = || Vec4::from_array([0; 4].map(|_| rng.random_range(-1.0..=1.0)));
             let (start, end) = (anywhere(), anywhere());
             let mut whole = BoundsBuilder::toward((start, knots[first]), end, &period);
-            let mut bundled = whole;
-            bundled.pass(&bundle.unpack(1.0), knots[first + count]);
+            let mut by_run = whole;
+            by_run.pass(&run.unpack(1.0), knots[first + count]);
             for number in first..first + count {
                 let ends = (knots[number], knots[number + 1]);
                 whole.follow_from_start(&SubCubic::whole(&compact_cubics[number], ends, 1.0));
             }
-            let curved = bundle.unpack(1.0).stray.truncate();
+            let curved = run.unpack(1.0).deviation.truncate();
             // To either side.
-            for (near, far) in [(whole.most, bundled.most), (-whole.least, -bundled.least)] {
+            for (near, far) in [(whole.most, by_run.most), (-whole.least, -by_run.least)] {
                 let (near, far) = (near.truncate(), far.truncate());
                 assert!(far.cmpge(near - 1e-6 * near.abs()).all(), "{near} {far}");
                 assert!(far.cmple(near + 2.0 * curved + 1e-6).all(), "{near} {far}");
             }
             assert_eq!((whole.low.truncate(), whole.high.truncate()), {
-                (bundled.low.truncate(), bundled.high.truncate())
+                (by_run.low.truncate(), by_run.high.truncate())
             });
         }
         assert!(lengths[4] > 100 && lengths[16] > 30 && lengths[64] > 5);
@@ -381,17 +381,17 @@ mod tests {
         for round in 0..20_000 {
             let unit = [1.0, 1e-10, 1e-23][round % 3];
             let mut lane = || unit * rng.random_range(0.0_f32..1.0);
-            let stray = Vec4::new(lane(), lane(), lane(), 0.0);
+            let deviation = Vec4::new(lane(), lane(), lane(), 0.0);
             let rounding = Vec4::new(lane(), lane(), lane(), 0.0) * [0.0, 1.0][round / 3 % 2];
             let reach = lane() * [0.0, 1.0][round / 6 % 2];
-            let found = fat_line(Vec4::ZERO, Vec4::ZERO, (stray, rounding), reach, 0);
+            let found = fat_line(Vec4::ZERO, Vec4::ZERO, (deviation, rounding), reach, 0);
             let parts = [reach, rounding.x, rounding.y, rounding.z];
             let others = parts.map(|part| number(f64::from(part))).into_iter();
             let left = number(f64::from(found.slack)) - others.fold(number(0.0), |a, b| a + b);
-            let stray = Exact::of(stray.truncate().as_dvec3());
+            let deviation = Exact::of(deviation.truncate().as_dvec3());
             assert!(
-                stray.is_within_exactly(&left),
-                "{round} {stray:?} {found:?}"
+                deviation.is_within_exactly(&left),
+                "{round} {deviation:?} {found:?}"
             );
         }
     }
@@ -401,13 +401,16 @@ mod tests {
     fn strays_of_bundles_are_rounded_outward() {
         let mut rng = ChaCha8Rng::seed_from_u64(8);
         for _ in 0..5_000 {
-            let (stray, end): (f32, f32) = (rng.random(), rng.random());
-            let mut trace =
+            let (deviation, end): (f32, f32) = (rng.random(), rng.random());
+            let mut builder =
                 BoundsBuilder::toward((Vec4::ZERO, 1.0), Vec4::ZERO, &SliceInterval::new(1.0, 1.0));
-            (trace.least, trace.most) = (Vec4::splat(-stray), Vec4::splat(stray));
-            let bundle = trace.sum_up(Vec4::splat(end)).unpack(1.0);
-            let exact = number(f64::from(stray)) + number(f64::from(end));
-            assert!(number(f64::from(bundle.stray.x)) >= exact, "{stray} {end}");
+            (builder.least, builder.most) = (Vec4::splat(-deviation), Vec4::splat(deviation));
+            let run = builder.sum_up(Vec4::splat(end)).unpack(1.0);
+            let exact = number(f64::from(deviation)) + number(f64::from(end));
+            assert!(
+                number(f64::from(run.deviation.x)) >= exact,
+                "{deviation} {end}"
+            );
         }
     }
 
@@ -440,8 +443,8 @@ mod tests {
                 from,
                 to: 1.0,
             };
-            let trace = BoundsBuilder::between(&piece, &piece, &period);
-            let (_, aabb) = trace.finish(&FramePlacement::NONE, 0);
+            let builder = BoundsBuilder::between(&piece, &piece, &period);
+            let (_, aabb) = builder.finish(&FramePlacement::NONE, 0);
             let [low, high] = [aabb.mins, aabb.maxs]
                 .map(|edge| DVec3::new(edge.x.into(), edge.y.into(), edge.z.into()));
             for (share, point) in [(from, points[0]), (1.0, points[3])] {
@@ -462,9 +465,9 @@ mod tests {
             from: 1.0,
             to: 1.0,
         };
-        let trace = BoundsBuilder::between(&piece, &piece, &SliceInterval::new(1.0, 1.0));
-        let bundle = trace.sum_up(points[3]).unpack(1.0);
-        let farthest = (bundle.end.x - points[0].x).max(points[3].x - bundle.start.x);
-        assert!(bundle.stray.x >= farthest, "{farthest}");
+        let builder = BoundsBuilder::between(&piece, &piece, &SliceInterval::new(1.0, 1.0));
+        let run = builder.sum_up(points[3]).unpack(1.0);
+        let farthest = (run.end.x - points[0].x).max(points[3].x - run.start.x);
+        assert!(run.deviation.x >= farthest, "{farthest}");
     }
 }

@@ -28,7 +28,7 @@ pub(super) struct ScaledRun {
     pub(super) low: Vec4,
     pub(super) high: Vec4,
     pub(super) near: f32,
-    pub(super) stray: Vec4,
+    pub(super) deviation: Vec4,
 }
 
 impl CubicRun {
@@ -40,9 +40,9 @@ impl CubicRun {
         let with = |lanes: Vec4, last: f32| lanes.truncate().extend(last);
         Self {
             start: with(unpacked.start, unpacked.near),
-            end: with(unpacked.end, unpacked.stray.x),
-            low: with(unpacked.low, unpacked.stray.y),
-            high: with(unpacked.high, unpacked.stray.z),
+            end: with(unpacked.end, unpacked.deviation.x),
+            low: with(unpacked.low, unpacked.deviation.y),
+            high: with(unpacked.high, unpacked.deviation.z),
         }
     }
 
@@ -56,13 +56,13 @@ impl CubicRun {
             low,
             high,
             near: start.w,
-            stray: Vec4::new(end.w, low.w, high.w, 0.0),
+            deviation: Vec4::new(end.w, low.w, high.w, 0.0),
         }
     }
 }
 
 /// Returns the number of complete runs of `cubics` cubics: of 4, of 16, and so on.
-pub(super) const fn count_of_bundles(mut cubics: usize) -> usize {
+pub(super) const fn count_of_runs(mut cubics: usize) -> usize {
     let mut count = 0;
     while cubics >= CubicRun::SIZE {
         cubics /= CubicRun::SIZE;
@@ -74,7 +74,7 @@ pub(super) const fn count_of_bundles(mut cubics: usize) -> usize {
 /// Returns the largest run from cubic `first` to before cubic `end`, and its number of cubics.
 #[inline(always)]
 pub(super) fn largest(
-    bundles: &[CubicRun],
+    runs: &[CubicRun],
     cubics: usize,
     first: usize,
     end: usize,
@@ -86,5 +86,5 @@ pub(super) fn largest(
         shift += CubicRun::SHIFT;
     }
     let (number, count) = found?;
-    Some((bundles.get(number)?, count))
+    Some((runs.get(number)?, count))
 }

@@ -15,11 +15,11 @@
 
 mod apart;
 mod builder;
-mod bundling;
 mod compact_cubic;
 mod compact_trajectory;
 mod cubic_run;
 mod fat_line;
+mod form_runs;
 mod frame;
 mod placement;
 mod points;

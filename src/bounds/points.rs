@@ -187,19 +187,19 @@ mod tests {
         mut each: impl FnMut(&Frame, &CubicSource<'_, CompactCubic>, &[SliceBounds]),
     ) {
         let ExtendedPlan { plan, pieces, .. } = extended;
-        let (sketch, lines) = CompactTrajectory::of(&pieces.knots, &pieces.segments);
+        let (compact, lines) = CompactTrajectory::of(&pieces.knots, &pieces.segments);
         let (own, own_lines) = CompactTrajectory::of(plan.knots(), plan.segments());
-        let all = sketch.on(&lines);
+        let all = compact.on(&lines);
         let frame = all.frame;
         let padding = Padding::of(&Hitbox::POINT, 0.0, &frame);
         let source = if extended.by_points {
-            CubicSource::sketched(all.knots, &all, &padding, &frame)
+            CubicSource::compact(all.knots, &all, &padding, &frame)
         } else {
             let extension = plan.extension(extended.window);
             let extension = extension.unwrap_or_else(|_| unreachable!("it is near enough"));
             let knots = Knots::over(plan, extension.as_ref());
             assert_eq!(knots.cubics(), pieces.segments.len());
-            CubicSource::sketched(knots, &own.on(&own_lines), &padding, &frame)
+            CubicSource::compact(knots, &own.on(&own_lines), &padding, &frame)
         };
         let mut block = SliceBlock::default();
         InstructionSet::best().run(FormBounds {
@@ -263,11 +263,11 @@ mod tests {
                         // Instants may be coarse.
                         let share = (time - ends.0) / (ends.1 - ends.0).max(f64::MIN_POSITIVE);
                         let line = wide(fat_line.start) + share * wide(fat_line.change);
-                        let stray = place.distance(line);
+                        let deviation = place.distance(line);
                         assert!(low.cmple(place).all() && high.cmpge(place).all(), "{round}");
                         assert!(
-                            stray <= f64::from(fat_line.slack),
-                            "{round} {stray} {fat_line:?}"
+                            deviation <= f64::from(fat_line.slack),
+                            "{round} {deviation} {fat_line:?}"
                         );
                     }
                 }

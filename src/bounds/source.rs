@@ -28,7 +28,7 @@ pub(crate) struct CubicSource<'a, C> {
     /// The cubics of the plan.
     cubics: &'a [C],
     /// The complete runs of the cubics.
-    bundles: &'a [CubicRun],
+    runs: &'a [CubicRun],
     pub(crate) placement: FramePlacement,
 }
 
@@ -37,7 +37,7 @@ impl<C> CubicSource<'_, C> {
     pub(crate) const NONE: Self = Self {
         knots: Knots::NONE,
         cubics: &[],
-        bundles: &[],
+        runs: &[],
         placement: FramePlacement::NONE,
     };
 }
@@ -72,16 +72,16 @@ impl<C: BoundingCubic> CubicSource<'_, C> {
 
     /// Returns true if the cubics have runs, and all cubics are the plan's own.
     #[inline(always)]
-    pub(crate) const fn is_in_bundles(&self) -> bool {
-        !self.bundles.is_empty() && !self.knots.are_extended()
+    pub(crate) const fn is_in_runs(&self) -> bool {
+        !self.runs.is_empty() && !self.knots.are_extended()
     }
 
     /// Prefetches the data that [`pass`](Self::pass) would read, or the first cubic if no run fits;
     /// returns the number of the next cubic.
     #[inline(always)]
     pub(crate) fn fetch_first(&self, first: usize, end: usize) -> usize {
-        if let Some((bundle, count)) = largest(self.bundles, self.cubics.len(), first, end) {
-            prefetch(from_ref(bundle));
+        if let Some((run, count)) = largest(self.runs, self.cubics.len(), first, end) {
+            prefetch(from_ref(run));
             first + count
         } else {
             self.fetch(first);
@@ -94,41 +94,41 @@ impl<C: BoundingCubic> CubicSource<'_, C> {
     #[inline(always)]
     pub(crate) fn pass<const MOVES: bool, const EXTENDED: bool>(
         &self,
-        trace: &mut BoundsBuilder<MOVES>,
+        builder: &mut BoundsBuilder<MOVES>,
         (first, end): (usize, usize),
     ) -> Option<usize> {
         if !EXTENDED {
-            let (bundle, count) = largest(self.bundles, self.cubics.len(), first, end)?;
+            let (run, count) = largest(self.runs, self.cubics.len(), first, end)?;
             let until = self.knots.own()[first + count];
-            trace.pass(&bundle.unpack(self.placement.factor), until);
+            builder.pass(&run.unpack(self.placement.factor), until);
             return Some(first + count);
         }
         let (before, cubics) = (self.knots.before(), self.cubics.len());
         let own = (first.checked_sub(before)?, (end - before).min(cubics));
-        let (bundle, count) = largest(self.bundles, cubics, own.0, own.1)?;
+        let (run, count) = largest(self.runs, cubics, own.0, own.1)?;
         let until = self.knots.at(first + count);
-        trace.pass(&bundle.unpack(self.placement.factor), until);
+        builder.pass(&run.unpack(self.placement.factor), until);
         Some(first + count)
     }
 }
 
 impl<'a> CubicSource<'a, CompactCubic> {
     /// Returns the source of a body with a compact trajectory; `knots` may extend beyond that.
-    pub(crate) fn sketched(
+    pub(crate) fn compact(
         knots: Knots<'a>,
-        drawing: &CompactView<'a>,
+        view: &CompactView<'a>,
         padding: &Padding,
         frame: &Frame,
     ) -> Self {
-        let mut anchor = drawing.frame;
-        if drawing.compact_cubics.is_empty() {
+        let mut anchor = view.frame;
+        if view.compact_cubics.is_empty() {
             anchor.origin = knots.origin().unwrap_or(anchor.origin);
         }
         Self {
             knots,
-            cubics: drawing.compact_cubics,
-            bundles: drawing.bundles,
-            placement: FramePlacement::new(anchor, drawing.size, padding, frame),
+            cubics: view.compact_cubics,
+            runs: view.runs,
+            placement: FramePlacement::new(anchor, view.size, padding, frame),
         }
     }
 }
@@ -148,7 +148,7 @@ impl<'a> CubicSource<'a, Segment> {
         Self {
             knots,
             cubics: segments,
-            bundles: &[],
+            runs: &[],
             placement: FramePlacement::new(anchor, 0.0, padding, frame),
         }
     }
@@ -245,8 +245,12 @@ mod tests {
             for (share, point) in [(0.0, piece.points[0]), (1.0, piece.points[3])] {
                 let place = origin + point.truncate().as_dvec3();
                 assert!(low.cmple(place).all() && high.cmpge(place).all(), "{round}");
-                let stray = place.distance(line(fat_line.start) + share * line(fat_line.change));
-                assert!(stray <= f64::from(fat_line.slack), "{stray} {fat_line:?}");
+                let deviation =
+                    place.distance(line(fat_line.start) + share * line(fat_line.change));
+                assert!(
+                    deviation <= f64::from(fat_line.slack),
+                    "{deviation} {fat_line:?}"
+                );
             }
         }
     }

@@ -16,28 +16,28 @@ pub(crate) struct MotionSummary {
     /// Sum of the segments' extents, m: a bound on the length of the path.
     pub(crate) path: f64,
     /// Header of the compact trajectory; its lines are stored separately.
-    pub(crate) sketch: CompactTrajectory,
+    pub(crate) compact: CompactTrajectory,
 }
 
 impl MotionSummary {
     fn of(trajectory: &Trajectory, lines: &mut [Line]) -> Self {
         let (knots, segments) = (trajectory.knots(), trajectory.segments());
-        let (sketch, extremes) = CompactTrajectory::draw(knots, segments, lines);
-        let mut outline = Self {
+        let (compact, extremes) = CompactTrajectory::write(knots, segments, lines);
+        let mut summary = Self {
             extremes,
             path: segments.iter().map(Segment::extent).sum(),
-            sketch,
+            compact,
         };
         if trajectory.segments().is_empty() {
             let position = trajectory
-                .position(outline.sketch.ends().0)
+                .position(summary.compact.ends().0)
                 .unwrap_or_default();
-            outline.extremes.include(DAabb {
+            summary.extremes.include(DAabb {
                 low: position,
                 high: position,
             });
         }
-        outline
+        summary
     }
 }
 
@@ -54,8 +54,8 @@ impl Lines {
     /// Computes the summary of a trajectory on lines of its own.
     fn of(trajectory: &Trajectory) -> (MotionSummary, Self) {
         let mut lines = vec![Line::BLANK; lines_for(trajectory)];
-        let outline = MotionSummary::of(trajectory, &mut lines);
-        (outline, Self::Own(lines))
+        let summary = MotionSummary::of(trajectory, &mut lines);
+        (summary, Self::Own(lines))
     }
 
     /// Computes the summary of a trajectory on lines of an arena, in place of a previous one.
@@ -69,8 +69,8 @@ impl Lines {
             Some((_, Self::Shared(range))) => arena.exchange(range, count),
             _ => arena.take(count),
         };
-        let outline = MotionSummary::of(trajectory, arena.at_mut(&range));
-        (outline, Self::Shared(range))
+        let summary = MotionSummary::of(trajectory, arena.at_mut(&range));
+        (summary, Self::Shared(range))
     }
 }
 
@@ -82,30 +82,30 @@ fn lines_for(trajectory: &Trajectory) -> usize {
 #[derive(Debug)]
 pub(crate) struct SceneEntry {
     pub(crate) body: Body,
-    outline: OnceLock<(MotionSummary, Lines)>,
+    summary: OnceLock<(MotionSummary, Lines)>,
 }
 
 impl SceneEntry {
     /// Returns the entry of a body in the scene with this arena.
     pub(super) fn new(body: Body, arena: &mut CubicArena) -> Self {
-        let outline = Lines::shared(&body.trajectory, None, arena).into();
-        Self { body, outline }
+        let summary = Lines::shared(&body.trajectory, None, arena).into();
+        Self { body, summary }
     }
 
     /// Returns the summary of the trajectory; computes it if needed.
-    pub(crate) fn outline(&self) -> &MotionSummary {
-        &self.outlined().0
+    pub(crate) fn summary(&self) -> &MotionSummary {
+        &self.cached().0
     }
 
-    fn outlined(&self) -> &(MotionSummary, Lines) {
+    fn cached(&self) -> &(MotionSummary, Lines) {
         let trajectory = &self.body.trajectory;
-        self.outline.get_or_init(|| Lines::of(trajectory))
+        self.summary.get_or_init(|| Lines::of(trajectory))
     }
 
     /// Returns the compact trajectory; the arena is that of the body's scene.
-    pub(crate) fn drawing<'a>(&'a self, arena: &'a CubicArena) -> CompactView<'a> {
-        let (outline, lines) = self.outlined();
-        outline.sketch.on(match lines {
+    pub(crate) fn compact_view<'a>(&'a self, arena: &'a CubicArena) -> CompactView<'a> {
+        let (summary, lines) = self.cached();
+        summary.compact.on(match lines {
             Lines::Shared(range) => arena.at(range),
             Lines::Own(lines) => lines,
         })
@@ -137,50 +137,50 @@ impl SceneEntry {
         mut trajectory: Trajectory,
         arena: &mut CubicArena,
     ) -> Trajectory {
-        let outline = Lines::shared(&trajectory, self.outline.take(), arena);
+        let summary = Lines::shared(&trajectory, self.summary.take(), arena);
         self.swap(&mut trajectory, arena);
-        self.outline = outline.into();
+        self.summary = summary.into();
         trajectory
     }
 
     /// Swaps the trajectory in place. The summary is computed when needed: a body that is replanned
     /// each tick seldom needs it.
     pub(super) fn swap(&mut self, trajectory: &mut Trajectory, arena: &mut CubicArena) {
-        self.forget_outline(arena);
+        self.forget_summary(arena);
         std::mem::swap(&mut self.body.trajectory, trajectory);
     }
 
     /// Returns the body alone; it leaves the scene.
     pub(super) fn leave(mut self, arena: &mut CubicArena) -> Body {
-        self.forget_outline(arena);
+        self.forget_summary(arena);
         self.body
     }
 
     /// Copies the compact trajectory from the scene's old arena to the new one.
-    pub(super) fn move_sketch(&mut self, old: &CubicArena, arena: &mut CubicArena) {
-        if let Some((_, Lines::Shared(range))) = self.outline.get_mut() {
+    pub(super) fn move_compact(&mut self, old: &CubicArena, arena: &mut CubicArena) {
+        if let Some((_, Lines::Shared(range))) = self.summary.get_mut() {
             *range = arena.take_copy(old, range);
         }
     }
 
-    fn forget_outline(&mut self, arena: &mut CubicArena) {
-        if let Some((_, Lines::Shared(range))) = self.outline.take() {
+    fn forget_summary(&mut self, arena: &mut CubicArena) {
+        if let Some((_, Lines::Shared(range))) = self.summary.take() {
             arena.give_back(range);
         }
     }
 
     /// Returns this entry for a copy of its scene.
     pub(super) fn copy(&self, arena: &CubicArena, copy: &mut CubicArena) -> Self {
-        let outline = self.outline.get().map(|(outline, lines)| {
+        let summary = self.summary.get().map(|(summary, lines)| {
             let lines = match lines {
                 Lines::Shared(range) => Lines::Shared(copy.take_copy(arena, range)),
                 Lines::Own(lines) => Lines::Own(lines.clone()),
             };
-            (*outline, lines)
+            (*summary, lines)
         });
         Self {
             body: self.body.clone(),
-            outline: outline.map_or_else(OnceLock::new, OnceLock::from),
+            summary: summary.map_or_else(OnceLock::new, OnceLock::from),
         }
     }
 }

@@ -87,13 +87,13 @@ impl Scene {
         progress: impl Fn(f64) + Sync,
     ) -> Result<Screening, Error> {
         let begin = Instant::now();
-        let line_up = PreparedScene::new(self, query)?;
+        let prepared = PreparedScene::new(self, query)?;
         let mut screening = if self.admits_all(query.margin()) {
-            line_up.screen(query.method, &Everyone, &progress)?
+            prepared.screen(query.method, &Everyone, &progress)?
         } else {
-            line_up.screen(
+            prepared.screen(
                 query.method,
-                &PlaceAdmission::new(self, &line_up),
+                &PlaceAdmission::new(self, &prepared),
                 &progress,
             )?
         };
@@ -163,11 +163,11 @@ impl Scene {
 
     /// Returns the cheapest expected number of slices of the query's window.
     pub(crate) fn cheapest_slices(&self, query: &Query) -> Result<u32, Error> {
-        let line_up = PreparedScene::new(self, query)?;
-        if line_up.ids.len() < 2 {
+        let prepared = PreparedScene::new(self, query)?;
+        if prepared.ids.len() < 2 {
             return Ok(1);
         }
-        let slices = line_up.slices(&line_up.traffic(), |places| line_up.sources(places));
+        let slices = prepared.slices(&prepared.traffic(), |places| prepared.sources(places));
         Ok(slices.count())
     }
 

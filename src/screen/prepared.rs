@@ -69,7 +69,7 @@ impl<'a> PreparedScene<'a> {
             extensions.extend(extension.map(|extension| (place, extension)));
         }
         let frame = survey.frame(scene);
-        let mut line_up = Self {
+        let mut prepared = Self {
             ids,
             entries,
             presence: Lifetimes::default(),
@@ -86,20 +86,20 @@ impl<'a> PreparedScene<'a> {
             frame,
             survey,
         };
-        let (start, end) = line_up.survey.existence;
+        let (start, end) = prepared.survey.existence;
         let existence = Window::new(start, end).ok();
         match existence.and_then(|existence| existence.intersection(asked)) {
             Some(window) => {
-                line_up.window = window;
-                line_up.presence = Lifetimes::of(std::mem::take(&mut line_up.survey.lives));
+                prepared.window = window;
+                prepared.presence = Lifetimes::of(std::mem::take(&mut prepared.survey.lives));
             }
             None => {
-                line_up.ids.clear();
-                line_up.entries.clear();
-                line_up.extensions.clear();
+                prepared.ids.clear();
+                prepared.entries.clear();
+                prepared.extensions.clear();
             }
         }
-        Ok(line_up)
+        Ok(prepared)
     }
 
     /// Returns views and box sources of all bodies, by place, in a common frame.
@@ -127,12 +127,14 @@ impl<'a> PreparedScene<'a> {
         let of_place = |(other, _): &(usize, Extension)| other.cmp(&place);
         let extension = self.extensions.binary_search_by(of_place);
         let extension = extension.ok().map(|number| &self.extensions[number].1);
-        let drawing = entry.drawing(self.arena);
+        let compact_view = entry.compact_view(self.arena);
         // A screening reads knots next to the compact trajectories.
-        let knots = drawing.knots.extended(&entry.body.trajectory, extension);
+        let knots = compact_view
+            .knots
+            .extended(&entry.body.trajectory, extension);
         let padding = Padding::of(&entry.body.hitbox, self.margin, frame);
-        let source = CubicSource::sketched(knots, &drawing, &padding, frame);
-        (party_of(&entry.body, knots), source)
+        let source = CubicSource::compact(knots, &compact_view, &padding, frame);
+        (view_of(&entry.body, knots), source)
     }
 
     /// Returns the statistics of motion in the window.
@@ -152,17 +154,17 @@ pub(super) struct PlaceAdmission<'a> {
 }
 
 impl<'a> PlaceAdmission<'a> {
-    pub(super) fn new(scene: &'a Scene, line_up: &'a PreparedScene<'_>) -> Self {
-        let bodies = || line_up.entries.iter().map(|entry| &entry.body);
-        let is_negative = line_up.margin < 0.0;
+    pub(super) fn new(scene: &'a Scene, prepared: &'a PreparedScene<'_>) -> Self {
+        let bodies = || prepared.entries.iter().map(|entry| &entry.body);
+        let is_negative = prepared.margin < 0.0;
         let radii = bodies()
             .filter(|_| is_negative)
             .map(|body| radius(&body.hitbox));
         Self {
             layers: bodies().map(|body| body.layers).collect(),
             radii: radii.collect(),
-            margin: line_up.margin,
-            ids: &line_up.ids,
+            margin: prepared.margin,
+            ids: &prepared.ids,
             ignored: scene.ignored(),
         }
     }
@@ -185,10 +187,10 @@ impl PairFilter for PlaceAdmission<'_> {
 pub(super) fn lone_view(entry: &SceneEntry, window: Window) -> Result<BodyView<'_>, Error> {
     let extension = entry.extension(window)?;
     let knots = Knots::over(&entry.body.trajectory, extension.as_ref());
-    Ok(party_of(&entry.body, knots))
+    Ok(view_of(&entry.body, knots))
 }
 
-fn party_of<'a>(body: &'a Body, knots: Knots<'a>) -> BodyView<'a> {
+fn view_of<'a>(body: &'a Body, knots: Knots<'a>) -> BodyView<'a> {
     BodyView {
         knots,
         segments: body.trajectory.segments(),

@@ -53,8 +53,8 @@ impl SceneSurvey {
         (entry, extension): (&SceneEntry, Option<&Extension>),
         has_partner: bool,
     ) {
-        let (body, plan) = (&entry.body, entry.outline());
-        let own = plan.sketch.ends();
+        let (body, plan) = (&entry.body, entry.summary());
+        let own = plan.compact.ends();
         let (first, last) = extension.map_or(own, |extension| extension.domain);
         if !has_partner {
             self.lives[place] = (f64::INFINITY, f64::NEG_INFINITY);
@@ -70,7 +70,7 @@ impl SceneSurvey {
         let size = Padding::size(&body.hitbox, self.margin);
         self.size = self.size.max(size);
         self.count(
-            plan.sketch.ends(),
+            plan.compact.ends(),
             (plan.path, body.trajectory.segments().len()),
         );
         if let Some(extension) = extension {
@@ -117,7 +117,7 @@ impl SceneSurvey {
     pub(super) fn frame(&self, scene: &Scene) -> MovingFrame {
         let window = (self.window.start(), self.window.end());
         let some = scene.sample(window);
-        let mut places: Vec<DVec3> = some.map(|one| one.outline().extremes.middle()).collect();
+        let mut places: Vec<DVec3> = some.map(|one| one.summary().extremes.middle()).collect();
         let most = DAabb::of_middle_half(&mut places);
         Frame::amid(self.extremes, most, self.size).moving(scene.common_velocity(window))
     }

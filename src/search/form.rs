@@ -135,7 +135,7 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
         let piece = &mut self.block.pieces[place as usize];
         let first = cubic_before(&source.knots, periods[0].from, *piece);
         *piece = short(first);
-        if !goes_in_bundles(source, periods) {
+        if !goes_in_runs(source, periods) {
             return Ahead::Later(source, first);
         }
         if exists(source, periods) {
@@ -164,16 +164,16 @@ fn exists<C, const MOVES: bool>(
 
 /// Returns true if a body usually passes so many cubics in a slice that they form runs.
 #[inline(always)]
-fn goes_in_bundles<C: BoundingCubic, const MOVES: bool>(
+fn goes_in_runs<C: BoundingCubic, const MOVES: bool>(
     source: &CubicSource<'_, C>,
     periods: &[SliceInterval<MOVES>],
 ) -> bool {
     let (first, last) = source.knots.ends();
     let (from, to) = ends_of(periods);
     #[allow(clippy::cast_precision_loss, reason = "an estimate")]
-    let [cubics, bundles] =
+    let [cubics, runs] =
         [source.knots.cubics(), 2 * CubicRun::SIZE * periods.len()].map(|count| count as f64);
-    source.is_in_bundles() && cubics * (to - from) > bundles * (last - first)
+    source.is_in_runs() && cubics * (to - from) > runs * (last - first)
 }
 
 /// Prefetches the data of a walk through the slices, from a cubic on.
@@ -294,12 +294,12 @@ impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
 
     /// Adds the cubics from `next` to before `end` to a builder.
     #[inline(always)]
-    fn follow_whole(&self, trace: &mut BoundsBuilder<MOVES>, mut next: usize, end: usize) {
+    fn follow_whole(&self, builder: &mut BoundsBuilder<MOVES>, mut next: usize, end: usize) {
         while next < end {
-            if let Some(after) = self.source.pass::<MOVES, EXTENDED>(trace, (next, end)) {
+            if let Some(after) = self.source.pass::<MOVES, EXTENDED>(builder, (next, end)) {
                 next = after;
             } else {
-                trace.follow_from_start(&self.piece(next));
+                builder.follow_from_start(&self.piece(next));
                 next += 1;
             }
         }
@@ -328,7 +328,7 @@ impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
             }
             let begin = number;
             number = cubic_at::<EXTENDED>(knots, period.to, number);
-            let trace = if number == begin {
+            let builder = if number == begin {
                 let (piece, after) = rest.split(period.to.min(rest.end()));
                 rest = after;
                 if piece.fills(period) {
@@ -341,13 +341,13 @@ impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
                 let whole = self.piece(number);
                 let (tail, after) = whole.split(period.to.min(whole.end()));
                 rest = after;
-                let mut trace = BoundsBuilder::between(&head, &tail, period);
-                self.follow_whole(&mut trace, begin + 1, number);
-                trace.follow_from_start(&tail);
-                trace
+                let mut builder = BoundsBuilder::between(&head, &tail, period);
+                self.follow_whole(&mut builder, begin + 1, number);
+                builder.follow_from_start(&tail);
+                builder
             };
             let place = short(slice.bodies.len());
-            let (fat_line, aabb) = trace.finish(&source.placement, short(begin));
+            let (fat_line, aabb) = builder.finish(&source.placement, short(begin));
             slice.boxes.push(BodyBox { aabb, body: place });
             slice.fat_lines.push(fat_line);
             slice.bodies.push(body);
@@ -419,10 +419,10 @@ mod tests {
             let Ok(trajectory) = Trajectory::from_states(&states) else {
                 unreachable!("the states are in order")
             };
-            let (sketch, lines) = CompactTrajectory::of(trajectory.knots(), trajectory.segments());
-            let source = CubicSource::sketched(
+            let (compact, lines) = CompactTrajectory::of(trajectory.knots(), trajectory.segments());
+            let source = CubicSource::compact(
                 Knots::of(trajectory.knots()),
-                &sketch.on(&lines),
+                &compact.on(&lines),
                 &padding,
                 &frame,
             );
@@ -449,9 +449,12 @@ mod tests {
                             let fat_line = &found.fat_lines[0];
                             let [start, change] = [fat_line.start, fat_line.change]
                                 .map(|lanes| DVec3::from_array(lanes.map(f64::from)));
-                            let stray = (position - (start + share * change)).length();
-                            assert!(stray <= f64::from(fat_line.slack), "{stray} {fat_line:?}");
-                            tightest = tightest.min(f64::from(fat_line.slack) - stray);
+                            let deviation = (position - (start + share * change)).length();
+                            assert!(
+                                deviation <= f64::from(fat_line.slack),
+                                "{deviation} {fat_line:?}"
+                            );
+                            tightest = tightest.min(f64::from(fat_line.slack) - deviation);
                             let position = position - common * (time - from);
                             sampled.include(DAabb {
                                 low: position,

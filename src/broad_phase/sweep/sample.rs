@@ -21,7 +21,7 @@ impl BoxSample {
     const FEWEST: usize = 64;
     const MAX: usize = 256;
     /// Share of the sample on either side that may be outliers: one in this number.
-    const STRAYS: usize = 32;
+    const OUTLIERS: usize = 32;
     /// Ratio of a gap to the mean one. Of 256 places drawn evenly, the widest gap is 6 times the
     /// mean on average, and exceeds this ratio in one case of ten.
     const WIDE: f64 = 8.0;
@@ -65,8 +65,8 @@ impl BoxSample {
             cuts.axis = axis;
             cuts.planes.clear();
             let lows = &self.lows[axis];
-            let strays = lows.len() / Self::STRAYS;
-            let lows = &lows[strays..lows.len() - strays];
+            let outliers = lows.len() / Self::OUTLIERS;
+            let lows = &lows[outliers..lows.len() - outliers];
             let whole = width((lows[0], lows[lows.len() - 1]));
             let wide = (Self::WIDE / lows.len() as f64).max(4.0 * self.shares[axis]) * whole;
             let mut empty = 0.0;
@@ -105,9 +105,9 @@ fn low(one: &BodyBox, region: &Region, axis: usize) -> f32 {
 
 /// Returns the range of ascending numbers without outliers, widened by up to an eighth.
 fn range(lows: &[f32]) -> (f32, f32) {
-    let strays = lows.len() / BoxSample::STRAYS;
+    let outliers = lows.len() / BoxSample::OUTLIERS;
     let (first, last) = (lows[0], lows[lows.len() - 1]);
-    let (low, high) = (lows[strays], lows[lows.len() - 1 - strays]);
+    let (low, high) = (lows[outliers], lows[lows.len() - 1 - outliers]);
     let margin = 0.125 * high - 0.125 * low;
     if margin > 0.0 {
         ((low - margin).max(first), (high + margin).min(last))

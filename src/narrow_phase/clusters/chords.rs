@@ -50,7 +50,7 @@ impl PiecewiseLinearBound {
         let scale = clusters.scale + reach + margin.abs();
         let power = normalising_power(scale);
         let points = clusters.points_between(part).map(|point| point * power);
-        // A cubic strays from its chord (gone along evenly) no farther than its inner points do: a
+        // A cubic deviates from its chord (gone along evenly) no farther than its inner points do: a
         // quarter as far on each of two halves.
         let bend = |[p0, p1, p2, p3]: [DVec3; 4]| {
             let third = (p3 - p0) / 3.0;

@@ -98,7 +98,7 @@ fn bodies_that_are_gone_leave_their_lines() {
             // Sketched while the scene is being read, and then as it was put in.
             _ => scene
                 .swap_trajectory(ids[place], &mut plan.clone())
-                .map(|entry| entry.outline().path)
+                .map(|entry| entry.summary().path)
                 .and_then(|_| scene.set_trajectory(ids[place], plan).map(drop)),
         };
         assert_eq!(changed, Ok(()));
@@ -191,8 +191,8 @@ fn excess(scene: &Scene) -> f64 {
 fn is_drawn_right(scene: &Scene) {
     for (_, entry) in scene.entries() {
         let plan = &entry.body.trajectory;
-        let (sketch, lines) = CompactTrajectory::of(plan.knots(), plan.segments());
-        let [there, afresh] = [entry.drawing(scene.arena()), sketch.on(&lines)];
+        let (compact, lines) = CompactTrajectory::of(plan.knots(), plan.segments());
+        let [there, afresh] = [entry.compact_view(scene.arena()), compact.on(&lines)];
         assert_eq!(format!("{there:?}"), format!("{afresh:?}"));
     }
 }
