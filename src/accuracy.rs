@@ -61,8 +61,8 @@ pub struct TimeEnclosure {
 
 /// Proven facts about a conflict, as worst cases over all rounding.
 ///
-/// The facts hold for the motion in real arithmetic through the given `f64` states or polynomials, with
-/// the exact sum of radii and margin. The proof is in `src/enclosure`.
+/// The facts hold for the motion in real arithmetic through the given `f64` states or polynomials,
+/// with the exact sum of radii and margin. The proof is in `src/enclosure`.
 ///
 /// ```
 /// use nearmiss::glam::DVec3;

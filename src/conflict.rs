@@ -12,7 +12,7 @@ use std::fmt;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct ClosestApproach {
-    /// The instant, s; the first one of several.
+    /// The instant, s; the first one of several, or of a stretch.
     pub time: f64,
     /// Distance between the hitboxes' surfaces, m; negative where they overlap. It belongs to the
     /// exact instant, of which `time` is the rounded value. The positions at `time` may differ from

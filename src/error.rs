@@ -106,8 +106,8 @@ pub enum Error {
         /// The knot, counted from 0.
         knot: usize,
     },
-    /// A body cannot be followed so far beyond its knots: more than 1e100 times the duration of its
-    /// last motion, or to times far beyond [`MAX_MAGNITUDE`].
+    /// A body cannot be followed so far beyond its knots: more than 1e100 times the duration of the
+    /// cubic that carries it there, or to times far beyond [`MAX_MAGNITUDE`].
     #[error("knot {knot}: {time:?} s is too far from it to follow the body to")]
     TooFar {
         /// The knot from which the body is followed, counted from 0.

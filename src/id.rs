@@ -40,7 +40,8 @@ impl BodyId {
         (self.generation as u64) << 32 | self.slot as u64
     }
 
-    /// Returns the id with this number: the inverse of [`to_bits`](Self::to_bits). A scene without
+    /// Returns the id with this number: the inverse of
+    /// [`to_bits`](Self::to_bits), for any number. A scene without
     /// such a body answers with [`Error::UnknownBody`](crate::Error::UnknownBody).
     #[must_use]
     #[allow(clippy::cast_possible_truncation, reason = "the lower half is meant")]

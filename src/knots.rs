@@ -149,7 +149,7 @@ impl<'a> Knots<'a> {
         self.plan.map(|plan| plan.segment_after().origin())
     }
 
-    /// Returns the number of leading knots for which `precedes` holds.
+    /// Returns the number of knots before the first one for which `precedes` fails.
     pub(crate) fn count(&self, precedes: impl Fn(f64) -> bool) -> usize {
         let (before, after) = (self.before(), self.after as usize);
         let cuts = (0..before).take_while(|&number| precedes(self.at(number)));

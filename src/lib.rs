@@ -72,14 +72,14 @@
 //!   with the same answers.
 //! - `live` (default): `Monitor::spawn` runs a monitor on a thread of its own, behind the bounded
 //!   channels of `live`.
-//! - `serde`: scenes, states, queries, screenings, options, commands, events, snapshots, conflicts and their parts
-//!   implement `Serialize` and `Deserialize`.
+//! - `serde`: scenes, states, queries, screenings, options, commands, events, snapshots, conflicts
+//!   and their parts implement `Serialize` and `Deserialize`.
 //! - `recording`: `Monitor::start_recording` writes down what a monitor is told, and
 //!   `recording::Replay` goes through it again, bit for bit. Turns `serde` on.
 //! - `mint`: [`State::new`] takes the vectors of other libraries.
 //!
-//! On `wasm32-unknown-unknown` everything runs on the caller's thread without `parallel` and `live`; the clock that
-//! times work and keeps a [`Budget::Time`] is the browser's.
+//! On `wasm32-unknown-unknown` everything runs on the caller's thread without `parallel` and
+//! `live`; the clock that times work and keeps a [`Budget::Time`] is the browser's.
 
 mod accuracy;
 mod bounds;

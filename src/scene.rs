@@ -58,10 +58,10 @@ struct Slot {
 /// The f32 copies, bounds and copied knots are stored contiguously, in large pages if the system
 /// has them. Freed storage is not reused at once. When more is free than in use (and more than 1
 /// MiB), live data is moved to new memory and the rest is returned to the system. A monitor's
-/// replans copy nothing. Apart from those, at most five times the bodies' need and 3 MiB are ever
-/// written. The last allocation has an unwritten end, as large as the data in use, up to 32 MiB. An
-/// empty scene holds none. Slots of 310 bytes, for the largest number of bodies so far, are reused
-/// and freed with the scene.
+/// replans copy nothing. Apart from those, at most five times the bodies' need and 3 MiB are
+/// written at any time. The last allocation has an unwritten end, as large as the data in use, up
+/// to 32 MiB. An empty scene holds none. Slots of 310 bytes, for the largest number of bodies so
+/// far, are reused and freed with the scene.
 ///
 /// A screening adds some 310 bytes a body. For each thread it adds at most 64 MiB of boxes (64
 /// bytes each, for up to 2^20 boxes, or one slice if that has more). It also adds 40 to 130 bytes a

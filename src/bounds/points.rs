@@ -29,7 +29,8 @@ impl PaddedPoints {
     ///   bodies' distances. `e` contains 12 roundings of the points' distance, so this part is 0.25
     ///   `e`.
     ///
-    /// `e` does not follow from the position: terms of an extrapolated cubic may far exceed their sum.
+    /// `e` does not follow from the position: terms of an extrapolated cubic may far exceed their
+    /// sum.
     #[inline(always)]
     pub(super) fn of(segment: &Segment, (from, to): (f64, f64)) -> Self {
         let is_whole =

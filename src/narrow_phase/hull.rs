@@ -32,8 +32,9 @@ impl SquaredDistance {
         /// Least difference of neighbouring heights.
         ///
         /// The derivative over u in -1..=1, whose roots the solver seeks, is 3 times a mean of the
-        /// differences. Its power coefficients sum up to 300 at most; each is wrong by 18 roundings of
-        /// its bound, evaluation adds 11, and 28 are taken for zero: 17,000 roundings, against 390,000.
+        /// differences. Its power coefficients sum up to 300 at most; each is wrong by 18 roundings
+        /// of its bound, evaluation adds 11, and 28 are taken for zero: 17,000 roundings, against
+        /// 390,000.
         const STEP: f64 = 131_072.0 * UNIT_ROUNDOFF;
         let (mut least, mut largest) = (f64::INFINITY, f64::NEG_INFINITY);
         for ends in self.heights.windows(2) {

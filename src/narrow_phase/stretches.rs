@@ -193,7 +193,7 @@ impl DistanceProfile {
             .unwrap_or_else(|| cut(from))
     }
 
-    /// Calls `found` with all stretches with distance <= `radius` that overlap `from..=to`, clipped to it, in
+    /// Calls `found` with all stretches within `radius` that overlap `from..=to`, clipped to it, in
     /// time order. Distances within rounding of the radius count.
     pub(crate) fn stretches(
         &self,

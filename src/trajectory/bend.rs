@@ -1,7 +1,7 @@
 //! Extrapolation of the end cubics: coefficients around the knot, each good to its own rounding.
 //!
-//! With T the duration between two states, e = v T - (p1 - p0) at either of them, and s the time since a
-//! knot in units of T, the cubic through both is
+//! With T the duration between two states, e = v T - (p1 - p0) at either of them, and s the time
+//! since a knot in units of T, the cubic through both is
 //!
 //! ```text
 //! p0 + v0 T s - (2 e0 + e1) s² + (e0 + e1) s³      around the first knot,

@@ -134,7 +134,8 @@ impl Trajectory {
     /// to metres only. Prefer local time.
     ///
     /// Consecutive segments may be discontinuous. End positions and velocities, from which a body
-    /// [coasts](super::Outside::Coast), are those of the polynomial, rounded once.
+    /// [coasts](super::Outside::Coast), are those of the polynomial, rounded once;
+    /// from [states](Self::from_states) they are exact.
     ///
     /// ```
     /// use nearmiss::glam::DVec3;
@@ -152,8 +153,8 @@ impl Trajectory {
     /// # Errors
     ///
     /// [`Error::SegmentCount`], [`Error::TooFewStates`]; [`Error::TimeNotIncreasing`],
-    /// [`Error::NotFinite`] and [`Error::OutOfRange`] with the value and the knot (of a segment, the one at
-    /// which it begins).
+    /// [`Error::NotFinite`] and [`Error::OutOfRange`] with the value and the knot (of a segment,
+    /// the one at which it begins).
     pub fn from_coefficients(
         knots: &[f64],
         coefficients: &[[DVec3; 4]],
@@ -204,9 +205,10 @@ impl Trajectory {
 
     /// Builds a body that stays at `position` (m) for all time.
     ///
-    /// The body can only be screened within a closed window ([`Error::WindowNotClosed`]). Its single knot
-    /// is at 0 s: [`Monitor::extend`](crate::Monitor::extend) continues from there, whatever the
-    /// clock shows. To set it in motion use [`Monitor::replan`](crate::Monitor::replan).
+    /// The body exists at all times: it can only be screened within a closed window
+    /// ([`Error::WindowNotClosed`]). Its single knot is at 0 s:
+    /// [`Monitor::extend`](crate::Monitor::extend) continues from there, whatever the clock shows.
+    /// To set it in motion use [`Monitor::replan`](crate::Monitor::replan).
     ///
     /// # Errors
     ///
@@ -219,9 +221,9 @@ impl Trajectory {
     /// Builds a body that keeps its velocity for all time: dead reckoning from one state, such as
     /// that of a body moved by a physics engine.
     ///
-    /// The body can only be screened within a closed window ([`Error::WindowNotClosed`]). Its single knot
-    /// is the state's time. Positions are good to a few roundings of the distance covered in 6 s,
-    /// or in the time to or from the state if that is longer.
+    /// The body exists at all times: it can only be screened within a closed window
+    /// ([`Error::WindowNotClosed`]). Its single knot is the state's time. Positions are good to a
+    /// few roundings of the distance covered in 6 s, or in the time to or from the state if longer.
     ///
     /// If that distance is a million times the distance between bodies (as in a scene of
     /// microseconds), filters cannot separate them and screening is slow. Then build plans from two

@@ -144,7 +144,8 @@ impl Trajectory {
         &self.segments
     }
 
-    /// Returns the window in which the body exists: its knots' range, or more unless `Absent`.
+    /// Returns the window in which the body exists: from its first to its last knot, and on
+    /// either side for all time unless `Absent`.
     #[must_use]
     pub fn domain(&self) -> Window {
         let (planned, all) = (self.planned(), Window::ALL);

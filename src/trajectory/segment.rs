@@ -259,7 +259,7 @@ impl Segment {
         (self.control_points, self.error)
     }
 
-    /// Returns position, velocity and acceleration at `time` (m, m/s, m/s²), also outside its knots.
+    /// Returns position, velocity and acceleration at `time` (m, m/s, m/s²), also beyond the knots.
     #[must_use]
     pub fn motion_at(&self, time: f64) -> (DVec3, DVec3, DVec3) {
         let duration = self.end - self.start;

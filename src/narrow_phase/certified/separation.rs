@@ -12,7 +12,7 @@ pub(super) struct SeparationEnclosure {
     pub(super) low: f64,
     pub(super) high: f64,
     pub(super) time: TimeEnclosure,
-    /// A pair of spheres with a separation of at most `high`: its span, spheres and instants (`own`).
+    /// A pair of spheres that comes within `high`: its span, spheres and instants (`own`).
     pub(super) span: Span,
     pub(super) spheres: (u32, u32),
     pub(super) own: TimeEnclosure,
