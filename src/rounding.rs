@@ -1,10 +1,10 @@
 //! The unit roundoff, and norms that neither overflow nor underflow.
 //!
-//! # Error terms and what holds them
+//! # Error terms and their tests
 //!
-//! Each term was dropped alone. The test named fails then. `Proof` marks a term that the worst case
-//! needs, but that no test shows: the reason is given below. `Open` marks one that is needed since
-//! instants are rounded, but that no question has shown.
+//! The named test fails if the term alone is dropped. `Proof` marks a term that the worst case needs
+//! but no test shows; the reason is given below. `Open` marks a term for rounded instants that no
+//! test has shown yet.
 //!
 //! | term | file | held by |
 //! |---|---|---|
@@ -61,24 +61,21 @@
 //! | instants of a screening's edges and of a budget's | `monitor/lookahead`, `search/slice_length` | `tests/monitor` `budgets` |
 //! | instants of a question, of a jump | `monitor/lookahead/ask`, `jump` | `tests/monitor` `instants` |
 //!
-//! 1. Dropped once, the heights' own 64 roundings stand in for it. The solver may be wrong by 48
-//!    roundings of the size in the worst case; by two or three where it was asked.
-//! 2. Terms of the first order, two of five: the errors of the coefficients have room for them in
-//!    all that was asked, since no question has all of their 24 roundings at their worst. (Of the
-//!    first coefficient four of five, and 4.09 were reached by hill climbing.) The sink of lanes
-//!    has five in eight of its own.
-//! 3. Of second order: nothing but the bounds' own rounding.
-//! 4. Eight roundings of a square next to seven that are counted, four of a square next to three,
-//!    four of an end next to three. Errors of 9 roundings of the size, which no part reaches, are
-//!    added beside each.
+//! 1. Dropped once, the heights' own 64 roundings cover it. The solver's error is 48 roundings of
+//!    the size in the worst case; two or three in tests.
+//! 2. Two of five first-order terms: the errors of the coefficients cover them in all tests, since
+//!    no test has all of their 24 roundings at their worst. (Of the first coefficient four of five
+//!    are needed; hill climbing reached 4.09.) The sink of lanes has five in eight of its own.
+//! 3. Second order: only the bounds' own rounding.
+//! 4. Eight roundings of a square where seven are counted, four of a square for three, four of an
+//!    end for three. Errors of 9 roundings of the size, which no part reaches, are added to each.
 //! 5. Coefficients take 14 of the margin's 16 roundings, thresholds two: none to spare in the worst
 //!    case, and most of the 14 in all others.
-//! 6. Size, total, root and sum are rounded by 3, 2, 3 and 2, and raised by 4, 8, 4 and 4: one
-//!    dropped alone is hidden by the others' room. Lengths are brought to the order of one, where
-//!    rounding is far above what underflows; a cubic that is brought back has a size above 1e-285
-//!    m, and its error is a normal number.
-//! 7. Seven roundings of the way are needed where each of the terms has six; seven of a fat line's
-//!    place, where the first terms have six.
+//! 6. Size, total, root and sum are rounded by 3, 2, 3 and 2, and raised by 4, 8, 4 and 4: the
+//!    others hide one dropped alone. Lengths are scaled to the order of one, where rounding far
+//!    exceeds underflow. A cubic scaled back has a size above 1e-285 m, and a normal error.
+//! 7. Seven roundings of the displacement are needed where each of the terms has six; seven of a
+//!    fat line's place, where the first terms have six.
 //!
 //! Squares that meet F of the enclosures need no term against underflow. In the cubic's unit the
 //! factor 1 + 2^-40 adds more than 1e-43 to F, and what underflows is below 1e-124.

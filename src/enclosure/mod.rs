@@ -133,8 +133,8 @@
 //!
 //! # 6. Stretches
 //!
-//! For a threshold R between R1 and R2, what has |h| < R1 - E is certainly inside, what has |h| >
-//! R2 + E certainly outside. Parts are judged by the coefficients of section 2, with e = 9 u M:
+//! For a threshold R between R1 and R2, |h| < R1 - E is certainly inside, |h| > R2 + E certainly
+//! outside. Parts are judged by the coefficients of section 2, with e = 9 u M:
 //!
 //! - all on one side of a level: then so is the part;
 //! - certain signs that change once, with at most one uncertain coefficient where they change: by
@@ -142,8 +142,8 @@
 //!   finds where; then the nearest points are sought at which the computed distance differs from
 //!   the threshold by F and a few roundings. As there is no second crossing, all of the part before
 //!   the one and beyond the other is certain;
-//! - else the quadratic of section 4 cuts off what is outside, or the part is divided;
-//! - what stays within four times the error of the threshold is undecided: dividing is of no use.
+//! - otherwise the quadratic of section 4 cuts off the outside, or the part is divided;
+//! - a part within four times the error of the threshold is undecided: dividing it gains nothing.
 //!
 //! An undecided stretch therefore ends where the distance differs from the threshold by a few F
 //! (about one at a crossing). At a crossing with the closing speed v, per unit of s, it is 2 F / v

@@ -58,7 +58,7 @@ pub struct Trajectory {
 
 /// The rule for the motion of a body before its first and after its last knot.
 ///
-/// A body that goes on beyond its knots exists at all times: it can only be screened within a
+/// A body that continues beyond its knots exists at all times: it can only be screened within a
 /// closed window, else there is an [`Error::WindowNotClosed`](crate::Error::WindowNotClosed).
 ///
 /// Rounding: a position beyond the knots is good to 4e-15 of the distance travelled from the knot.

@@ -2,7 +2,7 @@
 //!
 //! A pair is a relative cubic over a span: four Bezier control points over the local time 0..=1.
 //! A batch is twelve slices, one for each coordinate of each point: [`Lanes`], or [`CubicBatch`]
-//! to fill them, or [`SpanBatch`] to fill them from segments. Three questions can be asked of it,
+//! to fill them, or [`SpanBatch`] to fill them from segments. It answers three questions,
 //! in `f64` and, but for the second, in `f32`:
 //!
 //! - [`closest_approach`]: how near, and when;
@@ -64,9 +64,9 @@
 //!   most, is rounded up to 3 times, which is `6 u W` more than the lowering allows for. Against a
 //!   rival the quotient becomes a quintic (3 roundings, and twice the size at an end), is cut (15)
 //!   and halved twice (10): less than `146 u W` with the roundings of the slope, which is below
-//!   `1.5 W`; the margin is `160 u W`. What is proven is that no point is lower by more than the
+//!   `1.5 W`; the margin is `160 u W`. The proof is that no point is lower by more than the
 //!   residual slope allows; that slope is rounding of the lanes' type after the last step. For a
-//!   bound of everything use [`enclose`].
+//!   complete bound use [`enclose`].
 //! - *Enclosure.* Splitting the polygon moves it by `9 u M` at most, halvings add `3 u M` each. The
 //!   error of the distance is that plus the given error of the cubic, once; the rounding of the
 //!   lower bound itself is counted term by term where it is formed.
@@ -77,9 +77,9 @@
 //!
 //! Squares that overflow or underflow fail every test; such pairs end in the scalar `f64` code,
 //! which scales by powers of two first. As guesses are proven in `f32`, these are polygons beyond
-//! some 1e15 m (f32 lanes: 1e8 m) or below 1e-10 m. Nothing is claimed of a pair with a coordinate
-//! that is not finite: its verdict is undecided (nothing is within a negative distance, though),
-//! its enclosure without end; a closest approach means nothing.
+//! some 1e15 m (f32 lanes: 1e8 m) or below 1e-10 m. A pair with a coordinate that is not finite is
+//! undecided (except that nothing is within a negative distance). Its enclosure is infinite, and
+//! its closest approach meaningless.
 
 mod batch;
 mod closest;
@@ -114,8 +114,8 @@ pub use spans::SpanBatch;
 ///
 /// The distance is the global minimum over the span up to rounding: some 1e-15 (f64) or 1e-6 (f32)
 /// of the size of the polygon. Of several equal minima, or where the distance is constant, any one
-/// of the times may be reported. Where the minimum is flat the time is less certain than the
-/// distance: to the square root of the rounding. Both are the same bits with every instruction set.
+/// of the times may be reported. At a flat minimum the time has an error of the order of the
+/// square root of the rounding. The bits are the same with every instruction set.
 ///
 /// # Panics
 ///
@@ -136,8 +136,8 @@ pub fn closest_approach<R: Real>(
 /// `errors[i]` bounds, in metres and at every instant, the distance between the true relative
 /// position of pair `i` and the one its control points give. Then the true least distance lies in
 /// the enclosure, whatever rounds. Its width is a little more than twice the error plus 20 times
-/// `EPSILON` of the polygon's size (of polygons below 1e-285 m it is no less than that size). An
-/// error that is negative or not finite bounds nothing: nor does the enclosure then.
+/// `EPSILON` of the polygon's size (of polygons below 1e-285 m it is no less than that size). With
+/// an error that is negative or not finite, the enclosure is no bound either.
 ///
 /// ```
 /// use nearmiss::kernels::{CubicBatch, Enclosure, InstructionSet, enclose};
