@@ -3,8 +3,7 @@
 //! # Error terms and their tests
 //!
 //! The named test fails if the term alone is dropped. `Proof` marks a term that the worst case needs
-//! but no test shows; the reason is given below. `Open` marks a term for rounded instants that no
-//! test has shown yet.
+//! but no test shows; the reason is given below.
 //!
 //! | term | file | held by |
 //! |---|---|---|
@@ -26,7 +25,7 @@
 //! | threshold, radii, half-width | `narrow_phase/certified` | `certified::tests` |
 //! | chords: clearance, wherever it is used; parts of clusters | `narrow_phase/clusters` | `clusters::tests` |
 //! | parts of a window | `narrow_phase/clusters` | `clusters::tests::what_instants_are_rounded_by_rules_nothing_out` |
-//! | blurs, gaps, what is reached | `narrow_phase/clusters`, `sphere_pair` | open |
+//! | blurs, gaps, what is reached | `narrow_phase/clusters`, `sphere_pair` | proof 8 |
 //! | passing lines: differences, products, range | `narrow_phase/approach` | `approach::tests::grazing_passes*` |
 //! | shares of a slice; instants | `narrow_phase/approach` | `approach::tests::{passes_that_touch*, intervals_between_instants*}` |
 //! | coefficients of a minorant | `enclosure/minorant` | `minorant::tests` |
@@ -76,6 +75,10 @@
 //!    exceeds underflow. A cubic scaled back has a size above 1e-285 m, and a normal error.
 //! 7. Seven roundings of the displacement are needed where each of the terms has six; seven of a
 //!    fat line's place, where the first terms have six.
+//! 8. An instant is rounded to the nearest number. So a solved pair's separation and contact are off
+//!    by the motion in one rounding. Another pair of spheres that is nearer by less, or touches
+//!    within one rounding outside a contact, may be the one to report. The terms are that motion
+//!    and the solver's tolerance; a test would need a tie within, but not exactly at, them.
 //!
 //! Squares that meet F of the enclosures need no term against underflow. In the cubic's unit the
 //! factor 1 + 2^-40 adds more than 1e-43 to F, and what underflows is below 1e-124.

@@ -79,7 +79,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
 
     /// A plan over a window, and its pieces.
-    struct ExtendedPlan {
+    struct PlanPieces {
         plan: Trajectory,
         window: Window,
         pieces: Pieces,
@@ -118,7 +118,7 @@ mod tests {
         }
 
         /// Returns its pieces over so many of its durations, before and after.
-        fn pieces(&self, (before, after): (f64, f64)) -> ExtendedPlan {
+        fn pieces(&self, (before, after): (f64, f64)) -> PlanPieces {
             let plan = Trajectory::from_states(&self.states);
             let plan = plan.map(|plan| plan.with_outside(self.outside));
             let [first, last] = [0, 1].map(|k: usize| self.states[k].time);
@@ -132,7 +132,7 @@ mod tests {
             if by_points {
                 pieces.segments.fill(plan.segments()[0]);
             }
-            ExtendedPlan {
+            PlanPieces {
                 plan,
                 window,
                 pieces,
@@ -183,20 +183,20 @@ mod tests {
 
     /// Returns the pieces in a frame around them, and the slices between some instants.
     fn look(
-        extended: &ExtendedPlan,
+        plan_pieces: &PlanPieces,
         ends: &[f64],
         mut each: impl FnMut(&Frame, &CubicSource<'_, CompactCubic>, &[SliceBounds]),
     ) {
-        let ExtendedPlan { plan, pieces, .. } = extended;
+        let PlanPieces { plan, pieces, .. } = plan_pieces;
         let (compact, lines) = CompactTrajectory::of(&pieces.knots, &pieces.segments);
         let (own, own_lines) = CompactTrajectory::of(plan.knots(), plan.segments());
         let all = compact.on(&lines);
         let frame = all.frame;
         let padding = Padding::of(&Hitbox::POINT, 0.0, &frame);
-        let source = if extended.by_points {
+        let source = if plan_pieces.by_points {
             CubicSource::compact(all.knots, &all, &padding, &frame)
         } else {
-            let extension = plan.extension(extended.window);
+            let extension = plan.extension(plan_pieces.window);
             let extension = extension.unwrap_or_else(|_| unreachable!("it is near enough"));
             let knots = Knots::over(plan, extension.as_ref());
             assert_eq!(knots.cubics(), pieces.segments.len());
@@ -228,14 +228,14 @@ mod tests {
         for round in 0..1_000 {
             let flight = Flight::any(&mut rng);
             let lengths = 10f64.powf(rng.random_range(0.0..9.0));
-            let extended = flight.pieces([(lengths, lengths), (-0.5, lengths)][round % 2]);
-            let pieces = &extended.pieces;
+            let plan_pieces = flight.pieces([(lengths, lengths), (-0.5, lengths)][round % 2]);
+            let pieces = &plan_pieces.pieces;
             let (first, last) = (pieces.knots[0], pieces.knots[pieces.knots.len() - 1]);
             // Short slices in the middle: numbers are small there, and those they come from are not.
             let ends = [0.0, 0.1, 0.4999, 0.5, 0.5001, 0.75, 1.0];
             let ends = ends.map(|share| first + share * (last - first));
             let between = |(from, to): (f64, f64), share: f64| (from + (to - from) * share).min(to);
-            look(&extended, &ends, |frame, source, slices| {
+            look(&plan_pieces, &ends, |frame, source, slices| {
                 for (number, segment) in pieces.segments.iter().enumerate() {
                     let ends = (pieces.knots[number], pieces.knots[number + 1]);
                     let piece = source.piece::<true>(number);
@@ -330,10 +330,10 @@ mod tests {
                 outside: Outside::Extrapolate,
                 by_points: false,
             };
-            let extended = flight.pieces((3_000.0, 3_000.0));
+            let plan_pieces = flight.pieces((3_000.0, 3_000.0));
             for begin in [1.0, 60.0, 300.0, 560.0] {
                 let ends = [0.0, 1.0, 2.0, 3.0, 4.0].map(|second| begin + second);
-                look(&extended, &ends, |frame, _, slices| {
+                look(&plan_pieces, &ends, |frame, _, slices| {
                     for (slice, ends) in slices.iter().zip(ends.windows(2)) {
                         let mut way = DAabb::NOTHING;
                         for step in 0..=16 {

@@ -32,15 +32,44 @@ pub(super) struct PlannedEncounter {
     pub(super) passed: Option<ClosestApproach>,
 }
 
+/// An encounter that has begun and not ended, or lies ahead.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct TrackedEncounter {
     now: Encounter,
-    sent: Encounter,
+    sent: SentNumbers,
     begun: bool,
     with_trajectory: bool,
     /// The closest so far, once it has begun.
     passed: Option<ClosestApproach>,
+}
+
+/// The numbers of an encounter that the last event about it gave: a revision is measured from them.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct SentNumbers {
+    enter: f64,
+    exit: f64,
+    open: bool,
+    closest_time: f64,
+    separation: f64,
+}
+
+impl SentNumbers {
+    const fn of(encounter: &Encounter) -> Self {
+        Self {
+            enter: encounter.enter,
+            exit: encounter.exit,
+            open: encounter.open,
+            closest_time: encounter.closest.time,
+            separation: encounter.closest.separation,
+        }
+    }
+
+    /// Returns false if the bodies may still have been closing in, at an open end.
+    fn knows_closest(&self) -> bool {
+        !(self.open && self.closest_time >= self.exit)
+    }
 }
 
 /// What the encounters of a level are remembered by.
@@ -51,18 +80,13 @@ pub(super) struct Saved(Vec<TrackedEncounter>);
 impl Saved {
     /// Whether a monitor of this scene that has told all up to `told` (s) can have had these.
     pub(super) fn could_be(&self, level: usize, told: f64, scene: &Scene) -> bool {
-        self.0.iter().all(
-            |TrackedEncounter {
-                 now, sent, begun, ..
-             }| {
-                let has = |id, tag| scene.body(id).is_some_and(|body| body.tag == tag);
-                let are_there = has(now.a, now.tag_a) && has(now.b, now.tag_b);
-                let of = |it: &Encounter| (it.id, it.a, it.b, it.tag_a, it.tag_b, it.level);
-                let is_one = of(now) == of(sent) && now.level == level;
-                let has_begun = !begun || now.enter <= told;
-                are_there && now.a < now.b && is_one && has_begun && now.enter <= now.exit
-            },
-        )
+        self.0.iter().all(|TrackedEncounter { now, begun, .. }| {
+            let has = |id, tag| scene.body(id).is_some_and(|body| body.tag == tag);
+            let are_there = has(now.a, now.tag_a) && has(now.b, now.tag_b);
+            let is_of_level = now.level == level;
+            let has_begun = !begun || now.enter <= told;
+            are_there && now.a < now.b && is_of_level && has_begun && now.enter <= now.exit
+        })
     }
 
     /// Ends or withdraws the encounters of bodies in some slots, at a time (s).
@@ -90,18 +114,8 @@ pub(super) struct EncounterTracker {
     tracked: SortedSlab<SlotPair, TrackedEncounter>,
     /// Pairs of which some lie beyond what is known and were not found again, sorted.
     waiting: Vec<SlotPair>,
-    /// What was worked out last, and has not taken effect yet.
-    next: PendingUpdate,
-}
-
-/// What has become of some pairs.
-#[derive(Debug, Default)]
-struct PendingUpdate {
-    /// Those pairs, sorted.
-    pairs: Vec<SlotPair>,
-    /// What they have from now on, each pair's in the order of time.
-    tracked: Vec<(SlotPair, TrackedEncounter)>,
-    waiting: Vec<SlotPair>,
+    /// Pairs that the last update was about, sorted.
+    updated: Vec<SlotPair>,
 }
 
 /// What a tick knows about time.
@@ -152,47 +166,32 @@ impl EncounterTracker {
         self.waiting.dedup();
     }
 
-    /// Works out what has become of some pairs, without letting it take effect: of those that
-    /// [wait](Self::waiting), and all others of which plain encounters, or what a tick sees of them,
-    /// are not as they were. Pairs are sorted, and so are the plain encounters of each, by time.
-    pub(super) fn work_out<'p, P: Iterator<Item = &'p PlannedEncounter>>(
+    /// Updates the encounters of some pairs: of those that [wait](Self::waiting), and of all others whose
+    /// planned encounters, or what a tick sees of them, are not as they were. Pairs are sorted, and so are
+    /// the planned encounters of each, by time.
+    pub(super) fn update<'p, P: Iterator<Item = &'p PlannedEncounter>>(
         &mut self,
         changed: impl Iterator<Item = (SlotPair, P)>,
         tick: &TickContext,
         next_id: &mut u64,
         events: &mut Vec<Event>,
     ) {
-        self.next.pairs.clear();
-        self.next.tracked.clear();
-        self.next.waiting.clear();
-        for (slots, plain) in changed {
-            self.work_out_pair(slots, plain, tick, next_id, events);
-            self.next.pairs.push(slots);
+        self.updated.clear();
+        self.waiting.clear();
+        for (slots, planned) in changed {
+            self.update_pair(slots, planned, tick, next_id, events);
+            self.updated.push(slots);
         }
-    }
-
-    /// Lets what was worked out last take effect.
-    pub(super) fn take_over(&mut self) {
-        let PendingUpdate {
-            pairs,
-            tracked,
-            waiting,
-        } = &mut self.next;
-        let mut pairs = pairs.iter().peekable();
+        let mut updated = self.updated.iter().peekable();
         self.tracked.retain(|entry, _| {
-            while pairs.next_if(|slots| **slots < entry.key).is_some() {}
-            pairs.peek() != Some(&&entry.key)
+            while updated.next_if(|slots| **slots < entry.key).is_some() {}
+            updated.peek() != Some(&&entry.key)
         });
-        for (slots, tracked) in tracked.drain(..) {
-            let interval = (tracked.now.enter, tracked.now.exit);
-            self.tracked.add(slots, interval, tracked);
-        }
         self.tracked.settle();
-        std::mem::swap(&mut self.waiting, waiting);
     }
 
-    /// The same for one pair.
-    fn work_out_pair<'p>(
+    /// Adds what a pair has from now on; what it had stays beside it.
+    fn update_pair<'p>(
         &mut self,
         slots: SlotPair,
         plain: impl Iterator<Item = &'p PlannedEncounter>,
@@ -224,13 +223,18 @@ impl EncounterTracker {
             };
             if let Some(tracked) = goes_on {
                 // Only one that is not found again.
-                let waiting = &mut self.next.waiting;
+                let waiting = &mut self.waiting;
                 if tracked.now.enter > tick.known && waiting.last() != Some(&slots) {
                     waiting.push(slots);
                 }
-                self.next.tracked.push((slots, tracked));
+                self.add(slots, tracked);
             }
         }
+    }
+
+    fn add(&mut self, slots: SlotPair, tracked: TrackedEncounter) {
+        let interval = (tracked.now.enter, tracked.now.exit);
+        self.tracked.add(slots, interval, tracked);
     }
 
     /// What is remembered.
@@ -245,11 +249,10 @@ impl EncounterTracker {
         let slots_of = |tracked: &TrackedEncounter| (tracked.now.a.slot, tracked.now.b.slot);
         // They are, unless the file was changed.
         saved.sort_by_key(slots_of);
-        encounters.next.tracked = saved
-            .into_iter()
-            .map(|tracked| (slots_of(&tracked), tracked))
-            .collect();
-        encounters.take_over();
+        for tracked in saved {
+            encounters.add(slots_of(&tracked), tracked);
+        }
+        encounters.tracked.settle();
         encounters
     }
 
@@ -364,7 +367,7 @@ fn appear(
     *next_id += 1;
     let tracked = TrackedEncounter {
         now: encounter,
-        sent: encounter,
+        sent: SentNumbers::of(&encounter),
         begun: false,
         with_trajectory: new.with_trajectory,
         passed: None,
@@ -403,7 +406,7 @@ fn go_on(
     // What ends in this very tick is told with its last numbers, not revised first.
     let mut tracked = clock(tracked, new, tick, events)?;
     if revised {
-        tracked.sent = tracked.now;
+        tracked.sent = SentNumbers::of(&tracked.now);
         events.push(Event {
             time: tick.now,
             kind: EventKind::Revised(tracked.now),
@@ -448,7 +451,8 @@ fn clock(
 
 /// Whether the numbers differ by more than the least change, as far as both are known: what lies
 /// beyond the end of what is known, which moves, is no revision.
-fn differs(now: &Encounter, sent: &Encounter, tick: &TickContext) -> bool {
+fn differs(now: &Encounter, sent: &SentNumbers, tick: &TickContext) -> bool {
+    let now = &SentNumbers::of(now);
     let threshold = &tick.revision_threshold;
     let moved = |x: f64, y: f64| (x - y).abs() > threshold.time;
     let exit = match (now.open, sent.open) {
@@ -461,22 +465,19 @@ fn differs(now: &Encounter, sent: &Encounter, tick: &TickContext) -> bool {
     moved(now.enter, sent.enter) || exit || closest_differs(now, sent, tick)
 }
 
-fn closest_differs(now: &Encounter, sent: &Encounter, tick: &TickContext) -> bool {
+fn closest_differs(now: &SentNumbers, sent: &SentNumbers, tick: &TickContext) -> bool {
     let threshold = &tick.revision_threshold;
-    // At an open end the bodies may still be closing in.
-    let is_known =
-        |encounter: &Encounter| !(encounter.open && encounter.closest.time >= encounter.exit);
-    let (x, y) = (&now.closest, &sent.closest);
-    if !is_known(sent) {
+    let is_lower = now.separation < sent.separation - threshold.separation;
+    if !sent.knows_closest() {
         // While they close in it is told once a lookahead at most.
-        let is_later = x.time >= y.time + tick.lookahead;
-        return is_known(now) || is_later && x.separation < y.separation - threshold.separation;
+        let is_later = now.closest_time >= sent.closest_time + tick.lookahead;
+        return now.knows_closest() || is_later && is_lower;
     }
-    let hidden = now.open && y.time > now.exit;
+    let hidden = now.open && sent.closest_time > now.exit;
     if hidden {
-        return is_known(now) && x.separation < y.separation - threshold.separation;
+        return now.knows_closest() && is_lower;
     }
-    !is_known(now)
-        || (x.time - y.time).abs() > threshold.time
-        || (x.separation - y.separation).abs() > threshold.separation
+    !now.knows_closest()
+        || (now.closest_time - sent.closest_time).abs() > threshold.time
+        || (now.separation - sent.separation).abs() > threshold.separation
 }

@@ -85,17 +85,16 @@ impl JumpSearch {
             let traffic = bodies.traffic(window);
             let mut counted = Stats::default();
             let search = bodies.search(Window::ALL, limits, (pool, threads));
-            let done = search.spans(
+            search.spans(
                 |scratch| &mut scratch.sweep,
                 (&slices, &traffic),
                 filter,
                 &|_| {},
                 (&mut *found, &mut counted),
-            );
+            )?;
             if filter.gives_up() {
                 return Ok(Some(progress.at.max(from)));
             }
-            done?;
             let work = counted.boxes + counted.candidates;
             let work = usize::try_from(work).unwrap_or(usize::MAX);
             counted.slices = u64::from(slices.count());

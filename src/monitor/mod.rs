@@ -72,9 +72,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// looked at now and then, by ticks without a budget. If other slices suit it far better, one of them
 /// takes as long as the first one.
 ///
-/// The first tick, and one before which more than half of the bodies changed, is one screening of the
-/// lookahead, unless it has a budget. The next one before which fewer bodies changed takes about as long:
-/// it forms the boxes of all bodies, with which the changed ones are compared from then on.
+/// Where more than three quarters of the bodies changed before two ticks in a row, the second one is one
+/// screening of the lookahead, unless it has a budget. The next one before which fewer bodies changed takes
+/// longer: it forms the boxes of all bodies, with which the changed ones are compared from then on.
 ///
 /// - After a tick that [has caught up](Self::is_caught_up), [`conflicts`](Self::conflicts) is, bit for bit, what
 ///   [`Scene::screen`] says with the level's margin of the window from now to the end of the

@@ -5,7 +5,7 @@
 
 use super::budget::{Budget, BudgetMeter};
 use super::command::CommandBatch;
-use super::encounters::{EncounterTracker, TickContext};
+use super::encounters::TickContext;
 use super::event::{EndReason, Event, EventKind};
 use super::grid::{Grid, can_tell_apart};
 use super::read::{LevelCaches, ReadContext};
@@ -182,11 +182,6 @@ impl Monitor {
         let mut next_id = self.next_id;
         let first = events.len();
         self.read(&tick, &mut next_id, events);
-        if known > self.told {
-            self.encounters
-                .iter_mut()
-                .for_each(EncounterTracker::take_over);
-        }
         (self.now, self.told, self.known) = (now, tick.told, known);
         self.next_id = next_id;
         events.append(&mut self.waiting);
@@ -317,7 +312,7 @@ impl Monitor {
                     plains.list(edges, encounters.waiting(), fetch, |pair, found| {
                         source.plains(pair, alert, tick, other_scratch, found);
                     });
-                    encounters.work_out(plains.listed(), tick, next_id, events);
+                    encounters.update(plains.listed(), tick, next_id, events);
                 }
             }
         };

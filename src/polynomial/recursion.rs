@@ -14,7 +14,7 @@ const PATIENCE: u32 = 8;
 const FAR: f64 = 1e30;
 
 /// A polynomial of degree at most `D` (the rest of the seven coefficients is zero) and its slope.
-struct PolynomialAndSlope<const D: usize> {
+struct DerivativeLevel<const D: usize> {
     coefficients: [f64; 7],
     slope: [f64; 7],
 }
@@ -28,7 +28,7 @@ pub(super) fn solve<const D: usize>(
     high: f64,
     tolerance: f64,
 ) -> RootList {
-    let level = PolynomialAndSlope::<D>::new(coefficients);
+    let level = DerivativeLevel::<D>::new(coefficients);
     if D > 2
         && let Some(isolation) = isolate::<D>(coefficients, low, high)
     {
@@ -84,7 +84,7 @@ fn crossings<const D: usize>(
     high: f64,
     tolerance: f64,
 ) -> RootList {
-    let level = PolynomialAndSlope::<D>::new(coefficients);
+    let level = DerivativeLevel::<D>::new(coefficients);
     let turning = level.turning_points(low, high, tolerance);
     let mut roots = RootList::default();
     let mut left = low;
@@ -143,7 +143,7 @@ fn inside(numbers: &RootList, low: f64, high: f64) -> RootList {
     kept
 }
 
-impl<const D: usize> PolynomialAndSlope<D> {
+impl<const D: usize> DerivativeLevel<D> {
     #[inline]
     fn new(coefficients: &[f64; 7]) -> Self {
         let mut slope = [0.0; 7];

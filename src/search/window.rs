@@ -51,14 +51,18 @@ impl<C: BoundingCubic + Sync> WindowSearch<'_, C> {
         let bodies = self.bodies.views.len();
         let blocks = SliceBlocks::of(slices, traffic, (bodies, self.threads));
         let done_blocks = AtomicU32::new(0);
-        let is_given_up = AtomicBool::new(false);
+        let is_exceeded = AtomicBool::new(false);
         let search = |scratch: &mut SearchScratch, block: u32| {
-            if is_given_up.load(Ordering::Relaxed) || filter.gives_up() {
+            if is_exceeded.load(Ordering::Relaxed) {
                 return Err(LimitExceeded);
+            }
+            if filter.gives_up() {
+                scratch.found.clear();
+                return Ok(Stats::default());
             }
             let range = blocks.range(block);
             let counted = self.block(&method, slices, range, filter, scratch);
-            is_given_up.fetch_or(counted.is_err(), Ordering::Relaxed);
+            is_exceeded.fetch_or(counted.is_err(), Ordering::Relaxed);
             let done = done_blocks.fetch_add(1, Ordering::Relaxed) + 1;
             progress(f64::from(done) / f64::from(blocks.count));
             counted

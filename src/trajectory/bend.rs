@@ -94,12 +94,12 @@ mod tests {
     }
 
     /// Coefficients of 1, τ, τ², τ³ with τ the time since an instant, by axis.
-    struct Exact {
+    struct ExactCubic {
         since: RBig,
         coefficients: [[RBig; 4]; 3],
     }
 
-    impl Exact {
+    impl ExactCubic {
         fn of_states(first: &State, second: &State) -> Self {
             let duration = exact(second.time) - exact(first.time);
             let coefficients = [0, 1, 2].map(|axis| {
@@ -180,7 +180,7 @@ mod tests {
     }
 
     /// Returns plans with the exact motion of their first and last cubic.
-    fn any(rng: &mut ChaCha8Rng) -> (Trajectory, [Exact; 2]) {
+    fn any(rng: &mut ChaCha8Rng) -> (Trajectory, [ExactCubic; 2]) {
         let mut power = |from: f64, to: f64| 10_f64.powf(rng.random_range(from..to));
         let (size, duration, bend) = (power(-3.0, 4.0), power(-3.0, 3.0), power(-20.0, 0.0));
         let far = [0.0, size, 1e3 * size, 1e7][rng.random_range(0..4)];
@@ -205,7 +205,7 @@ mod tests {
             let ends = [(first, middle), (middle, last)];
             let plan = Trajectory::from_states(&states);
             let plan = plan.unwrap_or_else(|_| unreachable!("the states are in order"));
-            return (plan, ends.map(|(from, to)| Exact::of_states(from, to)));
+            return (plan, ends.map(|(from, to)| ExactCubic::of_states(from, to)));
         }
         let base = [TimeBase::Absolute, TimeBase::SegmentLocal][kind - 1];
         let polynomials = [0; 2].map(|_| {
@@ -214,7 +214,7 @@ mod tests {
         });
         let ends = [0, 1].map(|k| {
             let since = [0.0, knots[k]][kind - 1];
-            Exact::of_polynomial(&polynomials[k], since)
+            ExactCubic::of_polynomial(&polynomials[k], since)
         });
         let plan = Trajectory::from_coefficients(&knots, &polynomials, base);
         (plan.unwrap_or_else(|_| unreachable!("in order")), ends)
@@ -265,8 +265,8 @@ mod tests {
         assert!(worst > 0.05, "{worst}");
     }
 
-    /// Asserts that the position at an instant is that of the exact motion.
-    fn is_met(carrier: &Segment, motion: &Exact, time: f64, error: f64) -> bool {
+    /// Returns true if the position at an instant is that of the exact motion.
+    fn is_met(carrier: &Segment, motion: &ExactCubic, time: f64, error: f64) -> bool {
         let place = carrier.motion_at(time).0;
         let rounding = 2.0 * UNIT_ROUNDOFF * (place.length() + carrier.origin().length());
         motion.farthest(&[place; 4], DVec3::ZERO, (time, time)) <= error + rounding

@@ -42,7 +42,7 @@ fn a_search_from_nothing_tells_what_slices_tell() {
         let mut monitors = [monitor_of(scene.clone()), monitor_of(scene)];
         let mut now = 0.0;
         for step in 0..60 {
-            let share = [0.0, 0.05, 0.45, 0.6, 1.0][rng.random_range(0..5)];
+            let share = [0.0, 0.05, 0.6, 1.0, 1.0, 1.0][rng.random_range(0..6)];
             let mut commands = Vec::new();
             for &id in &ids {
                 if rng.random_bool(share) {

@@ -382,12 +382,6 @@ fn boxes_formed(share: f64) -> (Vec<(u64, u64)>, u64) {
     let mut monitor = with_every_change(Monitor::new(scene, 0.0, 6.0, &LEVELS).unwrap());
     tick(&mut monitor, 0.0);
     let slices = monitor.stats().slices;
-    if share > 0.0 {
-        // With the first body that changes slices get their boxes.
-        let same = monitor.scene().body(ids[0]).unwrap().trajectory.clone();
-        monitor.set_trajectory(ids[0], same).unwrap();
-        tick(&mut monitor, 0.0);
-    }
     let ticks = (1..=120).map(|number| {
         for &id in &ids {
             if rng.random_bool(share) {
@@ -413,8 +407,7 @@ fn what_comes_next_is_boxed_little_by_little_but_late_where_plans_change_all_the
         formed >= (slices - 2) * 200 * 120 / 180,
         "{formed} {slices}"
     );
-    // Not so many that all of the lookahead is searched anew.
-    let (busy, slices) = boxes_formed(0.35);
+    let (busy, slices) = boxes_formed(0.5);
     let (changed, boxes) = busy
         .iter()
         .fold((0, 0), |sum, tick| (sum.0 + tick.0, sum.1 + tick.1));

@@ -55,13 +55,13 @@ impl LookaheadSearch {
         std::mem::replace(&mut self.was_unknown, is_unknown) && is_unknown
     }
 
-    /// Returns true if more than half of the bodies are to be compared with all others in more than half of
-    /// the slices that are needed, or so.
+    /// Returns true if more than three quarters of the bodies are to be compared with all others, in the
+    /// mean of the slices that are needed.
     fn is_mostly_unknown(&self, needed: usize) -> bool {
         let (changed, all) = (self.dirty.len(), self.flights.len());
         let needed = self.slices.iter().take(needed);
         let unknown = needed.clone().map(|slice| slice.unknown(changed, all));
-        2 * unknown.sum::<usize>() > all * needed.count()
+        4 * unknown.sum::<usize>() > 3 * all * needed.count()
     }
 
     /// Searches the slices that are needed from nothing, from an instant (s) on.
@@ -85,10 +85,10 @@ impl LookaheadSearch {
         let found = (&mut self.survivors, &mut counted);
         let done = search.spans(|scratch| &mut scratch.sweep, cut, filter, &|_| {}, found);
         bodies.forget(&mut self.lists);
+        done?;
         if filter.gives_up() {
             return Ok(());
         }
-        done?;
         meter.count(usize::try_from(counted.boxes + counted.candidates).unwrap_or(0));
         *stats += counted;
         for (number, slice) in self.slices.iter_mut().enumerate() {

@@ -34,8 +34,8 @@ impl LookaheadSlice {
                 &|_| {},
                 (&mut self.survivors, &mut self.stats),
             );
+        self.is_crowded |= done.is_err();
         if !filter.gives_up() {
-            self.is_crowded |= done.is_err();
             self.rest = Some(end).filter(|&end| end < self.interval.1);
         }
         usize::try_from(self.stats.boxes - before).unwrap_or(usize::MAX)
