@@ -2,8 +2,8 @@
 //!
 //! # Error terms and their tests
 //!
-//! The named test fails if the term alone is dropped. `Proof` marks a term that the worst case needs
-//! but no test shows; the reason is given below.
+//! The named test fails if the term alone is dropped. `Proof` marks a term that the worst case
+//! needs but no test shows; the reason is given below.
 //!
 //! | term | file | held by |
 //! |---|---|---|
@@ -75,8 +75,8 @@
 //!    exceeds underflow. A cubic scaled back has a size above 1e-285 m, and a normal error.
 //! 7. Seven roundings of the displacement are needed where each of the terms has six; seven of a
 //!    fat line's place, where the first terms have six.
-//! 8. An instant is rounded to the nearest number. So a solved pair's separation and contact are off
-//!    by the motion in one rounding. Another pair of spheres that is nearer by less, or touches
+//! 8. An instant is rounded to the nearest number. So a solved pair's separation and contact are
+//!    off by the motion in one rounding. Another pair of spheres that is nearer by less, or touches
 //!    within one rounding outside a contact, may be the one to report. The terms are that motion
 //!    and the solver's tolerance; a test would need a tie within, but not exactly at, them.
 //!
