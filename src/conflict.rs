@@ -1,4 +1,4 @@
-//! What a screening reports, and its total order.
+//! Conflicts, as a screening reports them, and their total order.
 
 use crate::accuracy::Certificate;
 use crate::id::BodyId;
@@ -12,22 +12,22 @@ use std::fmt;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct ClosestApproach {
-    /// When, s. The first such instant where there are several, or a stretch of them.
+    /// The instant, s; the first one of several, or of a stretch.
     pub time: f64,
-    /// Distance between the hitboxes' surfaces, m; negative where they overlap. It is that of the exact
-    /// instant, which `time` is the rounding of. Where a body goes far from one f64 to the next, as between
-    /// knots an ulp apart, the positions at `time` may have another one.
+    /// Distance between the hitboxes' surfaces, m; negative where they overlap. It belongs to the
+    /// exact instant, of which `time` is the rounded value. The positions at `time` may differ from
+    /// it where a body goes far between two neighbouring f64 instants, as between knots an ulp
+    /// apart.
     pub separation: f64,
     /// Position of body a at `time`, m.
     pub position_a: DVec3,
     /// Position of body b at `time`, m.
     pub position_b: DVec3,
-    /// Velocity of a minus that of b, m/s. Where it jumps at that instant, as with a new plan: that from
-    /// then on.
+    /// Velocity of a minus that of b, m/s. At a jump: the velocity from then on.
     pub relative_velocity: DVec3,
-    /// Which sphere of a's hitbox is closest (0 for a single sphere); where several are, any one of them.
+    /// Number of the closest sphere of a's hitbox (0 for a single sphere); of several, any one.
     pub sphere_a: u32,
-    /// Which sphere of b's hitbox is closest (0 for a single sphere).
+    /// Number of the closest sphere of b's hitbox (0 for a single sphere).
     pub sphere_b: u32,
 }
 
@@ -63,29 +63,29 @@ pub struct Conflict {
     pub tag_b: u64,
     /// First instant within the margin, s.
     pub enter: f64,
-    /// Last instant within the margin, s; equals `enter` where they only touch.
+    /// Last instant within the margin, s; equal to `enter` for a mere touch.
     pub exit: f64,
-    /// The least separation inside the interval. It may be above the margin by what rounding leaves open:
-    /// far [beyond the knots](crate::Outside) by 1e-14 of the way gone.
+    /// The least separation inside the interval. It may exceed the margin by rounding: far [beyond
+    /// the knots](crate::Outside) by 1e-14 of the distance travelled.
     pub closest: ClosestApproach,
-    /// Whether the interval is cut short by the window or the bodies' common domain.
+    /// Ends of the interval that the window or the bodies' common domain cuts.
     pub clip: Clip,
-    /// What is proven of it; with [`Accuracy::Certified`](crate::Accuracy::Certified) only.
+    /// Proven facts; with [`Accuracy::Certified`](crate::Accuracy::Certified) only.
     pub certificate: Option<Certificate>,
 }
 
-/// Which ends of a conflict are not crossings but ends of the window or the common domain.
+/// The ends of a conflict that are ends of the window or the common domain instead of crossings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Clip {
-    /// The window or the common domain begins inside, or exactly at the margin.
+    /// True if the window or the common domain begins inside, or exactly at the margin.
     pub at_enter: bool,
-    /// The window or the common domain ends inside, or exactly at the margin.
+    /// True if the window or the common domain ends inside, or exactly at the margin.
     pub at_exit: bool,
 }
 
 impl Clip {
-    /// Bit 0: at enter; bit 1: at exit.
+    /// Returns the ends as bits: bit 0 for enter, bit 1 for exit.
     #[must_use]
     pub fn bits(self) -> u8 {
         u8::from(self.at_enter) | u8::from(self.at_exit) << 1
@@ -93,7 +93,7 @@ impl Clip {
 }
 
 impl Conflict {
-    /// The order of reports: by enter, then a, then b.
+    /// Compares in the order of reports: by enter, then a, then b.
     #[must_use]
     pub fn order(&self, other: &Self) -> Ordering {
         self.enter
@@ -104,8 +104,8 @@ impl Conflict {
 }
 
 impl fmt::Display for Conflict {
-    /// One line: the bodies, the interval, the closest approach, and which ends are cut off. With a precision
-    /// (`{:.6}`), so many decimals.
+    /// Writes one line: the bodies, the interval, the closest approach, and the clipped ends. A
+    /// precision (`{:.6}`) sets the number of decimals.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} and {} ", self.a, self.b)?;
         write_course(f, (self.enter, self.exit), &self.closest)?;
@@ -122,7 +122,7 @@ impl fmt::Display for Conflict {
     }
 }
 
-/// Writes from when to when (s) two bodies are too close, and the closest approach.
+/// Writes the interval (s) in which two bodies are too close, and the closest approach.
 pub(crate) fn write_course(
     f: &mut fmt::Formatter<'_>,
     (enter, exit): (f64, f64),

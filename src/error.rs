@@ -1,14 +1,14 @@
-//! Everything that can be wrong with an input, as one enum.
+//! The error of all invalid inputs.
 
 use crate::id::BodyId;
 use std::fmt;
 
 /// Magnitude beyond which an input, or a quantity that follows from it, is refused (SI units).
 ///
-/// Up to it no linear stage of the pipeline can overflow; squares are taken on scaled numbers.
+/// Up to it no linear stage of the pipeline can overflow; squares are formed of scaled numbers.
 pub const MAX_MAGNITUDE: f64 = 1e300;
 
-/// Which number of an input an error speaks of.
+/// The number of an input to which an error refers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Quantity {
@@ -18,18 +18,18 @@ pub enum Quantity {
     Position(usize),
     /// Component x, y or z (0, 1, 2) of a velocity, m/s.
     Velocity(usize),
-    /// A polynomial's coefficient: its power and its component.
+    /// A coefficient of a polynomial, by power and component.
     Coefficient {
-        /// The power of time that it multiplies, 0 to 3.
+        /// Power of time that it multiplies, 0 to 3.
         power: usize,
         /// 0, 1, 2 for x, y, z.
         axis: usize,
     },
-    /// How far the motion goes that follows from the input, or a bound of it: m.
+    /// A distance that the motion covers, or a bound of it, m.
     Distance,
-    /// The speed that follows from the input, or a bound of it: m/s.
+    /// A speed that follows from the input, or a bound of it, m/s.
     Speed,
-    /// The acceleration that follows from the input, or a bound of it: m/s².
+    /// An acceleration that follows from the input, or a bound of it, m/s².
     Acceleration,
 }
 
@@ -50,24 +50,24 @@ impl fmt::Display for Quantity {
     }
 }
 
-/// Why an input was refused. Nothing was changed by the call that returned it (but a monitor that is
-/// [too crowded](Self::TooCrowded) looks at everything anew).
+/// The reason for which an input was refused. The call that returned it changed nothing, except
+/// that after [`TooCrowded`](Self::TooCrowded) a monitor rebuilds its search state.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A trajectory needs at least two states (or one segment); one that
+    /// Too few states. A trajectory needs at least two (or one segment); one that
     /// [coasts](crate::Trajectory::coasting) needs one.
     #[error("a trajectory needs at least two states, not {count}")]
     TooFewStates {
-        /// How many there were.
+        /// Number of states.
         count: usize,
     },
-    /// Two lists that belong together have lengths that do not.
+    /// The numbers of knots and segments do not match.
     #[error("{knots} knots need {} segments, not {segments}", knots.saturating_sub(1))]
     SegmentCount {
-        /// How many knots were given.
+        /// Number of knots.
         knots: usize,
-        /// How many segments were given.
+        /// Number of segments.
         segments: usize,
     },
     /// The time of a knot is not later than that of the knot before it.
@@ -85,7 +85,7 @@ pub enum Error {
     NotFinite {
         /// The knot, counted from 0.
         knot: usize,
-        /// Which number.
+        /// The number's meaning.
         quantity: Quantity,
         /// Its value.
         value: f64,
@@ -95,9 +95,9 @@ pub enum Error {
     OutOfRange {
         /// The knot, counted from 0.
         knot: usize,
-        /// Which number.
+        /// The number's meaning.
         quantity: Quantity,
-        /// Its value, or a bound of what follows from it.
+        /// Its value, or a bound of the quantity that follows from it.
         value: f64,
     },
     /// Numbers of a cubic that were read from a file contradict each other.
@@ -106,11 +106,11 @@ pub enum Error {
         /// The knot, counted from 0.
         knot: usize,
     },
-    /// A body cannot be followed so far beyond its knots: more than 1e100 times the duration of what
-    /// carries it there, or to times far beyond [`MAX_MAGNITUDE`].
+    /// A body cannot be followed so far beyond its knots: more than 1e100 times the duration of the
+    /// cubic that carries it there, or to times far beyond [`MAX_MAGNITUDE`].
     #[error("knot {knot}: {time:?} s is too far from it to follow the body to")]
     TooFar {
-        /// The knot that it is followed from, counted from 0.
+        /// The knot from which the body is followed, counted from 0.
         knot: usize,
         /// The time, s.
         time: f64,
@@ -121,14 +121,13 @@ pub enum Error {
         /// The row, counted from 0 over all rows.
         row: usize,
     },
-    /// A body's own error: a trajectory's errors carry the knot and the value, and whoever knows
-    /// the body wraps them in this. Bodies are named by their tags: give them some
-    /// ([`Body::with_tag`](crate::Body::with_tag)), or all are called 0.
+    /// An error of one body. Bodies are named by their tags: without
+    /// [`Body::with_tag`](crate::Body::with_tag) all are called 0.
     #[error("body {body}: {error}")]
     InBody {
         /// The body's tag.
         body: u64,
-        /// What is wrong with it.
+        /// The error of this body.
         #[source]
         error: Box<Error>,
     },
@@ -157,8 +156,8 @@ pub enum Error {
         /// The margin, m.
         margin: f64,
     },
-    /// A window in which no instant lies: its start is later than its end, either is NaN, or both are the
-    /// same infinity.
+    /// A window without any instant: its start is later than its end, either is NaN, or both are
+    /// the same infinity.
     #[error("window {start:?}..{end:?} s: no instant lies between them")]
     Window {
         /// Start, s.
@@ -166,26 +165,25 @@ pub enum Error {
         /// End, s.
         end: f64,
     },
-    /// A query names no window, and the scene has no plan to take one from: all its bodies are at rest or coast
-    /// from single states.
+    /// A query names no window, and the scene has no plan that implies one: all its bodies are at
+    /// rest or coast from single states.
     #[error("no body has a plan that says which time to look at: name a window, with Query::new")]
     NoPlan,
-    /// A body that exists at all times cannot be screened over a window without end: see
+    /// A body that exists at all times cannot be screened over an open-ended window: see
     /// [`Scene::planned`](crate::Scene::planned).
     #[error("body {body} exists beyond its knots: the window must be closed on both sides")]
     WindowNotClosed {
         /// The body's tag.
         body: u64,
     },
-    /// More pairs may be in contact than was allowed for: a crowd in one place, or a margin as large
-    /// as the world.
+    /// More pairs may be in contact than the limit: a crowd, or a margin as large as the world.
     #[error(
         "too many pairs may be in conflict (with room for {limit} of their spans): narrow the window \
          (the lookahead) or the margin, or raise the limit"
     )]
     TooCrowded {
-        /// How many were allowed for; see [`Query::with_max_spans`](crate::Query::with_max_spans)
-        /// and [`Monitor::set_max_spans`](crate::Monitor::set_max_spans).
+        /// The limit; see [`Query::with_max_spans`](crate::Query::with_max_spans) and
+        /// [`Monitor::set_max_spans`](crate::Monitor::set_max_spans).
         limit: usize,
     },
     /// The id names no body of this scene (it may have been removed).
@@ -200,30 +198,31 @@ pub enum Error {
         /// The id.
         id: BodyId,
     },
-    /// A plan cannot be spliced where one of the two does not exist, or the new one ends: it begins later
-    /// than the splice, say, or the old one is over. A late one must go on from the monitor's clock.
+    /// A plan cannot be spliced at a time when the old or the new plan does not exist, or the new
+    /// one ends. Examples: it begins later than the splice, or the old one is over. A late plan
+    /// must continue from the monitor's clock.
     ///
-    /// Give a plan that exists by then and goes on, let plans go on with
-    /// [`Outside::Coast`](crate::Outside::Coast), or replace an old one that is over with
+    /// Use a plan that exists by then and continues, use [`Outside::Coast`](crate::Outside::Coast),
+    /// or replace a plan that is over with
     /// [`Monitor::set_trajectory`](crate::Monitor::set_trajectory).
     #[error(
         "there is no plan to splice at {time:?} s: the old plan or the new one does not exist then, or the \
          new one ends; give one that goes on from then, or set the trajectory as a whole"
     )]
     NoPlanAt {
-        /// The time of the splice, s; the monitor's clock, if a late plan does not go on from that.
+        /// Time of the splice, s; the monitor's clock if a late plan does not continue from it.
         time: f64,
     },
     /// The monitor's clock never goes back.
     #[error("the clock cannot go back from {now:?} s to {time:?} s")]
     ClockWentBack {
-        /// What the clock shows, s.
+        /// Time of the clock, s.
         now: f64,
-        /// What was asked for, s.
+        /// Time asked for, s.
         time: f64,
     },
-    /// A time that a monitor's clock cannot show: not a number within ±1e300, or so far from 0 that the
-    /// lookahead would be lost in its rounding.
+    /// A time that a monitor's clock cannot show: not a number within ±1e300, or so far from 0 that
+    /// the lookahead vanishes in its rounding.
     #[error(
         "the clock cannot show {time:?} s: not within ±1e300, or too far from 0 for the lookahead"
     )]
@@ -231,7 +230,7 @@ pub enum Error {
         /// The time, s.
         time: f64,
     },
-    /// A monitor's lookahead is not a positive duration up to 1e300, or lost in the rounding of its time.
+    /// A monitor's lookahead is not a positive duration up to 1e300, or vanishes by rounding.
     #[error(
         "{value:?} s is not a usable lookahead: not a positive number up to 1e300, or lost in the rounding \
          of the clock"
@@ -249,14 +248,13 @@ pub enum Error {
         /// The number, counted from 0.
         level: usize,
     },
-    /// A duration or a length that a monitor is to keep to is negative or NaN.
+    /// A duration or length among a monitor's settings is negative or NaN.
     #[error("{value:?} is not a number of at least 0")]
     Setting {
         /// The value, s or m.
         value: f64,
     },
-    /// A margin of an alert level is not a number within ±1e300, or the release margin is smaller than
-    /// the other.
+    /// An alert level's margin is not a number within ±1e300, or exceeds its release margin.
     #[error(
         "alert level {level}: margin {margin:?} m, release margin {release:?} m: both must be within \
          ±1e300, and the release margin not the smaller one"
@@ -269,19 +267,19 @@ pub enum Error {
         /// Its release margin, m.
         release: f64,
     },
-    /// A monitor's snapshot that was read from a file contradicts itself.
+    /// A monitor's snapshot, read from a file, contradicts itself.
     #[error("the snapshot of a monitor cannot be right: {problem}")]
     Snapshot {
-        /// What no monitor has.
+        /// The contradiction.
         problem: &'static str,
     },
-    /// The scene holds as many bodies as an id can tell apart (2^32 - 1).
+    /// The scene holds as many bodies as ids can distinguish (2^32 - 1).
     #[error("the scene is full")]
     SceneFull,
 }
 
 impl Error {
-    /// The same error, with the body it belongs to.
+    /// Returns the error wrapped in the body's.
     #[must_use]
     pub fn in_body(self, body: u64) -> Self {
         match self {

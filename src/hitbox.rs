@@ -1,4 +1,4 @@
-//! What a body occupies around the point that its trajectory moves.
+//! Hitboxes: the space that a body occupies around its position.
 //!
 //! A hitbox is a sphere, or a cluster of spheres fixed in the body's frame. To the narrow phase
 //! it is a list of spheres on the body's cubic segments, with one bounding sphere tried first.
@@ -19,9 +19,10 @@ pub struct Sphere {
 
 /// A sphere, or a cluster of spheres that stand in for another shape.
 ///
-/// Where two clusters may be near each other, each pair of their spheres takes some nanoseconds (where
-/// they overlap, up to two microseconds: two bodies of 2,500 spheres each, seconds), and a few pairs are
-/// solved: those that begin and end a conflict, and those that may be the nearest ones.
+/// Cost, where two clusters may be near each other: some nanoseconds for each pair of their
+/// spheres, and up to two microseconds where they overlap. Two overlapping bodies of 2,500 spheres
+/// each take seconds. Only a few pairs are solved: those that begin and end a conflict, and those
+/// that may be the nearest ones.
 ///
 /// ```
 /// use glam::DVec3;
@@ -44,9 +45,9 @@ pub struct Sphere {
 )]
 pub struct Hitbox {
     bounding: Sphere,
-    /// Largest distance from the body's position, m.
+    /// Largest distance from the body's position to the bounding sphere's surface, m.
     reach: f64,
-    /// None for a single sphere, which is then `bounding` itself.
+    /// `None` for a single sphere, which is then `bounding` itself.
     cluster: Option<Box<Cluster>>,
 }
 
@@ -70,7 +71,7 @@ impl Hitbox {
         cluster: None,
     };
 
-    /// A sphere of this radius (m) around the body's position.
+    /// Returns a sphere of this radius (m) around the body's position.
     ///
     /// # Errors
     ///
@@ -84,7 +85,7 @@ impl Hitbox {
         Ok(Self::single(sphere))
     }
 
-    /// A cluster of spheres in the body's frame. It translates with the body; it does not turn.
+    /// Returns a cluster of spheres in the body's frame. It moves with the body without rotating.
     ///
     /// # Errors
     ///
@@ -116,7 +117,7 @@ impl Hitbox {
         }
     }
 
-    /// The spheres, in the order in which they were given.
+    /// Returns the spheres, in the order in which they were given.
     #[must_use]
     pub fn spheres(&self) -> &[Sphere] {
         match &self.cluster {
@@ -125,7 +126,7 @@ impl Hitbox {
         }
     }
 
-    /// A sphere that contains all others (outward rounded; not the smallest possible).
+    /// Returns a sphere that contains all others, rounded outward; not the smallest possible.
     #[must_use]
     pub const fn bounding(&self) -> Sphere {
         self.bounding

@@ -1,4 +1,4 @@
-//! Ids that never name the wrong thing: a slot and the generation that lives in it.
+//! Generational ids of bodies.
 
 use std::fmt;
 
@@ -13,34 +13,36 @@ pub struct BodyId {
 }
 
 impl BodyId {
-    /// No id comes before this one.
+    /// The lowest id.
     pub(crate) const FIRST: Self = Self {
         slot: 0,
         generation: 0,
     };
-    /// No id comes after this one.
+    /// The highest id.
     pub(crate) const LAST: Self = Self {
         slot: u32::MAX,
         generation: u32::MAX,
     };
 
-    /// The slot: small, dense, reused after a removal (with another generation).
+    /// Returns the slot: small, dense, reused after a removal (with another generation).
     #[must_use]
     pub const fn slot(self) -> u32 {
         self.slot
     }
 
-    /// Returns the id as one number: the generation in the upper 32 bits, the slot in the lower ones.
+    /// Returns the id as one number: the generation in the upper 32 bits, the slot in the lower.
     ///
-    /// [`from_bits`](Self::from_bits) returns the same id again. Like the id, the number is of use with its own
-    /// scene, copies of that, and what `serde` restores of it. The numbers are not in the order of the ids.
+    /// [`from_bits`](Self::from_bits) is the inverse. The number is valid where the id is: in its
+    /// scene, in copies of it, and in scenes restored from it by `serde`. Numbers are not ordered
+    /// as ids are.
     #[must_use]
     pub const fn to_bits(self) -> u64 {
         (self.generation as u64) << 32 | self.slot as u64
     }
 
-    /// Returns the id whose [`to_bits`](Self::to_bits) is this number. Each number is that of one id; of which
-    /// there is no body in a scene, the scene says so ([`Error::UnknownBody`](crate::Error::UnknownBody)).
+    /// Returns the id with this number: the inverse of
+    /// [`to_bits`](Self::to_bits), for any number. A scene without
+    /// such a body answers with [`Error::UnknownBody`](crate::Error::UnknownBody).
     #[must_use]
     #[allow(clippy::cast_possible_truncation, reason = "the lower half is meant")]
     pub const fn from_bits(bits: u64) -> Self {
@@ -50,7 +52,7 @@ impl BodyId {
         }
     }
 
-    /// How often the slot had been used before this body.
+    /// Returns the number of bodies that used the slot before this one.
     #[must_use]
     pub const fn generation(self) -> u32 {
         self.generation

@@ -1,4 +1,4 @@
-//! Parts of the crate that its own tests and benchmarks reach. They may change or go with any version.
+//! Parts of the crate for its own tests and benchmarks. They may change or go with any version.
 
 use crate::query::Query;
 use std::num::NonZeroU32;
@@ -27,15 +27,15 @@ pub mod polynomial {
     pub use crate::polynomial::{Bernstein, Polynomial, RootList, Roots, quadratic};
 }
 
-/// Ways to ask a query that change the time it takes, never the answer.
+/// Query settings that change the time of an answer, never the answer.
 pub trait QueryInternals: Sized {
-    /// Returns the query by another broad-phase method.
+    /// Returns the query with another broad-phase method.
     #[must_use]
     fn with_method(self, method: Method) -> Self;
 
-    /// Returns the query with the window cut into this many slices, at most a million, instead of as many as are
-    /// expected to cost least. The answer is the same, if there is room for the candidates of a slice (2^26, or
-    /// [`max_spans`](Query::max_spans) if that is more).
+    /// Returns the query with this number of slices of the window, at most a million, instead of
+    /// the cheapest number. The answer does not depend on it if there is room for the candidates of
+    /// a slice (2^26, or [`max_spans`](Query::max_spans) if that is more).
     #[must_use]
     fn with_slices(self, slices: NonZeroU32) -> Self;
 

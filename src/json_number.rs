@@ -1,9 +1,9 @@
-//! Numbers that may be infinite, which JSON has no word for. (Formats that are not text have.)
+//! Numbers that may be infinite, which JSON cannot express. Binary formats can.
 
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serializer};
 
-/// What is read where numbers are text: one, or the name of one.
+/// A number in a text format: itself, or the name of an infinite one.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum Number {

@@ -1,19 +1,18 @@
-//! The knots of a motion: those of its plan, and beyond them the cuts of its extension.
+//! The knots of a motion, including the cuts of its extension.
 
 use crate::simd::prefetch;
 use crate::trajectory::{Extension, Segment, Trajectory};
 use glam::DVec3;
 
-/// The knots of a motion (s, increasing), one more than it has cubics; none if it never exists.
+/// The knots of a motion (s, increasing), one more than its cubics; none if it never exists.
 ///
-/// When the motion begins and ends is asked for more often than anything else of it. These two knots
-/// lie apart from those at hand, and mostly in no cache: copies of them come with the list.
+/// The first and last knot are read most often, and mostly lie in no cache, so they are copied.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Knots<'a> {
-    /// The plan's own.
+    /// The plan's knots.
     own: &'a [f64],
     ends: (f64, f64),
-    /// The plan, if there are others.
+    /// The plan, if the motion is extended.
     plan: Option<&'a Trajectory>,
     /// Cubics before the plan's first knot.
     before: u32,
@@ -24,7 +23,7 @@ pub(crate) struct Knots<'a> {
 impl<'a> Knots<'a> {
     pub(crate) const NONE: Self = Self::of(&[]);
 
-    /// Reads the ends.
+    /// Returns the knots of a list, after reading its ends.
     pub(crate) const fn of(own: &'a [f64]) -> Self {
         let ends = match own {
             [first, .., last] => (*first, *last),
@@ -34,7 +33,7 @@ impl<'a> Knots<'a> {
         Self::with_ends(own, ends)
     }
 
-    /// Knots with ends that were [read](Self::ends) before.
+    /// Returns the knots of a list whose ends were [read](Self::ends) before.
     pub(crate) const fn with_ends(own: &'a [f64], ends: (f64, f64)) -> Self {
         Self {
             own,
@@ -45,12 +44,11 @@ impl<'a> Knots<'a> {
         }
     }
 
-    /// Returns the knots of a plan, as far as it is extended.
     pub(crate) fn over(plan: &'a Trajectory, extension: Option<&Extension>) -> Self {
         Self::of(plan.cuts()).extended(plan, extension)
     }
 
-    /// Returns these knots of a plan with those beyond them.
+    /// Returns these knots of a plan with those of its extension.
     pub(crate) fn extended(self, plan: &'a Trajectory, extension: Option<&Extension>) -> Self {
         match extension {
             None => self,
@@ -68,12 +66,11 @@ impl<'a> Knots<'a> {
         }
     }
 
-    /// The first and the last one, s; the first is later only if there are none.
+    /// Returns the first and the last knot, s; the first is later only if there are none.
     pub(crate) const fn ends(&self) -> (f64, f64) {
         self.ends
     }
 
-    /// Returns the number of cubics between them.
     #[inline(always)]
     pub(crate) fn cubics(&self) -> usize {
         self.before as usize + self.own.len().saturating_sub(1) + self.after as usize
@@ -91,13 +88,13 @@ impl<'a> Knots<'a> {
         self.plan.is_some()
     }
 
-    /// Returns the plan's own.
+    /// Returns the plan's knots.
     #[inline(always)]
     pub(crate) const fn own(&self) -> &'a [f64] {
         self.own
     }
 
-    /// Returns the knot with a number, s.
+    /// Returns knot number `number`, s.
     #[inline(always)]
     pub(crate) fn at(&self, number: usize) -> f64 {
         match self.plan {
@@ -117,7 +114,7 @@ impl<'a> Knots<'a> {
         }
     }
 
-    /// Returns the knot at which a cubic ends, s; none if there is no such cubic.
+    /// Returns the end of a cubic, s, or `None` if there is no such cubic.
     #[inline(always)]
     pub(crate) fn end<const EXTENDED: bool>(&self, cubic: usize) -> Option<f64> {
         if EXTENDED {
@@ -127,7 +124,7 @@ impl<'a> Knots<'a> {
         }
     }
 
-    /// Returns the knot at which a cubic begins, s.
+    /// Returns the start of a cubic, s.
     #[inline(always)]
     pub(crate) fn start<const EXTENDED: bool>(&self, cubic: usize) -> f64 {
         if EXTENDED {
@@ -137,7 +134,7 @@ impl<'a> Knots<'a> {
         }
     }
 
-    /// Returns the cubic with a number, if that is not one of the plan's own.
+    /// Returns cubic number `number`, or `None` if it is one of the plan's own.
     #[inline(never)]
     pub(crate) fn segment_beyond(&self, number: usize) -> Option<Segment> {
         let plan = self.plan?;
@@ -147,13 +144,12 @@ impl<'a> Knots<'a> {
         }
     }
 
-    /// Returns a place near the knots of a plan without cubics that goes beyond them, m.
+    /// Returns the origin of an extension's cubics, m, or `None` without extension.
     pub(crate) fn origin(&self) -> Option<DVec3> {
         self.plan.map(|plan| plan.segment_after().origin())
     }
 
-    /// Returns how many knots, from the first on, precede an instant; `precedes` holds for none after one for
-    /// which it does not.
+    /// Returns the number of knots before the first one for which `precedes` fails.
     pub(crate) fn count(&self, precedes: impl Fn(f64) -> bool) -> usize {
         let (before, after) = (self.before(), self.after as usize);
         let cuts = (0..before).take_while(|&number| precedes(self.at(number)));
@@ -169,7 +165,7 @@ impl<'a> Knots<'a> {
         count
     }
 
-    /// Fetches some of the plan's own knots into the caches, the first of them that of a cubic.
+    /// Prefetches `count` of the plan's knots, from that of a cubic on.
     #[inline(always)]
     pub(crate) fn prefetch(&self, cubic: usize, count: usize) {
         let first = cubic.saturating_sub(self.before()).min(self.own.len());
@@ -177,7 +173,7 @@ impl<'a> Knots<'a> {
     }
 }
 
-/// There are no more cuts than powers of two.
+/// Converts a number of cuts to 32 bits; there are no more cuts than powers of two.
 #[allow(clippy::cast_possible_truncation, reason = "see above")]
 fn short(count: usize) -> u32 {
     count as u32

@@ -1,4 +1,4 @@
-//! Which pairs of bodies are looked at: membership and filter masks, and pairs to ignore.
+//! Membership and filter masks of bodies.
 
 /// Membership and filter bit masks, as in rapier's `InteractionGroups`.
 ///
@@ -31,19 +31,19 @@ impl Layers {
         filter: u32::MAX,
     };
 
-    /// Member of none: never part of a pair.
+    /// Member of no layer: never part of a pair.
     pub const NONE: Self = Self {
         membership: 0,
         filter: 0,
     };
 
-    /// Layers from the two masks.
+    /// Returns layers with these two masks.
     #[must_use]
     pub const fn new(membership: u32, filter: u32) -> Self {
         Self { membership, filter }
     }
 
-    /// Whether bodies with these layers are a pair; the same either way round.
+    /// Returns true if bodies with these layers are a pair, in either order.
     #[must_use]
     pub const fn admits(self, other: Self) -> bool {
         self.membership & other.filter != 0 && other.membership & self.filter != 0

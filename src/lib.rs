@@ -55,7 +55,7 @@
 //! | [`Window`] | the closed time interval asked about |
 //! | [`Conflict`] | pair, enter, exit, and the [`ClosestApproach`] in between |
 //! | [`Monitor`] | a scene with a clock and a lookahead, whose plans change |
-//! | tick | one call of [`Monitor::advance`]: the clock moves, and events are told |
+//! | tick | one call of [`Monitor::advance`]: the clock moves, and events are reported |
 //! | [`Encounter`] | a conflict of a pair as the monitor follows it, at one [`AlertLevel`] |
 //! | [`Event`] | `Predicted`, `Revised`, `Withdrawn`, `Began`, `Ended`, `PlanEnds` |
 //!
@@ -72,14 +72,14 @@
 //!   with the same answers.
 //! - `live` (default): `Monitor::spawn` runs a monitor on a thread of its own, behind the bounded
 //!   channels of `live`.
-//! - `serde`: scenes, states, queries, screenings, options, commands, events, snapshots, conflicts and their parts
-//!   implement `Serialize` and `Deserialize`.
-//! - `recording`: `Monitor::start_recording` writes down what a monitor is told, and
-//!   `recording::Replay` goes through it again, bit for bit. Turns `serde` on.
+//! - `serde`: scenes, states, queries, screenings, options, commands, events, snapshots, conflicts
+//!   and their parts implement `Serialize` and `Deserialize`.
+//! - `recording`: `Monitor::start_recording` records a monitor's inputs, and
+//!   `recording::Replay` replays them, bit for bit. Turns `serde` on.
 //! - `mint`: [`State::new`] takes the vectors of other libraries.
 //!
-//! On `wasm32-unknown-unknown` everything runs on the caller's thread without `parallel` and `live`; the clock that
-//! times work and keeps a [`Budget::Time`] is the browser's.
+//! On `wasm32-unknown-unknown` everything runs on the caller's thread without `parallel` and
+//! `live`; the clock that times work and keeps a [`Budget::Time`] is the browser's.
 
 mod accuracy;
 mod bounds;
@@ -143,7 +143,7 @@ pub mod live {
     pub use crossbeam_channel;
 }
 
-/// Recordings of what a monitor is told, and their replay.
+/// Recordings of a monitor's inputs, and their replay.
 #[cfg(feature = "recording")]
 pub mod recording {
     pub use crate::monitor::recording::{RecordingError, Replay};

@@ -1,10 +1,10 @@
-//! Work on all threads of the current rayon pool, or on this one without the feature `parallel`.
+//! Work on all threads of the current rayon pool, or on the caller's without the feature
+//! `parallel`.
 
 use std::cmp::Ordering;
 
-/// `work(scratch, index)` for each index below `count`, results in the order of the indices.
-/// Each thread makes its own scratch. Up to `few` of them stay on this thread: waking another one
-/// takes longer.
+/// Returns `work(scratch, index)` for each index below `count`, in index order, with one scratch
+/// per thread. Up to `few` items stay on this thread: waking another one takes longer.
 #[cfg(feature = "parallel")]
 pub(crate) fn map<I, S, T>(
     count: I,
@@ -31,7 +31,7 @@ where
         .collect()
 }
 
-/// `work(scratch, index)` for each index below `count`, in order.
+/// Returns `work(scratch, index)` for each index below `count`, in index order.
 #[cfg(not(feature = "parallel"))]
 pub(crate) fn map<I, S, T>(
     count: I,
@@ -49,8 +49,8 @@ where
         .collect()
 }
 
-/// Replaces what two lists hold by the two results of `work(index)` for each index below `count`. Up to
-/// `few` are worked out on this thread.
+/// Replaces the content of two lists by the two results of `work(index)` for each index below
+/// `count`. Up to `few` are computed on this thread.
 pub(crate) fn map_both<T: Send, U: Send>(
     count: usize,
     few: usize,
@@ -74,7 +74,7 @@ pub(crate) fn map_both<T: Send, U: Send>(
     }
 }
 
-/// How many threads share work.
+/// Returns the number of threads that share work.
 pub(crate) fn threads() -> usize {
     #[cfg(feature = "parallel")]
     return rayon::current_num_threads();
@@ -82,9 +82,9 @@ pub(crate) fn threads() -> usize {
     1
 }
 
-/// `work(chunk)` for each chunk of `size` items (the last may have fewer). Several threads begin
-/// with the last ones: where work grows along the items, none is left with the most of it. If the items
-/// come to no more than `few` of what is `counted`, they stay on this thread.
+/// Calls `work(chunk)` for each chunk of `size` items (the last may have fewer). Several threads
+/// begin with the last chunks, so that increasing work ends evenly. If the `counted` work is at
+/// most `few`, all stay on this thread.
 pub(crate) fn for_each_chunk<T: Send>(
     items: &mut [T],
     size: usize,
@@ -105,7 +105,7 @@ pub(crate) fn for_each_chunk<T: Send>(
     items.chunks_mut(size).for_each(work);
 }
 
-/// Two things at the same time, unless there are few items to go through: see [`map`].
+/// Runs two functions in parallel, or one after the other for few items: see [`map`].
 pub(crate) fn join<T: Send, U: Send>(
     count: usize,
     few: usize,
@@ -122,7 +122,7 @@ pub(crate) fn join<T: Send, U: Send>(
     (one(), other)
 }
 
-/// Sorts by a total order without ties that matter: the same result on any number of threads.
+/// Sorts by a total order without ties that matter: the same on any number of threads.
 pub(crate) fn sort<T: Send>(values: &mut [T], order: impl Fn(&T, &T) -> Ordering + Sync) {
     #[cfg(feature = "parallel")]
     {

@@ -1,10 +1,10 @@
-//! Memory that one run leaves to the next.
+//! Buffers that one run leaves to the next.
 
 use std::fmt;
 use std::ops::{Deref, DerefMut};
 use std::sync::{Mutex, PoisonError};
 
-/// Scratch that is not in use: first use of fresh memory costs as much as what is written to it.
+/// Unused scratch: first use of fresh memory costs as much as writing its content.
 #[derive(Default)]
 pub(crate) struct Pool<T> {
     spare: Mutex<Vec<T>>,
@@ -22,7 +22,6 @@ impl<T: Default> Pool<T> {
 }
 
 impl<T: Default> Clone for Pool<T> {
-    /// An empty one: what it holds is of no interest.
     fn clone(&self) -> Self {
         Self::default()
     }
@@ -34,7 +33,6 @@ impl<T> fmt::Debug for Pool<T> {
     }
 }
 
-/// Scratch that is in use.
 pub(crate) struct Pooled<'p, T: Default> {
     scratch: T,
     pool: &'p Pool<T>,

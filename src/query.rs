@@ -1,4 +1,4 @@
-//! What is asked of a scene.
+//! Queries to a scene.
 
 use crate::accuracy::Accuracy;
 use crate::broad_phase::{InstructionSet, Method};
@@ -26,7 +26,7 @@ use std::num::NonZeroU32;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct Query {
-    /// None: the time that the scene's plans cover.
+    /// `None`: the time that the scene's plans cover.
     window: Option<Window>,
     margin: f64,
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -40,7 +40,7 @@ pub struct Query {
 }
 
 impl Default for Query {
-    /// Overlaps (margin 0) in the time that the scene's plans cover:
+    /// Returns a query for overlaps (margin 0) in the time that the scene's plans cover:
     /// [`Scene::planned`](crate::Scene::planned).
     fn default() -> Self {
         Self {
@@ -56,11 +56,11 @@ impl Default for Query {
 }
 
 impl Query {
-    /// Spans that may hold a conflict, if nothing else is said: 2^24. Their conflicts take up to
-    /// 4 GiB, and as much again while they are put in order.
+    /// Default limit of spans that may hold a conflict: 2^24. Their conflicts take up to 4 GiB, and
+    /// as much again while they are sorted.
     pub const MAX_SPANS: usize = 1 << 24;
 
-    /// Conflicts within `window`, margin 0.
+    /// Returns a query for conflicts within `window`, with margin 0.
     #[must_use]
     pub fn new(window: Window) -> Self {
         Self {
@@ -69,25 +69,27 @@ impl Query {
         }
     }
 
-    /// The same query with a margin: bodies are in conflict while their separation is at most
-    /// this (m; negative asks for overlaps of at least that depth).
+    /// Returns the query with a margin, m: bodies are in conflict while their separation is at most
+    /// this. A negative margin asks for overlaps of at least that depth.
     #[must_use]
     pub const fn with_margin(mut self, margin: f64) -> Self {
         self.margin = margin;
         self
     }
 
-    /// The same query at another accuracy.
+    /// Returns the query with another accuracy.
     #[must_use]
     pub const fn with_accuracy(mut self, accuracy: Accuracy) -> Self {
         self.accuracy = accuracy;
         self
     }
 
-    /// The same query with room for this many spans that may hold a conflict: common intervals of
-    /// a cubic of one body with a cubic of another that cheap tests cannot rule out; and for as
-    /// many pairs whose boxes meet in a part of a time slice, but at least 2^22. Where all
-    /// bodies are in one place they are as many as the pairs; then a screening ends with
+    /// Returns the query with a limit of spans that may hold a conflict. A span counts if cheap
+    /// tests cannot rule it out: a common interval of a cubic of one body with a cubic of another.
+    /// The limit, but at least 2^22, also applies to pairs whose boxes overlap in a part of a time
+    /// slice.
+    ///
+    /// If all bodies are in one place, all pairs count. The screening then ends with
     /// [`Error::TooCrowded`](crate::Error::TooCrowded) instead of filling the memory.
     #[must_use]
     pub const fn with_max_spans(mut self, limit: usize) -> Self {
@@ -95,25 +97,25 @@ impl Query {
         self
     }
 
-    /// The window asked about; none stands for [`Scene::planned`](crate::Scene::planned).
+    /// Returns the window; `None` stands for [`Scene::planned`](crate::Scene::planned).
     #[must_use]
     pub const fn window(&self) -> Option<Window> {
         self.window
     }
 
-    /// The margin, m.
+    /// Returns the margin, m.
     #[must_use]
     pub const fn margin(&self) -> f64 {
         self.margin
     }
 
-    /// Room for spans that may hold a conflict.
+    /// Returns the limit of spans that may hold a conflict.
     #[must_use]
     pub const fn max_spans(&self) -> usize {
         self.max_spans
     }
 
-    /// What is promised of the answer.
+    /// Returns the accuracy.
     #[must_use]
     pub const fn accuracy(&self) -> Accuracy {
         self.accuracy

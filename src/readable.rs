@@ -1,9 +1,9 @@
-//! Numbers in lines for people.
+//! Formatted numbers for people.
 
 use std::fmt;
 
-/// A number in a line: with three decimals, or as many as the line is written with; with an exponent
-/// where decimals would not show it.
+/// A number in a line: with three decimals, or the line's precision; with an exponent where
+/// decimals would not show it.
 pub(crate) struct Readable(pub(crate) f64);
 
 impl fmt::Display for Readable {

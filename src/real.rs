@@ -9,7 +9,7 @@ mod sealed {
     impl Sealed for f64 {}
 }
 
-/// `f32` or `f64`, as the kernels need them: arithmetic, comparison and square roots, all of them
+/// `f32` or `f64`, as the kernels need them: arithmetic, comparison and square roots. All are
 /// correctly rounded, so that a lane of a vector computes the same bits as a scalar.
 pub trait Real:
     Copy
@@ -26,68 +26,67 @@ pub trait Real:
     + sealed::Sealed
     + 'static
 {
-    /// The unit of rounding: half the distance from 1 to the next number.
+    /// Unit of rounding: half the distance from 1 to the next number.
     const ROUNDING: Self;
 
-    /// More than what underflow can take from a sum of some hundred products.
+    /// Upper bound of the underflow in a sum of some hundred products.
     ///
-    /// So much more that it does not underflow itself when it is multiplied by a rounding: a
-    /// subnormal result costs a hundred times an ordinary one.
+    /// Large enough not to underflow when multiplied by a rounding: a subnormal result costs
+    /// a hundred times an ordinary one.
     const UNDERFLOW: Self;
 
     /// Squares up to this size do not overflow in sums of some hundred products.
     const LARGE: Self;
 
-    /// The same for squares that are squared again in these lanes, and for those that proofs are made of,
-    /// in f32.
+    /// Limit as `LARGE`, for squares to be squared again or used in proofs, in f32.
     const MOST: f32;
 
     /// A step of Halley's method up to this size leaves an error of a few units of rounding:
     /// about the cube root of the rounding.
     const SETTLED: Self;
 
-    /// Whether this is `f32`.
+    /// True for `f32`.
     const IS_SINGLE: bool;
 
     /// Steps of Householder's method in `f32` that bring most samples to `SETTLED` of a minimum.
     const STEPS: u32;
 
-    /// The nearest number of this type.
+    /// Returns the nearest number of this type.
     #[must_use]
     fn from_f64(value: f64) -> Self;
 
-    /// The greatest number of this type that is not above a number.
+    /// Returns the greatest number of this type that is not above `value`.
     #[must_use]
     fn not_above(value: f64) -> Self;
 
-    /// The same number as `f64`.
+    /// Returns the number as `f64`, exactly.
     #[must_use]
     fn to_f64(self) -> f64;
 
-    /// The nearest `f32`.
+    /// Returns the nearest `f32`.
     #[must_use]
     fn to_f32(self) -> f32;
 
-    /// The absolute value.
+    /// Returns the absolute value.
     #[must_use]
     fn abs(self) -> Self;
 
-    /// The square root.
+    /// Returns the square root.
     #[must_use]
     fn sqrt(self) -> Self;
 
-    /// The same absolute value with the sign of another number.
+    /// Returns the absolute value with the sign of another number.
     #[must_use]
     fn with_sign_of(self, other: Self) -> Self;
 
-    /// The smaller number; the second one if either is not a number.
+    /// Returns the smaller number; `other` if either is NaN.
     #[inline(always)]
     #[must_use]
     fn or_less(self, other: Self) -> Self {
         if self < other { self } else { other }
     }
 
-    /// The larger number; the second one if either is not a number.
+    /// Returns the larger number; `other` if either is NaN.
     #[inline(always)]
     #[must_use]
     fn or_more(self, other: Self) -> Self {

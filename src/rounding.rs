@@ -1,9 +1,9 @@
 //! The unit roundoff, and norms that neither overflow nor underflow.
 //!
-//! # Error terms and what holds them
+//! # Error terms and their tests
 //!
-//! Each term was dropped alone. The test named fails then. `Proof` marks a term that the worst case
-//! needs, but that no test shows: the reason is given below.
+//! The named test fails if the term alone is dropped. `Proof` marks a term that the worst case
+//! needs but no test shows; the reason is given below.
 //!
 //! | term | file | held by |
 //! |---|---|---|
@@ -56,61 +56,59 @@
 //! | places far from the middle, in boxes and fat lines | `bounds/builder` | `source::tests` |
 //! | the way of a box that moves: both terms | `bounds/builder` | `builder::tests::places_in_moving_boxes_are_within_their_rounding` |
 //! | one of them; the middle of a fat line | `bounds/builder` | proof 7 |
-//! | places of a sight | `bounds/apart` | `apart::tests` |
+//! | places of a hull test | `bounds/apart` | `apart::tests` |
 //! | instants of a screening's edges and of a budget's | `monitor/lookahead`, `search/slice_length` | `tests/monitor` `budgets` |
 //! | instants of a question, of a jump | `monitor/lookahead/ask`, `jump` | `tests/monitor` `instants` |
 //!
-//! 1. Dropped once, the heights' own 64 roundings stand in for it. The solver may be wrong by 48 roundings of
-//!    the size in the worst case; by two or three where it was asked.
-//! 2. Terms of the first order, two of five: the errors of the coefficients have room for them in all that was
-//!    asked, since no question has all of their 24 roundings at their worst. (Of the first coefficient four of
-//!    five, and 4.09 were reached by hill climbing.) The sink of lanes has five in eight of its own.
-//! 3. Of second order: nothing but the bounds' own rounding.
-//! 4. Eight roundings of a square next to seven that are counted, four of a square next to three, four of an
-//!    end next to three. Errors of 9 roundings of the size, which no part reaches, are added beside each.
-//! 5. Coefficients take 14 of the margin's 16 roundings, thresholds two: none to spare in the worst case, and
-//!    most of the 14 in all others.
-//! 6. Size, total, root and sum are rounded by 3, 2, 3 and 2, and raised by 4, 8, 4 and 4: one dropped alone is
-//!    hidden by the others' room. Lengths are brought to the order of one, where rounding is far above what
-//!    underflows; a cubic that is brought back has a size above 1e-285 m, and its error is a normal number.
-//! 7. Seven roundings of the way are needed where each of the terms has six; seven of a fat line's place, where
-//!    the first terms have six.
-//! 8. An instant is rounded to the nearest number, so a solved pair shows its separation there, and its contact
-//!    up to there: next to what is meant, by the way of one rounding. A pair of spheres that is nearer by less
-//!    than this way, or touches within one rounding outside a contact, may be the one to be reported. The terms
-//!    are that way, and the solver's tolerance. A question would have to tie to within it, but not exactly.
+//! 1. Dropped once, the heights' own 64 roundings cover it. The solver's error is 48 roundings of
+//!    the size in the worst case; two or three in tests.
+//! 2. Two of five first-order terms: the errors of the coefficients cover them in all tests, since
+//!    no test has all of their 24 roundings at their worst. (Of the first coefficient four of five
+//!    are needed; hill climbing reached 4.09.) The sink of lanes has five in eight of its own.
+//! 3. Second order: only the bounds' own rounding.
+//! 4. Eight roundings of a square where seven are counted, four of a square for three, four of an
+//!    end for three. Errors of 9 roundings of the size, which no part reaches, are added to each.
+//! 5. Coefficients take 14 of the margin's 16 roundings, thresholds two: none to spare in the worst
+//!    case, and most of the 14 in all others.
+//! 6. Size, total, root and sum are rounded by 3, 2, 3 and 2, and raised by 4, 8, 4 and 4: the
+//!    others hide one dropped alone. Lengths are scaled to the order of one, where rounding far
+//!    exceeds underflow. A cubic scaled back has a size above 1e-285 m, and a normal error.
+//! 7. Seven roundings of the displacement are needed where each of the terms has six; seven of a
+//!    fat line's place, where the first terms have six.
+//! 8. An instant is rounded to the nearest number. So a solved pair's separation and contact are
+//!    off by the motion in one rounding. Another pair of spheres that is nearer by less, or touches
+//!    within one rounding outside a contact, may be the one to report. The terms are that motion
+//!    and the solver's tolerance; a test would need a tie within, but not exactly at, them.
 //!
-//! Squares that meet F of the enclosures need no term against underflow. In the cubic's unit the factor
-//! 1 + 2^-40 adds more than 1e-43 to F, and what underflows is below 1e-124.
+//! Squares that meet F of the enclosures need no term against underflow. In the cubic's unit the
+//! factor 1 + 2^-40 adds more than 1e-43 to F, and what underflows is below 1e-124.
 
 use glam::DVec3;
 
 /// Unit roundoff of f64, 2^-53: the largest relative error of one operation.
 pub(crate) const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
 
-/// Absolute error that underflow can add to a chain of linear operations (numerator of all the
-/// bounds' additive terms): 2^-1022.
+/// Largest absolute error of a chain of linear operations by underflow: 2^-1022.
 pub(crate) const UNDERFLOW: f64 = f64::MIN_POSITIVE;
 
-/// What a filter must see a pair clear by, relative to the pair's local scale, before it may
-/// reject it: 2^-44 = 512 roundings.
+/// Clearance of filters, relative to the pair's local scale: 2^-44 = 512 roundings. A filter
+/// rejects only pairs that exceed the threshold by this.
 ///
-/// The exact solver counts as contact whatever comes within its own rounding of the threshold:
-/// at most 70 roundings of the local scale, and what it finds there is wrong by as much again.
-/// A filter's own error is at most 170. 512 covers their sum, so no filter rejects what the
-/// solver would report.
+/// The exact solver reports distances within its own rounding of the threshold as contact: at most
+/// 70 roundings of the local scale, with an error as large again. A filter's own error is at
+/// most 170. 512 covers their sum, so no filter rejects a contact that the solver would report.
 pub(crate) const CLEARANCE: f64 = 512.0 * UNIT_ROUNDOFF;
 
-/// A time as it was given, but for one of the zeros: reports are ordered by the bits of times, and
-/// of two zeros either may come out as the later one.
+/// Returns the time with -0 replaced by 0: reports are ordered by the bits of times, and of two
+/// zeros either may come out as the later one.
 #[inline]
 pub(crate) const fn one_zero(time: f64) -> f64 {
     time + 0.0
 }
 
-/// The power of two that brings `magnitude` into [1, 2); 1 where there is nothing to bring.
+/// Returns the power of two that scales `magnitude` into [1, 2).
 ///
-/// Exact; a subnormal magnitude is brought as near as one factor can.
+/// Zero, subnormal and the largest magnitudes are scaled as far as one exact factor can.
 #[inline]
 pub(crate) fn normalising_power(magnitude: f64) -> f64 {
     const EXPONENT_MASK: u64 = 0x7ff;
@@ -124,7 +122,7 @@ pub(crate) fn normalising_power(magnitude: f64) -> f64 {
     }
 }
 
-/// Euclidean norm, correct to a few roundings from the smallest to the largest numbers.
+/// Returns the Euclidean norm, correct to a few roundings for all magnitudes.
 #[inline]
 pub(crate) fn norm(vector: DVec3) -> f64 {
     let largest = vector.abs().max_element();
@@ -136,7 +134,7 @@ pub(crate) fn norm(vector: DVec3) -> f64 {
     }
 }
 
-/// The largest norm of some vectors: with a root less for each than [`norm`], and the same bits.
+/// Returns the largest norm of some vectors, with the bits of [`norm`], but only one root in all.
 #[inline]
 pub(crate) fn largest_norm(vectors: &[DVec3]) -> f64 {
     let (mut largest, mut square) = (DVec3::ZERO, 0.0_f64);
@@ -151,21 +149,20 @@ pub(crate) fn largest_norm(vectors: &[DVec3]) -> f64 {
     }
 }
 
-/// From when on (s) to look for all that is reported from `time` on: a reported instant is rounded,
-/// and where the motion is then it was a little earlier.
+/// Returns the earliest exact instant (s) that may be reported as `time`, by rounding.
 #[inline]
 pub(crate) fn seen_from(time: f64) -> f64 {
     time - INSTANT * time.abs()
 }
 
-/// Until when (s) to look for all that is reported up to `time`.
+/// Returns the latest exact instant (s) that may be reported as `time`.
 #[inline]
 pub(crate) fn seen_until(time: f64) -> f64 {
     time + INSTANT * time.abs()
 }
 
-/// Relative rounding of a reported instant: half a unit of its last place, and some to spare. (What
-/// the solver's own parameter is off by, it is off by in distance: that is [`CLEARANCE`]'s.)
+/// Relative rounding of a reported instant: half a unit of its last place, and some spare. The
+/// error of the solver's local parameter is one of distance, which [`CLEARANCE`] covers.
 const INSTANT: f64 = 8.0 * UNIT_ROUNDOFF;
 
 #[cfg(test)]

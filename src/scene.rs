@@ -1,4 +1,4 @@
-//! Bodies under ids: what is screened.
+//! Scenes: bodies under ids.
 
 mod arena;
 mod body;
@@ -38,27 +38,35 @@ struct Slot {
 ///
 /// # Memory
 ///
-/// A body takes about 950 bytes and 230 a segment: a million bodies with plans of 8 segments 2.8 GB.
-/// (950: 310 what is known of the body as a whole, 260 how it coasts before and after its plan, 270 room
-/// for two more segments in front of it, which a monitor's splices need, the rest what comes with each list.
-/// 230: 128 the segment, 64 a copy in f32, which boxes are formed from, 22 sums over runs of these; twice
-/// 8 its knot.)
+/// A body takes about 950 bytes, and 230 per segment: a million bodies with plans of 8 segments
+/// take 2.8 GB. Motion beyond the knots ([`Outside`](crate::Outside)) takes no memory of its own.
 ///
-/// What a body does beyond its knots ([`Outside`](crate::Outside)) takes no memory of its own.
+/// | per body | bytes |
+/// |---|---|
+/// | record of the body | 310 |
+/// | end motions before and after its plan | 260 |
+/// | room for two more segments in front, for a monitor's splices | 270 |
+/// | lists | 110 |
 ///
-/// The copies, sums and knots that are read with them lie next to each other, in large pages where the
-/// system has them. When more was given back than is in use (and more than 1 MiB), all that is in use is
-/// copied to new memory, and the old one goes back to the system. (A monitor's replans copy nothing.) But
-/// for those, no more was written to at any time than five times what the bodies there need, and 3 MiB;
-/// the end of the last piece that was asked for (as much again as is in use, but for no more than 32 MiB)
-/// was not yet. When the scene is empty, none is left. What stays until a scene is dropped is a slot of
-/// 310 bytes for each body of the time when there were most, which the next ones take.
+/// | per segment | bytes |
+/// |---|---|
+/// | segment | 128 |
+/// | copy in f32, for boxes | 64 |
+/// | bounds of runs of cubics | 22 |
+/// | knot, twice | 16 |
 ///
-/// A screening adds some 310 a body and, for each
-/// thread, at most 64 MiB of boxes (64 bytes each, for up to 2^20 of them or one slice, if that has
-/// more), 40 to 130 bytes a box of one slice for the sweep, and 8 for each of a slice's candidates;
-/// then 16 bytes for each span that is solved, and the conflicts themselves. Boxes, candidates and
-/// the sweep's lists are kept for the next screening.
+/// The f32 copies, bounds and copied knots are stored contiguously, in large pages if the system
+/// has them. Freed storage is not reused at once. When more is free than in use (and more than 1
+/// MiB), live data is moved to new memory and the rest is returned to the system. A monitor's
+/// replans copy nothing. Apart from those, at most five times the bodies' need and 3 MiB are
+/// written at any time. The last allocation has an unwritten end, as large as the data in use, up
+/// to 32 MiB. An empty scene holds none. Slots of 310 bytes, for the largest number of bodies so
+/// far, are reused and freed with the scene.
+///
+/// A screening adds some 310 bytes a body. For each thread it adds at most 64 MiB of boxes (64
+/// bytes each, for up to 2^20 boxes, or one slice if that has more). It also adds 40 to 130 bytes a
+/// box of one slice for the sweep, 8 for each of a slice's candidates, and 16 for each span that is
+/// solved. Boxes, candidates and the sweep's lists are reused by the next screening.
 ///
 /// ```
 /// use glam::DVec3;
@@ -93,14 +101,14 @@ pub struct Scene {
     ignored: IgnoredPairs,
     len: usize,
     kinds: Kinds,
-    /// Of the bodies' compact trajectories.
+    /// Memory of the bodies' compact trajectories.
     arena: CubicArena,
-    /// Scratch of screenings; no part of what a scene is.
+    /// Buffers of screenings; no part of the scene's value.
     pool: Pool<SearchScratch>,
 }
 
 impl Scene {
-    /// An empty scene.
+    /// Returns an empty scene.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
@@ -110,7 +118,7 @@ impl Scene {
         &self.pool
     }
 
-    /// Returns which bodies may be part of a pair with a margin (m).
+    /// Returns the test whether a body may be part of a pair with a margin (m).
     pub(crate) const fn partners(&self, margin: f64) -> Partners<'_> {
         Partners::of(&self.kinds, margin)
     }
@@ -119,13 +127,13 @@ impl Scene {
         &self.arena
     }
 
-    /// How many bodies there are.
+    /// Returns the number of bodies.
     #[must_use]
     pub const fn len(&self) -> usize {
         self.len
     }
 
-    /// Whether there are none.
+    /// Returns true if there are no bodies.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.len == 0
@@ -159,7 +167,7 @@ impl Scene {
         Ok(id)
     }
 
-    /// Takes a body out. Its id, and the pairs ignored with it, are gone for good.
+    /// Removes a body. Its id, and the pairs ignored with it, become invalid for good.
     ///
     /// # Errors
     ///
@@ -180,7 +188,7 @@ impl Scene {
         Ok(body)
     }
 
-    /// The body with this id, if it is still there.
+    /// Returns the body with this id, or `None` if it was removed.
     #[must_use]
     pub fn body(&self, id: BodyId) -> Option<&Body> {
         self.entry(id).map(|entry| &entry.body)
@@ -192,7 +200,7 @@ impl Scene {
         (slot.generation == id.generation).then_some(entry)
     }
 
-    /// All bodies, in the order of their ids' slots.
+    /// Returns all bodies, in the order of their ids' slots.
     pub fn bodies(&self) -> impl Iterator<Item = (BodyId, &Body)> {
         self.entries().map(|(id, entry)| (id, &entry.body))
     }
@@ -207,19 +215,19 @@ impl Scene {
         id: BodyId,
         trajectory: Trajectory,
     ) -> Result<Trajectory, Error> {
-        let (entry, arena) = self.occupant_mut(id)?;
+        let (entry, arena) = self.entry_mut(id)?;
         let old = entry.follow(trajectory, arena);
         self.tidy();
         Ok(old)
     }
 
-    /// The same in place; nothing is worked out until it is asked for.
+    /// Replaces a body's trajectory in place; its summary is computed when needed.
     pub(crate) fn swap_trajectory(
         &mut self,
         id: BodyId,
         trajectory: &mut Trajectory,
     ) -> Result<&SceneEntry, Error> {
-        let (entry, arena) = self.occupant_mut(id)?;
+        let (entry, arena) = self.entry_mut(id)?;
         // A monitor's ticks have no time to copy what is left.
         entry.swap(trajectory, arena);
         Ok(entry)
@@ -232,7 +240,7 @@ impl Scene {
     /// [`Error::UnknownBody`].
     pub fn set_hitbox(&mut self, id: BodyId, hitbox: Hitbox) -> Result<Hitbox, Error> {
         let radius = radius(&hitbox);
-        let old = std::mem::replace(&mut self.occupant_mut(id)?.0.body.hitbox, hitbox);
+        let old = std::mem::replace(&mut self.entry_mut(id)?.0.body.hitbox, hitbox);
         self.kinds.add_radius(radius);
         Ok(old)
     }
@@ -243,13 +251,13 @@ impl Scene {
     ///
     /// [`Error::UnknownBody`].
     pub fn set_layers(&mut self, id: BodyId, layers: Layers) -> Result<Layers, Error> {
-        let old = std::mem::replace(&mut self.occupant_mut(id)?.0.body.layers, layers);
+        let old = std::mem::replace(&mut self.entry_mut(id)?.0.body.layers, layers);
         self.kinds.add_layers(layers);
         self.kinds.remove_layers(old);
         Ok(old)
     }
 
-    /// Leaves this pair out of all screenings (a tug and its tow). No effect if it already is.
+    /// Excludes this pair from all screenings (a tug and its tow). No effect if it already is.
     ///
     /// # Errors
     ///
@@ -260,7 +268,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Screens this pair again. No effect if it was not ignored.
+    /// Includes this pair again. No effect if it was not ignored.
     ///
     /// # Errors
     ///
@@ -271,7 +279,7 @@ impl Scene {
         Ok(())
     }
 
-    /// The pairs that are left out, smaller id first.
+    /// Returns the ignored pairs, smaller id first.
     pub fn ignored_pairs(&self) -> impl Iterator<Item = (BodyId, BodyId)> {
         self.ignored.iter()
     }
@@ -280,7 +288,7 @@ impl Scene {
         &self.ignored
     }
 
-    /// Two different bodies of the scene, smaller id first.
+    /// Checks a pair of different bodies of the scene; returns it with the smaller id first.
     pub(crate) fn pair(&self, a: BodyId, b: BodyId) -> Result<(BodyId, BodyId), Error> {
         for id in [a, b] {
             if self.body(id).is_none() {
@@ -303,11 +311,12 @@ impl Scene {
         })
     }
 
-    /// Returns the time that plans cover, from the earliest first knot to the latest last one, whatever the
-    /// bodies do beyond. A [query without a window](crate::Query::default) looks at this time.
+    /// Returns the time that plans cover, from the earliest first knot to the latest last one. This
+    /// is the window of a [query without one](crate::Query::default). Motion beyond the knots does
+    /// not count.
     ///
-    /// Bodies [at rest](Trajectory::at_rest) and bodies that [coast](Trajectory::coasting) from a single state
-    /// do not count. None if there are no others.
+    /// Bodies [at rest](Trajectory::at_rest) and bodies that [coast](Trajectory::coasting) from a
+    /// single state do not count either. `None` if there are no others.
     ///
     /// ```
     /// use nearmiss::glam::DVec3;
@@ -335,30 +344,30 @@ impl Scene {
         planned.reduce(hull)
     }
 
-    /// Rough extremes of all plans of bodies that may be part of a pair, m.
+    /// Returns the approximate extremes of all plans of bodies that may be part of a pair, m.
     pub(crate) fn extremes(&self) -> DAabb {
         let mut extremes = DAabb::NOTHING;
         for (_, entry) in self.entries() {
             if self.partners(0.0).has(&entry.body) {
-                extremes.include(entry.outline().extremes);
+                extremes.include(entry.summary().extremes);
             }
         }
         extremes
     }
 
-    /// Fetches a body into the caches, but for its segments.
+    /// Prefetches a body, without its segments.
     pub(crate) fn prefetch(&self, slot: u32) {
         if let Some(slot) = self.slots.get(slot as usize) {
             prefetch(from_ref(slot));
         }
     }
 
-    /// How many slots there are, free ones included.
+    /// Returns the number of slots, free ones included.
     pub(crate) fn slots(&self) -> usize {
         self.slots.len()
     }
 
-    /// The body in a slot, if there is one.
+    /// Returns the body in a slot, if there is one.
     pub(crate) fn in_slot(&self, slot: u32) -> Option<(BodyId, &SceneEntry)> {
         let place = self.slots.get(slot as usize)?;
         let id = BodyId {
@@ -368,13 +377,13 @@ impl Scene {
         Some((id, place.entry.as_ref()?))
     }
 
-    /// Returns true if each two bodies may be a pair with a margin (m).
+    /// Returns true if any two bodies may be a pair with a margin (m).
     pub(crate) fn admits_all(&self, margin: f64) -> bool {
         margin >= 0.0 && self.ignored.is_empty() && self.kinds.admit_all()
     }
 
-    /// Returns true if two slots' bodies may be a pair with a margin (m): by layers, ignored pairs, and
-    /// radii that a negative margin does not swallow.
+    /// Returns true if the bodies of two slots may be a pair with a margin (m): by layers, ignored
+    /// pairs, and radii, which a negative margin may exceed.
     pub(crate) fn admits(&self, a: u32, b: u32, margin: f64) -> bool {
         let (Some((id_a, a)), Some((id_b, b))) = (self.in_slot(a), self.in_slot(b)) else {
             return false;
@@ -385,7 +394,7 @@ impl Scene {
             && (self.ignored.is_empty() || !self.ignored.contains(id_a, id_b))
     }
 
-    /// Copies all compact trajectories to new memory, if most of the old one is garbage.
+    /// Moves all compact trajectories to new memory, if most of the old one is garbage.
     fn tidy(&mut self) {
         if !self.arena.is_mostly_garbage() {
             return;
@@ -393,13 +402,13 @@ impl Scene {
         let old = std::mem::take(&mut self.arena);
         for slot in &mut self.slots {
             if let Some(entry) = &mut slot.entry {
-                entry.move_sketch(&old, &mut self.arena);
+                entry.move_compact(&old, &mut self.arena);
             }
         }
     }
 
-    /// A body, and where its compact trajectory is.
-    fn occupant_mut(&mut self, id: BodyId) -> Result<(&mut SceneEntry, &mut CubicArena), Error> {
+    /// Returns a body's entry and the arena of its compact trajectory.
+    fn entry_mut(&mut self, id: BodyId) -> Result<(&mut SceneEntry, &mut CubicArena), Error> {
         let entry = slot_of(&mut self.slots, id)?.entry.as_mut();
         entry
             .map(|entry| (entry, &mut self.arena))
@@ -436,7 +445,7 @@ impl Clone for Scene {
     }
 }
 
-/// The least window that holds both.
+/// Returns the least window that contains both.
 fn hull(one: Window, other: Window) -> Window {
     let (start, end) = (one.start().min(other.start()), one.end().max(other.end()));
     Window::new(start, end).unwrap_or(Window::ALL)

@@ -1,7 +1,7 @@
-//! Instruction sets: choosing one at run time, and compiling work for each.
+//! Instruction sets: run-time selection, and compilation of work for each set.
 //!
-//! The work itself is plain loops over lanes, which the compiler turns into vectors. Nothing in
-//! them is fused or reordered, so every set gives the same bits.
+//! The work is plain loops over lanes, which the compiler vectorises. No operation is fused or
+//! reordered, so every set gives the same bits.
 #![allow(
     unsafe_code,
     reason = "calling a function compiled for an instruction set is unsafe; each call is guarded by the detection of that set"
@@ -9,7 +9,7 @@
 
 use std::sync::OnceLock;
 
-/// An instruction set that work is compiled for.
+/// An instruction set for which work is compiled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) enum Set {
     Portable,
@@ -28,17 +28,17 @@ pub(crate) enum Set {
 pub struct InstructionSet(Set);
 
 impl InstructionSet {
-    /// What every processor of the target has; the compiler may still use vectors of its own.
+    /// The set that every processor of the target has; the compiler may still vectorise.
     pub const PORTABLE: Self = Self(Set::Portable);
 
-    /// The fastest set of this processor; asked once.
+    /// Returns the fastest set of this processor, determined once.
     #[must_use]
     pub fn best() -> Self {
         static BEST: OnceLock<InstructionSet> = OnceLock::new();
         *BEST.get_or_init(|| Self::available().pop().unwrap_or(Self::PORTABLE))
     }
 
-    /// The sets of this processor, from the slowest to the fastest.
+    /// Returns the sets of this processor, from the slowest to the fastest.
     #[must_use]
     pub fn available() -> Vec<Self> {
         #[cfg(target_arch = "x86_64")]
@@ -57,7 +57,7 @@ impl InstructionSet {
         vec![Self::PORTABLE]
     }
 
-    /// A short name: `portable`, `avx2` or `avx512`.
+    /// Returns a short name: `portable`, `avx2` or `avx512`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self.0 {
@@ -73,8 +73,7 @@ impl InstructionSet {
         self.0
     }
 
-    /// Runs a task as compiled for this set, but for AVX-512: for tasks it was measured no
-    /// faster than AVX2, which is what they get there.
+    /// Runs a task compiled for this set, with AVX2 in place of AVX-512 (measured no faster).
     pub(crate) fn run<T: Task>(self, task: T) -> T::Output {
         match self.0 {
             Set::Portable => task.run(),
@@ -102,8 +101,8 @@ fn run_avx2<T: Task>(task: T) -> T::Output {
     task.run()
 }
 
-/// Asks the processor to bring values into its caches, a line of which is 64 bytes: for what will
-/// be read a microsecond later, in an order that it cannot guess.
+/// Prefetches `values`, one instruction per 64-byte cache line: for data read about a microsecond
+/// later in an unpredictable order.
 #[inline(always)]
 pub(crate) fn prefetch<T>(values: &[T]) {
     #[cfg(target_arch = "x86_64")]
@@ -128,11 +127,11 @@ pub(crate) fn prefetch<T>(values: &[T]) {
     let _ = values;
 }
 
-/// Compiles a loop of a module `loops` at hand for each instruction set, under the same name.
+/// Compiles a loop of a module `loops` in scope for each instruction set, under the same name.
 ///
-/// The loop is inlined into functions that may use the set, where the compiler makes vectors of
-/// its lanes. The outputs are separate parameters: only so does the compiler know that they do not
-/// overlap the inputs (a [`Task`] cannot say that).
+/// The loop is inlined into functions that may use the set, where the compiler vectorises it. The
+/// outputs are separate parameters, so that the compiler knows that they do not overlap the inputs;
+/// a [`Task`] cannot express that.
 macro_rules! for_each_instruction_set {
     (
         $(#[$documentation:meta])*

@@ -1,7 +1,6 @@
-//! Merging two bodies' knots: the maximal intervals in which neither changes its cubic.
+//! Merged knots of two bodies: the maximal intervals in which neither changes its cubic.
 //!
-//! Spans depend on the two trajectories alone. A window selects which spans are looked at; it
-//! never cuts one.
+//! Spans depend on the two trajectories alone. A window selects spans; it never cuts one.
 
 use crate::knots::Knots;
 use std::cmp::Ordering;
@@ -16,7 +15,7 @@ pub(crate) struct Span {
     pub(crate) b: u32,
 }
 
-/// Two bodies, the smaller number first, and a cubic of each: a span without its knots.
+/// Two bodies, the smaller number first, and a cubic of each: a span without its times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SpanKey {
     pub(crate) a: u32,
@@ -26,7 +25,7 @@ pub(crate) struct SpanKey {
 }
 
 impl SpanKey {
-    /// Returns the two bodies, and which cubic each follows.
+    /// Returns the two bodies, each with the number of its cubic.
     pub(crate) const fn cubics(&self) -> [(u32, u32); 2] {
         [(self.a, self.cubic_a), (self.b, self.cubic_b)]
     }
@@ -44,7 +43,7 @@ impl SpanKey {
 }
 
 impl Ord for SpanKey {
-    /// By the bodies, then by the cubics. Two numbers instead of four: lists are sorted often.
+    /// Orders by bodies, then by cubics; by two numbers instead of four, as lists are sorted often.
     fn cmp(&self, other: &Self) -> Ordering {
         let both = |first: u32, second: u32| u64::from(first) << 32 | u64::from(second);
         let key = |one: &Self| (both(one.a, one.b), both(one.cubic_a, one.cubic_b));
@@ -58,23 +57,23 @@ impl PartialOrd for SpanKey {
     }
 }
 
-/// The interval in which both motions exist: latest first knot, earliest last knot.
+/// Returns the interval in which both motions exist.
 pub(crate) fn common_domain(a: &Knots<'_>, b: &Knots<'_>) -> Option<(f64, f64)> {
     let ((start_a, end_a), (start_b, end_b)) = (a.ends(), b.ends());
     let (start, end) = (start_a.max(start_b), end_a.min(end_b));
     (start <= end).then_some((start, end))
 }
 
-/// The spans of two knot sequences that meet `from..=to`, in the order of time.
+/// Returns the spans of two knot sequences that overlap `from..=to`, in time order.
 ///
-/// A motion with `n + 1` knots has cubics `0..n`. Touching counts as meeting.
+/// A motion with `n + 1` knots has cubics `0..n`. Touching counts as overlap.
 pub(crate) fn spans<'k>(a: &'k Knots<'k>, b: &'k Knots<'k>, from: f64, to: f64) -> Spans<'k> {
     let first = |knots: &Knots<'_>| index(knots.count(|knot| knot < from).max(1) - 1);
     spans_from(a, b, (first(a), first(b)), from, to)
 }
 
-/// Calls `visit` with each of the [`spans`], given a cubic of each body that is not later than the first
-/// one that meets the interval: the search goes on from there.
+/// Calls `visit` with each of the [`spans`]. The search starts from a cubic of each body that must
+/// not be later than the first one that overlaps the interval.
 #[inline]
 pub(crate) fn each_span(
     (a, b): (&Knots<'_>, &Knots<'_>),
@@ -126,7 +125,7 @@ fn spans_from<'k, const EXTENDED: bool>(
     spans
 }
 
-/// Returns the first cubic, from one on, that does not end before `from`.
+/// Returns the first cubic, from `cubic` on, that does not end before `from`.
 fn skip<const EXTENDED: bool>(knots: &Knots<'_>, mut cubic: usize, from: f64) -> usize {
     while knots.end::<EXTENDED>(cubic).is_some_and(|end| end < from) {
         cubic += 1;
@@ -134,12 +133,12 @@ fn skip<const EXTENDED: bool>(knots: &Knots<'_>, mut cubic: usize, from: f64) ->
     cubic
 }
 
-/// Iterator over [`spans`], of motions of which one goes beyond its plan, maybe, or of such that do not.
+/// Iterator over [`spans`]. `EXTENDED` is required if a motion extends beyond its plan.
 #[derive(Clone, Debug)]
 pub(crate) struct Spans<'k, const EXTENDED: bool = true> {
     a: &'k Knots<'k>,
     b: &'k Knots<'k>,
-    /// Cubics at hand.
+    /// Current cubics.
     i: usize,
     j: usize,
     to: f64,
@@ -187,7 +186,7 @@ fn cubic_at(knots: &Knots<'_>, time: f64) -> u32 {
     index(after.clamp(1, knots.cubics()) - 1)
 }
 
-/// Segments of one body are counted in 32 bits; a longer list does not fit into memory.
+/// Converts the number of a cubic to 32 bits; a longer list does not fit into memory.
 fn index(cubic: usize) -> u32 {
     u32::try_from(cubic).unwrap_or(u32::MAX)
 }

@@ -1,4 +1,4 @@
-//! How many entered and left each stage of the funnel, and how long each took.
+//! Counts and times of each stage of the funnel.
 
 use std::fmt;
 use std::ops::AddAssign;
@@ -6,41 +6,42 @@ use std::time::Duration;
 
 /// The funnel of one screening, or of one tick of a monitor.
 ///
-/// Counts depend on the scene and the query. Of many thousand candidates and spans there may be a few
-/// more or less with another number of threads, which cut motions in other places and round their
-/// boxes differently.
-/// Stage times add up over threads; `total_time` is wall time. In a monitor's tick they are the smaller part
-/// of it: taking over plans, and following encounters, have no stage of their own.
+/// Counts depend on the scene and the query. Of many thousand candidates and spans, a few more or
+/// less may occur with another number of threads: these divide motions in other places and round
+/// their boxes differently.
+///
+/// Stage times add up over threads; `total_time` is wall time. In a monitor's tick they are the
+/// smaller part of it: taking over plans, and following encounters, have no stage of their own.
 #[derive(Clone, Copy, Debug, Default)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stats {
     /// Bodies in the scene.
     pub bodies: u64,
-    /// Changes since the last tick (a monitor's): bodies put in or taken out, plans, hitboxes, layers. Of a
-    /// batch, one for each body.
+    /// Changes since a monitor's last tick: inserted and removed bodies, plans, hitboxes, layers. A
+    /// batch counts one for each body.
     pub changed: u64,
-    /// Their cubic segments, pieces beyond the knots included. (Not counted in a monitor's tick.)
+    /// Cubic segments, pieces beyond the knots included. (Not counted in a monitor's tick.)
     pub segments: u64,
-    /// Slices of time that the window was cut into; in a monitor's tick, those that were completed.
+    /// Time slices of the window; in a monitor's tick, the slices completed.
     pub slices: u64,
     /// Boxes formed: one for each body in each slice in which it exists.
     pub boxes: u64,
     /// Pairs in a slice that the broad phase could not rule out.
     pub candidates: u64,
-    /// Spans of candidates looked at by the cheap tests of the narrow phase.
+    /// Spans of candidates examined by the cheap tests of the narrow phase.
     pub spans: u64,
     /// Spans that reach the exact solver (each once).
     pub survivors: u64,
     /// Conflicts reported.
     pub conflicts: u64,
-    /// Forming the boxes. (In a monitor's tick mostly part of `broad_time`.)
+    /// Time for forming boxes. (In a monitor's tick mostly part of `broad_time`.)
     pub bounds_time: Duration,
-    /// Finding candidates.
+    /// Time for finding candidates.
     pub broad_time: Duration,
-    /// Filtering and solving.
+    /// Time for filtering and solving.
     pub narrow_time: Duration,
-    /// All of it, wall time.
+    /// Total wall time.
     pub total_time: Duration,
 }
 
@@ -63,7 +64,7 @@ impl AddAssign for Stats {
 }
 
 impl fmt::Display for Stats {
-    /// One line: the funnel from bodies to conflicts, and the times.
+    /// Writes one line: the funnel from bodies to conflicts, and the times.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let counts = [
             (self.bodies, "bodies"),

@@ -1,4 +1,4 @@
-//! The closed time interval a question is about.
+//! The closed time interval of a query.
 
 use crate::error::Error;
 use crate::readable::Readable;
@@ -7,12 +7,14 @@ use std::fmt;
 
 /// A closed interval of time, s. May be a single instant; may be open-ended (infinite).
 ///
-/// It only clips: what is reported of a window is what is reported of all of time, cut off at its ends
-/// (the closest approach too: where the window ends right at it, it may differ by rounding; with
-/// [`Accuracy::Certified`](crate::Accuracy::Certified), what cannot be told right at its ends is reported as
-/// unresolved, and the proven error of a separation may be another one). A plan that jumps at a knot is in both places at that instant, also where a window begins or
-/// ends there: for bodies that follow one cubic through it, not for those whose own plan begins, ends or jumps
-/// at that very instant as well.
+/// A window clips results; it never changes them. Exceptions:
+///
+/// - A closest approach at the window's end may differ by rounding.
+/// - With [`Accuracy::Certified`](crate::Accuracy::Certified), facts that cannot be decided at the
+///   window's ends are reported as unresolved. The proven error of a separation may differ.
+///
+/// At a knot where its plan jumps, a body is at both positions, also at a window's end. Not
+/// covered: pairs in which the other body's plan also begins, ends or jumps at that instant.
 ///
 /// ```
 /// use nearmiss::Window;
@@ -32,15 +34,14 @@ pub struct Window {
 }
 
 impl Window {
-    /// All of time. Where a body goes on beyond its knots ([`Outside`](crate::Outside)), or is
-    /// [at rest](crate::Trajectory::at_rest), this is refused with [`Error::WindowNotClosed`].
+    /// All of time. Refused with [`Error::WindowNotClosed`] for bodies that exist beyond their
+    /// knots ([`Outside`](crate::Outside), [at rest](crate::Trajectory::at_rest)).
     pub const ALL: Self = Self {
         start: f64::NEG_INFINITY,
         end: f64::INFINITY,
     };
 
-    /// The window from `start` to `end`, both included (s; infinities mean open-ended; -0 is taken as
-    /// 0).
+    /// Returns the window from `start` to `end`, both included (s; may be infinite; -0 becomes 0).
     ///
     /// # Errors
     ///
@@ -58,31 +59,31 @@ impl Window {
         }
     }
 
-    /// First instant, s (or minus infinity).
+    /// Returns the first instant, s (or minus infinity).
     #[must_use]
     pub const fn start(self) -> f64 {
         self.start
     }
 
-    /// Last instant, s (or infinity).
+    /// Returns the last instant, s (or infinity).
     #[must_use]
     pub const fn end(self) -> f64 {
         self.end
     }
 
-    /// Whether both ends are finite.
+    /// Returns true if both ends are finite.
     #[must_use]
     pub fn is_closed(self) -> bool {
         self.start.is_finite() && self.end.is_finite()
     }
 
-    /// Whether `time` lies in it.
+    /// Returns true if the window contains `time`.
     #[must_use]
     pub fn contains(self, time: f64) -> bool {
         self.start <= time && time <= self.end
     }
 
-    /// What two windows share; none if they do not even touch.
+    /// Returns the intersection of two windows, or `None` if they do not even touch.
     #[must_use]
     pub fn intersection(self, other: Self) -> Option<Self> {
         let start = self.start.max(other.start);
@@ -92,7 +93,7 @@ impl Window {
 }
 
 impl fmt::Display for Window {
-    /// `0.000..60.000 s`; an open end is left out. With a precision (`{:.6}`), so many decimals.
+    /// Writes `0.000..60.000 s`, without an open end. A precision (`{:.6}`) sets the decimals.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let decimals = f.precision().unwrap_or(3);
         for (end, before) in [(self.start, ""), (self.end, "..")] {
@@ -106,20 +107,18 @@ impl fmt::Display for Window {
 }
 
 impl Default for Window {
-    /// [`Window::ALL`].
+    /// Returns [`Window::ALL`].
     fn default() -> Self {
         Self::ALL
     }
 }
 
-/// A window in files: an open end is none, as not each format has infinities.
+/// A serialised window. An open end is `None`, since not every format has infinities.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Ends {
-    /// s.
     start: Option<f64>,
-    /// s.
     end: Option<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! Whether two bodies stay apart while each follows one cubic: in f32, from their compact trajectories.
+//! Hull test of two bodies that each follow one cubic: in f32, from their compact trajectories.
 
 use super::ROUNDING;
 use super::source::{BoundingCubic, CubicSource};
@@ -11,20 +11,18 @@ pub(crate) struct BodyCubic<'a, C> {
     pub(crate) cubic: usize,
 }
 
-/// What compact trajectories tell of two bodies over a while.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum HullTest {
-    /// They certainly stay apart by more than the margin.
+    /// The bodies certainly stay apart by more than the margin.
     Apart,
-    /// They may come near: f64 would rule out little more.
+    /// The bodies may come near; f64 would rule out little more.
     Near,
-    /// They may come near, as far as f32 can tell.
+    /// Undecided because of f32 rounding.
     Blurred,
 }
 
-/// What can be told of two bodies from `from` to `to` (s), within one cubic of each. They are apart
-/// if all control points of the relative motion lie beyond the margin on an axis or in the direction
-/// of their sum.
+/// Tests two bodies from `from` to `to` (s), within one cubic of each. They are apart if all
+/// control points of the relative motion lie beyond the margin on an axis or along their sum.
 pub(crate) fn hull_test<C: BoundingCubic>(
     a: &BodyCubic<'_, C>,
     b: &BodyCubic<'_, C>,
@@ -43,11 +41,12 @@ fn see<C: BoundingCubic, const EXTENDED: bool>(
     b: &BodyCubic<'_, C>,
     (from, to): (f64, f64),
 ) -> HullTest {
-    /// Of the distance that is asked about, what rounding may blur.
+    /// Largest rounding, as a share of the distance in question, for which `Near` is told from
+    /// `Blurred`.
     const BLUR: f32 = 0.25;
-    let part = |leg: &BodyCubic<'_, C>| {
-        let piece = leg.source.piece::<EXTENDED>(leg.cubic);
-        let placement = &leg.source.placement;
+    let part = |body: &BodyCubic<'_, C>| {
+        let piece = body.source.piece::<EXTENDED>(body.cubic);
+        let placement = &body.source.placement;
         let piece = piece.part(from, to);
         let rounding = piece.rounding() + placement.steady;
         (
@@ -96,8 +95,8 @@ mod tests {
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 
-    /// Two bodies are not apart by as little as they come near each other, however far away they
-    /// and the scene's middle are; and mostly are by a third of it.
+    /// Two bodies are never apart by less than their least distance, however far from each other
+    /// and the scene's middle; mostly they are by a third of it.
     #[test]
     fn what_comes_near_is_not_apart() {
         let mut rng = ChaCha8Rng::seed_from_u64(6);
@@ -132,14 +131,14 @@ mod tests {
                 high: middle,
             };
             let frame = Frame::around(extremes, far);
-            let sketches = [0, 1]
+            let compacts = [0, 1]
                 .map(|k: usize| CompactTrajectory::of(flights[k].knots(), flights[k].segments()));
             let is_apart = |margin: f64| {
                 let point = Hitbox::POINT;
                 let padding = Padding::of(&point, margin, &frame);
-                let sources = sketches.each_ref().map(|(sketch, lines)| {
-                    let drawing = sketch.on(lines);
-                    CubicSource::sketched(drawing.knots, &drawing, &padding, &frame)
+                let sources = compacts.each_ref().map(|(compact, lines)| {
+                    let view = compact.on(lines);
+                    CubicSource::compact(view.knots, &view, &padding, &frame)
                 });
                 let [a, b] = [0, 1].map(|k: usize| BodyCubic {
                     source: &sources[k],

@@ -10,38 +10,38 @@ use glam::Vec4;
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
 
-/// What is known of a body in a slice from the pieces of its motion so far, relative to the body's
-/// place. (Of four lanes, the last holds nothing of use.)
+/// The bounds of a body's motion over the pieces so far of one slice, relative to the body's place.
+/// The fourth lane is unused.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BoundsBuilder<const MOVES: bool> {
-    /// Its box, which moves.
+    /// The body's box, which moves with the slice interval.
     low: Vec4,
     high: Vec4,
-    /// What rounding is relative to, besides these, and how often a piece was split at most.
+    /// The other magnitude of rounding, and the largest number of splits of a piece.
     near: f32,
     splits: f32,
-    /// How far it strays from the line on each axis: to the one side, and to the other.
+    /// Least and largest deviation from the line on each axis.
     least: Vec4,
     most: Vec4,
-    /// The line from where the first piece begins to where the last one ends.
+    /// The line from the start of the first piece to the end of the last one.
     start: Vec4,
     change: Vec4,
-    /// Where it is at the end of the pieces so far, and which share of the slice has passed then.
+    /// Point on the line at the end of the pieces so far, and the elapsed share of the slice.
     line: Vec4,
     share: f32,
     period: SliceInterval<MOVES>,
 }
 
 impl<const MOVES: bool> BoundsBuilder<MOVES> {
-    /// From the first piece of a slice to the last.
+    /// Starts a builder with the first piece of a slice, on the line to the end of the last one.
     #[inline(always)]
     pub(crate) fn between(head: &SubCubic, tail: &SubCubic, period: &SliceInterval<MOVES>) -> Self {
-        let mut trace = Self::toward((head.points[0], head.from), tail.points[3], period);
-        trace.follow(head);
-        trace
+        let mut builder = Self::toward((head.points[0], head.from), tail.points[3], period);
+        builder.follow(head);
+        builder
     }
 
-    /// Of a single piece from the slice's beginning to its end.
+    /// Returns the bounds of a single piece that fills the slice.
     #[inline(always)]
     pub(crate) fn alone(piece: &SubCubic, period: &SliceInterval<MOVES>) -> Self {
         let [p0, p1, p2, p3] = piece.points;
@@ -66,8 +66,8 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         }
     }
 
-    /// From a run of cubics, at the beginning of a period, to where another one ends.
-    pub(super) fn between_bundles(
+    /// Starts a builder at the beginning of a run of cubics, on the line to the end of another.
+    pub(super) fn between_runs(
         first: &ScaledRun,
         last: &ScaledRun,
         period: &SliceInterval<MOVES>,
@@ -80,7 +80,7 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         }
     }
 
-    /// From a point at an instant (s) to another one.
+    /// Starts a builder on the line from a point at an instant (s) to another point.
     #[inline(always)]
     fn toward((start, from): (Vec4, f64), end: Vec4, period: &SliceInterval<MOVES>) -> Self {
         // In no time there is no change: what is elsewhere strays.
@@ -107,19 +107,19 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         }
     }
 
-    /// Goes on with a piece that begins when the one before ends, wherever that is.
+    /// Adds a piece that begins when the previous one ends, possibly at another position.
     #[inline(always)]
     pub(crate) fn follow_from_start(&mut self, piece: &SubCubic) {
         let start = piece.points[0];
         let place = self.period.relative_at(start, self.share);
         self.low = self.low.min(place);
         self.high = self.high.max(place);
-        self.stray(start - self.line);
+        self.include_deviation(start - self.line);
         self.follow(piece);
     }
 
-    /// Goes on with a piece from its start, which is known. Its difference to the line is a cubic
-    /// as well, whose control points are those differences at every third of the piece.
+    /// Adds a piece whose start is already included. Its difference from the line is a cubic as
+    /// well, with the differences at every third of the piece as control points.
     #[inline(always)]
     fn follow(&mut self, piece: &SubCubic) {
         let [_, p1, p2, p3] = piece.points;
@@ -138,48 +138,48 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         (self.line, self.share) = (line_3, share);
     }
 
-    /// Takes in where it is, measured from the line.
+    /// Adds a deviation from the line.
     #[inline(always)]
-    fn stray(&mut self, point: Vec4) {
+    fn include_deviation(&mut self, point: Vec4) {
         self.least = self.least.min(point);
         self.most = self.most.max(point);
     }
 
-    /// Goes on with many cubics at once, until an instant (s).
+    /// Adds a run of cubics that lasts until an instant (s).
     #[inline(always)]
-    pub(super) fn pass(&mut self, bundle: &ScaledRun, until: f64) {
+    pub(super) fn pass(&mut self, run: &ScaledRun, until: f64) {
         let share = self.period.share(until);
         let (low, high) = if MOVES {
-            let first = self.period.relative_at(bundle.start, self.share);
-            let last = self.period.relative_at(bundle.end, share);
+            let first = self.period.relative_at(run.start, self.share);
+            let last = self.period.relative_at(run.end, share);
             (
-                first.min(last) - bundle.stray,
-                first.max(last) + bundle.stray,
+                first.min(last) - run.deviation,
+                first.max(last) + run.deviation,
             )
         } else {
-            (bundle.low, bundle.high)
+            (run.low, run.high)
         };
         self.low = self.low.min(low);
         self.high = self.high.max(high);
-        self.near = self.near.max(bundle.near);
+        self.near = self.near.max(run.near);
         let line = self.start + self.change * share;
-        let (first, last) = (bundle.start - self.line, bundle.end - line);
-        self.least = self.least.min(first.min(last) - bundle.stray);
-        self.most = self.most.max(first.max(last) + bundle.stray);
+        let (first, last) = (run.start - self.line, run.end - line);
+        self.least = self.least.min(first.min(last) - run.deviation);
+        self.most = self.most.max(first.max(last) + run.deviation);
         (self.line, self.share) = (line, share);
     }
 
-    /// The middle between how far it strays to either side, and how far it strays from the line moved
-    /// there: where a motion bends one way, half as far as from the line between its ends.
+    /// Returns the offset that centres the line between the extreme deviations, and the deviation
+    /// that remains. For a motion that bends one way this halves the deviation.
     #[inline(always)]
     fn middle(&self) -> (Vec4, Vec4) {
         let middle = (self.least + self.most) * 0.5;
         (middle, (self.most - middle).max(middle - self.least))
     }
 
-    /// All of it as a run of cubics; `end` is where it ends.
+    /// Summarises the bounds as a run of cubics that ends at `end`.
     pub(super) fn sum_up(&self, end: Vec4) -> CubicRun {
-        let (middle, stray) = self.middle();
+        let (middle, deviation) = self.middle();
         // Of the line: three of where it starts, eight of its change, shares of time included; one
         // where either end is moved.
         let size = self.start.abs() + self.change.abs() + middle.abs();
@@ -192,12 +192,12 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
             low: self.low,
             high: self.high,
             near: self.near,
-            stray: (stray + rounding + turned) * (1.0 + 4.0 * ROUNDING),
+            deviation: (deviation + rounding + turned) * (1.0 + 4.0 * ROUNDING),
         })
     }
 
-    /// The fat line, and the box rounded outward, in the frame's unit; everywhere, where the frame
-    /// does not serve. `first` is the cubic that the body follows first.
+    /// Returns the fat line, and the box rounded outward, in the frame's unit; infinite where the
+    /// frame does not serve. `first` is the cubic that the body follows first.
     #[inline(always)]
     pub(crate) fn finish(&self, placement: &FramePlacement, first: u32) -> (FatLine, Aabb) {
         let Self { low, high, .. } = *self;
@@ -205,11 +205,11 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         let way = self.period.way().abs();
         let largest = low.abs().max(high.abs()) + way;
         let rounding = SubCubic::roundings(largest, self.near, self.splits) + placement.steady;
-        let (middle, stray) = self.middle();
+        let (middle, deviation) = self.middle();
         let (start, change) = (placement.place + (self.start + middle), self.change);
         // One where the line is moved.
         let moved = rounding + middle.abs() * ROUNDING;
-        let fat_line = fat_line(start, change, (stray, moved), placement.reach, first);
+        let fat_line = fat_line(start, change, (deviation, moved), placement.reach, first);
         // Of the place, of the two sums with it, and of the subtraction below: 4; and more than the
         // clearance of filters. Of the way at an instant: six at most, with that of the difference.
         let rounding = rounding + (placement.place.abs() + way) * (6.0 * ROUNDING);
@@ -223,20 +223,19 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
     }
 }
 
-/// A line from which a body's control points stray this far on each axis, as far as rounding can
-/// tell.
+/// Returns the fat line with this deviation of the control points per axis, rounding included.
 #[inline(always)]
 fn fat_line(
     start: Vec4,
     change: Vec4,
-    (stray, rounding): (Vec4, Vec4),
+    (deviation, rounding): (Vec4, Vec4),
     reach: f32,
     first: u32,
 ) -> FatLine {
-    let stray = stray * stray;
+    let deviation = deviation * deviation;
     // Eight of the line's change; of where it starts in its own place, `rounding` holds those.
     let rounding = rounding + (start.abs() + change.abs()) * (8.0 * ROUNDING);
-    let slack = (stray.x + stray.y + stray.z).sqrt()
+    let slack = (deviation.x + deviation.y + deviation.z).sqrt()
         + VANISHING
         + reach
         + (rounding.x + rounding.y + rounding.z);
@@ -249,8 +248,7 @@ fn fat_line(
     }
 }
 
-/// Lengths below this may vanish when they are squared. The frame's unit is such that worlds are no
-/// smaller than 1e-10.
+/// Lengths below this may vanish when squared. The frame's unit keeps worlds larger than 1e-10.
 const VANISHING: f32 = 1e-18;
 
 #[cfg(test)]
@@ -269,8 +267,7 @@ mod tests {
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 
-    /// The fat line of what bends one way lies in the middle of the bend: it strays half as far as the
-    /// line between the ends does.
+    /// A motion that bends one way deviates from its fat line half as far as from the chord.
     #[test]
     fn courses_lie_in_the_middle_of_a_bend() {
         let thrown = |time: f64| {
@@ -288,13 +285,13 @@ mod tests {
             let Ok(flight) = Trajectory::from_states(&states.collect::<Vec<_>>()) else {
                 unreachable!("the states are in order")
             };
-            let (sketch, lines) = CompactTrajectory::of(flight.knots(), flight.segments());
+            let (compact, lines) = CompactTrajectory::of(flight.knots(), flight.segments());
             let frame = Frame::around(DAabb::NOTHING, 0.0);
             let hitbox = Hitbox::POINT;
             let padding = Padding::of(&hitbox, 0.0, &frame);
-            let source = CubicSource::sketched(
+            let source = CubicSource::compact(
                 Knots::of(flight.knots()),
-                &sketch.on(&lines),
+                &compact.on(&lines),
                 &padding,
                 &frame,
             );
@@ -318,7 +315,7 @@ mod tests {
         }
     }
 
-    /// Whatever the line, a run of cubics strays from it as far as its cubics do, and not much farther.
+    /// The deviation of a run bounds that of its cubics for every line, and is not much larger.
     #[test]
     fn bundles_stray_as_far_as_their_cubics() {
         let mut rng = ChaCha8Rng::seed_from_u64(4);
@@ -343,12 +340,12 @@ mod tests {
                 unreachable!("the states are in order")
             };
             let knots = flight.knots();
-            let (sketch, lines) = CompactTrajectory::of(knots, flight.segments());
-            let drawing = sketch.on(&lines);
-            let (compact_cubics, bundles) = (drawing.compact_cubics, drawing.bundles);
-            assert_eq!(bundles.len(), 16 + 4 + 1);
+            let (compact, lines) = CompactTrajectory::of(knots, flight.segments());
+            let view = compact.on(&lines);
+            let (compact_cubics, runs) = (view.compact_cubics, view.runs);
+            assert_eq!(runs.len(), 16 + 4 + 1);
             let first = 4 * rng.random_range(0..16);
-            let Some((bundle, count)) = largest(bundles, compact_cubics.len(), first, 64) else {
+            let Some((run, count)) = largest(runs, compact_cubics.len(), first, 64) else {
                 unreachable!("there is one of four cubics at least")
             };
             lengths[count] += 1;
@@ -356,65 +353,69 @@ mod tests {
             let mut anywhere = || Vec4::from_array([0; 4].map(|_| rng.random_range(-1.0..=1.0)));
             let (start, end) = (anywhere(), anywhere());
             let mut whole = BoundsBuilder::toward((start, knots[first]), end, &period);
-            let mut bundled = whole;
-            bundled.pass(&bundle.unpack(1.0), knots[first + count]);
+            let mut by_run = whole;
+            by_run.pass(&run.unpack(1.0), knots[first + count]);
             for number in first..first + count {
                 let ends = (knots[number], knots[number + 1]);
                 whole.follow_from_start(&SubCubic::whole(&compact_cubics[number], ends, 1.0));
             }
-            let curved = bundle.unpack(1.0).stray.truncate();
+            let curved = run.unpack(1.0).deviation.truncate();
             // To either side.
-            for (near, far) in [(whole.most, bundled.most), (-whole.least, -bundled.least)] {
+            for (near, far) in [(whole.most, by_run.most), (-whole.least, -by_run.least)] {
                 let (near, far) = (near.truncate(), far.truncate());
                 assert!(far.cmpge(near - 1e-6 * near.abs()).all(), "{near} {far}");
                 assert!(far.cmple(near + 2.0 * curved + 1e-6).all(), "{near} {far}");
             }
             assert_eq!((whole.low.truncate(), whole.high.truncate()), {
-                (bundled.low.truncate(), bundled.high.truncate())
+                (by_run.low.truncate(), by_run.high.truncate())
             });
         }
         assert!(lengths[4] > 100 && lengths[16] > 30 && lengths[64] > 5);
     }
 
-    /// How far a body strays from a line that is known exactly, and how far it reaches, of all sizes; also
-    /// such that squares vanish.
+    /// Deviation and extent of a body against an exactly known line, for all sizes, also where
+    /// squares underflow.
     #[test]
     fn slacks_are_rounded_outward() {
         let mut rng = ChaCha8Rng::seed_from_u64(7);
         for round in 0..20_000 {
             let unit = [1.0, 1e-10, 1e-23][round % 3];
             let mut lane = || unit * rng.random_range(0.0_f32..1.0);
-            let stray = Vec4::new(lane(), lane(), lane(), 0.0);
+            let deviation = Vec4::new(lane(), lane(), lane(), 0.0);
             let rounding = Vec4::new(lane(), lane(), lane(), 0.0) * [0.0, 1.0][round / 3 % 2];
             let reach = lane() * [0.0, 1.0][round / 6 % 2];
-            let found = fat_line(Vec4::ZERO, Vec4::ZERO, (stray, rounding), reach, 0);
+            let found = fat_line(Vec4::ZERO, Vec4::ZERO, (deviation, rounding), reach, 0);
             let parts = [reach, rounding.x, rounding.y, rounding.z];
             let others = parts.map(|part| number(f64::from(part))).into_iter();
             let left = number(f64::from(found.slack)) - others.fold(number(0.0), |a, b| a + b);
-            let stray = Exact::of(stray.truncate().as_dvec3());
+            let deviation = Exact::of(deviation.truncate().as_dvec3());
             assert!(
-                stray.is_within_exactly(&left),
-                "{round} {stray:?} {found:?}"
+                deviation.is_within_exactly(&left),
+                "{round} {deviation:?} {found:?}"
             );
         }
     }
 
-    /// How far a run of cubics strays that takes no time, and where its line ends.
+    /// Returns the deviation of a run of cubics of no duration, and the end of its line.
     #[test]
     fn strays_of_bundles_are_rounded_outward() {
         let mut rng = ChaCha8Rng::seed_from_u64(8);
         for _ in 0..5_000 {
-            let (stray, end): (f32, f32) = (rng.random(), rng.random());
-            let mut trace =
+            let (deviation, end): (f32, f32) = (rng.random(), rng.random());
+            let mut builder =
                 BoundsBuilder::toward((Vec4::ZERO, 1.0), Vec4::ZERO, &SliceInterval::new(1.0, 1.0));
-            (trace.least, trace.most) = (Vec4::splat(-stray), Vec4::splat(stray));
-            let bundle = trace.sum_up(Vec4::splat(end)).unpack(1.0);
-            let exact = number(f64::from(stray)) + number(f64::from(end));
-            assert!(number(f64::from(bundle.stray.x)) >= exact, "{stray} {end}");
+            (builder.least, builder.most) = (Vec4::splat(-deviation), Vec4::splat(deviation));
+            let run = builder.sum_up(Vec4::splat(end)).unpack(1.0);
+            let exact = number(f64::from(deviation)) + number(f64::from(end));
+            assert!(
+                number(f64::from(run.deviation.x)) >= exact,
+                "{deviation} {end}"
+            );
         }
     }
 
-    /// Bodies that rest in boxes that move far, and go along with them, from anywhere in a slice on.
+    /// Bodies at rest, in boxes that move far, and bodies that move along with them, from any
+    /// instant of a slice.
     #[test]
     fn places_in_moving_boxes_are_within_their_rounding() {
         let mut rng = ChaCha8Rng::seed_from_u64(9);
@@ -442,8 +443,8 @@ mod tests {
                 from,
                 to: 1.0,
             };
-            let trace = BoundsBuilder::between(&piece, &piece, &period);
-            let (_, aabb) = trace.finish(&FramePlacement::NONE, 0);
+            let builder = BoundsBuilder::between(&piece, &piece, &period);
+            let (_, aabb) = builder.finish(&FramePlacement::NONE, 0);
             let [low, high] = [aabb.mins, aabb.maxs]
                 .map(|edge| DVec3::new(edge.x.into(), edge.y.into(), edge.z.into()));
             for (share, point) in [(from, points[0]), (1.0, points[3])] {
@@ -453,7 +454,7 @@ mod tests {
         }
     }
 
-    /// In no time a body may be anywhere on its way, and the line as well.
+    /// In a slice of no duration, a body and the line may be anywhere on the body's path.
     #[test]
     fn bundles_of_no_duration_stray_as_far_as_both_ends() {
         let points = [0.0, 0.25, 0.5, 1.0].map(|x| Vec4::new(x, 0.0, 0.0, 0.0));
@@ -464,9 +465,9 @@ mod tests {
             from: 1.0,
             to: 1.0,
         };
-        let trace = BoundsBuilder::between(&piece, &piece, &SliceInterval::new(1.0, 1.0));
-        let bundle = trace.sum_up(points[3]).unpack(1.0);
-        let farthest = (bundle.end.x - points[0].x).max(points[3].x - bundle.start.x);
-        assert!(bundle.stray.x >= farthest, "{farthest}");
+        let builder = BoundsBuilder::between(&piece, &piece, &SliceInterval::new(1.0, 1.0));
+        let run = builder.sum_up(points[3]).unpack(1.0);
+        let farthest = (run.end.x - points[0].x).max(points[3].x - run.start.x);
+        assert!(run.deviation.x >= farthest, "{farthest}");
     }
 }

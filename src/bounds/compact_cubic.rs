@@ -7,17 +7,17 @@ use crate::trajectory::Segment;
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec4};
 
-/// One cubic of a compact trajectory, 64 bytes: its Bézier points, relative to the compact trajectory's frame.
+/// One cubic of a compact trajectory, 64 bytes: Bézier points in the trajectory's frame.
 ///
-/// Each coordinate is rounded once from f64. The fourth lane of the first point is what all other
-/// rounding of the cubic is relative to: no point is farther from the first one; more where the
-/// segment itself is known less well than f32 could tell.
+/// Each coordinate is rounded once from f64. The fourth lane of the first point is the magnitude to
+/// which all other rounding is relative. It bounds the distance of the points from the first one,
+/// and is larger where the segment's own error exceeds f32 rounding.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(crate) struct CompactCubic([Vec4; 4]);
 
 impl CompactCubic {
-    /// None where `f32` does not serve its coordinates.
+    /// Returns the compact cubic, or `None` where f32 does not serve its coordinates.
     #[inline(always)]
     pub(super) fn of(segment: &Segment, ends: (f64, f64), frame: &Frame) -> Option<Self> {
         let part = PaddedPoints::of(segment, ends);
@@ -40,7 +40,7 @@ impl CompactCubic {
 
     pub(super) const NONE: Self = Self([Vec4::ZERO; 4]);
 
-    /// The points in another unit, and what their rounding is relative to.
+    /// Returns the points in another unit, and the magnitude to which their rounding is relative.
     #[inline(always)]
     pub(super) fn points(&self, factor: f32) -> ([Vec4; 4], f32) {
         let points = self.0.map(|point| point * factor);

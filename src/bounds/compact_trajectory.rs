@@ -1,8 +1,8 @@
-//! Trajectories in f32: of a motion, the part that a screening reads most.
+//! Trajectories in f32: the data that a screening reads most.
 
-use super::bundling::bundle_up;
 use super::compact_cubic::CompactCubic;
-use super::cubic_run::{CubicRun, count_of_bundles};
+use super::cubic_run::{CubicRun, count_of_runs};
+use super::form_runs::form_runs;
 use super::frame::{DAabb, Frame};
 use super::points::PaddedPoints;
 use crate::knots::Knots;
@@ -10,7 +10,7 @@ use crate::rounding::normalising_power;
 use crate::trajectory::Segment;
 use bytemuck::{Pod, Zeroable, cast_slice, cast_slice_mut};
 
-/// Memory that is drawn on: as long as a line of the caches.
+/// One cache line of untyped storage.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(crate) struct Line([f64; 8]);
@@ -22,16 +22,15 @@ impl Line {
     const KNOTS: usize = 8;
 }
 
-/// A trajectory in f32, but for what is drawn of it: knots, cubics and runs of cubics one after the other,
-/// on lines that are kept elsewhere. The knots are a copy: whoever reads the cubics reads them as well,
-/// and the trajectory's own lie somewhere else.
+/// Header of a trajectory in f32. Its knots, cubics and runs of cubics follow one another on lines
+/// stored elsewhere. The knots are a copy, so that they lie next to the cubics.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CompactTrajectory {
-    /// Where it is drawn: around itself.
+    /// The frame of the cubics: around the trajectory.
     frame: Frame,
-    /// No coordinate is larger, in the frame's unit; infinite where `f32` does not serve them.
+    /// Upper bound of all coordinates, in the frame's unit; infinite where f32 does not serve them.
     size: f64,
-    /// Of the knots.
+    /// First and last knot, s.
     ends: (f64, f64),
     knots: usize,
     cubics: usize,
@@ -44,18 +43,18 @@ pub(crate) struct CompactView<'a> {
     pub(super) size: f64,
     pub(crate) knots: Knots<'a>,
     pub(super) compact_cubics: &'a [CompactCubic],
-    pub(super) bundles: &'a [CubicRun],
+    pub(super) runs: &'a [CubicRun],
 }
 
 impl CompactTrajectory {
-    /// Lines that a motion with so many knots and cubics takes.
+    /// Returns the number of lines for a motion with these counts of knots and cubics.
     pub(crate) const fn lines(knots: usize, cubics: usize) -> usize {
-        knots.div_ceil(Line::KNOTS) + cubics + count_of_bundles(cubics)
+        knots.div_ceil(Line::KNOTS) + cubics + count_of_runs(cubics)
     }
 
-    /// Draws the cubics of a motion, each between two knots, on as many lines as they take; gives how
-    /// far it goes as well.
-    pub(crate) fn draw(knots: &[f64], segments: &[Segment], lines: &mut [Line]) -> (Self, DAabb) {
+    /// Writes the cubics of a motion, each between two knots, to its lines; returns the header and
+    /// the motion's extremes.
+    pub(crate) fn write(knots: &[f64], segments: &[Segment], lines: &mut [Line]) -> (Self, DAabb) {
         let (mut extremes, mut spread) = (DAabb::NOTHING, 0.0_f64);
         for (segment, ends) in segments.iter().zip(knots.windows(2)) {
             let part = PaddedPoints::of(segment, (ends[0], ends[1]));
@@ -64,7 +63,7 @@ impl CompactTrajectory {
             // It may be lost in the extremes: below their resolution.
             spread = spread.max(part.spread());
         }
-        let mut sketch = Self {
+        let mut compact = Self {
             frame: Frame::around(extremes, 0.0),
             size: 0.0,
             ends: Knots::of(knots).ends(),
@@ -73,24 +72,24 @@ impl CompactTrajectory {
         };
         if !segments.is_empty() {
             // Numbers near one: whatever underflows is nothing next to them, in any other unit.
-            let size = (extremes.high - sketch.frame.origin).max_element() + spread;
-            sketch.frame.power = normalising_power(size);
-            sketch.size = size * sketch.frame.power;
+            let size = (extremes.high - compact.frame.origin).max_element() + spread;
+            compact.frame.power = normalising_power(size);
+            compact.size = size * compact.frame.power;
         }
         let (of_knots, rest) = lines.split_at_mut(knots.len().div_ceil(Line::KNOTS));
-        let (compact_cubics, bundles) = rest.split_at_mut(segments.len());
+        let (compact_cubics, runs) = rest.split_at_mut(segments.len());
         cast_slice_mut(of_knots)[..knots.len()].copy_from_slice(knots);
         let compact_cubics: &mut [CompactCubic] = cast_slice_mut(compact_cubics);
         let pieces = segments.iter().zip(knots.windows(2));
         for (compact_cubic, (segment, ends)) in compact_cubics.iter_mut().zip(pieces) {
-            *compact_cubic = CompactCubic::of(segment, (ends[0], ends[1]), &sketch.frame)
+            *compact_cubic = CompactCubic::of(segment, (ends[0], ends[1]), &compact.frame)
                 .unwrap_or_else(|| {
-                    sketch.size = f64::INFINITY;
+                    compact.size = f64::INFINITY;
                     CompactCubic::NONE
                 });
         }
-        bundle_up(knots, compact_cubics, cast_slice_mut(bundles));
-        (sketch, extremes)
+        form_runs(knots, compact_cubics, cast_slice_mut(runs));
+        (compact, extremes)
     }
 
     /// Of a straight motion between two instants (s): nothing is drawn of it.
@@ -104,28 +103,28 @@ impl CompactTrajectory {
         }
     }
 
-    /// First and last knot, s; the first is later only if there are none.
+    /// Returns the first and last knot, s; the first is later only if there are no knots.
     pub(crate) const fn ends(&self) -> (f64, f64) {
         self.ends
     }
 
-    /// What was drawn on these lines.
+    /// Returns the view of the data on these lines.
     pub(crate) fn on<'a>(&self, lines: &'a [Line]) -> CompactView<'a> {
         let (knots, rest) = lines.split_at(self.knots.div_ceil(Line::KNOTS));
-        let (compact_cubics, bundles) = rest.split_at(self.cubics);
+        let (compact_cubics, runs) = rest.split_at(self.cubics);
         CompactView {
             frame: self.frame,
             size: self.size,
             knots: Knots::with_ends(&cast_slice(knots)[..self.knots], self.ends),
             compact_cubics: cast_slice(compact_cubics),
-            bundles: cast_slice(&bundles[..count_of_bundles(self.cubics)]),
+            runs: cast_slice(&runs[..count_of_runs(self.cubics)]),
         }
     }
 
-    /// Of some knots and cubics, on lines of its own.
+    /// Returns a compact trajectory on lines of its own.
     #[cfg(test)]
     pub(crate) fn of(knots: &[f64], segments: &[Segment]) -> (Self, Vec<Line>) {
         let mut lines = vec![Line::BLANK; Self::lines(knots.len(), segments.len())];
-        (Self::draw(knots, segments, &mut lines).0, lines)
+        (Self::write(knots, segments, &mut lines).0, lines)
     }
 }

@@ -1,20 +1,21 @@
-//! Runs of consecutive cubics summed up: a box that holds many of them need not look at each.
+//! Runs of consecutive cubics: a box that contains many cubics is formed from few runs.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec4;
 
-/// Four consecutive cubics, or four runs of them, as one: 64 bytes.
+/// Bounds of four consecutive cubics, or of four smaller runs: 64 bytes.
 ///
-/// Coordinates are as in a [`CompactCubic`](super::CompactCubic). A path that strays some way from a line strays from any other
-/// one (each gone along in proportion to time), to either side, at most by that and what the end of
-/// the line that is farther on that side does. The line lies midway between how far the path strays to
+/// Coordinates are as in a [`CompactCubic`](super::CompactCubic). If a motion deviates from one
+/// uniformly parametrised line by at most d, it deviates from another one by at most d plus the
+/// larger deviation between the two lines' end points (per axis and side). The line is the chord,
+/// moved to the middle between the extreme deviations.
 /// either side of the line between its ends.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(crate) struct CubicRun {
-    /// Where its line begins; the last lane is what rounding is relative to besides coordinates.
+    /// Start of the line; the last lane is the other magnitude of rounding besides coordinates.
     start: Vec4,
-    /// Where that ends, and its extremes; their last lanes are how far it strays on each axis.
+    /// End of the line, and the extremes; the last lanes are the deviation on each axis.
     end: Vec4,
     low: Vec4,
     high: Vec4,
@@ -27,7 +28,7 @@ pub(super) struct ScaledRun {
     pub(super) low: Vec4,
     pub(super) high: Vec4,
     pub(super) near: f32,
-    pub(super) stray: Vec4,
+    pub(super) deviation: Vec4,
 }
 
 impl CubicRun {
@@ -39,9 +40,9 @@ impl CubicRun {
         let with = |lanes: Vec4, last: f32| lanes.truncate().extend(last);
         Self {
             start: with(unpacked.start, unpacked.near),
-            end: with(unpacked.end, unpacked.stray.x),
-            low: with(unpacked.low, unpacked.stray.y),
-            high: with(unpacked.high, unpacked.stray.z),
+            end: with(unpacked.end, unpacked.deviation.x),
+            low: with(unpacked.low, unpacked.deviation.y),
+            high: with(unpacked.high, unpacked.deviation.z),
         }
     }
 
@@ -55,13 +56,13 @@ impl CubicRun {
             low,
             high,
             near: start.w,
-            stray: Vec4::new(end.w, low.w, high.w, 0.0),
+            deviation: Vec4::new(end.w, low.w, high.w, 0.0),
         }
     }
 }
 
-/// How many complete runs of cubics there are of some cubics: of 4, of 16, and so on.
-pub(super) const fn count_of_bundles(mut cubics: usize) -> usize {
+/// Returns the number of complete runs of `cubics` cubics: of 4, of 16, and so on.
+pub(super) const fn count_of_runs(mut cubics: usize) -> usize {
     let mut count = 0;
     while cubics >= CubicRun::SIZE {
         cubics /= CubicRun::SIZE;
@@ -70,11 +71,10 @@ pub(super) const fn count_of_bundles(mut cubics: usize) -> usize {
     count
 }
 
-/// The largest run of cubics that begins with cubic `first` and ends before cubic `end`, out of all of
-/// `cubics`; and how many it holds.
+/// Returns the largest run from cubic `first` to before cubic `end`, and its number of cubics.
 #[inline(always)]
 pub(super) fn largest(
-    bundles: &[CubicRun],
+    runs: &[CubicRun],
     cubics: usize,
     first: usize,
     end: usize,
@@ -86,5 +86,5 @@ pub(super) fn largest(
         shift += CubicRun::SHIFT;
     }
     let (number, count) = found?;
-    Some((bundles.get(number)?, count))
+    Some((runs.get(number)?, count))
 }

@@ -1,15 +1,15 @@
-//! Courses: the straight line that a body nearly follows through a slice, closer than any box.
+//! Fat lines: a line and a radius that bound a body in a slice, closer than a box.
 
-/// A straight line through a slice of time, and how far a body strays from it, in the frame's unit.
+/// A fat line (Sederberg, Nishita, 1990) over a slice: a line with a radius, in the frame's unit.
 ///
-/// At the share `s` of the slice, 0..=1, every sphere of the body with half the margin around it is
-/// within `slack` of `start + s change`, what the exact solver's rounding can add included.
+/// At the share `s` of the slice, 0..=1, every sphere of the body, enlarged by half the margin, is
+/// within `slack` of `start + s change`. The exact solver's rounding is included.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FatLine {
     pub(crate) start: [f32; 3],
     pub(crate) change: [f32; 3],
     /// Infinite where the frame does not serve.
     pub(crate) slack: f32,
-    /// The cubic that the body follows first in the slice.
+    /// Number of the cubic that the body follows first in the slice.
     pub(crate) first: u32,
 }

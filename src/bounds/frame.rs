@@ -1,4 +1,4 @@
-//! Frames of f32 coordinates, and what boxes are larger by.
+//! Frames of f32 coordinates, and the padding of boxes.
 
 use super::nearest;
 use super::slice_interval::SliceInterval;
@@ -7,38 +7,36 @@ use crate::rounding::normalising_power;
 use glam::{DVec3, Vec4};
 use std::ops::Deref;
 
-/// Where f32 coordinates are measured from, and in which unit.
+/// Origin and unit (a power of two) of f32 coordinates.
 ///
-/// Far from the origin f32 boxes go blind, and beyond 3e38 they overflow; relative to the middle
-/// of the scene, in a power of two that suits its size, they do neither.
+/// Far from the origin f32 boxes lose all precision, and beyond 3e38 they overflow. Both are
+/// avoided by coordinates relative to the scene's middle, in a unit that suits its size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Frame {
     pub(super) origin: DVec3,
     pub(super) power: f64,
 }
 
-/// A frame whose boxes move. Only relative motion matters to a pair: in a slice, a box holds its body
-/// relative to a point that moves with the velocity that bodies have in common, from the slice's
-/// beginning on.
+/// A frame whose boxes move. Only relative motion matters to a pair. In a slice, a box bounds its
+/// body relative to a point that moves with the common velocity of the bodies from the slice's
+/// start.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MovingFrame {
     frame: Frame,
-    /// m/s.
     velocity: DVec3,
 }
 
 impl MovingFrame {
-    /// The common velocity, m/s.
+    /// Returns the common velocity, m/s.
     pub(crate) const fn velocity(&self) -> DVec3 {
         self.velocity
     }
 
-    /// Returns true if boxes move.
     pub(crate) fn moves(&self) -> bool {
         self.velocity != DVec3::ZERO
     }
 
-    /// Returns a slice of time, and how far boxes move in it.
+    /// Returns a slice interval with the displacement of its boxes.
     pub(crate) fn period(&self, from: f64, to: f64) -> SliceInterval<true> {
         let way = self.velocity * ((to - from) * self.frame.power);
         SliceInterval::new(from, to).moving(way)
@@ -71,8 +69,7 @@ impl DAabb {
         self.high = self.high.max(other.high);
     }
 
-    /// Where the middle half of some places is on each axis: a few that are far off all others make no
-    /// difference.
+    /// Returns the range of the middle half of `places` on each axis, which ignores outliers.
     pub(crate) fn of_middle_half(places: &mut [DVec3]) -> Self {
         let mut middle = Self::NOTHING;
         let Some(last) = places.len().checked_sub(1) else {
@@ -95,7 +92,7 @@ impl DAabb {
         self.low * 0.5 + self.high * 0.5
     }
 
-    /// Of all that is within `reach` of a place (m), for choosing a frame: no rounding is accounted for.
+    /// Returns the box within `reach` of a place (m), for choosing a frame: not rounded outward.
     pub(super) fn about(place: DVec3, reach: f64) -> Self {
         Self {
             low: place - reach,
@@ -110,13 +107,13 @@ impl Frame {
         power: 1.0,
     };
 
-    /// A frame for coordinates within `extremes` and paddings up to `padding` (m).
+    /// Returns a frame for coordinates within `extremes` and paddings up to `padding` (m).
     pub(crate) fn around(extremes: DAabb, padding: f64) -> Self {
         Self::amid(extremes, extremes, padding)
     }
 
-    /// The same where `most` of what is within `world` is: f32 is fine next to where it is measured
-    /// from, and coarse far away. A few bodies that are far off all others cost these nothing.
+    /// Returns a frame for coordinates within `world`, with its origin near `most` of them: f32 is
+    /// finest near the origin. A few outliers then cost the other bodies no precision.
     pub(crate) fn amid(world: DAabb, most: DAabb, padding: f64) -> Self {
         if !world.is_finite() {
             return Self::OF_NOTHING;
@@ -132,7 +129,7 @@ impl Frame {
         Self { origin, power }
     }
 
-    /// The frame with boxes that move with a velocity (m/s).
+    /// Returns the frame with boxes that move with a velocity (m/s).
     pub(crate) const fn moving(self, velocity: DVec3) -> MovingFrame {
         MovingFrame {
             frame: self,
@@ -140,10 +137,10 @@ impl Frame {
         }
     }
 
-    /// Whether it serves coordinates within a world, and paddings up to `padding` (m), about as
-    /// well as one [amid](Self::amid) them.
+    /// Returns true if this frame serves coordinates within `world`, and paddings up to `padding`
+    /// (m), about as well as a new one [amid](Self::amid) them.
     pub(crate) fn suits(&self, world: DAabb, most: DAabb, padding: f64) -> bool {
-        /// How much larger or smaller the unit may be: f32 has room to spare.
+        /// Largest ratio of the units, either way: f32 has exponents to spare.
         const MANY: f64 = 65536.0;
         if !world.is_finite() {
             return true;
@@ -155,10 +152,10 @@ impl Frame {
     }
 }
 
-/// Halves of what is measured that the origin may lie away from its middle: sixteen cost f32 four bits.
+/// Largest distance of the origin from the middle, in half extents: sixteen cost f32 four bits.
 const FEW: f64 = 16.0;
 
-/// Where a world is measured from, and how far from there most of it is, m.
+/// Returns the origin for a world, and how far from it most of the world extends, m.
 fn middle(world: DAabb, most: DAabb, padding: f64) -> (DVec3, f64) {
     let origin = world.middle();
     let half_of = |part: &DAabb| (part.high - part.middle()).max_element() + padding;
@@ -172,17 +169,15 @@ fn middle(world: DAabb, most: DAabb, padding: f64) -> (DVec3, f64) {
     }
 }
 
-/// How much larger than its hull a body's box is, in the frame's unit. (Of four lanes, the last
-/// holds nothing of use, here and in what follows.)
+/// The excess of a body's box over its hull, in the frame's unit. The fourth lane is unused.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Padding {
     /// Extremes of the hitbox in the body's frame, half the margin included.
     pub(super) low: Vec4,
     pub(super) high: Vec4,
-    /// Largest distance from the body's position that the bounding sphere and half the margin
-    /// reach.
+    /// Largest distance from the body's position within bounding sphere and half the margin.
     pub(super) reach: f32,
-    /// What the rounding of these is relative to.
+    /// The magnitude to which the rounding of the padding is relative.
     pub(super) size: f32,
 }
 
@@ -212,13 +207,13 @@ impl Padding {
         }
     }
 
-    /// Returns the largest distance from the body's position that it adds, and more where numbers cancel, m.
+    /// Returns a bound on the padding, m, that is not reduced by cancellation.
     pub(crate) fn size(hitbox: &Hitbox, margin: f64) -> f64 {
         hitbox.reach() + margin.abs()
     }
 }
 
-/// The nearest f32 vector in another unit.
+/// Returns the nearest f32 vector in another unit.
 #[inline(always)]
 fn scaled(vector: [f64; 4], power: f64) -> Vec4 {
     Vec4::new(

@@ -1,26 +1,25 @@
-//! Boxes: the Bézier hull of a body's motion in a slice of time, rounded outward to a parry3d
-//! `Aabb` (f32).
+//! Boxes: the Bézier hull of a motion in a time slice, rounded outward to a parry3d `Aabb` (f32).
 //!
-//! A box contains every position from which the exact solver would report a contact, the solver's
-//! own rounding included: it is inflated by the hitbox, half the margin and the clearance that
-//! every filter keeps (see `rounding`). A [`FatLine`] says the same more closely: a straight line,
-//! and how far from it.
+//! A box contains every position from which the exact solver would report a contact, including the
+//! solver's own rounding. Its padding is the hitbox, half the margin and the clearance of all
+//! filters (see `rounding`). A [`FatLine`] is a closer bound: a straight line and a radius.
 //!
-//! From a trajectory to a box, all in f32: its [`CompactTrajectory`] (or, where few boxes are wanted, its
-//! segments), split at the ends of slices into [`SubCubic`]s, which a [`BoundsBuilder`] follows through a
-//! slice; many whole cubics in one are passed in [`CubicRun`]s. A compact trajectory is drawn around the
-//! trajectory itself. With each split of a cubic, some 24 roundings (2^-24) are relative to its
-//! size and three to the distance from the trajectory's middle; six more are relative to that, and
-//! six to the distance from the scene's middle. Each count is given where it arises. Next to it
-//! the clearance of filters, 2^-44, is nothing.
+//! From a trajectory to a box, all in f32: the cubics of a [`CompactTrajectory`] (or its segments,
+//! if few boxes are needed) are split at the ends of slices into [`SubCubic`]s. A [`BoundsBuilder`]
+//! follows these through a slice; it passes many whole cubics at once in [`CubicRun`]s.
+//!
+//! Rounding, in units of 2^-24: each split of a cubic costs some 24 relative to its size and three
+//! relative to its distance from the trajectory's middle. Six more are relative to that distance,
+//! and six to the distance from the scene's middle. Each count is given where it arises. The
+//! clearance of filters, 2^-44, is negligible against it.
 
 mod apart;
 mod builder;
-mod bundling;
 mod compact_cubic;
 mod compact_trajectory;
 mod cubic_run;
 mod fat_line;
+mod form_runs;
 mod frame;
 mod placement;
 mod points;
@@ -39,7 +38,7 @@ pub(crate) use slice_interval::SliceInterval;
 pub(crate) use source::{BoundingCubic, CubicSource};
 pub(crate) use sub_cubic::SubCubic;
 
-/// Coordinates beyond this are not served: in the frame's unit, below the largest f32.
+/// Coordinates beyond this, in the frame's unit, are not served; below the largest f32.
 const FAR: f64 = 1e37;
 
 /// Half a unit in the last place of f32, relative.

@@ -1,24 +1,24 @@
-//! The place of a body's cubics in the frame, and what is the same for all its boxes.
+//! Placement of a body's cubics in the frame.
 
 use super::frame::{Frame, Padding};
 use super::{FAR, ROUNDING, nearest};
 use glam::{DVec3, Vec4};
 
-/// Where a body's cubics are measured from, and how much larger than their hull its boxes are.
+/// The transform from a body's cubics to the frame, and the padding of its boxes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FramePlacement {
-    /// What the cubics are relative to, in the frame's unit.
+    /// The frame of the cubics.
     pub(super) anchor: Frame,
-    /// From the unit of those that are drawn to the frame's.
+    /// Ratio of the cubics' unit to the frame's.
     pub(super) factor: f32,
-    /// Of the anchor in the frame.
+    /// Position of the anchor in the frame.
     pub(super) place: Vec4,
-    /// The same with the extremes of the hitbox.
+    /// Position of the anchor, plus the extremes of the hitbox.
     pub(super) low: Vec4,
     pub(super) high: Vec4,
     pub(super) reach: f32,
-    /// Rounding that is the same for all boxes, in the frame's unit; infinite where the frame does
-    /// not serve the body's coordinates. (It always does where it was chosen for all bodies.)
+    /// Rounding common to all boxes, in the frame's unit; infinite where the frame does not serve
+    /// the body. A frame chosen for all bodies always does.
     pub(super) steady: f32,
 }
 
@@ -33,15 +33,14 @@ impl FramePlacement {
         steady: 0.0,
     };
 
-    /// Of a body whose coordinates the frame does not serve. Nothing overflows on the way to a box
-    /// that is everywhere.
+    /// The placement of a body that the frame does not serve: leads to an infinite box.
     const ANYWHERE: Self = Self {
         factor: 0.0,
         steady: f32::INFINITY,
         ..Self::NONE
     };
 
-    /// Of cubics no coordinate of which is larger than `size`, as far as that is known.
+    /// Returns the placement of cubics with coordinates up to `size`, as far as that is known.
     pub(super) fn new(anchor: Frame, size: f64, padding: &Padding, frame: &Frame) -> Self {
         let lanes = |DVec3 { x, y, z }: DVec3| Vec4::new(nearest(x), nearest(y), nearest(z), 0.0);
         let place = lanes((anchor.origin - frame.origin) * frame.power);
@@ -68,8 +67,8 @@ impl FramePlacement {
         }
     }
 
-    /// Largest distance from the body's position that its hitbox and half the margin reach, in the
-    /// frame's unit.
+    /// Returns the largest distance from the body's position to the surface of its hitbox, half the
+    /// margin included, in the frame's unit.
     pub(crate) fn reach(&self) -> f64 {
         f64::from(self.reach)
     }

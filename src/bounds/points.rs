@@ -1,35 +1,35 @@
-//! What boxes are formed from: a part of a segment, with all that f64 makes of it.
+//! Bézier points of a part of a segment, with all f64 errors.
 
 use super::ROUNDING;
 use crate::rounding::largest_norm;
 use crate::trajectory::{Restriction, Segment};
 use glam::DVec3;
 
-/// What a compact cubic is drawn from: Bézier points relative to the segment's origin, m.
+/// Bézier points relative to the segment's origin, m: the input of a compact cubic.
 pub(super) struct PaddedPoints {
     pub(super) points: [DVec3; 4],
-    /// No point is farther from the first one, m.
+    /// Largest distance of a point from the first one, m.
     pub(super) extent: f64,
-    /// What is known of them, and the solver's own rounding: a quarter of what a box has to be larger
-    /// for it, m.
+    /// Error of the points and the solver's rounding, m: a quarter of the padding for both.
     error: f64,
 }
 
 impl PaddedPoints {
-    /// Of a segment from an instant to another one (s), also beyond its knots.
+    /// Returns the points of a segment between two instants (s), also beyond its knots.
     ///
-    /// Four times the error hold all that f64 makes of the body:
+    /// Four times the error covers all f64 errors:
     ///
-    /// - The points are off by `e`, their own error. So is what the solver makes of a part of them (`e`
-    ///   grows with the distance from the knots), and it reports what is within its tolerance of the
-    ///   threshold, 2 `e` from the motion in all; 2.25 `e` if certified (numerics, Section 6: the search
-    ///   ends within a quarter of it). That is 3.25 `e`, with the box's own points.
-    /// - The rest of its tolerance is 48 roundings of how far both bodies go in the span, which is nothing
-    ///   next to those of f32; one of the points' distance from the origin, and two of that between the
-    ///   origins of both segments, which is no more than both bodies' where they are near each other. `e`
-    ///   has 12 roundings of the points' distance: so that is 0.25 `e`.
+    /// - The points are off by `e`, their own error, which grows with the distance from the knots.
+    ///   So are the solver's points. The solver reports contacts within its tolerance of the
+    ///   threshold: 2 `e` from the motion, or 2.25 `e` if certified (numerics, Section 6: the
+    ///   search ends within a quarter of it). With the box's own points that is 3.25 `e`.
+    /// - The rest of its tolerance: 48 roundings of the extents of both bodies in the span,
+    ///   negligible against f32; one of the points' distance from the origin; two of the distance
+    ///   between both segments' origins. For near bodies the last is at most the sum of both
+    ///   bodies' distances. `e` contains 12 roundings of the points' distance, so this part is 0.25
+    ///   `e`.
     ///
-    /// `e` does not tell where the body is: the terms of an extrapolated cubic may be far larger than their
+    /// `e` does not follow from the position: terms of an extrapolated cubic may far exceed their
     /// sum.
     #[inline(always)]
     pub(super) fn of(segment: &Segment, (from, to): (f64, f64)) -> Self {
@@ -54,8 +54,9 @@ impl PaddedPoints {
         }
     }
 
-    /// What f32 rounding of the points is relative to, m, besides their size. A box takes at least four
-    /// roundings of that ([`SubCubic::NEAR`](super::SubCubic::NEAR)): so four times the error.
+    /// Returns the magnitude to which f32 rounding of the points is relative, besides their size,
+    /// m. A box takes at least four roundings of it ([`SubCubic::NEAR`](super::SubCubic::NEAR)),
+    /// hence four times the error.
     pub(super) fn spread(&self) -> f64 {
         self.extent + self.error / f64::from(ROUNDING)
     }
@@ -82,21 +83,20 @@ mod tests {
         plan: Trajectory,
         window: Window,
         pieces: Pieces,
-        /// The pieces are not those that follow from the plan.
+        /// Replaces the plan's own pieces if true.
         by_points: bool,
     }
 
-    /// Two states, and what happens before and after them.
+    /// Two states, and the rule before and after them.
     struct Flight {
         states: [State; 2],
         outside: Outside,
-        /// It goes on as the segment between them, known by its control points alone.
+        /// Continues as the segment between them, given by its control points alone.
         by_points: bool,
     }
 
     impl Flight {
-        /// Of some size and duration somewhere; it bends by a share of its velocity, often by nothing
-        /// but rounding.
+        /// Returns a segment of any size and duration; it bends, often only by rounding.
         fn any(rng: &mut ChaCha8Rng) -> Self {
             let mut power = |from: f64, to: f64| 10f64.powf(rng.random_range(from..to));
             let (size, duration, bend) = (power(-3.0, 3.0), power(-3.0, 3.0), power(-18.0, 0.0));
@@ -117,7 +117,7 @@ mod tests {
             }
         }
 
-        /// Its pieces over so many of its lengths, before and after.
+        /// Returns its pieces over so many of its durations, before and after.
         fn pieces(&self, (before, after): (f64, f64)) -> PlanPieces {
             let plan = Trajectory::from_states(&self.states);
             let plan = plan.map(|plan| plan.with_outside(self.outside));
@@ -140,7 +140,7 @@ mod tests {
             }
         }
 
-        /// The place in a frame, to twice the precision of f64 and rounded once.
+        /// Returns the position in a frame, in double-double and rounded once.
         fn place(&self, time: f64, frame: &Frame) -> DVec3 {
             let [first, last] = &self.states;
             let since = |state: &State| DoubleDouble::difference(time, state.time);
@@ -174,33 +174,33 @@ mod tests {
         }
     }
 
-    /// The quotient, good to some 2^-100 of itself.
+    /// Returns the quotient, to a relative error of some 2^-100.
     fn quotient(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble {
         let first = DoubleDouble::from(a.rounded() / b.rounded());
         let rest = a + DoubleDouble::from(-1.0) * first * b;
         first + DoubleDouble::from(rest.rounded() / b.rounded())
     }
 
-    /// Pieces in a frame around them, and the slices between some instants.
+    /// Returns the pieces in a frame around them, and the slices between some instants.
     fn look(
         plan_pieces: &PlanPieces,
         ends: &[f64],
         mut each: impl FnMut(&Frame, &CubicSource<'_, CompactCubic>, &[SliceBounds]),
     ) {
         let PlanPieces { plan, pieces, .. } = plan_pieces;
-        let (sketch, lines) = CompactTrajectory::of(&pieces.knots, &pieces.segments);
+        let (compact, lines) = CompactTrajectory::of(&pieces.knots, &pieces.segments);
         let (own, own_lines) = CompactTrajectory::of(plan.knots(), plan.segments());
-        let all = sketch.on(&lines);
+        let all = compact.on(&lines);
         let frame = all.frame;
         let padding = Padding::of(&Hitbox::POINT, 0.0, &frame);
         let source = if plan_pieces.by_points {
-            CubicSource::sketched(all.knots, &all, &padding, &frame)
+            CubicSource::compact(all.knots, &all, &padding, &frame)
         } else {
             let extension = plan.extension(plan_pieces.window);
             let extension = extension.unwrap_or_else(|_| unreachable!("it is near enough"));
             let knots = Knots::over(plan, extension.as_ref());
             assert_eq!(knots.cubics(), pieces.segments.len());
-            CubicSource::sketched(knots, &own.on(&own_lines), &padding, &frame)
+            CubicSource::compact(knots, &own.on(&own_lines), &padding, &frame)
         };
         let mut block = SliceBlock::default();
         InstructionSet::best().run(FormBounds {
@@ -217,11 +217,11 @@ mod tests {
         DVec3::from_array(lanes.map(f64::from))
     }
 
-    /// Where a body is by its exact cubic, however far beyond the knots, and within what the solver may
-    /// see of it from there, its pieces, boxes and fat lines hold it.
+    /// Pieces, boxes and fat lines contain the exact cubic, and the solver's error around it,
+    /// however far beyond the knots.
     #[test]
     fn what_goes_beyond_the_knots_is_held() {
-        /// Errors of the motion: see `PaddedPoints::of`; the box's own is left to show.
+        /// Errors of the motion, without the box's own: see `PaddedPoints::of`.
         const SEEN: f64 = 2.25;
         let mut rng = ChaCha8Rng::seed_from_u64(12);
         let mut tightest = f64::INFINITY;
@@ -256,19 +256,19 @@ mod tests {
                 }
                 for (slice, ends) in slices.iter().zip(ends.windows(2)) {
                     let ends = (ends[0], ends[1]);
-                    let (plan_pieces, aabb) = (&slice.fat_lines[0], &slice.boxes[0].aabb);
+                    let (fat_line, aabb) = (&slice.fat_lines[0], &slice.boxes[0].aabb);
                     let [low, high] = [aabb.mins, aabb.maxs].map(|edge| wide(edge.to_array()));
                     for step in 0..=4 {
                         let time = between(ends, f64::from(step) / 4.0);
                         let place = flight.place(time, frame);
                         // Instants may be coarse.
                         let share = (time - ends.0) / (ends.1 - ends.0).max(f64::MIN_POSITIVE);
-                        let line = wide(plan_pieces.start) + share * wide(plan_pieces.change);
-                        let stray = place.distance(line);
+                        let line = wide(fat_line.start) + share * wide(fat_line.change);
+                        let deviation = place.distance(line);
                         assert!(low.cmple(place).all() && high.cmpge(place).all(), "{round}");
                         assert!(
-                            stray <= f64::from(plan_pieces.slack),
-                            "{round} {stray} {plan_pieces:?}"
+                            deviation <= f64::from(fat_line.slack),
+                            "{round} {deviation} {fat_line:?}"
                         );
                     }
                 }
@@ -278,8 +278,8 @@ mod tests {
         assert!(tightest < 4.5, "{tightest}");
     }
 
-    /// Polynomials in absolute time that are known badly, for the numbers that they are made of, next to how
-    /// far they go: boxes are larger by four times that (in f32), whole or in part.
+    /// Absolute-time polynomials whose coefficients are large next to their extent: boxes are
+    /// larger by four times their error (in f32), whole or in part.
     #[test]
     fn what_is_badly_known_is_held() {
         for share in [0.0, 0.25] {
@@ -312,11 +312,10 @@ mod tests {
         }
     }
 
-    /// Boxes far beyond the knots are hardly larger than the way of the body in them: those of
-    /// segments that are short, too, bent or straight.
+    /// Boxes far beyond the knots hardly exceed the body's path, also for short segments.
     #[test]
     fn what_goes_beyond_the_knots_is_held_closely() {
-        /// Of a compact trajectory, the numbers of which are near one: some f32 roundings.
+        /// Some f32 roundings of a compact trajectory whose numbers are near one.
         const FINE: f64 = 1.0 / 1_048_576.0;
         let turn = |time: f64| {
             let (sine, cosine) = (0.5 * time).sin_cos();

@@ -1,17 +1,17 @@
-//! The time of a slice.
+//! Time intervals of slices.
 
 use super::{FAR, nearest};
 use glam::{DVec3, Vec4};
 
-/// The time of a slice, in which boxes move or rest.
+/// The time interval of a slice, in which boxes move or rest.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SliceInterval<const MOVES: bool> {
     /// First and last instant, s.
     pub(crate) from: f64,
     pub(crate) to: f64,
-    /// The inverse of its duration; 0 if that is too short to be divided.
+    /// Inverse of the duration, 1/s; 0 if the duration is too short to be divided by.
     pub(super) rate: f64,
-    /// How far boxes move in it, in the frame's unit.
+    /// Displacement of boxes in the slice, in the frame's unit.
     way: Vec4,
 }
 
@@ -31,8 +31,8 @@ impl SliceInterval<false> {
         }
     }
 
-    /// The slice with boxes that move so far in it, in the frame's unit. Any way serves that is the same
-    /// for all bodies: one beyond f32 is none.
+    /// Returns the slice with this displacement of its boxes, in the frame's unit. Any displacement
+    /// common to all bodies is correct, so one beyond f32 becomes zero.
     pub(super) fn moving(self, way: DVec3) -> SliceInterval<true> {
         let Self { from, to, rate, .. } = self;
         let DVec3 { x, y, z } = way;
@@ -51,13 +51,13 @@ impl SliceInterval<false> {
 }
 
 impl<const MOVES: bool> SliceInterval<MOVES> {
-    /// Returns how far boxes move in it, in the frame's unit.
+    /// Returns the displacement of boxes in the slice, in the frame's unit.
     #[inline(always)]
     pub(super) const fn way(&self) -> Vec4 {
         if MOVES { self.way } else { Vec4::ZERO }
     }
 
-    /// Returns where a point lies in a moving box, at a share of the slice.
+    /// Returns a point relative to a moving box, at a share of the slice.
     #[inline(always)]
     pub(super) fn relative_at(&self, point: Vec4, share: f32) -> Vec4 {
         if MOVES {
@@ -67,7 +67,7 @@ impl<const MOVES: bool> SliceInterval<MOVES> {
         }
     }
 
-    /// Returns where some control points lie in moving boxes, from one share of the slice to another.
+    /// Returns control points relative to moving boxes, from one share of the slice to another.
     #[inline(always)]
     pub(super) fn relative(&self, points: [Vec4; 4], first: f32, last: f32) -> [Vec4; 4] {
         if !MOVES {
@@ -84,7 +84,7 @@ impl<const MOVES: bool> SliceInterval<MOVES> {
         ]
     }
 
-    /// Which share of it has passed at an instant.
+    /// Returns the elapsed share of the slice at an instant.
     #[inline(always)]
     pub(super) fn share(&self, time: f64) -> f32 {
         nearest((time - self.from) * self.rate)

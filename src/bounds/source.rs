@@ -1,4 +1,4 @@
-//! How a body lies in the frame: its cubics, and what is the same for all its boxes.
+//! The cubics of a body and its placement in the frame, from which its boxes are formed.
 
 use super::builder::BoundsBuilder;
 use super::compact_cubic::CompactCubic;
@@ -12,40 +12,40 @@ use crate::simd::prefetch;
 use crate::trajectory::Segment;
 use std::slice::from_ref;
 
-/// A cubic that boxes are formed from.
+/// A cubic from which bounds are formed.
 pub(crate) trait BoundingCubic {
-    /// It is so cheap to read that two bodies are compared by it.
+    /// True if it is cheap enough to read for comparing two bodies.
     const IS_COMPACT: bool;
 
-    /// The whole of it between two knots, relative to the body's place, in the frame's unit.
+    /// Returns the whole cubic between two knots, relative to the body's place (frame's unit).
     fn piece(&self, knots: (f64, f64), placement: &FramePlacement) -> SubCubic;
 }
 
-/// A body's cubics, and how it lies in the frame.
+/// A body's cubics and their placement in the frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CubicSource<'a, C> {
     pub(crate) knots: Knots<'a>,
-    /// Those of the plan; none where it is a straight motion.
+    /// The cubics of the plan; none of a straight motion from one state.
     cubics: &'a [C],
     straight: Option<&'a Segment>,
-    /// Those of the cubics that were summed up.
-    bundles: &'a [CubicRun],
+    /// The complete runs of the cubics.
+    runs: &'a [CubicRun],
     pub(crate) placement: FramePlacement,
 }
 
 impl<C> CubicSource<'_, C> {
-    /// Of a body that never exists.
+    /// The source of a body that never exists.
     pub(crate) const NONE: Self = Self {
         knots: Knots::NONE,
         cubics: &[],
         straight: None,
-        bundles: &[],
+        runs: &[],
         placement: FramePlacement::NONE,
     };
 }
 
 impl<C: BoundingCubic> CubicSource<'_, C> {
-    /// A whole cubic, of a motion that goes beyond its plan or of one that does not.
+    /// Returns a whole cubic, of an extended motion or of one without extension.
     #[inline(always)]
     pub(crate) fn piece<const EXTENDED: bool>(&self, number: usize) -> SubCubic {
         if EXTENDED {
@@ -74,7 +74,7 @@ impl<C: BoundingCubic> CubicSource<'_, C> {
         }
     }
 
-    /// Fetches a cubic.
+    /// Prefetches a cubic.
     #[inline(always)]
     pub(crate) fn fetch(&self, number: usize) {
         if let Some(cubic) = self.cubics.get(number.wrapping_sub(self.knots.before())) {
@@ -82,18 +82,18 @@ impl<C: BoundingCubic> CubicSource<'_, C> {
         }
     }
 
-    /// Whether some of its cubics were summed up, and there are no others.
+    /// Returns true if the cubics have runs, and all cubics are the plan's own.
     #[inline(always)]
-    pub(crate) const fn is_in_bundles(&self) -> bool {
-        !self.bundles.is_empty() && !self.knots.are_extended()
+    pub(crate) const fn is_in_runs(&self) -> bool {
+        !self.runs.is_empty() && !self.knots.are_extended()
     }
 
-    /// Fetches what [`pass`](Self::pass) would read, or the first cubic if there is no such run of cubics;
-    /// gives the one after it.
+    /// Prefetches the data that [`pass`](Self::pass) would read, or the first cubic if no run fits;
+    /// returns the number of the next cubic.
     #[inline(always)]
     pub(crate) fn fetch_first(&self, first: usize, end: usize) -> usize {
-        if let Some((bundle, count)) = largest(self.bundles, self.cubics.len(), first, end) {
-            prefetch(from_ref(bundle));
+        if let Some((run, count)) = largest(self.runs, self.cubics.len(), first, end) {
+            prefetch(from_ref(run));
             first + count
         } else {
             self.fetch(first);
@@ -101,47 +101,47 @@ impl<C: BoundingCubic> CubicSource<'_, C> {
         }
     }
 
-    /// Has a builder go on with the largest run of cubics from `first` to before `end`; gives the
-    /// one after it, or none if there is no such run of cubics.
+    /// Adds the largest run of cubics from `first` to before `end` to a builder. Returns the next
+    /// cubic's number, or `None` if no run fits.
     #[inline(always)]
     pub(crate) fn pass<const MOVES: bool, const EXTENDED: bool>(
         &self,
-        trace: &mut BoundsBuilder<MOVES>,
+        builder: &mut BoundsBuilder<MOVES>,
         (first, end): (usize, usize),
     ) -> Option<usize> {
         if !EXTENDED {
-            let (bundle, count) = largest(self.bundles, self.cubics.len(), first, end)?;
+            let (run, count) = largest(self.runs, self.cubics.len(), first, end)?;
             let until = self.knots.own()[first + count];
-            trace.pass(&bundle.unpack(self.placement.factor), until);
+            builder.pass(&run.unpack(self.placement.factor), until);
             return Some(first + count);
         }
         let (before, cubics) = (self.knots.before(), self.cubics.len());
         let own = (first.checked_sub(before)?, (end - before).min(cubics));
-        let (bundle, count) = largest(self.bundles, cubics, own.0, own.1)?;
+        let (run, count) = largest(self.runs, cubics, own.0, own.1)?;
         let until = self.knots.at(first + count);
-        trace.pass(&bundle.unpack(self.placement.factor), until);
+        builder.pass(&run.unpack(self.placement.factor), until);
         Some(first + count)
     }
 }
 
 impl<'a> CubicSource<'a, CompactCubic> {
-    /// Of a body that was sketched, with these knots, some beyond the compact trajectory's own maybe.
-    pub(crate) fn sketched(
+    /// Returns the source of a body with a compact trajectory; `knots` may extend beyond that.
+    pub(crate) fn compact(
         knots: Knots<'a>,
-        drawing: &CompactView<'a>,
+        view: &CompactView<'a>,
         padding: &Padding,
         frame: &Frame,
     ) -> Self {
-        let mut anchor = drawing.frame;
-        if drawing.compact_cubics.is_empty() {
+        let mut anchor = view.frame;
+        if view.compact_cubics.is_empty() {
             anchor.origin = knots.origin().unwrap_or(anchor.origin);
         }
         Self {
             knots,
-            cubics: drawing.compact_cubics,
+            cubics: view.compact_cubics,
             straight: None,
-            bundles: drawing.bundles,
-            placement: FramePlacement::new(anchor, drawing.size, padding, frame),
+            runs: view.runs,
+            placement: FramePlacement::new(anchor, view.size, padding, frame),
         }
     }
 }
@@ -161,14 +161,14 @@ impl<'a, C> CubicSource<'a, C> {
             knots,
             cubics: &[],
             straight: Some(segment),
-            bundles: &[],
+            runs: &[],
             placement: FramePlacement::new(anchor, 0.0, padding, frame),
         }
     }
 }
 
 impl<'a> CubicSource<'a, Segment> {
-    /// Of a body of which a few boxes are wanted only: not worth a compact trajectory.
+    /// Returns the source of a body without a compact trajectory, for a few boxes.
     pub(crate) fn plain(
         (knots, segments): (Knots<'a>, &'a [Segment]),
         padding: &Padding,
@@ -183,7 +183,7 @@ impl<'a> CubicSource<'a, Segment> {
             knots,
             cubics: segments,
             straight: None,
-            bundles: &[],
+            runs: &[],
             placement: FramePlacement::new(anchor, 0.0, padding, frame),
         }
     }
@@ -219,8 +219,8 @@ mod tests {
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 
-    /// Offsets, radii and margins, each the largest, and so small that f32 has hardly any digits of
-    /// them: the rounding of a placement holds what f32 makes of a hitbox.
+    /// The rounding of a placement covers the conversion of a hitbox to f32: each of offset, radius
+    /// and margin once the largest, and once below f32's resolution.
     #[test]
     fn hitboxes_are_within_their_rounding() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
@@ -250,8 +250,8 @@ mod tests {
         }
     }
 
-    /// Bodies far from the scene's middle that rest, or fly far: the box holds all places, and the
-    /// fat line strays by no more than it says.
+    /// Bodies far from the scene's middle, at rest or fast: the box contains all positions, and the
+    /// fat line's deviation holds.
     #[test]
     fn places_far_away_are_within_their_rounding() {
         let mut rng = ChaCha8Rng::seed_from_u64(2);
@@ -280,8 +280,12 @@ mod tests {
             for (share, point) in [(0.0, piece.points[0]), (1.0, piece.points[3])] {
                 let place = origin + point.truncate().as_dvec3();
                 assert!(low.cmple(place).all() && high.cmpge(place).all(), "{round}");
-                let stray = place.distance(line(fat_line.start) + share * line(fat_line.change));
-                assert!(stray <= f64::from(fat_line.slack), "{stray} {fat_line:?}");
+                let deviation =
+                    place.distance(line(fat_line.start) + share * line(fat_line.change));
+                assert!(
+                    deviation <= f64::from(fat_line.slack),
+                    "{deviation} {fat_line:?}"
+                );
             }
         }
     }

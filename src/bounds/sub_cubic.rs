@@ -9,31 +9,32 @@ use glam::Vec4;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SubCubic {
     pub(super) points: [Vec4; 4],
-    /// What rounding is relative to, besides the points' own size: no two points are farther from
-    /// each other than twice this.
+    /// The other magnitude to which rounding is relative, besides the coordinates: no two points
+    /// are farther apart than twice this.
     pub(super) near: f32,
-    /// How often it was split from the rest of the cubic.
+    /// Number of splits from the rest of the cubic.
     pub(super) splits: f32,
     pub(super) from: f64,
     pub(super) to: f64,
 }
 
 impl SubCubic {
-    /// Roundings that the points carry, relative to their coordinates and to `near`, at first and
-    /// for each split.
+    /// Roundings of the points at first, and per split: of coordinates (far) and of `near`.
     ///
-    /// Far: one of each point of a compact trajectory; a split has three levels of de Casteljau, each with the
-    /// rounding of its sum. Two more for the sums of a box, or three for the line of a fat line and
-    /// one for its place, and one to spare.
+    /// Far: one per point of a compact trajectory. A split has three levels of de Casteljau, each
+    /// with one rounding of its sum. Two more for the sums of a box, or three for the line of a fat
+    /// line and one for its place, and one spare.
+    ///
     /// Near: differences of points are at most 2. At each level a difference and its product with
-    /// the share are rounded, 3 (2 + 2); the share's own rounding moves a point by up to 6; and
-    /// coordinates of a part may be smaller than those that were rounded, by 2 for each of Far's: 2
-    /// at first, with 2 to spare. Of a split's, the share has 3 to spare: below 1 it is rounded half
+    /// the share are rounded, 3 (2 + 2). The share's own rounding moves a point by up to 6.
+    /// Coordinates of a part may be smaller than the rounded ones, by 2 for each of Far's: 2 at
+    /// first, with 2 spare. Of a split's, the share has 3 spare: below 1 it is rounded half as
+    /// much.
     /// as much.
     pub(super) const FAR: [f32; 2] = [6.0, 3.0];
     pub(super) const NEAR: [f32; 2] = [4.0, 24.0];
 
-    /// One that `f32` does not serve.
+    /// Returns a cubic that f32 does not serve: its bounds are infinite.
     pub(super) const fn anywhere((from, to): (f64, f64)) -> Self {
         Self {
             points: [Vec4::ZERO; 4],
@@ -44,7 +45,6 @@ impl SubCubic {
         }
     }
 
-    /// A whole cubic.
     #[inline(always)]
     pub(super) fn whole(compact_cubic: &CompactCubic, (from, to): (f64, f64), factor: f32) -> Self {
         let (points, near) = compact_cubic.points(factor);
@@ -57,19 +57,19 @@ impl SubCubic {
         }
     }
 
-    /// Last instant, s.
+    /// Returns the last instant, s.
     #[inline(always)]
     pub(crate) const fn end(&self) -> f64 {
         self.to
     }
 
-    /// Whether it lasts from a slice's beginning to its end, and some time.
+    /// Returns true if the cubic covers the whole slice, and the slice has a duration.
     #[inline(always)]
     pub(crate) fn fills<const MOVES: bool>(&self, period: &SliceInterval<MOVES>) -> bool {
         period.rate > 0.0 && self.from <= period.from && self.to >= period.to
     }
 
-    /// The part from an instant to another one (s).
+    /// Returns the part between two instants (s).
     #[inline]
     pub(super) fn part(self, from: f64, to: f64) -> Self {
         let rest = if from > self.from {
@@ -80,21 +80,21 @@ impl SubCubic {
         if to < rest.to { rest.split(to).0 } else { rest }
     }
 
-    /// How far rounding can have moved each coordinate of its points.
+    /// Returns a bound on the rounding error of each coordinate of the points.
     #[inline]
     pub(super) fn rounding(&self) -> Vec4 {
         let [p0, p1, p2, p3] = self.points.map(Vec4::abs);
         Self::roundings(p0.max(p1).max(p2.max(p3)), self.near, self.splits)
     }
 
-    /// The same of points with these largest coordinates.
+    /// Returns that bound for points with these largest coordinates.
     #[inline(always)]
     pub(super) fn roundings(largest: Vec4, near: f32, splits: f32) -> Vec4 {
         let count = |[once, each]: [f32; 2]| ROUNDING * (once + each * splits);
         largest * count(Self::FAR) + near * count(Self::NEAR)
     }
 
-    /// The parts before and after an instant of it (s).
+    /// Returns the parts before and after an instant (s).
     #[inline(always)]
     pub(crate) fn split(&self, time: f64) -> (Self, Self) {
         let share = if time > self.from {
@@ -133,8 +133,7 @@ mod tests {
         point.truncate().as_dvec3()
     }
 
-    /// Splits alone, one after the other, of a cubic that is small and far away, or through zero: what
-    /// rounding has for them holds what they are off by.
+    /// Repeated splits of a small and distant cubic, or through zero: the rounding bound holds.
     #[test]
     fn splits_are_within_their_rounding() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);

@@ -1,10 +1,10 @@
-//! Every box against every other.
+//! Comparison of every box with every other.
 
 use super::{BodyBox, BroadPhase, Candidate, PairFilter, emit};
 
-/// Compares every box with every other: n (n - 1) / 2 tests, and nothing that could go wrong.
+/// Compares every box with every other: n (n - 1) / 2 tests.
 ///
-/// The reference of the other methods, and the fastest one for a few dozen boxes.
+/// The reference for the other methods, and the fastest one for a few dozen boxes.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BruteForce;
 

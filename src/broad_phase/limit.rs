@@ -1,18 +1,18 @@
-//! Room for candidates: what would fill the memory is given up.
+//! A limit on candidates, which bounds memory.
 
 use super::PairFilter;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// A filter that counts what it admits, and gives up when there is no more room.
+/// A filter that counts the pairs it admits, and gives up beyond a limit.
 pub(crate) struct CandidateLimit<'f, F> {
     filter: &'f F,
     most: u64,
-    /// Written by one thread: atomic because filters are shared.
+    /// Written by one thread; atomic since filters are shared.
     admitted: AtomicU64,
 }
 
 impl<'f, F: PairFilter> CandidateLimit<'f, F> {
-    /// Room for this many.
+    /// Returns a filter that admits up to `most` pairs.
     pub(crate) const fn new(filter: &'f F, most: u64) -> Self {
         Self {
             filter,
@@ -21,7 +21,6 @@ impl<'f, F: PairFilter> CandidateLimit<'f, F> {
         }
     }
 
-    /// Returns true if more were admitted.
     #[inline]
     pub(crate) fn is_short(&self) -> bool {
         self.admitted.load(Ordering::Relaxed) > self.most

@@ -1,9 +1,8 @@
-//! Pairs of bodies that may meet in one time slice: boxes in, candidate pairs out.
+//! Pairs of bodies that may be in contact in one time slice: boxes in, candidate pairs out.
 //!
-//! Three methods stand behind one contract, [`BroadPhase`], and give the same pairs:
-//! [`Sweep`], the default, is the one to use; [`Tree`], parry's bounding volume hierarchy, is what it
-//! is measured against; [`BruteForce`] compares every box with every other and is what both are
-//! checked against. The crate cuts the window into slices and forms the boxes.
+//! Three methods share one contract, [`BroadPhase`], and find the same pairs. [`Sweep`] is the
+//! default. [`Tree`], parry's bounding volume hierarchy, is the reference for speed, [`BruteForce`]
+//! for correctness. The crate cuts the window into slices and forms the boxes.
 
 mod brute_force;
 mod limit;
@@ -18,10 +17,10 @@ pub(crate) use limit::CandidateLimit;
 pub use sweep::Sweep;
 pub use tree::Tree;
 
-/// A way to find candidates. The answer is the same; the time is not.
+/// A broad-phase method. All methods find the same pairs, at different speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Method {
-    /// Every box against every other: quadratic, the reference.
+    /// Compares every box with every other: quadratic, the reference.
     BruteForce,
     /// A parry3d bounding volume hierarchy, built for each slice.
     Tree,
@@ -35,19 +34,19 @@ impl Method {
     pub const EVERY: [Self; 3] = [Self::BruteForce, Self::Tree, Self::Sweep];
 }
 
-/// One body's box in one slice: everywhere the body may be, with half the margin around it.
+/// A body's box in one slice: bounds all its positions, with hitbox and half the margin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyBox {
-    /// Corners, measured from the middle of the scene, in metres or a power of two of them, rounded
-    /// outward: finite, the low one nowhere above
-    /// the high one. May be flat, or as large as `f32` goes.
+    /// Corners relative to the scene's middle, in metres or a power of two of them, rounded
+    /// outward. Finite, with the low corner nowhere above the high one. May be flat, or as large as
+    /// `f32` allows.
     pub aabb: Aabb,
     /// The body's dense index; a body has at most one box in a slice.
     pub body: u32,
 }
 
 impl BodyBox {
-    /// Returns true if two boxes have a point in common; boxes that only touch have.
+    /// Returns true if two boxes overlap; touching boxes do.
     #[must_use]
     #[inline]
     pub fn meets(&self, other: &Self) -> bool {
@@ -55,7 +54,7 @@ impl BodyBox {
     }
 }
 
-/// Two bodies whose boxes meet in a slice.
+/// Two bodies whose boxes overlap in a slice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Candidate {
     /// The body with the lower index.
@@ -65,7 +64,7 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// The pair of two different bodies, in either order.
+    /// Returns the pair of two different bodies, in either order.
     #[must_use]
     #[inline]
     pub fn new(one: u32, other: u32) -> Self {
@@ -77,19 +76,19 @@ impl Candidate {
     }
 }
 
-/// Says which pairs are wanted: asked before a candidate is emitted, only for boxes that meet.
+/// A filter of pairs. It is asked before a candidate is emitted, only for boxes that overlap.
 pub trait PairFilter: Sync {
     /// Returns true if the pair of bodies `a < b` is wanted; the same answer each time.
     fn admits(&self, a: u32, b: u32) -> bool;
 
-    /// Returns true if no further pair is wanted: asked now and then, so that a search in a crowd can end
-    /// early. What was found by then is not complete.
+    /// Returns true if no further pair is wanted, so that a search in a crowd can end early,
+    /// incomplete. Asked now and then.
     fn gives_up(&self) -> bool {
         false
     }
 }
 
-/// Wants every pair, at no cost.
+/// The filter that admits every pair, at no cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Everyone;
 
@@ -100,13 +99,12 @@ impl PairFilter for Everyone {
     }
 }
 
-/// A way to find all pairs of boxes that meet. A value owns what it reuses from slice to slice.
+/// A method that finds all pairs of overlapping boxes. A value owns its buffers.
 pub trait BroadPhase: Default + Send {
-    /// Appends every admitted pair of bodies whose boxes meet, each once and no other; fewer if the
-    /// filter gives up.
+    /// Appends every admitted pair of bodies whose boxes overlap, each once and no other; fewer if
+    /// the filter gives up.
     ///
-    /// The order is unspecified, but depends on `boxes` alone: not on earlier calls, nor on the
-    /// processor. Fewer than two boxes have no pairs.
+    /// The order is unspecified, but depends on `boxes` alone.
     fn pairs<F: PairFilter>(
         &mut self,
         boxes: &[BodyBox],
@@ -115,7 +113,7 @@ pub trait BroadPhase: Default + Send {
     );
 }
 
-/// Appends the pair if the filter wants it.
+/// Appends the pair if the filter admits it.
 #[inline]
 fn emit<F: PairFilter>(one: u32, other: u32, filter: &F, candidates: &mut Vec<Candidate>) {
     let pair = Candidate::new(one, other);
@@ -124,7 +122,7 @@ fn emit<F: PairFilter>(one: u32, other: u32, filter: &F, candidates: &mut Vec<Ca
     }
 }
 
-/// Returns the mean extent of some boxes, summed up over the axes, and their mean volume.
+/// Returns the mean extent of some boxes, summed over the axes, and their mean volume.
 pub(crate) fn mean_size(boxes: &[BodyBox]) -> (f64, f64) {
     let (mut extent, mut volume) = (0.0, 0.0);
     for one in boxes {

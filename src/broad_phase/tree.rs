@@ -1,4 +1,4 @@
-//! parry's bounding volume hierarchy, built afresh for each slice.
+//! parry's bounding volume hierarchy, rebuilt for each slice.
 
 use std::fmt;
 
@@ -10,8 +10,8 @@ use super::{BodyBox, BroadPhase, Candidate, PairFilter, emit};
 
 /// Finds pairs with a [`Bvh`] built for each slice: n log n, whatever the shape of the scene.
 ///
-/// Building afresh was measured faster than updating the last slice's tree and querying it, since
-/// all boxes move. parry allocates the tree on each call.
+/// A rebuild was measured faster than updating the last slice's tree and querying it, since all
+/// boxes move. parry allocates the tree on each call.
 #[derive(Default)]
 pub struct Tree {
     workspace: BvhWorkspace,
@@ -43,10 +43,10 @@ impl BroadPhase for Tree {
     }
 }
 
-/// A box around the given one, at least an eighth as thick as long on every axis.
+/// Returns a box around the given one, at least an eighth as thick as long on every axis.
 ///
-/// parry splits nodes by their volume; flat boxes have none, and make trees several times deeper.
-/// What the thicker leaves meet in vain is tested again with the boxes themselves.
+/// parry splits nodes by their volume, so flat boxes make trees several times deeper. Pairs found
+/// only by the thicker leaves are removed by a test of the boxes themselves.
 fn thickened(aabb: &Aabb) -> Aabb {
     let largest = Vector::splat(f32::MAX);
     // Halved first: the difference of two finite corners may be infinite.

@@ -11,7 +11,7 @@ use crate::narrow_phase::kernels::least_point;
 use crate::real::Real;
 use crate::rounding::UNIT_ROUNDOFF;
 
-/// Parts looked at before the rest is left undecided.
+/// Largest number of parts examined; the rest is left undecided.
 const MAX_WORK: u32 = 256;
 
 /// Parts shorter than this are a few roundings long.
@@ -22,47 +22,47 @@ struct ThresholdQuery {
     cubic: ScaledCubic,
     low: f64,
     high: f64,
-    /// For the polygon's own cubic, without the rounding of restricting or evaluating it.
+    /// Thresholds for the polygon's own cubic, without the rounding of restriction or evaluation.
     own: SquaredThresholds,
-    /// For points and polygons computed from it.
+    /// Thresholds for points and polygons computed from it.
     computed: SquaredThresholds,
-    /// A few times farther apart: between these nothing is gained by looking closer.
+    /// Thresholds a few errors farther apart: between them a division gains nothing.
     blurred: SquaredThresholds,
 }
 
-/// What the Bernstein coefficients of a part say.
+/// The sign pattern of a part's Bernstein coefficients against both levels.
 enum PartPattern {
     Uniform(Side),
-    /// Each of these levels is crossed once, outwards.
+    /// Crosses each of these levels once, outwards.
     Rising(Crossed),
-    /// Each of these levels is crossed once, inwards.
+    /// Crosses each of these levels once, inwards.
     Falling(Crossed),
     Mixed(Mixed),
 }
 
-/// Which of the two levels a part crosses; it stays on the same side of the other.
+/// The levels that a part crosses; it stays on one side of the other.
 #[derive(Clone, Copy)]
 struct Crossed {
     inside: bool,
     outside: bool,
 }
 
-/// What is known about a part that must be divided.
+/// Known facts about a part that must be divided.
 struct Mixed {
     start: Side,
     end: Side,
-    /// The squared distance stays within `least..=greatest`.
+    /// Bounds of the squared distance.
     least: f64,
     greatest: f64,
 }
 
-/// What to do with a part of which only the outer end is certainly outside; fractions from the
-/// inner end, beyond which all is outside.
+/// The next step for a part of which only the outer end is certainly outside. Fractions count from
+/// the inner end; everything beyond them is outside.
 enum Cut {
     None,
-    /// Look closer at what is before.
+    /// Examine the part before the fraction.
     Examine(f64),
-    /// What is before is undecided for good.
+    /// The part before the fraction is undecided for good.
     Undecided(f64),
 }
 
@@ -103,8 +103,8 @@ pub(super) fn stretches(given: &UncertainCubic, threshold: Threshold) -> Stretch
 }
 
 impl ThresholdQuery {
-    /// Reads the Bernstein coefficients of the squared distance over a part whose control points
-    /// are wrong by at most `rounding`.
+    /// Returns the pattern of the squared distance over a part whose control points have an error
+    /// of at most `rounding`.
     #[inline]
     fn pattern(&self, points: &ControlPolygon, rounding: f64) -> PartPattern {
         let coefficients = squared_distance(points);
@@ -152,15 +152,15 @@ impl ThresholdQuery {
         }
     }
 
-    /// Whether all that a part reaches is so near the threshold that dividing it is of no use.
+    /// Returns true if the part stays so near the threshold that dividing it gains nothing.
     fn is_undecidable(&self, mixed: &Mixed) -> bool {
         self.blurred.side(mixed.least, mixed.least) != Side::Inside
             && self.blurred.side(mixed.greatest, mixed.greatest) != Side::Outside
     }
 
-    /// Where to cut a part, counted from the end that is not outside.
+    /// Returns the cut of a part, counted from its end that is not outside.
     fn cut(&self, points: &ControlPolygon, least: f64) -> Cut {
-        /// Beyond these, halving is as good.
+        /// Limits beyond which halving is as good.
         const WORTHWHILE: f64 = 0.375;
         const SETTLED: f64 = 0.875;
         let reach = Minorant::of(points).reach(self.computed.outside);
@@ -178,8 +178,8 @@ impl ThresholdQuery {
         }
     }
 
-    /// The last parameter that is certainly inside and the first that is certainly outside; that
-    /// end of the part where the level is not crossed.
+    /// Returns the last parameter that is certainly inside and the first that is certainly outside.
+    /// For a level that is not crossed: that end of the part.
     ///
     /// `points` is counted from the inner end at `origin`; the outer end is at `target`.
     fn crossing(
@@ -223,7 +223,7 @@ struct PartitionSearch {
 }
 
 impl PartitionSearch {
-    /// Appends what can be said about `start..end`, from left to right.
+    /// Appends the stretches of `start..end`, from left to right.
     fn examine(&mut self, start: f64, end: f64, turn: u32) {
         self.work += 1;
         if self.work > MAX_WORK {
@@ -261,7 +261,7 @@ impl PartitionSearch {
         }
     }
 
-    /// Cuts off what the quadratic below the squared distance shows to be outside, or divides.
+    /// Cuts off the part that the minorant shows to be outside, or divides.
     fn divide(&mut self, start: f64, end: f64, points: &ControlPolygon, mixed: &Mixed, turn: u32) {
         let is_falling = points[3].length_squared() < points[0].length_squared();
         let inner = if is_falling {
@@ -289,7 +289,7 @@ impl PartitionSearch {
         self.examine(s, end, turn + 1);
     }
 
-    /// Appends the part cut in two, if there is a cut.
+    /// Appends the part divided at the cut, if there is one.
     fn cut_off(
         &mut self,
         (start, end): (f64, f64),
@@ -317,7 +317,7 @@ impl PartitionSearch {
     }
 }
 
-/// In turns the middle and where the distance seems least, unless that is next to an end.
+/// Returns, in turns, the middle, and the place of the apparent minimum if not next to an end.
 fn dividing_fraction(points: &ControlPolygon, turn: u32) -> f64 {
     const NEAR_END: f64 = 1.0 / 64.0;
     if turn % 2 == 1 {

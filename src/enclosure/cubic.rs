@@ -1,8 +1,8 @@
-//! Cubics with an error, and what is certain about their distance from the origin.
+//! Cubics with an error bound, and certified facts about their distance from the origin.
 
 use glam::DVec3;
 
-/// A cubic from which the exact relative motion is nowhere farther than an error bound.
+/// A cubic with a bound on its distance from the exact relative motion.
 ///
 /// ```
 /// use glam::DVec3;
@@ -25,12 +25,12 @@ pub struct UncertainCubic {
     pub(super) error: f64,
 }
 
-/// A number of the input is not finite or beyond 1e300, or the error is negative.
+/// Error: a number of the input is not finite or beyond 1e300, or the error is negative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("a control point or its error is not finite, negative or beyond 1e300")]
 pub struct OutOfRange;
 
-/// The exact distance lies in `low..=high` (m, both finite and not negative).
+/// An interval `low..=high` that contains the exact distance (m, both finite and not negative).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DistanceEnclosure {
     /// Lower end, m.
@@ -39,7 +39,7 @@ pub struct DistanceEnclosure {
     pub high: f64,
 }
 
-/// Every exact answer lies in `first..=last`, a part of 0..=1 (local parameter).
+/// An interval `first..=last` within 0..=1 (local parameter) that contains every exact answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParameterEnclosure {
     /// Lower end.
@@ -48,8 +48,8 @@ pub struct ParameterEnclosure {
     pub last: f64,
 }
 
-/// The exact threshold lies in `low..=high` (m); it may be negative, and then nothing is inside. Nothing is
-/// certain about ends in the wrong order, or that are no numbers.
+/// An interval `low..=high` (m) that contains the exact threshold. If it is negative, nothing is
+/// inside. If its ends are in the wrong order or not numbers, nothing is certain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Threshold {
     /// Lower end, m.
@@ -58,29 +58,29 @@ pub struct Threshold {
     pub high: f64,
 }
 
-/// What is certain about the distance over a stretch.
+/// The certain relation of the distance to the threshold over a stretch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// Nearer than the threshold all over the stretch, its ends included.
+    /// Nearer than the threshold throughout the stretch, its ends included.
     Inside,
-    /// Farther than the threshold all over the stretch, its ends included.
+    /// Farther than the threshold throughout the stretch, its ends included.
     Outside,
     /// Within the error of the threshold, or left open by the work limit.
     Undecided,
 }
 
-/// A part of 0..=1 on which the same is certain.
+/// A part of 0..=1 with one relation to the threshold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
-    /// Where it begins.
+    /// Lower end (local parameter).
     pub first: f64,
-    /// Where it ends.
+    /// Upper end (local parameter).
     pub last: f64,
-    /// What is certain about it.
+    /// Relation to the threshold.
     pub side: Side,
 }
 
-/// Whether a search ended by itself or by its limit; the answer is certified in both cases.
+/// The way a search ended; the answer is certified in both cases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
     /// The enclosure is as tight as the error of its input allows.
@@ -94,11 +94,11 @@ pub enum Effort {
 pub struct LeastDistance {
     /// The least distance.
     pub distance: DistanceEnclosure,
-    /// All parameters at which it can be reached.
+    /// All parameters at which it can be attained.
     pub parameter: ParameterEnclosure,
     /// The parameter with the least distance found; within 0..=1.
     pub guess: f64,
-    /// Whether the search came to its end.
+    /// The way the search ended.
     pub effort: Effort,
 }
 

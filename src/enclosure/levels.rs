@@ -1,10 +1,10 @@
-//! How a squared distance lies to the levels of a threshold.
+//! Relation of a squared distance to the levels of a threshold.
 
 use super::Side;
 use super::scaled::TINY;
 use crate::rounding::UNIT_ROUNDOFF;
 
-/// Squared thresholds: what is below `inside` is certainly inside, above `outside` certainly
+/// Squared thresholds: values below `inside` are certainly inside, values above `outside` certainly
 /// outside. Minus infinity where nothing can be inside, or everything must be outside.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SquaredThresholds {
@@ -13,7 +13,7 @@ pub(super) struct SquaredThresholds {
 }
 
 impl SquaredThresholds {
-    /// For distances wrong by at most `error`.
+    /// Returns the levels for distances with an error of at most `error`.
     pub(super) fn new(low: f64, high: f64, error: f64) -> Self {
         let (near, far) = (low - error, high + error);
         Self {
@@ -30,7 +30,6 @@ impl SquaredThresholds {
         }
     }
 
-    /// Of what lies within `low..=high`.
     pub(super) fn side(&self, low: f64, high: f64) -> Side {
         if high < self.inside {
             Side::Inside
@@ -42,7 +41,7 @@ impl SquaredThresholds {
     }
 }
 
-/// How the Bernstein coefficients of a part lie to one level.
+/// Signs of a part's Bernstein coefficients against one level.
 ///
 /// With at most one uncertain coefficient between the certain ones of either side, the number of
 /// sign changes is known whatever its sign: none or one, and so is the number of crossings
@@ -149,7 +148,7 @@ mod tests {
         assert_eq!(all_outside.side(-9.0, 0.0), Side::Outside);
     }
 
-    /// Also of thresholds that the error nearly cancels.
+    /// Includes thresholds that the error nearly cancels.
     #[test]
     fn levels_are_rounded_outward() {
         let mut random = ChaCha8Rng::seed_from_u64(1);

@@ -1,10 +1,10 @@
-//! Where a threshold is met: a guess by Newton, then the nearest points that are certain.
+//! Crossings of a threshold: an estimate by Newton's method, then the nearest certain points.
 
 use super::part::ControlPolygon;
 use super::scaled::TINY;
 
-/// Where the distance seems to be `radius`, from 0 at the inner end to 1 at the outer end, and its
-/// rate there: bracketed Newton, not trusted by what follows.
+/// Returns an estimate of the crossing of `radius`, from 0 at the inner end to 1 at the outer end,
+/// and the closing rate there. Bracketed Newton; callers do not rely on it.
 pub(super) fn meeting_point(
     points: &ControlPolygon,
     radius: f64,
@@ -59,10 +59,10 @@ pub(super) fn meeting_point(
     (x, rate)
 }
 
-/// A short step below `room` that leads to where the test holds; `step` is the length expected.
+/// Returns a short step below `room` after which the test holds; `step` is the expected length.
 ///
-/// Doubled until it is long enough. Where the expectation is coarse (next to a turning point, where
-/// there is hardly any closing speed) it is not trusted to be needed.
+/// The step is doubled until the test holds. A coarse expectation, as next to a turning point with
+/// hardly any closing speed, is not assumed to be needed.
 pub(super) fn nearest_certain(
     mut step: f64,
     room: f64,

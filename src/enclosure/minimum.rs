@@ -1,4 +1,4 @@
-//! The certified minimum: split at the guess, bound both sides, branch where that is not enough.
+//! The certified minimum: split at the guess, bound both sides, branch if needed.
 
 use super::minorant::Minorant;
 use super::part::{ControlPolygon, from_nearer, part, point, split};
@@ -9,8 +9,8 @@ use crate::narrow_phase::kernels::least_point;
 use crate::real::Real;
 use crate::rounding::UNIT_ROUNDOFF;
 
-/// Parts held at once before the search answers with what it has. Random input needs 2, the worst
-/// adversarial input met fewer than 100.
+/// Largest number of parts held at once; then the search answers with the bounds it has. Random
+/// input needs 2, the worst adversarial input found fewer than 100.
 const MAX_PARTS: usize = 256;
 
 /// Returns the minorant of the part between `a` and `b` around the end with the smaller distance,
@@ -42,13 +42,13 @@ fn can_reach(minorant: &Minorant, level: f64, base: f64, tip: f64) -> Option<Par
     })
 }
 
-/// Moved up (`direction` 1) or down (-1) by more than the rounding of a sum, which does not underflow.
+/// Returns `s` moved up (`direction` 1) or down (-1) by more than a sum's rounding.
 #[inline]
 fn outward(s: f64, direction: f64) -> f64 {
     s + direction * (4.0 * UNIT_ROUNDOFF * s.abs())
 }
 
-/// The best point met so far.
+/// The best point found so far.
 #[derive(Clone, Copy, Debug)]
 struct Best {
     s: f64,
@@ -81,8 +81,7 @@ pub(super) fn least_distance(given: &UncertainCubic) -> LeastDistance {
     }
 }
 
-/// Returns the least distance, and a parameter at which it is reached; probably that is `guess`, if
-/// there is one.
+/// Returns the least distance, and a parameter at which it is attained: probably `guess`, if given.
 pub(super) fn nearest(given: &UncertainCubic, guess: Option<f64>) -> (DistanceEnclosure, f64) {
     let cubic = ScaledCubic::new(&given.points, given.error);
     let guess = guess.unwrap_or_else(|| least_point(&cubic.points));
@@ -100,8 +99,8 @@ pub(super) fn distance_at(given: &UncertainCubic, s: f64) -> DistanceEnclosure {
     cubic.restore(enclosure(below, square, cubic.part_error()))
 }
 
-/// Returns the enclosure from a lower bound of the computed squared distance, and a computed one
-/// that is reached; both are of a cubic wrong by at most `error`.
+/// Returns the enclosure from a lower bound of the computed squared distance, and an attained one;
+/// both are of a cubic with an error of at most `error`.
 #[inline(always)]
 pub(crate) fn enclosure(lower: f64, reached: f64, error: f64) -> DistanceEnclosure {
     // One unit of the root is that of the root and of the difference, half of one each.
@@ -126,15 +125,15 @@ pub(crate) fn target(size: f64, error: f64, best: f64) -> f64 {
     }
 }
 
-/// No minimiser of the exact distance has a computed squared distance above this: the exact one
-/// is at most the best point's plus its error, the computed one at most an error more.
+/// Returns the largest computed squared distance of a minimiser of the exact distance. The exact
+/// one is at most the best point's plus its error, the computed one at most one error more.
 #[inline]
 fn level(error: f64, best: f64) -> f64 {
     let root = root_above(best) + 2.0 * error;
     root * root * (1.0 + 8.0 * UNIT_ROUNDOFF)
 }
 
-/// At least the norm of which this is the computed square.
+/// Returns an upper bound of the norm of which this is the computed square.
 #[inline(always)]
 fn root_above(square: f64) -> f64 {
     // What underflow can hide in a square of three products is below TINY².
@@ -162,7 +161,7 @@ struct BranchAndBound<'c> {
     best: Best,
     /// Lower bound of the squared distance.
     lower: f64,
-    /// The guess that it begins with, and the minorants before and after it.
+    /// The initial guess, and the minorants before and after it.
     guess: f64,
     minorants: [Minorant; 2],
 }
@@ -195,8 +194,8 @@ impl<'c> BranchAndBound<'c> {
             .restore(enclosure(self.lower, self.best.square, self.error))
     }
 
-    /// Returns all parameters at which the minimum can be, by both sides of the guess; none only if
-    /// rounding contradicts itself.
+    /// Returns an interval of all parameters at which the minimum can be, from both sides of the
+    /// guess; `None` only if rounding contradicts itself.
     fn hull(&self) -> Option<ParameterEnclosure> {
         let level = level(self.error, self.best.square);
         let [before, after] = &self.minorants;
@@ -206,8 +205,7 @@ impl<'c> BranchAndBound<'c> {
         )
     }
 
-    /// Returns the hull cut down by the slope at the best point, where the distance is convex around
-    /// it.
+    /// Returns the hull, narrowed by the slope at the best point if the distance is convex there.
     fn narrowed(&self, hull: Option<ParameterEnclosure>) -> ParameterEnclosure {
         const WIDEST: f64 = 0.125;
         let s = self.best.s;
@@ -231,8 +229,8 @@ impl<'c> BranchAndBound<'c> {
         }
     }
 
-    /// Best first: the part with the smallest lower bound is divided, until all bounds reach the
-    /// target or the work is used up. The bounds are valid at any time.
+    /// Divides the part with the smallest lower bound (best first) until all bounds reach the
+    /// target or the work limit. The bounds are valid at any time.
     #[cold]
     #[inline(never)]
     fn branch(&mut self) -> (Vec<BoundedPart>, Effort) {
@@ -271,7 +269,7 @@ impl<'c> BranchAndBound<'c> {
         }
     }
 
-    /// Returns all parameters at which the minimum can be, by the parts that are left.
+    /// Returns an interval of all parameters at which the minimum can be, from the remaining parts.
     fn hull_of(&self, parts: &[BoundedPart]) -> Option<ParameterEnclosure> {
         let level = level(self.error, self.best.square);
         let possible = parts.iter().filter(|part| part.lower <= level);
@@ -288,7 +286,7 @@ struct BoundedPart {
     start: f64,
     end: f64,
     lower: f64,
-    /// It comes from a cut where the distance seemed least.
+    /// True if it comes from a cut at an apparent minimum.
     is_cut: bool,
 }
 
@@ -302,9 +300,9 @@ fn least_index(parts: &[BoundedPart]) -> usize {
     least
 }
 
-/// Returns where to divide a part. In turns: where the distance seems least, which separates minima;
-/// and the middle, or next to the best point, which serves flat minima, where bounds grow with the
-/// fourth or sixth power of the distance from it.
+/// Returns the place to divide a part, in turns: at the apparent minimum, which separates minima,
+/// and in the middle or next to the best point. The latter serves flat minima, where bounds grow
+/// with the fourth or sixth power of the distance.
 #[allow(
     clippy::float_cmp,
     reason = "an end is the best point itself or is not"
@@ -336,7 +334,7 @@ mod tests {
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 
-    /// Whichever of the root and the error is larger, and next to powers of two.
+    /// The root is larger or the error is, also next to powers of two.
     #[test]
     fn distances_are_rounded_outward() {
         let mut random = ChaCha8Rng::seed_from_u64(1);
@@ -371,7 +369,7 @@ mod tests {
         }
     }
 
-    /// Also of squares that underflow.
+    /// Includes squares that underflow.
     #[test]
     fn roots_are_rounded_up() {
         let mut random = ChaCha8Rng::seed_from_u64(2);

@@ -5,18 +5,16 @@ use super::scaled::TINY;
 use crate::real::Real;
 use crate::rounding::UNIT_ROUNDOFF;
 
-/// A quadratic below the squared distance on a part: `base + slope x + bend x²`, x in 0..=1 from
-/// the base.
+/// A quadratic `base + slope x + bend x²` below the squared distance, x in 0..=1 from the base.
 ///
-/// It holds for the control points as they are, where those of the whole cubic lie within
-/// 1e-50..1e50.
+/// Valid for the computed control points, if those of the whole cubic lie within 1e-50..1e50.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Minorant {
     /// Computed squared norm at the base (relative error 3u).
     pub(crate) base: f64,
     slope: f64,
     bend: f64,
-    /// No Bernstein coefficient of the squared distance minus that at the base is below this.
+    /// Lower bound of the squared distance's Bernstein coefficients minus its value at the base.
     floor: f64,
 }
 
@@ -79,8 +77,7 @@ impl Minorant {
         self.base - sink * (1.0 + 8.0 * UNIT_ROUNDOFF) - 6.0 * UNIT_ROUNDOFF * self.base - TINY
     }
 
-    /// Returns an x beyond which the squared distance is certainly above `level`; 1 where that
-    /// cannot be told.
+    /// Returns an x beyond which the squared distance is certainly above `level`, or 1 if unknown.
     #[inline]
     pub(super) fn reach(&self, level: f64) -> f64 {
         let (slope, bend) = (self.slope, self.bend);
@@ -139,7 +136,7 @@ mod tests {
         ]
     }
 
-    /// Bases and differences of all sizes, as integers: also such that cancel in the products.
+    /// Bases and differences of all sizes, as integers, also with products that cancel.
     #[test]
     fn the_minorant_is_below_the_exact_coefficients() {
         let mut random = ChaCha8Rng::seed_from_u64(1);

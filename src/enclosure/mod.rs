@@ -1,5 +1,5 @@
-//! Certified enclosures: how near a cubic comes to the origin, when, and on which side of a
-//! threshold it is, each with a proof that rounding has not spoilt it.
+//! Certified enclosures of a cubic's least distance from the origin, its time, and the side of a
+//! threshold, with proof against rounding.
 //!
 //! The input is an [`UncertainCubic`]: four Bézier control points in `f64`, and a bound for how far
 //! the exact relative motion can be from the cubic that they define. The answers are
@@ -22,8 +22,8 @@
 //! | k0..k3 | computed control points of a part, k0 at its base; m: the norm of k0 |
 //! | δj | kj - k0; A: the largest of their norms |
 //!
-//! Norms are Euclidean; an error of at most c |v| in every component v of a vector is one of at most
-//! c times its norm. A factor 1 + 2^-40 on the bounds covers all terms of second order and the
+//! Norms are Euclidean; an error of at most c |v| in every component v of a vector is one of at
+//! most c times its norm. A factor 1 + 2^-40 on the bounds covers all terms of second order and the
 //! rounding of the bounds themselves, an additive 1e-150 covers underflow (section 7).
 //!
 //! Three ideas keep the bounds small. The error is carried as a length, in front of the squares:
@@ -35,9 +35,9 @@
 //! # 1. Parts
 //!
 //! A control point of the part over a..=b is formed in three levels of (1 - t) p + t q, with t = a
-//! or b (the blossom; where a = 0 or b = 1 it is de Casteljau's scheme). A term passes at most three
-//! roundings per level (1 - t, the product, the sum), nine in all. The weights are not negative
-//! and sum to one, hence
+//! or b (the blossom; where a = 0 or b = 1 it is de Casteljau's scheme). A term passes at most
+//! three roundings per level (1 - t, the product, the sum), nine in all. The weights are not
+//! negative and sum to one, hence
 //!
 //! ```text
 //! |computed - exact control point| <= 9 u M        for every part, however short
@@ -87,8 +87,9 @@
 //!
 //! # 4. A quadratic from below
 //!
-//! On 0..=1, x has the Bernstein coefficients k/6 and x² has k (k - 1)/30. So with lower bounds bk of
-//! the coefficients ek, c1 = 6 b1, and c2 the least of 30 (bk - k b1) / (k (k - 1)) for k = 2..=6:
+//! On 0..=1, x has the Bernstein coefficients k/6 and x² has k (k - 1)/30. So with lower bounds bk
+//! of the coefficients ek, c1 = 6 b1, and c2 the least of 30 (bk - k b1) / (k (k - 1)) for k =
+//! 2..=6:
 //!
 //! ```text
 //! d(x) >= m² + c1 x + c2 x²
@@ -96,11 +97,12 @@
 //!                               max(0, -(c1 + c2))    elsewhere;  at most max(0, -b1, .., -b6)
 //! ```
 //!
-//! Where k0 is a minimum up to rounding, c1 is of the order of u m A, so sink is of the order of u² m²:
-//! the lower bound is m² but for a few roundings of m², even for m far below M. The computed
-//! m² has a relative error of 3 u, and two differences follow; 6 u m² is subtracted. c2 takes at most 15
-//! times the error of a coefficient, and 4 roundings of terms of 54 m A + 9 A² in sum; it is lowered by
-//! u (530 m A + 200 A²). The quadratic also tells beyond which x the distance is certainly above a level.
+//! If k0 is a minimum up to rounding, c1 is of the order of u m A, so sink is of the order of u²
+//! m²: the lower bound is m² but for a few roundings of m², even for m far below M. The computed m²
+//! has a relative error of 3 u, and two differences follow; 6 u m² is subtracted. c2 takes at most
+//! 15 times the error of a coefficient, and 4 roundings of terms of 54 m A + 9 A² in sum; it is
+//! lowered by u (530 m A + 200 A²). The quadratic also tells beyond which x the distance is
+//! certainly above a level.
 //!
 //! # 5. The least distance
 //!
@@ -114,59 +116,62 @@
 //! ```
 //!
 //! enclose the least exact distance, whenever the search stops: a part's computed cubic is nowhere
-//! farther than F from the exact motion. It stops where sqrt(B) >= m - max(F/4, 8 u M), or where m is
-//! below 16 u M (the spacing of s below 1 alone moves h by up to 6 u M), or at a limit of work.
+//! farther than F from the exact motion. It stops where sqrt(B) >= m - max(F/4, 8 u M), or where m
+//! is below 16 u M (the spacing of s below 1 alone moves h by up to 6 u M), or at a limit of work.
 //!
 //! **When.** At a minimiser of the exact distance that distance is at most m + F, the computed one
 //! at most m + 2 F. What the quadratics of all parts leave below that level is a first enclosure of
-//! all minimisers; its width is of the order of sqrt(m F / c2), the best that values can tell. Slopes tell
-//! more. The error is a cubic that stays below F on the part, so by Markov's inequalities (along any
-//! direction) its three derivatives by x stay below 18 F, 96 F and 192 F. So at the base h·h' is
-//! known to F |h'| + 18 F |h|; let G be the largest value it can have. Over the first enclosure,
+//! all minimisers; its width is of the order of sqrt(m F / c2), the best that values can tell.
+//! Slopes tell more. The error is a cubic that stays below F on the part, so by Markov's
+//! inequalities (along any direction) its three derivatives by x stay below 18 F, 96 F and 192 F.
+//! So at the base h·h' is known to F |h'| + 18 F |h|; let G be the largest value it can have. Over
+//! the first enclosure,
 //! |h'|² + h·h'' is at least its value at the base, less the errors of that, less the reach of the
 //! enclosure times a bound of its derivative 3 h'·h'' + h·h'''; let that be L. If L > 0 the exact
-//! squared distance is strictly convex there, and no minimiser, at the ends of 0..=1 neither, is farther than
-//! G/L from the base. That is of the order of F/|h'|: the square of the first.
+//! squared distance is strictly convex there, and no minimiser, at the ends of 0..=1 neither, is
+//! farther than G/L from the base. That is of the order of F/|h'|: the square of the first.
 //!
 //! # 6. Stretches
 //!
-//! For a threshold R between R1 and R2, what has |h| < R1 - E is certainly inside, what has |h| > R2 + E
-//! certainly outside. Parts are judged by the coefficients of section 2, with e = 9 u M:
+//! For a threshold R between R1 and R2, |h| < R1 - E is certainly inside, |h| > R2 + E certainly
+//! outside. Parts are judged by the coefficients of section 2, with e = 9 u M:
 //!
 //! - all on one side of a level: then so is the part;
 //! - certain signs that change once, with at most one uncertain coefficient where they change: by
 //!   Descartes' rule of signs in Bernstein form the level is crossed exactly once. Newton's method
-//!   finds where; then the nearest points are sought at which the computed distance differs from the
-//!   threshold by F and a few roundings. As there is no second crossing, all of the part before the
-//!   one and beyond the other is certain;
-//! - else the quadratic of section 4 cuts off what is outside, or the part is divided;
-//! - what stays within four times the error of the threshold is undecided: dividing is of no use.
+//!   finds where; then the nearest points are sought at which the computed distance differs from
+//!   the threshold by F and a few roundings. As there is no second crossing, all of the part before
+//!   the one and beyond the other is certain;
+//! - otherwise the quadratic of section 4 cuts off the outside, or the part is divided;
+//! - a part within four times the error of the threshold is undecided: dividing it gains nothing.
 //!
-//! So an undecided stretch ends where the distance differs from the threshold by a few F (about one
-//! at a crossing). At a crossing with the closing speed v, per unit of s, it is 2 F / v long; at a
-//! touch its length is of the order of sqrt(F).
+//! An undecided stretch therefore ends where the distance differs from the threshold by a few F
+//! (about one at a crossing). At a crossing with the closing speed v, per unit of s, it is 2 F / v
+//! long; at a touch its length is of the order of sqrt(F).
 //!
 //! # 7. Range
 //!
-//! The input is multiplied by a power of two first, so that the largest coordinate (or the error, if that
-//! is larger) lies in 1..2: all squares, and products of two squares, are in range then. Scaling is exact
-//! but for results below 2^-1022, which 1e-150, added to the error, covers. What underflow takes from a
-//! bound of squares is below 1e-174 (the root of a product m² A² that is lost is below 1e-161, and meets
-//! 530 u); 1e-150 is added to each, and does not show. The answer is multiplied back, and moved outward by
-//! a unit in the last place where that is not exact. So subnormal control points are served like all
-//! others. Flushing of subnormal numbers to zero must be off in the threads that call this. Blocks of
-//! kernels are not scaled; they are proven for sizes from 1e-50 to 1e50 alone.
+//! The input is multiplied by a power of two first, so that the largest coordinate (or the error,
+//! if that is larger) lies in 1..2: all squares, and products of two squares, are in range then.
+//! Scaling is exact but for results below 2^-1022, which 1e-150, added to the error, covers. What
+//! underflow takes from a bound of squares is below 1e-174 (the root of a product m² A² that is
+//! lost is below 1e-161, and meets 530 u); 1e-150 is added to each, and does not show. The answer
+//! is multiplied back, and moved outward by a unit in the last place where that is not exact. So
+//! subnormal control points are served like all others. Flushing of subnormal numbers to zero must
+//! be off in the threads that call this. Blocks of kernels are not scaled; they are proven for
+//! sizes from 1e-50 to 1e50 alone.
 //!
 //! # 8. Measured
 //!
-//! `NEARMISS_SEEDS=0..2500 cargo test --release --test oracle -- --ignored --nocapture`: questions to
-//! whole scenes, each two trajectories from states, a margin and a window; every answer verified
+//! `NEARMISS_SEEDS=0..2500 cargo test --release --test oracle -- --ignored --nocapture`: questions
+//! to whole scenes, each two trajectories from states, a margin and a window; every answer verified
 //! in exact integer arithmetic by the signs of `distance² - level²` over the intervals that its
-//! certificate names, a fiftieth of them by isolating all roots. Half of the questions and all of some
-//! families ask for a margin within 1e-6, 1e-9, 1e-12, a rounding, or nothing of the least distance:
-//! hence the unresolved ones. L is the local scale. (`Beyond` extrapolates and coasts. Medians and 99.9 % are
-//! upper ends of bins, a quarter of a binary order wide. An earlier version was asked 10,010,000 questions of
-//! the other families, with the same outcome, and widths of 5.4e-15 at most.)
+//! certificate names, a fiftieth of them by isolating all roots. Half of the questions and all of
+//! some families ask for a margin within 1e-6, 1e-9, 1e-12, a rounding, or nothing of the least
+//! distance: hence the unresolved ones. L is the local scale. (`Beyond` extrapolates and coasts.
+//! Medians and 99.9 % are upper ends of bins, a quarter of a binary order wide. An earlier version
+//! was asked 10,010,000 questions of the other families, with the same outcome, and widths of
+//! 5.4e-15 at most.)
 //!
 //! | family | questions | isolated | conflicts | unresolved | false negatives | false positives | violations | width/L, median | 99.9 % | largest |
 //! |---|---|---|---|---|---|---|---|---|---|---|
@@ -207,12 +212,12 @@ pub use stretches::Stretches;
 use glam::DVec3;
 
 impl UncertainCubic {
-    /// The cubic with these Bézier control points (m) on 0..=1, of which the exact cubic is
-    /// nowhere farther than `error` (m).
+    /// Returns the cubic with these Bézier control points (m) on 0..=1; the exact cubic is nowhere
+    /// farther than `error` (m) from it.
     ///
     /// # Errors
     ///
-    /// [`OutOfRange`] for what is not finite, beyond 1e300, or a negative error.
+    /// [`OutOfRange`] for numbers that are not finite or beyond 1e300, or a negative error.
     pub fn new(points: [DVec3; 4], error: f64) -> Result<Self, OutOfRange> {
         if is_in_range(&points, error, 1e300) {
             Ok(Self { points, error })
@@ -221,24 +226,25 @@ impl UncertainCubic {
         }
     }
 
-    /// The same of all that is finite: the difference of two motions in range, say.
+    /// Returns a cubic with finite control points, possibly beyond 1e300.
     pub(crate) fn finite(points: [DVec3; 4], error: f64) -> Self {
         debug_assert!(is_in_range(&points, error, f64::MAX), "finite numbers");
         Self { points, error }
     }
 
-    /// The least distance from the origin.
+    /// Returns the least distance from the origin.
     #[must_use]
     pub fn least_distance(&self) -> LeastDistance {
         minimum::least_distance(self)
     }
 
-    /// The least distance, and a parameter at which it is reached; sooner if that is `guess`.
+    /// Returns the least distance, and a parameter at which it is attained; faster if that is
+    /// `guess`.
     pub(crate) fn nearest(&self, guess: Option<f64>) -> (DistanceEnclosure, f64) {
         minimum::nearest(self, guess)
     }
 
-    /// The distance from the origin at a parameter in 0..=1.
+    /// Returns the distance from the origin at a parameter in 0..=1.
     ///
     /// # Panics
     ///
@@ -249,8 +255,8 @@ impl UncertainCubic {
         minimum::distance_at(self, parameter)
     }
 
-    /// Where the distance is certainly below the threshold, where certainly above, and where that
-    /// cannot be told: a partition of 0..=1.
+    /// Returns a partition of 0..=1 by the side of the threshold: certainly inside, certainly
+    /// outside, undecided.
     #[must_use]
     pub fn stretches(&self, threshold: Threshold) -> Stretches {
         crossings::stretches(self, threshold)

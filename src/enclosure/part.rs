@@ -39,14 +39,14 @@ pub(crate) fn part(points: &ControlPolygon, start: f64, end: f64) -> ControlPoly
     ]
 }
 
-/// Returns the same part counted from its other end.
+/// Returns the part counted from its other end.
 #[inline(always)]
 pub(crate) fn reversed([a, b, c, d]: ControlPolygon) -> ControlPolygon {
     [d, c, b, a]
 }
 
-/// Returns the same part counted from its nearer end, and whether that is the other one: without a
-/// branch, for vectors.
+/// Returns the part counted from its nearer end, and true if that is the other end. Free of
+/// branches, for vectors.
 #[inline(always)]
 pub(crate) fn from_nearer(points: &ControlPolygon) -> (ControlPolygon, bool) {
     let [p0, p1, p2, p3] = *points;
@@ -69,7 +69,6 @@ fn select(first: bool, a: DVec3, b: DVec3) -> DVec3 {
     )
 }
 
-/// Returns the point at `s`.
 #[inline]
 pub(super) fn point(points: &ControlPolygon, s: f64) -> DVec3 {
     let [h0, h1, h2, h3] = *points;

@@ -9,15 +9,14 @@ use glam::DVec3;
 /// 1 + 2^-40: covers all terms of second order and the rounding of the bounds themselves.
 pub(super) const SLACK: f64 = 1.0 + 1.0 / (1_u64 << 40) as f64;
 
-/// Far above what underflow can take from one formula, far below what roundings do to a cubic of
-/// size one and to its squares; large enough that neither it nor its products with u are subnormal,
-/// which would be slow.
+/// Far above the loss of one formula by underflow, far below the rounding of a cubic of size one
+/// and of its squares. Neither it nor its products with u are subnormal, which would be slow.
 pub(super) const TINY: f64 = 1e-150;
 
 /// Below this the square of a norm may have lost digits to underflow.
 const SMALLEST_SQUARE: f64 = 1e-250;
 
-/// A relative cubic brought to a magnitude near one.
+/// A relative cubic scaled to a magnitude near one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ScaledCubic {
     pub(super) points: ControlPolygon,
@@ -25,12 +24,12 @@ pub(super) struct ScaledCubic {
     pub(super) error: f64,
     /// Upper bound of the control points' norms (M).
     pub(super) size: f64,
-    /// Power of two that brings lengths back.
+    /// Power of two that restores lengths.
     unit: f64,
 }
 
 impl ScaledCubic {
-    /// Finite control points and a finite `error >= 0`.
+    /// Returns the scaled cubic; control points and `error >= 0` must be finite.
     pub(super) fn new(points: &[DVec3; 4], error: f64) -> Self {
         let [a, b, c, d] = *points;
         let largest = (a.abs().max(b.abs())).max(c.abs().max(d.abs()));
@@ -46,7 +45,7 @@ impl ScaledCubic {
         }
     }
 
-    /// Bound on the distance between any part computed from this cubic and the exact motion (F).
+    /// Returns a bound on the distance between any computed part and the exact motion (F).
     pub(super) fn part_error(&self) -> f64 {
         part_error(self.error, self.size)
     }
@@ -62,24 +61,24 @@ impl ScaledCubic {
         }
     }
 
-    /// Returns a lower bound of a length of the caller's, in this cubic's unit.
+    /// Returns a lower bound of a length in the caller's unit, in this cubic's unit.
     pub(super) fn bring_below(&self, length: f64) -> f64 {
         outward(length / self.unit, f64::next_down)
     }
 
-    /// Returns an upper bound of a length of the caller's, in this cubic's unit.
+    /// Returns an upper bound of a length in the caller's unit, in this cubic's unit.
     pub(super) fn bring_above(&self, length: f64) -> f64 {
         outward(length / self.unit, f64::next_up)
     }
 }
 
-/// Bound on the error of any part computed from a cubic of that error and size.
+/// Returns a bound on the error of any part computed from a cubic of that error and size.
 #[inline(always)]
 pub(crate) fn part_error(error: f64, size: f64) -> f64 {
     (error + 9.0 * UNIT_ROUNDOFF * size) * SLACK
 }
 
-/// Moves the product of a length and a power of two outward, where it is not exact.
+/// Returns the product of a length and a power of two, moved outward if it is not exact.
 fn outward(product: f64, next: fn(f64) -> f64) -> f64 {
     if product.is_normal() {
         product
@@ -88,7 +87,7 @@ fn outward(product: f64, next: fn(f64) -> f64) -> f64 {
     }
 }
 
-/// At least the Euclidean norm; exactly zero for the zero vector.
+/// Returns an upper bound of the Euclidean norm; exactly zero for the zero vector.
 pub(super) fn norm_above(vector: DVec3) -> f64 {
     let square = vector.dot(vector);
     if square > SMALLEST_SQUARE {
@@ -105,7 +104,7 @@ mod tests {
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 
-    /// From the smallest numbers to the largest.
+    /// Returns a size from the smallest to the largest numbers.
     fn size_of(rng: &mut ChaCha8Rng) -> f64 {
         10f64.powf(rng.random_range(-322.0..300.0))
     }
@@ -124,7 +123,7 @@ mod tests {
         }
     }
 
-    /// What scaling takes from a cubic is in its error, and the error of its parts holds both.
+    /// The error of a cubic includes the scaling, and the error of its parts covers both.
     #[test]
     fn scaled_cubics_are_within_their_error() {
         let mut rng = ChaCha8Rng::seed_from_u64(2);
@@ -152,7 +151,7 @@ mod tests {
         }
     }
 
-    /// There and back, lengths that are subnormal in one of the units or in both.
+    /// Lengths that are subnormal in one of the units or in both survive scaling and back.
     #[test]
     fn lengths_are_rounded_outward() {
         let mut rng = ChaCha8Rng::seed_from_u64(3);

@@ -1,16 +1,16 @@
-//! Bounds of the place of a minimiser by slope and curvature (module documentation, section 5).
+//! Bounds on the place of a minimiser by slope and curvature (module documentation, section 5).
 
 use super::part::ControlPolygon;
 use super::scaled::{SLACK, TINY, norm_above};
 use crate::real::Real;
 use crate::rounding::UNIT_ROUNDOFF;
 
-/// Returns how far a minimiser can be from the base, by the derivative.
+/// Returns a bound on the distance of minimisers from the base, by the derivative.
 ///
-/// `points` is a part counted from its base, `error` a bound on its distance from the exact cubic,
-/// and all minimisers of the exact distance are known to lie within `range` of the base (in the
-/// part's parameter, on either side). Where the squared distance is certainly convex over that
-/// range, its slope at the base bounds how far the minimiser can be; `range` otherwise.
+/// `points` is a part counted from its base, and `error` a bound on its distance from the exact
+/// cubic. All minimisers of the exact distance must lie within `range` of the base, in the part's
+/// parameter, on either side. If the squared distance is certainly convex over that range, its
+/// slope at the base gives the bound; otherwise `range` is returned.
 pub(super) fn stationary_reach(points: &ControlPolygon, error: f64, range: f64) -> f64 {
     let k0 = points[0];
     let d1 = points[1] - k0;

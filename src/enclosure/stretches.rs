@@ -1,4 +1,4 @@
-//! The partition of the parameter interval that a threshold makes.
+//! The partition of the parameter interval by a threshold.
 
 use super::{Effort, Side, Stretch};
 use std::fmt;
@@ -34,13 +34,13 @@ impl Stretches {
         effort: Effort::Tight,
     };
 
-    /// The stretches, at least one.
+    /// Returns the stretches, at least one.
     #[must_use]
     pub fn as_slice(&self) -> &[Stretch] {
         &self.stretches[..self.count]
     }
 
-    /// Whether the search came to its end; where it did not, more is undecided than need be.
+    /// Returns the way the search ended; if limited, more is undecided than necessary.
     #[must_use]
     pub fn effort(&self) -> Effort {
         self.effort
@@ -52,12 +52,12 @@ impl Stretches {
         whole
     }
 
-    /// Notes that the rest is undecided because the work limit was reached.
+    /// Records that the rest is undecided because of the work limit.
     pub(super) fn give_up(&mut self) {
         self.effort = Effort::Limited;
     }
 
-    /// The stretch from the last end to `last`.
+    /// Appends the stretch from the last end to `last`.
     pub(super) fn append(&mut self, last: f64, side: Side) {
         let first = match self.as_slice().last() {
             Some(stretch) if stretch.side == side => {

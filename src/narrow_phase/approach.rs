@@ -1,18 +1,18 @@
-//! When two bodies may be near each other in a slice of time: the cheapest test of a candidate.
+//! Times at which two bodies may be near each other in a slice: the cheapest test of a candidate.
 
 use crate::bounds::FatLine;
 use glam::Vec3A;
 
-/// The part of a slice (first and last instant, s) in which two bodies may be within the margin of
-/// each other, from their fat lines alone; none where they certainly are not.
+/// Returns the part of a slice (first and last instant, s) in which two bodies may be within the
+/// margin of each other, by their fat lines alone. `None` if they certainly never are.
 ///
-/// The difference of two straight motions is one, and within the sum of the slacks of zero only
-/// between the roots of a quadratic. The slacks hold all rounding of the fat lines, and more than a
-/// millionth of what is computed here: 2^-22 of the coordinates, where f64 rounds 2^-53.
+/// The difference of two straight motions is straight, and within the sum of the slacks of zero
+/// only between the roots of a quadratic. The slacks include all rounding of the fat lines. They
+/// exceed that of this function a million times: 2^-22 of the coordinates, where f64 rounds 2^-53.
 #[inline]
 pub(crate) fn approaching(a: &FatLine, b: &FatLine, (from, to): (f64, f64)) -> Option<(f64, f64)> {
-    /// Share by which the distance is taken larger, for the rounding of the roots: with slacks of 2^-22 of
-    /// the coordinates that is 2^-42 of the way at least, and 2^10 roundings of it.
+    /// Factor on the distance for the rounding of the roots. With slacks of 2^-22 of the
+    /// coordinates it adds at least 2^-42 of the distance travelled, or 2^10 of its roundings.
     const WIDER: f64 = 1.0 + 1e-6;
     if lines_apart(a, b) {
         return None;
@@ -59,12 +59,12 @@ pub(crate) fn approaching(a: &FatLine, b: &FatLine, (from, to): (f64, f64)) -> O
     Some((from.max(first), to.min(last)))
 }
 
-/// Whether the two bodies pass each other at a distance, whenever: what most candidates do.
+/// Returns true if the lines of two bodies, extended to all times, stay apart.
 ///
 /// The distance of a straight motion from zero is that of its cross product with its change,
-/// divided by the change. Rounding (2^-24 each), relative to the product of both lengths: one of each
-/// difference, one of a product, one of a sum, and three of its square, half of which count; 7 in all. The
-/// bound's own are 4 of itself: of that product, where they matter. 16 hold all.
+/// divided by the change. Rounding (2^-24 each), relative to the product of both lengths: one per
+/// difference, one of a product, one of a sum, and three of its square, of which half count; 7 in
+/// all. The bound's own are 4 of itself: of that product, where they matter. 16 cover everything.
 #[inline]
 fn lines_apart(a: &FatLine, b: &FatLine) -> bool {
     const ROUNDING: f32 = 0.5 * f32::EPSILON;
@@ -105,7 +105,7 @@ mod tests {
         (lane(0).powi(2) + lane(1).powi(2) + lane(2).powi(2)).sqrt()
     }
 
-    /// Every instant within the slacks is in the interval, and its ends are not far from such.
+    /// Every instant within the slacks is in the interval, and its ends are close to such instants.
     #[test]
     fn intervals_hold_what_is_near() {
         let mut rng = ChaCha8Rng::seed_from_u64(2);
@@ -157,8 +157,8 @@ mod tests {
         assert!(near > 2_000 && apart > 2_000, "{near} {apart}");
     }
 
-    /// Two that come as near as their slacks, and no nearer, from a hundred times as far or farther: in
-    /// f32 it looks as if they passed, about as often as not.
+    /// Two bodies whose least distance is exactly their slacks, seen from a hundred times as far or
+    /// farther: in f32 they appear to stay apart about as often as not.
     #[test]
     fn grazing_passes_far_out_are_not_ruled_out() {
         let mut rng = ChaCha8Rng::seed_from_u64(4);
@@ -198,8 +198,7 @@ mod tests {
         assert!(passes > 10_000, "{passes}");
     }
 
-    /// The same next to the smallest numbers and the largest, by the sizes of places, of changes, and of
-    /// what bodies pass each other by.
+    /// Places, changes and least distances of all magnitudes.
     #[test]
     fn grazing_passes_at_the_ends_of_the_range_are_not_ruled_out() {
         let mut rng = ChaCha8Rng::seed_from_u64(5);
@@ -241,8 +240,8 @@ mod tests {
         }
     }
 
-    /// Two that come as near as their slacks, exactly, at some share of the slice; each from nearly as far as
-    /// slacks allow.
+    /// Two bodies whose distance is exactly their slacks at some share of the slice, each starting
+    /// at nearly the largest distance that slacks allow.
     #[test]
     fn passes_that_touch_are_not_ruled_out() {
         let mut rng = ChaCha8Rng::seed_from_u64(7);
@@ -274,7 +273,7 @@ mod tests {
         }
     }
 
-    /// A slice a few instants long, late: also between these bodies that are near each other are.
+    /// Includes near instants in a slice that is a few instants long and late on the clock.
     #[test]
     fn intervals_between_instants_hold_what_is_near() {
         let mut rng = ChaCha8Rng::seed_from_u64(6);

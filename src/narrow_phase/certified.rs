@@ -1,12 +1,12 @@
-//! Contacts and closest approach of one pair with proofs.
+//! Certified contacts and closest approach of one pair.
 //!
-//! Each pair of spheres over a span is a cubic with an error bound; [`enclosure`](crate::enclosure)
-//! cuts the span into what is certainly inside the threshold, certainly outside, and undecided.
-//! What is not outside, over all spans and spheres, is joined where it meets: a conflict. So
-//! nothing that may be inside is lost, and an undecided gap is bridged, and marked.
+//! Each pair of spheres over a span is a cubic with an error bound. [`enclosure`](crate::enclosure)
+//! divides the span into parts that are certainly inside the threshold, certainly outside, and
+//! undecided. Touching or overlapping parts that are not outside are joined, over all spans and
+//! spheres: a conflict. So no contact is lost, and undecided gaps are bridged and marked.
 //!
-//! The plain solver gives the numbers that are reported; they are moved into the enclosures where
-//! its rounding left them outside.
+//! The plain solver gives the reported numbers; those outside the enclosures because of its
+//! rounding are moved into them.
 
 use super::clusters::{ClusterPair, ProvenContact};
 use super::contact::{ClosestSearch, each_for_nearest, lone_pair};
@@ -21,25 +21,22 @@ use std::iter::once;
 
 mod separation;
 
-/// A contact and what is proven of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct CertifiedContact {
     pub(crate) contact: Contact,
     pub(crate) certificate: Certificate,
 }
 
-/// What a pair's work reuses.
+/// Reusable buffers of a pair's work.
 #[derive(Debug, Default)]
 pub(crate) struct Workspace {
     members: Vec<UncertainPair>,
     parts: Vec<VerdictInterval>,
-    /// By member: its place in the order of time and of their spheres' numbers, whenever they were
-    /// solved; and how many parts it has.
+    /// Rank of each member by time and sphere numbers, and its number of parts.
     ranks: Vec<usize>,
     counts: Vec<usize>,
-    /// What members have of the group at hand.
     shares: Vec<MemberSummary>,
-    /// For what is sorted.
+    /// Buffer for sorting.
     order: Vec<usize>,
 }
 
@@ -50,7 +47,7 @@ struct UncertainPair {
     pair: SpherePair,
 }
 
-/// A time in which a member is not certainly apart.
+/// An interval in which a member is not certainly apart.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct VerdictInterval {
     start: f64,
@@ -59,20 +56,20 @@ pub(super) struct VerdictInterval {
     member: usize,
 }
 
-/// What a member has of a group of parts.
+/// A member's parts in a group.
 #[derive(Clone, Copy, Debug)]
 struct MemberSummary {
     member: usize,
-    /// From the first to the last instant of its parts.
+    /// Hull of its parts, s.
     start: f64,
     end: f64,
     count: usize,
-    /// It is certainly inside in one of them.
+    /// True if it is certainly inside in one of them.
     is_inside: bool,
 }
 
-/// The contacts within `margin` and `clip` found in `spans` (those not given are known to be free
-/// of contact), in the order of time; appends to `found`.
+/// Appends the contacts within `margin` and `clip`, in time order, to `found`. Spans missing in
+/// `spans` must be free of contact.
 pub(crate) fn certified_contacts(
     a: &BodyView<'_>,
     b: &BodyView<'_>,
@@ -109,7 +106,7 @@ impl Workspace {
         self.parts.clear();
     }
 
-    /// Takes in a pair of spheres over a span; gives the times in which it is not certainly apart.
+    /// Adds a pair of spheres over a span; returns the times in which it is not certainly apart.
     pub(super) fn solve(
         &mut self,
         pair: &SpherePair,
@@ -125,7 +122,7 @@ impl Workspace {
         &self.parts[count..]
     }
 
-    /// The contacts of all that was taken in, in the order of time; appends to `found`.
+    /// Appends the contacts of all pairs added, in time order, to `found`.
     pub(super) fn join(
         &mut self,
         views: (&BodyView<'_>, &BodyView<'_>),
@@ -190,8 +187,8 @@ impl Workspace {
     }
 }
 
-/// The least separation over `spans` within `clip`, its error half-width, and when it is reached;
-/// none without a span.
+/// Returns the least separation over `spans` within `clip`, its error half-width, and its time;
+/// `None` without a span.
 pub(crate) fn certified_approach(
     a: &BodyView<'_>,
     b: &BodyView<'_>,
@@ -219,7 +216,7 @@ pub(crate) fn certified_approach(
     Some((approach, error, least.time))
 }
 
-/// What of a pair of spheres over its span is not certainly apart, clipped.
+/// Appends the clipped parts of a span in which a pair of spheres is not certainly apart.
 fn push_parts(
     pair: &SpherePair,
     margin: f64,
@@ -253,7 +250,7 @@ fn push_parts(
     }
 }
 
-/// An outward enclosure of the exact sum of two radii and a margin.
+/// Returns an outward enclosure of the exact sum of two radii and a margin.
 fn threshold(a: f64, b: f64, margin: f64) -> Threshold {
     let radius = contact_radius(a, b, margin);
     let (radii, lost_radii) = two_sum(a, b);
@@ -274,7 +271,7 @@ fn threshold(a: f64, b: f64, margin: f64) -> Threshold {
     }
 }
 
-/// What each member has of some parts, by member; replaces what `shares` held.
+/// Summarises parts by member; replaces the content of `shares`.
 fn share_out(parts: &[VerdictInterval], shares: &mut Vec<MemberSummary>) {
     shares.clear();
     shares.extend(parts.iter().map(|part| MemberSummary {
@@ -297,12 +294,12 @@ fn share_out(parts: &[VerdictInterval], shares: &mut Vec<MemberSummary>) {
     });
 }
 
-/// Parts that meet: one conflict.
+/// Overlapping or touching parts: one conflict.
 struct MergedConflict<'w> {
     members: &'w [UncertainPair],
-    /// How many parts each member has, those of other groups included.
+    /// Number of parts of each member, including those in other groups.
     counts: &'w [usize],
-    /// Those of this group, by start, and what each member has of them, by member.
+    /// Parts of this group by start, and their summaries by member.
     parts: &'w [VerdictInterval],
     shares: &'w [MemberSummary],
     start: f64,
@@ -310,9 +307,9 @@ struct MergedConflict<'w> {
 }
 
 impl MergedConflict<'_> {
-    /// The conflict; `order` is that in which members are gone through. None where no part is inside,
-    /// and the least separation is proven to be above the margin: between the instants that a window
-    /// leaves of a part, say, or where the bodies graze.
+    /// Returns the conflict; `order` is the order of visiting members. `None` if no part is inside
+    /// and the least separation is certainly above the margin. Examples: parts cut to an instant by
+    /// a window, grazing bodies.
     fn contact(
         &self,
         views: (&BodyView<'_>, &BodyView<'_>),
@@ -365,8 +362,8 @@ impl MergedConflict<'_> {
         })
     }
 
-    /// The least separation of all members. It is likely that of the one with the share `nearest`,
-    /// whose enclosure rules out most others without one of their own.
+    /// Returns the least separation of all members. The member of summary `nearest` goes first: its
+    /// enclosure usually rules out most others without one of their own.
     fn least(
         &self,
         (a, b): (&BodyView<'_>, &BodyView<'_>),
@@ -391,8 +388,8 @@ impl MergedConflict<'_> {
         SeparationEnclosure::of_all(&found)
     }
 
-    /// When it begins and ends, and whether it is certainly one conflict: that some part is
-    /// inside, and all between the first and the last of these.
+    /// Returns the beginning, the end, and true if this is certainly one conflict: some part is
+    /// inside, and so is everything between the first and the last of these.
     fn ends(&self) -> (TimeEnclosure, TimeEnclosure, bool) {
         let mut inside: Option<(f64, f64)> = None;
         let mut has_gap = false;
@@ -413,8 +410,8 @@ impl MergedConflict<'_> {
         (enter, exit, inside.is_some() && !has_gap)
     }
 
-    /// Whether a member's least distance over its whole span is that over its parts in this
-    /// group: it is certainly inside there, and elsewhere in the span certainly apart.
+    /// Returns true if a member's least distance over its whole span is in its parts of this group:
+    /// it is certainly inside there, and certainly apart elsewhere in the span.
     fn is_all_of(&self, share: &MemberSummary, span: &Span, clip: (f64, f64)) -> bool {
         clip.0 <= span.start
             && span.end <= clip.1

@@ -9,8 +9,7 @@ use super::{BodyView, contact_radius};
 use crate::spans::Span;
 use glam::DVec3;
 
-/// Two spheres over one span, solved: their contacts at any margin and in any window follow from
-/// it without another root.
+/// A solved pair of spheres over a span: contacts at any margin and window need no more roots.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SolvedSpan {
     span: Span,
@@ -18,7 +17,7 @@ pub(crate) struct SolvedSpan {
     profile: DistanceProfile,
 }
 
-/// The only two spheres of a pair, over a span; none if there are more.
+/// Returns the only two spheres of a pair over a span, or `None` if there are more.
 pub(super) fn lone_pair(a: &BodyView<'_>, b: &BodyView<'_>, span: Span) -> Option<SpherePair> {
     let ([sphere_a], [sphere_b]) = (a.spheres, b.spheres) else {
         return None;
@@ -34,8 +33,8 @@ pub(super) fn lone_pair(a: &BodyView<'_>, b: &BodyView<'_>, span: Span) -> Optio
     })
 }
 
-/// Whether the bounding spheres of a pair come within the margin in a span, as far as cheap tests
-/// can tell, looking at `from..=to` only.
+/// Returns true if cheap tests cannot exclude that the bounding spheres of a pair come within the
+/// margin in `from..=to`, a part of a span.
 pub(crate) fn may_touch(
     a: &BodyView<'_>,
     b: &BodyView<'_>,
@@ -56,8 +55,8 @@ pub(crate) fn may_touch(
     !certainly_beyond(&near_points(a, b, span, interval), threshold)
 }
 
-/// The distance beyond which the bounding spheres of a pair are certainly apart in a span; none if
-/// no distance is small enough.
+/// Returns the distance beyond which the bounding spheres of a pair are certainly apart in a span,
+/// or `None` if no distance is small enough.
 #[inline]
 fn near_threshold(a: &BodyView<'_>, b: &BodyView<'_>, span: Span, margin: f64) -> Option<f64> {
     let radius = contact_radius(a.bounding.radius, b.bounding.radius, margin);
@@ -70,8 +69,7 @@ fn near_threshold(a: &BodyView<'_>, b: &BodyView<'_>, span: Span, margin: f64) -
     Some(filter_threshold(radius, scale))
 }
 
-/// The relative control points of a pair's bounding spheres in the part of a span within
-/// `from..=to`.
+/// Returns the relative control points of a pair's bounding spheres over a part of a span.
 #[inline]
 fn near_points(
     a: &BodyView<'_>,
@@ -85,7 +83,7 @@ fn near_points(
     RelativeMotion::between(segment_a, segment_b, part).points(offset)
 }
 
-/// Solves each pair of spheres over a span; gives those that come within `margin`.
+/// Solves each pair of spheres over a span and returns those that come within `margin`.
 pub(crate) fn solve(
     a: &BodyView<'_>,
     b: &BodyView<'_>,
@@ -114,10 +112,10 @@ pub(crate) fn solve(
     }
 }
 
-/// All maximal intervals of `clip` in which the separation is at most `margin`, found in `spans`
-/// (those not given are known to be free of contact), in the order of time.
+/// Appends all maximal intervals of `clip` with separation of at most `margin`, in time order, to
+/// `found`.
 ///
-/// Appends to `found`.
+/// Spans missing in `spans` must be free of contact.
 pub(crate) fn contacts(
     a: &BodyView<'_>,
     b: &BodyView<'_>,
@@ -153,7 +151,7 @@ pub(crate) fn contacts(
     join(found, first);
 }
 
-/// The same from spans of one pair that were solved at this margin or a larger one.
+/// Appends the contacts from spans of one pair that were solved at this margin or a larger one.
 pub(crate) fn contacts_of<'s>(
     solved: impl Iterator<Item = &'s SolvedSpan>,
     margin: f64,
@@ -172,7 +170,7 @@ pub(crate) fn contacts_of<'s>(
     join(found, first);
 }
 
-/// Joins the contacts from `first` on that overlap or meet: across spans and across spheres.
+/// Joins the contacts from index `first` on that overlap or touch, across spans and spheres.
 pub(super) fn join(contacts: &mut Vec<Contact>, first: usize) {
     contacts[first..].sort_unstable_by(|x, y| {
         x.enter
@@ -198,8 +196,7 @@ pub(super) fn join(contacts: &mut Vec<Contact>, first: usize) {
     contacts.truncate(contacts.len().min(last + 1));
 }
 
-/// The least separation over `spans` within `clip`, the earliest where it is reached often; none
-/// without a span.
+/// Returns the least separation over `spans` within `clip`, the earliest of ties, if any.
 pub(crate) fn closest_approach(
     a: &BodyView<'_>,
     b: &BodyView<'_>,
@@ -217,8 +214,8 @@ pub(crate) fn closest_approach(
     nearest.closest
 }
 
-/// Solves the pairs of spheres over a span one of which may be nearer in `clip` than what was
-/// `reached` so far (m); `solve` gives what is reached then.
+/// Solves the pairs of spheres over a span that may come nearer in `clip` than `reached` (m);
+/// `solve` returns the new value of `reached`.
 pub(super) fn each_for_nearest(
     (a, b): (&BodyView<'_>, &BodyView<'_>),
     span: Span,
@@ -236,13 +233,13 @@ pub(super) fn each_for_nearest(
     }
 }
 
-/// The closest approach so far, span by span.
+/// A search for the closest approach, span by span.
 #[derive(Debug)]
 pub(super) struct ClosestSearch {
     pub(super) closest: Option<Approach>,
-    /// Of the pairs of spheres of the span at hand, in the order in which they were solved.
+    /// Results for the sphere pairs of the current span, in the order of solving.
     found: Vec<Approach>,
-    /// What another approach has to be nearer than, m.
+    /// Upper bound of the least separation, m: others matter only if below.
     pub(super) reached: f64,
 }
 
@@ -255,7 +252,7 @@ impl ClosestSearch {
         }
     }
 
-    /// Takes in a pair of spheres over a span; gives what has been reached, m.
+    /// Adds a pair of spheres over a span; returns the new value of `reached`, m.
     pub(super) fn push(&mut self, pair: &SpherePair, span: Span, (from, to): (f64, f64)) -> f64 {
         let instant = DistanceProfile::of(&pair.cubic).closest(&pair.cubic, from, to);
         let approach = pair.approach(span, instant);
@@ -264,8 +261,7 @@ impl ClosestSearch {
         self.reached
     }
 
-    /// Ends a span. Which of several that tie is reported depends on their numbers, not on when they
-    /// were solved.
+    /// Ends a span. Ties are broken by sphere numbers, not by the order of solving.
     pub(super) fn settle(&mut self) {
         self.found
             .sort_by_key(|approach| (approach.sphere_a, approach.sphere_b));

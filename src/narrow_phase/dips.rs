@@ -1,10 +1,10 @@
-//! Where the distance dips so near to zero that its square does not show it.
+//! Minima of the distance that are lost in the rounding of the squared distance.
 //!
-//! The roots of the derivative of the squared distance are as good as its coefficients: to a rounding of
-//! the squared size of the span. Where the bodies are a thousand times nearer than that size and hardly
-//! move apart, as after a launch or before docking, whole dips are less than this. So a span is
-//! halved towards such places: each part is solved relative to its own size, down to where all that
-//! is left is rounding.
+//! The roots of the derivative of the squared distance are as good as its coefficients: to a
+//! rounding of the squared size of the span. If the bodies are a thousand times nearer than that
+//! size and hardly separate, as after a launch or before docking, whole minima are smaller than
+//! this. So a span is halved towards such places, and each part is solved relative to its own size,
+//! until only rounding is left.
 
 use super::hull::SquaredDistance;
 use super::relative::RelativeCubic;
@@ -12,23 +12,23 @@ use super::stationary::{MAX_STATIONARY, stationary_points};
 use crate::enclosure::part;
 use crate::rounding::largest_norm;
 
-/// Of the size of a span or a part: at a larger distance the squared distance shows all dips.
+/// Share of the size of a part: beyond this distance the squared distance shows all minima.
 const NEAR: f64 = 1.0 / 256.0;
 
-/// An instant of a span as a local parameter, and the distance there (m).
+/// A local parameter of a span, and the distance there (m).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Extremum {
     pub(super) s: f64,
     pub(super) distance: f64,
 }
 
-/// Whether dips of a span may be hidden, given the least distance at the nodes that were found (m).
+/// Returns true if minima of a span may be lost, given the least distance at the nodes found (m).
 pub(super) fn may_be_hidden(cubic: &RelativeCubic, least: f64) -> bool {
     least <= NEAR * cubic.size && !is_swift(cubic)
 }
 
-/// Whether the relative motion goes one way all along, at a good part of the size: it passes each place
-/// quickly, and by its nearest point once.
+/// Returns true if the relative motion has one main direction, with a good part of the size: it
+/// then passes its nearest point once, and quickly.
 fn is_swift(cubic: &RelativeCubic) -> bool {
     let [p0, p1, p2, p3] = cubic.points;
     let way = p3 - p0;
@@ -38,7 +38,7 @@ fn is_swift(cubic: &RelativeCubic) -> bool {
         .all(|step| step.dot(way) > enough)
 }
 
-/// Where the distance changes between rising and falling, in order, and both ends of the span.
+/// The local extrema of the distance, in order, and both ends of the span.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DistanceExtrema {
     places: [Extremum; Self::ROOM],
@@ -46,11 +46,11 @@ pub(super) struct DistanceExtrema {
 }
 
 impl DistanceExtrema {
-    /// What a span can have, and its ends.
+    /// Largest number of extrema of a span, ends included.
     const MAX: usize = MAX_STATIONARY + 2;
     const ROOM: usize = 2 * Self::MAX;
 
-    /// Of a whole span.
+    /// Returns the extrema of a whole span.
     #[cold]
     pub(super) fn of(cubic: &RelativeCubic) -> Self {
         let mut turns = Self {
@@ -69,9 +69,9 @@ impl DistanceExtrema {
         &self.places[..self.count]
     }
 
-    /// Those inside a part of the span; its end is pushed, its start has been.
+    /// Appends the extrema inside a part of the span, and its end; its start is already there.
     fn search(&mut self, cubic: &RelativeCubic, (from, to): (f64, f64), halvings: u32) {
-        /// A part of a cubic shrinks at least so often as its size does.
+        /// A part of a cubic shrinks at least as often as its size does.
         const MAX_HALVINGS: u32 = 60;
         let part = part_of(cubic, (from, to));
         let is_rounding = part.size <= cubic.tolerance() || halvings == MAX_HALVINGS;
@@ -93,8 +93,7 @@ impl DistanceExtrema {
         }
     }
 
-    /// Appends a place, unless the distance only goes on rising or falling: then it takes the place of
-    /// the one before it.
+    /// Appends an extremum; replaces the previous one if the distance only continues its course.
     fn push(&mut self, cubic: &RelativeCubic, s: f64) {
         let new = Extremum {
             s,
@@ -116,8 +115,8 @@ impl DistanceExtrema {
         self.count += 1;
     }
 
-    /// Drops turns, two at a time, between which the distance changes least: more than a span can have
-    /// are rounding.
+    /// Removes extrema in pairs with the least change of distance between them: more than a span
+    /// can have come from rounding.
     fn reduce(&mut self, most: usize) {
         while self.count > most {
             let changes = self.as_slice()[1..self.count - 1].windows(2);
@@ -130,8 +129,8 @@ impl DistanceExtrema {
     }
 }
 
-/// The part of a span between two local parameters, by its blossom: its points are as good as those of the
-/// whole.
+/// Returns the part of a span between two local parameters, by its blossom: its points are as good
+/// as those of the whole.
 fn part_of(cubic: &RelativeCubic, (from, to): (f64, f64)) -> RelativeCubic {
     let points = part(&cubic.points, from, to);
     RelativeCubic {
@@ -145,7 +144,7 @@ fn part_of(cubic: &RelativeCubic, (from, to): (f64, f64)) -> RelativeCubic {
 mod tests {
     use super::{DistanceExtrema, Extremum};
 
-    /// What is more than a span can have goes where the distance changes least, but for the ends.
+    /// Surplus extrema go where the distance changes least, except for the ends.
     #[test]
     fn rounding_is_dropped_first() {
         let distances = [

@@ -1,18 +1,17 @@
-//! Cheap tests that may only reject what is certainly apart.
+//! Cheap tests that reject only pairs that are certainly apart.
 //!
-//! Each looks at the Bézier hull of the relative motion over a span or a part of one. What they
-//! let through goes to the exact solver; see [`CLEARANCE`](crate::rounding::CLEARANCE) for why
-//! they never reject what the solver would report.
+//! Each examines the Bézier hull of the relative motion over a span or a part of one. The exact
+//! solver decides the rest; [`CLEARANCE`](crate::rounding::CLEARANCE) explains why the tests never
+//! reject a contact that the solver would report.
 
 use crate::enclosure::squared_distance;
 use crate::rounding::{norm, normalising_power};
 use crate::trajectory::Segment;
 use glam::DVec3;
 
-/// Whether the two bodies stay farther apart than `threshold` (m) all along the cubic with these
-/// Bézier points.
+/// Returns true if two bodies stay farther apart than `threshold` (m) along this cubic.
 ///
-/// `threshold` is that of [`filter_threshold`](super::relative::filter_threshold).
+/// `threshold` comes from [`filter_threshold`](super::relative::filter_threshold).
 pub(crate) fn certainly_beyond(points: &[DVec3; 4], threshold: f64) -> bool {
     let [p0, p1, p2, p3] = *points;
     let low = p0.min(p1).min(p2.min(p3));
@@ -22,8 +21,8 @@ pub(crate) fn certainly_beyond(points: &[DVec3; 4], threshold: f64) -> bool {
         || beyond_by_coefficients(points, low.abs().max(high.abs()), threshold)
 }
 
-/// Whether the boxes around the whole of two segments are farther apart than `threshold` on some
-/// axis: nothing is restricted to a common interval. Both must be used within their own knots.
+/// Returns true if the boxes of two whole segments are farther apart than `threshold` (m) on some
+/// axis, without restriction to a common interval. Both must be used within their own knots.
 pub(crate) fn segments_apart(a: &Segment, b: &Segment, offset: DVec3, threshold: f64) -> bool {
     let hull = |segment: &Segment| {
         let [_, p1, p2, p3] = segment.control_points();
@@ -40,12 +39,12 @@ pub(crate) fn segments_apart(a: &Segment, b: &Segment, offset: DVec3, threshold:
     )
 }
 
-/// The box `low..=high` lies beyond the threshold on one axis.
+/// Returns true if the box `low..=high` lies beyond the threshold on one axis.
 fn beyond_on_an_axis(low: DVec3, high: DVec3, threshold: f64) -> bool {
     low.max_element() > threshold || high.min_element() < -threshold
 }
 
-/// All control points lie beyond the threshold in the direction of their sum.
+/// Returns true if all control points lie beyond the threshold in the direction of their sum.
 fn beyond_in_a_direction(points: &[DVec3; 4], threshold: f64) -> bool {
     let sum = (points[0] + points[3]) + (points[1] + points[2]);
     let length = norm(sum);
@@ -57,7 +56,7 @@ fn beyond_in_a_direction(points: &[DVec3; 4], threshold: f64) -> bool {
     points.iter().all(|point| point.dot(direction) > threshold)
 }
 
-/// The smallest Bernstein coefficient of the squared distance lies beyond the squared threshold.
+/// Returns true if all Bernstein coefficients of the squared distance exceed the squared threshold.
 fn beyond_by_coefficients(points: &[DVec3; 4], largest: DVec3, threshold: f64) -> bool {
     let power = normalising_power(largest.max_element());
     let coefficients = squared_distance(&points.map(|point| point * power));
@@ -79,7 +78,7 @@ mod tests {
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 
-    /// A segment of a random size somewhere, over -1..2 s.
+    /// Returns a segment of random size and place, over -1..2 s.
     fn segment(rng: &mut ChaCha8Rng) -> Trajectory {
         let far = 10f64.powf(rng.random_range(-3.0..6.0));
         let size = 10f64.powf(rng.random_range(-3.0..3.0));
@@ -90,8 +89,8 @@ mod tests {
         Trajectory::from_states(&states).unwrap_or_else(|error| unreachable!("{error}"))
     }
 
-    /// What the solver reports at a threshold within a few roundings of the minimum, no filter
-    /// rejects, on the whole span or on any part of it that holds the contact.
+    /// No filter rejects a contact that the solver reports at a threshold within a few roundings of
+    /// the minimum, on the whole span or on any part with the contact.
     #[test]
     fn filters_never_reject_what_the_solver_reports() {
         let mut rng = ChaCha8Rng::seed_from_u64(5);

@@ -1,16 +1,16 @@
-//! What the control heights of the squared distance prove of a span before a root is sought.
+//! Proofs about a span by the control heights of the squared distance, before any root is sought.
 
 use super::relative::RelativeCubic;
 use crate::enclosure::squared_distance;
 use crate::rounding::{UNIT_ROUNDOFF, normalising_power};
 
-/// Control heights of the squared distance over a span, in a power of two in which the largest norm of a
-/// control point lies in [1, 2): no height exceeds 4, and each is wrong by 7 roundings of that
-/// (numerics, section 5).
+/// Control heights of the squared distance over a span. The unit is a power of two for which the
+/// largest norm of a control point lies in [1, 2): no height exceeds 4, and each has an error of at
+/// most 7 roundings of that (numerics, section 5).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SquaredDistance {
     heights: [f64; 7],
-    /// Lengths times this are in that unit.
+    /// Factor from metres to that unit.
     power: f64,
 }
 
@@ -23,16 +23,18 @@ impl SquaredDistance {
         }
     }
 
-    /// Whether the distance certainly rises or certainly falls all along: with the solver's rounding
-    /// to spare, so that it would find no stationary point between the ends.
+    /// Returns true if the distance certainly rises or certainly falls over the whole span. The
+    /// solver's rounding is covered: it would find no stationary point between the ends.
     ///
-    /// A polynomial in Bernstein form rises where its control heights do. Most spans of a long contact pass this test, at a tenth of what the search for roots takes.
+    /// A polynomial in Bernstein form rises if its control heights do. Most spans of a long contact
+    /// pass this test, at a tenth of the cost of a root search.
     pub(super) fn are_monotonic(&self) -> bool {
-        /// How much neighbouring heights must differ.
+        /// Least difference of neighbouring heights.
         ///
         /// The derivative over u in -1..=1, whose roots the solver seeks, is 3 times a mean of the
-        /// differences. Its power coefficients sum up to 300 at most; each is wrong by 18 roundings of
-        /// its bound, evaluation adds 11, and 28 are taken for zero: 17,000 roundings, against 390,000.
+        /// differences. Its power coefficients sum up to 300 at most; each is wrong by 18 roundings
+        /// of its bound, evaluation adds 11, and 28 are taken for zero: 17,000 roundings, against
+        /// 390,000.
         const STEP: f64 = 131_072.0 * UNIT_ROUNDOFF;
         let (mut least, mut largest) = (f64::INFINITY, f64::NEG_INFINITY);
         for ends in self.heights.windows(2) {
@@ -43,8 +45,8 @@ impl SquaredDistance {
         least > STEP || largest < -STEP
     }
 
-    /// Whether the distance certainly stays above `radius` (m): the solver would find no instant at
-    /// which it is as small, if `radius` has room for its rounding.
+    /// Returns true if the distance certainly stays above `radius` (m), which must include the
+    /// solver's rounding: it would find no instant with a smaller distance.
     pub(super) fn are_beyond(&self, radius: f64) -> bool {
         let least = self.heights.into_iter().fold(f64::INFINITY, f64::min);
         let radius = radius * self.power;
@@ -72,8 +74,7 @@ mod tests {
         }
     }
 
-    /// Distances that an end has exactly, or that are less than its own by no more than its rounding: no
-    /// radius that holds them is ruled out.
+    /// No radius is ruled out that a distance attains, or misses by its rounding, at an end.
     #[test]
     fn what_is_reached_is_not_beyond() {
         let mut rng = ChaCha8Rng::seed_from_u64(12);
@@ -98,14 +99,14 @@ mod tests {
         assert!(is_near > 10_000, "{is_near}");
     }
 
-    /// The part from `from` on of a cubic given by its control points.
+    /// Returns the part from `from` on of a cubic given by its control points.
     fn rest([p0, p1, p2, p3]: [DVec3; 4], from: f64) -> [DVec3; 4] {
         let (q0, q1, q2) = (p0.lerp(p1, from), p1.lerp(p2, from), p2.lerp(p3, from));
         let (r0, r1) = (q0.lerp(q1, from), q1.lerp(q2, from));
         [r0.lerp(r1, from), r1, q2, p3]
     }
 
-    /// Where it says so the solver finds no stationary point, also beside one.
+    /// If the test holds, the solver finds no stationary point, also next to one.
     #[test]
     fn what_is_monotonic_has_no_stationary_point() {
         let mut rng = ChaCha8Rng::seed_from_u64(11);

@@ -1,9 +1,10 @@
 //! The exact solver: closest approach and contacts of one pair.
 //!
-//! Works on a body's cubics and spheres, span by span. The flow within a span:
-//! `relative` cubic, `filter` or the `hull`'s control heights, `stationary` points (with the `dips` that
-//! the squared distance hides), `stretches`, joined across spans and spheres by `contact`, with proofs by `certified`; of two clusters, `clusters` says
-//! which pairs of spheres to solve. [`kernels`] answers many independent pairs at once.
+//! The solver works on a body's cubics and spheres, span by span. Within a span it forms the
+//! `relative` cubic, applies `filter` or the `hull`'s control heights, and finds `stationary`
+//! points (and the `dips` that the squared distance hides) and `stretches`. `contact` joins these
+//! across spans and spheres, `certified` with certificates. For two clusters, `clusters` selects
+//! the pairs of spheres to solve. [`kernels`] answers many independent pairs at once.
 
 mod approach;
 mod certified;
@@ -32,19 +33,19 @@ use glam::DVec3;
 use std::borrow::Cow;
 use std::slice::from_ref;
 
-/// What the narrow phase needs to know of a body.
+/// A body as the narrow phase sees it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BodyView<'a> {
-    /// The k-th and the next one are the ends of the k-th cubic.
+    /// Knots k and k + 1 are the ends of cubic k.
     pub(crate) knots: Knots<'a>,
-    /// Those of the plan.
+    /// Cubics of the plan.
     pub(crate) segments: &'a [Segment],
     pub(crate) spheres: &'a [Sphere],
     pub(crate) bounding: Sphere,
 }
 
 impl<'a> BodyView<'a> {
-    /// Returns the cubic with a number.
+    /// Returns cubic number `number`.
     #[inline(always)]
     pub(crate) fn segment(&self, number: usize) -> Cow<'a, Segment> {
         if !self.knots.are_extended() {
@@ -65,7 +66,7 @@ impl<'a> BodyView<'a> {
         ]
     }
 
-    /// Fetches a cubic of the plan into the caches.
+    /// Prefetches a cubic of the plan.
     #[inline(always)]
     pub(crate) fn prefetch(&self, number: usize) {
         if let Some(segment) = self.segments.get(number.wrapping_sub(self.knots.before())) {
@@ -75,7 +76,7 @@ impl<'a> BodyView<'a> {
 }
 
 impl BodyView<'_> {
-    /// A body that never exists.
+    /// The view of a body that never exists.
     pub(crate) const NONE: Self = Self {
         knots: Knots::NONE,
         segments: &[],
@@ -87,15 +88,15 @@ impl BodyView<'_> {
     };
 }
 
-/// The centre distance at which two spheres have the separation `margin`: the exact sum of the
-/// three numbers, rounded once (m). Negative: no distance is small enough.
+/// Returns the centre distance (m) at which two spheres have the separation `margin`: the exact sum
+/// of the three numbers, rounded once. If negative, no distance is small enough.
 pub(crate) fn contact_radius(a: f64, b: f64, margin: f64) -> f64 {
     let (radii, lost_radii) = two_sum(a, b);
     let (sum, lost_sum) = two_sum(radii, margin);
     sum + (lost_radii + lost_sum)
 }
 
-/// Knuth's exact sum: the rounded sum and what the rounding lost.
+/// Returns the rounded sum and its rounding error (Knuth).
 fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let shadow = sum - a;

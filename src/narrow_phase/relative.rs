@@ -1,11 +1,11 @@
-//! The motion of one body relative to another over a span: difference first, then local.
+//! The motion of one body relative to another over a span: differences first, then local.
 
 use crate::enclosure::UncertainCubic;
 use crate::rounding::{CLEARANCE, UNDERFLOW, UNIT_ROUNDOFF, largest_norm, norm, seen_until};
 use crate::trajectory::Segment;
 use glam::DVec3;
 
-/// The relative position over `start..end` as a cubic in the local parameter s in 0..=1.
+/// A relative position over `start..end` as a cubic in the local parameter s in 0..=1.
 ///
 /// The control points are differences of local quantities; neither absolute time nor absolute
 /// position enters their error.
@@ -15,33 +15,32 @@ pub(crate) struct RelativeCubic {
     pub(crate) end: f64,
     /// Bézier control points of (position of a) - (position of b), m.
     pub(crate) points: [DVec3; 4],
-    /// |computed - exact| <= error at every instant of the span, for exact evaluation, m.
+    /// Bound on |computed - exact| at every instant of the span, for exact evaluation, m.
     pub(crate) error: f64,
     /// Largest norm of a control point, m.
     pub(crate) size: f64,
 }
 
 impl RelativeCubic {
-    /// The difference of two cubics over `start..end`, plus `offset` (a's sphere centre minus
-    /// b's, in their bodies' frames, m).
+    /// Returns the difference of two cubics over an interval, plus `offset` (a's sphere centre
+    /// minus b's, in their bodies' frames, m).
     pub(crate) fn between(a: &Segment, b: &Segment, interval: (f64, f64), offset: DVec3) -> Self {
         RelativeMotion::between(a, b, interval).of_spheres(offset)
     }
 
-    /// How far the computed relative position at any s can be from the exact one, evaluation
-    /// included (m; 48 roundings of the size: forming the power coefficients 18, Horner 21, norm 3).
-    /// What comes within this of a threshold counts as contact.
+    /// Returns a bound on the error of the relative position computed at any s, m. Evaluation is
+    /// included: 48 roundings of the size (power coefficients 18, Horner 21, norm 3, rest spare).
+    /// Distances within this of a threshold count as contact.
     pub(crate) fn tolerance(&self) -> f64 {
         self.error + 48.0 * UNIT_ROUNDOFF * self.size
     }
 
-    /// How far it goes at most between an instant and what that is rounded to, m; endless where that
-    /// cannot be told.
+    /// Returns a bound on the motion between an instant and its rounded value, m; or infinity.
     pub(super) fn blur(&self) -> f64 {
         blur(&self.points, (self.start, self.end))
     }
 
-    /// Whether the relative motion is zero, as far as its rounding can tell.
+    /// Returns true if the relative motion is zero, as far as its rounding can tell.
     pub(crate) fn is_constant(&self) -> bool {
         let [p0, p1, p2, p3] = self.points;
         let tolerance = self.tolerance();
@@ -52,8 +51,8 @@ impl RelativeCubic {
         largest_norm(&[p1 - p0, p2 - p0, p3 - p0]) <= tolerance
     }
 
-    /// Relative position and its derivative by s (m), formed from the nearer end so that what is
-    /// constant stays exactly constant.
+    /// Returns relative position and its derivative by s (m), formed from the nearer end so that
+    /// constant motion stays exactly constant.
     #[inline]
     pub(crate) fn at(&self, s: f64) -> (DVec3, DVec3) {
         let [p0, p1, p2, p3] = self.points;
@@ -65,7 +64,7 @@ impl RelativeCubic {
         }
     }
 
-    /// The same for many s.
+    /// Returns a function that evaluates [`at`](Self::at) for many s.
     pub(crate) fn motion(&self) -> impl Fn(f64) -> (DVec3, DVec3) {
         let [p0, p1, p2, p3] = self.points;
         let (forth, back) = (PowerForm::of(p0, p1, p2, p3), PowerForm::of(p3, p2, p1, p0));
@@ -79,18 +78,18 @@ impl RelativeCubic {
         }
     }
 
-    /// Second derivative by s, m.
+    /// Returns the second derivative by s, m.
     pub(crate) fn curvature(&self, s: f64) -> DVec3 {
         let [p0, p1, p2, p3] = self.points;
         6.0 * ((1.0 - s) * ((p2 - p1) - (p1 - p0)) + s * ((p3 - p2) - (p2 - p1)))
     }
 
-    /// Centre distance at s, m.
+    /// Returns the centre distance at s, m.
     pub(crate) fn distance(&self, s: f64) -> f64 {
         norm(self.at(s).0)
     }
 
-    /// The instant of a local parameter; the span's own ends are met exactly.
+    /// Returns the instant of a local parameter; exact at the span's ends.
     pub(crate) fn time(&self, s: f64) -> f64 {
         let time = if s <= 0.5 {
             self.start + s * (self.end - self.start)
@@ -100,23 +99,24 @@ impl RelativeCubic {
         time.clamp(self.start, self.end)
     }
 
-    /// The same cubic as an input of certified enclosures.
+    /// Returns the cubic as input of certified enclosures.
     pub(crate) fn uncertain(&self) -> UncertainCubic {
         UncertainCubic::finite(self.points, self.error)
     }
 
-    /// Not after the exact instant of a local parameter; the span's own ends are met exactly.
+    /// Returns an instant not after the exact one of a local parameter; exact at the span's ends.
     pub(crate) fn earliest(&self, s: f64) -> f64 {
         self.enclosed_time(s, f64::next_down, -1.0)
     }
 
-    /// Not before the exact instant of a local parameter; the span's own ends are met exactly.
+    /// Returns an instant not before the exact one of a local parameter; exact at the span's ends.
     pub(crate) fn latest(&self, s: f64) -> f64 {
         self.enclosed_time(s, f64::next_up, 1.0)
     }
 
-    /// The instant counted from the nearer end. What is added to that end has three roundings
-    /// (difference, product, and the correction's own; 1 - s has none above 1/2), the sum one.
+    /// Returns the instant counted from the nearer end, rounded outward. The summand has three
+    /// roundings (difference, product, and the correction's own; 1 - s has none above 1/2), the sum
+    /// one.
     fn enclosed_time(&self, s: f64, outward: fn(f64) -> f64, direction: f64) -> f64 {
         if s <= 0.0 {
             return self.start;
@@ -134,7 +134,7 @@ impl RelativeCubic {
         outward(time).clamp(self.start, self.end)
     }
 
-    /// The local parameter of an instant of the span.
+    /// Returns the local parameter of an instant of the span.
     pub(crate) fn parameter(&self, time: f64) -> f64 {
         let duration = self.end - self.start;
         if duration > 0.0 {
@@ -145,7 +145,7 @@ impl RelativeCubic {
     }
 }
 
-/// See [`RelativeCubic::blur`].
+/// Returns the bound of [`RelativeCubic::blur`].
 fn blur(&[p0, p1, p2, p3]: &[DVec3; 4], (start, end): (f64, f64)) -> f64 {
     let speed = 3.0 * largest_norm(&[p1 - p0, p2 - p1, p3 - p2]) / (end - start);
     let latest = start.abs().max(end.abs());
@@ -159,7 +159,7 @@ struct PowerForm {
 }
 
 impl PowerForm {
-    /// From the control points, beginning at that end.
+    /// Returns the power form of control points from the chosen end on.
     #[inline]
     fn of(p0: DVec3, p1: DVec3, p2: DVec3, p3: DVec3) -> Self {
         Self {
@@ -172,7 +172,7 @@ impl PowerForm {
         }
     }
 
-    /// Value and derivative.
+    /// Returns value and derivative.
     #[inline]
     fn at(&self, s: f64) -> (DVec3, DVec3) {
         let [c0, c1, c2, c3] = self.coefficients;
@@ -183,16 +183,16 @@ impl PowerForm {
     }
 }
 
-/// The motion of one body relative to another over a span, which all pairs of their spheres share.
+/// The motion of one body relative to another over a span, common to all pairs of their spheres.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RelativeMotion {
     start: f64,
     end: f64,
     /// Difference of the cubics' origins, m.
     apart: DVec3,
-    /// Differences of their control points, m.
+    /// Differences of the control points, m.
     local: [DVec3; 4],
-    /// Of both cubics' control points, m.
+    /// Error of both cubics' control points, m.
     error: f64,
 }
 
@@ -210,20 +210,21 @@ impl RelativeMotion {
         }
     }
 
-    /// The control points of two spheres' centres; `offset` is that of a's less that of b's in their
-    /// bodies' frames, m.
+    /// Returns the relative control points of two spheres' centres; `offset` is a's centre minus
+    /// b's in their bodies' frames, m.
     #[inline]
     pub(super) fn points(&self, offset: DVec3) -> [DVec3; 4] {
         let apart = self.apart + offset;
         self.local.map(|local| apart + local)
     }
 
-    /// As [`RelativeCubic::blur`].
+    /// Returns the bound of [`RelativeCubic::blur`].
     pub(super) fn blur(&self) -> f64 {
         blur(&self.local, (self.start, self.end))
     }
 
-    /// The same with what is known of their error.
+    /// Returns the relative cubic of two spheres' centres, with its error; `offset` as in
+    /// [`points`](Self::points).
     pub(super) fn of_spheres(&self, offset: DVec3) -> RelativeCubic {
         let apart = self.apart + offset;
         let points = self.points(offset);
@@ -243,8 +244,8 @@ impl RelativeMotion {
     }
 }
 
-/// A bound on the size that all rounding of a pair over a span is relative to, before anything is
-/// formed: origin difference, extents of both cubics over it, offsets (m).
+/// Returns a bound on the size to which all rounding of a pair over a span is relative: origin
+/// difference, extents of both cubics over it, offsets (m).
 pub(crate) fn local_scale(
     a: &Segment,
     b: &Segment,
@@ -257,7 +258,7 @@ pub(crate) fn local_scale(
         + b.rounding_scale(start, end)
 }
 
-/// Distance below which a filter must let a pair through, for the threshold `radius`.
+/// Returns the distance below which a filter must let a pair pass, for the threshold `radius` (m).
 pub(crate) fn filter_threshold(radius: f64, scale: f64) -> f64 {
     // Twice the solver's tolerance, in which each body has one.
     radius + CLEARANCE * scale + 8.0 * UNDERFLOW

@@ -1,4 +1,4 @@
-//! Two spheres over one span, and what is told of them.
+//! Two spheres over one span, their contacts and closest approach.
 
 use super::filter::certainly_beyond;
 use super::relative::{RelativeCubic, filter_threshold, local_scale};
@@ -7,11 +7,11 @@ use super::{BodyView, contact_radius};
 use crate::spans::Span;
 use glam::DVec3;
 
-/// The closest instant of a pair, with what is needed to describe it.
+/// The closest instant of a pair, with the data to describe it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Approach {
     pub(crate) time: f64,
-    /// Between the surfaces of the two spheres, m.
+    /// Distance of the two spheres' surfaces, m.
     pub(crate) separation: f64,
     /// Rounding of a constant distance, m; else 0.
     plateau: f64,
@@ -29,7 +29,7 @@ pub(crate) struct Contact {
 }
 
 impl Approach {
-    /// An approach at an instant that is no plateau.
+    /// Returns an approach at an instant, without plateau.
     pub(super) const fn at(
         time: f64,
         separation: f64,
@@ -46,7 +46,7 @@ impl Approach {
         }
     }
 
-    /// The earlier and the later of two approaches as instants; the lower one.
+    /// Returns the lower of two approaches; of ties, the earlier one.
     pub(super) fn or_lower(self, other: Self) -> Self {
         let (first, second) = if other.time < self.time {
             (other, self)
@@ -61,8 +61,7 @@ impl Approach {
         }
     }
 
-    /// Positions of both bodies (m) and the velocity of a relative to b (m/s) at this instant, from this
-    /// instant on.
+    /// Returns both bodies' positions (m) and the velocity of a relative to b (m/s) from then on.
     pub(crate) fn kinematics(&self, a: &BodyView<'_>, b: &BodyView<'_>) -> (DVec3, DVec3, DVec3) {
         let motion = |view: &BodyView<'_>, cubic: u32| {
             let cubic = cubic as usize;
@@ -102,12 +101,11 @@ impl SpherePair {
         }
     }
 
-    /// The distance of the centres at which the separation is `margin`, m.
+    /// Returns the centre distance at which the separation is `margin`, m.
     pub(super) fn radius(&self, margin: f64) -> f64 {
         contact_radius(self.radius_a, self.radius_b, margin)
     }
 
-    /// Appends the contacts of the two spheres within `margin`, clipped to `clip`.
     pub(super) fn contacts(
         &self,
         profile: &DistanceProfile,
@@ -129,14 +127,13 @@ impl SpherePair {
         });
     }
 
-    /// A separation (m) that is reached between two instants of a span, rounding included.
+    /// Returns an attained separation (m) between two instants of a span, rounding included.
     pub(super) fn reaches(&self, span: Span, (from, to): (f64, f64)) -> f64 {
         let instant = DistanceProfile::of(&self.cubic).closest(&self.cubic, from, to);
         self.approach(span, instant).separation + self.cubic.tolerance() + self.cubic.blur()
     }
 
-    /// Whether cheap tests show that the separation stays above `margin` all along the span of
-    /// these two bodies.
+    /// Returns true if cheap tests show that the separation stays above `margin` in the span.
     pub(super) fn is_beyond(
         &self,
         a: &BodyView<'_>,
@@ -152,8 +149,9 @@ impl SpherePair {
     }
 }
 
-/// Whether cheap tests show that the separation of two spheres with these radii stays above `margin`
-/// all along the cubic with these control points; `scale` is what their rounding is relative to (m).
+/// Returns true if cheap tests show that the separation of spheres with these radii stays above
+/// `margin` along the cubic with these control points. `scale` (m) is the magnitude of their
+/// rounding.
 pub(super) fn spheres_beyond(
     points: &[DVec3; 4],
     (radius_a, radius_b): (f64, f64),

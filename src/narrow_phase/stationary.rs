@@ -1,4 +1,4 @@
-//! Where the distance of two bodies is stationary within a span.
+//! Stationary points of the distance of two bodies within a span.
 //!
 //! The squared distance of two cubics is a polynomial of degree 6; its stationary points are the
 //! roots of a polynomial of degree 5, found by Yuksel's recursion. The roots are then polished on
@@ -10,7 +10,7 @@ use crate::polynomial::{Polynomial, Roots};
 use crate::rounding::normalising_power;
 use glam::DVec3;
 
-/// Most stationary points that a span can have inside.
+/// Largest number of stationary points inside a span.
 pub(crate) const MAX_STATIONARY: usize = 5;
 
 /// Local parameters of the stationary points inside a span, increasing.
@@ -34,7 +34,7 @@ impl StationaryPoints {
     }
 }
 
-/// The stationary points of the distance inside the span, each minimum polished.
+/// Returns the stationary points of the distance inside the span, each minimum polished.
 pub(crate) fn stationary_points(cubic: &RelativeCubic) -> StationaryPoints {
     let mut found = StationaryPoints::default();
     let derivative = squared_distance(cubic).derivative();
@@ -50,7 +50,7 @@ pub(crate) fn stationary_points(cubic: &RelativeCubic) -> StationaryPoints {
     found
 }
 
-/// The squared distance over u = 2 s - 1 in -1..=1, up to a power of two.
+/// Returns the squared distance over u = 2 s - 1 in -1..=1, up to a power of two.
 ///
 /// Around the middle of the span the power coefficients stay within a small multiple of the
 /// squared size; around an end they would grow 30 times larger, and their rounding with them.
@@ -78,9 +78,9 @@ fn squared_distance(cubic: &RelativeCubic) -> Polynomial<7> {
 
 /// Moves a stationary point of the rounded polynomial onto the minimum of the distance itself.
 ///
-/// Newton on h · h', accepted only while the distance shrinks; at a multiple root (docking) each
-/// step only halves the error, hence the number of steps. Maxima are left where they are: no
-/// answer depends on their exact place.
+/// Newton on h · h', accepted only while the distance shrinks. At a multiple root (docking) each
+/// step only halves the error, hence the number of steps. Maxima are not moved: no answer depends
+/// on their exact place.
 fn polish(cubic: &RelativeCubic, start: f64, (low, high): (f64, f64)) -> f64 {
     const MAX_STEPS: usize = 60;
     let power = normalising_power(cubic.size);

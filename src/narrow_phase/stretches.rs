@@ -11,13 +11,13 @@ use super::relative::RelativeCubic;
 use super::stationary::{MAX_STATIONARY, stationary_points};
 use crate::rounding::normalising_power;
 
-/// An instant of a span at which the distance of two sphere centres is known.
+/// An instant of a span with its centre distance.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ProfilePoint {
     pub(crate) time: f64,
-    /// m.
+    /// Centre distance, m.
     pub(crate) distance: f64,
-    /// Where the distance is constant over the span: how far rounding can move it, m; else 0.
+    /// Rounding of a distance that is constant over the span, m; else 0.
     pub(crate) plateau: f64,
 }
 
@@ -29,7 +29,7 @@ pub(crate) struct WithinInterval {
     pub(crate) closest: ProfilePoint,
 }
 
-/// The distance at a span's ends and at its stationary points: monotonic in between.
+/// The distance at a span's ends and stationary points; monotonic in between.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DistanceProfile {
     nodes: [ProfileNode; MAX_STATIONARY + 2],
@@ -64,8 +64,8 @@ impl DistanceProfile {
         }
     }
 
-    /// The same, unless it is certain without a root that there are no
-    /// [`stretches`](Self::stretches) within `radius`.
+    /// Returns the profile, or `None` if it is certain without a root that no
+    /// [stretches](Self::stretches) are within `radius`.
     #[inline]
     pub(crate) fn near(cubic: &RelativeCubic, radius: f64) -> Option<Self> {
         if cubic.is_constant() {
@@ -77,7 +77,7 @@ impl DistanceProfile {
         (!is_beyond).then(|| Self::changing(cubic, &heights))
     }
 
-    /// One distance for the whole span: what differs at its end is rounding.
+    /// Returns the profile of a constant distance: differences at the ends are rounding.
     #[cold]
     fn constant(cubic: &RelativeCubic) -> Self {
         let first = ProfileNode::at(cubic, 0.0);
@@ -108,7 +108,7 @@ impl DistanceProfile {
         profile
     }
 
-    /// Takes over where the distance turns.
+    /// Replaces the nodes by the extrema found.
     #[cold]
     fn turn_at(&mut self, cubic: &RelativeCubic, turns: &DistanceExtrema) {
         self.count = 0;
@@ -134,7 +134,8 @@ impl DistanceProfile {
         self.count += 1;
     }
 
-    /// Whether the distance falls to `radius` somewhere: else there are no [`stretches`](Self::stretches).
+    /// Returns true if the distance falls to `radius` somewhere; else there are no
+    /// [`stretches`](Self::stretches).
     pub(crate) fn comes_within(&self, cubic: &RelativeCubic, radius: f64) -> bool {
         let threshold = radius + cubic.tolerance();
         self.nodes().iter().any(|node| node.distance <= threshold)
@@ -152,14 +153,15 @@ impl DistanceProfile {
         }
     }
 
-    /// The instant of least distance within `from..=to` (which meets the span); the earliest.
+    /// Returns the earliest instant of least distance in the overlap of `from..=to` and the span.
     pub(crate) fn closest(&self, cubic: &RelativeCubic, from: f64, to: f64) -> ProfilePoint {
         let interval = (from.max(cubic.start), to.min(cubic.end));
         self.closest_in(cubic, interval, interval)
     }
 
-    /// The same of a stretch. Where it begins or ends within `clip` it crosses the threshold: there the
-    /// distance is above that of a node inside, though rounding may have it otherwise.
+    /// Returns the earliest instant of least distance of a stretch. Its ends inside `clip` are
+    /// crossings of the threshold: the distance there exceeds that of a node inside, whatever
+    /// rounding says.
     fn closest_in(
         &self,
         cubic: &RelativeCubic,
@@ -191,8 +193,8 @@ impl DistanceProfile {
             .unwrap_or_else(|| cut(from))
     }
 
-    /// All stretches with distance <= `radius` that meet `from..=to`, clipped to it, in the order
-    /// of time. What comes within the rounding of the radius counts.
+    /// Calls `found` with all stretches within `radius` that overlap `from..=to`, clipped to it, in
+    /// time order. Distances within rounding of the radius count.
     pub(crate) fn stretches(
         &self,
         cubic: &RelativeCubic,
@@ -246,8 +248,8 @@ impl DistanceProfile {
 }
 
 impl ProfilePoint {
-    /// The lower of two instants, `self` being the earlier; the earlier where they tie, also
-    /// within rounding where both are on plateaus.
+    /// Returns the lower of two instants, `self` being the earlier; the earlier one of ties.
+    /// Plateaus also tie within rounding.
     pub(crate) fn or_lower(self, later: Self) -> Self {
         let tie = self.plateau.min(later.plateau);
         if later.distance < self.distance - tie {
@@ -258,8 +260,8 @@ impl ProfilePoint {
     }
 }
 
-/// The instant between two nodes at which the distance is `radius`: it is monotonic between them,
-/// `inside` is within the radius, `outside` beyond it.
+/// Returns the instant between two nodes at which the distance is `radius`. The distance must be
+/// monotonic between them, `inside` within the radius and `outside` beyond it.
 ///
 /// A node that is inside only by rounding touches: it is the crossing itself.
 fn crossing(
@@ -268,10 +270,10 @@ fn crossing(
     inside: &ProfileNode,
     outside: &ProfileNode,
 ) -> f64 {
-    /// Bisection alone ends after the 1075 binary digits that an f64 can resolve near 0; Newton's
-    /// steps end it after half a dozen.
+    /// Bisection alone ends after the 1075 binary digits that an f64 resolves near 0; Newton's
+    /// method ends after half a dozen steps.
     const MAX_STEPS: usize = 1100;
-    /// Steps of the local parameter this small may be nothing but rounding.
+    /// Smaller steps of the local parameter may be rounding.
     const ROUNDING: f64 = 1e-10;
     if inside.distance >= radius {
         return inside.time;
@@ -333,8 +335,8 @@ mod tests {
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 
-    /// What comes within the tolerance of a radius, and no nearer, is looked at: a tolerance of roundings
-    /// alone, and of motions that are badly known.
+    /// A motion within the tolerance of a radius, and no nearer, is examined, for tolerances of
+    /// roundings alone and of inexact motions.
     #[test]
     fn what_counts_as_within_is_not_ruled_out() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);

@@ -14,14 +14,14 @@ pub struct Bernstein<const N: usize> {
 }
 
 impl<const N: usize> Bernstein<N> {
-    /// The polynomial with these control heights.
+    /// Returns the polynomial with these control heights.
     #[must_use]
     pub const fn new(coefficients: [f64; N]) -> Self {
         const { assert!(N >= 1, "a polynomial has at least one coefficient") };
         Self { coefficients }
     }
 
-    /// The value at `x`, by de Casteljau's algorithm.
+    /// Returns the value at `x`, by de Casteljau's algorithm.
     ///
     /// For `x` in 0..=1 only averages are formed, so the error is a few units of rounding of the
     /// largest coefficient.
@@ -37,7 +37,7 @@ impl<const N: usize> Bernstein<N> {
         heights[0]
     }
 
-    /// The least and the largest coefficient: on 0..=1 the polynomial stays between them.
+    /// Returns the least and the largest coefficient: on 0..=1 the polynomial stays between them.
     ///
     /// Exact for the given coefficients. The ends of the range are attained if they are the first
     /// or the last coefficient.
@@ -53,7 +53,7 @@ impl<const N: usize> Bernstein<N> {
         (low, high)
     }
 
-    /// The halves over 0..=1/2 and 1/2..=1, each over its own unit interval.
+    /// Returns the halves over 0..=1/2 and 1/2..=1, each over its own unit interval.
     #[inline]
     #[must_use]
     pub fn halves(&self) -> (Self, Self) {
@@ -69,10 +69,10 @@ impl<const N: usize> Bernstein<N> {
         (Self::new(left), Self::new(right))
     }
 
-    /// The same polynomial in powers of the variable.
+    /// Returns the polynomial in powers of the variable.
     ///
-    /// By forward differences, which cancel: the coefficient of x to the j has an error of up to
-    /// 2^j · binomial(N-1, j) units of rounding of the largest height. Away from 0 prefer
+    /// Forward differences cancel: the coefficient of x to the j has an error of up to 2^j ·
+    /// binomial(N-1, j) units of rounding of the largest height. Away from 0 prefer
     /// [`evaluate`](Self::evaluate).
     #[inline]
     #[must_use]

@@ -1,17 +1,17 @@
-//! Isolating roots by the signs of Bernstein coefficients: no derivative need be looked at.
+//! Root isolation by the signs of Bernstein coefficients.
 //!
-//! By Descartes' rule for the Bernstein form the number of roots in an interval is at most the
-//! number of sign changes among the coefficients over it, and of the same parity. So no change
-//! means no root and one change means one; otherwise the interval is halved. A few halvings
-//! separate most roots; what they do not separate is left to the recursion.
+//! By Descartes' rule for the Bernstein form, the number of roots in an interval is at most the
+//! number of sign changes of its coefficients, and of the same parity. So no change means no root
+//! and one change means one; otherwise the interval is halved. A few halvings separate most roots;
+//! the recursion finds the others.
 
-/// How often an interval is halved: close pairs of roots are the recursion's work.
+/// Largest number of halvings; the recursion separates closer roots.
 const DEPTH: u8 = 4;
 
 /// Beyond this the powers of the interval's width could overflow.
 const FAR: f64 = 1e30;
 
-/// More than what underflow takes from any coefficient.
+/// Upper bound of the loss of a coefficient by underflow.
 const UNDERFLOW: f64 = 1e-300;
 
 /// An interval with one simple root inside.
@@ -20,7 +20,7 @@ pub(super) struct IsolatingInterval {
     pub(super) low: f64,
     pub(super) high: f64,
     pub(super) negative_at_low: bool,
-    /// Where the control polygon crosses zero.
+    /// Zero of the control polygon.
     pub(super) start: f64,
 }
 
@@ -48,8 +48,8 @@ struct SubInterval {
 
 /// Separates all roots of a polynomial of degree at most `D` in `low..=high`.
 ///
-/// Nothing if that takes too many halvings, or if a coefficient is too close to zero to tell its
-/// sign: so all roots are simple, inside, and neither at the ends nor at a cut.
+/// Returns `None` if that takes too many halvings, or if a coefficient is too close to zero to know
+/// its sign. So all roots found are simple, inside, and neither at the ends nor at a cut.
 #[inline]
 pub(super) fn isolate<const D: usize>(
     coefficients: &[f64; 7],
@@ -121,7 +121,7 @@ pub(super) fn isolate<const D: usize>(
     Some(found)
 }
 
-/// The Bernstein coefficients over an interval.
+/// Returns the Bernstein coefficients over an interval.
 #[inline]
 fn heights<const D: usize>(coefficients: &[f64; 7], low: f64, width: f64) -> [f64; 7] {
     let mut values = *coefficients;
@@ -144,7 +144,7 @@ fn heights<const D: usize>(coefficients: &[f64; 7], low: f64, width: f64) -> [f6
     values
 }
 
-/// The number of sign changes, the place before the last one, and the least absolute value.
+/// Returns the number of sign changes, the index before the last one, and the least absolute value.
 #[inline]
 fn sign_changes<const D: usize>(heights: &[f64; 7]) -> (u32, usize, f64) {
     let mut changes = 0;
@@ -160,7 +160,7 @@ fn sign_changes<const D: usize>(heights: &[f64; 7]) -> (u32, usize, f64) {
     (changes, place, least)
 }
 
-/// The Bernstein coefficients over the two halves.
+/// Returns the Bernstein coefficients over the two halves.
 #[inline]
 fn halves<const D: usize>(heights: &[f64; 7]) -> ([f64; 7], [f64; 7]) {
     let mut left = *heights;

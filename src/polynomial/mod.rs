@@ -6,7 +6,7 @@
 //! - [`Polynomial`]: coefficients of 1, x, x², …; evaluation, derivative, roots.
 //! - [`Bernstein`]: coefficients over the unit interval; bounds by the convex hull, subdivision.
 //! - [`quadratic`]: the numerically stable quadratic formula.
-//! - [`Roots`], [`RootList`]: what a root search found.
+//! - [`Roots`], [`RootList`]: the result of a root search.
 //!
 //! # The roots
 //!
@@ -16,12 +16,11 @@
 //! root, which a bracketed Newton iteration finds. The roots of the derivative are found the same
 //! way, down to a quadratic, which has a formula.
 //!
-//! Most polynomials do not need the recursion: where the signs of the Bernstein coefficients,
-//! after a few halvings of the interval, prove that every part holds one root or none (Descartes'
-//! rule), the Newton iteration starts there at once. Whatever is not certain within rounding goes
-//! through the recursion.
+//! Most polynomials do not need the recursion. If the signs of the Bernstein coefficients prove,
+//! after a few halvings, that every part holds at most one root (Descartes' rule), Newton's
+//! iteration starts there. Polynomials that rounding leaves uncertain go through the recursion.
 //!
-//! What is promised, for finite coefficients and a finite interval:
+//! Guarantees, for finite coefficients and a finite interval:
 //!
 //! - *Sorted, and each once.* A multiple root is reported once, whatever its multiplicity.
 //! - *Closed interval.* A root at an end belongs to the interval.

@@ -14,13 +14,13 @@ pub struct Polynomial<const N: usize> {
 }
 
 impl<const N: usize> Polynomial<N> {
-    /// The polynomial with these coefficients, lowest power first.
+    /// Returns the polynomial with these coefficients, lowest power first.
     #[must_use]
     pub const fn new(coefficients: [f64; N]) -> Self {
         Self { coefficients }
     }
 
-    /// The value at `x`, by Horner's rule.
+    /// Returns the value at `x`, by Horner's rule.
     ///
     /// The error is at most 2(N-1) units of rounding of the sum of the terms' absolute values.
     #[inline]
@@ -32,7 +32,7 @@ impl<const N: usize> Polynomial<N> {
             .fold(0.0, |value, coefficient| value * x + coefficient)
     }
 
-    /// The value and the first derivative at `x`.
+    /// Returns the value and the first derivative at `x`.
     #[inline]
     #[must_use]
     pub fn evaluate_with_derivative(&self, x: f64) -> (f64, f64) {
@@ -45,7 +45,7 @@ impl<const N: usize> Polynomial<N> {
         (value, derivative)
     }
 
-    /// The derivative, with a last coefficient of zero: the type keeps its number of coefficients.
+    /// Returns the derivative, with a last coefficient of zero.
     ///
     /// ```
     /// use nearmiss::internals::polynomial::Polynomial;
@@ -68,7 +68,7 @@ impl<const N: usize> Polynomial<N> {
         Self { coefficients }
     }
 
-    /// A number that no root exceeds in absolute value (Cauchy's bound), or nothing if the
+    /// Returns a bound on the absolute value of all roots (Cauchy's bound), or `None` if the
     /// polynomial has no isolated roots: a constant, or zero.
     ///
     /// The bound is `1 + max |a_i / a_n|` with `a_n` the last coefficient that is not zero, or
@@ -86,11 +86,11 @@ impl<const N: usize> Polynomial<N> {
         Some(bound.min(f64::MAX))
     }
 
-    /// The real roots in the closed interval from `low` to `high`.
+    /// Returns the real roots in the closed interval from `low` to `high`.
     ///
     /// `tolerance` is the largest error of a well-conditioned root, in the unit of `x`; 0 means
-    /// full precision. The [module](super) says what is promised. An interval with `low > high`
-    /// is empty and has no roots.
+    /// full precision. The [module](super) lists the guarantees. An interval with `low > high` is
+    /// empty and has no roots.
     ///
     /// # Panics
     ///
@@ -142,7 +142,7 @@ impl<const N: usize> Polynomial<N> {
         })
     }
 
-    /// All real roots: those within [`cauchy_bound`](Self::cauchy_bound).
+    /// Returns all real roots: those within [`cauchy_bound`](Self::cauchy_bound).
     ///
     /// Roots beyond `f64::MAX` are not reported.
     #[must_use]
@@ -156,7 +156,6 @@ impl<const N: usize> Polynomial<N> {
         }
     }
 
-    /// The largest absolute value of the coefficients.
     #[inline]
     fn largest_coefficient(&self) -> f64 {
         self.coefficients

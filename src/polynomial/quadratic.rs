@@ -3,17 +3,16 @@
 use super::roots::RootList;
 use crate::rounding::normalising_power;
 
-/// The real roots of `c0 + c1 x + c2 x²`, sorted; a double root once.
+/// Returns the real roots of `c0 + c1 x + c2 x²`, sorted; a double root once.
 ///
-/// Of the two textbook formulas for a root the one without cancellation is used for each, so a
-/// root has a relative error of a few units of rounding unless the discriminant itself is within
-/// rounding of zero. A vanishing `c2` gives the root of the line, and a `c2` so small that the
-/// second root overflows gives the first one alone. Where `c0`, `c1` and `c2` are all zero, or
-/// only `c0` is not, the list is empty: [`Polynomial::roots_in`](super::Polynomial::roots_in)
-/// tells these apart.
+/// Each root is computed by the textbook formula without cancellation. Its relative error is a few
+/// units of rounding unless the discriminant itself is within rounding of zero. If `c2` is zero,
+/// the root of the line is returned; if `c2` is so small that the second root overflows, only the
+/// first one. If `c1` and `c2` are zero the list is empty, whatever `c0`:
+/// [`Polynomial::roots_in`](super::Polynomial::roots_in) tells these cases apart.
 ///
-/// Any finite coefficients are allowed: those outside 1e±120 are scaled by a power of two first. With
-/// one that is not finite what is listed means nothing.
+/// Any finite coefficients are allowed: those outside 1e±120 are scaled by a power of two first.
+/// Coefficients that are not finite give a meaningless list.
 ///
 /// ```
 /// use nearmiss::internals::polynomial::quadratic;
@@ -32,7 +31,7 @@ pub fn quadratic(coefficients: [f64; 3]) -> RootList {
     scaled_quadratic(c0 * factor, c1 * factor, c2 * factor)
 }
 
-/// The formula for coefficients whose squares do not overflow.
+/// Returns the roots for coefficients whose squares do not overflow.
 #[inline]
 pub(super) fn scaled_quadratic(c0: f64, c1: f64, c2: f64) -> RootList {
     let mut roots = RootList::default();

@@ -1,7 +1,7 @@
 //! Yuksel's recursion: the roots of the derivative bracket the roots.
 //!
-//! All levels work on seven coefficients, those above the degree `D` unused: a derivative has one
-//! coefficient less, which the type cannot say. Loops over a constant range vanish in compilation.
+//! All levels work on seven coefficients, those above the degree `D` unused, since the type cannot
+//! say that a derivative has one coefficient less. Loops over a constant range are unrolled.
 
 use super::isolation::{IsolatingInterval, isolate};
 use super::quadratic::scaled_quadratic;
@@ -19,9 +19,9 @@ struct DerivativeLevel<const D: usize> {
     slope: [f64; 7],
 }
 
-/// The roots of a polynomial of degree at most `D` in `low..=high`, touching ones included.
+/// Returns the roots of a polynomial of degree at most `D` in `low..=high`, touching ones included.
 ///
-/// The coefficients are at most 1e90 and not all zero.
+/// The coefficients must be at most 1e90 and not all zero.
 pub(super) fn solve<const D: usize>(
     coefficients: &[f64; 7],
     low: f64,
@@ -75,9 +75,9 @@ pub(super) fn solve<const D: usize>(
     roots
 }
 
-/// The points in the open interval where a polynomial of degree at most `D` changes its sign.
+/// Returns the sign changes of a polynomial of degree at most `D` in the open interval.
 ///
-/// For bracketing only: a point where it merely touches zero may be missed or reported.
+/// For bracketing only: a touching zero may be missed or reported.
 fn crossings<const D: usize>(
     coefficients: &[f64; 7],
     low: f64,
@@ -100,7 +100,7 @@ fn crossings<const D: usize>(
     roots
 }
 
-/// A piece between two points of different sign.
+/// Returns an interval between two points of different sign.
 #[inline]
 fn monotone_piece(low: f64, low_value: f64, high: f64, high_value: f64) -> IsolatingInterval {
     // Between two turning points a polynomial looks like 3 x² - 2 x³, whose inverse is
@@ -123,7 +123,7 @@ fn monotone_piece(low: f64, low_value: f64, high: f64, high_value: f64) -> Isola
     }
 }
 
-/// Appends a root unless it is the last one again.
+/// Appends a root unless it equals the last one.
 #[inline]
 fn push_apart(roots: &mut RootList, root: f64) {
     if roots.last().is_none_or(|&last| last < root) {
@@ -131,7 +131,7 @@ fn push_apart(roots: &mut RootList, root: f64) {
     }
 }
 
-/// Those of the numbers that are in the open interval.
+/// Returns the numbers that lie in the open interval.
 #[inline]
 fn inside(numbers: &RootList, low: f64, high: f64) -> RootList {
     let mut kept = RootList::default();
@@ -175,7 +175,7 @@ impl<const D: usize> DerivativeLevel<D> {
         }
     }
 
-    /// Where the slope changes its sign: between two of these points the polynomial is monotone.
+    /// Returns the sign changes of the slope: between neighbouring ones the polynomial is monotone.
     #[inline]
     fn turning_points(&self, low: f64, high: f64, tolerance: f64) -> RootList {
         let [c0, c1, c2, ..] = self.slope;
@@ -189,9 +189,9 @@ impl<const D: usize> DerivativeLevel<D> {
         }
     }
 
-    /// The test whether a value cannot be told from zero: within `tolerance` of a zero to first
-    /// order, or within the rounding of the coefficients (one unit each) and of `evaluate`
-    /// (at most 3 D / 2 + 2 units of each term).
+    /// Returns a test whether a value may be zero: within `tolerance` of a zero to first order, or
+    /// within the rounding of the coefficients (one unit each) and of `evaluate` (at most 3 D / 2 +
+    /// 2 units of each term).
     #[inline]
     fn near_zero_test(&self, low: f64, high: f64, tolerance: f64) -> impl Fn(f64, f64) -> bool {
         let units = [4.0, 8.0, 12.0, 16.0, 20.0, 24.0, 28.0][D] * (0.5 * f64::EPSILON);
@@ -213,12 +213,12 @@ impl<const D: usize> DerivativeLevel<D> {
         }
     }
 
-    /// The only root in an interval, by Newton's method kept inside by bisection.
+    /// Returns the only root in an interval, by Newton's method safeguarded by bisection.
     ///
-    /// The error after a step is estimated from the last two: `step³ / last²` where the
-    /// convergence is quadratic, and with a factor of 16 to spare also where it is linear. A
-    /// small step can be luck, so the steps must have shrunk twice in a row. Bisection between the
-    /// bit patterns ends the search after at most some 150 evaluations on any interval.
+    /// The error after a step is estimated from the last two: `step³ / last²` where the convergence
+    /// is quadratic, and with a factor of 16 to spare also where it is linear. The steps must have
+    /// shrunk twice in a row, since a single small step can be chance. Bisection between the bit
+    /// patterns ends the search after at most some 150 evaluations on any interval.
     fn refine(&self, interval: IsolatingInterval, tolerance: f64) -> f64 {
         let IsolatingInterval {
             mut low,
@@ -271,8 +271,8 @@ impl<const D: usize> DerivativeLevel<D> {
     }
 }
 
-/// The value of a polynomial of degree `D`, even and odd powers apart: half the latency of
-/// Horner's rule, with the same order of rounding.
+/// Returns the value of a polynomial of degree `D`, with even and odd powers summed apart: half the
+/// latency of Horner's rule, with the same order of rounding.
 #[inline(always)]
 fn evaluate<const D: usize>(coefficients: &[f64; 7], x: f64) -> f64 {
     if x.abs() > FAR {
@@ -297,7 +297,6 @@ fn evaluate<const D: usize>(coefficients: &[f64; 7], x: f64) -> f64 {
     even + x * odd
 }
 
-/// The value by Horner's rule.
 #[inline]
 fn horner<const D: usize>(coefficients: &[f64; 7], x: f64) -> f64 {
     let mut value = 0.0;
@@ -307,10 +306,10 @@ fn horner<const D: usize>(coefficients: &[f64; 7], x: f64) -> f64 {
     value
 }
 
-/// A number half-way between two others in the order of all floating-point numbers, so that 64
-/// halvings end in neighbours whatever the range.
+/// Returns the number half-way between two others in the order of all floating-point numbers, so
+/// that 64 halvings end in neighbours whatever the range.
 fn middle_of_bits(low: f64, high: f64) -> f64 {
-    /// Maps the bit pattern to an integer that grows with the number, and back.
+    /// Maps a bit pattern to an integer that grows with the number, and back.
     fn ordered(bits: i64) -> i64 {
         bits ^ (((bits >> 63).cast_unsigned() >> 1).cast_signed())
     }

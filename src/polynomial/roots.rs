@@ -1,4 +1,4 @@
-//! What a root search found.
+//! Results of a root search.
 
 use std::fmt;
 use std::ops::Deref;
@@ -26,13 +26,13 @@ pub enum Roots {
 }
 
 impl Roots {
-    /// Whether the polynomial is zero everywhere.
+    /// Returns true if the polynomial is zero everywhere.
     #[must_use]
     pub fn is_everywhere(&self) -> bool {
         matches!(self, Self::Everywhere)
     }
 
-    /// The isolated roots, or nothing if the polynomial is zero everywhere.
+    /// Returns the isolated roots, or `None` if the polynomial is zero everywhere.
     #[must_use]
     pub fn isolated(&self) -> Option<&[f64]> {
         match self {
@@ -56,7 +56,7 @@ impl fmt::Debug for RootList {
 }
 
 impl RootList {
-    /// Appends a root that is not smaller than those before.
+    /// Appends a root that is not smaller than the previous ones.
     #[inline]
     pub(super) fn push(&mut self, root: f64) {
         debug_assert!(

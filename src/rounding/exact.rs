@@ -7,7 +7,7 @@ use glam::DVec3;
 #[derive(Clone, Debug)]
 pub(crate) struct Exact([RBig; 3]);
 
-/// A finite number without rounding.
+/// Returns a finite number without rounding.
 pub(crate) fn number(x: f64) -> RBig {
     RBig::try_from(x).unwrap_or_else(|_| unreachable!("{x} is finite"))
 }
@@ -29,7 +29,7 @@ impl Exact {
         Self(self.0.each_ref().map(|x| x * factor))
     }
 
-    /// Returns whether it is no longer than a length: compared without rounding.
+    /// Returns true if the vector is at most as long as `length`, compared without rounding.
     pub(crate) fn is_within(&self, length: f64) -> bool {
         self.is_within_exactly(&number(length))
     }
@@ -39,13 +39,13 @@ impl Exact {
         *length >= RBig::ZERO && x * x + y * y + z * z <= length * length
     }
 
-    /// Returns whether no coordinate is larger than that of a vector.
+    /// Returns true if no coordinate exceeds that of `half` in absolute value.
     pub(crate) fn is_within_box(&self, half: DVec3) -> bool {
         let mut coordinates = self.0.iter().zip(half.to_array());
         coordinates.all(|(x, half)| -number(half) <= *x && *x <= number(half))
     }
 
-    /// Returns the control point of the part between two shares: `point` is 0 to 3.
+    /// Returns control point number `point` (0 to 3) of the part between two shares.
     pub(crate) fn blossom(points: &[Self; 4], point: usize, ends: &[RBig; 2]) -> Self {
         let mut points = points.to_vec();
         for level in 0..3 {

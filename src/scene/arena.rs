@@ -1,23 +1,23 @@
 //! Memory for the compact trajectories of a scene's bodies.
 //!
-//! A screening reads all of them, time and again, and there is more of it than fits into any cache. So
-//! they lie next to each other, in large pages where the system has these.
+//! A screening reads all of them, time and again, and they exceed every cache. So they are stored
+//! contiguously, in large pages where the system has these.
 
 use crate::bounds::Line;
 use bytemuck::{cast_slice, cast_slice_mut};
 use memmap2::MmapMut;
 use std::fmt;
 
-/// Lines for the compact trajectories of bodies: each compact trajectory is put behind the last one, and what is given back is
-/// used again when all that is left is [copied](Self::take_copy) to another arena.
+/// An arena for compact trajectories: each is appended. Freed lines are reused only after all live
+/// ones were [copied](Self::take_copy) to another arena.
 #[derive(Default)]
 pub(crate) struct CubicArena {
     chunks: Vec<Memory>,
     /// Lines of the last chunk that were never used.
     rest: usize,
-    /// Lines of all ranges that were taken, and not given back.
+    /// Lines of all ranges in use.
     live: usize,
-    /// Lines that were given back.
+    /// Lines that were freed.
     garbage: usize,
 }
 
@@ -29,23 +29,23 @@ pub(crate) struct ArenaRange {
     lines: usize,
 }
 
-/// Lines that lie next to each other.
+/// A contiguous allocation of lines.
 enum Memory {
     Few(Vec<Line>),
     Pages(MmapMut),
 }
 
 impl CubicArena {
-    /// 16 KiB, for a small scene.
+    /// Smallest chunk, 16 KiB: for a small scene.
     const FEWEST: usize = 1 << 8;
     /// 1 MiB: an arena that needs more can spare a page.
     const FEW: usize = 1 << 14;
     /// A large page, 2 MiB, on most systems.
     const PAGE: usize = 1 << 15;
-    /// 32 MiB.
+    /// Chunks for more live lines than this are not larger, 32 MiB.
     const MANY: usize = 1 << 19;
 
-    /// Takes so many lines. What is on them is of no interest.
+    /// Allocates a range of lines with arbitrary content.
     pub(crate) fn take(&mut self, lines: usize) -> ArenaRange {
         if self.rest < lines || self.chunks.is_empty() {
             // Room for no fewer than are in use, unless these are many.
@@ -64,14 +64,13 @@ impl CubicArena {
         }
     }
 
-    /// Takes lines with a copy of those of another arena.
+    /// Allocates a range with a copy of another arena's range.
     pub(crate) fn take_copy(&mut self, other: &Self, range: &ArenaRange) -> ArenaRange {
         let copy = self.take(range.lines);
         self.at_mut(&copy).copy_from_slice(other.at(range));
         copy
     }
 
-    /// Gives back lines that are no more used.
     pub(crate) fn give_back(&mut self, range: ArenaRange) {
         self.live -= range.lines;
         self.garbage += range.lines;
@@ -80,7 +79,7 @@ impl CubicArena {
         }
     }
 
-    /// Takes so many lines in place of others: those, if they are as many.
+    /// Replaces a range by one of `lines` lines, possibly itself.
     pub(crate) fn exchange(&mut self, range: ArenaRange, lines: usize) -> ArenaRange {
         if range.lines == lines {
             return range;
@@ -98,12 +97,11 @@ impl CubicArena {
         &mut self.chunks[range.chunk].lines_mut()[range.first..][..range.lines]
     }
 
-    /// Returns true if more was given back than is in use, and more than 1 MiB.
+    /// Returns true if more lines were freed than are in use, and more than 1 MiB.
     pub(crate) const fn is_mostly_garbage(&self) -> bool {
         self.garbage > self.live + Self::FEW
     }
 
-    /// All there are.
     fn lines(&self) -> usize {
         self.chunks.iter().map(|chunk| chunk.lines().len()).sum()
     }
@@ -117,7 +115,7 @@ impl fmt::Debug for CubicArena {
 }
 
 impl Memory {
-    /// Room for so many lines at least.
+    /// Allocates at least this number of lines.
     fn with(lines: usize) -> Self {
         if lines < CubicArena::FEW {
             return Self::Few(vec![Line::BLANK; lines]);

@@ -1,4 +1,4 @@
-//! Bodies: what moves, how large it is, and what it is screened against.
+//! Bodies: trajectory, hitbox, layers and tag.
 
 use crate::hitbox::Hitbox;
 use crate::layers::Layers;
@@ -9,18 +9,18 @@ use crate::trajectory::Trajectory;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Body {
-    /// Where it goes.
+    /// Motion of the body.
     pub trajectory: Trajectory,
-    /// What it occupies; a point by default.
+    /// Space that the body occupies; a point by default.
     pub hitbox: Hitbox,
-    /// Which bodies it is screened against; all by default.
+    /// Masks that select the bodies to screen against; all by default.
     pub layers: Layers,
-    /// The user's own name for it; 0 by default. Errors speak of bodies by their tag.
+    /// Name chosen by the user; 0 by default. Errors name bodies by their tag.
     pub tag: u64,
 }
 
 impl Body {
-    /// A point that follows `trajectory`, in all layers, with tag 0.
+    /// Returns a point that follows `trajectory`, in all layers, with tag 0.
     #[must_use]
     pub fn new(trajectory: Trajectory) -> Self {
         Self {
@@ -31,21 +31,21 @@ impl Body {
         }
     }
 
-    /// The same body with this hitbox.
+    /// Returns the body with this hitbox.
     #[must_use]
     pub fn with_hitbox(mut self, hitbox: Hitbox) -> Self {
         self.hitbox = hitbox;
         self
     }
 
-    /// The same body in these layers.
+    /// Returns the body with these layers.
     #[must_use]
     pub const fn with_layers(mut self, layers: Layers) -> Self {
         self.layers = layers;
         self
     }
 
-    /// The same body with this tag.
+    /// Returns the body with this tag.
     #[must_use]
     pub const fn with_tag(mut self, tag: u64) -> Self {
         self.tag = tag;

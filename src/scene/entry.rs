@@ -1,4 +1,4 @@
-//! A body in a scene, with what screenings work out of its motion: once, and kept for the next one.
+//! A body in a scene, with cached data of its motion.
 
 use super::arena::{ArenaRange, CubicArena};
 use super::body::Body;
@@ -8,15 +8,15 @@ use crate::trajectory::{Extension, Segment, Trajectory};
 use crate::window::Window;
 use std::sync::OnceLock;
 
-/// What screening needs to know of a motion.
+/// The cached data of a motion.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MotionSummary {
-    /// Rough extremes of all segments, m.
+    /// Approximate extremes of all segments, m.
     pub(crate) extremes: DAabb,
-    /// Sum of the segments' extents: a bound on the way flown, m.
+    /// Sum of the segments' extents, m: a bound on the length of the path.
     pub(crate) path: f64,
-    /// Drawn on lines that are kept beside it.
-    pub(crate) sketch: CompactTrajectory,
+    /// Header of the compact trajectory; its lines are stored separately.
+    pub(crate) compact: CompactTrajectory,
 }
 
 impl MotionSummary {
@@ -29,47 +29,47 @@ impl MotionSummary {
                     high: position,
                 },
                 path: 2.0 * segment.extent(),
-                sketch: CompactTrajectory::of_line((first, last)),
+                compact: CompactTrajectory::of_line((first, last)),
             };
         }
         let (knots, segments) = (trajectory.cuts(), trajectory.cubics());
-        let (sketch, extremes) = CompactTrajectory::draw(knots, segments, lines);
-        let mut outline = Self {
+        let (compact, extremes) = CompactTrajectory::write(knots, segments, lines);
+        let mut summary = Self {
             extremes,
             path: segments.iter().map(Segment::extent).sum(),
-            sketch,
+            compact,
         };
         if segments.is_empty() {
             let position = trajectory
-                .position(outline.sketch.ends().0)
+                .position(summary.compact.ends().0)
                 .unwrap_or_default();
-            outline.extremes.include(DAabb {
+            summary.extremes.include(DAabb {
                 low: position,
                 high: position,
             });
         }
-        outline
+        summary
     }
 }
 
-/// Where a body's compact trajectory is drawn.
+/// The storage of a body's compact trajectory.
 #[derive(Debug)]
 enum Lines {
-    /// As it was put into the scene.
+    /// In the scene's arena.
     Shared(ArenaRange),
-    /// While the scene was being read.
+    /// Allocated on its own, by a read access to the scene.
     Own(Vec<Line>),
 }
 
 impl Lines {
-    /// Outlines a trajectory on lines of its own.
+    /// Computes the summary of a trajectory on lines of its own.
     fn of(trajectory: &Trajectory) -> (MotionSummary, Self) {
         let mut lines = vec![Line::BLANK; lines_for(trajectory)];
-        let outline = MotionSummary::of(trajectory, &mut lines);
-        (outline, Self::Own(lines))
+        let summary = MotionSummary::of(trajectory, &mut lines);
+        (summary, Self::Own(lines))
     }
 
-    /// The same on lines of an arena, in place of those of an outline before.
+    /// Computes the summary of a trajectory on lines of an arena, in place of a previous one.
     fn shared(
         trajectory: &Trajectory,
         before: Option<(MotionSummary, Self)>,
@@ -80,12 +80,12 @@ impl Lines {
             Some((_, Self::Shared(range))) => arena.exchange(range, count),
             _ => arena.take(count),
         };
-        let outline = MotionSummary::of(trajectory, arena.at_mut(&range));
-        (outline, Self::Shared(range))
+        let summary = MotionSummary::of(trajectory, arena.at_mut(&range));
+        (summary, Self::Shared(range))
     }
 }
 
-/// Lines that the compact form of a trajectory takes.
+/// Returns the number of lines of a trajectory's compact form.
 fn lines_for(trajectory: &Trajectory) -> usize {
     match trajectory.line() {
         Some(_) => 0,
@@ -93,41 +93,39 @@ fn lines_for(trajectory: &Trajectory) -> usize {
     }
 }
 
-/// A body, and what was worked out of its motion so far.
 #[derive(Debug)]
 pub(crate) struct SceneEntry {
     pub(crate) body: Body,
-    outline: OnceLock<(MotionSummary, Lines)>,
+    summary: OnceLock<(MotionSummary, Lines)>,
 }
 
 impl SceneEntry {
-    /// The body in the scene with this arena.
+    /// Returns the entry of a body in the scene with this arena.
     pub(super) fn new(body: Body, arena: &mut CubicArena) -> Self {
-        let outline = Lines::shared(&body.trajectory, None, arena).into();
-        Self { body, outline }
+        let summary = Lines::shared(&body.trajectory, None, arena).into();
+        Self { body, summary }
     }
 
-    /// Of the trajectory: worked out now, if it was not yet.
-    pub(crate) fn outline(&self) -> &MotionSummary {
-        &self.outlined().0
+    /// Returns the summary of the trajectory; computes it if needed.
+    pub(crate) fn summary(&self) -> &MotionSummary {
+        &self.cached().0
     }
 
-    fn outlined(&self) -> &(MotionSummary, Lines) {
+    fn cached(&self) -> &(MotionSummary, Lines) {
         let trajectory = &self.body.trajectory;
-        self.outline.get_or_init(|| Lines::of(trajectory))
+        self.summary.get_or_init(|| Lines::of(trajectory))
     }
 
-    /// The compact trajectory; the arena is that of the scene that the body is in.
-    pub(crate) fn drawing<'a>(&'a self, arena: &'a CubicArena) -> CompactView<'a> {
-        let (outline, lines) = self.outlined();
-        outline.sketch.on(match lines {
+    /// Returns the compact trajectory; the arena is that of the body's scene.
+    pub(crate) fn compact_view<'a>(&'a self, arena: &'a CubicArena) -> CompactView<'a> {
+        let (summary, lines) = self.cached();
+        summary.compact.on(match lines {
             Lines::Shared(range) => arena.at(range),
             Lines::Own(lines) => lines,
         })
     }
 
-    /// Returns the pieces that the body follows beyond its knots over a window; none if that stays within
-    /// them.
+    /// Returns the pieces that the body follows beyond its knots over a window, if any.
     ///
     /// # Errors
     ///
@@ -147,56 +145,56 @@ impl SceneEntry {
         extension.map_err(|error| error.in_body(*tag))
     }
 
-    /// Gives the body another trajectory, and returns the old one.
+    /// Replaces the trajectory and returns the old one.
     pub(super) fn follow(
         &mut self,
         mut trajectory: Trajectory,
         arena: &mut CubicArena,
     ) -> Trajectory {
-        let outline = Lines::shared(&trajectory, self.outline.take(), arena);
+        let summary = Lines::shared(&trajectory, self.summary.take(), arena);
         self.swap(&mut trajectory, arena);
-        self.outline = outline.into();
+        self.summary = summary.into();
         trajectory
     }
 
-    /// The same in place. The outline is left for when it is asked for: a body that is replanned
+    /// Swaps the trajectory in place. The summary is computed when needed: a body that is replanned
     /// each tick seldom needs it.
     pub(super) fn swap(&mut self, trajectory: &mut Trajectory, arena: &mut CubicArena) {
-        self.forget_outline(arena);
+        self.forget_summary(arena);
         std::mem::swap(&mut self.body.trajectory, trajectory);
     }
 
-    /// The body alone, which is in the scene no more.
+    /// Returns the body alone; it leaves the scene.
     pub(super) fn leave(mut self, arena: &mut CubicArena) -> Body {
-        self.forget_outline(arena);
+        self.forget_summary(arena);
         self.body
     }
 
     /// Copies the compact trajectory from the scene's old arena to the new one.
-    pub(super) fn move_sketch(&mut self, old: &CubicArena, arena: &mut CubicArena) {
-        if let Some((_, Lines::Shared(range))) = self.outline.get_mut() {
+    pub(super) fn move_compact(&mut self, old: &CubicArena, arena: &mut CubicArena) {
+        if let Some((_, Lines::Shared(range))) = self.summary.get_mut() {
             *range = arena.take_copy(old, range);
         }
     }
 
-    fn forget_outline(&mut self, arena: &mut CubicArena) {
-        if let Some((_, Lines::Shared(range))) = self.outline.take() {
+    fn forget_summary(&mut self, arena: &mut CubicArena) {
+        if let Some((_, Lines::Shared(range))) = self.summary.take() {
             arena.give_back(range);
         }
     }
 
-    /// The same body in a copy of its scene.
+    /// Returns this entry for a copy of its scene.
     pub(super) fn copy(&self, arena: &CubicArena, copy: &mut CubicArena) -> Self {
-        let outline = self.outline.get().map(|(outline, lines)| {
+        let summary = self.summary.get().map(|(summary, lines)| {
             let lines = match lines {
                 Lines::Shared(range) => Lines::Shared(copy.take_copy(arena, range)),
                 Lines::Own(lines) => Lines::Own(lines.clone()),
             };
-            (*outline, lines)
+            (*summary, lines)
         });
         Self {
             body: self.body.clone(),
-            outline: outline.map_or_else(OnceLock::new, OnceLock::from),
+            summary: summary.map_or_else(OnceLock::new, OnceLock::from),
         }
     }
 }

@@ -3,7 +3,7 @@
 use crate::id::BodyId;
 use std::collections::BTreeSet;
 
-/// Each pair in both orders: the pairs of one body are found without those of others.
+/// A set of pairs, each in both orders, so that the pairs of one body are adjacent.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct IgnoredPairs(BTreeSet<(BodyId, BodyId)>);
 
@@ -17,7 +17,6 @@ impl IgnoredPairs {
         self.0.remove(&(b, a));
     }
 
-    /// Drops all pairs of a body.
     pub(super) fn forget(&mut self, id: BodyId) {
         let pairs = self.0.range((id, BodyId::FIRST)..=(id, BodyId::LAST));
         let others: Vec<BodyId> = pairs.map(|&(_, other)| other).collect();
@@ -34,7 +33,7 @@ impl IgnoredPairs {
         self.0.is_empty()
     }
 
-    /// Each pair once, smaller id first.
+    /// Returns each pair once, smaller id first.
     pub(super) fn iter(&self) -> impl Iterator<Item = (BodyId, BodyId)> {
         self.0.iter().copied().filter(|(a, b)| a < b)
     }

@@ -1,4 +1,4 @@
-//! Bodies that are part of no pair, whatever they do: no boxes are formed for them.
+//! Bodies that cannot be part of any pair: no boxes are formed for them.
 
 use super::body::Body;
 use crate::hitbox::Hitbox;
@@ -6,19 +6,19 @@ use crate::layers::Layers;
 use crate::rounding::UNIT_ROUNDOFF;
 use std::collections::BTreeMap;
 
-/// Kinds of bodies in a scene: how many have the same layers, and how large they are.
+/// The kinds of bodies in a scene: counts by layers, and the largest radius.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Kinds {
-    /// By membership and filter: the number of bodies, and whether a partner is among all.
+    /// Number of bodies by membership and filter, and true if any body is a partner.
     layers: BTreeMap<(u32, u32), (usize, bool)>,
-    /// No radius of a body that is or was there is larger, m.
+    /// Upper bound of the radii of all bodies so far, m.
     largest: f64,
     /// Changes when layers get their first partner or lose the last one.
     revision: u64,
 }
 
 impl Kinds {
-    /// With more different layers, each is taken to have a partner.
+    /// Beyond this number of different layers, each is assumed to have a partner.
     const MANY: usize = 64;
 
     pub(super) fn add(&mut self, body: &Body) {
@@ -62,7 +62,7 @@ impl Kinds {
         layers.admits(layers)
     }
 
-    /// Finds which layers have a partner; one body is none of itself.
+    /// Updates which layers have a partner; a single body is no partner of itself.
     fn find_partners(&mut self) {
         let are_many = self.layers.len() > Self::MANY;
         let some = self.layers.iter().take(Self::MANY);
@@ -81,7 +81,7 @@ impl Kinds {
     }
 }
 
-/// Which bodies may be part of a pair at all, with a margin.
+/// A test whether a body may be part of any pair with a margin.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Partners<'s> {
     kinds: &'s Kinds,
@@ -89,12 +89,12 @@ pub(crate) struct Partners<'s> {
 }
 
 impl<'s> Partners<'s> {
-    /// Returns which bodies of these kinds may be part of a pair with a margin (m).
+    /// Returns the test for bodies of these kinds and a margin (m).
     pub(super) const fn of(kinds: &'s Kinds, margin: f64) -> Self {
         Self { kinds, margin }
     }
 
-    /// Returns false if the body is part of no pair: by its layers, or since the margin is so far below zero.
+    /// Returns false if the body can be part of no pair, by its layers or a very negative margin.
     pub(crate) fn has(&self, body: &Body) -> bool {
         let key = (body.layers.membership, body.layers.filter);
         let has_partner = || self.kinds.layers.get(&key).is_some_and(|kind| kind.1);
@@ -102,18 +102,18 @@ impl<'s> Partners<'s> {
             && can_reach(radius(&body.hitbox), self.kinds.largest, self.margin)
     }
 
-    /// Returns a value that changes with what [`has`](Self::has) says of bodies that stay as they are.
+    /// Returns a value that changes if [`has`](Self::has) changes for unchanged bodies.
     pub(crate) const fn revision(&self) -> (u64, u64) {
         (self.kinds.revision, self.kinds.largest.to_bits())
     }
 }
 
-/// Returns a radius that none of a hitbox's spheres exceeds, m.
+/// Returns an upper bound of a hitbox's radii, m.
 pub(crate) const fn radius(hitbox: &Hitbox) -> f64 {
     hitbox.bounding().radius
 }
 
-/// Returns false if two radii and a margin (m) certainly add up to less than zero: no distance is within that.
+/// Returns false if two radii and a margin (m) certainly add up to less than zero.
 pub(crate) fn can_reach(one: f64, other: f64, margin: f64) -> bool {
     let rounding = 4.0 * UNIT_ROUNDOFF * (one + other + margin.abs());
     one + other + margin >= -rounding

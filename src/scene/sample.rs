@@ -1,14 +1,13 @@
-//! A sample of a scene's bodies, and what most of them have in common.
+//! A sample of a scene's bodies, and their common velocity.
 
 use super::{Scene, SceneEntry};
 use glam::DVec3;
 
 impl Scene {
-    /// As many bodies as tell what most are like.
     pub(crate) const SAMPLE: usize = 64;
 
-    /// Some of the bodies that may be part of a pair within a time (s): of all where there are few, else of
-    /// those in slots scattered over all.
+    /// Returns some of the bodies that may be part of a pair within a time (s): all if they are
+    /// few, else those in slots spread over all.
     pub(crate) fn sample(&self, (from, to): (f64, f64)) -> impl Iterator<Item = &SceneEntry> {
         let count = self.slots.len();
         let some = (0..count.min(Self::SAMPLE)).filter_map(move |number| {
@@ -26,11 +25,11 @@ impl Scene {
         })
     }
 
-    /// Returns the velocity (m/s) that most bodies have in common within a time (s): the median of their
-    /// mean velocities; none where their speeds relative to it are hardly less.
+    /// Returns the common velocity (m/s) of most bodies within a time (s): the median of their mean
+    /// velocities. Zero if speeds relative to it are hardly smaller.
     pub(crate) fn common_velocity(&self, window: (f64, f64)) -> DVec3 {
-        /// Sum of the speeds relative to the median, next to that of all speeds. In a frame that moves, the
-        /// same boxes cost some more to form.
+        /// Largest ratio of the sum of speeds relative to the median to that of all speeds. Boxes
+        /// cost somewhat more to form in a moving frame.
         const LESS: f64 = 0.75;
         let velocities = self
             .sample(window)
@@ -52,8 +51,8 @@ impl Scene {
     }
 }
 
-/// The mean velocity of a body in the part of a time in which it exists; none where that has no end or is
-/// an instant.
+/// Returns the mean velocity of a body in the part of a time in which it exists, or `None` if that
+/// part is infinite or an instant.
 fn mean_velocity(entry: &SceneEntry, (from, to): (f64, f64)) -> Option<DVec3> {
     let plan = &entry.body.trajectory;
     let domain = plan.domain();

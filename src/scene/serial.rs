@@ -1,17 +1,17 @@
-//! Scenes in files: bodies with their slots, so that ids stay what they were.
+//! Serialised scenes: bodies with their slots, so that ids stay valid.
 
 use super::{Body, Scene, SceneEntry, Slot};
 use crate::error::Error;
 use crate::id::BodyId;
 use serde::{Deserialize, Serialize};
 
-/// What a scene is made of.
+/// The serialised fields of a scene.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Parts {
     /// Generation and body of each slot.
     slots: Vec<(u32, Option<Body>)>,
-    /// Empty slots, the next one to be used last.
+    /// Empty slots; the last one is used next.
     free: Vec<u32>,
     ignored: Vec<(BodyId, BodyId)>,
 }

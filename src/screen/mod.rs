@@ -1,9 +1,8 @@
 //! One-shot screening: a window in, all conflicts out.
 //!
 //! Slices find candidates, cheap tests leave survivors (a pair and a span each), and the exact
-//! solver works on whole spans of the survivors, each once. Which slice a survivor came from, and
-//! on which thread, is forgotten before the solver sees it: hence the same bits whatever the
-//! slicing and the number of threads.
+//! solver works on whole spans of the survivors, each once. The solver knows neither the slice nor
+//! the thread of a survivor. Hence the bits do not depend on the slicing or the number of threads.
 
 mod prepared;
 mod solve;
@@ -37,46 +36,47 @@ use solve::{SHARE_OF_SLICES, describe};
 pub struct Screening {
     /// All conflicts, sorted by (enter, a, b).
     pub conflicts: Vec<Conflict>,
-    /// The window that was looked at: that of the query, or [`Scene::planned`] if it names none.
+    /// The window screened: that of the query, or [`Scene::planned`] if it names none.
     pub window: Window,
-    /// The funnel they came through.
+    /// Counts and times of the funnel.
     pub stats: Stats,
 }
 
-/// A closest approach with what is proven of it, as in [`Certificate`](crate::Certificate).
+/// A closest approach with proven bounds, as in [`Certificate`](crate::Certificate).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CertifiedApproach {
-    /// When, how close, and where.
+    /// The closest approach.
     pub approach: ClosestApproach,
     /// The least separation lies in `approach.separation ± error` (m).
     pub error: f64,
-    /// When it is reached; all such instants where there are several.
+    /// All instants of least separation.
     pub time: TimeEnclosure,
 }
 
 impl Scene {
-    /// All conflicts of the scene within the query's window and margin.
+    /// Returns all conflicts of the scene within the query's window and margin.
     ///
-    /// Runs on the threads of the current rayon pool (feature `parallel`); the result is the same
-    /// bits for any number of them.
+    /// Runs on the threads of the current rayon pool (feature `parallel`). The bits of the result
+    /// do not depend on their number.
     ///
     /// # Errors
     ///
-    /// [`Error::Margin`] if the margin is NaN, infinite or beyond ±1e300; [`Error::NoPlan`] if the query names
-    /// no window and [`planned`](Self::planned) is none, though there are bodies;
-    /// [`Error::WindowNotClosed`] if a body exists beyond its knots and the window has no end;
-    /// [`Error::InBody`] with [`Error::OutOfRange`] if an extrapolated cubic leaves the range of
-    /// numbers within the window, or with [`Error::TooFar`]; [`Error::TooCrowded`] if more spans may hold a conflict than the
-    /// query has room for.
+    /// - [`Error::Margin`] if the margin is NaN, infinite or beyond ±1e300.
+    /// - [`Error::NoPlan`] if the query names no window and [`planned`](Self::planned) is `None`,
+    ///   though there are bodies.
+    /// - [`Error::WindowNotClosed`] if a body exists beyond its knots and the window has no end.
+    /// - [`Error::InBody`] with [`Error::OutOfRange`] if an extrapolated cubic leaves the range of
+    ///   numbers within the window, or with [`Error::TooFar`].
+    /// - [`Error::TooCrowded`] if more spans may hold a conflict than the query has room for.
     pub fn screen(&self, query: &Query) -> Result<Screening, Error> {
         self.screen_with_progress(query, |_| {})
     }
 
-    /// Answers as [`screen`](Self::screen) does; `progress` is told now and then, from any of the
-    /// threads, which share is done: up to 0.9 of the time slices, from there on of the pairs that are
-    /// solved; by several threads maybe not in order; and 1 at the end, from this thread.
+    /// Returns the answer of [`screen`](Self::screen) and reports its progress. `progress` gets the
+    /// share done: time slices up to 0.9, then the pairs solved. Any thread may call it, so values
+    /// may come out of order. The last call, with 1, is on this thread.
     ///
     /// # Errors
     ///
@@ -87,13 +87,13 @@ impl Scene {
         progress: impl Fn(f64) + Sync,
     ) -> Result<Screening, Error> {
         let begin = Instant::now();
-        let line_up = PreparedScene::new(self, query)?;
+        let prepared = PreparedScene::new(self, query)?;
         let mut screening = if self.admits_all(query.margin()) {
-            line_up.screen(query.method, &Everyone, &progress)?
+            prepared.screen(query.method, &Everyone, &progress)?
         } else {
-            line_up.screen(
+            prepared.screen(
                 query.method,
-                &PlaceAdmission::new(self, &line_up),
+                &PlaceAdmission::new(self, &prepared),
                 &progress,
             )?
         };
@@ -103,8 +103,8 @@ impl Scene {
         Ok(screening)
     }
 
-    /// The least separation of two bodies within a window, and when; none where they do not exist
-    /// at the same time. Layers and ignored pairs play no part.
+    /// Returns the least separation of two bodies within a window, and its time, or `None` if they
+    /// do not exist at the same time. Layers and ignored pairs play no part.
     ///
     /// # Errors
     ///
@@ -122,7 +122,7 @@ impl Scene {
         })
     }
 
-    /// Returns [`closest_approach`](Self::closest_approach) with a proof; dearer by the proof.
+    /// Returns [`closest_approach`](Self::closest_approach) with a proof, which takes longer.
     ///
     /// ```
     /// # use nearmiss::glam::DVec3;
@@ -161,18 +161,18 @@ impl Scene {
         })
     }
 
-    /// Returns the number of slices that the query's window would be cut into, at the least expected cost.
+    /// Returns the cheapest expected number of slices of the query's window.
     pub(crate) fn cheapest_slices(&self, query: &Query) -> Result<u32, Error> {
-        let line_up = PreparedScene::new(self, query)?;
-        if line_up.ids.len() < 2 {
+        let prepared = PreparedScene::new(self, query)?;
+        if prepared.ids.len() < 2 {
             return Ok(1);
         }
-        let slices = line_up.slices(&line_up.traffic(), |places| line_up.sources(places));
+        let slices = prepared.slices(&prepared.traffic(), |places| prepared.sources(places));
         Ok(slices.count())
     }
 
-    /// Answers from the spans of a pair within a window, if both exist there. The answer is about
-    /// a and b as given, whichever id is smaller.
+    /// Returns the answer from the spans of a pair within a window, if both exist there. The answer
+    /// is about a and b as given, whichever id is smaller.
     fn with_spans<T>(
         &self,
         a: BodyId,
@@ -193,8 +193,8 @@ impl Scene {
 }
 
 impl PreparedScene<'_> {
-    /// The window, and no less than all that is reported of it, cut into slices of the length that is
-    /// expected to cost least. `sources` gives those of the bodies in some places.
+    /// Returns slices of the length of least expected cost. They cover the window, and all instants
+    /// that may be reported in it. `sources` returns those of the bodies at some places.
     fn slices<'p>(
         &self,
         traffic: &SceneStatistics,
@@ -217,9 +217,9 @@ impl PreparedScene<'_> {
         trials.cheapest(slices, traffic, sources)
     }
 
-    /// All bodies, and the window in slices: both at the same time where there are many bodies.
+    /// Returns all bodies and the slices; computed in parallel if there are many bodies.
     fn prepared(&self, traffic: &SceneStatistics) -> (Lists<'_>, TimeSlices) {
-        /// Fewer are sooner lined up than another thread wakes up.
+        /// Fewer are prepared before another thread wakes up.
         const FEW: usize = 1024;
         if parallel::threads() > 1 && self.ids.len() > FEW {
             let slices = || self.slices(traffic, |places| self.sources(places));
@@ -307,7 +307,7 @@ impl PreparedScene<'_> {
     }
 }
 
-/// The beginning of the funnel.
+/// Returns the statistics of the funnel's beginning.
 fn counted(views: &[BodyView<'_>]) -> Stats {
     let segments = views.iter().map(|view| view.knots.cubics() as u64);
     Stats {
@@ -324,8 +324,8 @@ mod tests {
     use crate::trajectory::{State, Trajectory};
     use glam::DVec3;
 
-    /// Two fleets that fly opposite ways, each 1 m apart: a box of some metres meets nearly all of its fleet, and
-    /// slices some times shorter save nothing. Far shorter ones save all.
+    /// Two fleets that fly opposite ways, each 1 m apart. Boxes of some metres overlap nearly all
+    /// of their fleet: somewhat shorter slices save nothing, far shorter ones everything.
     #[test]
     fn far_shorter_slices_are_tried_in_a_crowd() {
         let mut scene = Scene::new();

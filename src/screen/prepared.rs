@@ -1,4 +1,4 @@
-//! The bodies of a scene as the pipeline sees them: by place, in the order of their ids.
+//! All bodies of a scene, prepared for one query and indexed densely in id order.
 
 use super::survey::SceneSurvey;
 use crate::accuracy::Accuracy;
@@ -19,24 +19,24 @@ use crate::trajectory::Extension;
 use crate::window::Window;
 use std::num::NonZeroU32;
 
-/// Each body as the narrow phase takes it, and how it lies in a frame; by place.
+/// Views and box sources of all bodies, by place.
 pub(super) type Lists<'a> = (Vec<BodyView<'a>>, Vec<CubicSource<'a, CompactCubic>>);
 
-/// The bodies of a scene as the pipeline sees them: by place, in the order of their ids.
+/// All bodies of a scene, prepared for one query and indexed densely ("place") in id order.
 pub(super) struct PreparedScene<'a> {
     pub(super) ids: Vec<BodyId>,
     pub(super) entries: Vec<&'a SceneEntry>,
     pub(super) presence: Lifetimes,
-    /// Those that go on beyond their knots in the window, by ascending place.
+    /// Extensions beyond the knots in the window, by ascending place.
     extensions: Vec<(usize, Extension)>,
-    /// The window of the answer.
+    /// Window of the answer.
     pub(super) asked: Window,
-    /// The same window, its open ends closed where no body exists beyond them.
+    /// The window of the answer with open ends closed where no body exists beyond them.
     pub(super) window: Window,
     pub(super) margin: f64,
     pub(super) accuracy: Accuracy,
     pub(super) instructions: InstructionSet,
-    /// Number of slices, if that was prescribed.
+    /// Number of slices, if prescribed.
     pub(super) prescribed: Option<NonZeroU32>,
     pub(super) limits: Limits,
     pub(super) pool: &'a Pool<SearchScratch>,
@@ -69,7 +69,7 @@ impl<'a> PreparedScene<'a> {
             extensions.extend(extension.map(|extension| (place, extension)));
         }
         let frame = survey.frame(scene);
-        let mut line_up = Self {
+        let mut prepared = Self {
             ids,
             entries,
             presence: Lifetimes::default(),
@@ -86,26 +86,25 @@ impl<'a> PreparedScene<'a> {
             frame,
             survey,
         };
-        let (start, end) = line_up.survey.existence;
+        let (start, end) = prepared.survey.existence;
         let existence = Window::new(start, end).ok();
         match existence.and_then(|existence| existence.intersection(asked)) {
             Some(window) => {
-                line_up.window = window;
-                line_up.presence = Lifetimes::of(std::mem::take(&mut line_up.survey.lives));
+                prepared.window = window;
+                prepared.presence = Lifetimes::of(std::mem::take(&mut prepared.survey.lives));
             }
             None => {
-                line_up.ids.clear();
-                line_up.entries.clear();
-                line_up.extensions.clear();
+                prepared.ids.clear();
+                prepared.entries.clear();
+                prepared.extensions.clear();
             }
         }
-        Ok(line_up)
+        Ok(prepared)
     }
 
-    /// Each body as the narrow phase takes it, and how it lies in a frame that serves all of them; by
-    /// place.
+    /// Returns views and box sources of all bodies, by place, in a common frame.
     pub(super) fn views(&self) -> Lists<'_> {
-        /// Fewer are gone through on this thread.
+        /// Fewer are prepared on this thread.
         const FEW: usize = 4096;
         let frame = self.frame;
         let count = self.entries.len();
@@ -115,14 +114,13 @@ impl<'a> PreparedScene<'a> {
         (views, sources)
     }
 
-    /// Returns the sources of boxes of the bodies in some places.
+    /// Returns the box sources of the bodies at some places.
     pub(super) fn sources(&self, places: &[usize]) -> Vec<CubicSource<'_, CompactCubic>> {
         let frame = self.frame;
         let source = |&place: &usize| self.view(place, &frame).1;
         places.iter().map(source).collect()
     }
 
-    /// The body in a place as the narrow phase takes it, and how it lies in a frame.
     #[inline]
     fn view(&self, place: usize, frame: &Frame) -> (BodyView<'_>, CubicSource<'_, CompactCubic>) {
         let entry = self.entries[place];
@@ -133,25 +131,27 @@ impl<'a> PreparedScene<'a> {
         if let Some((segment, _)) = entry.body.trajectory.line() {
             let knots = Knots::over(&entry.body.trajectory, extension);
             let source = CubicSource::straight((knots, segment), &padding, frame);
-            return (party_of(&entry.body, knots), source);
+            return (view_of(&entry.body, knots), source);
         }
-        let drawing = entry.drawing(self.arena);
+        let compact_view = entry.compact_view(self.arena);
         // A screening reads knots next to the compact trajectories.
-        let knots = drawing.knots.extended(&entry.body.trajectory, extension);
-        let source = CubicSource::sketched(knots, &drawing, &padding, frame);
-        (party_of(&entry.body, knots), source)
+        let knots = compact_view
+            .knots
+            .extended(&entry.body.trajectory, extension);
+        let source = CubicSource::compact(knots, &compact_view, &padding, frame);
+        (view_of(&entry.body, knots), source)
     }
 
-    /// Returns how much moves in the window, from what is known of each body as a whole.
+    /// Returns the statistics of motion in the window.
     pub(super) fn traffic(&self) -> SceneStatistics {
         self.survey.traffic()
     }
 }
 
-/// Layers and ignored pairs, by place in the line-up.
+/// Layers and ignored pairs, by place.
 pub(super) struct PlaceAdmission<'a> {
     layers: Vec<Layers>,
-    /// Radii, if the margin is negative: some pairs cannot be within it.
+    /// Radii, if the margin is negative, which excludes some pairs.
     radii: Vec<f64>,
     margin: f64,
     ids: &'a [BodyId],
@@ -159,17 +159,17 @@ pub(super) struct PlaceAdmission<'a> {
 }
 
 impl<'a> PlaceAdmission<'a> {
-    pub(super) fn new(scene: &'a Scene, line_up: &'a PreparedScene<'_>) -> Self {
-        let bodies = || line_up.entries.iter().map(|entry| &entry.body);
-        let is_negative = line_up.margin < 0.0;
+    pub(super) fn new(scene: &'a Scene, prepared: &'a PreparedScene<'_>) -> Self {
+        let bodies = || prepared.entries.iter().map(|entry| &entry.body);
+        let is_negative = prepared.margin < 0.0;
         let radii = bodies()
             .filter(|_| is_negative)
             .map(|body| radius(&body.hitbox));
         Self {
             layers: bodies().map(|body| body.layers).collect(),
             radii: radii.collect(),
-            margin: line_up.margin,
-            ids: &line_up.ids,
+            margin: prepared.margin,
+            ids: &prepared.ids,
             ignored: scene.ignored(),
         }
     }
@@ -184,8 +184,7 @@ impl PairFilter for PlaceAdmission<'_> {
     }
 }
 
-/// Returns a body as the narrow phase takes it over a window, of which nothing is sketched if it was not
-/// before.
+/// Returns the view of a body over a window, without computing its summary.
 ///
 /// # Errors
 ///
@@ -193,11 +192,10 @@ impl PairFilter for PlaceAdmission<'_> {
 pub(super) fn lone_view(entry: &SceneEntry, window: Window) -> Result<BodyView<'_>, Error> {
     let extension = entry.extension(window)?;
     let knots = Knots::over(&entry.body.trajectory, extension.as_ref());
-    Ok(party_of(&entry.body, knots))
+    Ok(view_of(&entry.body, knots))
 }
 
-/// Returns a body as the narrow phase takes it, with these knots.
-fn party_of<'a>(body: &'a Body, knots: Knots<'a>) -> BodyView<'a> {
+fn view_of<'a>(body: &'a Body, knots: Knots<'a>) -> BodyView<'a> {
     BodyView {
         knots,
         segments: body.trajectory.cubics(),
@@ -206,7 +204,7 @@ fn party_of<'a>(body: &'a Body, knots: Knots<'a>) -> BodyView<'a> {
     }
 }
 
-/// The part of the window in which both bodies exist.
+/// Returns the part of the window in which both bodies exist.
 pub(super) fn clip_of(a: &BodyView<'_>, b: &BodyView<'_>, window: Window) -> Option<(f64, f64)> {
     let (start, end) = common_domain(&a.knots, &b.knots)?;
     let (start, end) = (start.max(window.start()), end.min(window.end()));

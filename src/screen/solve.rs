@@ -1,4 +1,4 @@
-//! The exact answer for the survivors, and how it is reported.
+//! Exact solutions of the survivors, and the conflicts reported.
 
 use super::prepared::{PreparedScene, clip_of};
 use crate::accuracy::Accuracy;
@@ -14,7 +14,7 @@ use crate::spans::SpanKey;
 use std::slice::from_ref;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Memory that one thread reuses from pair to pair.
+/// Buffers that one thread reuses from pair to pair.
 #[derive(Default)]
 struct SolveScratch {
     contacts: Vec<Contact>,
@@ -22,7 +22,7 @@ struct SolveScratch {
     workspace: Workspace,
 }
 
-/// Share of the work that going through the slices is taken to be, when progress is told.
+/// Share of the slices in the progress reported.
 pub(super) const SHARE_OF_SLICES: f64 = 0.9;
 
 /// Pairs of bodies that one thread solves at a time.
@@ -32,7 +32,7 @@ const CHUNK: usize = 64;
 type OfPair<'s> = &'s [SpanKey];
 
 impl PreparedScene<'_> {
-    /// The answer for the survivors (sorted), in the order of reports.
+    /// Returns the conflicts of the sorted survivors, in the order of reports.
     pub(super) fn solve(
         &self,
         views: &[BodyView<'_>],
@@ -102,8 +102,8 @@ impl PreparedScene<'_> {
         }
     }
 
-    /// A pair of bodies, out of those that are solved one after the other; none if the two do not exist
-    /// at the same time within the window.
+    /// Returns the task of a pair of bodies, or `None` if the two do not exist at the same time
+    /// within the window.
     fn pair<'p>(
         &self,
         views: &'p [BodyView<'p>],
@@ -128,11 +128,11 @@ fn ratio(done: usize, all: usize) -> f64 {
     done as f64 / all as f64
 }
 
-/// Fetches what solving reads of pairs that come after one: it lies anywhere in memory.
+/// Prefetches the data of later pairs, which is scattered in memory.
 fn fetch(views: &[BodyView<'_>], pairs: &[OfPair<'_>], number: usize) {
-    /// Pairs ahead; of bodies, twice as many.
+    /// Prefetch distance in pairs; bodies are prefetched twice as far ahead.
     const AHEAD: usize = 4;
-    /// Spans of one of them: most have no more.
+    /// Spans prefetched of a pair: most have no more.
     const SPANS: usize = 4;
     if let Some(later) = pairs.get(number + 2 * AHEAD) {
         for place in [later[0].a, later[0].b] {
@@ -150,10 +150,10 @@ fn fetch(views: &[BodyView<'_>], pairs: &[OfPair<'_>], number: usize) {
     }
 }
 
-/// All conflicts in the order of reports, from those of each pair after the other.
+/// Returns all conflicts in the order of reports, from lists in pair order.
 ///
-/// Pairs ascend, and the conflicts of one follow in time: so it is the order of their beginnings,
-/// and of their places where these tie. A conflict is long: it is moved once, by its place.
+/// Pairs ascend, and the conflicts of a pair are in time order. So the order is that of the
+/// beginnings, and of the places where these tie. Conflicts are large, so each is moved only once.
 fn in_order(found: &[Vec<Conflict>]) -> Vec<Conflict> {
     let places = (0_u32..).zip(found).flat_map(|(chunk, conflicts)| {
         let places = (0_u32..).zip(conflicts);
@@ -174,7 +174,7 @@ fn in_order(found: &[Vec<Conflict>]) -> Vec<Conflict> {
     ordered
 }
 
-/// Two bodies with the spans in which they may touch.
+/// Two bodies with the spans in which they may be in contact.
 struct PairTask<'p> {
     names: [(BodyId, u64); 2],
     views: (&'p BodyView<'p>, &'p BodyView<'p>),
@@ -195,7 +195,7 @@ impl PairTask<'_> {
     }
 }
 
-/// A contact as it is reported, without a certificate; bodies by their ids and tags.
+/// Returns the reported form of a contact, without certificate.
 pub(crate) fn conflict(
     contact: &Contact,
     [(a, tag_a), (b, tag_b)]: [(BodyId, u64); 2],

@@ -1,5 +1,4 @@
-//! Statistics of all bodies before any of them is looked at closely, from one pass: they
-//! lie next to each other in memory, but are larger together than the caches.
+//! Scene-wide statistics, gathered in one pass over the bodies.
 
 use crate::bounds::{DAabb, Frame, MovingFrame, Padding};
 use crate::scene::{Scene, SceneEntry};
@@ -8,26 +7,26 @@ use crate::trajectory::{Extension, Segment};
 use crate::window::Window;
 use glam::DVec3;
 
-/// See the module.
+/// Scene-wide statistics for one query.
 #[derive(Debug)]
 pub(super) struct SceneSurvey {
     window: Window,
     margin: f64,
-    /// When each body exists, by place, and all of them (first and last instant, s). (Never, if it is
-    /// part of no pair.)
+    /// Existence of each body, by place, and of all (first and last instant, s). Never for bodies
+    /// that are part of no pair.
     pub(super) lives: Vec<(f64, f64)>,
     pub(super) existence: (f64, f64),
-    /// Extremes of all that is followed, roughly, m: of bodies that exist in the window.
+    /// Approximate extremes of the motion of bodies that exist in the window, m.
     pub(super) extremes: DAabb,
-    /// Extremes of the plans alone, roughly, m.
+    /// Approximate extremes of the plans alone, m.
     plans: DAabb,
     traffic: SceneStatistics,
-    /// Largest distance from a body's position that matters, m.
+    /// Largest relevant distance from a body's position, m.
     pub(super) size: f64,
 }
 
 impl SceneSurvey {
-    /// Begins a survey of so many bodies that are not known yet.
+    /// Returns a survey before any of `count` bodies is included.
     pub(super) fn of(count: usize, window: Window, margin: f64) -> Self {
         Self {
             window,
@@ -47,16 +46,15 @@ impl SceneSurvey {
         }
     }
 
-    /// Takes in a body, and the pieces that it follows beyond its knots in the window. Of one with no
-    /// partner nothing matters.
+    /// Includes a body and its pieces beyond the knots in the window, if it has a partner.
     pub(super) fn include(
         &mut self,
         place: usize,
         (entry, extension): (&SceneEntry, Option<&Extension>),
         has_partner: bool,
     ) {
-        let (body, plan) = (&entry.body, entry.outline());
-        let own = plan.sketch.ends();
+        let (body, plan) = (&entry.body, entry.summary());
+        let own = plan.compact.ends();
         let (first, last) = extension.map_or(own, |extension| extension.domain);
         if !has_partner {
             self.lives[place] = (f64::INFINITY, f64::NEG_INFINITY);
@@ -92,7 +90,7 @@ impl SceneSurvey {
         }
     }
 
-    /// Takes in motion beyond the knots from one instant to another (s), in so many pieces.
+    /// Adds the motion beyond the knots between two instants (s), in `pieces` pieces.
     fn count_beyond(&mut self, segment: &Segment, (from, to): (f64, f64), pieces: u32) {
         let [begin, end] = [from, to].map(|time| segment.motion_at(time).0);
         for position in [begin, end] {
@@ -104,8 +102,8 @@ impl SceneSurvey {
         self.count((from, to), (begin.distance(end), pieces as usize));
     }
 
-    /// Counts as much of some motion (from one instant to another, so far, in so many segments) as lies
-    /// within the window.
+    /// Adds the part within the window of a motion between two instants (s), with its path (m) and
+    /// number of segments.
     fn count(&mut self, (from, to): (f64, f64), (path, segments): (f64, usize)) {
         let (start, end) = (self.window.start(), self.window.end());
         let time = (to.min(end) - from.max(start)).max(0.0);
@@ -119,16 +117,16 @@ impl SceneSurvey {
         }
     }
 
-    /// A frame for all bodies that exist in the window, where most of them are.
+    /// Returns a frame for all bodies that exist in the window, centred on most of them.
     pub(super) fn frame(&self, scene: &Scene) -> MovingFrame {
         let window = (self.window.start(), self.window.end());
         let some = scene.sample(window);
-        let mut places: Vec<DVec3> = some.map(|one| one.outline().extremes.middle()).collect();
+        let mut places: Vec<DVec3> = some.map(|one| one.summary().extremes.middle()).collect();
         let most = DAabb::of_middle_half(&mut places);
         Frame::amid(self.extremes, most, self.size).moving(scene.common_velocity(window))
     }
 
-    /// Returns how much moves in the window.
+    /// Returns the statistics of motion in the window.
     pub(super) fn traffic(&self) -> SceneStatistics {
         SceneStatistics {
             world: (self.plans.high - self.plans.low).to_array(),

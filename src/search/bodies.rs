@@ -1,4 +1,4 @@
-//! Bodies as a search sees them: under dense numbers.
+//! The bodies of a search, under dense numbers.
 
 use crate::bounds::{BodyCubic, BoundingCubic, CubicSource, HullTest, hull_test};
 use crate::knots::Knots;
@@ -6,35 +6,33 @@ use crate::narrow_phase::BodyView;
 use crate::simd::prefetch;
 use std::slice::from_ref;
 
-/// Bodies under dense numbers: all that a search knows of a scene or a monitor.
+/// Access to bodies under dense numbers: all that a search knows of a scene or a monitor.
 pub(crate) trait Bodies: Sync {
-    /// Returns a body as the narrow phase takes it; one that never exists if there is none.
+    /// Returns the view of a body; one that never exists if there is none.
     fn view(&self, body: u32) -> BodyView<'_>;
 
-    /// Returns the knots of a body.
     fn knots(&self, body: u32) -> Knots<'_> {
         self.view(body).knots
     }
 
-    /// Returns what compact cubics tell of two bodies, each on a cubic, over a time (s).
+    /// Returns the hull test of two bodies, each on one cubic, over a time (s).
     fn hull_test(&self, _: [(u32, u32); 2], _: (f64, f64)) -> HullTest {
         HullTest::Blurred
     }
 
-    /// Fetches what is known of a body into the caches.
+    /// Prefetches the record of a body.
     fn fetch(&self, _: u32) {}
 
-    /// Fetches the knots of a body, from those of a cubic on.
+    /// Prefetches the knots of a body, from those of a cubic on.
     fn fetch_knots(&self, _: (u32, u32)) {}
 
-    /// Fetches a cubic as [`sight`](Self::sight) reads it.
+    /// Prefetches a cubic for the [hull test](Self::hull_test).
     fn fetch_cubic(&self, _: (u32, u32)) {}
 
-    /// Fetches a segment.
     fn fetch_segment(&self, _: (u32, u32)) {}
 }
 
-/// Bodies laid out side by side, by number.
+/// Bodies in lists, by number.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BodyLists<'a, C> {
     pub(crate) views: &'a [BodyView<'a>],
@@ -47,7 +45,7 @@ impl<C: BoundingCubic + Sync> Bodies for BodyLists<'_, C> {
         self.views[body as usize]
     }
 
-    /// From the list that boxes are formed of: it lies in the caches.
+    /// Reads the list that boxes are formed from: it is cached.
     #[inline]
     fn knots(&self, body: u32) -> Knots<'_> {
         self.sources[body as usize].knots
@@ -72,7 +70,7 @@ impl<C: BoundingCubic + Sync> Bodies for BodyLists<'_, C> {
 
     #[inline]
     fn fetch_knots(&self, (body, first): (u32, u32)) {
-        /// Two lines.
+        /// Two cache lines.
         const KNOTS: usize = 16;
         let knots = &self.sources[body as usize].knots;
         knots.prefetch(first as usize, KNOTS);

@@ -1,4 +1,4 @@
-//! One box and one fat line for each body in each of a few slices.
+//! Boxes and fat lines of all bodies in a few slices.
 
 use crate::bounds::{
     BoundingCubic, BoundsBuilder, CubicRun, CubicSource, FatLine, MovingFrame, SliceInterval,
@@ -8,10 +8,10 @@ use crate::broad_phase::BodyBox;
 use crate::knots::Knots;
 use crate::simd::Task;
 
-/// One slice: a box and a fat line for each body that exists in it, side by side.
+/// The bounds of one slice: a box and a fat line for each body that exists in it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SliceBounds {
-    /// Bodies of boxes are places in these lists.
+    /// The `body` of a box is its place in these lists.
     pub(crate) boxes: Vec<BodyBox>,
     pub(crate) fat_lines: Vec<FatLine>,
     /// Bodies by place, ascending.
@@ -24,13 +24,12 @@ pub(crate) struct SliceBounds {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SliceBlock {
     pub(crate) slices: Vec<SliceBounds>,
-    /// For each body, its first cubic in the block; once it was walked, its last: where the search
-    /// for the next block begins.
+    /// Each body's first cubic in the block, then its last one, where the next search begins.
     pieces: Vec<u32>,
 }
 
 impl SliceBlock {
-    /// Slices in a block at most: their lists are all as long as one of them may become.
+    /// Largest number of slices in a block: each list may be as long as the longest.
     pub(crate) const SLICES: usize = 32;
 }
 
@@ -39,7 +38,7 @@ pub(crate) struct FormBounds<'a, C> {
     pub(crate) block: &'a mut SliceBlock,
     pub(crate) frame: &'a MovingFrame,
     pub(crate) sources: &'a [CubicSource<'a, C>],
-    /// Places of those to look at, ascending: each that exists in one of the slices is among them.
+    /// Places of bodies, ascending: includes each body that exists in one of the slices.
     pub(crate) present: &'a [u32],
     /// Ends of the slices, s: one more than there are slices.
     pub(crate) ends: &'a [f64],
@@ -60,8 +59,8 @@ impl<C: BoundingCubic> Task for FormBounds<'_, C> {
 }
 
 impl<'a, C: BoundingCubic> FormBounds<'a, C> {
-    /// Number of bodies by which segments are fetched ahead. They are what there is most of,
-    /// and each body's lie somewhere else: without it, half of the time is waiting.
+    /// Prefetch distance in bodies. Their segments are most of the data, and scattered; without
+    /// prefetching, half of the time is waiting.
     const AHEAD: usize = 4;
 
     #[inline(always)]
@@ -111,7 +110,7 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
         }
     }
 
-    /// Fetches the knots of a body, given its number among those present.
+    /// Prefetches the knots of a body, given its number among those present.
     #[inline(always)]
     fn prefetch_knots(&self, number: usize) {
         if let Some(&place) = self.present.get(number) {
@@ -120,9 +119,9 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
         }
     }
 
-    /// Finds the cubic that a body begins with, given its number among those present. If few of its cubics
-    /// will be read one by one, fetches what will be; else gives what is to be fetched on the way of
-    /// another body.
+    /// Finds the first cubic of a body, given its number among those present. Prefetches the runs
+    /// of cubics that the body will use. If it will use few runs, returns its cubics for
+    /// prefetching during another body's walk.
     #[inline(always)]
     fn look_up<const MOVES: bool>(
         &mut self,
@@ -136,7 +135,7 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
         let piece = &mut self.block.pieces[place as usize];
         let first = cubic_before(&source.knots, periods[0].from, *piece);
         *piece = short(first);
-        if !goes_in_bundles(source, periods) {
+        if !goes_in_runs(source, periods) {
             return Ahead::Later(source, first);
         }
         if exists(source, periods) {
@@ -146,7 +145,7 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
     }
 }
 
-/// When a block begins and ends, s.
+/// Returns the beginning and end of a block, s.
 #[inline(always)]
 fn ends_of<const MOVES: bool>(periods: &[SliceInterval<MOVES>]) -> (f64, f64) {
     (periods[0].from, periods[periods.len() - 1].to)
@@ -163,21 +162,21 @@ fn exists<C, const MOVES: bool>(
     first <= to && last >= from
 }
 
-/// Returns true if a body mostly goes through so many cubics in a slice that there are runs of cubics of them.
+/// Returns true if a body usually passes so many cubics in a slice that they form runs.
 #[inline(always)]
-fn goes_in_bundles<C: BoundingCubic, const MOVES: bool>(
+fn goes_in_runs<C: BoundingCubic, const MOVES: bool>(
     source: &CubicSource<'_, C>,
     periods: &[SliceInterval<MOVES>],
 ) -> bool {
     let (first, last) = source.knots.ends();
     let (from, to) = ends_of(periods);
     #[allow(clippy::cast_precision_loss, reason = "an estimate")]
-    let [cubics, bundles] =
+    let [cubics, runs] =
         [source.knots.cubics(), 2 * CubicRun::SIZE * periods.len()].map(|count| count as f64);
-    source.is_in_bundles() && cubics * (to - from) > bundles * (last - first)
+    source.is_in_runs() && cubics * (to - from) > runs * (last - first)
 }
 
-/// Fetches what a walk through the slices will read, from a cubic on.
+/// Prefetches the data of a walk through the slices, from a cubic on.
 #[inline(always)]
 fn fetch_route<C: BoundingCubic, const MOVES: bool>(
     source: &CubicSource<'_, C>,
@@ -196,10 +195,10 @@ fn fetch_route<C: BoundingCubic, const MOVES: bool>(
     }
 }
 
-/// The last cubic that begins before `time` (the first one if none does), searched from a guess.
+/// Returns the last cubic that begins before `time` (or the first), searched from a guess.
 #[inline(always)]
 fn cubic_before(knots: &Knots<'_>, time: f64, guess: u32) -> usize {
-    /// Steps to the next cubic before the rest is halved.
+    /// Linear steps before the search halves the rest.
     const STEPS: usize = 8;
     let guess = guess as usize;
     if knots.are_extended() {
@@ -217,11 +216,11 @@ fn cubic_before(knots: &Knots<'_>, time: f64, guess: u32) -> usize {
     piece + knots[piece + 1..].partition_point(|&knot| knot < time)
 }
 
-/// The last cubic that begins by `time`, from one that begins before it. (Slices are closed: one that
-/// begins where the slice ends counts with its first point.)
+/// Returns the last cubic that begins by `time`, from one that begins before it. Slices are closed:
+/// a cubic that begins at the slice's end counts with its first point.
 #[inline(always)]
 fn cubic_at<const EXTENDED: bool>(knots: &Knots<'_>, time: f64, number: usize) -> usize {
-    /// Knots that are passed at once.
+    /// Knots passed at once.
     const STEP: usize = 4;
     if EXTENDED {
         let later = (number + 1..knots.cubics()).take_while(|&next| knots.at(next) <= time);
@@ -238,7 +237,7 @@ fn cubic_at<const EXTENDED: bool>(knots: &Knots<'_>, time: f64, number: usize) -
     knots.len() - 2 - rest.len() + passed
 }
 
-/// One body's way through the slices of a block.
+/// The walk of one body through the slices of a block.
 struct BodyWalk<'a, C, const MOVES: bool, const EXTENDED: bool> {
     source: &'a CubicSource<'a, C>,
     periods: &'a [SliceInterval<MOVES>],
@@ -246,20 +245,20 @@ struct BodyWalk<'a, C, const MOVES: bool, const EXTENDED: bool> {
     begin: usize,
 }
 
-/// Cubics that are fetched on the way.
+/// Cubics to prefetch during a walk.
 enum Ahead<'a, C> {
-    /// The cubics of a body that is still to come, from one on, one for one with this one's.
+    /// Cubics of a later body, from a number on, one for each of this body's.
     Later(&'a CubicSource<'a, C>, usize),
-    /// This one's own: none is to come.
+    /// Cubics of this body: there is no later one.
     Own,
-    /// None: those to come have been fetched.
+    /// No cubics: those of the later body were prefetched.
     Nothing,
 }
 
 impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
     BodyWalk<'a, C, MOVES, EXTENDED>
 {
-    /// Number of a body's own cubics by which one is fetched ahead.
+    /// Prefetch distance in a body's own cubics.
     const AHEAD: usize = 8;
 
     #[inline(always)]
@@ -293,14 +292,14 @@ impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
         self.source.piece::<EXTENDED>(number)
     }
 
-    /// Has a trace follow the cubics from `next` to before `end`.
+    /// Adds the cubics from `next` to before `end` to a builder.
     #[inline(always)]
-    fn follow_whole(&self, trace: &mut BoundsBuilder<MOVES>, mut next: usize, end: usize) {
+    fn follow_whole(&self, builder: &mut BoundsBuilder<MOVES>, mut next: usize, end: usize) {
         while next < end {
-            if let Some(after) = self.source.pass::<MOVES, EXTENDED>(trace, (next, end)) {
+            if let Some(after) = self.source.pass::<MOVES, EXTENDED>(builder, (next, end)) {
                 next = after;
             } else {
-                trace.follow_from_start(&self.piece(next));
+                builder.follow_from_start(&self.piece(next));
                 next += 1;
             }
         }
@@ -311,8 +310,7 @@ impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
         self.through(number, body, slices)
     }
 
-    /// Appends the body's box and fat line to each slice in which it exists; gives the cubic that it
-    /// comes to.
+    /// Appends box and fat line to each slice in which the body exists; returns its last cubic.
     #[inline(always)]
     fn through(&self, mut number: usize, body: u32, slices: &mut [SliceBounds]) -> usize {
         let Self {
@@ -330,7 +328,7 @@ impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
             }
             let begin = number;
             number = cubic_at::<EXTENDED>(knots, period.to, number);
-            let trace = if number == begin {
+            let builder = if number == begin {
                 let (piece, after) = rest.split(period.to.min(rest.end()));
                 rest = after;
                 if piece.fills(period) {
@@ -343,13 +341,13 @@ impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
                 let whole = self.piece(number);
                 let (tail, after) = whole.split(period.to.min(whole.end()));
                 rest = after;
-                let mut trace = BoundsBuilder::between(&head, &tail, period);
-                self.follow_whole(&mut trace, begin + 1, number);
-                trace.follow_from_start(&tail);
-                trace
+                let mut builder = BoundsBuilder::between(&head, &tail, period);
+                self.follow_whole(&mut builder, begin + 1, number);
+                builder.follow_from_start(&tail);
+                builder
             };
             let place = short(slice.bodies.len());
-            let (fat_line, aabb) = trace.finish(&source.placement, short(begin));
+            let (fat_line, aabb) = builder.finish(&source.placement, short(begin));
             slice.boxes.push(BodyBox { aabb, body: place });
             slice.fat_lines.push(fat_line);
             slice.bodies.push(body);
@@ -358,7 +356,7 @@ impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
     }
 }
 
-/// Bodies, and the segments of one, are counted in 32 bits; a longer list does not fit into memory.
+/// Converts a count of bodies or segments to 32 bits; a longer list does not fit into memory.
 #[inline(always)]
 #[allow(clippy::cast_possible_truncation, reason = "see above")]
 pub(crate) fn short(count: usize) -> u32 {
@@ -378,8 +376,7 @@ mod tests {
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 
-    /// Every box contains its body at every instant of its slice, and is not much larger; so does
-    /// every fat line.
+    /// Every box and fat line contains its body in its slice, and is not much larger.
     #[test]
     fn boxes_contain_their_bodies() {
         let mut rng = ChaCha8Rng::seed_from_u64(9);
@@ -422,10 +419,10 @@ mod tests {
             let Ok(trajectory) = Trajectory::from_states(&states) else {
                 unreachable!("the states are in order")
             };
-            let (sketch, lines) = CompactTrajectory::of(trajectory.knots(), trajectory.segments());
-            let source = CubicSource::sketched(
+            let (compact, lines) = CompactTrajectory::of(trajectory.knots(), trajectory.segments());
+            let source = CubicSource::compact(
                 Knots::of(trajectory.knots()),
-                &sketch.on(&lines),
+                &compact.on(&lines),
                 &padding,
                 &frame,
             );
@@ -452,9 +449,12 @@ mod tests {
                             let fat_line = &found.fat_lines[0];
                             let [start, change] = [fat_line.start, fat_line.change]
                                 .map(|lanes| DVec3::from_array(lanes.map(f64::from)));
-                            let stray = (position - (start + share * change)).length();
-                            assert!(stray <= f64::from(fat_line.slack), "{stray} {fat_line:?}");
-                            tightest = tightest.min(f64::from(fat_line.slack) - stray);
+                            let deviation = (position - (start + share * change)).length();
+                            assert!(
+                                deviation <= f64::from(fat_line.slack),
+                                "{deviation} {fat_line:?}"
+                            );
+                            tightest = tightest.min(f64::from(fat_line.slack) - deviation);
                             let position = position - common * (time - from);
                             sampled.include(DAabb {
                                 low: position,

@@ -1,23 +1,22 @@
-//! Room for what a search finds: more than that is refused, instead of filling the memory.
+//! Limits on the finds of a search, which bound its memory.
 
-/// Room for candidates and spans of one search.
+/// The limits of one search.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limits {
-    /// Candidates at a time. A slice with more of them is divided.
+    /// Largest number of candidates at a time. A slice with more is divided.
     pub(crate) candidates: u64,
-    /// Spans that cheap tests cannot rule out, each counted once.
+    /// Largest number of spans that cheap tests cannot rule out, each counted once.
     pub(crate) spans: usize,
 }
 
-/// A search found more than it has room for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct LimitExceeded;
 
 impl Limits {
-    /// 32 MiB of candidates, unless there is room for more spans.
+    /// Default limit of candidates (32 MiB), raised to that of spans if that is higher.
     const CANDIDATES: u64 = 1 << 22;
 
-    /// Returns the limits of a search with room for so many spans.
+    /// Returns the limits of a search with this limit of spans.
     pub(crate) const fn of_spans(spans: usize) -> Self {
         Self {
             candidates: if spans as u64 > Self::CANDIDATES {
@@ -29,11 +28,11 @@ impl Limits {
         }
     }
 
-    /// Returns the largest number of candidates that a slice of so many bodies may have before it is
-    /// divided: more candidates a box cost more than the boxes of two halves, if those have few.
+    /// Returns the largest number of candidates of a slice before it is divided. More candidates
+    /// per box cost more than the boxes of two halves, if those have few.
     pub(crate) fn candidates_of_slice(&self, bodies: usize) -> u64 {
         const CANDIDATES_PER_BOX: u64 = 32;
-        /// Fewer are not worth a division.
+        /// Slices with fewer candidates are never divided.
         const FEW: u64 = 1 << 16;
         let most = self.candidates;
         (CANDIDATES_PER_BOX * bodies as u64).clamp(FEW.min(most), most)
@@ -43,7 +42,7 @@ impl Limits {
     ///
     /// # Errors
     ///
-    /// If there are more than there is room for.
+    /// [`LimitExceeded`].
     pub(crate) const fn check(&self, spans: usize) -> Result<(), LimitExceeded> {
         if spans > self.spans {
             Err(LimitExceeded)

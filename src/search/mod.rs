@@ -1,10 +1,9 @@
 //! The one funnel from bodies to spans, for screenings and monitors.
 //!
-//! Time is cut into slices. In each slice every body has a box and a fat line; pairs of boxes that
-//! overlap are candidates, and the spans of candidates that cheap tests cannot rule out are found.
-//! Bodies are known by dense numbers only ([`Bodies`]). [`WindowSearch`] goes through a window from
-//! nothing; [`CandidateRefiner`] is its last part, which a monitor also uses for the few pairs of a
-//! slice that changed.
+//! Time is cut into slices. In each slice every body has a box and a fat line. Overlapping boxes
+//! give candidates, and cheap tests leave spans of these. Bodies have dense numbers only
+//! ([`Bodies`]). [`WindowSearch`] searches a whole window. [`CandidateRefiner`] is its last part,
+//! which a monitor also uses for the few changed pairs of a slice.
 
 mod bodies;
 mod form;

@@ -1,7 +1,6 @@
-//! The times in which bodies exist.
+//! Lifetimes of bodies.
 
-/// When each body exists (first and last instant, s), side by side: most bodies of a long recording
-/// exist in few slices.
+/// First and last instant of each body, s; most bodies of long recordings exist in few slices.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lifetimes(Vec<(f64, f64)>);
 
@@ -10,28 +9,24 @@ impl Lifetimes {
         Self(lives)
     }
 
-    /// Replaces what is known by when each body exists.
     pub(crate) fn fill(&mut self, lives: impl Iterator<Item = (f64, f64)>) {
         self.0.clear();
         self.0.extend(lives);
     }
 
-    /// Returns when each body exists, by number.
     pub(crate) fn lives(&self) -> &[(f64, f64)] {
         &self.0
     }
 
-    /// Returns the number of bodies.
     pub(crate) const fn len(&self) -> usize {
         self.0.len()
     }
 
-    /// That of some of the bodies.
     pub(crate) fn of_some(&self, places: &[usize]) -> Self {
         Self(places.iter().map(|&place| self.0[place]).collect())
     }
 
-    /// Lists the places of those that exist within `from..=to` (s), ascending.
+    /// Lists the places of the bodies that exist within `from..=to` (s), ascending.
     #[allow(
         clippy::cast_possible_truncation,
         reason = "bodies are counted in 32 bits"

@@ -1,9 +1,9 @@
-//! From candidates to the spans of a pair that may hold a contact.
+//! Refinement of candidates to the spans of a pair that may hold a contact.
 //!
-//! Tests in the order of their cost: fat lines, then knots, compact cubics, and segments. Each stage goes
-//! through a batch of what the one before left, and what it reads is fetched a few entries ahead:
-//! the bodies of neighbouring candidates lie anywhere in memory, and waiting for them would be most
-//! of the time.
+//! Tests run in the order of their cost: fat lines, then knots, compact cubics, and segments. Each
+//! stage processes a batch of the previous stage's survivors and prefetches a few entries ahead.
+//! The bodies of neighbouring candidates are scattered in memory; without prefetching, waiting
+//! would dominate.
 
 use super::Bodies;
 use crate::bounds::{FatLine, HullTest};
@@ -14,32 +14,31 @@ use crate::spans::{Span, SpanKey, each_span};
 use crate::window::Window;
 use std::slice::from_ref;
 
-/// A slice whose candidates are refined, and the bodies they are of.
+/// A slice whose candidates are refined, with its bodies.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RefineContext<'a, B> {
     pub(crate) bodies: &'a B,
-    /// Fat lines of the slice, by the numbers in its candidates.
+    /// Fat lines of the slice, indexed as in its candidates.
     pub(crate) fat_lines: &'a [FatLine],
-    /// The slice's, s.
     pub(crate) interval: (f64, f64),
     pub(crate) window: Window,
     pub(crate) margin: f64,
-    /// With more spans from one slice no further ones are looked at.
+    /// Beyond this number of spans from one slice, no further batches are examined.
     pub(crate) max_spans: usize,
 }
 
 impl<B> RefineContext<'_, B> {
-    /// Returns true if a span that may hold a contact is solved without another test.
+    /// Returns true if a span that may hold a contact goes to the solver without another test.
     ///
-    /// Few of them hold none, and the solver sees that at once; a proof of it takes longer. One that the
-    /// window cuts is always asked about: what is beyond there, the solver could take for a contact of
-    /// no duration, and then it would matter what else is in the scene.
+    /// Few such spans hold none, which the solver finds sooner than a proof. A span cut by the
+    /// window is always tested: the solver could take motion beyond the window for a contact of no
+    /// duration, and the result would then depend on other bodies.
     fn solves_at_once(&self, span: Span) -> bool {
         span.start >= self.window.start() && span.end <= self.window.end()
     }
 }
 
-/// A pair that may be near from its fat lines: when, and a cubic of each body that is not later.
+/// A pair that may be near by its fat lines: interval, and a cubic of each that is not later.
 #[derive(Clone, Copy, Debug)]
 struct NearPair {
     bodies: [u32; 2],
@@ -54,7 +53,7 @@ impl NearPair {
     }
 }
 
-/// A span of such a pair, and the part of it to look at.
+/// A span of a near pair, and the interval to examine.
 #[derive(Clone, Copy, Debug)]
 struct PairSpan {
     a: u32,
@@ -64,7 +63,7 @@ struct PairSpan {
 }
 
 impl PairSpan {
-    /// Returns when it is looked at, s.
+    /// Returns the part of the span to examine, s.
     fn part(&self) -> (f64, f64) {
         let (from, to) = self.interval;
         (self.span.start.max(from), self.span.end.min(to))
@@ -89,16 +88,16 @@ pub(crate) struct CandidateRefiner {
 }
 
 impl CandidateRefiner {
-    /// Candidates in a batch: its lists stay in the second-level cache.
+    /// Candidates in a batch: its lists fit into the second-level cache.
     const BATCH: usize = 1024;
-    /// Entries that are fetched ahead of the one at hand.
+    /// Prefetch distance in entries.
     const AHEAD: usize = 8;
-    /// Candidates: there are many of them, and little is done with each.
+    /// Prefetch distance in candidates: there are many of them, with little work each.
     const AHEAD_OF_CANDIDATES: usize = 4 * Self::AHEAD;
 
-    /// Looks at each span of the candidates of a slice; returns how many there are. Those that cheap
-    /// tests cannot rule out are appended. `pair` gives the bodies of a candidate, if they are wanted;
-    /// it is asked only about those that may be near.
+    /// Appends the spans of a slice's candidates that cheap tests cannot rule out; returns the
+    /// number of spans examined. `pair` returns the bodies of a candidate, or `None` to skip it; it
+    /// is asked only about candidates that may be near.
     pub(crate) fn refine<B: Bodies>(
         &mut self,
         question: &RefineContext<'_, B>,
@@ -122,7 +121,7 @@ impl CandidateRefiner {
         looked_at
     }
 
-    /// The candidates that may be near from their fat lines.
+    /// Lists the candidates that may be near by their fat lines.
     fn judge<B>(
         &mut self,
         question: &RefineContext<'_, B>,
@@ -154,7 +153,6 @@ impl CandidateRefiner {
         }
     }
 
-    /// Their spans.
     fn list_spans(&mut self, bodies: &impl Bodies) {
         self.spans.clear();
         for (i, near) in self.near.iter().enumerate() {
@@ -181,8 +179,8 @@ impl CandidateRefiner {
         }
     }
 
-    /// Those that compact cubics do not show to be apart: the ones that are solved at once are appended
-    /// to what was found, the ones that are asked about first stay.
+    /// Removes the spans that compact cubics show to be apart. Those that need no other test are
+    /// appended to `found`, the others stay.
     fn compare_compact<B: Bodies>(
         &mut self,
         question: &RefineContext<'_, B>,
@@ -211,7 +209,7 @@ impl CandidateRefiner {
         self.spans.truncate(kept);
     }
 
-    /// Those that their segments do not show to be apart either.
+    /// Appends the spans that their segments do not show to be apart either.
     fn compare<B: Bodies>(&self, question: &RefineContext<'_, B>, found: &mut Vec<SpanKey>) {
         let bodies = question.bodies;
         for (i, one) in self.spans.iter().enumerate() {

@@ -1,13 +1,13 @@
-//! Memory that one screening leaves to the next.
+//! Buffers that one screening leaves to the next.
 
 use super::{CandidateRefiner, SliceBlock, SpanSorter};
 use crate::broad_phase::{BruteForce, Candidate, Sweep, Tree};
 use crate::spans::SpanKey;
 
-/// Memory that one thread reuses from slice to slice.
+/// Buffers that one thread reuses from slice to slice.
 ///
-/// A box, its fat line and its body take 64 bytes, in each slice of a block; the sweep's own lists 40
-/// to 130 a box of one slice.
+/// A box, its fat line and its body take 64 bytes, in each slice of a block. The sweep's own lists
+/// take 40 to 130 bytes a box of one slice.
 #[derive(Debug, Default)]
 pub(crate) struct SearchScratch {
     pub(crate) brute_force: BruteForce,
@@ -35,7 +35,7 @@ mod tests {
     use crate::spans::SpanKey;
     use crate::trajectory::Segment;
 
-    /// The parts of the figures of the documentation of `Scene`, whose sums are counted in `tests/memory.rs`.
+    /// The parts of the figures in the docs of `Scene`; `tests/memory.rs` counts the sums.
     #[test]
     fn sizes_are_as_documented() {
         assert_eq!(size_of::<Segment>(), 128);

@@ -1,9 +1,9 @@
-//! The length of slices, from a cost model and a sample of the bodies: counts, no clock, so
-//! that the same scene is always cut alike. It decides about time, never about answers.
+//! Choice of the slice length by a cost model and a sample of the bodies. It uses counts, no clock,
+//! so that a scene is always cut alike; answers do not depend on it.
 //!
 //! Short slices cost boxes; long ones cost candidates, which grow with the cube of a box's size. A
-//! sample of the bodies is put through slices of a length at a few places of the window. From the
-//! candidates found, and from how boxes grow with time, the cheapest length is extrapolated, and
+//! sample of the bodies is put through slices of one length at a few places of the window. The
+//! candidates found, and the growth of boxes with time, give the cheapest length, which is then
 //! tried in turn.
 
 use super::{FormBounds, Lifetimes, SceneStatistics, SearchScratch, TimeSlices};
@@ -14,10 +14,9 @@ use crate::pool::Pool;
 use crate::simd::InstructionSet;
 use std::ops::Range;
 
-/// Nanoseconds of each kind of work, one thread, measured on the reference swarm; only their
-/// ratios matter.
+/// Nanoseconds of each kind of work on one thread (reference swarm). Only ratios matter.
 mod cost {
-    /// Going through a slice, and through the list of bodies for those that exist in it.
+    /// Passing a slice, and listing a body of those that exist in it.
     pub(super) const SLICE: f64 = 60.0;
     pub(super) const LISTING: f64 = 0.1;
     /// Forming a box and a fat line, cutting a segment for it, and sorting it.
@@ -25,48 +24,48 @@ mod cost {
     /// Comparing a box with its neighbours, times this power of its candidates.
     pub(super) const SWEEP: f64 = 25.0;
     pub(super) const SWEEP_POWER: f64 = 0.75;
-    /// Judging a candidate by its fat lines.
+    /// Testing the fat lines of a candidate.
     pub(super) const CANDIDATE: f64 = 15.0;
-    /// Looking at one that they do not rule out, and at each of its spans.
+    /// Examining a near candidate, and each of its spans.
     pub(super) const NEAR: f64 = 120.0;
     pub(super) const SPAN: f64 = 40.0;
 }
 
-/// Candidates of a trial's slice that are looked at: with more, slices must be shorter anyway.
+/// Largest number of candidates in a trial's slice: with more, slices must be shorter.
 const MAX_CANDIDATES: u64 = 1 << 20;
 
-/// Growth of near candidates with the length of a slice, as a power of it, until two lengths were
-/// tried: in proportion in any case, and fat lines become less straight.
+/// Growth of near candidates with the length of a slice, as a power of it, before two lengths were
+/// tried: at least proportional, and fat lines become less straight.
 const NEAR_GROWTH: f64 = 2.5;
 
-/// No count grows faster: a volume does not.
+/// Largest growth of a count: that of a volume.
 const MAX_GROWTH: f64 = 3.0;
 
-/// Quarters of a power of two by which a trial's length is changed at most, either way.
+/// Largest change of a trial's length, in quarters of a power of two.
 const MAX_QUARTERS: i32 = 8;
 
-/// A trial whose length is to be changed by no more than such a factor is good enough.
+/// Change of length, as a factor, below which a trial is good enough.
 const SETTLED: Range<f64> = 0.7..1.5;
 
 /// Counts in slices of one length, for all bodies.
 struct Trial {
     bodies: f64,
-    /// Boxes, candidates, and candidates not ruled out by their fat lines, a slice.
+    /// Boxes, candidates, and near candidates (not ruled out by their fat lines), per slice.
     boxes: f64,
     candidates: f64,
     near: f64,
-    /// For how much of the slice these may be near, summed up over all of them.
+    /// Shares of the slice in which near candidates may be near, summed.
     shares: f64,
-    /// Cubics of a box.
+    /// Cubics per box.
     cubics: f64,
-    /// Mean extent of a box, and how much of it is there in however short a slice (frame's unit).
+    /// Mean extent of a box, and its part that does not shrink with the slice (frame's unit).
     extents: [f64; 3],
     least: f64,
 }
 
 /// Growth of counts with the length of a slice, as powers of it.
 struct Growth {
-    /// None: as the boxes' volume does.
+    /// `None`: as the boxes' volume.
     candidates: Option<f64>,
     near: f64,
 }
@@ -77,7 +76,7 @@ impl Growth {
         near: NEAR_GROWTH,
     };
 
-    /// From two trials, the second with slices `factor` times as long.
+    /// Returns the growth between two trials, the second with slices `factor` times as long.
     fn between(first: &Trial, second: &Trial, factor: f64) -> Self {
         let power = |one: f64, other: f64| {
             let power = (other / one).ln() / factor.ln();
@@ -92,7 +91,7 @@ impl Growth {
 }
 
 impl Trial {
-    /// Expected cost of `1 / factor` slices that are `factor` times as long.
+    /// Returns the expected cost of `1 / factor` slices that are `factor` times as long.
     fn cost(&self, factor: f64, growth: &Growth) -> f64 {
         let grown: f64 = match growth.candidates {
             Some(power) => factor.powf(power),
@@ -109,14 +108,14 @@ impl Trial {
         (slice + self.boxes * per_box + candidates * cost::CANDIDATE + near) / factor
     }
 
-    /// Returns true if comparing is by far the most of the work. Where boxes are so long that nearly all meet,
-    /// slices some times shorter show no gain yet: only far shorter ones tell whether they pay.
+    /// Returns true if comparisons dominate. If boxes are so long that nearly all overlap, slices
+    /// some times shorter show no gain yet; only far shorter ones do.
     fn is_crowded(&self) -> bool {
         const MAX: f64 = 8.0;
         self.candidates * cost::CANDIDATE > MAX * self.boxes * cost::BOX
     }
 
-    /// The volume of a mean box in a slice `factor` times as long.
+    /// Returns the volume of a mean box in a slice `factor` times as long.
     fn volume(&self, factor: f64) -> f64 {
         self.extents
             .iter()
@@ -126,7 +125,7 @@ impl Trial {
             .product()
     }
 
-    /// The cheapest factor as far as one trial can be trusted.
+    /// Returns the cheapest factor within the range in which one trial can be trusted.
     fn best_factor(&self, growth: &Growth) -> f64 {
         let quarters = -MAX_QUARTERS..=MAX_QUARTERS;
         let factors = quarters.map(|quarter| 2_f64.powf(f64::from(quarter) / 4.0));
@@ -136,10 +135,10 @@ impl Trial {
     }
 }
 
-/// Bodies of which some are put through slices.
+/// Bodies, of which a sample is put through slices.
 #[derive(Debug)]
 pub(crate) struct SliceTrials<'a> {
-    /// Times in which all bodies exist.
+    /// Lifetimes of all bodies.
     pub(crate) presence: &'a Lifetimes,
     pub(crate) frame: &'a MovingFrame,
     pub(crate) instructions: InstructionSet,
@@ -147,18 +146,18 @@ pub(crate) struct SliceTrials<'a> {
 }
 
 impl SliceTrials<'_> {
-    /// Returns the same window cut into slices of the length that is expected to cost least, searched from
-    /// the length given. `sources` gives those of the bodies in some places.
+    /// Returns the window in slices of the length of least expected cost, searched from the given
+    /// length. `sources` returns those of the bodies at some places.
     pub(crate) fn cheapest<'p, C: BoundingCubic + 'p>(
         &self,
         mut slices: TimeSlices,
         traffic: &SceneStatistics,
         sources: impl FnOnce(&[usize]) -> Vec<CubicSource<'p, C>>,
     ) -> TimeSlices {
-        /// Fewer bodies are not worth a trial, unless they would have more boxes than these.
+        /// Fewer bodies are not worth a trial, unless they have more boxes than `FEW_BOXES`.
         const FEW: usize = 64;
         const FEW_BOXES: f64 = 4096.0;
-        /// Each may change the length fourfold, and in a crowd by this factor.
+        /// Each trial changes the length at most fourfold, or by `SHORTER` in a crowd.
         const MAX_TRIALS: usize = 6;
         const SHORTER: f64 = 8.0;
         let window = slices.window();
@@ -222,7 +221,7 @@ impl SliceTrials<'_> {
         slices.shared_evenly()
     }
 
-    /// Counts in a few slices of a length, scaled from the sample to all bodies.
+    /// Returns the counts in a few slices of one length, scaled from the sample to all bodies.
     fn trial<C: BoundingCubic>(
         &self,
         presence: &Lifetimes,
@@ -296,19 +295,19 @@ impl SliceTrials<'_> {
     }
 }
 
-/// Different places below `count`, spread evenly but not in equal strides, so that no order of the
-/// bodies can hide some of them: enough, if `present` bodies exist at a time, for a dozen pairs of
-/// the sample to meet in the slices of the best length that are tried. A dozen scatters: where many
-/// bodies go through many `slices`, more are taken, for a few hundredths of the time of the rest.
+/// Returns different places below `count`, spread evenly but not periodically, so that no order of
+/// the bodies hides some of them. If `present` bodies exist at a time, they are enough for a dozen
+/// pairs to overlap in the slices tried. A dozen scatters, so more places are taken if many bodies
+/// go through many `slices`, at a few hundredths of the remaining cost.
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "between 1 and count"
 )]
 fn sample(count: usize, present: f64, slices: u32) -> Vec<usize> {
-    /// Of a number of bodies this many times its root, so that a dozen pairs meet.
+    /// Factor on the root of the number of bodies, for which a dozen pairs overlap.
     const ENOUGH: f64 = 6.0;
-    /// Shares of all bodies: per slice of the rest, and at most.
+    /// Shares of all bodies: per slice of the window, and at most.
     const AFFORDABLE: f64 = 0.008;
     const MAX: f64 = 1.0 / 12.0;
     let affordable = (AFFORDABLE * f64::from(slices)).min(MAX);

@@ -1,8 +1,8 @@
-//! Cutting the window into slices.
+//! Division of the window into slices.
 
 use std::ops::Range;
 
-/// A window cut into slices of equal length. Slices never change an answer, only its cost.
+/// A window divided into equal slices. Answers do not depend on the slices, only the cost does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct TimeSlices {
     start: f64,
@@ -10,23 +10,23 @@ pub(crate) struct TimeSlices {
     count: u32,
 }
 
-/// Statistics of a scene on which the choice of a slice length rests.
+/// Scene statistics for the choice of a slice length.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SceneStatistics {
-    /// Seconds of existence within the window, added up over bodies.
+    /// Lifetimes within the window, s, summed over bodies.
     pub(crate) body_time: f64,
-    /// Metres flown in them.
+    /// Distance travelled in them, m.
     pub(crate) path: f64,
-    /// Segments flown in them.
+    /// Segments followed in them.
     pub(crate) segments: f64,
-    /// The world's extent on each axis, m.
+    /// Extent of the world on each axis, m.
     pub(crate) world: [f64; 3],
-    /// Typical separation that counts, hitboxes and margin: m.
+    /// Typical relevant separation, hitboxes and margin, m.
     pub(crate) reach: f64,
 }
 
 impl SceneStatistics {
-    /// Bodies that exist at a time, on average over a window.
+    /// Returns the mean number of bodies that exist at a time in a window.
     pub(crate) fn present(&self, (start, end): (f64, f64)) -> f64 {
         if end > start {
             self.body_time / (end - start)
@@ -35,7 +35,7 @@ impl SceneStatistics {
         }
     }
 
-    /// Cubics that a body goes through in this time (s), on average.
+    /// Returns the mean number of cubics that a body passes in this time (s).
     pub(crate) fn cubics_in(&self, time: f64) -> f64 {
         if self.body_time > 0.0 {
             self.segments * time / self.body_time
@@ -46,33 +46,33 @@ impl SceneStatistics {
 }
 
 impl SceneStatistics {
-    /// More slices of a window are not worth it: forming the boxes of one (and going through it,
-    /// if it is empty) costs as much as looking at as many spans, and all the spans of all pairs
-    /// are the work that slices can save.
+    /// Returns the largest useful number of slices. Forming the boxes of one slice, or passing an
+    /// empty one, costs as much as examining as many spans. Slices save at most the work for all
+    /// the spans of all pairs.
     pub(crate) fn most_slices(&self, window: (f64, f64)) -> f64 {
         let present = self.body_time / (window.1 - window.0);
         // No number where the window is an instant.
         (1.0 + self.spans(window) / (1.0 + present)).max(1.0)
     }
 
-    /// All the spans of all pairs, each counted for both of its bodies.
+    /// Returns the number of all spans of all pairs, each counted for both of its bodies.
     pub(crate) fn spans(&self, window: (f64, f64)) -> f64 {
         self.body_time / (window.1 - window.0) * self.segments
     }
 }
 
 impl TimeSlices {
-    /// Boxes about half as long as the bodies' mean spacing: with longer ones candidates grow with
-    /// the cube of their size, with shorter ones the boxes themselves are the cost.
+    /// Length of boxes in mean spacings of the bodies. With longer boxes, candidates grow with the
+    /// cube of their size; with shorter ones, the boxes themselves dominate.
     const SPACINGS_PER_SLICE: f64 = 0.5;
-    /// A body's box should not hold more segments than this.
+    /// Largest number of segments in a body's box.
     const MAX_SEGMENTS_PER_SLICE: f64 = 32.0;
-    /// However fast the traffic, no more boxes than this in all.
+    /// Largest number of boxes in all.
     const MAX_BOXES: f64 = 5e7;
-    /// Nor slices.
+    /// Largest number of slices.
     const MAX_SLICES: f64 = 1e6;
 
-    /// Slices of `start..=end` (s, finite) by the rule above, from counts alone.
+    /// Returns slices of `start..=end` (s, finite) by the rule above, from counts alone.
     pub(crate) fn choose((start, end): (f64, f64), traffic: &SceneStatistics) -> Self {
         let duration = end - start;
         let present = traffic.present((start, end));
@@ -91,7 +91,7 @@ impl TimeSlices {
         Self::whole(start, end).with_count(count.min(traffic.most_slices((start, end))))
     }
 
-    /// One slice from `start` to `end` (s, finite).
+    /// Returns one slice from `start` to `end` (s, finite).
     pub(crate) const fn whole(start: f64, end: f64) -> Self {
         Self {
             start,
@@ -100,7 +100,7 @@ impl TimeSlices {
         }
     }
 
-    /// Returns the window cut into about `count` slices; one where that is no number.
+    /// Returns the window in about `count` slices; in one if that is NaN or infinite.
     pub(crate) fn with_count(self, count: f64) -> Self {
         let count = if count >= 1.0 && count.is_finite() {
             whole_number(count.round().min(Self::MAX_SLICES))
@@ -110,7 +110,7 @@ impl TimeSlices {
         Self { count, ..self }
     }
 
-    /// As many slices, or nearly, so that a few threads have about the same number of them.
+    /// Returns about as many slices, so that a few threads have nearly the same number each.
     pub(crate) const fn shared_evenly(self) -> Self {
         let share = match self.count {
             0..4 => 1,
@@ -123,12 +123,12 @@ impl TimeSlices {
         }
     }
 
-    /// The duration of a slice, s.
+    /// Returns the duration of a slice, s.
     pub(crate) fn length(&self) -> f64 {
         (self.end - self.start) / f64::from(self.count)
     }
 
-    /// The slice at a share of the window, 0..1.
+    /// Returns the number of the slice at a share of the window, 0..1.
     pub(crate) fn number_at(&self, share: f64) -> u32 {
         whole_number((share * f64::from(self.count)).floor()).min(self.count - 1)
     }
@@ -137,20 +137,19 @@ impl TimeSlices {
         self.count
     }
 
-    /// First and last instant of a slice; neighbours share theirs.
+    /// Returns the first and last instant of a slice; neighbours share theirs.
     pub(crate) fn interval(&self, slice: u32) -> (f64, f64) {
         (self.cut(slice), self.cut(slice + 1))
     }
 
-    /// Lists the ends of some slices, s: one more than there are slices.
-    /// Replaces what `ends` held.
+    /// Replaces the content of `ends` by the ends of some slices, s: one more than slices.
     pub(crate) fn ends(&self, slices: Range<u32>, ends: &mut Vec<f64>) {
         let cuts = slices.start..=slices.end;
         ends.clear();
         ends.extend(cuts.map(|index| self.cut(index)));
     }
 
-    /// When all of them begin and end, s.
+    /// Returns the first and last instant of the window, s.
     pub(crate) const fn window(&self) -> (f64, f64) {
         (self.start, self.end)
     }

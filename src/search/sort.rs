@@ -1,8 +1,8 @@
-//! Bringing survivors into order: they come by slice, and are solved by pair.
+//! Sorting of survivors: found by slice, solved by pair.
 
 use crate::spans::SpanKey;
 
-/// Sorts survivors; owns what that takes.
+/// Sorts survivors; owns the buffers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SpanSorter {
     other: Vec<SpanKey>,
@@ -11,15 +11,15 @@ pub(crate) struct SpanSorter {
 }
 
 impl SpanSorter {
-    /// Fewer survivors per body than this are compared with each other instead.
+    /// With fewer survivors per body than this, comparison is faster.
     const BODIES_EACH: usize = 8;
 
-    /// Sorts survivors of this many bodies and keeps each once: a span that lasts for several
-    /// slices survives in each.
+    /// Sorts survivors of this many bodies and removes duplicates: a span that lasts for several
+    /// slices is found in each.
     ///
-    /// Dealt out by their second body and then by their first, in as many steps as there are
-    /// survivors and bodies, each is nearly in its place: the spans of a pair come in the order of
-    /// the slices, where only those of neighbouring ones overlap.
+    /// Distributed by their second body and then by their first, in linear time, survivors are
+    /// nearly in order. The spans of a pair come in the order of the slices, where only those of
+    /// neighbouring ones overlap.
     pub(crate) fn sort_and_dedup(&mut self, survivors: &mut Vec<SpanKey>, bodies: usize) {
         if survivors.len() < bodies / Self::BODIES_EACH {
             survivors.sort_unstable();
@@ -31,7 +31,7 @@ impl SpanSorter {
         survivors.dedup();
     }
 
-    /// Sorts by a body of each survivor; what has the same body stays in its order.
+    /// Sorts by one body of each survivor; stable.
     fn deal(
         &mut self,
         survivors: &mut Vec<SpanKey>,
@@ -61,13 +61,12 @@ impl SpanSorter {
     }
 }
 
-/// Sorts what was dealt out by pair, and is nearly in its place.
+/// Sorts survivors that were distributed by pair and are nearly in order.
 ///
-/// Spans that are appended later than others may come in two long runs: where one of a pair has far to
-/// go, the pair is sorted by comparison instead. So no survivor moves farther than `FAR`, and no pair is
-/// sorted twice: at most n log n steps.
+/// Spans appended later than others may come in two long runs. A pair with a span that has to move
+/// farther than `FAR` is sorted by comparison instead, once. So the steps are at most n log n.
 fn insert(survivors: &mut [SpanKey]) {
-    /// Places. Moving as far takes as long as sorting some few dozen.
+    /// Places; moving this far costs as much as sorting a few dozen.
     const FAR: usize = 32;
     let mut next = 1;
     while next < survivors.len() {
@@ -105,7 +104,7 @@ mod tests {
         }
     }
 
-    /// The same as by comparison: many and few survivors, spans of a pair in any order.
+    /// Equals sorting by comparison: many and few survivors, spans of a pair in any order.
     #[test]
     fn survivors_are_sorted_and_kept_once() {
         let mut rng = ChaCha8Rng::seed_from_u64(6);
@@ -128,8 +127,8 @@ mod tests {
         assert!(lost > 1_000, "{lost}");
     }
 
-    /// Two runs of a pair's spans, each in order, between those of other pairs: one by one, each of the
-    /// second run would be moved past half of the first, 5 · 10^11 steps: a quarter of an hour.
+    /// Two sorted runs of a pair's spans, between those of other pairs. One by one, the second run
+    /// would be moved past half of the first: 5 · 10^11 steps, or a quarter of an hour.
     #[test]
     fn two_runs_of_a_pair_take_no_longer_than_sorting() {
         const LENGTH: u32 = 1_000_000;

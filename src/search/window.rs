@@ -1,4 +1,4 @@
-//! Everything in a window, from nothing: boxes, candidates, and the spans that cheap tests leave.
+//! Search of a whole window: boxes, candidates, and the spans that cheap tests leave.
 
 use super::form::{FormBounds, SliceBlock, SliceBounds, short};
 use super::{
@@ -17,7 +17,7 @@ use crate::window::Window;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
-/// Bodies side by side, and what is asked about them in a window.
+/// Bodies in lists, with the query about them in a window.
 #[derive(Debug)]
 pub(crate) struct WindowSearch<'a, C> {
     pub(crate) bodies: BodyLists<'a, C>,
@@ -33,13 +33,13 @@ pub(crate) struct WindowSearch<'a, C> {
 }
 
 impl<C: BoundingCubic + Sync> WindowSearch<'_, C> {
-    /// Appends every span of every pair in which they may touch within some slices to `found`, which is
-    /// sorted then and holds each once. `progress` is told the share of the slices that are done.
-    /// If the filter gives up, not all are found.
+    /// Appends every span in which a pair may be in contact within some slices to `found`, then
+    /// sorts it and removes duplicates. `progress` gets the share of slices done. If the filter
+    /// gives up, spans may be missing.
     ///
     /// # Errors
     ///
-    /// If there are more spans, or more candidates at an instant, than there is room for.
+    /// [`LimitExceeded`] for more spans, or more candidates at an instant, than the limits.
     pub(crate) fn spans<B: BroadPhase, F: PairFilter>(
         &self,
         method: impl Fn(&mut SearchScratch) -> &mut B + Sync + Send,
@@ -97,7 +97,7 @@ impl<C: BoundingCubic + Sync> WindowSearch<'_, C> {
         Ok(())
     }
 
-    /// Lists the spans of a few slices in `scratch.found`; returns how much was looked at.
+    /// Lists the spans of a few slices in `scratch.found`; returns the counts.
     fn block<B: BroadPhase, F: PairFilter>(
         &self,
         method: impl Fn(&mut SearchScratch) -> &mut B,
@@ -175,8 +175,8 @@ impl<C: BoundingCubic + Sync> WindowSearch<'_, C> {
         });
     }
 
-    /// Adds the spans of a slice's candidates to those found; returns how many were looked at. Not all are, if
-    /// the filter gives up.
+    /// Adds the spans of a slice's candidates to those found; returns the number examined. If the
+    /// filter gives up, spans may be missing.
     fn refine<F: PairFilter>(
         &self,
         slice: &SliceBounds,
@@ -184,7 +184,7 @@ impl<C: BoundingCubic + Sync> WindowSearch<'_, C> {
         filter: &F,
         scratch: &mut SearchScratch,
     ) -> Result<u64, LimitExceeded> {
-        /// Candidates that are looked at before the filter is asked again: some milliseconds.
+        /// Candidates examined before the filter is asked again: some milliseconds.
         const STEP: usize = 1 << 14;
         let SearchScratch {
             refiner,
@@ -216,9 +216,10 @@ impl<C: BoundingCubic + Sync> WindowSearch<'_, C> {
         Ok(looked_at)
     }
 
-    /// Searches a slice, or a part of one, with many candidates a box: in halves where these have fewer in
-    /// all, and in turn in theirs. Candidates shrink with boxes, until these are as large as hitboxes and
-    /// the margin: what overlaps then is a crowd, for which there may be room as a whole.
+    /// Searches a slice, or a part of one, with many candidates per box. It is halved while the
+    /// halves have fewer candidates in all. Candidates shrink with boxes, until these are as large
+    /// as hitboxes and the margin. Overlaps that remain are a crowd, which may fit the limits as a
+    /// whole.
     fn divide<B: BroadPhase, F: PairFilter>(
         &self,
         method: &impl Fn(&mut SearchScratch) -> &mut B,
@@ -227,7 +228,7 @@ impl<C: BoundingCubic + Sync> WindowSearch<'_, C> {
         stats: &mut Stats,
         scratch: &mut SearchScratch,
     ) -> Result<(), LimitExceeded> {
-        /// Boxes of halves that are nearly as large have as many candidates.
+        /// Halves with boxes nearly as large have as many candidates.
         const LESS: f64 = 0.875;
         // Halves of the time in which any of them exists.
         let ends = slice
@@ -277,8 +278,8 @@ impl<C: BoundingCubic + Sync> WindowSearch<'_, C> {
     }
 }
 
-/// Appends the candidates of a slice, numbered by place in it; returns false, and appends none, if there
-/// are more than there is room for.
+/// Appends the candidates of a slice, numbered by place in it. Returns false, and appends none, if
+/// there are more than the limit.
 fn list_pairs<B: BroadPhase, F: PairFilter>(
     method: &mut B,
     slice: &SliceBounds,
@@ -299,12 +300,12 @@ fn list_pairs<B: BroadPhase, F: PairFilter>(
     !room.is_short()
 }
 
-/// Size of the boxes of a slice.
+/// Mean size of the boxes of a slice.
 #[derive(Clone, Copy, Debug, Default)]
 struct Size {
-    /// Extent of a mean box, summed up over the axes.
+    /// Mean extent of a box, summed over the axes.
     extent: f64,
-    /// In proportion to the candidates of bodies that are anywhere.
+    /// Proportional to the candidates of randomly placed bodies.
     pairs: f64,
 }
 
@@ -328,35 +329,34 @@ impl Size {
     }
 }
 
-/// Returns how many of a block's slices are compared before what was found in them is refined: as many as have
-/// few boxes. Reading the clock takes as long as a few boxes.
+/// Returns the number of a block's slices that are compared before their candidates are refined: as
+/// many as have few boxes. Reading the clock takes as long as a few boxes.
 fn slices_in_a_run(block: &SliceBlock, count: usize) -> usize {
     const BOXES: usize = 1024;
     let boxes = block.slices[..count].iter().map(|slice| slice.boxes.len());
     (BOXES * count / boxes.sum::<usize>().max(1)).max(1)
 }
 
-/// Slices dealt out in blocks of about equal size. What is found does not depend on it.
+/// Slices distributed in blocks of about equal size. Results do not depend on it.
 struct SliceBlocks {
     slices: u32,
     count: u32,
-    /// Blocks after which what was found is put together: a span that lasts for many slices is then
-    /// kept once.
+    /// Blocks after which results are merged, so that a long span is kept once.
     round: u32,
-    /// Several threads share them.
+    /// True if several threads share the blocks.
     is_shared: bool,
 }
 
 impl SliceBlocks {
-    /// At least this many for each of several threads to share.
+    /// Least number of blocks per thread, if several threads share them.
     const FEWEST: u32 = 2;
-    /// With more slices in a block, a body's cubics are read less often, but the lists of boxes leave
-    /// the caches: so many where slices hold less than one cubic of a body, and where they hold more.
+    /// Least number of slices in a block, for slices with less than one cubic per body, and with
+    /// more. With more slices, cubics are read less often, but the lists of boxes leave the caches.
     const FEW_SLICES: [usize; 2] = [4, 8];
     const CACHED_BOXES: f64 = 2048.0;
-    /// Not more boxes in a block, which bounds its memory: 64 bytes each.
+    /// Largest number of boxes in a block, which bounds its memory: 64 bytes each.
     const MAX_BOXES: usize = 1 << 20;
-    /// Nor many more boxes in a round.
+    /// Approximate largest number of boxes in a round.
     const ROUND_BOXES: usize = 1 << 24;
 
     #[allow(
@@ -402,15 +402,15 @@ impl SliceBlocks {
     }
 }
 
-/// Not more of a block are left untidied until all blocks' are put together: 64 KiB.
+/// Largest number of a block's spans left unsorted until blocks are merged: 64 KiB.
 const FEW_FOUND: usize = 1 << 12;
 
-/// Boxes that are sooner formed and compared than another thread wakes up on a busy machine. (Two cores
-/// with 17 ready threads, 200 bodies all told a plan, medians of 400 ticks: with 1,204 boxes a tick
-/// 0.9 ms on the caller's thread, 3.2 ms on two; with 3,805 boxes 1.7 ms, and 1.9 to 7.6 ms.)
+/// Boxes below which another thread does not pay on a busy machine. (Two cores with 17 ready
+/// threads, 200 bodies each replanned, medians of 400 ticks: with 1,204 boxes a tick 0.9 ms on the
+/// caller's thread, 3.2 ms on two; with 3,805 boxes 1.7 ms, and 1.9 to 7.6 ms.)
 pub(crate) const FEW_BOXES: usize = 4096;
 
-/// A filter of bodies asked about their places in a slice.
+/// A filter of bodies, asked about their places in a slice.
 struct ByPlace<'a, F> {
     bodies: &'a [u32],
     filter: &'a F,

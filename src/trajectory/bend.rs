@@ -1,39 +1,38 @@
-//! How the end cubics go on beyond their knots: coefficients around the knot, each good to its own
-//! rounding.
+//! Extrapolation of the end cubics: coefficients around the knot, each good to its own rounding.
 //!
-//! With T the duration between two states, e = v T - (p1 - p0) at either of them, and s the time since a
-//! knot in units of T, the cubic through both is
+//! With T the duration between two states, e = v T - (p1 - p0) at either of them, and s the time
+//! since a knot in units of T, the cubic through both is
 //!
 //! ```text
 //! p0 + v0 T s - (2 e0 + e1) s² + (e0 + e1) s³      around the first knot,
 //! p1 + v1 T s + (e0 + 2 e1) s² + (e0 + e1) s³      around the second one.
 //! ```
 //!
-//! Position and velocity are the user's numbers. So what goes on is as good as the coefficients of s²
-//! and s³. Between straight states e vanishes: taken from rounded control points it would be a rounding
-//! of the way between them, times s³.
+//! Position and velocity are the user's numbers, so the extrapolation is as good as the
+//! coefficients of s² and s³. Between straight states e vanishes. Rounded control points would
+//! instead give a rounding of the distance between the states, times s³.
 //!
-//! Products and differences of two f64 are sums of two, exactly; a sum of two such pairs is wrong by
-//! 3 u² of itself (u = 2^-53; Joldes, Muller, Popescu, "Tight and rigorous error bounds for basic
-//! building blocks of double-word arithmetic", 2017). T = T' + T'', the second at most u T. So
-//! e = (v T' - (p1 - p0)) + v T'' is wrong by 7 u² |e| + 4 u³ |v T| at most. As e0 and e1 follow from
-//! both coefficients b and c, these are wrong by
+//! Products and differences of two f64 are exact sums of two f64. A sum of two such pairs has an
+//! error of 3 u² of itself (u = 2^-53; Joldes, Muller, Popescu, "Tight and rigorous error bounds
+//! for basic building blocks of double-word arithmetic", 2017). T = T' + T'', the second at most u
+//! T. So e = (v T' - (p1 - p0)) + v T'' has an error of at most 7 u² |e| + 4 u³ |v T|. As e0 and e1
+//! follow from both coefficients b and c, the errors of b and c are
 //!
 //! - their own rounding, and that of the powers of the unit: 7 u |b|, 10 u |c|;
 //! - 64 u² (|b| + |c|) + 16 u³ (|a| + 2 |b| + 3 |c|), with a the coefficient of s.
 //!
-//! The second line, times s² and s³, is less than u (|a| s + |b| s² + |c| s³) (1 + 64 u s)² from s = 1
-//! on; before that the error of the first piece holds it. Of a polynomial all coefficients are formed
-//! exactly, and rounded once. With the 12 roundings of what is computed from them, 32 roundings of each
-//! term hold all; 32 of the first piece's extent are added throughout. What underflows is below 2^-1022,
-//! times s³.
+//! The second line, times s² and s³, is below u (|a| s + |b| s² + |c| s³) (1 + 64 u s)² from s = 1
+//! on. Before that, the error of the first piece covers it. Polynomials: all coefficients are
+//! formed exactly and rounded once. The computation from them adds 12 roundings, so 32 roundings of
+//! each term cover everything. 32 of the first piece's extent are added throughout. Underflow loses
+//! less than 2^-1022, times s³.
 
 use super::State;
 use super::double_double::{DoubleDouble, Expansion};
 use glam::DVec3;
 
-/// Quadratic and cubic coefficient of the cubic through two states around the first one, and around the
-/// second one, in units of the duration between them.
+/// Returns the quadratic and cubic coefficient of the cubic through two states, around the first
+/// and around the second state, in units of the duration between them.
 pub(super) fn of_states(first: &State, second: &State) -> [[DVec3; 2]; 2] {
     let duration = DoubleDouble::difference(second.time, first.time);
     let [most, rest] = duration.parts();
@@ -56,8 +55,9 @@ pub(super) fn of_states(first: &State, second: &State) -> [[DVec3; 2]; 2] {
     [[leaving, cubic], [arriving, cubic]]
 }
 
-/// Position, velocity, and the coefficients of time squared and cubed of `a t³ + b t² + c t + d` around
-/// an instant t, given as a sum; and how far the position was rounded at most, m.
+/// Returns position, velocity, and the coefficients of time squared and cubed of the polynomial
+/// `a t³ + b t² + c t + d` around the instant `time`. The second value bounds the rounding of the
+/// position, m.
 pub(super) fn of_polynomial(polynomial: &[DVec3; 4], time: DoubleDouble) -> ([DVec3; 4], f64) {
     let mut around = [DVec3::ZERO; 4];
     let mut lost = DVec3::ZERO;
@@ -148,7 +148,7 @@ mod tests {
             self
         }
 
-        /// Terms after this time (s), without the first: m.
+        /// Returns the size of all terms but the first, `time` s later: m.
         fn way(&self, time: f64) -> f64 {
             let norm = |power: usize| {
                 let of_axis = |axis: usize| self.coefficients[axis][power].to_f64().value();
@@ -158,7 +158,7 @@ mod tests {
             time * (norm(1) + time * (norm(2) + time * norm(3)))
         }
 
-        /// Distance of the control points over an interval from some that are relative to a place.
+        /// Returns the largest distance between control points over an interval and given ones.
         fn farthest(&self, points: &[DVec3; 4], from: DVec3, interval: (f64, f64)) -> f64 {
             let [a, b] = [interval.0, interval.1].map(|time| exact(time) - &self.since);
             let instants = [[&a, &a, &a], [&a, &a, &b], [&a, &b, &b], [&b, &b, &b]];
@@ -179,7 +179,7 @@ mod tests {
         }
     }
 
-    /// Plans with the exact motion of their first and of their last cubic.
+    /// Returns plans with the exact motion of their first and last cubic.
     fn any(rng: &mut ChaCha8Rng) -> (Trajectory, [ExactCubic; 2]) {
         let mut power = |from: f64, to: f64| 10_f64.powf(rng.random_range(from..to));
         let (size, duration, bend) = (power(-3.0, 4.0), power(-3.0, 3.0), power(-20.0, 0.0));
@@ -220,8 +220,8 @@ mod tests {
         (plan.unwrap_or_else(|_| unreachable!("in order")), ends)
     }
 
-    /// Against exact arithmetic: what goes on is within its error of where it should be, and that is
-    /// some roundings of its way.
+    /// Compares extrapolations with exact arithmetic: the error bound holds and is some roundings
+    /// of the distance travelled.
     #[test]
     fn what_goes_on_is_as_good_as_its_way() {
         let mut rng = ChaCha8Rng::seed_from_u64(23);
@@ -265,7 +265,7 @@ mod tests {
         assert!(worst > 0.05, "{worst}");
     }
 
-    /// Whether the place at an instant is that of the exact motion.
+    /// Returns true if the position at an instant is that of the exact motion.
     fn is_met(carrier: &Segment, motion: &ExactCubic, time: f64, error: f64) -> bool {
         let place = carrier.motion_at(time).0;
         let rounding = 2.0 * UNIT_ROUNDOFF * (place.length() + carrier.origin().length());

@@ -1,4 +1,4 @@
-//! The ways to make a trajectory, each with all its checks.
+//! Constructors of trajectories, with all validation.
 
 use super::cuts::DoublingCuts;
 use super::double_double::DoubleDouble;
@@ -8,7 +8,7 @@ use crate::error::{Error, MAX_MAGNITUDE, Quantity};
 use crate::rounding::{UNIT_ROUNDOFF, largest_norm, norm, one_zero};
 use glam::DVec3;
 
-/// What the variable of a segment's polynomial is.
+/// The variable of a segment's polynomial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum TimeBase {
     /// The absolute time t of the scene, as in `a t³ + b t² + c t + d`.
@@ -18,13 +18,13 @@ pub enum TimeBase {
 }
 
 impl Trajectory {
-    /// Cubic Hermite segments through states at irregular, increasing times.
+    /// Builds cubic Hermite segments through states at irregular, increasing times.
     ///
     /// # Errors
     ///
-    /// [`Error::TooFewStates`] below two (of one there is [`coasting`](Self::coasting)),
-    /// [`Error::TimeNotIncreasing`], [`Error::NotFinite`] and
-    /// [`Error::OutOfRange`], each with the knot and the value.
+    /// [`Error::TooFewStates`] below two (for one there is [`coasting`](Self::coasting)),
+    /// [`Error::TimeNotIncreasing`], [`Error::NotFinite`] and [`Error::OutOfRange`], each with the
+    /// knot and the value.
     pub fn from_states(states: &[State]) -> Result<Self, Error> {
         let [first, .., last] = states else {
             return Err(Error::TooFewStates {
@@ -59,11 +59,11 @@ impl Trajectory {
         Ok(Self::absent_outside(knots, segments))
     }
 
-    /// Cubic Hermite segments through positions only, `(time, position)`; velocities by the
-    /// non-uniform Catmull-Rom rule.
+    /// Builds cubic Hermite segments through positions only, `(time, position)`; velocities follow
+    /// the non-uniform Catmull-Rom rule.
     ///
-    /// Inside: the velocity of the parabola through a position and its two neighbours. At the
-    /// ends: of the parabola through the three positions there; with two positions, the chord's.
+    /// Inside: the velocity of the parabola through a position and its two neighbours. At the ends:
+    /// of the parabola through the three positions there; with two positions, the chord's.
     ///
     /// # Errors
     ///
@@ -121,15 +121,17 @@ impl Trajectory {
         Self::from_states(&states)
     }
 
-    /// One polynomial for each segment, `a t³ + b t² + c t + d` as `[a, b, c, d]`, between
+    /// Builds one segment per polynomial, `a t³ + b t² + c t + d` as `[a, b, c, d]`, between
     /// consecutive knots (m and s).
     ///
-    /// Absolute-time polynomials are moved to local time in twice the precision of f64, so that
-    /// the segment is that of the given coefficients to a few roundings of its own size. (The
-    /// coefficients themselves, as f64, may no longer describe the motion that was meant: at
-    /// t = 1e6 s they are good to metres only. Prefer local time.) Segments need not meet. Place and
-    /// velocity at its ends, from which a body [coasts](super::Outside::Coast), are those of the polynomial,
-    /// rounded once. (From [states](Self::from_states) they are known exactly.)
+    /// Absolute-time polynomials are moved to local time in twice the precision of f64: the segment
+    /// is exact for the given coefficients to a few roundings of its own size. The coefficients
+    /// themselves, as f64, may describe the intended motion less well: at t = 1e6 s they are good
+    /// to metres only. Prefer local time.
+    ///
+    /// Consecutive segments may be discontinuous. End positions and velocities, from which a body
+    /// [coasts](super::Outside::Coast), are those of the polynomial, rounded once;
+    /// from [states](Self::from_states) they are exact.
     ///
     /// ```
     /// use nearmiss::glam::DVec3;
@@ -147,8 +149,8 @@ impl Trajectory {
     /// # Errors
     ///
     /// [`Error::SegmentCount`], [`Error::TooFewStates`]; [`Error::TimeNotIncreasing`],
-    /// [`Error::NotFinite`] and [`Error::OutOfRange`] with the value and the knot (of a segment, the one at
-    /// which it begins).
+    /// [`Error::NotFinite`] and [`Error::OutOfRange`] with the value and the knot (of a segment,
+    /// the one at which it begins).
     pub fn from_coefficients(
         knots: &[f64],
         coefficients: &[[DVec3; 4]],
@@ -205,30 +207,31 @@ impl Trajectory {
         }
     }
 
-    /// A body that stays at `position` for all time (m).
+    /// Builds a body that stays at `position` (m) for all time.
     ///
-    /// It exists at all times: it can only be screened within a closed window
-    /// ([`Error::WindowNotClosed`]). Its single knot is at 0 s: that is where
-    /// [`Monitor::extend`](crate::Monitor::extend) goes on, whatever the clock shows. To set it in
-    /// motion use [`Monitor::replan`](crate::Monitor::replan).
+    /// The body exists at all times: it can only be screened within a closed window
+    /// ([`Error::WindowNotClosed`]). Its single knot is at 0 s:
+    /// [`Monitor::extend`](crate::Monitor::extend) continues from there, whatever the clock shows.
+    /// To set it in motion use [`Monitor::replan`](crate::Monitor::replan).
     ///
     /// # Errors
     ///
-    /// [`Error::NotFinite`] and [`Error::OutOfRange`] if the position is no position.
+    /// [`Error::NotFinite`] and [`Error::OutOfRange`] if the position is not usable.
     pub fn at_rest(position: DVec3) -> Result<Self, Error> {
         // It lasts as long as times go, so that a window however long needs one piece, or two.
         Self::through(State::new(0.0, position, DVec3::ZERO), MAX_MAGNITUDE)
     }
 
-    /// A body that keeps its velocity for all time: dead reckoning from one state, of a body that a
-    /// physics engine moves, say.
+    /// Builds a body that keeps its velocity for all time: dead reckoning from one state, such as
+    /// that of a body moved by a physics engine.
     ///
-    /// It exists at all times: it can only be screened within a closed window
-    /// ([`Error::WindowNotClosed`]). Its single knot is that of the state. Positions are good to a few
-    /// roundings of the way that it covers in 6 s, or in the time to or from the state if that is longer.
-    /// Where that is a million times as far as bodies are from each other (in a scene of microseconds,
-    /// say), filters cannot tell them apart, and all takes long: make plans of two states, as far apart as
-    /// the window is long, with [`Outside::Coast`].
+    /// The body exists at all times: it can only be screened within a closed window
+    /// ([`Error::WindowNotClosed`]). Its single knot is the state's time. Positions are good to a
+    /// few roundings of the distance covered in 6 s, or in the time to or from the state if longer.
+    ///
+    /// If that distance is a million times the distance between bodies (as in a scene of
+    /// microseconds), filters cannot separate them and screening is slow. Then build plans from two
+    /// states, as far apart as the window is long, with [`Outside::Coast`].
     ///
     /// ```
     /// use nearmiss::glam::DVec3;
@@ -242,11 +245,11 @@ impl Trajectory {
     ///
     /// # Errors
     ///
-    /// [`Error::NotFinite`] and [`Error::OutOfRange`] if the state is none, or leads farther than 1e300 m
-    /// in 6 s.
+    /// [`Error::NotFinite`] and [`Error::OutOfRange`] if the state is not usable, or moves farther
+    /// than 1e300 m in 6 s.
     pub fn coasting(state: State) -> Result<Self, Error> {
-        /// Seconds: as long as many lookaheads, which then need one piece, or two. Not longer: boxes are as
-        /// good as f32 can tell the way that is covered in that time.
+        /// Seconds. Many lookaheads long, so that one or two pieces suffice; not longer, since
+        /// boxes are only as good as f32 resolves the distance covered in that time.
         const DURATION: f64 = 6.0;
         Self::through(state, DURATION)
     }
@@ -267,9 +270,11 @@ impl Trajectory {
     }
 }
 
+/// Checks that a number is finite and in range.
+///
 /// # Errors
 ///
-/// Not finite, or too large.
+/// [`Error::NotFinite`], [`Error::OutOfRange`].
 pub(super) fn check_number(knot: usize, quantity: Quantity, value: f64) -> Result<(), Error> {
     if !value.is_finite() {
         return Err(Error::NotFinite {
@@ -288,9 +293,11 @@ pub(super) fn check_number(knot: usize, quantity: Quantity, value: f64) -> Resul
     Ok(())
 }
 
+/// Checks that times are usable numbers and increase.
+///
 /// # Errors
 ///
-/// The first time that is no number, or not later than the one before it.
+/// The first time that is not usable, or not later than the previous one.
 pub(super) fn check_times(times: impl Iterator<Item = f64>) -> Result<(), Error> {
     let mut previous = f64::NEG_INFINITY;
     for (knot, time) in times.enumerate() {
@@ -318,7 +325,7 @@ fn check_states(states: &[State]) -> Result<(), Error> {
     Ok(())
 }
 
-/// The Bézier form of one polynomial over the interval that begins at knot `knot`.
+/// Returns the Bézier form of one polynomial over the interval that begins at knot `knot`.
 fn polynomial_segment(
     (start, end): (f64, f64),
     polynomial: &[DVec3; 4],

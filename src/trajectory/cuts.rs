@@ -1,18 +1,18 @@
-//! Where a motion is cut beyond its knots: one cut after the other, kept in no list.
+//! Cut instants beyond the knots, computed one after the other.
 
-/// Instants `knot + step (2^k - 1)`, k = 1, 2, ..., up to the first that reaches `until`.
+/// Iterator over the instants `knot + step (2^k - 1)`, k = 1, 2, ..., up to the first that reaches
+/// `until`.
 #[derive(Clone, Debug)]
 pub(super) struct DoublingCuts {
     knot: f64,
     step: f64,
     until: f64,
-    /// k of the last one.
+    /// k of the last cut returned.
     number: u32,
     last: f64,
 }
 
 impl DoublingCuts {
-    /// Nowhere.
     pub(super) const NONE: Self = Self::of(0.0, 0.0, 0.0);
 
     pub(super) const fn of(knot: f64, step: f64, until: f64) -> Self {
@@ -34,13 +34,12 @@ impl DoublingCuts {
         }
     }
 
-    /// Returns the cut with a number (k), whether or not the one before it is another instant.
+    /// Returns cut number k, also where rounding makes it equal to the one before.
     pub(super) fn cut(knot: f64, step: f64, number: u32) -> f64 {
         let factor = 2_f64.powi(number.cast_signed());
         (knot + step * (factor - 1.0)).clamp(-f64::MAX, f64::MAX)
     }
 
-    /// All but the last one.
     pub(super) fn but_last(self) -> impl Iterator<Item = f64> + Clone {
         let count = self.clone().count();
         self.take(count.saturating_sub(1))

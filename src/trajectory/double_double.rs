@@ -14,12 +14,12 @@ pub(crate) struct DoubleDouble {
 }
 
 impl DoubleDouble {
-    /// The nearest f64.
+    /// Returns the nearest f64.
     pub(crate) fn rounded(self) -> f64 {
         self.high
     }
 
-    /// Two times this, exactly.
+    /// Returns twice this number, exactly.
     pub(super) fn twice(self) -> Self {
         Self {
             high: 2.0 * self.high,
@@ -27,30 +27,30 @@ impl DoubleDouble {
         }
     }
 
-    /// The sum in f64: off by its own rounding, and by 2^-104 of both.
+    /// Returns the sum as an f64, with an error of one rounding and 2^-104 of both terms.
     pub(super) fn rounded_sum(self, other: Self) -> f64 {
         let Self { high, low } = Self::sum(self.high, other.high);
         high + (low + (self.low + other.low))
     }
 
-    /// `a - b`, exactly.
+    /// Returns `a - b`, exactly.
     pub(crate) fn difference(a: f64, b: f64) -> Self {
         Self::sum(a, -b)
     }
 
-    /// `a b`, exactly, where its last digit does not underflow.
+    /// Returns `a b`, exactly unless its last digit underflows.
     pub(super) fn product(a: f64, b: f64) -> Self {
         let high = a * b;
         let low = a.mul_add(b, -high);
         Self { high, low }
     }
 
-    /// The two numbers whose sum it is.
+    /// Returns the two f64 whose sum this is.
     pub(super) const fn parts(self) -> [f64; 2] {
         [self.high, self.low]
     }
 
-    /// `a + b`, exactly (by Knuth).
+    /// Returns `a + b`, exactly (Knuth).
     fn sum(a: f64, b: f64) -> Self {
         let high = a + b;
         let shadow = high - a;
@@ -96,17 +96,17 @@ impl Mul for DoubleDouble {
     }
 }
 
-/// An exact sum: f64 that do not overlap, by size.
+/// An exact sum of f64 that do not overlap, by increasing size.
 #[derive(Clone, Debug)]
 pub(super) struct Expansion(Vec<f64>);
 
 impl Expansion {
-    /// The nearest f64, or a neighbour of it where that is close.
+    /// Returns the nearest f64, or a neighbour of it where that is close.
     pub(super) fn rounded(&self) -> f64 {
         self.0.iter().sum()
     }
 
-    /// Times a sum of two, exactly, where no last digit underflows.
+    /// Returns the product with a double-double, exactly unless a last digit underflows.
     pub(super) fn times(&self, factor: DoubleDouble) -> Self {
         let mut product = Self(Vec::new());
         for &part in &self.0 {

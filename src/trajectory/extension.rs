@@ -1,18 +1,17 @@
-//! Motion beyond the knots: which cubic a body follows there, and where that is cut into pieces.
+//! Motion beyond the knots: the cubic followed there, and its division into pieces.
 //!
-//! Pieces have doubling length, from the knot outwards: T, 2 T, 4 T, ... with T the duration of the
-//! neighbouring segment (of a body at rest, longer than any time; of one that only coasts, fixed). The
-//! cuts depend on the trajectory alone, never on a window, so an encounter out there has the same bits
-//! whatever window it was found with; and a window however long needs only a few dozen pieces. T is
-//! rounded to three times a power of two. Pieces and cuts are kept in no list: they follow from their
-//! numbers.
+//! Pieces have doubling length, from the knot outwards: T, 2 T, 4 T, ..., with T the duration of
+//! the neighbouring segment, rounded to three times a power of two. For a body at rest T is longer
+//! than any time; for one that only coasts it is fixed. The cuts depend on the trajectory alone,
+//! never on a window. So an encounter there has the same bits whatever the window, and any window
+//! needs only a few dozen pieces. Pieces and cuts are computed from their numbers, not stored.
 
 use super::cuts::DoublingCuts;
 use super::{Outside, Segment, Trajectory};
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
 use crate::window::Window;
 
-/// The number of pieces that a motion has beyond its knots, over a window that reaches there.
+/// The number of pieces beyond the knots that cover a window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Extension {
     /// Pieces before the first knot.
@@ -65,8 +64,8 @@ impl Trajectory {
         DoublingCuts::cut(knot, self.step_after(), first + number)
     }
 
-    /// Returns the pieces that cover the part of the domain within `window`, which is closed where the body
-    /// exists beyond its knots; none if the window stays within them, or the body is absent beyond.
+    /// Returns the pieces that cover the part of the domain within `window`, or `None` if no piece
+    /// beyond the knots is needed. The window is closed if the body exists beyond its knots.
     ///
     /// # Errors
     ///
@@ -95,11 +94,11 @@ impl Trajectory {
         Ok((!is_own).then_some(extension))
     }
 
-    /// Makes an [extension](Self::extension) over a window that over one that ends later, at `end` (s).
+    /// Extends an [extension](Self::extension) to one that covers a window with a later `end` (s).
     ///
     /// # Errors
     ///
-    /// As [`extension`](Self::extension); nothing was changed then.
+    /// As [`extension`](Self::extension). On error nothing is changed.
     pub(crate) fn lengthen(&self, extension: &mut Extension, end: f64) -> Result<(), Error> {
         let known = extension.after;
         let (mut after, mut from) = (known, extension.domain.1);
@@ -113,12 +112,12 @@ impl Trajectory {
         Ok(())
     }
 
-    /// Where it is cut before the first knot, as far as to a window's start (s), and beyond it; nowhere,
-    /// if that is not reached.
+    /// Returns the cuts before the first knot up to the first one at or beyond a window's start
+    /// (s); none if the window starts later.
     ///
-    /// Windows are closed: where one begins or ends at a knot, or a cut, what comes before or after
-    /// it counts as well. (It may be in another place, after a splice; and an instant may round to
-    /// the knot.)
+    /// Windows are closed: where one begins or ends at a knot or cut, the piece on the other side
+    /// counts as well. After a splice that piece may be at another position, and an instant may
+    /// round to the knot.
     fn cuts_before(&self, start: f64) -> DoublingCuts {
         if self.outside_before() == Outside::Absent || start > self.planned().start() {
             return DoublingCuts::NONE;
@@ -128,8 +127,8 @@ impl Trajectory {
         DoublingCuts::after(number, knot, self.step_before(), until)
     }
 
-    /// Where it is cut after the last knot, as far as to a window's end (s), and beyond it; nowhere, if
-    /// that is not reached.
+    /// Returns the cuts after the last knot up to the first one at or beyond a window's end (s);
+    /// none if the window ends earlier.
     fn cuts_after(&self, end: f64) -> DoublingCuts {
         let last = self.planned().end();
         // Without a cubic of its own a body goes on beyond its knot, whatever the window.
@@ -141,7 +140,7 @@ impl Trajectory {
         DoublingCuts::after(number, knot, self.step_after(), until)
     }
 
-    /// The duration of the first piece before the knots, negative, s.
+    /// Returns the duration of the first piece before the knots, negative, s.
     fn step_before(&self) -> f64 {
         let end = self.carriers()[0];
         let segment = match (self.outside_before(), self.cubics().first()) {
@@ -151,7 +150,7 @@ impl Trajectory {
         segment.start() - segment.end()
     }
 
-    /// The duration of the first piece after the knots, s.
+    /// Returns the duration of the first piece after the knots, s.
     fn step_after(&self) -> f64 {
         let end = self.carriers()[1];
         end.end() - end.start()
@@ -179,8 +178,7 @@ impl Trajectory {
     }
 }
 
-/// Checks that a cubic can be followed from an instant to another one (s) beyond the knot with this
-/// number.
+/// Checks that a cubic can be followed between two instants (s) beyond knot number `knot`.
 ///
 /// # Errors
 ///
@@ -190,9 +188,9 @@ pub(super) fn check_reach(
     (from, to): (f64, f64),
     knot: usize,
 ) -> Result<(), Error> {
-    /// Lengths of it: their third power must stay within the range of numbers.
+    /// In segment durations: the third power must stay in range.
     const MAX_LENGTHS: f64 = 1e100;
-    /// The last cut before the end of a window may be some times as far as that.
+    /// Upper bound of cut times, s: the last cut may lie some times farther than the window's end.
     const FARTHEST: f64 = 10.0 * MAX_MAGNITUDE;
     let farthest = from.abs().max(to.abs());
     if segment.lengths_to(from, to) > MAX_LENGTHS || farthest > FARTHEST {
@@ -212,7 +210,7 @@ pub(super) fn check_reach(
     Ok(())
 }
 
-/// A motion's pieces in lists, one by one.
+/// All pieces of a motion, as lists.
 #[cfg(test)]
 #[derive(Clone, Debug)]
 pub(crate) struct Pieces {
@@ -222,7 +220,6 @@ pub(crate) struct Pieces {
 
 #[cfg(test)]
 impl Pieces {
-    /// Of a trajectory over a window.
     pub(crate) fn over(plan: &Trajectory, window: Window) -> Self {
         let mut knots: Vec<f64> = plan.cuts_before(window.start()).collect();
         knots.reverse();
@@ -236,7 +233,7 @@ impl Pieces {
         Self { knots, segments }
     }
 
-    /// A trajectory's own.
+    /// Returns the pieces between a trajectory's knots.
     pub(crate) fn own(plan: &Trajectory) -> Self {
         Self {
             knots: plan.cuts().to_vec(),
@@ -253,7 +250,7 @@ mod tests {
     use crate::window::Window;
     use glam::DVec3;
 
-    /// Of three states, at rest, and from one state, that go on before and after.
+    /// Returns plans that continue beyond their knots: at rest, coasting, of three states.
     fn plans() -> [Trajectory; 5] {
         let state = |time: f64| State::new(time, DVec3::X * time, DVec3::X);
         let late = |time: f64| State::new(1.7e9 + time, DVec3::X * time, DVec3::Y * time);
@@ -280,7 +277,7 @@ mod tests {
         plan.extension(window).unwrap_or_else(|_| unreachable!())
     }
 
-    /// Windows that begin and end at knots, at cuts, and beside them, and far away.
+    /// Windows begin and end at knots, at cuts, beside them and far away.
     #[test]
     fn pieces_follow_from_their_numbers() {
         let instants = [
@@ -333,7 +330,7 @@ mod tests {
         assert!(beyond > 50_000 && own > 1_000, "{beyond} {own}");
     }
 
-    /// However often it is lengthened, and however little.
+    /// Extends in many small steps.
     #[test]
     fn a_lengthened_extension_is_that_over_the_longer_window() {
         let mut lengthened = 0;

@@ -30,7 +30,7 @@ use glam::DVec3;
 use roomy::Roomy;
 use std::slice::from_ref;
 
-/// The motion of one body: cubic segments between knots, and what it does before and after.
+/// The motion of one body: cubic segments between knots, and a rule for the time outside them.
 ///
 /// ```
 /// use glam::DVec3;
@@ -79,12 +79,9 @@ struct Line {
 struct Plan {
     /// One more than segments. There are none where a straight motion is followed by another one.
     knots: Roomy<f64>,
-    /// Beside them: straight motion before the first and after the last knot. There they cost a
-    /// body that is moved about, or never asked, nothing.
+    /// Segments between the knots; beside them, the end motions before and after.
     segments: Roomy<Segment, 2>,
-    /// Before the first knot.
     before: Outside,
-    /// After the last knot.
     after: Outside,
     /// The first piece after the last knot is the last one of the lists: it is read as fast as the plan's own.
     has_piece_after: bool,
@@ -135,18 +132,19 @@ impl PartialEq for Trajectory {
     }
 }
 
-/// What a body does before its first and after its last knot.
+/// The rule for the motion of a body before its first and after its last knot.
 ///
-/// A body that goes on beyond its knots exists at all times: it can only be screened within a
+/// A body that continues beyond its knots exists at all times: it can only be screened within a
 /// closed window, else there is an [`Error::WindowNotClosed`](crate::Error::WindowNotClosed).
 ///
-/// Far beyond the knots a position is good to some roundings of the way gone, 4e-15 of it: of a cubic, of
-/// the sizes of its three terms. A straight flight has none but the first. So two bodies come within a margin
-/// to 1e-14 of both ways and of their distance. [`Accuracy::Exact`](crate::Accuracy::Exact) reports what that
-/// leaves open, [`Accuracy::Certified`](crate::Accuracy::Certified) marks it as unresolved.
+/// Rounding: a position beyond the knots is good to 4e-15 of the distance travelled from the knot.
+/// For a cubic, take the sum of the sizes of its three terms; straight motion has only the linear
+/// one. Two bodies then come within a margin to 1e-14 of both distances and of their separation.
+/// [`Accuracy::Exact`](crate::Accuracy::Exact) reports conflicts that this leaves open,
+/// [`Accuracy::Certified`](crate::Accuracy::Certified) marks them as unresolved.
 ///
-/// A window in which bodies cross the scene many times over costs as if each pair were near: to 1e12 s,
-/// 1,000 bodies at 10 m/s take 4 s, and 5,000 more than 90 s. Ask for shorter ones.
+/// Cost: in a window in which bodies cross the scene many times, every pair counts as near. Up to
+/// 1e12 s, 1,000 bodies at 10 m/s take 4 s, and 5,000 more than 90 s. Ask for shorter windows.
 ///
 /// ```
 /// use nearmiss::glam::DVec3;
@@ -165,24 +163,23 @@ impl PartialEq for Trajectory {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Outside {
-    /// It does not exist there.
+    /// The body does not exist there.
     #[default]
     Absent,
-    /// The first and the last cubic go on, in their own parameter, as in the literature. A position is good
-    /// to 4e-15 of the cubic's terms, which grow with time, its square and its cube; straight motion has the
-    /// first alone. States a minute apart on a low orbit give a millimetre after 10 hours, and a metre after
-    /// five days.
+    /// The first and last cubic continue in their own parameter, as in the literature. A position
+    /// is good to 4e-15 of the cubic's terms, which grow with time, its square and its cube. States
+    /// one minute apart on a low orbit give 1 mm after 10 hours, and 1 m after five days.
     Extrapolate,
-    /// It keeps the velocity it has at its first or last knot: dead reckoning. (From a single state:
-    /// [`Trajectory::coasting`].)
+    /// The body keeps the velocity of its first or last knot (dead reckoning). From a single state:
+    /// [`Trajectory::coasting`].
     Coast,
 }
 
 impl Trajectory {
-    /// The same motion, with another rule for the time before and the time after its knots.
+    /// Returns this motion with another rule for the time before and after its knots.
     ///
-    /// A body that is [`at_rest`](Self::at_rest), or only [coasts](Self::coasting), does so for all time,
-    /// whatever the rule.
+    /// A body that is [`at_rest`](Self::at_rest) or only [coasts](Self::coasting) ignores the rule:
+    /// it keeps its motion for all time.
     #[must_use]
     pub fn with_outside(mut self, outside: Outside) -> Self {
         if let Form::Plan(plan) = &mut self.form
@@ -194,7 +191,7 @@ impl Trajectory {
         self
     }
 
-    /// What the body does before its first knot.
+    /// Returns the rule before the first knot.
     #[must_use]
     pub const fn outside_before(&self) -> Outside {
         match &self.form {
@@ -203,9 +200,9 @@ impl Trajectory {
         }
     }
 
-    /// What the body does after its last knot. Not the same as [before](Self::outside_before) its first
-    /// one where a plan was [spliced](Self::spliced). A plan that was spliced in after its own last knot goes
-    /// on as it did.
+    /// Returns the rule after the last knot. After a [splice](Self::spliced) it may differ from the
+    /// one [before](Self::outside_before) the first knot. A plan spliced in after its own last knot
+    /// keeps its end motion.
     #[must_use]
     pub const fn outside_after(&self) -> Outside {
         match &self.form {
@@ -214,7 +211,7 @@ impl Trajectory {
         }
     }
 
-    /// Returns true if it exists before its first knot or after its last one.
+    /// Returns true if the body exists before its first or after its last knot.
     pub(crate) fn goes_beyond(&self) -> bool {
         self.outside_before() != Outside::Absent || self.outside_after() != Outside::Absent
     }
@@ -255,7 +252,7 @@ impl Trajectory {
         }
     }
 
-    /// The times of the knots, s, increasing.
+    /// Returns the times of the knots, s, increasing.
     #[must_use]
     pub fn knots(&self) -> &[f64] {
         match &self.form {
@@ -264,8 +261,8 @@ impl Trajectory {
         }
     }
 
-    /// The cubics, one between each two knots. Of a cubic that a splice has cut, only the part
-    /// between its knots is flown.
+    /// Returns the cubics between consecutive knots. Of a cubic that a splice has cut, only the
+    /// part between its knots is followed.
     #[must_use]
     pub fn segments(&self) -> &[Segment] {
         match &self.form {
@@ -274,7 +271,8 @@ impl Trajectory {
         }
     }
 
-    /// When the body exists: between its knots, and where it is not `Absent` before and after them.
+    /// Returns the window in which the body exists: from its first to its last knot, and on
+    /// either side for all time unless `Absent`.
     #[must_use]
     pub fn domain(&self) -> Window {
         let (planned, all) = (self.planned(), Window::ALL);
@@ -287,8 +285,8 @@ impl Trajectory {
         Window::new(start, end).unwrap_or(all)
     }
 
-    /// Returns time, position and velocity at `time` (s, m, m/s): [`position`](Self::position) and
-    /// [`velocity`](Self::velocity) at once; none where there is no position.
+    /// Returns time, position and velocity at `time` (s, m, m/s), or `None` where there is no
+    /// [`position`](Self::position).
     ///
     /// ```
     /// use nearmiss::{State, Trajectory};
@@ -306,26 +304,28 @@ impl Trajectory {
             .map(|(position, velocity, _)| State::new(time, position, velocity))
     }
 
-    /// Position at `time`, m; none where the body does not exist, or its motion, extrapolated, has left
-    /// the range of f64.
+    /// Returns the position at `time`, m, or `None` where the body does not exist. Also `None`
+    /// where its extrapolated motion has left the range of f64.
     ///
-    /// Relative to the segment's first knot good to a few roundings of the segment's extent; of a body
-    /// that coasts, of the way from its knot; of a cubic that is extrapolated, of its terms there, which
-    /// may be far larger than their sum. The sum with the absolute position is rounded once more.
+    /// The offset from the segment's first knot is good to a few roundings of the segment's extent.
+    /// For a coasting body: of the distance from its knot. For an extrapolated cubic: of its terms
+    /// there, which may far exceed their sum. The sum with the absolute position is rounded once
+    /// more.
     #[must_use]
     pub fn position(&self, time: f64) -> Option<DVec3> {
         self.motion_at(time).map(|(position, _, _)| position)
     }
 
-    /// Velocity at `time`, m/s; none where there is no [position](Self::position). At a knot: that from
-    /// then on, if the body exists then.
+    /// Returns the velocity at `time`, m/s, or `None` where there is no [position](Self::position).
+    /// At a knot: the velocity from then on, if the body exists then.
     #[must_use]
     pub fn velocity(&self, time: f64) -> Option<DVec3> {
         self.motion_at(time).map(|(_, velocity, _)| velocity)
     }
 
-    /// Acceleration at `time`, m/s²; none where there is no [position](Self::position). At a knot: that from
-    /// then on, if the body exists then.
+    /// Returns the acceleration at `time`, m/s², or `None` where there is no
+    /// [position](Self::position). At a knot: the acceleration from then on, if the body exists
+    /// then.
     #[must_use]
     pub fn acceleration(&self, time: f64) -> Option<DVec3> {
         self.motion_at(time)
@@ -342,7 +342,7 @@ impl Trajectory {
         is_finite.then_some(motion)
     }
 
-    /// Position, velocity and acceleration on the cubic that the body follows at `time`.
+    /// Returns position, velocity and acceleration on the cubic that the body follows at `time`.
     fn followed_at(&self, time: f64) -> (DVec3, DVec3, DVec3) {
         let plan = match &self.form {
             Form::Line(line) => return line.segment.motion_at(time),

@@ -1,25 +1,24 @@
-//! A list with room in front: what a new plan needs to take over the end of the one before it
-//! without a move of all its numbers.
+//! A vector with spare capacity in front, so that a splice can prepend without moving the rest.
 
 use crate::simd::prefetch;
 use std::iter::repeat_n;
 use std::ops::Deref;
 
-/// Entries that there is room for: what is usually left of the plan before, and one more.
+/// Spare places in front: for the usual remainder of the previous plan, and one more.
 const ROOM: usize = 2;
 
-/// A list of numbers, without what lies before `first`; in the same memory, beside it, a few that
-/// are no part of it.
+/// A vector that begins at `first`, with spare places in front of it and `BESIDE` other values in
+/// the same allocation.
 #[derive(Clone, Debug)]
 pub(super) struct Roomy<T, const BESIDE: usize = 0> {
-    /// First those beside the list.
+    /// The values beside the list come first.
     all: Vec<T>,
     first: usize,
 }
 
 impl<T: Copy, const BESIDE: usize> Roomy<T, BESIDE> {
-    /// An empty list with memory for some entries, and room in front of them. What is beside it is
-    /// to be [put there](Self::put_beside) when it has an entry.
+    /// Returns an empty list with capacity for `count` entries. The values beside it must be
+    /// [set](Self::put_beside) once it has an entry.
     pub(super) fn with_capacity(count: usize) -> Self {
         let first = BESIDE + ROOM;
         Self {
@@ -28,7 +27,7 @@ impl<T: Copy, const BESIDE: usize> Roomy<T, BESIDE> {
         }
     }
 
-    /// A list, with room in front of it.
+    /// Returns a copy of a list, with spare places in front.
     pub(super) fn new(list: &[T], beside: &[T; BESIDE]) -> Self {
         let mut all = Vec::with_capacity(BESIDE + ROOM + list.len());
         all.extend_from_slice(beside);
@@ -55,7 +54,6 @@ impl<T: Copy, const BESIDE: usize> Roomy<T, BESIDE> {
         }
     }
 
-    /// What is beside the list.
     pub(super) fn beside(&self) -> &[T] {
         &self.all[..BESIDE]
     }
@@ -64,7 +62,7 @@ impl<T: Copy, const BESIDE: usize> Roomy<T, BESIDE> {
         self.all[..BESIDE][place] = value;
     }
 
-    /// Puts `count` new entries in place of the first `replaced` ones.
+    /// Replaces the first `replaced` entries by `count` new ones.
     pub(super) fn replace_front(
         &mut self,
         replaced: usize,
@@ -83,18 +81,15 @@ impl<T: Copy, const BESIDE: usize> Roomy<T, BESIDE> {
         }
     }
 
-    /// The first entries.
     pub(super) fn front_mut(&mut self, count: usize) -> &mut [T] {
         &mut self.all[self.first..][..count]
     }
 
-    /// Fetches the lines at both ends of its memory into the caches.
     pub(super) fn prefetch_ends(&self) {
         prefetch(&self.all[..self.all.len().min(1)]);
         prefetch(&self.all[self.all.len().saturating_sub(1)..]);
     }
 
-    /// Drops the first entries.
     pub(super) fn drop_front(&mut self, count: usize) {
         self.all.drain(BESIDE..self.first + count);
         self.first = BESIDE;

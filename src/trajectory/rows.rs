@@ -1,12 +1,12 @@
-//! From rows of a table, a body's together, to trajectories.
+//! Conversion of table rows to trajectories.
 
 use super::{State, Trajectory};
 use crate::error::Error;
 use std::collections::HashSet;
 
 impl Trajectory {
-    /// Builds one trajectory from each body's rows: `(body, state)`, a body's rows together and in
-    /// the order of time, as in the files that the `screen` example reads.
+    /// Builds one trajectory per body from `(body, state)` rows, as in the files that the `screen`
+    /// example reads. Rows of a body must be together and in time order.
     ///
     /// The result is in the order of the rows.
     ///
@@ -24,9 +24,9 @@ impl Trajectory {
     ///
     /// # Errors
     ///
-    /// [`Error::InBody`] with the body and, within, [`Error::RowsApart`] or what
-    /// [`Trajectory::from_states`] says of its states. A body with a single row that comes again later,
-    /// as in a table in the order of time, has its rows apart; it is not too short.
+    /// [`Error::InBody`] with the body and, within, [`Error::RowsApart`] or the error of
+    /// [`Trajectory::from_states`]. A body with a single row that comes again later, as in a table
+    /// in time order, gives `RowsApart`, not `TooFewStates`.
     pub fn group_rows(
         rows: impl IntoIterator<Item = (u64, State)>,
     ) -> Result<Vec<(u64, Trajectory)>, Error> {

@@ -1,4 +1,4 @@
-//! One cubic between two knots, in local form: what everything downstream computes with.
+//! One cubic between two knots, in local form.
 
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
 use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, largest_norm, norm, normalising_power, one_zero};
@@ -9,36 +9,36 @@ use glam::DVec3;
 /// to its first position.
 ///
 /// Neither the absolute time nor the absolute position enters the rounding of the control points:
-/// they come from differences of the user's own numbers. 128 bytes.
+/// they come from differences of the user's own numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
     start: f64,
     end: f64,
-    /// Position at `start`: the user's own number.
+    /// Position at `start`, m: the user's own number.
     origin: DVec3,
-    /// Bézier control points 1, 2, 3 relative to `origin` (point 0 is zero). Of what
-    /// [goes on from a knot](Self::goes_on), the coefficients of x, x², x³, with x the time since `start` in
-    /// thirds of the duration.
+    /// Bézier control points 1, 2, 3 relative to `origin` (point 0 is zero), m. For an [end
+    /// motion](Self::goes_on): coefficients of x, x², x³, with x the time since `start` in thirds
+    /// of the duration.
     control_points: [DVec3; 3],
-    /// No control point is farther from the origin than this, m.
+    /// Upper bound of the control points' distance from the origin, m.
     extent: f64,
-    /// Bound on the error of each point `origin + control`, m; negative (or -0) where the motion
-    /// [goes on from a knot](Self::goes_on).
+    /// Bound on the error of each point `origin + control`, m; with a minus sign for an [end
+    /// motion](Self::goes_on).
     error: f64,
 }
 
-/// Control points of a part of a segment, relative to the segment's origin, and their error.
+/// Control points of a part of a segment relative to the segment's origin (m), and their error.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Restriction {
     pub(crate) points: [DVec3; 4],
-    /// Bound on the error of each point, m (without the rounding of the origin: it has none).
+    /// Bound on the error of each point, m, without that of the origin.
     pub(crate) error: f64,
 }
 
 impl Segment {
-    /// The cubic Hermite segment between two consecutive states; `knot` is the second one's number.
+    /// Builds the cubic Hermite segment between two states; `knot` is the second one's number.
     ///
-    /// The caller has checked that the states are finite and their times increase.
+    /// The states must be finite and their times increase.
     pub(super) fn hermite(first: &State, second: &State, knot: usize) -> Result<Self, Error> {
         let duration = second.time - first.time;
         let end = second.position - first.position;
@@ -58,11 +58,11 @@ impl Segment {
         .checked(knot)
     }
 
-    /// Straight motion from `state` on (and back in time, as the carrier of `Coast` and of rest).
+    /// Builds straight motion through `state`, in both directions of time: `Coast` and rest.
     ///
-    /// `duration` is only the unit of its parameter. It is rounded to three times a power of two,
-    /// so that all its control points but the last are exact where instants are as fine at its end as at
-    /// its start; `error` is that of the state's position, and more than none where its velocity is
+    /// `duration` (s) is only the unit of its parameter, rounded to three times a power of two. All
+    /// control points but the last are then exact, if instants are as fine at its end as at its
+    /// start. `error` (m) is that of the state's position; it must be positive if its velocity is
     /// rounded.
     pub(super) fn line(
         state: &State,
@@ -98,26 +98,26 @@ impl Segment {
         .checked(knot)
     }
 
-    /// Adds the quadratic and the cubic coefficient of a cubic through the same state, in units of
-    /// `duration` (s): known to [`extended`](Self::extended) alone.
+    /// Adds the quadratic and cubic coefficient of a cubic through the same state, in units of
+    /// `duration` (s). Only [`extended`](Self::extended) uses them.
     pub(super) fn with_bend(self, [quadratic, cubic]: [DVec3; 2], duration: f64) -> Self {
         let ratio = (self.end - self.start) / 3.0 / duration;
         self.with_coefficients([quadratic * ratio * ratio, cubic * ratio * ratio * ratio])
     }
 
-    /// The same in its own unit.
+    /// Sets the quadratic and cubic coefficient, in thirds of the segment's own duration.
     pub(super) const fn with_coefficients(mut self, [quadratic, cubic]: [DVec3; 2]) -> Self {
         self.control_points[1] = quadratic;
         self.control_points[2] = cubic;
         self
     }
 
-    /// The straight motion from its knot on.
+    /// Returns the straight motion from the knot on.
     pub(super) const fn straight(self) -> Self {
         self.with_coefficients([DVec3::ZERO; 2])
     }
 
-    /// The cubic motion from its knot on.
+    /// Returns the cubic motion from the knot on.
     pub(super) fn extended(mut self) -> Self {
         let [linear, quadratic, cubic] = self.powers().map(norm);
         self.extent = (linear + quadratic + cubic) * (1.0 + 8.0 * UNIT_ROUNDOFF);
@@ -125,8 +125,8 @@ impl Segment {
         self
     }
 
-    /// The segment with these Bézier points relative to `origin`, each good to `error`;
-    /// `knot` is the number of the knot at its end.
+    /// Builds a segment from Bézier points relative to `origin`, each good to `error` (m); `knot`
+    /// is the number of its end knot.
     pub(super) fn from_control_points(
         (start, end): (f64, f64),
         origin: DVec3,
@@ -146,7 +146,7 @@ impl Segment {
         .checked(knot)
     }
 
-    /// A segment of these fields: start and end, origin, control points, extent and error.
+    /// Builds a segment from its fields: start and end, origin, control points, extent and error.
     #[cfg(feature = "serde")]
     pub(super) fn from_parts(
         (start, end): (f64, f64),
@@ -166,7 +166,8 @@ impl Segment {
         .checked(knot)
     }
 
-    /// Refuses what could overflow later: positions, velocities or accelerations beyond 1e300.
+    /// Returns an error where a later computation could overflow: positions, velocities or
+    /// accelerations beyond 1e300.
     fn checked(mut self, knot: usize) -> Result<Self, Error> {
         (self.start, self.end) = (one_zero(self.start), one_zero(self.end));
         let duration = self.end - self.start;
@@ -200,7 +201,7 @@ impl Segment {
         Ok(self)
     }
 
-    /// Time of the first knot, s.
+    /// Returns the time of the first knot, s.
     #[must_use]
     pub const fn start(&self) -> f64 {
         self.start
@@ -211,19 +212,19 @@ impl Segment {
         &self.start
     }
 
-    /// Time of the second knot, s.
+    /// Returns the time of the second knot, s.
     #[must_use]
     pub const fn end(&self) -> f64 {
         self.end
     }
 
-    /// Position at [`start`](Self::start), m: exactly the user's number where states were given.
+    /// Returns the position at [`start`](Self::start), m: the user's number if states were given.
     #[must_use]
     pub const fn origin(&self) -> DVec3 {
         self.origin
     }
 
-    /// The four Bézier control points relative to [`origin`](Self::origin), m.
+    /// Returns the four Bézier control points relative to [`origin`](Self::origin), m.
     #[must_use]
     pub fn control_points(&self) -> [DVec3; 4] {
         let [first, second, third] = self.control_points;
@@ -235,7 +236,7 @@ impl Segment {
         }
     }
 
-    /// Coefficients of s, s², s³ around its start.
+    /// Returns the coefficients of s, s², s³ around the start.
     fn powers(&self) -> [DVec3; 3] {
         let [first, second, third] = self.control_points;
         if self.goes_on() {
@@ -245,25 +246,25 @@ impl Segment {
         }
     }
 
-    /// No control point is farther from the origin than this, m (below 1e-308 m, by more than 1e-323 m).
+    /// Returns an upper bound of the control points' distance from the origin, m. Below 1e-308 m it
+    /// may be 1e-323 m too small.
     #[must_use]
     pub const fn extent(&self) -> f64 {
         self.extent
     }
 
-    /// Bound on the error of each point `origin + control`, m.
+    /// Returns a bound on the error of each point `origin + control`, m.
     pub(crate) const fn error(&self) -> f64 {
         self.error.abs()
     }
 
-    /// The numbers from which its points follow, and the error with the mark of what goes on.
+    /// Returns the numbers that define the control points, and the signed error.
     #[cfg(feature = "serde")]
     pub(super) const fn parts(&self) -> ([DVec3; 3], f64) {
         (self.control_points, self.error)
     }
 
-    /// Position, velocity and acceleration at `time` (m, m/s, m/s²), also outside its knots: the
-    /// cubic goes on.
+    /// Returns position, velocity and acceleration at `time` (m, m/s, m/s²), also beyond the knots.
     #[must_use]
     pub fn motion_at(&self, time: f64) -> (DVec3, DVec3, DVec3) {
         let duration = self.end - self.start;
@@ -305,10 +306,10 @@ impl Segment {
         }
     }
 
-    /// The control points of the part over `from..to`, relative to the segment's origin.
+    /// Returns the control points of the part over `from..to`, relative to the segment's origin.
     ///
-    /// Inside the knots by blossoming with weights of sum one, beyond them (`Extrapolate`,
-    /// `Coast`) in power form around the first knot. `from == to` gives one point four times.
+    /// Inside the knots: blossoming with weights of sum one. Beyond them (`Extrapolate`, `Coast`):
+    /// power form around the first knot. `from == to` gives one point four times.
     #[inline]
     pub(crate) fn restrict(&self, from: f64, to: f64) -> Restriction {
         if from <= self.start && to >= self.end && from >= self.start && to <= self.end {
@@ -320,7 +321,7 @@ impl Segment {
         self.restrict_part(from, to)
     }
 
-    /// The same for less than the whole segment, or more.
+    /// Restricts to an interval other than the whole segment.
     fn restrict_part(&self, from: f64, to: f64) -> Restriction {
         if self.covers(from, to) {
             self.restrict_inside(from, to)
@@ -379,13 +380,13 @@ impl Segment {
         }
     }
 
-    /// A bound on what its own error amounts to within some of its lengths from the start, where the
-    /// terms of its power form come to `size`, m.
+    /// Returns a bound on the segment's own error within `lengths` durations of its start, m;
+    /// `size` (m) bounds the terms of its power form there.
     ///
-    /// Of what [goes on from a knot](Self::goes_on) each coefficient has an error in proportion to itself:
-    /// see [`bend`](super::bend). Where only Bézier points are known a control point's error, its own
-    /// or from forming the power coefficients (4 roundings of the extent at most), grows like the sum of
-    /// the Bernstein weights: (1 + 2 lengths)³.
+    /// For an [end motion](Self::goes_on) each coefficient's error is proportional to itself: see
+    /// [`bend`](super::bend). Otherwise a control point's error (its own, and at most 4 roundings
+    /// of the extent from forming the power coefficients) grows like the sum of the Bernstein
+    /// weights: (1 + 2 lengths)³.
     fn grown_error(&self, lengths: f64, size: f64) -> f64 {
         let growth = 1.0 + 2.0 * lengths;
         if !self.goes_on() {
@@ -403,14 +404,14 @@ impl Segment {
         }
     }
 
-    /// Whether an interval lies within the segment's own knots.
+    /// Returns true if an interval lies between the segment's knots.
     pub(crate) fn covers(&self, from: f64, to: f64) -> bool {
         from >= self.start && to <= self.end
     }
 
-    /// The size that all rounding of the part between `from` and `to` is relative to, m: a bound on
-    /// the terms of its power form, or more where the segment itself is known less well than to a few
-    /// roundings of its extent (a polynomial in absolute time, far from the origin).
+    /// Returns the size to which all rounding of the part between `from` and `to` is relative, m.
+    /// It bounds the terms of the power form. It is larger where the segment's own error exceeds a
+    /// few roundings of its extent, as for polynomials in absolute time far from the origin.
     pub(crate) fn rounding_scale(&self, from: f64, to: f64) -> f64 {
         let (size, error) = if self.covers(from, to) {
             (self.extent, self.error())
@@ -429,19 +430,19 @@ impl Segment {
         size + error / (16.0 * UNIT_ROUNDOFF)
     }
 
-    /// How many of its lengths from its start an interval reaches, before or after.
+    /// Returns how far an interval reaches from the start, in durations of the segment.
     pub(crate) fn lengths_to(&self, from: f64, to: f64) -> f64 {
         let duration = self.end - self.start;
         ((from - self.start).abs().max((to - self.start).abs())) / duration
     }
 
-    /// Made by [`line`](Self::line): how the motion goes on before or after its `start`, a knot. No other
-    /// constructor marks its error so.
+    /// Returns true for an end motion: made by [`line`](Self::line), from a knot at `start`
+    /// outwards. Only such segments have an error of zero or less.
     fn goes_on(&self) -> bool {
         self.error <= 0.0
     }
 
-    /// What goes on as a cubic that is not straight.
+    /// Returns true for an end motion that is not straight.
     fn is_bent(&self) -> bool {
         let bend = self.control_points[1]
             .abs()
@@ -450,7 +451,7 @@ impl Segment {
     }
 }
 
-/// Coefficients of s, s², s³ of the cubic with Bézier points 0, first, second, third.
+/// Returns the coefficients of s, s², s³ of the cubic with Bézier points 0, first, second, third.
 fn power_form(first: DVec3, second: DVec3, third: DVec3) -> [DVec3; 3] {
     [
         3.0 * first,
@@ -459,7 +460,7 @@ fn power_form(first: DVec3, second: DVec3, third: DVec3) -> [DVec3; 3] {
     ]
 }
 
-/// Barycentric weights of an instant: each has its own relative error, however near to a knot.
+/// Barycentric weights of an instant, each with a small relative error, also near a knot.
 struct Weights {
     first: f64,
     second: f64,

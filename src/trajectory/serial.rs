@@ -1,4 +1,4 @@
-//! Trajectories in files: the exact numbers that are computed with, checked when they come back.
+//! Serialised trajectories: the exact internal numbers, checked on reading.
 
 use super::build::{check_number, check_times};
 use super::extension::check_reach;
@@ -9,15 +9,15 @@ use crate::rounding::{largest_norm, one_zero};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// What a trajectory is made of.
+/// The serialised fields of a trajectory.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Numbers {
     knots: Vec<f64>,
     segments: Vec<[f64; 16]>,
-    /// How the motion goes on before and after them.
+    /// Motions before and after the knots.
     ends: [[f64; 16]; 2],
-    /// Before and after the knots.
+    /// Rules before and after the knots.
     outside: [Outside; 2],
 }
 
@@ -117,7 +117,7 @@ impl Segment {
         ]
     }
 
-    /// How a motion goes on, again: a straight one, with the coefficients of a cubic.
+    /// Rebuilds an end motion: straight, with the coefficients of a cubic.
     fn going_on(mut numbers: [f64; 16], knot: usize) -> Result<Self, Error> {
         let [bx, by, bz, cx, cy, cz] = numbers[8..14] else {
             unreachable!("of sixteen")
@@ -131,7 +131,7 @@ impl Segment {
         Ok(line.with_coefficients(coefficients))
     }
 
-    /// The same segment again, if these are the numbers of one; `knot` is that at its end.
+    /// Rebuilds a segment after checking its numbers; `knot` is the number of its end knot.
     fn from_numbers(numbers: [f64; 16], knot: usize) -> Result<Self, Error> {
         let [
             start,

@@ -1,4 +1,4 @@
-//! Changing a plan while it is flown: what has been flown stays, bit for bit.
+//! Changes of a plan in flight: the part already flown stays, bit for bit.
 
 use super::cuts::DoublingCuts;
 use super::extension::check_reach;
@@ -11,12 +11,11 @@ use std::iter::{once, repeat_n};
 use std::slice::from_ref;
 
 impl Trajectory {
-    /// This plan up to `from` (s), then `plan`.
+    /// Returns this plan up to `from` (s), then `plan`.
     ///
-    /// The cubics before `from` are kept as they are, the one that `from` lies in up to there; the
-    /// new plan's are used from there on. There is no instant between the two: the body is never
-    /// absent. (That the positions meet is the planner's affair: a jump is allowed.) Before the first
-    /// knot it does what this plan says, after the last one what the new one does.
+    /// Cubics before `from` are unchanged; the one that contains `from` is followed up to there.
+    /// There is no gap at `from`: the body is never absent. Positions may jump there. The rule
+    /// before the first knot is this plan's, the rule after the last one is the new plan's.
     ///
     /// ```
     /// use nearmiss::glam::DVec3;
@@ -37,25 +36,26 @@ impl Trajectory {
     ///
     /// # Errors
     ///
-    /// [`Error::NoPlanAt`] if `from` is not a time at which both plans exist, and the new one goes
-    /// on from; [`Error::OutOfRange`] if one of them leaves the range of numbers between its knots and
-    /// `from`, [`Error::TooFar`] if that is too far.
+    /// - [`Error::NoPlanAt`] unless both plans exist at `from` and the new one continues from
+    ///   there.
+    /// - [`Error::OutOfRange`] if a plan leaves the range of numbers between its knots and `from`.
+    /// - [`Error::TooFar`] if `from` is too far from a plan's knots.
     pub fn spliced(&self, from: f64, plan: &Self) -> Result<Self, Error> {
         let mut spliced = plan.clone();
         spliced.precede_by(self, from, f64::NEG_INFINITY)?;
         Ok(spliced)
     }
 
-    /// Whether it exists at a time (s), and goes on from there.
+    /// Returns true if the body exists at a time (s) and continues from there.
     pub(crate) fn goes_on_from(&self, time: f64) -> bool {
         let is_over = self.outside_after() == Outside::Absent
             && self.knots().last().is_none_or(|last| *last <= time);
         time.is_finite() && self.domain().contains(time) && !is_over
     }
 
-    /// The same motion without the cubics that end before `time` (s): they are forgotten. At least one
-    /// is kept. If any are dropped the body does not exist before the first one that is kept, whatever it
-    /// did before all of them.
+    /// Returns this motion without the cubics that end before `time` (s). At least one is kept. If
+    /// any are dropped, the body does not exist before the first one kept, whatever the rule before
+    /// was.
     #[must_use]
     pub fn trimmed_before(mut self, time: f64) -> Self {
         if let Form::Plan(plan) = &mut self.form {
@@ -64,12 +64,12 @@ impl Trajectory {
         self
     }
 
-    /// Makes it `flown` up to `from` (s), then this plan; of `flown` only what [`trimmed_before`](Self::trimmed_before) would
-    /// keep at `since`. In place: this plan's own memory is used.
+    /// Prepends `flown` up to `from` (s) to this plan, in place. Only the part of `flown` that
+    /// [`trimmed_before`](Self::trimmed_before) keeps at `since` is copied.
     ///
     /// # Errors
     ///
-    /// As [`spliced`](Self::spliced); nothing was changed then.
+    /// As [`spliced`](Self::spliced). On error nothing is changed.
     pub(crate) fn precede_by(&mut self, flown: &Self, from: f64, since: f64) -> Result<(), Error> {
         let from = one_zero(from);
         if !flown.domain().contains(from) || !self.goes_on_from(from) {
@@ -195,9 +195,9 @@ impl Trajectory {
         }
     }
 
-    /// Fetches what a splice near the front reads into the caches.
+    /// Prefetches the data that a splice near the front reads.
     pub(crate) fn prefetch(&self) {
-        /// One line or two.
+        /// One or two cache lines.
         const KNOTS: usize = 8;
         if let Form::Plan(plan) = &self.form {
             prefetch(&plan.knots[..plan.knots.len().min(KNOTS)]);
@@ -206,7 +206,7 @@ impl Trajectory {
         }
     }
 
-    /// Fetches what dropping it reads into the caches.
+    /// Prefetches the data that dropping the plan reads.
     pub(crate) fn prefetch_ends(&self) {
         if let Form::Plan(plan) = &self.form {
             plan.knots.prefetch_ends();
@@ -242,8 +242,8 @@ impl Plan {
     }
 }
 
-/// How many knots come before all for which `is_before` does not hold; usually few, which is why
-/// the search begins at the front.
+/// Returns the number of leading knots for which `is_before` holds. Searches from the front, since
+/// they are usually few.
 fn count_at_front(knots: &[f64], is_before: impl Fn(f64) -> bool) -> usize {
     let mut bound = 1;
     while bound < knots.len() && is_before(knots[bound]) {
@@ -268,7 +268,7 @@ mod tests {
         plan.with_outside(outside)
     }
 
-    /// Also where cuts beyond the knots are among it.
+    /// Includes splices beyond the knots, where cuts are copied.
     #[test]
     fn what_is_not_copied_is_what_would_be_forgotten() {
         let instants: Vec<f64> = (-4..45).map(f64::from).collect();
@@ -296,7 +296,7 @@ mod tests {
         assert!(seen.iter().all(|&count| count > 1_000), "{seen:?}");
     }
 
-    /// Plans of any kind have room for what is left of the one before.
+    /// Plans of any kind have spare places for the rest of the previous one.
     #[test]
     fn told_frame_by_frame_a_plan_keeps_its_memory() {
         let mut flown = plan(&[0.0], Outside::Coast);

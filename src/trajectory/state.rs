@@ -1,4 +1,4 @@
-//! What a user knows of a body at one instant.
+//! States: the user's knowledge of a body at one instant.
 
 use glam::DVec3;
 
@@ -15,7 +15,7 @@ pub struct State {
 }
 
 impl State {
-    /// A state from its parts (s, m, m/s); validation happens where a trajectory is built from it.
+    /// Returns a state from its parts (s, m, m/s); building a trajectory from it validates it.
     ///
     /// Position and velocity can be vectors of f64 or f32, arrays or tuples.
     ///

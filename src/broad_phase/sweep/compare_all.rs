@@ -1,4 +1,4 @@
-//! Comparing all boxes: each with all that follow, 16 at a time.
+//! Comparison of each box with all that follow, 16 at a time.
 
 use super::region::Region;
 use super::rows::STEP;
@@ -6,14 +6,14 @@ use super::run::mask;
 use crate::broad_phase::{BodyBox, Candidate, PairFilter, emit};
 use crate::simd::Task;
 
-/// Faces of boxes, an array for each, followed by enough unused elements for a whole step.
+/// Faces of boxes, one array per face, each followed by enough unused elements for a whole step.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BoxesSoA {
     low: [Vec<f32>; 3],
     high: [Vec<f32>; 3],
 }
 
-/// Finds the pairs of boxes by comparing each with each.
+/// Finds overlapping pairs by comparing each box with all others.
 pub(super) struct CompareAll<'a, F> {
     pub(super) boxes: &'a [BodyBox],
     pub(super) region: &'a Region,

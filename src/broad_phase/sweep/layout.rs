@@ -2,20 +2,20 @@
 
 use super::quantizer::STEPS;
 
-/// Rows and bins into which boxes are sorted: rows over two axes, fine bins along the third.
+/// The grid into which boxes are sorted: rows over two axes, fine bins along the third.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct GridLayout {
     /// The axis swept along.
     pub(super) sweep: usize,
-    /// The axes cut into rows.
+    /// The axes divided into rows.
     pub(super) across: [usize; 2],
-    /// Rows on each of these.
+    /// Rows on each of these axes.
     pub(super) rows: [u32; 2],
-    /// Bins of a row.
+    /// Bins per row.
     pub(super) bins: u32,
 }
 
-/// Statistics on which a layout rests: all lengths as shares of the grid.
+/// Statistics for the choice of a layout; lengths as shares of the grid.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BoxStatistics {
     /// Number of boxes.
@@ -25,16 +25,16 @@ pub(super) struct BoxStatistics {
 }
 
 impl GridLayout {
-    /// Nanoseconds to sort one copy of a box, and to compare it with the 16 that follow. Only
-    /// their ratio matters: it was measured on the reference swarm.
+    /// Nanoseconds to sort one copy of a box, and to compare it with the 16 that follow, measured
+    /// on the reference swarm. Only their ratio matters.
     const COPY: f64 = 7.0;
     const STEP: f64 = 3.0;
-    /// Counts of rows on an axis that are tried.
+    /// Numbers of rows per axis to try.
     const ROWS: [u32; 19] = [
         1, 2, 3, 4, 5, 6, 8, 11, 16, 22, 32, 45, 64, 90, 128, 181, 256, 362, 512,
     ];
 
-    /// The plan of least expected cost where boxes are spread evenly.
+    /// Returns the layout of least expected cost for evenly spread boxes.
     pub(super) fn choose(crowd: &BoxStatistics) -> Self {
         let count = crowd.count as f64;
         let mut best = (f64::INFINITY, 0, [1, 1]);
@@ -66,14 +66,14 @@ impl GridLayout {
         }
     }
 
-    /// Bins a quarter of a box long, so that few of a run start behind the box's end; but no more
-    /// cells than boxes.
+    /// Returns a number of bins a quarter of a box long, so that few boxes of a run start behind
+    /// the box's end; at most one cell per box.
     fn bins(rows: [u32; 2], count: f64, extent: f64) -> u32 {
         let most = (count / f64::from(rows[0] * rows[1])).min(f64::from(STEPS));
         whole((4.0 / extent).clamp(1.0, most.max(1.0)))
     }
 
-    /// Returns a layout with the same axis, without rows.
+    /// Returns the layout with the same sweep axis, without rows.
     pub(super) const fn in_one_row(mut self) -> Self {
         self.rows = [1, 1];
         self
@@ -84,7 +84,7 @@ impl GridLayout {
     }
 }
 
-/// The two other axes.
+/// Returns the two other axes.
 const fn across(sweep: usize) -> [usize; 2] {
     match sweep {
         0 => [1, 2],

@@ -1,15 +1,14 @@
 //! A packed sweep over boxes sorted into rows.
 //!
-//! Boxes become 16 bytes each: six faces on a 16-bit grid (`scale`) and the place they are sorted
-//! to. A counting sort (`rows`) puts a copy of each into every row it reaches over two axes, by
-//! fine bins of the third (`plan` says which and how many). Each record is compared with the run
-//! that follows it in its row, 16 at a time (`run`); what meets on the grid is tested again with
-//! the boxes themselves, so the pairs are exactly those that meet.
+//! Boxes become 16 bytes each: six faces on a 16-bit grid (`quantizer`) and the cell they are
+//! sorted to. A counting sort (`rows`) copies each into every row it reaches over two axes, by fine
+//! bins of the third; `layout` chooses these numbers. Each record is compared with the run that
+//! follows it in its row, 16 at a time (`run`). Overlaps on the grid are tested again with the
+//! boxes themselves, so the pairs are exact.
 //!
-//! A sample of the boxes (`survey`) chooses the grid; no size of world or cell is asked for. What
-//! one grid does not serve is divided first (`parts`): clusters with much empty space between
-//! them, and what turns out to be compared mostly in vain. Few boxes, and boxes that nearly all
-//! meet, are compared directly.
+//! The grid is chosen from a `sample` of the boxes; nothing has to be configured. Box sets that one
+//! grid serves badly are divided first (`partition`): distant clusters, and sets in which most
+//! comparisons fail. Few boxes, and sets in which nearly all boxes overlap, are compared directly.
 
 mod compare_all;
 mod layout;
@@ -31,19 +30,19 @@ use self::sample::BoxSample;
 use super::{BodyBox, BroadPhase, Candidate, PairFilter};
 use crate::simd::InstructionSet;
 
-/// Sorts boxes on a 16-bit grid into rows and sweeps along them: the method for everything.
+/// Sorts boxes on a 16-bit grid into rows and sweeps along them: the default method.
 ///
-/// At even density the time is about linear in the number of boxes; where nearly all boxes meet,
-/// all are compared. Scratch is kept from slice to slice, so that a steady scene allocates nothing:
-/// 40 to 130 bytes a box in the scenes measured, and by the limits on copies never more than 1 KiB
-/// a box of the largest slice so far.
+/// At even density the time is about linear in the number of boxes; if nearly all boxes overlap,
+/// all pairs are compared. Buffers are reused from slice to slice, so a steady scene allocates
+/// nothing. They take 40 to 130 bytes a box in the scenes measured, and never more than 1 KiB a box
+/// of the largest slice so far.
 #[derive(Clone, Debug)]
 pub struct Sweep {
     instructions: InstructionSet,
     survey: BoxSample,
     rows: SortedRows,
     faces: BoxesSoA,
-    /// The boxes divided at each depth.
+    /// Divided boxes, by depth.
     parts: Vec<Partition>,
     /// Number of copies that dividing may still make in this slice.
     copies_left: usize,
@@ -54,17 +53,16 @@ impl Sweep {
     const FEW: usize = 128;
     /// More boxes are compared directly too: their copies could not be counted in 32 bits.
     const MAX: usize = 1 << 28;
-    /// Dividing makes no more copies in a slice than this many times its boxes.
+    /// Largest number of copies by dividing in a slice, per box.
     const MAX_COPIES: usize = 8;
-    /// Comparisons a box from which it is asked whether they are in vain: what they cost is then
-    /// twice what dividing costs.
+    /// Comparisons per box from which the hit rate is measured: twice the cost of dividing.
     const LONG_RUNS: f64 = 256.0;
-    /// In vain if a smaller share of the boxes that are compared meet.
+    /// Hit rate below which boxes are divided.
     const IN_VAIN: f64 = 1.0 / 16.0;
-    /// Crowded if a larger share of all pairs meet: then nothing beats comparing all.
+    /// Share of overlapping pairs above which comparing all is fastest.
     const CROWDED: f64 = 1.0 / 4.0;
 
-    /// A sweep with an instruction set. All sets find the same pairs in the same order.
+    /// Returns a sweep with an instruction set. All sets find the same pairs in the same order.
     #[must_use]
     pub fn with_instruction_set(instructions: InstructionSet) -> Self {
         Self {
@@ -139,7 +137,7 @@ impl Sweep {
         });
     }
 
-    /// Appends the pairs of boxes that belong to a region, each compared with each.
+    /// Appends the pairs of boxes that belong to a region, comparing each with each.
     fn compare_all<F: PairFilter>(
         &mut self,
         boxes: &[BodyBox],
@@ -174,7 +172,7 @@ impl Sweep {
 }
 
 impl Default for Sweep {
-    /// With the instructions of this processor.
+    /// Returns a sweep with this processor's best instructions.
     fn default() -> Self {
         Self::with_instruction_set(InstructionSet::best())
     }

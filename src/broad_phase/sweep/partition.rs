@@ -1,35 +1,34 @@
-//! Dividing boxes among parts of space.
+//! Division of boxes among parts of space.
 
 use std::ops::Range;
 
 use super::region::Region;
 use crate::broad_phase::BodyBox;
 
-/// Planes across an axis at which boxes are divided.
+/// Planes across an axis that divide boxes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SplitPlanes {
     pub(super) axis: usize,
-    /// Ascending and different (m).
+    /// Positions, ascending and different.
     pub(super) planes: Vec<f32>,
 }
 
-/// Boxes divided among the parts between planes, a copy for each part that a box reaches.
+/// Boxes divided among the parts between planes, with a copy for each part that a box reaches.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Partition {
     pub(super) cuts: SplitPlanes,
     pub(super) boxes: Vec<BodyBox>,
     /// Ends of the boxes of each part.
     ends: Vec<usize>,
-    /// The parts that each box reaches.
+    /// Range of the parts that each box reaches.
     reach: Vec<Range<usize>>,
 }
 
 impl Partition {
-    /// Divides boxes at the planes of `cuts`, and takes the copies from those left.
+    /// Divides boxes at the planes of `cuts`, and subtracts the copies from `copies_left`.
     ///
-    /// Gives `false`, and leaves the boxes undivided, where that would hardly help: where a part
-    /// keeps nearly all boxes, or too many boxes reach into several parts; or where not enough
-    /// copies are left.
+    /// Returns `false`, with the boxes undivided, if that would hardly help or not enough copies
+    /// are left: if a part keeps nearly all boxes, or too many boxes reach into several parts.
     pub(super) fn divide(&mut self, boxes: &[BodyBox], copies_left: &mut usize) -> bool {
         let Self {
             cuts, ends, reach, ..
@@ -67,7 +66,7 @@ impl Partition {
         true
     }
 
-    /// The boxes of each part, by their positions, and the part's region within the given one.
+    /// Returns the boxes of each part in order, and the part's region within the given one.
     pub(super) fn iter(&self, region: Region) -> impl Iterator<Item = (&[BodyBox], Region)> {
         let planes = &self.cuts.planes;
         (0..self.ends.len()).map(move |part| {
@@ -83,7 +82,7 @@ impl Partition {
 }
 
 impl SplitPlanes {
-    /// The parts that a box reaches: a part holds its low plane, but not its high one.
+    /// Returns the parts that a box reaches: a part includes its low plane, but not its high one.
     fn parts_of(&self, one: &BodyBox) -> Range<usize> {
         let low = self.part_of(one.aabb.mins[self.axis]);
         low..self.part_of(one.aabb.maxs[self.axis]) + 1

@@ -1,17 +1,17 @@
-//! From metres to 16-bit grid coordinates, without losing a pair.
+//! Monotone conversion to 16-bit grid coordinates.
 
 use parry3d::bounding_volume::Aabb;
 
 /// Grid coordinates per axis.
 pub(super) const STEPS: u32 = 1 << 16;
 
-/// A map of each axis onto whole numbers of 16 bits that keeps the order.
+/// An order-preserving map of each axis onto 16-bit integers.
 ///
-/// Every operation of [`grid`](Self::grid) is monotone: subtraction, multiplication by a positive
+/// Every operation of [`grid`](Self::grid) is monotone. Subtraction, multiplication by a positive
 /// number, clamping and rounding never turn `v <= w` into `grid(v) > grid(w)`, overflow to infinity
-/// included. So where two boxes meet, `a.low <= b.high` holds in grid coordinates too: a grid box
-/// needs no outward rounding, whatever lies outside the map's range may be cut to its ends, and no
-/// choice of range can lose a pair. It only decides how many are found in vain.
+/// included. So if two boxes overlap, `a.low <= b.high` holds in grid coordinates too. A grid box
+/// needs no outward rounding, and values outside the range may be clamped. The choice of range
+/// cannot lose a pair; it only decides how many are found in vain.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Quantizer {
     /// Lanes: three axes of the low corner, three of the high one, two unused.
@@ -29,10 +29,10 @@ pub(super) struct QuantizedBox {
 }
 
 impl Quantizer {
-    /// Adding this to a number in 0..=65,535 rounds it to a whole one, in the lowest 16 bits.
+    /// Adding this to a number in 0..=65,535 rounds it to an integer, in the lowest 16 bits.
     const SHIFT: f32 = 8_388_608.0;
 
-    /// The map of `low..=high` (m, finite) of each axis to the whole grid.
+    /// Returns the map of `low..=high` (finite) on each axis to the whole grid.
     #[allow(
         clippy::cast_possible_truncation,
         reason = "to the nearest f32: it need not be exact"
@@ -55,7 +55,7 @@ impl Quantizer {
         scale
     }
 
-    /// The grid coordinates of both corners, in the map's lanes.
+    /// Returns the grid coordinates of both corners, in the map's lanes.
     #[inline(always)]
     pub(super) fn grid(&self, aabb: &Aabb) -> [u16; 8] {
         let (low, high) = (aabb.mins, aabb.maxs);
@@ -81,7 +81,8 @@ fn lowest_bits(number: f32) -> u16 {
     number.to_bits() as u16
 }
 
-/// Returns which of `parts` equal parts of an axis a grid coordinate is in; keeps the order.
+/// Returns the number of the part, of `parts` equal ones of an axis, that contains a grid
+/// coordinate; keeps the order.
 #[inline(always)]
 pub(super) fn part(grid: u16, parts: u32) -> u32 {
     (u32::from(grid) * parts) >> 16
@@ -93,7 +94,7 @@ mod tests {
 
     use super::*;
 
-    /// Numbers of every kind, in order.
+    /// Returns numbers of every kind, in order.
     fn ladder() -> Vec<f32> {
         let mut numbers = vec![0.0, f32::MAX, f32::MIN_POSITIVE, f32::from_bits(1)];
         for exponent in -126_i16..128 {

@@ -1,4 +1,4 @@
-//! Sorting boxes into rows, and by bins within a row.
+//! Counting sort of boxes into rows, and by bins within a row.
 
 use super::layout::GridLayout;
 use super::quantizer::{QuantizedBox, Quantizer, part};
@@ -9,39 +9,38 @@ use crate::simd::Task;
 /// Records compared in one step.
 pub(super) const STEP: usize = 16;
 
-/// No more further copies than this many times the boxes: it bounds the scratch.
+/// Largest number of further copies per box, which bounds memory.
 const MAX_COPIES: u64 = 4;
 
-/// Copies of boxes in the order of rows and bins, an array for each face.
+/// Copies of boxes in the order of rows and bins, one array per face.
 ///
-/// A box is copied into every row that it reaches. Each array is followed by enough unused
-/// elements for a whole step.
+/// A box is copied into every row that it reaches. Each array ends with spare room for a step.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SortedRows {
     packed: Vec<QuantizedBox>,
     /// The boxes that reach more than one row.
     spread: Vec<u32>,
-    /// For each cell, where its records end.
+    /// End of the records of each cell.
     pub(super) cell_ends: Vec<u32>,
-    /// The box that each record is a copy of.
+    /// Box of each record.
     pub(super) source: Vec<RecordSource>,
-    /// For each record, the end of those that start no later than it ends.
+    /// For each record, the end of the records that start no later than it ends.
     pub(super) run_ends: Vec<u32>,
     pub(super) low: [Vec<u16>; 3],
     pub(super) high: [Vec<u16>; 3],
 }
 
-/// Some of the comparisons of a sweep, made with the boxes themselves.
+/// The hit rate of some of a sweep's comparisons, made with the boxes themselves.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct HitRate {
-    /// Number of boxes that were compared.
+    /// Boxes compared.
     pub(super) tested: u64,
-    /// Number of them that overlap.
+    /// Boxes that overlap.
     pub(super) met: u64,
 }
 
 impl HitRate {
-    /// The share of comparisons that find boxes that meet, 0..=1.
+    /// Returns the share of comparisons that find an overlap, 0..=1.
     pub(super) fn share(&self) -> f64 {
         self.met as f64 / self.tested.max(1) as f64
     }
@@ -66,7 +65,7 @@ impl SortedRows {
     }
 }
 
-/// The box that a record is a copy of, and whether the box starts in the record's row.
+/// The box of a record, and whether the box starts in the record's row.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct RecordSource(u32);
 
@@ -74,22 +73,21 @@ impl RecordSource {
     /// Set where the box starts in an earlier row on the first or second axis of rows.
     const EARLIER: [u32; 2] = [1 << 31, 1 << 30];
 
-    /// The box's number.
     #[inline(always)]
     pub(super) fn number(self) -> usize {
         (self.0 & !(Self::EARLIER[0] | Self::EARLIER[1])) as usize
     }
 
-    /// Returns true if a pair of boxes is reported in the row of these two records: the one in which their
-    /// common part starts. On either axis of rows, the one that starts later starts there; both
-    /// boxes have a copy in that row, and in no other row is this so.
+    /// Returns true if a pair of boxes is reported in the row of these two records: the one in
+    /// which their intersection starts. On either axis of rows, the box that starts later must
+    /// start there. Both boxes have a copy in that row, and the condition holds in no other.
     #[inline(always)]
     pub(super) fn reports_with(self, other: Self) -> bool {
         (self.0 & other.0) >> 30 == 0
     }
 }
 
-/// Sorts boxes into rows; gives the number of comparisons that a sweep over them takes.
+/// Sorts boxes into rows; returns the number of comparisons of a sweep over them.
 pub(super) struct SortIntoRows<'a> {
     pub(super) boxes: &'a [BodyBox],
     pub(super) scale: &'a Quantizer,
@@ -121,7 +119,7 @@ impl Task for SortIntoRows<'_> {
     }
 }
 
-/// Boxes in grid coordinates, with the cells of their low corners.
+/// Converts boxes to grid coordinates, with the cells of their low corners.
 #[inline(always)]
 fn pack(boxes: &[BodyBox], scale: &Quantizer, plan: &GridLayout, rows: &mut SortedRows) {
     let SortedRows { packed, spread, .. } = rows;
@@ -157,7 +155,7 @@ fn pack(boxes: &[BodyBox], scale: &Quantizer, plan: &GridLayout, rows: &mut Sort
     spread.truncate(spread_count);
 }
 
-/// Returns how many copies are needed besides those in the cells of low corners.
+/// Returns the number of copies besides those in the cells of low corners.
 #[inline(always)]
 fn further_copies(plan: &GridLayout, rows: &SortedRows) -> u64 {
     let mut copies = 0;
@@ -168,7 +166,7 @@ fn further_copies(plan: &GridLayout, rows: &SortedRows) -> u64 {
     copies
 }
 
-/// Returns how many rows a box reaches besides the first, on each axis of rows.
+/// Returns the number of rows, besides the first, that a box reaches on each axis of rows.
 #[inline(always)]
 fn spans(packed: &QuantizedBox, plan: &GridLayout) -> [u32; 2] {
     let [first, second] = plan.across;
@@ -179,7 +177,7 @@ fn spans(packed: &QuantizedBox, plan: &GridLayout) -> [u32; 2] {
     ]
 }
 
-/// Counts the copies that each cell gets.
+/// Counts the copies of each cell.
 #[inline(always)]
 fn count(plan: &GridLayout, rows: &mut SortedRows) {
     let SortedRows {
@@ -201,7 +199,7 @@ fn count(plan: &GridLayout, rows: &mut SortedRows) {
     }
 }
 
-/// Turns counts into the positions where cells start; gives the number of all.
+/// Turns counts into the start positions of cells; returns the total.
 #[inline(always)]
 fn starts_from_counts(cells: &mut [u32]) -> usize {
     let mut sum = 0;
@@ -211,7 +209,7 @@ fn starts_from_counts(cells: &mut [u32]) -> usize {
     sum as usize
 }
 
-/// Writes every copy's box to its place; the starts of cells move on to their ends.
+/// Writes every copy to its place; the starts of cells become their ends.
 #[inline(always)]
 fn scatter(plan: &GridLayout, rows: &mut SortedRows, count: usize) {
     let SortedRows {
@@ -284,17 +282,17 @@ fn unfold(plan: &GridLayout, rows: &mut SortedRows) -> u64 {
     comparisons
 }
 
-/// The cells that get a copy of a box besides that of its low corner.
+/// Iterator over the cells that get a copy of a box, without that of its low corner.
 struct ExtraCells {
-    /// The last one given, the first of its line of rows, the first of all.
+    /// The last cell returned, the first of its line of rows, the first of all.
     cell: usize,
     line: usize,
     first: usize,
     lines: u32,
-    /// Number of cells left in the line, and number that a line has besides the first.
+    /// Cells left in the line, and cells of a line besides the first.
     left: u32,
     span: u32,
-    /// From one to the next, and from line to line.
+    /// Distance between cells, and between lines.
     stride: usize,
     line_stride: usize,
 }
@@ -332,7 +330,7 @@ impl ExtraCells {
         Some(self.cell)
     }
 
-    /// The marks of the copy in the last cell given.
+    /// Returns the marks of the copy in the last cell returned.
     #[inline(always)]
     fn earlier(&self) -> u32 {
         let outer = if self.line == self.first {
@@ -364,7 +362,7 @@ mod tests {
         bins: 16,
     };
 
-    /// Cubes along the diagonal of a world of 0..64 m, one each metre.
+    /// Returns cubes along the diagonal of a world of 0..64 m, one per metre.
     fn sorted(side: f32) -> (SortedRows, u64) {
         let boxes: Vec<BodyBox> = (0..64_u8)
             .map(|i| BodyBox {

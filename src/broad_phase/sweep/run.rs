@@ -5,11 +5,11 @@ use super::rows::{STEP, SortedRows};
 use crate::broad_phase::{BodyBox, Candidate, PairFilter, emit};
 use crate::simd::Task;
 
-/// Hits kept until they are reported.
+/// Number of hits that are buffered.
 const HITS: usize = 256;
 
-/// A step with a hit: a record, the first of the 16 that it was compared with, and a byte for each
-/// of these, 1 where the grid boxes meet.
+/// A step with a hit: a record, the first of the 16 records compared, and a byte for each of these:
+/// 1 for an overlap on the grid.
 #[derive(Clone, Copy)]
 struct Hit {
     record: u32,
@@ -75,9 +75,9 @@ impl<F: PairFilter> Task for SweepRows<'_, F> {
     }
 }
 
-/// Returns which of the 16 records from `next` on meet a grid box.
+/// Returns the overlaps of the 16 records from `next` on with a grid box.
 ///
-/// One saturating difference for each face, none of which may exceed zero.
+/// One saturating difference per face; none may exceed zero.
 #[inline(always)]
 fn meeting(
     lows: [&[u16]; 3],
@@ -104,7 +104,7 @@ fn meeting(
 }
 
 impl<F: PairFilter> SweepRows<'_, F> {
-    /// Emits the pairs of hits that belong to their row and really meet.
+    /// Emits the pairs of hits that belong to their row and whose boxes overlap.
     #[inline(never)]
     fn report(&mut self, hits: &[Hit]) {
         let SortedRows {
@@ -136,7 +136,7 @@ impl<F: PairFilter> SweepRows<'_, F> {
     }
 }
 
-/// A bit for each byte, all of which are 0 or 1.
+/// Returns a bit for each byte; all bytes must be 0 or 1.
 #[inline(always)]
 pub(super) fn mask(lanes: [u8; STEP]) -> u32 {
     // Moves the lowest bit of byte i to bit 56 + i, and all else below or out.

@@ -1,33 +1,32 @@
-//! Statistics of boxes, from a sample of them.
+//! Statistics of a sample of boxes.
 
 use super::partition::SplitPlanes;
 use super::region::Region;
 use crate::broad_phase::BodyBox;
 
-/// A sample of boxes: where they start, and how long they are. Decides about speed, never about
-/// pairs.
+/// A sample of the boxes' positions and extents. It influences the speed, never the pairs.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BoxSample {
-    /// Low corners in ascending order, for each axis (m).
+    /// Low corners in ascending order, for each axis.
     lows: [Vec<f32>; 3],
-    /// The range of nearly all low corners (m).
+    /// Range of low corners on each axis, without outliers.
     ranges: [(f32, f32); 3],
     /// Mean extents as shares of these ranges, none counted longer than the range.
     shares: [f64; 3],
 }
 
 impl BoxSample {
-    /// One in this many boxes is looked at, but not fewer or more than these.
+    /// Sampling stride in boxes, and limits of the sample's size.
     const STRIDE: usize = 16;
     const FEWEST: usize = 64;
     const MAX: usize = 256;
-    /// One in this many of the sample may lie anywhere on either side.
-    const STRAYS: usize = 32;
-    /// A gap is this many times wider than the mean one. Of 256 places drawn evenly, the widest
-    /// gap is 6 times the mean, and one case in ten has a wider one than this.
+    /// Share of the sample on either side that may be outliers: one in this number.
+    const OUTLIERS: usize = 32;
+    /// Ratio of a gap to the mean one. Of 256 places drawn evenly, the widest gap is 6 times the
+    /// mean on average, and exceeds this ratio in one case of ten.
     const WIDE: f64 = 8.0;
 
-    /// Looks at a sample of boxes as far as they are in the region.
+    /// Samples boxes, clipped to the region.
     pub(super) fn take(&mut self, boxes: &[BodyBox], region: &Region) {
         let size = (boxes.len() / Self::STRIDE)
             .clamp(Self::FEWEST, Self::MAX)
@@ -50,25 +49,24 @@ impl BoxSample {
         }
     }
 
-    /// The range of low corners on each axis (m), but for a few that stray.
+    /// Returns the range of low corners on each axis, without outliers.
     pub(super) const fn ranges(&self) -> [(f32, f32); 3] {
         self.ranges
     }
 
-    /// Mean extents on each axis as shares of the range.
+    /// Returns the mean extents on each axis as shares of the range.
     pub(super) const fn shares(&self) -> [f64; 3] {
         self.shares
     }
 
-    /// Sets planes in the empty space between boxes, if that is more than half of an axis; gives
-    /// whether it is.
+    /// Sets planes in empty space and returns true, if that is more than half of an axis.
     pub(super) fn cut_at_gaps(&self, cuts: &mut SplitPlanes) -> bool {
         for axis in 0..3 {
             cuts.axis = axis;
             cuts.planes.clear();
             let lows = &self.lows[axis];
-            let strays = lows.len() / Self::STRAYS;
-            let lows = &lows[strays..lows.len() - strays];
+            let outliers = lows.len() / Self::OUTLIERS;
+            let lows = &lows[outliers..lows.len() - outliers];
             let whole = width((lows[0], lows[lows.len() - 1]));
             let wide = (Self::WIDE / lows.len() as f64).max(4.0 * self.shares[axis]) * whole;
             let mut empty = 0.0;
@@ -86,8 +84,7 @@ impl BoxSample {
         false
     }
 
-    /// Sets planes that divide the boxes into four about equal parts, across the axis on which
-    /// boxes are shortest.
+    /// Sets planes that quarter the boxes about equally, across the axis with the shortest boxes.
     pub(super) fn cut_evenly(&self, cuts: &mut SplitPlanes) {
         let shares = &self.shares;
         let shorter = |&one: &usize, &other: &usize| shares[one].total_cmp(&shares[other]);
@@ -101,17 +98,16 @@ impl BoxSample {
     }
 }
 
-/// Returns the place at which a box starts in the region.
+/// Returns the start of a box in the region.
 fn low(one: &BodyBox, region: &Region, axis: usize) -> f32 {
     one.aabb.mins[axis].max(region.low[axis])
 }
 
-/// The range of nearly all of the ascending numbers: without the outermost ones, but widened again
-/// by an eighth as far as there are any.
+/// Returns the range of ascending numbers without outliers, widened by up to an eighth.
 fn range(lows: &[f32]) -> (f32, f32) {
-    let strays = lows.len() / BoxSample::STRAYS;
+    let outliers = lows.len() / BoxSample::OUTLIERS;
     let (first, last) = (lows[0], lows[lows.len() - 1]);
-    let (low, high) = (lows[strays], lows[lows.len() - 1 - strays]);
+    let (low, high) = (lows[outliers], lows[lows.len() - 1 - outliers]);
     let margin = 0.125 * high - 0.125 * low;
     if margin > 0.0 {
         ((low - margin).max(first), (high + margin).min(last))
@@ -120,8 +116,8 @@ fn range(lows: &[f32]) -> (f32, f32) {
     }
 }
 
-/// A place between two, far nearer to the first: all of its cluster is likely on its side, and
-/// what reaches over from the other side does not start far off.
+/// Returns a place between two, close to the first. All of its cluster is probably on its side, and
+/// boxes that reach over from the other side do not start far off.
 fn before(near: f32, far: f32) -> f32 {
     near - (0.0625 * near - 0.0625 * far)
 }
@@ -130,8 +126,8 @@ fn width((low, high): (f32, f32)) -> f64 {
     f64::from(high) - f64::from(low)
 }
 
-/// `size` of the numbers 0..count: all, or spread evenly but not in equal strides, so that no
-/// order of the bodies can hide some of them (multiples of the golden ratio).
+/// Returns `size` of the numbers 0..count: all, or spread evenly but not periodically, so that no
+/// order of the bodies hides some of them (multiples of the golden ratio).
 #[allow(
     clippy::cast_possible_truncation,
     reason = "the ratio's multiples wrap on purpose, and what results is below count"

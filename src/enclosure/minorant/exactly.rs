@@ -1,4 +1,4 @@
-//! Each rounding of a quadratic's answers against exact arithmetic, and errors of a cubic at their worst.
+//! Roundings of a quadratic's answers against exact arithmetic, with worst-case errors of a cubic.
 
 use super::super::stationary::stationary_reach;
 use super::Minorant;
@@ -9,7 +9,7 @@ use glam::DVec3;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 
-/// A quadratic of any size, whose parts may be of very different sizes, or one of them next to zero.
+/// Returns a quadratic of any size; its parts may differ much in size, or one may be next to zero.
 fn any(rng: &mut ChaCha8Rng) -> Minorant {
     let mut size = || 10f64.powf(rng.random_range(-3.0..3.0));
     let (base, slope, bend) = (size(), size(), size());
@@ -29,12 +29,12 @@ fn size_of(rng: &mut ChaCha8Rng) -> f64 {
     10f64.powf(rng.random_range(-3.0..3.0))
 }
 
-/// The least squared distance of which the base may be the computed one: with three roundings of its own.
+/// Returns the least exact squared distance whose computed value may be the base (three roundings).
 fn least_base(minorant: &Minorant) -> RBig {
     number(minorant.base) * (number(1.0) - number(3.0 * UNIT_ROUNDOFF))
 }
 
-/// How much the quadratic adds to that.
+/// Returns the quadratic's increase from the base to `x`.
 fn at(minorant: &Minorant, x: &RBig) -> RBig {
     (number(minorant.bend) * x + number(minorant.slope)) * x
 }
@@ -60,7 +60,7 @@ fn the_lower_bound_is_below_the_quadratic() {
     }
 }
 
-/// Beyond the reach of a level the quadratic is above it: levels from next to the base on.
+/// Beyond the reach of a level the quadratic is above it, for levels from next to the base on.
 #[test]
 fn the_quadratic_is_above_a_level_beyond_its_reach() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
@@ -88,8 +88,9 @@ fn the_quadratic_is_above_a_level_beyond_its_reach() {
     assert!(inside > 10_000, "{inside}");
 }
 
-/// An error that grows as fast as one can beyond the end of a part: a Chebyshev polynomial, by the way from
-/// there. It moves the nearest point as far as the error's derivatives may.
+/// Uses the error with the fastest growth beyond the end of a part (a Chebyshev polynomial), in the
+/// direction of the point there. It moves the nearest point as far as the error's derivatives
+/// allow.
 #[test]
 fn nearest_points_are_within_reach_whatever_the_error() {
     // Of the error, its value, and of its derivative.
@@ -128,8 +129,7 @@ fn nearest_points_are_within_reach_whatever_the_error() {
     }
 }
 
-/// Cubics that are known exactly, from a base at which they are all but nearest: what is computed of their
-/// slope there is rounding.
+/// Cubics known exactly, from a base that is all but nearest: the slope there is rounding.
 #[test]
 fn nearest_points_are_within_reach_of_a_rounded_slope() {
     const RANGE: f64 = 1e-6;
@@ -164,8 +164,8 @@ fn nearest_points_are_within_reach_of_a_rounded_slope() {
     assert!(narrowed > 2_000, "{narrowed}");
 }
 
-/// A first coefficient that is off by more than its four roundings, found by hill climbing: that of the
-/// difference with these counts as well.
+/// A first coefficient that is off by more than its four roundings, found by hill climbing: the
+/// rounding of the difference counts as well.
 #[test]
 fn the_slope_is_below_the_exact_one() {
     let place = DVec3::new(
@@ -187,12 +187,12 @@ fn the_slope_is_below_the_exact_one() {
     );
 }
 
-/// The control points of a + b x + c x².
+/// Returns the control points of a + b x + c x².
 fn bezier(&[a, b, c]: &[DVec3; 3]) -> [DVec3; 4] {
     [a, a + b / 3.0, a + (2.0 * b + c) / 3.0, a + b + c]
 }
 
-/// From a base that moves on evenly: the least of the squared distance is known exactly.
+/// Uniform straight motion from a base: its least squared distance is known exactly.
 #[test]
 fn lower_bounds_are_below_straight_motions() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);

@@ -1,4 +1,4 @@
-//! Enclosures of the least separation of two spheres, or of several pairs of them.
+//! Enclosures of the least separation of one or several pairs of spheres.
 
 use super::super::relative::RelativeCubic;
 use super::super::sphere_pair::{Approach, SpherePair};
@@ -6,20 +6,19 @@ use super::super::{BodyView, two_sum};
 use crate::accuracy::TimeEnclosure;
 use crate::spans::Span;
 
-/// The least separation lies in `low..=high` (m), and is reached within `time` only.
+/// An interval `low..=high` (m) that contains the least separation, attained within `time` only.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SeparationEnclosure {
     pub(super) low: f64,
     pub(super) high: f64,
     pub(super) time: TimeEnclosure,
-    /// Where one whose separation is not above `high` is reached: within `own`.
+    /// A pair of spheres that comes within `high`: its span, spheres and instants (`own`).
     pub(super) span: Span,
     pub(super) spheres: (u32, u32),
     pub(super) own: TimeEnclosure,
 }
 
-/// Encloses the least separation of two spheres over `start..=end`, a part of their span or all
-/// of it.
+/// Encloses the least separation of two spheres over `start..=end`, within their span.
 pub(super) fn least_separation(
     (a, b): (&BodyView<'_>, &BodyView<'_>),
     span: Span,
@@ -54,7 +53,7 @@ pub(super) fn least_separation(
     }
 }
 
-/// A distance less two radii, rounded outward.
+/// Returns a distance minus two radii, rounded outward.
 pub(super) fn minus_radii(distance: f64, (a, b): (f64, f64), outward: fn(f64) -> f64) -> f64 {
     let (radii, lost) = two_sum(a, b);
     let (separation, rest) = two_sum(distance, -radii);
@@ -67,7 +66,7 @@ pub(super) fn minus_radii(distance: f64, (a, b): (f64, f64), outward: fn(f64) ->
 }
 
 impl SeparationEnclosure {
-    /// The least of several: the time is the hull of all that can be the least.
+    /// Returns the least of several. Its time is the hull of all that can be the least.
     pub(super) fn of_all(found: &[Self]) -> Option<Self> {
         let low = found.iter().map(|least| least.low).reduce(f64::min)?;
         let lowest = found.iter().min_by(|x, y| x.high.total_cmp(&y.high))?;
@@ -83,7 +82,7 @@ impl SeparationEnclosure {
         })
     }
 
-    /// An approach moved into the enclosure, and the half-width around its separation.
+    /// Returns an approach moved into the enclosure, and the half-width around its separation.
     pub(super) fn settle(&self, mut approach: Approach) -> (Approach, f64) {
         let (time, span) = (self.time.nearest(approach.time), approach.span);
         if span.start <= time && time <= span.end {

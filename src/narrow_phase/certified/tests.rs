@@ -1,4 +1,4 @@
-//! What is rounded outward, against exact sums.
+//! Outward rounding against exact sums.
 
 use super::separation::minus_radii;
 use super::*;
@@ -6,7 +6,7 @@ use crate::rounding::exact::number;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 
-/// Numbers of very different sizes, so that their sum is rounded, or loses all of one.
+/// Returns a number of random magnitude, so that sums are rounded, or lose one summand.
 fn any(rng: &mut ChaCha8Rng) -> f64 {
     10f64.powf(rng.random_range(-20.0..2.0))
 }
@@ -24,7 +24,7 @@ fn thresholds_hold_the_exact_sum() {
     }
 }
 
-/// Also of spheres that are much larger than their distance, or than each other.
+/// Includes spheres much larger than their distance, or than each other.
 #[test]
 fn separations_hold_the_exact_difference() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
@@ -38,7 +38,7 @@ fn separations_hold_the_exact_difference() {
     }
 }
 
-/// The half-width around what is reported reaches both ends, of very different sizes.
+/// The half-width around the reported value covers both ends, for very different magnitudes.
 #[test]
 fn half_widths_reach_both_ends() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);

@@ -1,4 +1,4 @@
-//! Chords of a relative motion: how near spheres come to each other, from below.
+//! Chords of a relative motion, for lower bounds of the separation of spheres.
 
 use super::{ClusterPair, SpherePairBound, short};
 use crate::enclosure::part;
@@ -9,15 +9,15 @@ use glam::DVec3;
 use std::iter::successors;
 use std::ops::Range;
 
-/// Chords of two bodies' relative motion, and how far it strays from them: from below, how near
-/// spheres come to each other.
+/// A piecewise linear approximation of two bodies' relative motion with its deviation, for lower
+/// bounds of the separation of spheres.
 pub(super) struct PiecewiseLinearBound {
-    /// Lengths times this are near one; chords are in that unit, which is so long (m).
+    /// Factor from metres to the chords' unit, in which lengths are near one; and that unit, m.
     pub(super) power: f64,
     unit: f64,
     lines: Vec<Chord>,
     bend: f64,
-    /// What all rounding amounts to at most, m.
+    /// Bound on all rounding, m.
     pub(super) slack: f64,
 }
 
@@ -25,12 +25,12 @@ pub(super) struct PiecewiseLinearBound {
 struct Chord {
     start: DVec3,
     change: DVec3,
-    /// Of the square of its length; 0 where that vanishes.
+    /// Inverse of its squared length; 0 if that vanishes.
     inverse: f64,
 }
 
 impl Chord {
-    /// The point nearest to zero, moved by an offset.
+    /// Returns the point of the chord, moved by an offset, that is nearest to zero.
     #[inline]
     fn nearest_point(&self, offset: DVec3) -> DVec3 {
         let start = self.start + offset;
@@ -42,7 +42,7 @@ impl Chord {
 impl PiecewiseLinearBound {
     const MAX: f64 = 8.0;
 
-    /// Of the motion in a part of the span (first and last instant, s).
+    /// Returns the chords of a part of the span (first and last instant, s).
     pub(super) fn of(clusters: &ClusterPair<'_>, part: (f64, f64), margin: f64) -> Self {
         let ClusterPair { a, b, .. } = *clusters;
         let reach = |sphere: &Sphere| norm(sphere.offset) + sphere.radius;
@@ -50,7 +50,7 @@ impl PiecewiseLinearBound {
         let scale = clusters.scale + reach + margin.abs();
         let power = normalising_power(scale);
         let points = clusters.points_between(part).map(|point| point * power);
-        // A cubic strays from its chord (gone along evenly) no farther than its inner points do: a
+        // A cubic deviates from its chord (gone along evenly) no farther than its inner points do: a
         // quarter as far on each of two halves.
         let bend = |[p0, p1, p2, p3]: [DVec3; 4]| {
             let third = (p3 - p0) / 3.0;
@@ -92,8 +92,8 @@ impl PiecewiseLinearBound {
         }
     }
 
-    /// A bound on how near two spheres with these radii in all come, from below; none if that is
-    /// beyond a bound (all m).
+    /// Returns a lower bound of the separation of two spheres with this sum of radii, or `None` if
+    /// it exceeds `bound` (all m).
     #[inline]
     fn low(&self, offset: DVec3, radii: f64, bound: f64) -> Option<f64> {
         let offset = offset * self.power;
@@ -105,7 +105,7 @@ impl PiecewiseLinearBound {
         (!is_beyond).then(|| (least.sqrt() - self.bend) * self.unit - radii)
     }
 
-    /// Roughly where two centres are nearest, one seen from the other.
+    /// Returns the approximate least relative position of two centres, m.
     pub(super) fn nearest_point(&self, offset: DVec3) -> DVec3 {
         let offset = offset * self.power;
         let points = self.lines.iter().map(|line| line.nearest_point(offset));
@@ -119,7 +119,7 @@ impl PiecewiseLinearBound {
         points.reduce(nearer).unwrap_or_default()
     }
 
-    /// The pairs of some of a's spheres that may come within `margin`, in the order of their numbers.
+    /// Returns the pairs of some of a's spheres that may come within `margin`, in numerical order.
     pub(super) fn candidates(
         &self,
         clusters: &ClusterPair<'_>,
@@ -157,7 +157,7 @@ impl PiecewiseLinearBound {
     }
 }
 
-/// The control points of so many equal pieces of a cubic (a whole number), in the order of time.
+/// Returns the control points of `count` equal pieces of a cubic (a whole number), in time order.
 pub(super) fn pieces_of(points: &[DVec3; 4], count: f64) -> impl Iterator<Item = [DVec3; 4]> {
     let begins = successors(Some(0.0), |begin| Some(begin + 1.0));
     let begins = begins.take_while(move |&begin| begin < count);

@@ -1,16 +1,16 @@
-//! The lower envelope of all pairs' separations: which pairs are the nearest ones sometime.
+//! The lower envelope of all pairs' separations: the pairs that are nearest at some time.
 
 use super::chords::{PiecewiseLinearBound, pieces_of};
 use super::{ClusterPair, SpherePairBound};
 use glam::DVec3;
 
-/// Pieces of a span, with the pairs of spheres that are the nearest ones where they begin and end.
+/// Pieces of a span, each with the nearest pairs of spheres at its ends.
 pub(super) struct Envelope<'a> {
     clusters: &'a ClusterPair<'a>,
     pieces: Vec<EnvelopePart>,
-    /// Lengths times this are near one; all lengths here are in that unit.
+    /// Factor from metres to the unit of all lengths here, in which they are near one.
     power: f64,
-    /// What nearer has to mean at least.
+    /// Least difference of two distances that is more than rounding.
     slack: f64,
 }
 
@@ -21,7 +21,7 @@ struct EnvelopePart {
     nearest: [SphereOffset; 2],
 }
 
-/// A pair of spheres.
+/// Offset of the centres and sum of the radii of two spheres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct SphereOffset {
     offset: DVec3,
@@ -31,7 +31,7 @@ struct SphereOffset {
 impl<'a> Envelope<'a> {
     const MAX: f64 = 16.0;
 
-    /// Of the candidates over the whole span.
+    /// Returns the envelope of the candidates over the whole span.
     pub(super) fn of(
         clusters: &'a ClusterPair<'a>,
         chords: &PiecewiseLinearBound,
@@ -79,7 +79,7 @@ impl<'a> Envelope<'a> {
         }
     }
 
-    /// Whether another pair is certainly nearer than this one at all times.
+    /// Returns true if another pair is certainly nearer than this one at all times.
     pub(super) fn is_above(&self, candidate: &SpherePairBound) -> bool {
         let SphereOffset { offset, radii } = near(self.clusters, candidate, self.power);
         self.pieces.iter().all(|piece| {
@@ -101,8 +101,8 @@ fn near(clusters: &ClusterPair<'_>, candidate: &SpherePairBound, power: f64) -> 
 }
 
 impl EnvelopePart {
-    /// Whether one offset keeps the centres nearer to each other than another one by `slack`, all
-    /// along the piece: the difference of the squares of the distances is linear in the motion.
+    /// Returns true if the offset `near` gives a smaller centre distance than `far`, by `slack`,
+    /// along the whole piece. The difference of the squared distances is linear in the motion.
     fn is_nearer(&self, near: DVec3, far: DVec3, slack: f64) -> bool {
         let across = far - near;
         let middle = 0.5 * (far + near);

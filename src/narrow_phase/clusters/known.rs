@@ -1,50 +1,50 @@
-//! What pairs of spheres have shown of their bodies, and which others may matter still.
+//! Facts proven by the pairs of spheres solved so far, and tests whether other pairs still matter.
 
 use super::{ClusterPair, ProvenContact, SpherePairBound};
 use crate::hitbox::Sphere;
 use crate::rounding::{norm, seen_from, seen_until};
 use glam::DVec3;
 
-/// What pairs of spheres have shown of their bodies so far.
+/// The facts proven so far about two bodies.
 pub(super) struct ProvenIntervals<'a> {
     clusters: &'a ClusterPair<'a>,
     part: (f64, f64),
     margin: f64,
     slack: f64,
-    /// In which direction to look while nothing is known.
+    /// Direction to examine while nothing is proven.
     toward: Option<DVec3>,
-    /// When the bodies are within the margin, in the order of time.
+    /// Intervals in which the bodies are within the margin, in time order.
     stretches: Vec<ProvenInterval>,
-    /// What comes nearer than this may be nearer than what is known, m.
+    /// Separation below which a pair may be nearer than those solved, m.
     near: f64,
-    /// When they may be apart.
+    /// Intervals in which the bodies may be apart.
     gaps: Vec<UnprovenInterval>,
-    /// Whether these are too many: then all pairs are solved.
+    /// True if there are too many gaps: then all pairs are solved.
     is_scattered: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct ProvenInterval {
     shown: ProvenContact,
-    /// Offsets of the spheres that begin and end it.
+    /// Offsets of the spheres in contact at its beginning and its end.
     first: DVec3,
     last: DVec3,
 }
 
-/// A time in which no pair of spheres was shown to be within the margin.
+/// An interval in which no pair of spheres was proven to be within the margin.
 struct UnprovenInterval {
     /// Control points of the relative motion.
     points: [DVec3; 4],
-    /// In which bodies may be apart: those in which they touch before and after.
+    /// Directions in which the bodies may be apart: those of the contacts before and after.
     directions: Vec<SeparatingDirection>,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct SeparatingDirection {
     unit: DVec3,
-    /// No control point is less far in it, m.
+    /// Least projection of a control point on it, m.
     least: f64,
-    /// Whether the spheres that reach farthest in it have been asked about.
+    /// True if the spheres that reach farthest in it have been solved.
     is_asked: bool,
 }
 
@@ -89,7 +89,7 @@ impl<'a> ProvenIntervals<'a> {
         }
     }
 
-    /// Looks in a direction while nothing is known.
+    /// Sets the direction to examine while nothing is proven.
     pub(super) fn look(&mut self, toward: DVec3) {
         if self.stretches.is_empty() {
             self.toward = Some(toward);
@@ -97,12 +97,12 @@ impl<'a> ProvenIntervals<'a> {
         }
     }
 
-    /// Whether more can be learned: not where all pairs are solved.
+    /// Returns true if further pairs can prove more, so that not all pairs are solved.
     pub(super) const fn can_learn(&self) -> bool {
         !self.is_scattered
     }
 
-    /// Takes in what a pair of spheres with this offset shows.
+    /// Adds the contacts of a pair of spheres with this offset.
     pub(super) fn learn(&mut self, shown: &[ProvenContact], offset: DVec3) {
         let mut is_longer = false;
         for &shown in shown {
@@ -169,7 +169,7 @@ impl<'a> ProvenIntervals<'a> {
         }
     }
 
-    /// A gap between two touching pairs of spheres with these offsets, or the ends of the part.
+    /// Returns the gap between two contacts with these offsets, or an end of the part.
     fn gap(
         &self,
         (from, to): (f64, f64),
@@ -194,7 +194,7 @@ impl<'a> ProvenIntervals<'a> {
         }
     }
 
-    /// The two spheres that reach farthest in a direction that was not asked about before.
+    /// Returns the two spheres that reach farthest in a direction not yet asked about.
     pub(super) fn support(&mut self) -> Option<(u32, u32)> {
         let ClusterPair { a, b, .. } = self.clusters;
         let mut directions = self.gaps.iter_mut().flat_map(|gap| &mut gap.directions);
@@ -206,8 +206,7 @@ impl<'a> ProvenIntervals<'a> {
         Some((support_a, support_b))
     }
 
-    /// Whether a pair of spheres may be within the margin when nothing was shown to be, or nearer
-    /// than what was.
+    /// Returns true if a pair may be within the margin in a gap, or nearer than the pairs solved.
     pub(super) fn may_matter(&self, candidate: &SpherePairBound) -> bool {
         if self.is_scattered {
             return true;
@@ -233,7 +232,7 @@ impl<'a> ProvenIntervals<'a> {
     }
 }
 
-/// The sphere for which this is largest.
+/// Returns the sphere with the largest value.
 fn farthest(spheres: &[Sphere], reach: impl Fn(&Sphere) -> f64) -> u32 {
     let reaches = (0..).zip(spheres.iter().map(reach));
     let farther = |x: (u32, f64), y: (u32, f64)| if y.1 > x.1 { y } else { x };
@@ -244,7 +243,7 @@ fn farthest(spheres: &[Sphere], reach: impl Fn(&Sphere) -> f64) -> u32 {
 mod tests {
     use super::*;
 
-    /// What lies nowhere in it is apart in no direction.
+    /// A direction without a number proves nothing.
     #[test]
     fn no_direction_tells_nothing() {
         let points = [DVec3::splat(3.0); 4];

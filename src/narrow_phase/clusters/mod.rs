@@ -1,19 +1,18 @@
-//! Which pairs of spheres matter, of two clusters over a span.
+//! Selection of the pairs of spheres that matter, for two clusters over a span.
 //!
-//! All pairs follow the same relative motion, each with an offset of its own. Most that are near
-//! sometime neither begin nor end a contact, nor are they ever the nearest ones, and need not be
-//! solved:
-//! - Chords of the motion tell from below how near a pair comes.
-//! - A pair that is solved shows when the bodies are within the margin, and how near they are then.
-//!   Another one matters only if it may be within the margin at another time, or be nearer.
-//! - Before and after a contact bodies are apart in the direction in which they touch: most pairs are
-//!   ruled out by that. The two spheres that reach farthest in it (as in GJK's support mapping) are
-//!   solved first, since they are likely to touch earlier, or later.
-//! - Where the window and the margin are still to come (in a monitor), all pairs are kept that are the
-//!   nearest ones at some time: the lower envelope of all separations.
+//! All pairs share one relative motion, each with an offset of its own. Most near pairs neither
+//! begin nor end a contact, nor are they ever the nearest ones, and need not be solved:
+//! - Chords of the motion give a lower bound of each pair's separation.
+//! - A solved pair proves times within the margin, and a separation. Another pair matters only if
+//!   it may be within the margin at another time, or be nearer.
+//! - Before and after a contact the bodies are apart in the direction of the contact, which
+//!   excludes most pairs. The two spheres that reach farthest in it (as in GJK's support mapping)
+//!   are solved first, since they probably touch earlier, or later.
+//! - A monitor does not know window and margin yet. It keeps all pairs that are the nearest ones at
+//!   some time: the lower envelope of all separations.
 //!
-//! Each test rules out only what is certain, by more than the solver's rounding: what is reported
-//! has the same bits as if every pair was solved.
+//! Each test excludes a pair only if that is certain, by more than the solver's rounding. So the
+//! reported values have the same bits as if every pair was solved.
 
 mod chords;
 mod envelope;
@@ -32,13 +31,13 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 impl ClusterPair<'_> {
-    /// Up to so many pairs of spheres are solved as they come: nothing else would be faster.
+    /// Up to this number all pairs of spheres are solved: nothing else would be faster.
     const FEW: usize = 9;
-    /// Pairs of spheres that are listed at a time, at least a sphere of a with all of b.
+    /// Pairs of spheres listed at a time: at least one sphere of a with all of b.
     const BATCH: usize = 1 << 16;
 
-    /// Solves the pairs of spheres that matter for contacts within `margin` in `clip`; where it is
-    /// asked to, `solve` gives what is shown by each.
+    /// Solves the pairs of spheres that matter for contacts within `margin` in `clip`. If asked to,
+    /// `solve` returns the contacts of each.
     pub(super) fn each_for_contacts(
         &self,
         margin: f64,
@@ -89,8 +88,8 @@ impl ClusterPair<'_> {
         }
     }
 
-    /// Solves the pairs of spheres one of which may be nearer in `clip` than what was `reached` so far
-    /// (m); `solve` gives what is reached then.
+    /// Solves the pairs of spheres that may come nearer in `clip` than `reached` (m); `solve`
+    /// returns the new value of `reached`.
     pub(super) fn each_for_nearest(
         &self,
         clip: (f64, f64),
@@ -117,8 +116,8 @@ impl ClusterPair<'_> {
         }
     }
 
-    /// Solves the pairs of spheres that may come within `margin` and be the nearest ones of their
-    /// bodies then: all that matter at this margin and smaller ones, whatever the window.
+    /// Solves the pairs of spheres that may come within `margin` and be their bodies' nearest ones
+    /// then. These suffice for this and all smaller margins, in any window.
     pub(super) fn each_on_envelope(&self, margin: f64, mut solve: impl FnMut(&SpherePair)) {
         let count = self.a.spheres.len() * self.b.spheres.len();
         if self.are_few() || count > Self::BATCH {
@@ -144,7 +143,7 @@ impl ClusterPair<'_> {
         self.a.spheres.len() * self.b.spheres.len() <= Self::FEW
     }
 
-    /// Numbers of a's spheres, a batch at a time.
+    /// Returns the numbers of a's spheres, in batches.
     fn batches(&self) -> impl Iterator<Item = Range<usize>> + use<> {
         let count = self.a.spheres.len();
         let size = (Self::BATCH / self.b.spheres.len().max(1)).max(1);
@@ -152,7 +151,6 @@ impl ClusterPair<'_> {
         firsts.map(move |first| first..(first + size).min(count))
     }
 
-    /// Solves all pairs of spheres that may come within `margin`.
     fn each_within(&self, margin: f64, mut solve: impl FnMut(&SpherePair)) {
         for a in 0..self.a.spheres.len() {
             for b in 0..self.b.spheres.len() {
@@ -170,11 +168,11 @@ impl ClusterPair<'_> {
     }
 }
 
-/// Pairs of spheres that were solved.
+/// The motions of the pairs of spheres that were solved.
 #[derive(Default)]
 struct SolvedOffsets(HashMap<OffsetKey, (u32, u32)>);
 
-/// What two spheres do: offset and radii, as bits.
+/// Offset and radii of two spheres, as bits.
 type OffsetKey = ([u64; 3], [u64; 2]);
 
 impl SolvedOffsets {
@@ -195,8 +193,8 @@ impl SolvedOffsets {
         *first = numbers.min(*first);
     }
 
-    /// Whether it is among them, or moves as one that comes before it does: where they tie, that one is
-    /// reported.
+    /// Returns true if a pair was solved, or moves exactly as a solved pair with smaller numbers,
+    /// which is reported in a tie.
     fn holds(&self, clusters: &ClusterPair<'_>, candidate: &SpherePairBound) -> bool {
         let first = self.0.get(&Self::motion(clusters, candidate));
         first.is_some_and(|&first| first <= (candidate.a, candidate.b))

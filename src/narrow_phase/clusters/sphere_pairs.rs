@@ -14,12 +14,12 @@ pub(in crate::narrow_phase) struct ClusterPair<'a> {
     pub(super) b: &'a BodyView<'a>,
     pub(super) span: Span,
     pub(super) motion: RelativeMotion,
-    /// What the rounding of the motion is relative to, m.
+    /// Magnitude to which the rounding of the motion is relative, m.
     pub(super) scale: f64,
 }
 
-/// What a pair of spheres that was solved shows: that the bodies are within the margin from one
-/// instant to another one (s), and then as near as this (m) at some time.
+/// A contact of a solved pair of spheres: the bodies are within the margin from `enter` to `exit`
+/// (s), with a least separation of at most `separation` (m).
 #[derive(Clone, Copy, Debug)]
 pub(in crate::narrow_phase) struct ProvenContact {
     pub(in crate::narrow_phase) enter: f64,
@@ -27,12 +27,12 @@ pub(in crate::narrow_phase) struct ProvenContact {
     pub(in crate::narrow_phase) separation: f64,
 }
 
-/// A pair of spheres, and a bound on how near it comes.
+/// A pair of spheres with a lower bound of its separation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SpherePairBound {
     pub(super) a: u32,
     pub(super) b: u32,
-    /// Not above the least separation, m, but for [`PiecewiseLinearBound::slack`].
+    /// Lower bound of the least separation, m, up to [`PiecewiseLinearBound::slack`].
     pub(super) low: f64,
 }
 
@@ -53,14 +53,14 @@ impl<'a> ClusterPair<'a> {
         }
     }
 
-    /// When to look at the motion for all that is reported of a window (s): instants that are reported
-    /// are rounded.
+    /// Returns the interval of motion that determines all results for a window (s): reported
+    /// instants are rounded.
     pub(super) fn part(&self, (from, to): (f64, f64)) -> (f64, f64) {
         let (start, end) = (self.span.start, self.span.end);
         (start.max(seen_from(from)), end.min(seen_until(to)))
     }
 
-    /// Control points of the bodies' relative motion between two instants of the span (s).
+    /// Returns the relative control points of the bodies between two instants of the span (s).
     pub(super) fn points_between(&self, interval: (f64, f64)) -> [DVec3; 4] {
         let Self { a, b, span, .. } = *self;
         let [segment_a, segment_b] = &a.segments_in(b, span);
@@ -90,8 +90,8 @@ impl<'a> ClusterPair<'a> {
         }
     }
 
-    /// Whether cheap tests show that the separation of two spheres stays above `margin` on the part
-    /// of the span with these control points of theirs.
+    /// Returns true if cheap tests show that the separation of two spheres stays above `margin` on
+    /// the part of the span with these control points.
     pub(super) fn is_beyond(
         &self,
         points: &[DVec3; 4],
@@ -104,7 +104,7 @@ impl<'a> ClusterPair<'a> {
     }
 }
 
-/// Spheres are counted in 32 bits; more of them do not fit into memory.
+/// Converts a sphere's number to 32 bits; more spheres do not fit into memory.
 #[allow(clippy::cast_possible_truncation, reason = "see above")]
 pub(super) const fn short(number: usize) -> u32 {
     number as u32

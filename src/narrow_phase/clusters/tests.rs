@@ -1,4 +1,4 @@
-//! What is left out changes nothing: against all pairs of spheres, solved one by one.
+//! Omitted pairs change no result: against all pairs of spheres, solved one by one.
 
 use super::super::certified::{Workspace, certified_approach, certified_contacts};
 use super::super::contact::{ClosestSearch, closest_approach, contacts, contacts_of, join, solve};
@@ -15,18 +15,18 @@ use glam::DVec3;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 
-/// Two bodies and what is asked about them.
+/// Two bodies and the time in question.
 struct Case {
     plans: [Pieces; 2],
     hitboxes: [Hitbox; 2],
     margin: f64,
     clip: (f64, f64),
-    /// When both are there, s.
+    /// Common domain of both bodies, s.
     start: f64,
     end: f64,
 }
 
-/// A plan between two instants (s); its own knots if they are these.
+/// Returns a plan's pieces between two instants (s), or its own if they end there.
 fn pieces(plan: Trajectory, (start, end): (f64, f64)) -> Pieces {
     let knots = plan.knots().to_vec();
     match Window::new(start, end) {
@@ -37,7 +37,7 @@ fn pieces(plan: Trajectory, (start, end): (f64, f64)) -> Pieces {
     }
 }
 
-/// Clusters of all kinds that fly by, into, and beside each other.
+/// Returns clusters of all kinds that fly by, into, and beside each other.
 fn case(rng: &mut ChaCha8Rng, kind: usize) -> Case {
     let size = 10f64.powf(rng.random_range(-6.0..6.0));
     let far = [0.0, 1e3, 1e8][kind % 3] * size;
@@ -145,7 +145,7 @@ impl Case {
         spans(&a.knots, &b.knots, self.start, self.end).collect()
     }
 
-    /// Windows that begin and end at instants of contacts.
+    /// Returns windows that begin and end at instants of contacts.
     fn windows_at(&self, contacts: &[Contact]) -> Vec<(f64, f64)> {
         let end = self.end;
         let of_contact = |contact: &Contact| {
@@ -157,7 +157,6 @@ impl Case {
         windows.chain([self.clip]).collect()
     }
 
-    /// Each pair of spheres over each span.
     fn each(&self, mut visit: impl FnMut(&super::SpherePair, Span)) {
         let [a, b] = &self.views();
         for span in self.spans() {
@@ -214,7 +213,7 @@ fn contacts_are_those_of_all_pairs() {
     assert!(one > 1_000 && several > 100, "{one} {several}");
 }
 
-/// What a monitor keeps of a span serves for all smaller margins, in any window.
+/// The cached part of a span serves all smaller margins, in any window.
 #[test]
 fn the_envelope_serves_for_all_margins_and_windows() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
@@ -327,8 +326,8 @@ fn the_nearest_is_that_of_all_pairs() {
     }
 }
 
-/// Clusters of spheres that fly by late on the clock, where instants are far apart: within one of these, and
-/// as far as bodies fly in it, spheres are the nearest ones by turns.
+/// Returns clusters that pass each other late on the clock, where representable instants are far
+/// apart: between two of them, several pairs in turn are the nearest ones.
 fn late_case(rng: &mut ChaCha8Rng) -> Case {
     const START: f64 = 1.7e9;
     let vector = |rng: &mut ChaCha8Rng, half: f64| {
@@ -364,8 +363,7 @@ fn late_case(rng: &mut ChaCha8Rng) -> Case {
     }
 }
 
-/// Windows that begin and end with contacts and with the nearest instants of spheres, and an instant before
-/// or after.
+/// Windows begin and end at, or an instant beside, contacts and nearest instants of spheres.
 #[test]
 fn what_instants_are_rounded_by_rules_nothing_out() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
@@ -449,7 +447,7 @@ fn what_instants_are_rounded_by_rules_nothing_out() {
     assert!(several > 500, "{several}");
 }
 
-/// Many contacts in one span: beads on a rod, flown along. And all but no motion at all.
+/// Many contacts in one span, as of beads on a rod flown along it, and nearly no motion.
 #[test]
 fn rods_and_next_to_no_motion() {
     let hitbox = |spheres: Vec<(DVec3, f64)>| {

@@ -14,8 +14,8 @@ pub struct Lanes<'a, R> {
 }
 
 impl<'a, R: Real> Lanes<'a, R> {
-    /// A view of twelve slices, `[[x0, x1, x2, x3], [y0, …], [z0, …]]`; nothing if their lengths
-    /// differ.
+    /// Returns a view of twelve slices, `[[x0, x1, x2, x3], [y0, …], [z0, …]]`, or `None` if their
+    /// lengths differ.
     #[must_use]
     pub fn new(coordinates: [[&'a [R]; 4]; 3]) -> Option<Self> {
         let length = coordinates[0][0].len();
@@ -26,7 +26,7 @@ impl<'a, R: Real> Lanes<'a, R> {
         even.then_some(Self { coordinates })
     }
 
-    /// A view of one cubic.
+    /// Returns a view of one cubic.
     pub(super) fn of_one(points: &'a ControlPoints<R>) -> Self {
         Self {
             coordinates: [0, 1, 2]
@@ -34,20 +34,20 @@ impl<'a, R: Real> Lanes<'a, R> {
         }
     }
 
-    /// The number of pairs.
+    /// Returns the number of pairs.
     #[inline]
     #[must_use]
     pub fn len(&self) -> usize {
         self.coordinates[0][0].len()
     }
 
-    /// Whether there is no pair.
+    /// Returns true if there is no pair.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The control points of one pair.
+    /// Returns the control points of one pair.
     ///
     /// # Panics
     ///
@@ -62,16 +62,15 @@ impl<'a, R: Real> Lanes<'a, R> {
         [at(0), at(1), at(2), at(3)]
     }
 
-    /// The first `count` pairs.
     #[inline(always)]
     pub(super) fn first(&self, count: usize) -> Self {
         self.range(0, count)
     }
 
-    /// The pairs from `start` up to `end`.
+    /// Returns the pairs from `start` up to `end`.
     ///
-    /// Written out: the array methods that take closures are calls here, and cost as much as the
-    /// verdicts on a block of pairs.
+    /// Written out, since the array methods that take closures are not inlined here, and cost as
+    /// much as the verdicts on a block.
     #[inline(always)]
     pub(super) fn range(&self, start: usize, end: usize) -> Self {
         let [x, y, z] = self.coordinates;
@@ -119,7 +118,7 @@ pub struct CubicBatch<R> {
 }
 
 impl<R: Real> CubicBatch<R> {
-    /// An empty batch.
+    /// Returns an empty batch.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
@@ -142,7 +141,7 @@ impl<R: Real> CubicBatch<R> {
         }
     }
 
-    /// The pairs as the kernels take them.
+    /// Returns a view of the pairs for the kernels.
     #[must_use]
     pub fn lanes(&self) -> Lanes<'_, R> {
         Lanes {

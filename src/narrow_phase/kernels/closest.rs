@@ -1,4 +1,4 @@
-//! The closest approach of many pairs: guess, prove, try again, and at last branch and bound.
+//! The closest approach of many pairs: guess, prove, try again, and finally branch and bound.
 
 use super::batch::Lanes;
 use super::cubic::{ControlPoints, distance, largest_coordinate, local_time, widened};
@@ -10,13 +10,12 @@ use super::refine::{QUICK, THOROUGH, normalised, refined};
 use crate::real::Real;
 use crate::simd::InstructionSet;
 
-/// Whether a certificate is one: not if it is not a number.
+/// Returns true if a certificate is positive, and so not NaN.
 #[inline]
 fn is_positive<R: Real>(certificate: R) -> bool {
     certificate > R::from_f64(0.0)
 }
 
-/// The closest approach of one pair: local time and distance.
 pub(super) fn closest_approach_of<R: Real>(points: &ControlPoints<R>) -> (R, R) {
     let instructions = InstructionSet::best();
     let found = guess_pair(instructions, points);
@@ -37,13 +36,13 @@ pub(super) fn closest_approach_of<R: Real>(points: &ControlPoints<R>) -> (R, R) 
     (R::from_f64(nearest.0), R::from_f64(nearest.1 * unit))
 }
 
-/// The closest approach of one pair by branch and bound from a good time on.
+/// Returns the closest approach of one pair by branch and bound from a good time on.
 fn searched(points: &ControlPoints<f64>, time: f64, error: f64) -> (f64, f64) {
     refined(points, enclose(points, error, Some(time)).time, THOROUGH)
 }
 
-/// An error of the cubic, metres, with which an enclosure is as tight as the type of the lanes
-/// can tell: a quarter of it may be missing (`enclosure.rs`).
+/// Returns the error of a cubic, m, for which an enclosure is as tight as the lanes' type can tell;
+/// a quarter of it may be missing (`enclosure.rs`).
 #[inline]
 fn allowance<R: Real>(points: &ControlPoints<f64>) -> f64 {
     if R::IS_SINGLE {
@@ -60,16 +59,16 @@ struct ClosestBatch<'a, R> {
     times: &'a mut [R],
     distances: &'a mut [R],
     block: LaneBlock<R>,
-    /// Not certified at the first try: which pairs, how many, and their cubics and times.
+    /// Pairs not certified at the first try: their numbers, count, cubics and times.
     pairs: [usize; BLOCK],
     count: usize,
     second: LaneBlock<R>,
-    /// Not certified at the second try, [`normalised`]: with time and distance, refined, and
-    /// [`allowance`], and the unit, in f64.
+    /// Pairs not certified at the second try, [`normalised`], in f64: refined time and distance,
+    /// [`allowance`], and the unit.
     third: RetryQueue<f64, 4>,
 }
 
-/// The closest approach of each pair, on one thread: local times in 0..=1, distances in metres.
+/// Computes the closest approach of each pair on one thread: times in 0..=1, distances in m.
 pub(super) fn closest_approach<R: Real>(
     instructions: InstructionSet,
     lanes: &Lanes<'_, R>,
@@ -98,7 +97,7 @@ pub(super) fn closest_approach<R: Real>(
 }
 
 impl<R: Real> ClosestBatch<'_, R> {
-    /// The first try for a part of the batch.
+    /// Makes the first try for a part of the batch.
     fn guess(&mut self, start: usize, end: usize) {
         let mut certificates = [0.0; BLOCK];
         let certificates = &mut certificates[..end - start];
@@ -124,7 +123,7 @@ impl<R: Real> ClosestBatch<'_, R> {
         }
     }
 
-    /// The second try, against the rivals of the first guesses.
+    /// Makes the second try, against the rivals of the first guesses.
     fn guess_again(&mut self) {
         let width = whole_vectors::<R>(self.count);
         let mut found = [[R::default(); BLOCK]; 2];
@@ -157,8 +156,7 @@ impl<R: Real> ClosestBatch<'_, R> {
         self.count = 0;
     }
 
-    /// The third try: quarters of both sides of the refined time. What is still not proven is
-    /// searched by branch and bound.
+    /// Makes the third try: quarters of both sides of the refined time, then branch and bound.
     fn prove(&mut self) {
         let mut bounds = EnclosureBlock::new();
         let lanes = self.third.lanes();

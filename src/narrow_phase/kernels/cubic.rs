@@ -4,7 +4,6 @@ use crate::enclosure::ControlPolygon;
 use crate::real::Real;
 use glam::DVec3;
 
-/// A vector in space.
 pub(super) type Vector<R> = [R; 3];
 
 /// The motion of one body relative to another over a span: four Bezier control points, metres.
@@ -66,7 +65,7 @@ impl<R: Real> CentredCubic<R> {
         }
     }
 
-    /// The cubic rounded to `f32`.
+    /// Returns the cubic rounded to `f32`.
     #[inline(always)]
     pub(super) fn rough(&self) -> CentredCubic<f32> {
         let [c0, c1, c2, c3] = self.coefficients;
@@ -75,15 +74,15 @@ impl<R: Real> CentredCubic<R> {
         }
     }
 
-    /// The position at `u`, times eight.
+    /// Returns the position at `u`, times eight.
     #[inline(always)]
     pub(super) fn position(&self, u: R) -> Vector<R> {
         let [c0, c1, c2, c3] = self.coefficients;
         add(c0, scale(u, add(c1, scale(u, add(c2, scale(u, c3))))))
     }
 
-    /// Position, velocity, half the second and a sixth of the third derivative at `u`, all times
-    /// eight, by repeated division by `u - u*`.
+    /// Returns position, velocity, half the second and a sixth of the third derivative at `u`, all
+    /// times eight, by repeated division by `u - u*`.
     #[inline(always)]
     pub(super) fn derivatives(&self, u: R) -> [Vector<R>; 4] {
         let [c0, c1, c2, c3] = self.coefficients;
@@ -96,7 +95,7 @@ impl<R: Real> CentredCubic<R> {
         [p0, v1, b2, c3]
     }
 
-    /// The coefficients of the squared distance in powers of `u`, times 64.
+    /// Returns the coefficients of the squared distance in powers of `u`, times 64.
     #[inline(always)]
     pub(super) fn squared_distance(&self) -> [R; 7] {
         let [c0, c1, c2, c3] = self.coefficients;
@@ -113,7 +112,7 @@ impl<R: Real> CentredCubic<R> {
     }
 }
 
-/// The control points as the enclosures take them.
+/// Converts control points for the enclosures.
 #[inline(always)]
 pub(super) fn polygon([p0, p1, p2, p3]: &ControlPoints<f64>) -> ControlPolygon {
     [
@@ -124,20 +123,19 @@ pub(super) fn polygon([p0, p1, p2, p3]: &ControlPoints<f64>) -> ControlPolygon {
     ]
 }
 
-/// The control points as the kernels take them.
+/// Converts control points for the kernels.
 #[inline(always)]
 pub(super) fn coordinates([p0, p1, p2, p3]: &ControlPolygon) -> ControlPoints<f64> {
     [p0.to_array(), p1.to_array(), p2.to_array(), p3.to_array()]
 }
 
-/// The same points in `f64`.
 #[inline]
 pub(super) fn widened<R: Real>([p0, p1, p2, p3]: &ControlPoints<R>) -> ControlPoints<f64> {
     let wide = |p: &Vector<R>| [p[0].to_f64(), p[1].to_f64(), p[2].to_f64()];
     [wide(p0), wide(p1), wide(p2), wide(p3)]
 }
 
-/// The largest of four squares; no number if one of them is none, or their sum is beyond the range.
+/// Returns the largest of four squares, or NaN if one of them is NaN or their sum overflows.
 #[inline(always)]
 pub(super) fn largest_of<R: Real>([a, b, c, d]: [R; 4]) -> R {
     // What is no number is lost where the larger one of two is taken, but not in a product.
@@ -145,7 +143,6 @@ pub(super) fn largest_of<R: Real>([a, b, c, d]: [R; 4]) -> R {
     (a.or_more(b)).or_more(c.or_more(d)) + R::from_f64(0.0) * sum
 }
 
-/// The largest absolute value of a coordinate.
 #[inline]
 pub(super) fn largest_coordinate(points: &ControlPoints<f64>) -> f64 {
     let mut largest = 0.0;
@@ -161,13 +158,13 @@ pub(super) fn largest_coordinate(points: &ControlPoints<f64>) -> f64 {
     largest
 }
 
-/// The local time 0..=1 of a centred time -1..=1.
+/// Returns the local time 0..=1 of a centred time -1..=1.
 #[inline(always)]
 pub(super) fn local_time<R: Real>(centred: R) -> R {
     R::from_f64(0.5) * (centred + R::from_f64(1.0))
 }
 
-/// The distance from 64 times its square.
+/// Returns the distance from 64 times its square.
 #[inline(always)]
 pub(super) fn distance<R: Real>(square: R) -> R {
     R::from_f64(0.125) * square.sqrt()

@@ -25,8 +25,7 @@ for_each_instruction_set! {
 }
 
 for_each_instruction_set! {
-    /// Guesses again, for the cubics and from the first guesses of a block, and proves against the
-    /// rival.
+    /// Guesses again from the first guesses of a block, and proves against the rival.
     guess_block_again<R: Real>(
         block: &mut LaneBlock<R>,
         times: &mut [R],

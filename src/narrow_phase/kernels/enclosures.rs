@@ -1,5 +1,4 @@
-//! Enclosures of the least distance: one split for blocks of pairs, quarters for those that need
-//! them, then branch and bound.
+//! Enclosures of the least distance: one split for blocks, then quarters, then branch and bound.
 
 use super::batch::Lanes;
 use super::cubic::{ControlPoints, polygon};
@@ -10,22 +9,22 @@ use super::refine::{QUICK, refined};
 use crate::enclosure::UncertainCubic;
 use crate::simd::InstructionSet;
 
-/// The least distance of a pair, enclosed, and where it was found.
+/// An enclosure of a pair's least distance, with a time that attains it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Enclosure {
-    /// Not more than the least distance, metres; not negative.
+    /// Lower bound of the least distance, m; not negative.
     pub low: f64,
-    /// Not less than the least distance, metres.
+    /// Upper bound of the least distance, m.
     pub high: f64,
-    /// The local time in 0..=1 at which the distance is at most `high`.
+    /// A local time in 0..=1 at which the distance is at most `high`.
     pub time: f64,
 }
 
-/// The enclosure of one pair, by branch and bound.
+/// Returns the enclosure of one pair, by branch and bound.
 ///
-/// `error` bounds the distance between the true relative position and that of the polygon, at
-/// every instant, metres. If it is infinite the answer is everything from 0 on. The nearest point is
-/// probably at `guess`, if that is known.
+/// `error` bounds the distance between the true relative position and that of the polygon, at every
+/// instant, m. If it is infinite the enclosure is 0 to infinity. `guess` is the probable time of
+/// the minimum, if known.
 pub(super) fn enclose(points: &ControlPoints<f64>, error: f64, guess: Option<f64>) -> Enclosure {
     let is_finite = points.iter().flatten().all(|x| x.is_finite());
     if !is_finite || !(0.0..f64::INFINITY).contains(&error) {
@@ -44,7 +43,6 @@ pub(super) fn enclose(points: &ControlPoints<f64>, error: f64, guess: Option<f64
     }
 }
 
-/// The enclosure of the least distance of each pair, on one thread.
 pub(super) fn enclosures(
     instructions: InstructionSet,
     lanes: &Lanes<'_, f64>,
@@ -80,7 +78,7 @@ pub(super) fn enclosures(
     enclose_again(instructions, &mut pending, enclosures);
 }
 
-/// Quarters for the pairs that are pending, and branch and bound for those still not tight.
+/// Bounds the pending pairs by quarters, and those still not tight by branch and bound.
 fn enclose_again(
     instructions: InstructionSet,
     pending: &mut RetryQueue<f64, 2>,
@@ -111,7 +109,7 @@ impl EnclosureBlock {
         }
     }
 
-    /// Not where it is not a number.
+    /// Returns true if the enclosure is tight; false for NaN.
     #[inline]
     pub(super) fn is_tight(&self, i: usize) -> bool {
         self.tight[i] > 0.0

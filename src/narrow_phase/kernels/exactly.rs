@@ -1,4 +1,4 @@
-//! What underflows, against exact arithmetic.
+//! Underflow against exact arithmetic.
 
 use super::screen::{Verdict, screen_eighths, screen_halves};
 use crate::real::Real;
@@ -12,7 +12,7 @@ fn square(point: [f64; 3]) -> RBig {
     squares.into_iter().fold(RBig::ZERO, |sum, x| sum + x)
 }
 
-/// Of cubics that rest the least distance is that of a point.
+/// Checks constant cubics: their least distance is that of a point.
 fn resting<R: Real>(rng: &mut ChaCha8Rng, least: i32) {
     for round in 0..20_000 {
         let unit =
@@ -41,7 +41,7 @@ fn resting<R: Real>(rng: &mut ChaCha8Rng, least: i32) {
     }
 }
 
-/// Squares of which the last digits are lost, or all.
+/// Squares that lose some or all of their digits to underflow.
 #[test]
 fn screens_are_rounded_outward() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);

@@ -4,10 +4,10 @@ use super::cubic::{CentredCubic, ControlPoints, distance, local_time};
 use super::refine::{normalised, square_at};
 use crate::polynomial::{Polynomial, Roots};
 
-/// The global minimum over the ends and all stationary points: time and distance.
+/// Returns the global minimum over the ends and all stationary points: time and distance.
 ///
 /// `tolerance` is that of the stationary points in local time; 0 is full precision. The polygon is
-/// scaled by a power of two first, so that nothing overflows.
+/// scaled by a power of two first, to avoid overflow.
 #[inline]
 pub(super) fn all_roots(points: &ControlPoints<f64>, tolerance: f64) -> (f64, f64) {
     let (points, unit) = normalised(points);

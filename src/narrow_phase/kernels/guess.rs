@@ -30,24 +30,23 @@ pub(super) struct Guess<R> {
     pub(super) certificate: f32,
 }
 
-/// A squared distance in powers of the centred time, and what its rounding can do.
+/// A squared distance in powers of the centred time, with the effect of its rounding.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LaneSquaredDistance {
     pub(super) square: [f32; 7],
-    /// What the least deflated coefficient has to exceed: everything does if nothing moves, and
-    /// nothing where the squares may have left the range.
+    /// Threshold of the least deflated coefficient: minus infinity if nothing moves, infinity if
+    /// squares may have left the range.
     pub(super) margin: f32,
 }
 
 /// A refined guess without its certificate.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RefinedGuess<R> {
-    /// The centred local time, -1..=1.
+    /// Centred local time, -1..=1.
     pub(super) time: R,
     /// 64 times the squared distance there.
     pub(super) square: R,
-    /// What the margin of the certificate is multiplied by: 1, or infinity if the refinement has
-    /// not settled.
+    /// Factor on the margin of the certificate: 1, or infinity if the refinement has not settled.
     pub(super) doubt: f32,
 }
 
@@ -65,7 +64,7 @@ pub(super) fn guess<R: Real>(points: ControlPoints<R>) -> Guess<R> {
     }
 }
 
-/// First stage: the squared distance of a cubic that was rounded from the type `R`.
+/// First stage: returns the squared distance of a cubic rounded from the type `R`.
 #[inline(always)]
 pub(super) fn outline<R: Real>(coefficients: [Vector<f32>; 4]) -> LaneSquaredDistance {
     let [c0, c1, c2, c3] = coefficients;
@@ -92,11 +91,11 @@ pub(super) fn outline<R: Real>(coefficients: [Vector<f32>; 4]) -> LaneSquaredDis
     }
 }
 
-/// Second stage: the lowest of the samples at `0, ±1/4, …, ±1` of a squared distance.
+/// Second stage: returns the lowest of the samples of a squared distance at `0, ±1/4, …, ±1`.
 ///
-/// Each sample carries its place in the last four bits of its value, so that the least value is
-/// found together with its place: without selections, which are branches in scalar code. To tell
-/// two samples apart by less than 1e-6 of their value is of no use.
+/// Each sample carries its place in the last four bits of its value, so that the minimum needs no
+/// selections, which are branches in scalar code. Samples that differ by less than 1e-6 of their
+/// value are equally good.
 #[inline(always)]
 pub(super) fn lowest_sample(square: &[f32; 7]) -> f32 {
     let [a0, a1, a2, a3, a4, a5, a6] = *square;
@@ -119,7 +118,7 @@ pub(super) fn lowest_sample(square: &[f32; 7]) -> f32 {
     f32::from_bits(size.to_bits() | (!place << 31))
 }
 
-/// The bits in which a sample carries its place.
+/// Bits in which a sample carries its place.
 const PLACE: u32 = 15;
 
 #[inline(always)]
@@ -133,8 +132,7 @@ fn narrow_place(place: u32) -> f32 {
     place as f32
 }
 
-/// Third stage: a few steps on the slope of the squared distance, kept between the neighbours of
-/// the sample.
+/// Third stage: takes a few steps on the slope, kept between the neighbours of the sample.
 #[inline(always)]
 pub(super) fn descend(square: &[f32; 7], start: f32, steps: u32) -> f32 {
     let slope = Slope::new(square);
@@ -150,8 +148,8 @@ pub(super) fn descend(square: &[f32; 7], start: f32, steps: u32) -> f32 {
     u
 }
 
-/// The same on the falling side only, and with a bisection wherever a step leads out of the
-/// bracket: for starts at which the slope bends away from its root.
+/// As [`descend`], but on the falling side only, with a bisection where a step leaves the bracket:
+/// for starts at which the slope bends away from its root.
 #[inline(always)]
 pub(super) fn descend_safely(square: &[f32; 7], start: f32, steps: u32) -> f32 {
     let slope = Slope::new(square);
@@ -172,7 +170,7 @@ pub(super) fn descend_safely(square: &[f32; 7], start: f32, steps: u32) -> f32 {
     u
 }
 
-/// The neighbours of a sample, in the span.
+/// Returns the neighbours of a sample, in the span.
 #[inline(always)]
 fn neighbours(sample: f32) -> (f32, f32) {
     ((sample - 0.25).or_more(-1.0), (sample + 0.25).or_less(1.0))
@@ -199,8 +197,8 @@ impl Slope {
         }
     }
 
-    /// The slope, and where a step downhill leads that is as long as one of Householder's method of
-    /// order four: one order more than Halley's costs less than another step.
+    /// Returns the slope, and the target of a downhill step as long as one of Householder's method
+    /// of order four. One order more than Halley's costs less than another step.
     #[inline(always)]
     fn step(&self, u: f32) -> (f32, f32) {
         let [a0, a1, a2, a3, a4, a5] = self.value;
@@ -219,14 +217,14 @@ impl Slope {
     }
 }
 
-/// Fourth stage: one Halley step on the scalar product of position and velocity, in the type of
-/// the lanes and free of the cancellation in the expanded coefficients.
+/// Fourth stage: takes one Halley step on the scalar product of position and velocity, in the type
+/// of the lanes and without the cancellation of the expanded coefficients.
 #[inline(always)]
 pub(super) fn settle<R: Real>(cubic: &CentredCubic<R>, u: R) -> RefinedGuess<R> {
     arrive(cubic, u, &halley_step(&cubic.derivatives(u)))
 }
 
-/// The second part of the fourth stage: where a Halley step leads, and whether that is near enough.
+/// Second part of the fourth stage: returns the target of a Halley step, and the doubt about it.
 #[inline(always)]
 pub(super) fn arrive<R: Real>(
     cubic: &CentredCubic<R>,
@@ -251,16 +249,16 @@ pub(super) fn arrive<R: Real>(
     }
 }
 
-/// A step in the type of the lanes that is not judged, for a guess that `f32` cannot bring near
-/// enough.
+/// Returns a time after one more step in the type of the lanes, without a doubt: for a guess that
+/// `f32` cannot bring near enough.
 #[inline(always)]
 pub(super) fn polish<R: Real>(cubic: &CentredCubic<R>, u: R) -> R {
     let HalleyStep { slope, step, .. } = halley_step(&cubic.derivatives(u));
     downhill(u, slope, step)
 }
 
-/// A step that never leads uphill, so that it stays at an end with the slope inward; none where it is
-/// not a number, as where the pair rests.
+/// Returns the target of a step that never leads uphill, so that it stays at an end with the slope
+/// inward. No step if it is NaN, as for a pair at rest.
 #[inline(always)]
 fn downhill<R: Real>(u: R, slope: R, step: R) -> R {
     let (zero, one) = (R::from_f64(0.0), R::from_f64(1.0));
@@ -273,14 +271,14 @@ fn downhill<R: Real>(u: R, slope: R, step: R) -> R {
 pub(super) struct HalleyStep<R> {
     /// Half the slope of the squared distance.
     pub(super) slope: R,
-    /// How far to go back in centred time.
+    /// Centred time to subtract.
     pub(super) step: R,
     /// An estimate of the error after the step, from the curvature of the slope: of third order
     /// at a simple root, of the order of the step itself at a multiple one.
     pub(super) error: R,
 }
 
-/// The step from position, velocity, half the acceleration and a sixth of the third derivative.
+/// Returns the step from position, velocity, half the acceleration and a sixth of the jerk.
 #[inline(always)]
 pub(super) fn halley_step<R: Real>(derivatives: &[Vector<R>; 4]) -> HalleyStep<R> {
     let [slope, first, second] = slopes(derivatives);
@@ -294,15 +292,14 @@ pub(super) fn halley_step<R: Real>(derivatives: &[Vector<R>; 4]) -> HalleyStep<R
     }
 }
 
-/// The step of Schroeder's method, which is as fast at a multiple root as at a simple one.
+/// Returns the step of Schroeder's method, which is as fast at a multiple root as at a simple one.
 #[inline(always)]
 pub(super) fn long_step<R: Real>(derivatives: &[Vector<R>; 4]) -> R {
     let [slope, first, second] = slopes(derivatives);
     slope * first / (first * first - R::from_f64(2.0) * (slope * second))
 }
 
-/// Half the slope of the squared distance, and the first two derivatives of that, divided by 1 and
-/// 2.
+/// Returns half the slope of the squared distance, its derivative, and half the second one.
 #[inline(always)]
 fn slopes<R: Real>([position, velocity, bend, twist]: &[Vector<R>; 4]) -> [R; 3] {
     let (two, three) = (R::from_f64(2.0), R::from_f64(3.0));
@@ -316,9 +313,9 @@ fn slopes<R: Real>([position, velocity, bend, twist]: &[Vector<R>; 4]) -> [R; 3]
 /// The quartic left of the squared distance after dividing twice by the time from a guess.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Deflated {
-    /// Its coefficients, those of reversed time if `turn` is negative.
+    /// Coefficients; of reversed time if `turn` is negative.
     pub(super) quartic: [f32; 5],
-    /// At an end of the span, by how much the slope certainly points inward; 0 elsewhere. Then
+    /// At an end of the span, a lower bound of the inward slope; 0 elsewhere. Then
     /// `(u + 1) q + inward` has to be positive.
     pub(super) inward: f32,
     /// -1 if the guess is above 0, else 1: so that an end is always the low one.
@@ -326,7 +323,7 @@ pub(super) struct Deflated {
 }
 
 impl Deflated {
-    /// The quartic at a guess. `margin` is that of [`LaneSquaredDistance`].
+    /// Returns the quartic at a guess. `margin` is that of [`LaneSquaredDistance`].
     #[inline(always)]
     pub(super) fn new(square: &[f32; 7], u: f32, margin: f32) -> Self {
         let [_, a1, a2, a3, a4, a5, a6] = *square;
@@ -355,7 +352,7 @@ impl Deflated {
     }
 }
 
-/// Whether the quartic is positive on both halves of the span: more than 0 if it certainly is.
+/// Returns a positive number if the quartic is certainly positive on both halves of the span.
 #[inline(always)]
 pub(super) fn certify(outline: &LaneSquaredDistance, u: f32, doubt: f32) -> f32 {
     let Deflated {

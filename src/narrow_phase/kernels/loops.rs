@@ -25,13 +25,12 @@ use crate::enclosure::{
 };
 use crate::real::Real;
 
-/// The number of pairs in a block: small enough for the first-level cache, whole vectors of 16
-/// lanes, and not a power of two, or the columns would compete for the same places in the cache
-/// (128 made the guesses 5 % slower in `f64` and 13 % in `f32`).
+/// Pairs in a block. Small enough for the first-level cache, a multiple of 16 lanes, and not a
+/// power of two, which would make the columns compete for the same cache sets: 128 made the guesses
+/// 5 % slower in `f64` and 13 % in `f32`.
 pub(super) const BLOCK: usize = 96;
 
-/// What the stages of a guess hand on, pair by pair; aligned so that no vector straddles two
-/// cache lines.
+/// Results of the stages of a guess; aligned so that no vector straddles two cache lines.
 #[repr(align(64))]
 #[derive(Debug)]
 pub(super) struct LaneBlock<R> {
@@ -43,7 +42,7 @@ pub(super) struct LaneBlock<R> {
     /// Slopes, steps and errors of Halley's method.
     steps: [[R; BLOCK]; 3],
     doubts: [f32; BLOCK],
-    /// In the second try: the times of the first, and what [`rival::MinimumChoice`] says.
+    /// Second try: the times of the first try, and the fields of [`rival::MinimumChoice`].
     firsts: [f32; BLOCK],
     rivals: [f32; BLOCK],
     stays: [f32; BLOCK],
@@ -79,7 +78,7 @@ impl<R: Real> LaneBlock<R> {
         [a0[i], a1[i], a2[i], a3[i], a4[i], a5[i], a6[i]]
     }
 
-    /// The first stage of a guess: cubics and outlines.
+    /// First stage of a guess: fills in cubics and squared distances.
     #[inline(always)]
     fn fill(&mut self, lanes: &Lanes<'_, R>, count: usize) {
         let lanes = lanes.first(count);
@@ -98,7 +97,7 @@ impl<R: Real> LaneBlock<R> {
         self.outline_cubics(count);
     }
 
-    /// The outlines of the cubics that are there.
+    /// Computes the squared distances of the cubics.
     #[inline(always)]
     fn outline_cubics(&mut self, count: usize) {
         let count = count.min(BLOCK);
@@ -118,7 +117,7 @@ impl<R: Real> LaneBlock<R> {
         }
     }
 
-    /// Takes over the cubic, the time and the doubt of a pair of another block.
+    /// Copies the cubic, the time and the doubt of a pair of another block.
     #[inline(always)]
     pub(super) fn take(&mut self, i: usize, from: &Self, place: usize) {
         for (column, other) in self.cubics.iter_mut().zip(&from.cubics) {
@@ -130,7 +129,7 @@ impl<R: Real> LaneBlock<R> {
         self.doubts[i] = from.doubts[place];
     }
 
-    /// Whether the second try left the guess of the first as it was.
+    /// Returns true if the second try kept the guess of the first.
     #[inline(always)]
     pub(super) fn stays(&self, i: usize) -> bool {
         self.stays[i] > 0.0
@@ -146,7 +145,7 @@ impl<R: Real> LaneBlock<R> {
         self.margins[i] = outline.margin;
     }
 
-    /// The second and third stage of a first guess: a rough time for each pair.
+    /// Second and third stage of a first guess: computes a rough time for each pair.
     #[inline(always)]
     fn descend(&mut self, count: usize) {
         let count = count.min(BLOCK);
@@ -158,8 +157,7 @@ impl<R: Real> LaneBlock<R> {
         }
     }
 
-    /// The fourth stage: times and distances, and centred times for the certificates. `times` are
-    /// centred before.
+    /// Fourth stage: turns centred `times` into times, distances, and times for the certificates.
     #[inline(always)]
     fn settle(&mut self, times: &mut [R], distances: &mut [R]) {
         let count = times.len().min(BLOCK);
@@ -191,7 +189,7 @@ impl<R: Real> LaneBlock<R> {
         }
     }
 
-    /// The rough centred time of a pair.
+    /// Returns the rough centred time of a pair.
     #[inline(always)]
     fn time(&self, i: usize) -> R {
         R::from_f64(f64::from(self.times[i]))
@@ -229,17 +227,16 @@ fn set<R: Real>(columns: &mut Columns<R>, i: usize, vectors: &[Vector<R>; 4]) {
     }
 }
 
-/// Enclosures of the least distances of a block.
 #[repr(align(64))]
 #[derive(Debug)]
 pub(super) struct EnclosureBlock {
     pub(super) times: [f64; BLOCK],
     pub(super) lows: [f64; BLOCK],
     pub(super) highs: [f64; BLOCK],
-    /// 1 if the enclosure is as tight as the error of the cubic allows, 0 if it is wider, -1 or not
-    /// a number if the range has spoilt it.
+    /// 1 if the enclosure is as tight as the error of the cubic allows, 0 if it is wider, -1 or NaN
+    /// if the numbers left the range.
     pub(super) tight: [f64; BLOCK],
-    /// The square of the distance at the split.
+    /// Squared distance at the split.
     squares: [f64; BLOCK],
 }
 
@@ -255,7 +252,6 @@ impl EnclosureBlock {
     }
 }
 
-/// The control points of one pair of a block.
 #[inline(always)]
 fn control_points<R: Real>(lanes: &Lanes<'_, R>, i: usize) -> ControlPoints<R> {
     let [x, y, z] = lanes.coordinates;
@@ -267,7 +263,7 @@ fn control_points<R: Real>(lanes: &Lanes<'_, R>, i: usize) -> ControlPoints<R> {
     ]
 }
 
-/// Both tries for one pair.
+/// Makes both tries for one pair.
 #[inline(always)]
 pub(super) fn guess_pair<R: Real>(points: &ControlPoints<R>) -> Guess<R> {
     let found = guess(*points);
@@ -417,8 +413,8 @@ fn lower_far(side: &ControlPolygon) -> f64 {
         .or_less(Minorant::of(&second).lower())
 }
 
-/// Turns lower bounds of the squared distance on both sides of a split, in `lows` and `highs`,
-/// into enclosures of the distance; parts were halved that many times after it.
+/// Turns lower bounds of the squared distance on both sides of a split, in `lows` and `highs`, into
+/// enclosures of the distance. `halvings` counts the halvings after the split.
 #[inline(always)]
 fn finish_bounds(
     lanes: &Lanes<'_, f64>,

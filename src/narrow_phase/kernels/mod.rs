@@ -2,7 +2,7 @@
 //!
 //! A pair is a relative cubic over a span: four Bezier control points over the local time 0..=1.
 //! A batch is twelve slices, one for each coordinate of each point: [`Lanes`], or [`CubicBatch`]
-//! to fill them, or [`SpanBatch`] to fill them from segments. Three questions can be asked of it,
+//! to fill them, or [`SpanBatch`] to fill them from segments. It answers three questions,
 //! in `f64` and, but for the second, in `f32`:
 //!
 //! - [`closest_approach`]: how near, and when;
@@ -43,8 +43,8 @@
 //!
 //! Each stage is a plain function of one lane, without branches. A loop over it is compiled for
 //! each instruction set (`simd.rs`, the only file with `unsafe`), and the compiler makes the
-//! vectors. No operation is fused or reordered, so all [`InstructionSet`]s give the same bits, and a pair
-//! has the same result in any batch, at any place of it, and on any thread.
+//! vectors. No operation is fused or reordered, so all [`InstructionSet`]s give the same bits, and
+//! a pair has the same result in any batch, at any place of it, and on any thread.
 //!
 //! # Rounding
 //!
@@ -58,15 +58,15 @@
 //!   mean of two coefficients 6 times; `u*` itself was rounded, which moves the quotient by `8/3`
 //!   units of its terms. `A_k` enters the quotient with the factor `k (k - 1) / 2`. With
 //!   `2 |C_i| |C_j| <= |C_i|² + |C_j|²` the error is at most `25 u W`,
-//!   `W = 4 |C0|² + 10 |C1|² + 20 |C2|² + 34 |C3|²`; the margin is `40 u W`. The slope at an end has
-//!   an error of at most `18 u` times the sum of `k A_k`, which is below `27 u W`; it is lowered by
-//!   `30 u W` before it is used. What it adds to the coefficients, 5 times itself at most, is rounded
-//!   up to 3 times, which is `6 u W` more than the lowering allows for. Against a rival the quotient
-//!   becomes a quintic (3 roundings, and twice the size at an end), is cut (15) and halved twice
-//!   (10): less than `146 u W` with the roundings of the slope, which is below `1.5 W`; the margin
-//!   is `160 u W`.
-//!   What is proven is that no point is lower by more than the residual slope allows; that slope is
-//!   rounding of the lanes' type after the last step. For a bound of everything use [`enclose`].
+//!   `W = 4 |C0|² + 10 |C1|² + 20 |C2|² + 34 |C3|²`; the margin is `40 u W`. The slope at an end
+//!   has an error of at most `18 u` times the sum of `k A_k`, which is below `27 u W`; it is
+//!   lowered by `30 u W` before it is used. What it adds to the coefficients, 5 times itself at
+//!   most, is rounded up to 3 times, which is `6 u W` more than the lowering allows for. Against a
+//!   rival the quotient becomes a quintic (3 roundings, and twice the size at an end), is cut (15)
+//!   and halved twice (10): less than `146 u W` with the roundings of the slope, which is below
+//!   `1.5 W`; the margin is `160 u W`. The proof is that no point is lower by more than the
+//!   residual slope allows; that slope is rounding of the lanes' type after the last step. For a
+//!   complete bound use [`enclose`].
 //! - *Enclosure.* Splitting the polygon moves it by `9 u M` at most, halvings add `3 u M` each. The
 //!   error of the distance is that plus the given error of the cubic, once; the rounding of the
 //!   lower bound itself is counted term by term where it is formed.
@@ -77,9 +77,9 @@
 //!
 //! Squares that overflow or underflow fail every test; such pairs end in the scalar `f64` code,
 //! which scales by powers of two first. As guesses are proven in `f32`, these are polygons beyond
-//! some 1e15 m (f32 lanes: 1e8 m) or below 1e-10 m. Nothing is claimed of a pair with a coordinate that is not finite: its
-//! verdict is undecided (nothing is within a negative distance, though), its enclosure without end; a
-//! closest approach means nothing.
+//! some 1e15 m (f32 lanes: 1e8 m) or below 1e-10 m. A pair with a coordinate that is not finite is
+//! undecided (except that nothing is within a negative distance). Its enclosure is infinite, and
+//! its closest approach meaningless.
 
 mod batch;
 mod closest;
@@ -110,12 +110,12 @@ pub(crate) use refine::least_point;
 pub use screen::Verdict;
 pub use spans::SpanBatch;
 
-/// The closest approach of each pair: local times in 0..=1, distances in metres.
+/// Computes the closest approach of each pair: local times in 0..=1, distances in metres.
 ///
-/// The distance is the global minimum over the span up to rounding: some 1e-15 (f64) or 1e-6
-/// (f32) of the size of the polygon. Of several equal minima, or where the distance is constant,
-/// any one of the times may be reported. Where the minimum is flat the time is less certain than
-/// the distance: to the square root of the rounding. Both are the same bits with every instruction set.
+/// The distance is the global minimum over the span up to rounding: some 1e-15 (f64) or 1e-6 (f32)
+/// of the size of the polygon. Of several equal minima, or where the distance is constant, any one
+/// of the times may be reported. At a flat minimum the time has an error of the order of the
+/// square root of the rounding. The bits are the same with every instruction set.
 ///
 /// # Panics
 ///
@@ -131,13 +131,13 @@ pub fn closest_approach<R: Real>(
     closest::closest_approach(instructions, lanes, times, distances);
 }
 
-/// Proven bounds of the least distance of each pair, metres.
+/// Computes proven bounds of the least distance of each pair, metres.
 ///
 /// `errors[i]` bounds, in metres and at every instant, the distance between the true relative
 /// position of pair `i` and the one its control points give. Then the true least distance lies in
 /// the enclosure, whatever rounds. Its width is a little more than twice the error plus 20 times
-/// `EPSILON` of the polygon's size (of polygons below 1e-285 m it is no less than that size). An error that is negative or not finite bounds nothing: nor
-/// does the enclosure then.
+/// `EPSILON` of the polygon's size (of polygons below 1e-285 m it is no less than that size). With
+/// an error that is negative or not finite, the enclosure is no bound either.
 ///
 /// ```
 /// use nearmiss::kernels::{CubicBatch, Enclosure, InstructionSet, enclose};
@@ -164,7 +164,7 @@ pub fn enclose(
     enclosures::enclosures(instructions, lanes, errors, enclosures);
 }
 
-/// Whether each pair comes near: certainly nearer than `inner` at some instant, or certainly
+/// Decides for each pair whether it is certainly nearer than `inner` at some instant, or certainly
 /// farther apart than `outer` at every instant, both in metres.
 ///
 /// For a threshold `R` and control points with an error of up to `E` metres these are `R - E`

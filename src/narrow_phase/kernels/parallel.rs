@@ -1,14 +1,14 @@
-//! The kernels on all threads of the current rayon pool: the same bits, sooner.
+//! The kernels on all threads of the current rayon pool, with the same bits.
 //!
 //! Small batches stay on the caller's thread.
 
 use super::{Enclosure, InstructionSet, Lanes, Real, Verdict};
 
-/// Pairs that are not worth handing to another thread: 47 microseconds of work on the processor in
+/// Pairs below which another thread does not pay: 47 microseconds of work on the processor in
 /// `benches/results` with AVX-512, in `f64`.
 const CHUNK: usize = 4096;
 
-/// [`closest_approach`](super::closest_approach) on all threads.
+/// Runs [`closest_approach`](super::closest_approach) on all threads.
 ///
 /// # Panics
 ///
@@ -31,7 +31,7 @@ pub fn closest_approach<R: Real>(
     );
 }
 
-/// [`enclose`](super::enclose) on all threads.
+/// Runs [`enclose`](super::enclose) on all threads.
 ///
 /// # Panics
 ///
@@ -54,7 +54,7 @@ pub fn enclose(
     );
 }
 
-/// [`within`](super::within) on all threads.
+/// Runs [`within`](super::within) on all threads.
 ///
 /// # Panics
 ///
@@ -79,7 +79,7 @@ pub fn within<R: Real>(
     );
 }
 
-/// The two halves of a batch that is worth splitting.
+/// Returns the two halves of a batch that is worth splitting.
 fn halves<'a, R: Real>(lanes: &Lanes<'a, R>) -> Option<(Lanes<'a, R>, Lanes<'a, R>)> {
     let count = lanes.len();
     let middle = count / 2;

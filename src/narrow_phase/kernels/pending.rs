@@ -5,15 +5,15 @@ use super::cubic::ControlPoints;
 use super::loops::BLOCK;
 use crate::real::Real;
 
-/// A number of lanes filled up to whole vectors of 64 bytes.
+/// Rounds a number of lanes up to whole vectors of 64 bytes.
 pub(super) fn whole_vectors<R>(count: usize) -> usize {
     count.next_multiple_of(64 / size_of::<R>())
 }
 
-/// Up to a block of pairs with `EXTRAS` more numbers each.
+/// Up to a block of pairs, each with `EXTRAS` more numbers.
 #[derive(Debug)]
 pub(super) struct RetryQueue<R, const EXTRAS: usize> {
-    /// Where they were in the batch.
+    /// Numbers of the pairs in the batch.
     pairs: [usize; BLOCK],
     coordinates: [[[R; BLOCK]; 4]; 3],
     extras: [[R; BLOCK]; EXTRAS],
@@ -63,13 +63,12 @@ impl<R: Real, const EXTRAS: usize> RetryQueue<R, EXTRAS> {
         self.count = 0;
     }
 
-    /// The number that a pair has in its batch.
+    /// Returns the number of a pair in its batch.
     #[inline]
     pub(super) fn pair(&self, i: usize) -> usize {
         self.pairs[i]
     }
 
-    /// The control points of a pair.
     #[inline]
     pub(super) fn control_points(&self, i: usize) -> ControlPoints<R> {
         let at = |point: usize| {
@@ -79,8 +78,8 @@ impl<R: Real, const EXTRAS: usize> RetryQueue<R, EXTRAS> {
         [at(0), at(1), at(2), at(3)]
     }
 
-    /// The number of lanes: that of the pairs, filled up to whole vectors of 64 bytes. What is in
-    /// the lanes without a pair is of no use; without them the last pairs would be done one by one.
+    /// Returns the number of lanes: that of the pairs, rounded up to whole vectors of 64 bytes so
+    /// that the last pairs are not done one by one. The spare lanes hold arbitrary values.
     pub(super) fn width(&self) -> usize {
         whole_vectors::<R>(self.count)
     }

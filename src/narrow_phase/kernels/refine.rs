@@ -8,13 +8,13 @@ use crate::enclosure::ControlPolygon;
 use crate::real::Real;
 use crate::rounding::normalising_power;
 
-/// Steps of refinement before a proof is tried, and where none was found: at a root of
-/// multiplicity five a step shortens the error by a third.
+/// Steps of refinement before a proof, and after a failed one: at a root of multiplicity five a
+/// step shortens the error by a third.
 pub(super) const QUICK: u32 = 6;
 pub(super) const THOROUGH: u32 = 10;
 
 /// Returns the local time at which the distance of a cubic of size one, or of a part of it, seems
-/// least. Nothing is proven of it.
+/// least. Not proven.
 pub(crate) fn least_point(points: &ControlPolygon) -> f64 {
     let cubic = CentredCubic::new(coordinates(points));
     let square = outline::<f64>(cubic.rough().coefficients).square;
@@ -22,7 +22,7 @@ pub(crate) fn least_point(points: &ControlPolygon) -> f64 {
     local_time(settle(&cubic, polish(&cubic, f64::from(rough))).time)
 }
 
-/// A guess in local time refined until the distance shrinks no more; time and distance.
+/// Returns time and distance of a guess, refined until the distance shrinks no more.
 pub(super) fn refined(points: &ControlPoints<f64>, time: f64, steps: u32) -> (f64, f64) {
     let (points, unit) = normalised(points);
     let cubic = CentredCubic::new(points);
@@ -45,15 +45,14 @@ pub(super) fn refined(points: &ControlPoints<f64>, time: f64, steps: u32) -> (f6
     (local_time(u), distance(square) * unit)
 }
 
-/// 64 times the squared distance, formed from the position.
 #[inline]
 pub(super) fn square_at(cubic: &CentredCubic<f64>, u: f64) -> f64 {
     let position = cubic.position(u);
     dot(position, position)
 }
 
-/// The polygon divided by a power of two (exactly, but for underflow) if its squares could leave
-/// the range, and that power.
+/// Returns the polygon divided by a power of two if its squares could leave the range, and that
+/// power. Exact except for underflow.
 #[inline]
 pub(super) fn normalised(points: &ControlPoints<f64>) -> (ControlPoints<f64>, f64) {
     let largest = largest_coordinate(points);

@@ -1,14 +1,14 @@
 //! The second try: the guess against its rival.
 //!
 //! Most guesses without a certificate have a rival: another minimum that is nearly as low, or
-//! lower. It is near the least point of what deflation leaves of the squared distance: `q`, or at
-//! an end of the span `(u + 1) q` and the slope there. If that is negative, the rival is the better
-//! guess. Whichever is better, the other one makes the proof: the span is cut there, where the
-//! Bernstein coefficients are close to the values, and then into quarters of both parts.
+//! lower. It is near the minimum of the deflated squared distance: of `q`, or at an end of the span
+//! of `(u + 1) q` plus the slope there. If that is negative, the rival is the better guess. The
+//! other one of the two serves the proof: the span is cut there, where the Bernstein coefficients
+//! are close to the values, and then into quarters of both parts.
 //!
-//! The value at the rival tells beforehand what comes of it. If it is within the margin of the
-//! proof the two are as near, or the minimum is flat, and there is no proof; if it is above, and the
-//! first guess had settled, that stays and only the proof is made anew.
+//! The value at the rival predicts the outcome. Within the margin of the proof, the two minima are
+//! equally low, or the minimum is flat, and there is no proof. Above it, and if the first guess had
+//! settled, that guess stays and only the proof is repeated.
 
 use super::cubic::{CentredCubic, ControlPoints};
 use super::guess::{
@@ -16,21 +16,21 @@ use super::guess::{
 };
 use crate::real::Real;
 
-/// The margin of the proof in parts of that of the first (the derivation is in `kernels`).
+/// Ratio of this proof's margin to that of the first (derivation in `kernels`).
 const AGAIN: f32 = 4.0;
 
 /// Steps of refinement in the second try.
 pub(super) const STEPS: u32 = 3;
 
-/// A guess and what it is to be proven against.
+/// A guess and the rival against which it is proven.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MinimumChoice {
-    /// The centred time near the better minimum.
+    /// Centred time near the better minimum.
     pub(super) start: f32,
-    /// That near the other one.
+    /// Centred time near the other minimum.
     pub(super) rival: f32,
-    /// Whether the first guess stays, and what the margin of its proof is multiplied by: 1, or
-    /// infinity if there will be none. 0 if the guess is to be made again.
+    /// If the first guess stays: factor on the margin of its proof, 1, or infinity if there will be
+    /// none. 0 if the guess is to be made again.
     pub(super) stays: f32,
 }
 
@@ -55,7 +55,7 @@ pub(super) fn guess_against_rival<R: Real>(points: ControlPoints<R>, first: Gues
     }
 }
 
-/// The guess near a time from more steps than the first.
+/// Returns the guess near a time, with more steps than the first.
 #[inline(always)]
 fn again<R: Real>(
     cubic: &CentredCubic<R>,
@@ -66,8 +66,8 @@ fn again<R: Real>(
     settle(cubic, polish(cubic, R::from_f64(f64::from(rough))))
 }
 
-/// First stage: which of the two minima is the better guess, and whether it was made already.
-/// `doubt` is that of the first guess.
+/// First stage: chooses the minimum that is the better guess, and tells whether it is the first
+/// guess. `doubt` is that of the first guess.
 #[inline(always)]
 pub(super) fn contest(outline: &LaneSquaredDistance, first: f32, doubt: f32) -> MinimumChoice {
     let remainder = DeflatedRemainder::new(outline, first);
@@ -85,8 +85,8 @@ pub(super) fn contest(outline: &LaneSquaredDistance, first: f32, doubt: f32) -> 
     }
 }
 
-/// Last stage: more than 0 if no point is certainly lower than the guess at `u`; only those
-/// around `rival` could be.
+/// Last stage: returns a positive number if no point is certainly lower than the guess at `u`; only
+/// points around `rival` could be.
 #[inline(always)]
 pub(super) fn certify_against(
     outline: &LaneSquaredDistance,
@@ -103,8 +103,7 @@ pub(super) fn certify_against(
     least_of_quarters(low).or_less(least_of_quarters(high)) - AGAIN * outline.margin * doubt
 }
 
-/// What has to be positive all over the span: a polynomial of degree 5, in powers and as it came
-/// from the deflation.
+/// The polynomial of degree 5 that has to be positive over the span, in powers and as deflated.
 #[derive(Clone, Copy, Debug)]
 struct DeflatedRemainder {
     powers: [f32; 6],
@@ -137,7 +136,7 @@ impl DeflatedRemainder {
         (t0 + u * t1) + v * ((t2 + u * t3) + v * (t4 + u * t5))
     }
 
-    /// The lowest of the samples at `0, ±1/4, …, ±1`.
+    /// Returns the lowest of the samples at `0, ±1/4, …, ±1`.
     #[inline(always)]
     fn lowest_sample(&self) -> f32 {
         let [t0, t1, t2, t3, t4, t5] = self.powers;
@@ -158,7 +157,7 @@ impl DeflatedRemainder {
         time
     }
 
-    /// Two Newton steps towards a least point.
+    /// Returns the result of two Newton steps towards a minimum.
     #[inline(always)]
     fn least_point(&self, start: f32) -> f32 {
         let [_, t1, t2, t3, t4, t5] = self.powers;
@@ -175,7 +174,7 @@ impl DeflatedRemainder {
         u
     }
 
-    /// The Bernstein coefficients over the span.
+    /// Returns the Bernstein coefficients over the span.
     #[inline(always)]
     fn bernstein(&self) -> [f32; 6] {
         let [q0, q1, q2, q3, q4] = self.deflated.quartic;
@@ -206,7 +205,7 @@ impl DeflatedRemainder {
     }
 }
 
-/// The Bernstein coefficients on both sides of a local time 0..=1.
+/// Returns the Bernstein coefficients on both sides of a local time 0..=1.
 #[inline(always)]
 fn cut(k: [f32; 6], s: f32) -> ([f32; 6], [f32; 6]) {
     let t = 1.0 - s;
@@ -225,7 +224,7 @@ fn cut(k: [f32; 6], s: f32) -> ([f32; 6], [f32; 6]) {
     (left, right)
 }
 
-/// The Bernstein coefficients on the two halves of a piece.
+/// Returns the Bernstein coefficients on the two halves of a piece.
 #[inline(always)]
 fn halves(k: [f32; 6]) -> ([f32; 6], [f32; 6]) {
     let mut left = k;
@@ -243,7 +242,7 @@ fn halves(k: [f32; 6]) -> ([f32; 6], [f32; 6]) {
     (left, right)
 }
 
-/// The least coefficient on the four quarters of a piece.
+/// Returns the least coefficient on the four quarters of a piece.
 #[inline(always)]
 fn least_of_quarters(k: [f32; 6]) -> f32 {
     let (low, high) = halves(k);

@@ -1,4 +1,4 @@
-//! The kernels for one pair, and the exhaustive method they are measured against.
+//! The kernels for one pair, and the exhaustive method for comparison.
 
 use super::closest::closest_approach_of;
 use super::enclosures;
@@ -6,25 +6,25 @@ use super::exhaustive::all_roots;
 use super::within::within_of;
 use super::{ControlPoints, Enclosure, Real, Verdict};
 
-/// The closest approach of a pair: local time in 0..=1, distance in metres; the same bits as from
-/// the [batch](super::closest_approach).
+/// Returns the closest approach of a pair: local time in 0..=1, distance in metres. The bits are
+/// those of the [batch](super::closest_approach).
 #[must_use]
 pub fn closest_approach<R: Real>(points: &ControlPoints<R>) -> (R, R) {
     closest_approach_of(points)
 }
 
-/// The closest approach of a pair from all stationary points of the distance: local time in
+/// Returns the closest approach of a pair from all stationary points of the distance: local time in
 /// 0..=1, distance in metres.
 ///
 /// This is the textbook method: the roots of the degree-5 derivative of the squared distance. The
-/// stationary points are found to `tolerance` in local time; 0 is full precision. The first
-/// instant of equal minima.
+/// stationary points are found to `tolerance` in local time; 0 is full precision. Of equal minima,
+/// the first instant is returned.
 #[must_use]
 pub fn closest_approach_by_roots(points: &ControlPoints<f64>, tolerance: f64) -> (f64, f64) {
     all_roots(points, tolerance)
 }
 
-/// Proven bounds of the least distance of a pair, for control points with an error of up to
+/// Returns proven bounds of the least distance of a pair, for control points with an error of up to
 /// `error` metres; see the [batch](super::enclose). The bounds may differ from those of the batch,
 /// within the width stated there.
 #[must_use]
@@ -32,11 +32,10 @@ pub fn enclose(points: &ControlPoints<f64>, error: f64) -> Enclosure {
     enclosures::enclose(points, error, None)
 }
 
-/// Whether a pair certainly comes nearer than `inner`, or certainly stays farther apart than
-/// `outer`, metres; see the [batch](super::within).
+/// Decides whether a pair certainly comes nearer than `inner`, or certainly stays farther apart
+/// than `outer`, metres; see the [batch](super::within).
 ///
-/// Certain verdicts agree with those of the batch; where rounding makes the difference one of the
-/// two may be undecided.
+/// Certain verdicts agree with those of the batch; either may be undecided by rounding.
 #[must_use]
 pub fn within<R: Real>(points: &ControlPoints<R>, inner: R, outer: R) -> Verdict {
     within_of(points, inner, outer)

@@ -1,4 +1,4 @@
-//! Is a pair certainly farther apart than a threshold, or certainly nearer? Bernstein bounds.
+//! Bernstein bounds that show a pair certainly farther apart than a threshold, or certainly nearer.
 //!
 //! The squared distance of a relative cubic is a sextic, and stays above the least of its seven
 //! Bernstein coefficients. With `M` the size of the polygon and `u` the unit of rounding, every
@@ -9,19 +9,19 @@
 use super::cubic::{ControlPoints, dot, largest_of};
 use crate::real::Real;
 
-/// Whether the bodies of a pair come within a threshold of each other during a span.
+/// The relation of a pair of bodies to a threshold during a span.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Verdict {
     /// At every instant certainly farther apart than the outer threshold.
     Outside,
     /// At some instant certainly nearer than the inner threshold.
     Inside,
-    /// Rounding hides which of the two, or it lies between the thresholds: ask the exact solver.
+    /// Hidden by rounding, or between the thresholds: ask the exact solver.
     #[default]
     Undecided,
 }
 
-/// First screen: the two halves of the span.
+/// First screen: decides on the two halves of the span.
 #[inline(always)]
 pub(super) fn screen_halves<R: Real>(points: ControlPoints<R>, inner: R, outer: R) -> Verdict {
     let (coefficients, size) = squared_distance(points);
@@ -33,7 +33,7 @@ pub(super) fn screen_halves<R: Real>(points: ControlPoints<R>, inner: R, outer: 
     verdict(lowest, nearest, inner, outer, 16.0, size)
 }
 
-/// Second screen: the eight eighths of the span.
+/// Second screen: decides on the eight eighths of the span.
 #[inline(always)]
 pub(super) fn screen_eighths<R: Real>(points: ControlPoints<R>, inner: R, outer: R) -> Verdict {
     let (coefficients, size) = squared_distance(points);
@@ -50,7 +50,7 @@ pub(super) fn screen_eighths<R: Real>(points: ControlPoints<R>, inner: R, outer:
     )
 }
 
-/// The least coefficient and the least value at a cut, over the four quarters of a piece.
+/// Returns the least coefficient and the least value at a cut, over the four quarters of a piece.
 #[inline(always)]
 fn quarters<R: Real>(coefficients: [R; 7]) -> (R, R) {
     let (left, right) = halves(coefficients);
@@ -64,7 +64,7 @@ fn quarters<R: Real>(coefficients: [R; 7]) -> (R, R) {
     (inside_a.or_less(inside_b).or_less(nearest), nearest)
 }
 
-/// The decision from the least coefficient and the least value of the squared distance.
+/// Decides by the least coefficient and the least value of the squared distance.
 #[inline(always)]
 fn verdict<R: Real>(lowest: R, nearest: R, inner: R, outer: R, units: f64, size: R) -> Verdict {
     let u = R::ROUNDING;
@@ -85,7 +85,7 @@ fn verdict<R: Real>(lowest: R, nearest: R, inner: R, outer: R, units: f64, size:
     }
 }
 
-/// The Bernstein coefficients of the squared distance, and the square of the polygon's size.
+/// Returns the squared distance's Bernstein coefficients, and the square of the polygon's size.
 #[inline(always)]
 fn squared_distance<R: Real>(points: ControlPoints<R>) -> ([R; 7], R) {
     let [p0, p1, p2, p3] = points;
@@ -102,15 +102,15 @@ fn squared_distance<R: Real>(points: ControlPoints<R>) -> ([R; 7], R) {
     (coefficients, largest_of([d00, d11, d22, d33]))
 }
 
-/// The least coefficient that is not a value at an end.
+/// Returns the least coefficient that is not a value at an end.
 #[inline(always)]
 fn least_inside<R: Real>(k: [R; 7]) -> R {
     ((k[1].or_less(k[2])).or_less(k[3])).or_less(k[4].or_less(k[5]))
 }
 
-/// The Bernstein coefficients on the two halves of the interval.
+/// Returns the Bernstein coefficients on the two halves of the interval.
 ///
-/// Sums first and powers of two last: the same numbers as averages, with fewer products.
+/// Sums first and powers of two last: the results of averages, with fewer products.
 #[inline(always)]
 fn halves<R: Real>(k: [R; 7]) -> ([R; 7], [R; 7]) {
     let mut left = k;

@@ -48,15 +48,15 @@ pub struct SpanBatch<R> {
 }
 
 impl<R: Real> SpanBatch<R> {
-    /// An empty batch.
+    /// Returns an empty batch.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
     /// Appends a pair: body `a` on one segment, `b` on another, from the first to the second time
-    /// of `span` (s). Outside their knots the cubics go on. Of a span or a threshold that is no number
-    /// the verdict is undecided.
+    /// of `span` (s). Outside their knots the cubics continue. If span or threshold is NaN the
+    /// verdict is undecided.
     ///
     /// `offset` (m) is added to the position of `a` relative to `b`: the difference of the spheres'
     /// centres in their bodies' frames. `threshold` (m) is the distance asked about; nothing comes
@@ -82,13 +82,13 @@ impl<R: Real> SpanBatch<R> {
             .push(-R::not_above(-(threshold + cubic.error).next_up()));
     }
 
-    /// The number of pairs.
+    /// Returns the number of pairs.
     #[must_use]
     pub fn len(&self) -> usize {
         self.inner.len()
     }
 
-    /// Whether there is no pair.
+    /// Returns true if there is no pair.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.inner.is_empty()
@@ -101,13 +101,13 @@ impl<R: Real> SpanBatch<R> {
         self.outer.clear();
     }
 
-    /// The relative cubics, for the other kernels.
+    /// Returns the relative cubics, for the other kernels.
     #[must_use]
     pub fn lanes(&self) -> Lanes<'_, R> {
         self.cubics.lanes()
     }
 
-    /// The verdict on each pair, on the caller's thread.
+    /// Decides each pair, on the caller's thread.
     ///
     /// # Panics
     ///

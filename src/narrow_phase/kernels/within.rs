@@ -1,4 +1,4 @@
-//! Verdicts for many pairs: two Bernstein screens, then an enclosure for the few that are left.
+//! Verdicts for many pairs: two Bernstein screens, then an enclosure for the few undecided ones.
 
 use super::batch::Lanes;
 use super::cubic::{ControlPoints, largest_coordinate, widened};
@@ -10,7 +10,6 @@ use super::screen::{Verdict, screen_eighths, screen_halves};
 use crate::real::Real;
 use crate::simd::InstructionSet;
 
-/// The verdict on one pair.
 pub(super) fn within_of<R: Real>(points: &ControlPoints<R>, inner: R, outer: R) -> Verdict {
     let first = screen_halves(*points, inner, outer);
     if first != Verdict::Undecided {
@@ -29,13 +28,13 @@ pub(super) fn within_of<R: Real>(points: &ControlPoints<R>, inner: R, outer: R) 
     )
 }
 
-/// The verdict from a tight enclosure.
+/// Returns the verdict from a tight enclosure.
 fn last_verdict(points: &ControlPoints<f64>, error: f64, inner: f64, outer: f64) -> Verdict {
     let enclosure = enclose(points, error, None);
     verdict_between(enclosure.low, enclosure.high, inner, outer)
 }
 
-/// The verdict if the least distance is between two numbers.
+/// Returns the verdict if the least distance is between two numbers.
 #[inline]
 fn verdict_between(low: f64, high: f64, inner: f64, outer: f64) -> Verdict {
     if low > outer {
@@ -47,7 +46,7 @@ fn verdict_between(low: f64, high: f64, inner: f64, outer: f64) -> Verdict {
     }
 }
 
-/// How far the points can be from those before they were rounded to the type of the lanes.
+/// Returns a bound on the rounding of the points to the type of the lanes.
 #[inline]
 fn conversion_error<R: Real>(points: &ControlPoints<f64>) -> f64 {
     let rounding = R::ROUNDING.to_f64();
@@ -62,13 +61,12 @@ fn conversion_error<R: Real>(points: &ControlPoints<f64>) -> f64 {
 struct WithinBatch<'a, R> {
     instructions: InstructionSet,
     verdicts: &'a mut [Verdict],
-    /// Undecided after the first screen: with the thresholds.
+    /// Undecided after the first screen; with the thresholds.
     second: RetryQueue<R, 2>,
-    /// Undecided after the second screen: with the thresholds and the error, in f64.
+    /// Undecided after the second screen; with the thresholds and the error, in f64.
     third: RetryQueue<f64, 3>,
 }
 
-/// The verdict on each pair, on one thread.
 pub(super) fn within<R: Real>(
     instructions: InstructionSet,
     lanes: &Lanes<'_, R>,
@@ -112,7 +110,7 @@ pub(super) fn within<R: Real>(
 }
 
 impl<R: Real> WithinBatch<'_, R> {
-    /// The second screen for the pairs that wait for it.
+    /// Applies the second screen to the waiting pairs.
     fn screen_again(&mut self) {
         let mut verdicts = [Verdict::Undecided; BLOCK];
         let verdicts = &mut verdicts[..self.second.width()];
@@ -140,7 +138,7 @@ impl<R: Real> WithinBatch<'_, R> {
         self.second.clear();
     }
 
-    /// Enclosures for the pairs that wait for them.
+    /// Encloses the waiting pairs.
     fn enclose(&mut self) {
         Self::enclose_pending(self.instructions, &mut self.third, self.verdicts);
     }

@@ -1,4 +1,4 @@
-//! Each error term of a relative motion against exact arithmetic, where it is the largest one.
+//! Error terms of a relative motion against exact arithmetic, each where it dominates.
 
 use super::*;
 use crate::rounding::exact::{Exact, number};
@@ -12,7 +12,7 @@ fn vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
     DVec3::from_array([0; 3].map(|_| half * rng.random_range(-1.0..1.0)))
 }
 
-/// A cubic whose control points are given, and exact.
+/// Returns a motion with these exact control points.
 fn motion(apart: DVec3, local: [DVec3; 4], error: f64) -> RelativeMotion {
     RelativeMotion {
         start: 0.0,
@@ -27,7 +27,7 @@ fn body(states: &[State; 2]) -> Trajectory {
     Trajectory::from_states(states).unwrap_or_else(|error| unreachable!("{error}"))
 }
 
-/// Whatever is large and cancels: origins, offsets, the cubics' own points, all of them, none.
+/// Large terms that cancel: origins, offsets, the cubics' own points, all of them, none.
 #[test]
 fn sums_are_within_the_error() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
@@ -62,8 +62,8 @@ fn sums_are_within_the_error() {
     }
 }
 
-/// Differences half-way between two numbers, and a norm that is rounded down: what is left of the bound is
-/// its terms of second order.
+/// Differences half-way between two numbers, and a norm rounded down: only the bound's terms of
+/// second order remain.
 #[test]
 fn sums_are_within_the_error_to_second_order() {
     let size = DVec3::new(1.0, 2f64.powi(-26), 0.0);
@@ -80,7 +80,6 @@ fn sums_are_within_the_error_to_second_order() {
     }
 }
 
-/// Both bodies' errors count.
 #[test]
 fn errors_of_both_bodies_add_up() {
     let states = |size: f64| {
@@ -95,7 +94,7 @@ fn errors_of_both_bodies_add_up() {
     }
 }
 
-/// What is evaluated is within the tolerance, of cubics that are exact.
+/// Values of exact cubics are within the tolerance.
 #[test]
 fn distances_are_within_the_tolerance() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
@@ -148,7 +147,7 @@ fn instants_are_enclosed() {
     }
 }
 
-/// A body at rest, of which everything is exact.
+/// Returns an exact body at rest.
 fn resting(position: DVec3) -> Segment {
     match Trajectory::at_rest(position) {
         Ok(body) => body.segment_after(),
@@ -156,8 +155,8 @@ fn resting(position: DVec3) -> Segment {
     }
 }
 
-/// A filter keeps twice the tolerance of the solver, and a hundred roundings of its own, whatever the
-/// scale is made of: origins, offsets, the way, a motion that is badly known.
+/// A filter keeps twice the solver's tolerance, and a hundred roundings of its own, whatever
+/// dominates the scale: origins, offsets, displacement, the motion's own error.
 #[test]
 fn filters_keep_clear_of_the_tolerance() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);

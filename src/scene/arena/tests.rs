@@ -1,4 +1,4 @@
-//! Ranges that are taken, given back and copied, alone and under the bodies of a scene.
+//! Allocation, release and copies of ranges, alone and under the bodies of a scene.
 
 use super::{ArenaRange, CubicArena};
 use crate::bounds::{CompactTrajectory, Line};
@@ -8,7 +8,7 @@ use glam::DVec3;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 
-/// Whatever is taken, given back and copied, no two ranges overlap; and memory does not grow for ever.
+/// No two ranges ever overlap, and memory does not grow without bound.
 #[test]
 fn ranges_keep_what_is_drawn_on_them() {
     let mut rng = ChaCha8Rng::seed_from_u64(12);
@@ -74,7 +74,7 @@ fn ranges_keep_what_is_drawn_on_them() {
     assert!(arena.chunks.is_empty() && arena.garbage == 0);
 }
 
-/// Whatever becomes of its bodies, a scene keeps no memory for more than were there at a time.
+/// A scene holds no memory for more bodies than were there at a time.
 #[test]
 fn bodies_that_are_gone_leave_their_lines() {
     let mut scene = Scene::new();
@@ -98,7 +98,7 @@ fn bodies_that_are_gone_leave_their_lines() {
             // Sketched while the scene is being read, and then as it was put in.
             _ => scene
                 .swap_trajectory(ids[place], &mut plan.clone())
-                .map(|entry| entry.outline().path)
+                .map(|entry| entry.summary().path)
                 .and_then(|_| scene.set_trajectory(ids[place], plan).map(drop)),
         };
         assert_eq!(changed, Ok(()));
@@ -122,8 +122,7 @@ fn straight(cubics: u32) -> Trajectory {
     Trajectory::from_states(&states).unwrap_or_else(|error| unreachable!("{error}"))
 }
 
-/// Bodies whose plans all get longer, and shorter, and are removed: at any time there is memory for
-/// a few times as much as is drawn, whatever was before.
+/// All plans get longer, and shorter, and bodies are removed: memory follows the data.
 #[test]
 fn memory_goes_back_when_all_plans_change() {
     const BODIES: usize = 300;
@@ -174,8 +173,8 @@ fn memory_goes_back_when_all_plans_change() {
     assert!(most <= 5.0, "{most}");
 }
 
-/// How many times as many lines are held as bodies need, but for what any scene may hold: what may lie
-/// idle, and two large pages of which the least part is in use.
+/// Returns the ratio of held lines to the bodies' need, without the garbage and the two partly used
+/// large pages that any scene may hold.
 fn excess(scene: &Scene) -> f64 {
     let lines = |body: &Body| {
         let plan = &body.trajectory;
@@ -188,12 +187,12 @@ fn excess(scene: &Scene) -> f64 {
     held / needed
 }
 
-/// Each body's compact trajectory is that of its plan, wherever it was moved.
+/// Asserts that each body's compact trajectory is that of its plan.
 fn is_drawn_right(scene: &Scene) {
     for (_, entry) in scene.entries() {
         let plan = &entry.body.trajectory;
-        let (sketch, lines) = CompactTrajectory::of(plan.knots(), plan.segments());
-        let [there, afresh] = [entry.drawing(scene.arena()), sketch.on(&lines)];
+        let (compact, lines) = CompactTrajectory::of(plan.knots(), plan.segments());
+        let [there, afresh] = [entry.compact_view(scene.arena()), compact.on(&lines)];
         assert_eq!(format!("{there:?}"), format!("{afresh:?}"));
     }
 }

@@ -1,4 +1,4 @@
-//! Each error bound of a segment against exact arithmetic, where nothing else is in it.
+//! Error bounds of segments against exact arithmetic.
 
 use super::*;
 use crate::rounding::exact::{Exact, number};
@@ -13,7 +13,7 @@ fn vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
     DVec3::from_array([0; 3].map(|_| half * rng.random_range(-1.0..1.0)))
 }
 
-/// Returns 1, or now and then a factor by which all numbers are below 2^-1022.
+/// Returns 1, or in every fourth round a factor that makes all numbers smaller than 2^-1022.
 fn unit(round: u32) -> f64 {
     [1.0, 1.0, 1.0, 1e-318][round as usize % 4]
 }
@@ -22,13 +22,13 @@ fn made(segment: Result<Segment, Error>) -> Segment {
     segment.unwrap_or_else(|error| unreachable!("{error}"))
 }
 
-/// Lengths below 2^-1022 m are rounded to the nearest.
+/// Asserts the extent. Lengths below 2^-1022 m are rounded to the nearest.
 fn assert_near(point: DVec3, segment: &Segment) {
     let extent = segment.extent() + f64::from_bits(1);
     assert!(Exact::of(point).is_within(extent), "{segment:?}");
 }
 
-/// Nothing is claimed of the point at the origin but that it is there.
+/// Asserts the error of the control points, of point 0 only its distance.
 fn assert_points(segment: &Segment, exact: &[Exact; 4]) {
     for (point, exact) in segment.control_points().into_iter().zip(exact) {
         let off = Exact::of(point).minus(exact);
@@ -37,7 +37,7 @@ fn assert_points(segment: &Segment, exact: &[Exact; 4]) {
     }
 }
 
-/// Velocities count for as much as the way, for more, for less, and against it.
+/// Velocities matter as much as the displacement, more, less, and against it.
 #[test]
 fn points_between_states() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
@@ -64,7 +64,7 @@ fn points_between_states() {
     }
 }
 
-/// The end of a line may be rounded, and then its unit is no power of two.
+/// The end of a line may be rounded; then its unit is not a power of two.
 #[test]
 fn points_of_lines() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
@@ -104,7 +104,7 @@ fn points_of_lines() {
     assert!(inexact > 100, "{inexact}");
 }
 
-/// Parts of a segment that is off by all of an error, or by none.
+/// Parts of segments whose control points are off by the whole error bound, or exact.
 #[test]
 fn points_of_parts() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
@@ -145,7 +145,7 @@ fn points_of_parts() {
     }
 }
 
-/// The exact control points of a polynomial between two knots; its variable at the first one is `shift`.
+/// Returns a polynomial's exact control points between two knots; its variable starts at `shift`.
 fn exact_points(coefficients: &[DVec3; 4], shift: f64, knots: [f64; 2]) -> [Exact; 4] {
     let at = |share: u8| {
         let lasting = number(knots[1]) - number(knots[0]);
@@ -174,7 +174,7 @@ fn exact_points(coefficients: &[DVec3; 4], shift: f64, knots: [f64; 2]) -> [Exac
     ]
 }
 
-/// Polynomials in absolute time, far from the origin too, and such that all terms cancel.
+/// Polynomials in absolute time, also far from the origin, and with terms that cancel.
 #[test]
 fn points_of_polynomials() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
@@ -207,8 +207,8 @@ fn points_of_polynomials() {
     }
 }
 
-/// Position and velocity vanish at the first knot but for rounding, and the next knot is the next number:
-/// what sums twice as precise as f64 leave is then more than the rounding of all control points.
+/// Position and velocity vanish at the first knot except for rounding, and the next knot is the
+/// next number. The double-double rounding then exceeds that of all control points.
 #[test]
 fn points_of_polynomials_that_vanish() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
@@ -244,7 +244,7 @@ fn points_of_polynomials_that_vanish() {
     assert!(vanishing > 500, "{vanishing}");
 }
 
-/// A body goes straight on where a polynomial ends: its position there is rounded, and its velocity.
+/// A body continues straight where a polynomial ends; its position and velocity there are rounded.
 #[test]
 fn lines_at_the_ends_of_polynomials() {
     let mut rng = ChaCha8Rng::seed_from_u64(6);

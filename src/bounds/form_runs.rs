@@ -1,4 +1,4 @@
-//! Bundles of a motion's cubics, under construction.
+//! Construction of cubic runs.
 
 use super::builder::BoundsBuilder;
 use super::compact_cubic::CompactCubic;
@@ -7,7 +7,7 @@ use super::slice_interval::SliceInterval;
 use super::sub_cubic::SubCubic;
 
 impl CubicRun {
-    /// Of four cubics, between five knots.
+    /// Returns the run of four cubics, between five knots.
     fn of_cubics(compact_cubics: &[CompactCubic], knots: &[f64]) -> Self {
         let piece = |number: usize| {
             let ends = (knots[number], knots[number + 1]);
@@ -15,39 +15,39 @@ impl CubicRun {
         };
         let (head, tail) = (piece(0), piece(Self::SIZE - 1));
         let period = SliceInterval::new(knots[0], knots[Self::SIZE]);
-        let mut trace = BoundsBuilder::between(&head, &tail, &period);
+        let mut builder = BoundsBuilder::between(&head, &tail, &period);
         for number in 1..Self::SIZE {
-            trace.follow_from_start(&piece(number));
+            builder.follow_from_start(&piece(number));
         }
-        trace.sum_up(tail.points[3])
+        builder.sum_up(tail.points[3])
     }
 
-    /// Of four runs of cubics, with as many cubics each between these knots.
-    fn of_bundles(bundles: &[Self], knots: &[f64]) -> Self {
-        let [first, last] = [0, Self::SIZE - 1].map(|number| bundles[number].unpack(1.0));
+    /// Returns the run of four runs, each with the same number of cubics between these knots.
+    fn of_runs(runs: &[Self], knots: &[f64]) -> Self {
+        let [first, last] = [0, Self::SIZE - 1].map(|number| runs[number].unpack(1.0));
         let step = (knots.len() - 1) / Self::SIZE;
         let period = SliceInterval::new(knots[0], knots[knots.len() - 1]);
-        let mut trace = BoundsBuilder::between_bundles(&first, &last, &period);
-        for (bundle, number) in bundles.iter().zip(1..) {
-            trace.pass(&bundle.unpack(1.0), knots[number * step]);
+        let mut builder = BoundsBuilder::between_runs(&first, &last, &period);
+        for (run, number) in runs.iter().zip(1..) {
+            builder.pass(&run.unpack(1.0), knots[number * step]);
         }
-        trace.sum_up(last.end)
+        builder.sum_up(last.end)
     }
 }
 
-/// Draws all complete runs of cubics of some cubics: those of 4 cubics, then those of 16, and so on.
-pub(super) fn bundle_up(knots: &[f64], compact_cubics: &[CompactCubic], bundles: &mut [CubicRun]) {
+/// Forms all complete runs: of 4 cubics each, then of 16, and so on.
+pub(super) fn form_runs(knots: &[f64], compact_cubics: &[CompactCubic], runs: &mut [CubicRun]) {
     let (mut span, mut below, mut level) = (CubicRun::SIZE, 0, 0);
     while compact_cubics.len() >= span {
         let count = compact_cubics.len() / span;
-        let (smaller, these) = bundles.split_at_mut(level);
-        for (number, bundle) in these[..count].iter_mut().enumerate() {
+        let (smaller, these) = runs.split_at_mut(level);
+        for (number, run) in these[..count].iter_mut().enumerate() {
             let knots = &knots[number * span..=(number + 1) * span];
             let four = number * CubicRun::SIZE..(number + 1) * CubicRun::SIZE;
-            *bundle = if span == CubicRun::SIZE {
+            *run = if span == CubicRun::SIZE {
                 CubicRun::of_cubics(&compact_cubics[four], knots)
             } else {
-                CubicRun::of_bundles(&smaller[below..][four], knots)
+                CubicRun::of_runs(&smaller[below..][four], knots)
             };
         }
         (below, level, span) = (level, level + count, span * CubicRun::SIZE);
