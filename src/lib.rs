@@ -127,7 +127,7 @@ pub use monitor::{
 };
 pub use narrow_phase::kernels;
 pub use query::Query;
-pub use scene::{Body, Scene};
+pub use scene::{Body, BodyState, Scene};
 pub use screen::{CertifiedApproach, Screening};
 pub use stats::Stats;
 pub use trajectory::{Outside, Segment, State, TimeBase, Trajectory};

@@ -8,6 +8,7 @@ mod partners;
 mod sample;
 #[cfg(feature = "serde")]
 mod serial;
+mod update;
 
 pub(crate) use arena::CubicArena;
 pub use body::Body;
@@ -15,6 +16,7 @@ pub(crate) use entry::SceneEntry;
 pub(crate) use ignored::IgnoredPairs;
 use partners::{Kinds, Partners};
 pub(crate) use partners::{can_reach, radius};
+pub use update::BodyState;
 
 use crate::bounds::DAabb;
 use crate::error::Error;
@@ -24,7 +26,7 @@ use crate::layers::Layers;
 use crate::pool::Pool;
 use crate::search::SearchScratch;
 use crate::simd::prefetch;
-use crate::trajectory::Trajectory;
+use crate::trajectory::{Segment, Trajectory};
 use crate::window::Window;
 use std::slice::from_ref;
 
@@ -105,6 +107,8 @@ pub struct Scene {
     arena: CubicArena,
     /// Buffers of screenings; no part of the scene's value.
     pool: Pool<SearchScratch>,
+    /// Memory of updates; no part of what a scene is.
+    told: Vec<(BodyId, Segment)>,
 }
 
 impl Scene {
@@ -231,6 +235,16 @@ impl Scene {
         // A monitor's ticks have no time to copy what is left.
         entry.swap(trajectory, arena);
         Ok(entry)
+    }
+
+    /// Turns a body's motion: see [`Trajectory::turn`].
+    pub(crate) fn turn(
+        &mut self,
+        id: BodyId,
+        (from, line, since): (f64, &Segment, f64),
+    ) -> Result<&Trajectory, Error> {
+        let (entry, arena) = self.entry_mut(id)?;
+        Ok(entry.turn((from, line, since), arena))
     }
 
     /// Replaces a body's hitbox and returns the old one.
@@ -441,6 +455,7 @@ impl Clone for Scene {
             kinds: self.kinds.clone(),
             arena,
             pool: self.pool.clone(),
+            told: Vec::new(),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Bézier points of a part of a segment, with all f64 errors.
 
 use super::ROUNDING;
-use crate::rounding::largest_norm;
+use crate::rounding::{largest_norm, norm};
 use crate::trajectory::{Restriction, Segment};
 use glam::DVec3;
 
@@ -47,9 +47,14 @@ impl PaddedPoints {
         let Restriction { points, error } = segment.restrict(from, to);
         let [p0, p1, p2, p3] = points;
         // A few roundings of the lengths are below those of f32.
+        let extent = if segment.is_straight() {
+            norm(p3 - p0)
+        } else {
+            largest_norm(&[p1 - p0, p2 - p0, p3 - p0])
+        };
         Self {
             points,
-            extent: largest_norm(&[p1 - p0, p2 - p0, p3 - p0]),
+            extent,
             error,
         }
     }

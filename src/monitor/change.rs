@@ -387,9 +387,13 @@ impl Monitor {
         self.renew(other)
     }
 
-    fn place(&mut self, id: BodyId, flight: Option<MonitoredBody>) {
+    pub(super) const fn count_change(&mut self) {
         self.changed_bodies += 1;
         self.review.changes += 1;
+    }
+
+    pub(super) fn place(&mut self, id: BodyId, flight: Option<MonitoredBody>) {
+        self.count_change();
         self.search.set(id.slot, flight);
         self.search.find_partners(&self.scene, Some(id.slot));
     }

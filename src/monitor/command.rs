@@ -70,7 +70,12 @@ impl ChangeContext<'_> {
     /// # Errors
     ///
     /// [`Error::NoPlanAt`] if a plan for the past is over, and the body is not.
-    fn follows_from(&self, flown: &Trajectory, plan: &Trajectory, from: f64) -> Result<f64, Error> {
+    pub(super) fn follows_from(
+        &self,
+        flown: &Trajectory,
+        plan: &Trajectory,
+        from: f64,
+    ) -> Result<f64, Error> {
         if !from.is_finite() || from > self.now {
             return Ok(from);
         }

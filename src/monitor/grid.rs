@@ -148,7 +148,7 @@ impl Grid {
             frame: Frame::amid(scene.extremes(), signs.middle, margin.abs()).moving(velocity),
             origin,
             length: lookahead / ahead,
-            search_length: lookahead / cheapest.max(Self::FEWEST),
+            search_length: lookahead / cheapest,
             ahead,
             signs,
         };

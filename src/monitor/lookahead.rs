@@ -32,7 +32,9 @@ use crate::scene::Scene;
 use crate::search::{self, FEW_BOXES, LimitExceeded, SpanSorter};
 use crate::spans::SpanKey;
 use crate::stats::Stats;
+use crate::trajectory::Trajectory;
 use crate::wall_clock::Instant;
+use crate::window::Window;
 use ahead::due_ahead;
 use std::collections::VecDeque;
 use std::sync::atomic::AtomicUsize;
@@ -138,6 +140,19 @@ impl LookaheadSearch {
     pub(super) fn set(&mut self, slot: u32, flight: Option<MonitoredBody>) {
         self.flights.set(slot, flight);
         self.forget(slot);
+    }
+
+    /// Replaces the plan of the body in a slot over `window`. What was found of it is forgotten, and looked
+    /// for again.
+    pub(super) fn replan(
+        &mut self,
+        slot: u32,
+        trajectory: &Trajectory,
+        window: Window,
+    ) -> Result<(), Error> {
+        self.flights.replan(slot, trajectory, window)?;
+        self.forget(slot);
+        Ok(())
     }
 
     /// Finds which bodies may be part of a pair: of the one in a slot, and of all if that may have changed.

@@ -29,6 +29,7 @@ mod solved_spans;
 mod sorted_slab;
 mod tick;
 mod time_key;
+mod track;
 mod what_if;
 
 pub use alert_level::AlertLevel;
@@ -55,6 +56,7 @@ use read::LevelCaches;
 use recording::Record;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use track::TrackedMotion;
 
 /// Watches a scene as time passes and plans change: a clock, a lookahead, and events, of which none
 /// is lost as long as ticks keep up with the clock. (A body that is put in, taken out or replanned while a
@@ -147,6 +149,8 @@ pub struct Monitor {
     changed_bodies: u64,
     review: RescheduleTrigger,
     batch: CommandBatch,
+    /// Memory of [`track`](Self::track).
+    tracked: Vec<TrackedMotion>,
     readings: LevelCaches,
     /// Set from another thread to have a tick end early, as if its budget were spent.
     interrupt: Option<Arc<AtomicBool>>,
@@ -249,6 +253,7 @@ impl Monitor {
             changed_bodies: 0,
             review: RescheduleTrigger::made(scene.len(), now),
             batch: CommandBatch::default(),
+            tracked: Vec::new(),
             readings: LevelCaches::of_levels(levels.len()),
             interrupt: None,
             #[cfg(feature = "recording")]

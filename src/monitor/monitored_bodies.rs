@@ -38,15 +38,25 @@ impl MonitoredBody {
         let mut flight = Self {
             padding: Padding::of(hitbox, margin, frame),
             extension: None,
-            begin: window.start(),
-            ends: Knots::of(trajectory.cuts()).ends(),
+            begin: 0.0,
+            ends: (0.0, 0.0),
             until: f64::INFINITY,
             has_partner: true,
         };
-        if trajectory.goes_beyond() {
-            flight.follow(trajectory, window.end())?;
-        }
+        flight.replan(trajectory, window)?;
         Ok(flight)
+    }
+
+    /// Takes another plan of the same body over `window`.
+    fn replan(&mut self, trajectory: &Trajectory, window: Window) -> Result<(), Error> {
+        self.extension = None;
+        self.begin = window.start();
+        self.ends = Knots::of(trajectory.cuts()).ends();
+        self.until = f64::INFINITY;
+        if trajectory.goes_beyond() {
+            self.follow(trajectory, window.end())?;
+        }
+        Ok(())
     }
 
     /// Follows a plan without end up to an instant (s), and far beyond it if it is left before and that can be
@@ -124,6 +134,20 @@ impl MonitoredBodies {
             self.until = self.until.min(flight.until);
         }
         self.by_slot[place] = flight;
+    }
+
+    /// Takes another plan of the body in a slot over `window`.
+    pub(super) fn replan(
+        &mut self,
+        slot: u32,
+        trajectory: &Trajectory,
+        window: Window,
+    ) -> Result<(), Error> {
+        if let Some(Some(flight)) = self.by_slot.get_mut(slot as usize) {
+            flight.replan(trajectory, window)?;
+            self.until = self.until.min(flight.until);
+        }
+        Ok(())
     }
 
     /// Notes which bodies may be part of a pair; returns whether that is new of the one in a slot.

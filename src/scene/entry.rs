@@ -157,6 +157,23 @@ impl SceneEntry {
         trajectory
     }
 
+    /// Gives the body a straight motion.
+    pub(super) fn follow_line(&mut self, line: &Segment, arena: &mut CubicArena) {
+        self.forget_summary(arena);
+        self.body.trajectory = Trajectory::of_line(*line);
+    }
+
+    /// Turns the motion in place: see [`Trajectory::turn`].
+    pub(super) fn turn(
+        &mut self,
+        (from, line, since): (f64, &Segment, f64),
+        arena: &mut CubicArena,
+    ) -> &Trajectory {
+        self.forget_summary(arena);
+        self.body.trajectory.turn(from, line, since);
+        &self.body.trajectory
+    }
+
     /// Swaps the trajectory in place. The summary is computed when needed: a body that is replanned
     /// each tick seldom needs it.
     pub(super) fn swap(&mut self, trajectory: &mut Trajectory, arena: &mut CubicArena) {

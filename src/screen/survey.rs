@@ -53,8 +53,11 @@ impl SceneSurvey {
         (entry, extension): (&SceneEntry, Option<&Extension>),
         has_partner: bool,
     ) {
-        let (body, plan) = (&entry.body, entry.summary());
-        let own = plan.compact.ends();
+        let body = &entry.body;
+        let own = match body.trajectory.line() {
+            Some((_, [first, last])) => (first, last),
+            None => entry.summary().compact.ends(),
+        };
         let (first, last) = extension.map_or(own, |extension| extension.domain);
         if !has_partner {
             self.lives[place] = (f64::INFINITY, f64::NEG_INFINITY);
@@ -65,16 +68,14 @@ impl SceneSurvey {
         if first > self.window.end() || last < self.window.start() {
             return;
         }
-        self.extremes.include(plan.extremes);
-        self.plans.include(plan.extremes);
         let size = Padding::size(&body.hitbox, self.margin);
         self.size = self.size.max(size);
         if let Some((segment, _)) = body.trajectory.line() {
-            let (start, end) = (self.window.start(), self.window.end());
-            if own.0 <= end && own.1 >= start {
-                self.count_beyond(segment, (own.0.max(start), own.1.min(end)), 1);
-            }
+            self.count_line(segment, own);
         } else {
+            let plan = entry.summary();
+            self.extremes.include(plan.extremes);
+            self.plans.include(plan.extremes);
             self.count(own, (plan.path, body.trajectory.cubics().len()));
         }
         if let Some(extension) = extension {
@@ -88,6 +89,29 @@ impl SceneSurvey {
                 self.count_beyond(&plan.segment_after(), ends, extension.after);
             }
         }
+    }
+
+    /// Includes the part of a straight motion that lies within the window and between two instants (s).
+    fn count_line(&mut self, segment: &Segment, (first, last): (f64, f64)) {
+        let (from, to) = (first.max(self.window.start()), last.min(self.window.end()));
+        let velocity = segment.straight_velocity();
+        let at = |time: f64| segment.origin() + velocity * (time - segment.start());
+        let mut extremes = DAabb {
+            low: segment.origin(),
+            high: segment.origin(),
+        };
+        self.plans.include(extremes);
+        if from <= to {
+            for position in [at(from), at(to)] {
+                extremes.include(DAabb {
+                    low: position,
+                    high: position,
+                });
+            }
+            let path = velocity.length() * (to - from);
+            self.count((from, to), (path, 1));
+        }
+        self.extremes.include(extremes);
     }
 
     /// Adds the motion beyond the knots between two instants (s), in `pieces` pieces.

@@ -7,6 +7,7 @@ use super::{Form, Line, Outside, Plan, Segment, State, Trajectory, bend};
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
 use crate::rounding::{UNIT_ROUNDOFF, largest_norm, norm, one_zero};
 use glam::DVec3;
+use std::slice::from_ref;
 
 /// The variable of a segment's polynomial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -219,7 +220,9 @@ impl Trajectory {
     /// [`Error::NotFinite`] and [`Error::OutOfRange`] if the position is not usable.
     pub fn at_rest(position: DVec3) -> Result<Self, Error> {
         // It lasts as long as times go, so that a window however long needs one piece, or two.
-        Self::through(State::new(0.0, position, DVec3::ZERO), MAX_MAGNITUDE)
+        let state = State::new(0.0, position, DVec3::ZERO);
+        check_states(&[state])?;
+        Ok(Self::of_line(Segment::line(&state, MAX_MAGNITUDE, 0.0, 0)?))
     }
 
     /// Builds a body that keeps its velocity for all time: dead reckoning from one state, such as
@@ -248,20 +251,24 @@ impl Trajectory {
     /// [`Error::NotFinite`] and [`Error::OutOfRange`] if the state is not usable, or moves farther
     /// than 1e300 m in 6 s.
     pub fn coasting(state: State) -> Result<Self, Error> {
+        Ok(Self::of_line(Self::coasting_segment(&state)?))
+    }
+
+    /// Returns the cubic of a [coasting](Self::coasting) body.
+    ///
+    /// # Errors
+    ///
+    /// As [`coasting`](Self::coasting).
+    pub(crate) fn coasting_segment(state: &State) -> Result<Segment, Error> {
         /// Seconds. Many lookaheads long, so that one or two pieces suffice; not longer, since
         /// boxes are only as good as f32 resolves the distance covered in that time.
         const DURATION: f64 = 6.0;
-        Self::through(state, DURATION)
-    }
-
-    /// Straight motion through one state, of which one cubic serves for this duration (s) before and after it.
-    fn through(state: State, duration: f64) -> Result<Self, Error> {
-        check_states(&[state])?;
-        Ok(Self::of_line(Segment::line(&state, duration, 0.0, 0)?))
+        check_states(from_ref(state))?;
+        Segment::line(state, DURATION, 0.0, 0)
     }
 
     /// The motion that goes on from the start of a cubic, before and after.
-    pub(super) fn of_line(segment: Segment) -> Self {
+    pub(crate) fn of_line(segment: Segment) -> Self {
         let (knot, duration) = (segment.start(), segment.end() - segment.start());
         let ends = [-duration, duration].map(|step| DoublingCuts::cut(knot, step, 1));
         Self {

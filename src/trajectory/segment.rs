@@ -323,10 +323,25 @@ impl Segment {
 
     /// Restricts to an interval other than the whole segment.
     fn restrict_part(&self, from: f64, to: f64) -> Restriction {
-        if self.covers(from, to) {
+        if self.is_straight() {
+            self.restrict_straight(from, to)
+        } else if self.covers(from, to) {
             self.restrict_inside(from, to)
         } else {
             self.restrict_beyond(from, to)
+        }
+    }
+
+    fn restrict_straight(&self, from: f64, to: f64) -> Restriction {
+        let duration = self.end - self.start;
+        let (a, b) = ((from - self.start) / duration, (to - self.start) / duration);
+        let linear = 3.0 * self.control_points[0];
+        let reach = a.abs().max(b.abs());
+        let size = self.extent * reach;
+        Restriction {
+            points: [a + a + a, a + a + b, a + b + b, b + b + b].map(|sum| linear * (sum / 3.0)),
+            // As of any cubic: the extent is the length of the linear coefficient.
+            error: self.grown_error(reach, size) + 12.0 * UNIT_ROUNDOFF * size + UNDERFLOW,
         }
     }
 
@@ -444,10 +459,24 @@ impl Segment {
 
     /// Returns true for an end motion that is not straight.
     fn is_bent(&self) -> bool {
+        self.goes_on() && !self.has_no_bend()
+    }
+
+    /// Returns true if it continues a motion from a knot, and is straight.
+    pub(crate) fn is_straight(&self) -> bool {
+        self.goes_on() && self.has_no_bend()
+    }
+
+    fn has_no_bend(&self) -> bool {
         let bend = self.control_points[1]
             .abs()
             .max(self.control_points[2].abs());
-        self.goes_on() && bend.max_element() > 0.0
+        bend.max_element() <= 0.0
+    }
+
+    /// Returns the velocity of a straight motion, m/s.
+    pub(crate) fn straight_velocity(&self) -> DVec3 {
+        3.0 * self.control_points[0] / (self.end - self.start)
     }
 }
 

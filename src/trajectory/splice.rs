@@ -3,10 +3,11 @@
 use super::cuts::DoublingCuts;
 use super::extension::check_reach;
 use super::roomy::Roomy;
-use super::{Form, Outside, Plan, Trajectory};
+use super::{Form, Outside, Plan, Segment, Trajectory};
 use crate::error::Error;
 use crate::rounding::one_zero;
 use crate::simd::prefetch;
+use crate::window::Window;
 use std::iter::{once, repeat_n};
 use std::slice::from_ref;
 
@@ -148,32 +149,55 @@ impl Trajectory {
         Ok(())
     }
 
-    /// Makes it the motion so far up to `from` (s), then a straight one; of the motion so far only what
-    /// [`trimmed_before`](Self::trimmed_before) would keep at `since`. Where that is a straight one as well, in
-    /// place: its own memory is used.
-    ///
-    /// # Errors
-    ///
-    /// As [`spliced`](Self::spliced); nothing was changed then.
-    pub(crate) fn turn(&mut self, from: f64, line: &Self, since: f64) -> Result<(), Error> {
-        if let (Form::Plan(plan), Form::Line(line)) = (&mut self.form, &line.form)
-            && plan.is_cut_once(from, line.segment.start())
-        {
-            let carrier = plan.segments.beside()[1].straight();
-            let last = plan.knots().len() - 1;
-            check_reach(&carrier, (plan.knots[last], from), last)?;
+    /// Returns true if [`turn`](Self::turn) can be done, and the motion followed over `window` then.
+    pub(crate) fn can_turn(&self, from: f64, line: &Segment, window: Window) -> bool {
+        let Form::Plan(plan) = &self.form else {
+            return false;
+        };
+        let [.., last] = *plan.knots() else {
+            return false;
+        };
+        let carrier = &plan.segments.beside()[1];
+        let is_cut_once = plan.after == Outside::Coast
+            && line.start() <= from
+            && last < from
+            && from <= last + (carrier.end() - carrier.start());
+        let begins = plan.before == Outside::Absent || plan.knots[0] < window.start();
+        let number = plan.knots().len();
+        let mut reached = from;
+        is_cut_once
+            && begins
+            && check_reach(&carrier.straight(), (last, from), number - 1).is_ok()
+            && DoublingCuts::of(from, line.end() - line.start(), window.end().next_up()).all(
+                |cut| {
+                    check_reach(line, (std::mem::replace(&mut reached, cut), cut), number).is_ok()
+                },
+            )
+    }
+
+    /// Makes it the motion so far up to `from` (s), then a straight one: what
+    /// [`precede_by`](Self::precede_by) makes of the other one, in this one's memory. Does nothing where that
+    /// [cannot be done](Self::can_turn).
+    pub(crate) fn turn(&mut self, from: f64, line: &Segment, since: f64) {
+        if let Form::Plan(plan) = &mut self.form {
             plan.drop_piece_after();
-            plan.segments.push(carrier);
-            plan.knots.push(one_zero(from));
-            plan.segments.put_beside(1, line.segment);
+            // Told twice, it turns there already.
+            if plan.knots.last().is_some_and(|&last| last < from) {
+                let carrier = plan.segments.beside()[1].straight();
+                plan.segments.push(carrier);
+                plan.knots.push(one_zero(from));
+            }
+            plan.segments.put_beside(1, *line);
             plan.forget_before(since);
             plan.add_piece_after();
-            return Ok(());
         }
-        let mut turned = line.clone();
-        turned.precede_by(self, from, since)?;
-        *self = turned;
-        Ok(())
+    }
+
+    /// Returns true if it goes on from `from` (s) just as a straight motion does.
+    pub(crate) fn follows(&self, line: &Segment, from: f64) -> bool {
+        let is_past = self.knots().last().is_some_and(|&last| last <= from);
+        let goes_on = self.carriers()[1];
+        is_past && self.outside_after() == Outside::Coast && *line == goes_on.straight()
     }
 
     /// Returns the plan that this is made of, or would be.
@@ -226,19 +250,6 @@ impl Plan {
             self.segments.drop_front(dropped);
             self.before = Outside::Absent;
         }
-    }
-
-    /// Returns true if it coasts from its last knot to an instant (s) in one piece, and a straight motion from
-    /// a state of some time (s) goes on from there in one as well.
-    fn is_cut_once(&self, from: f64, state: f64) -> bool {
-        let carrier = &self.segments.beside()[1];
-        let duration = carrier.end() - carrier.start();
-        self.after == Outside::Coast
-            && state <= from
-            && self
-                .knots()
-                .last()
-                .is_some_and(|&last| last < from && from <= last + duration)
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::id::BodyId;
 use crate::monitor::{Command, RevisionThreshold, Snapshot};
-use crate::scene::Body;
+use crate::scene::{Body, BodyState};
 use serde::{Deserialize, Serialize};
 use std::io;
 
@@ -20,6 +20,7 @@ pub(in crate::monitor) enum Record {
     /// It holds a scene: the others are small.
     Begin(Box<Snapshot>),
     Apply(Vec<Command>),
+    Track(f64, Vec<(BodyId, BodyState)>),
     Insert(Body),
     Remove(BodyId),
     Ignore(BodyId, BodyId),

@@ -53,6 +53,7 @@ use std::io::{BufRead, Read};
 /// |---|---|
 /// | `begin` | the monitor: scene with its slots, clock, lookahead, levels, encounters; first and only once |
 /// | `apply` | a batch of commands that was applied |
+/// | `track` | the states of a call of [`Monitor::track`](crate::Monitor::track) |
 /// | `insert`, `remove` | a body put in or taken out by itself |
 /// | `ignore`, `unignore` | a pair of ids |
 /// | `revision_threshold`, `history`, `max_spans` | settings |
@@ -196,6 +197,7 @@ impl<R: BufRead> Replay<R> {
             Record::Begin(_) | Record::End => {
                 return Err(damaged(offset, "it begins or ends twice"));
             }
+            Record::Track(now, states) => monitor.track(now, states).map_err(refused)?,
             Record::Apply(commands) => drop(monitor.apply(commands).map_err(refused)?),
             Record::Insert(body) => drop(monitor.insert(body).map_err(refused)?),
             Record::Remove(id) => drop(monitor.remove(id).map_err(refused)?),
