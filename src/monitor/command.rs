@@ -201,14 +201,6 @@ impl CommandBatch {
 
     /// Drops all, and with it what was replaced.
     pub(super) fn clear(&mut self) {
-        // Freeing memory looks at its ends, which lie anywhere.
-        for index in 0..self.changed.len() {
-            let later = self.changed.get(index + 2 * Self::AHEAD);
-            if let Some(later) = later.and_then(|later| later.trajectory.as_ref()) {
-                later.prefetch_ends();
-            }
-            self.changed[index].trajectory = None;
-        }
         self.changed.clear();
         self.inserted.clear();
         self.pairs.clear();

@@ -75,26 +75,6 @@ impl LevelCaches {
 }
 
 impl ReadContext<'_> {
-    /// Fetches what reading these pairs reads. What each loop reads was fetched by the one before.
-    pub(super) fn fetch(&self, pairs: &[SlotPair]) {
-        for slot in pairs.iter().flat_map(|&(a, b)| [a, b]) {
-            self.scene.prefetch(slot);
-            self.search.prefetch(slot);
-        }
-        for &pair in pairs {
-            self.search.finds().fetch(pair);
-        }
-        for &pair in pairs {
-            let views = [pair.0, pair.1].map(|slot| self.search.view(self.scene, slot));
-            if let [Some(a), Some(b)] = views {
-                for (span_a, span_b) in self.search.finds().spans_fetched(pair) {
-                    a.prefetch(span_a as usize);
-                    b.prefetch(span_b as usize);
-                }
-            }
-        }
-    }
-
     /// Reads a pair as if the window were endless, and the clock had not come to it.
     fn always(
         &self,

@@ -4,9 +4,7 @@ use super::bodies::BodyTable;
 use super::sorted_slab::{IndexEntry, SortedSlab};
 use crate::narrow_phase::{Contact, SolvedSpan, contacts_of, solve};
 use crate::search::LimitExceeded;
-use crate::simd::prefetch;
 use crate::spans::SpanKey;
-use std::slice::from_ref;
 
 /// Two bodies, the smaller slot first.
 pub(super) type SlotPair = (u32, u32);
@@ -96,22 +94,6 @@ impl SolvedSpans {
         std::mem::swap(&mut self.changed, changed);
         changed.sort_unstable();
         changed.dedup();
-    }
-
-    /// Spans of a pair that are fetched: of more, the rest is read in order.
-    const FETCHED: usize = 4;
-
-    /// Fetches what is known of a pair into the caches.
-    pub(super) fn fetch(&self, pair: SlotPair) {
-        for find in self.of(pair).take(Self::FETCHED) {
-            prefetch(from_ref(self.finds.at(find.place)));
-        }
-    }
-
-    /// Returns the cubics of the two bodies that these are about.
-    pub(super) fn spans_fetched(&self, pair: SlotPair) -> impl Iterator<Item = (u32, u32)> {
-        let fetched = self.of(pair).take(Self::FETCHED);
-        fetched.map(|find| (find.key.cubic_a, find.key.cubic_b))
     }
 
     fn of(&self, pair: SlotPair) -> impl Iterator<Item = &IndexEntry<SpanKey>> {

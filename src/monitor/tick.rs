@@ -12,7 +12,6 @@ use super::read::{LevelCaches, ReadContext};
 use super::reading::{EncounterCache, WindowEdges};
 #[cfg(feature = "recording")]
 use super::recording::Record;
-use super::solved_spans::SlotPair;
 use super::{Monitor, SlotAdmission};
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::parallel;
@@ -287,8 +286,7 @@ impl Monitor {
                 reported.clear();
                 if tick.now < tick.known {
                     let window = (tick.now, tick.known);
-                    let fetch = |pairs: &[SlotPair]| source.fetch(pairs);
-                    reported.extend(conflicts.list(window, fetch, |pair, lasts, found| {
+                    reported.extend(conflicts.list(window, |pair, lasts, found| {
                         let period = (lasts, window);
                         source.clipped(pair, alert.margin, period, &mut scratch.contacts, found);
                     }));
@@ -308,8 +306,7 @@ impl Monitor {
                     if plains.lists_all() {
                         encounters.wait_for_all();
                     }
-                    let fetch = |pairs: &[SlotPair]| source.fetch(pairs);
-                    plains.list(edges, encounters.waiting(), fetch, |pair, found| {
+                    plains.list(edges, encounters.waiting(), |pair, found| {
                         source.plains(pair, alert, tick, other_scratch, found);
                     });
                     encounters.update(plains.listed(), tick, next_id, events);

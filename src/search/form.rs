@@ -128,20 +128,18 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
         number: usize,
         periods: &[SliceInterval<MOVES>],
     ) -> Ahead<'a, C> {
-        let Some(&place) = self.present.get(number) else {
-            return Ahead::Own;
-        };
+        let &place = self.present.get(number)?;
         let source = &self.sources[place as usize];
         let piece = &mut self.block.pieces[place as usize];
         let first = cubic_before(&source.knots, periods[0].from, *piece);
         *piece = short(first);
         if !goes_in_runs(source, periods) {
-            return Ahead::Later(source, first);
+            return Some((source, first));
         }
         if exists(source, periods) {
             fetch_route(source, periods, first);
         }
-        Ahead::Nothing
+        None
     }
 }
 
@@ -245,22 +243,12 @@ struct BodyWalk<'a, C, const MOVES: bool, const EXTENDED: bool> {
     begin: usize,
 }
 
-/// Cubics to prefetch during a walk.
-enum Ahead<'a, C> {
-    /// Cubics of a later body, from a number on, one for each of this body's.
-    Later(&'a CubicSource<'a, C>, usize),
-    /// Cubics of this body: there is no later one.
-    Own,
-    /// No cubics: those of the later body were prefetched.
-    Nothing,
-}
+/// A later body and its first cubic to prefetch: one cubic for each of this body's. None: nothing to prefetch.
+type Ahead<'a, C> = Option<(&'a CubicSource<'a, C>, usize)>;
 
 impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
     BodyWalk<'a, C, MOVES, EXTENDED>
 {
-    /// Prefetch distance in a body's own cubics.
-    const AHEAD: usize = 8;
-
     #[inline(always)]
     const fn new(
         source: &'a CubicSource<'a, C>,
@@ -278,16 +266,12 @@ impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
 
     #[inline(always)]
     fn piece(&self, number: usize) -> SubCubic {
-        match self.ahead {
-            Ahead::Later(later, first) => {
-                if number == self.begin {
-                    later.fetch(first);
-                }
-                // One more: it may go through more cubics than this one.
-                later.fetch(first + (number - self.begin) + 1);
+        if let Some((later, first)) = self.ahead {
+            if number == self.begin {
+                later.fetch(first);
             }
-            Ahead::Own => self.source.fetch(number + Self::AHEAD),
-            Ahead::Nothing => {}
+            // One more: it may go through more cubics than this one.
+            later.fetch(first + (number - self.begin) + 1);
         }
         self.source.piece::<EXTENDED>(number)
     }

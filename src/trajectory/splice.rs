@@ -229,14 +229,6 @@ impl Trajectory {
             prefetch(&plan.segments[..plan.segments.len().min(2)]);
         }
     }
-
-    /// Prefetches the data that dropping the plan reads.
-    pub(crate) fn prefetch_ends(&self) {
-        if let Form::Plan(plan) = &self.form {
-            plan.knots.prefetch_ends();
-            plan.segments.prefetch_ends();
-        }
-    }
 }
 
 impl Plan {

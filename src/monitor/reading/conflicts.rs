@@ -1,9 +1,9 @@
 //! The conflicts of one alert level.
 
-use super::{CacheSlot, FETCHED, WindowEdges, WindowSide};
+use super::{CacheSlot, WindowEdges, WindowSide};
 use crate::conflict::Conflict;
 use crate::monitor::solved_spans::SlotPair;
-use crate::monitor::sorted_slab::{IndexEntry, SortedSlab};
+use crate::monitor::sorted_slab::SortedSlab;
 use crate::monitor::time_key::TimeKey;
 
 /// See the module.
@@ -11,8 +11,7 @@ use crate::monitor::time_key::TimeKey;
 pub(in crate::monitor) struct ConflictCache {
     /// Whatever the window, by when a conflict begins, and whose it is: the order of reports.
     always: SortedSlab<TimeKey<SlotPair>, Conflict>,
-    /// Pairs of those at an edge of the window, in order, and what this tick sees of them.
-    edge: Vec<SlotPair>,
+    /// What this tick sees of those at an edge of the window.
     at_edge: Vec<Conflict>,
     /// All of the window, in the order of reports.
     listed: Vec<CacheSlot>,
@@ -46,43 +45,29 @@ impl ConflictCache {
     }
 
     /// All of a window, in the order of reports. `again` reads what the window has of one that is
-    /// at its edge, given the pair and when it lasts (s) whatever the window; `fetch` is told of some such
-    /// pairs before.
+    /// at its edge, given the pair and when it lasts (s) whatever the window.
     pub(in crate::monitor) fn list(
         &mut self,
         window: (f64, f64),
-        fetch: impl Fn(&[SlotPair]),
         mut again: impl FnMut(SlotPair, (f64, f64), &mut Vec<Conflict>),
     ) -> impl Iterator<Item = &Conflict> {
         let Self {
             always,
-            edge,
             at_edge,
             listed,
         } = self;
-        edge.clear();
         at_edge.clear();
         listed.clear();
         let edges = WindowEdges {
             within: window,
             around: window,
         };
-        let entries = always.entries().iter();
-        let is_at_edge = |entry: &&IndexEntry<TimeKey<SlotPair>>| {
-            edges.place(entry.interval) == WindowSide::AtEdge
-        };
-        edge.extend(entries.filter(is_at_edge).map(|entry| entry.key.what));
-        let mut some = edge.chunks(FETCHED).flat_map(|some| {
-            fetch(some);
-            some
-        });
         let mut begun = 0;
         for entry in always.entries() {
             match edges.place(entry.interval) {
                 WindowSide::Within => listed.push(CacheSlot::Always(entry.place)),
                 WindowSide::Beyond => {}
                 WindowSide::AtEdge => {
-                    some.next();
                     let first = at_edge.len();
                     again(entry.key.what, entry.interval, at_edge);
                     listed.extend((first..at_edge.len()).map(CacheSlot::AtEdge));

@@ -6,9 +6,6 @@ mod plains;
 pub(super) use conflicts::ConflictCache;
 pub(super) use plains::EncounterCache;
 
-/// Pairs whose data are fetched together: they lie anywhere in memory.
-const FETCHED: usize = 16;
-
 /// Where a value is: its place among those that are kept whatever the window, or its number among
 /// those that were read again, since they are at an edge of it.
 #[derive(Clone, Copy, Debug)]
@@ -124,11 +121,9 @@ mod tests {
         conflicts.drop_changed(&[(0, 9)], 5.2);
         plains.drop_changed(&[(0, 9)], 5.2);
         let left = [6, 7, 8, 10].map(|other| (0, other));
-        let found = conflicts
-            .list(all, |_| {}, |_, _, _| {})
-            .map(|one| one.b.slot);
+        let found = conflicts.list(all, |_, _, _| {}).map(|one| one.b.slot);
         assert_eq!(found.collect::<Vec<_>>(), left.map(|(_, other)| other));
-        plains.list(edges, &[], |_| {}, |_, _| {});
+        plains.list(edges, &[], |_, _| {});
         let found = plains.listed().filter_map(|(slots, mut plains)| {
             plains.next().map(|plain| {
                 assert_eq!(plain.b.slot, slots.1);
@@ -149,7 +144,7 @@ mod tests {
             within: (0.0, 1.0),
             around: (0.0, 1.0),
         };
-        plains.list(edges, &[], |_| {}, |_, _| {});
+        plains.list(edges, &[], |_, _| {});
         assert!(!plains.lists_all());
         for round in 0..2_000 {
             let slots = (round, round + 1);
@@ -158,7 +153,7 @@ mod tests {
             plains.settle();
         }
         assert!(plains.lists_all());
-        plains.list(edges, &[(7, 8)], |_| {}, |_, _| {});
+        plains.list(edges, &[(7, 8)], |_, _| {});
         let listed = plains
             .listed()
             .map(|(slots, plains)| (slots, plains.count()));
@@ -181,7 +176,7 @@ mod tests {
                 around: (now - 0.1, known),
             };
             let mut read = Vec::new();
-            plains.list(edges, wait, |_| {}, |slots, _| read.push(slots.1));
+            plains.list(edges, wait, |slots, _| read.push(slots.1));
             let all: Vec<_> = plains.listed().map(|(slots, _)| slots.1).collect();
             (all, read)
         };

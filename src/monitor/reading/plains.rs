@@ -2,7 +2,7 @@
 //!
 //! Most are the same from tick to tick, and nothing can be told of them.
 
-use super::{CacheSlot, FETCHED, WindowEdges, WindowSide};
+use super::{CacheSlot, WindowEdges, WindowSide};
 use crate::monitor::encounters::PlannedEncounter;
 use crate::monitor::solved_spans::SlotPair;
 use crate::monitor::sorted_slab::{IndexEntry, SortedSlab};
@@ -12,8 +12,7 @@ use crate::monitor::sorted_slab::{IndexEntry, SortedSlab};
 pub(in crate::monitor) struct EncounterCache {
     /// Whatever the window.
     always: SortedSlab<SlotPair, PlannedEncounter>,
-    /// Pairs at an edge of the window, and what this tick sees of them.
-    edge: Vec<SlotPair>,
+    /// What this tick sees of pairs at an edge of the window.
     at_edge: Vec<PlannedEncounter>,
     /// Pairs that were dropped, or added, since the last listing.
     touched: Vec<SlotPair>,
@@ -72,37 +71,24 @@ impl EncounterCache {
     /// Lists the pairs of which something may not be as it was when they were listed last: those
     /// that were read anew, or are gone (not if [all are listed](Self::lists_all)); of which
     /// something is at an edge of the window, or has passed one; and those that `wait` for
-    /// something. `again` reads all that a pair has in the window; `fetch` is told of some such pairs
-    /// before.
+    /// something. `again` reads all that a pair has in the window.
     pub(in crate::monitor) fn list(
         &mut self,
         edges: WindowEdges,
         wait: &[SlotPair],
-        fetch: impl Fn(&[SlotPair]),
         mut again: impl FnMut(SlotPair, &mut Vec<PlannedEncounter>),
     ) {
         let Self {
             always,
-            edge,
             at_edge,
             touched,
             listed,
             pairs,
             before,
         } = self;
-        edge.clear();
         at_edge.clear();
         listed.clear();
         pairs.clear();
-        let entries = always.entries().iter();
-        let at_edge_of =
-            |entry: &&IndexEntry<SlotPair>| edges.place(entry.interval) == WindowSide::AtEdge;
-        edge.extend(entries.filter(at_edge_of).map(|entry| entry.key));
-        edge.dedup();
-        let mut some = edge.chunks(FETCHED).flat_map(|some| {
-            fetch(some);
-            some
-        });
         touched.extend_from_slice(wait);
         touched.sort_unstable();
         touched.dedup();
@@ -124,7 +110,6 @@ impl EncounterCache {
                 entries.iter().all(is_same)
             };
             if is_at_edge {
-                some.next();
                 let first = at_edge.len();
                 again(slots, at_edge);
                 listed.extend((first..at_edge.len()).map(CacheSlot::AtEdge));
