@@ -224,7 +224,7 @@ fn contradictions_are_refused() {
     let begun = saved["begun"].as_bool().unwrap();
     for (place, value) in [
         ("/now/level", serde_json::json!(7)),
-        ("/sent/id", serde_json::json!(u32::MAX)),
+        ("/now/id", serde_json::json!(u64::MAX)),
         ("/now/a", saved["now"]["b"].clone()),
         ("/now/exit", serde_json::json!(-1e9)),
         ("/begun", serde_json::json!(!begun)),
