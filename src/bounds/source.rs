@@ -74,6 +74,22 @@ impl<C: BoundingCubic> CubicSource<'_, C> {
         }
     }
 
+    /// Returns the straight motion from one state, if nothing else is followed between two instants (s).
+    #[inline(always)]
+    pub(crate) fn straight_over(&self, (from, to): (f64, f64)) -> Option<&Segment> {
+        let is_own = || {
+            let (first, last) = self.knots.ends();
+            first <= from && to <= last && !self.knots.are_extended()
+        };
+        self.straight.filter(|_| is_own())
+    }
+
+    /// Returns the part of a straight motion between two instants (s).
+    #[inline(always)]
+    pub(crate) fn straight_piece(&self, segment: &Segment, ends: (f64, f64)) -> SubCubic {
+        SubCubic::straight(segment, ends, &self.placement.anchor)
+    }
+
     /// Prefetches a cubic.
     #[inline(always)]
     pub(crate) fn fetch(&self, number: usize) {
@@ -203,6 +219,9 @@ impl BoundingCubic for Segment {
 
     #[inline(always)]
     fn piece(&self, knots: (f64, f64), placement: &FramePlacement) -> SubCubic {
+        if self.is_straight() {
+            return SubCubic::straight(self, knots, &placement.anchor);
+        }
         match CompactCubic::of(self, knots, &placement.anchor) {
             Some(compact_cubic) => SubCubic::whole(&compact_cubic, knots, 1.0),
             None => SubCubic::anywhere(knots),

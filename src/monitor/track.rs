@@ -1,13 +1,15 @@
 //! Straight motions of many bodies, told in one call.
 
 use super::Monitor;
+use super::command::{ChangeContext, CommandBatch};
 use super::monitored_bodies::MonitoredBody;
 #[cfg(feature = "recording")]
 use super::recording::Record;
 use crate::error::Error;
 use crate::id::BodyId;
+use crate::parallel;
 use crate::scene::BodyState;
-use crate::trajectory::{Segment, Trajectory};
+use crate::trajectory::{Segment, State, Trajectory};
 
 /// What becomes of a body.
 #[derive(Debug)]
@@ -17,8 +19,18 @@ pub(super) struct TrackedMotion {
     from: f64,
     /// Straight motion from then on.
     line: Segment,
-    /// The whole plan, where the body's own cannot be turned in place.
-    replanned: Option<Box<(Trajectory, MonitoredBody)>>,
+    change: TrackedChange,
+}
+
+/// The way in which a body comes to follow a straight motion.
+#[derive(Debug)]
+enum TrackedChange {
+    /// Its plan is turned in place.
+    Turn,
+    /// It takes another plan.
+    Replan(Box<(Trajectory, MonitoredBody)>),
+    /// None: it is refused.
+    Refused(Box<Error>),
 }
 
 impl Monitor {
@@ -89,49 +101,100 @@ impl Monitor {
         states: impl Iterator<Item = (BodyId, BodyState)>,
         tracked: &mut Vec<TrackedMotion>,
     ) -> Result<(), Error> {
-        let terms = self.terms()?;
+        /// Bodies that one thread looks at together.
+        const CHUNK: usize = 64;
         for (id, state) in states {
-            let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
-            let line = state.line(body.tag)?;
-            let flown = &body.trajectory;
-            let in_body = |error: Error| error.in_body(body.tag);
-            let from = terms
-                .follows_from(flown, &Trajectory::of_line(line), now)
-                .map_err(in_body)?;
-            let mut replanned = None;
-            if !flown.follows(&line, from) && !flown.can_turn(from, &line, terms.window) {
-                let mut plan = Trajectory::of_line(line);
-                let since = terms.forget_before;
-                plan.precede_by(flown, from, since).map_err(in_body)?;
-                let flight = terms.flight(&plan, &body.hitbox, body.tag)?;
-                replanned = Some(Box::new((plan, flight)));
-            }
+            let (line, change) = match state.line() {
+                Ok(line) => (line, TrackedChange::Turn),
+                Err(error) => {
+                    let body = self.scene.body(id).ok_or(Error::UnknownBody { id });
+                    let error = body.map_or_else(|error| error, |body| error.in_body(body.tag));
+                    let any = Trajectory::coasting_segment(&State::default())?;
+                    (any, TrackedChange::Refused(Box::new(error)))
+                }
+            };
+            let is_refused = matches!(change, TrackedChange::Refused(_));
             tracked.push(TrackedMotion {
                 id,
-                from,
+                from: now,
                 line,
-                replanned,
+                change,
             });
+            if is_refused {
+                // One before it may be refused as well.
+                break;
+            }
+        }
+        let terms = self.terms()?;
+        let few = (tracked.len(), CommandBatch::FEW);
+        parallel::for_each_chunk(tracked, CHUNK, few, |some| {
+            for place in 0..some.len() {
+                self.prefetch_motion(some, place);
+                let one = &mut some[place];
+                if matches!(one.change, TrackedChange::Turn)
+                    && let Err(error) = self.work_out_motion(one, &terms)
+                {
+                    one.change = TrackedChange::Refused(Box::new(error));
+                }
+            }
+        });
+        let refused = tracked.iter_mut().find_map(|one| match &mut one.change {
+            TrackedChange::Refused(error) => Some(std::mem::replace(&mut **error, Error::NoPlan)),
+            _ => None,
+        });
+        refused.map_or(Ok(()), Err)
+    }
+
+    /// Fetches bodies that are looked at later into the caches: they lie anywhere in memory.
+    fn prefetch_motion(&self, some: &[TrackedMotion], place: usize) {
+        const AHEAD: usize = CommandBatch::AHEAD;
+        if let Some(later) = some.get(place + 2 * AHEAD) {
+            self.scene.prefetch(later.id.slot);
+            self.search.prefetch(later.id.slot);
+        }
+        let later = some.get(place + AHEAD);
+        if let Some(later) = later.and_then(|later| self.scene.body(later.id)) {
+            later.trajectory.prefetch();
+        }
+    }
+
+    fn work_out_motion(
+        &self,
+        tracked: &mut TrackedMotion,
+        terms: &ChangeContext<'_>,
+    ) -> Result<(), Error> {
+        let id = tracked.id;
+        let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
+        let (flown, line) = (&body.trajectory, tracked.line);
+        let in_body = |error: Error| error.in_body(body.tag);
+        let plan = || Trajectory::of_line(line);
+        let from = terms.follows_from(flown, &plan(), tracked.from);
+        tracked.from = from.map_err(in_body)?;
+        let from = tracked.from;
+        if !flown.follows(&line, from) && !flown.can_turn(from, &line, terms.window) {
+            let mut plan = plan();
+            let since = terms.forget_before;
+            plan.precede_by(flown, from, since).map_err(in_body)?;
+            let flight = terms.flight(&plan, &body.hitbox, body.tag)?;
+            tracked.change = TrackedChange::Replan(Box::new((plan, flight)));
         }
         Ok(())
     }
 
     /// Lets it take effect. Nothing is refused.
-    fn take_motions(&mut self, tracked: &mut Vec<TrackedMotion>) -> Result<(), Error> {
+    fn take_motions(&mut self, tracked: &mut [TrackedMotion]) -> Result<(), Error> {
         let terms = self.terms()?;
         let (window, since) = (terms.window, terms.forget_before);
-        for TrackedMotion {
-            id,
-            from,
-            line,
-            replanned,
-        } in tracked.drain(..)
-        {
+        for place in 0..tracked.len() {
+            self.prefetch_motion(tracked, place);
+            let TrackedMotion { id, from, line, .. } = tracked[place];
             let flown = self.scene.body(id).map(|body| &body.trajectory);
             if flown.is_some_and(|flown| flown.follows(&line, from)) {
                 continue;
             }
-            if let Some(replanned) = replanned {
+            let turn = TrackedChange::Turn;
+            let change = std::mem::replace(&mut tracked[place].change, turn);
+            if let TrackedChange::Replan(replanned) = change {
                 let (mut plan, flight) = *replanned;
                 self.scene.swap_trajectory(id, &mut plan)?;
                 self.place(id, Some(flight));

@@ -134,7 +134,8 @@ impl SceneEntry {
         let Body {
             trajectory, tag, ..
         } = &self.body;
-        if !trajectory.goes_beyond() {
+        let is_within = |ends: [f64; 2]| ends[0] < window.start() && window.end() < ends[1];
+        if !trajectory.goes_beyond() || trajectory.line().is_some_and(|(_, ends)| is_within(ends)) {
             return Ok(None);
         }
         let followed = trajectory.domain().intersection(window);

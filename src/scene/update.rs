@@ -22,13 +22,13 @@ impl From<State> for BodyState {
 }
 
 impl BodyState {
-    /// Returns the straight motion of a body with a tag through the state.
+    /// Returns the straight motion through the state.
     ///
     /// # Errors
     ///
-    /// [`Error::InBody`] with those of [`Trajectory::coasting`].
-    pub(crate) fn line(&self, tag: u64) -> Result<Segment, Error> {
-        Trajectory::coasting_segment(&self.state).map_err(|error| error.in_body(tag))
+    /// As [`Trajectory::coasting`].
+    pub(crate) fn line(&self) -> Result<Segment, Error> {
+        Trajectory::coasting_segment(&self.state)
     }
 }
 
@@ -72,7 +72,13 @@ impl Scene {
         let mut checked = Ok(());
         for (id, state) in states {
             let body = self.body(id).ok_or(Error::UnknownBody { id });
-            match body.and_then(|body| state.into().line(body.tag)) {
+            let line = |tag| {
+                state
+                    .into()
+                    .line()
+                    .map_err(|error: Error| error.in_body(tag))
+            };
+            match body.and_then(|body| line(body.tag)) {
                 Ok(line) => told.push((id, line)),
                 Err(error) => {
                     checked = Err(error);

@@ -7,6 +7,8 @@ use crate::bounds::{
 use crate::broad_phase::BodyBox;
 use crate::knots::Knots;
 use crate::simd::Task;
+use crate::trajectory::Segment;
+use parry3d::bounding_volume::Aabb;
 
 /// The bounds of one slice: a box and a fat line for each body that exists in it.
 #[derive(Clone, Debug, Default)]
@@ -16,6 +18,16 @@ pub(crate) struct SliceBounds {
     pub(crate) fat_lines: Vec<FatLine>,
     /// Bodies by place, ascending.
     pub(crate) bodies: Vec<u32>,
+}
+
+impl SliceBounds {
+    #[inline(always)]
+    fn push(&mut self, body: u32, (fat_line, aabb): (FatLine, Aabb)) {
+        let place = short(self.bodies.len());
+        self.boxes.push(BodyBox { aabb, body: place });
+        self.fat_lines.push(fat_line);
+        self.bodies.push(body);
+    }
 }
 
 /// A few consecutive slices.
@@ -99,6 +111,10 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
             }
             let piece = self.block.pieces[body] as usize;
             let slices = &mut self.block.slices[..count];
+            if let Some(segment) = source.straight_over(ends_of(periods)) {
+                go_straight((source, segment), place, periods, slices);
+                continue;
+            }
             let end = if source.knots.are_extended() {
                 let walk = BodyWalk::<_, _, true>::new(source, periods, ahead, piece);
                 walk.through_extended(piece, place, slices)
@@ -235,6 +251,25 @@ fn cubic_at<const EXTENDED: bool>(knots: &Knots<'_>, time: f64, number: usize) -
     knots.len() - 2 - rest.len() + passed
 }
 
+/// Appends the box and the fat line of a body that moves straight to each slice.
+#[inline(always)]
+fn go_straight<C: BoundingCubic, const MOVES: bool>(
+    (source, segment): (&CubicSource<'_, C>, &Segment),
+    body: u32,
+    periods: &[SliceInterval<MOVES>],
+    slices: &mut [SliceBounds],
+) {
+    for (slice, period) in slices.iter_mut().zip(periods) {
+        let piece = source.straight_piece(segment, (period.from, period.to));
+        let builder = if piece.fills(period) {
+            BoundsBuilder::alone(&piece, period)
+        } else {
+            BoundsBuilder::between(&piece, &piece, period)
+        };
+        slice.push(body, builder.finish(&source.placement, 0));
+    }
+}
+
 /// The walk of one body through the slices of a block.
 struct BodyWalk<'a, C, const MOVES: bool, const EXTENDED: bool> {
     source: &'a CubicSource<'a, C>,
@@ -330,11 +365,7 @@ impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
                 builder.follow_from_start(&tail);
                 builder
             };
-            let place = short(slice.bodies.len());
-            let (fat_line, aabb) = builder.finish(&source.placement, short(begin));
-            slice.boxes.push(BodyBox { aabb, body: place });
-            slice.fat_lines.push(fat_line);
-            slice.bodies.push(body);
+            slice.push(body, builder.finish(&source.placement, short(begin)));
         }
         number
     }

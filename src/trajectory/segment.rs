@@ -332,6 +332,7 @@ impl Segment {
         }
     }
 
+    #[inline(always)]
     fn restrict_straight(&self, from: f64, to: f64) -> Restriction {
         let duration = self.end - self.start;
         let (a, b) = ((from - self.start) / duration, (to - self.start) / duration);
@@ -472,6 +473,13 @@ impl Segment {
             .abs()
             .max(self.control_points[2].abs());
         bend.max_element() <= 0.0
+    }
+
+    /// Returns where a straight motion is at two instants (s) relative to its origin, m, and a bound on the error
+    /// of both.
+    pub(crate) fn straight_between(&self, (from, to): (f64, f64)) -> ([DVec3; 2], f64) {
+        let Restriction { points, error } = self.restrict_straight(from, to);
+        ([points[0], points[3]], error)
     }
 
     /// Returns the velocity of a straight motion, m/s.
