@@ -15,7 +15,7 @@ use crate::hitbox::Hitbox;
 use crate::id::BodyId;
 use crate::layers::Layers;
 use crate::scene::Body;
-use crate::trajectory::Trajectory;
+use crate::trajectory::{Segment, Trajectory};
 use crate::window::Window;
 
 impl Monitor {
@@ -256,6 +256,14 @@ impl Monitor {
                 drop(self.take_out(id)?);
                 continue;
             }
+            if let Some(turn) = revision.turn.take() {
+                if let Some(layers) = revision.layers {
+                    self.scene.set_layers(id, layers)?;
+                }
+                self.turn(id, (turn.from, &turn.line))?;
+                self.search.find_partners(&self.scene, Some(id.slot));
+                continue;
+            }
             if let Some(trajectory) = &mut revision.trajectory {
                 self.scene.swap_trajectory(id, trajectory)?;
                 self.watch_plan_end(id);
@@ -387,7 +395,18 @@ impl Monitor {
         self.renew(other)
     }
 
-    pub(super) const fn count_change(&mut self) {
+    /// Has a body turn to a straight motion from an instant (s) on, which its plan can do.
+    pub(super) fn turn(&mut self, id: BodyId, (from, line): (f64, &Segment)) -> Result<(), Error> {
+        let terms = self.terms()?;
+        let (window, since) = (terms.window, terms.forget_before);
+        let turned = self.scene.turn(id, (from, line, since))?;
+        self.search.replan(id.slot, turned, window)?;
+        self.plan_ends.set(id.slot, f64::INFINITY);
+        self.count_change();
+        Ok(())
+    }
+
+    const fn count_change(&mut self) {
         self.changed_bodies += 1;
         self.review.changes += 1;
     }

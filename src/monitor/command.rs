@@ -8,7 +8,7 @@ use crate::id::BodyId;
 use crate::layers::Layers;
 use crate::parallel;
 use crate::scene::{Body, Scene};
-use crate::trajectory::Trajectory;
+use crate::trajectory::{Segment, Trajectory};
 use crate::window::Window;
 
 /// One change to a monitor's scene, for [`Monitor::apply`](crate::Monitor::apply) or to be sent to a
@@ -118,6 +118,8 @@ pub(super) struct PendingChange {
     pub(super) id: BodyId,
     pub(super) is_removed: bool,
     pub(super) trajectory: Option<Trajectory>,
+    /// The body's own plan is turned to a straight motion, and nothing else of it is replaced.
+    pub(super) turn: Option<PendingTurn>,
     /// The trajectory is a plan yet, which what has been flown must precede.
     splice: Option<PendingSplice>,
     /// From when on the body follows its last plan, if that came too late for what it asked, s.
@@ -130,6 +132,14 @@ pub(super) struct PendingChange {
     /// None once it is taken, and of what is removed.
     pub(super) flight: Option<MonitoredBody>,
     refusal: Option<Rejection>,
+}
+
+/// A straight motion, from an instant (s) on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PendingTurn {
+    pub(super) from: f64,
+    pub(super) line: Segment,
+    command: usize,
 }
 
 /// From when on a plan is followed (none: the last knot of the one before), s.
@@ -242,13 +252,24 @@ impl CommandBatch {
             Command::Insert(_) | Command::IgnorePair(..) | Command::UnignorePair(..) => {}
             Command::Remove(_) => revision.is_removed = true,
             Command::SetTrajectory(_, trajectory) => {
+                revision.turn_to_splice();
                 revision.splice(scene, terms)?;
                 revision.trajectory = Some(trajectory);
                 revision.late = None;
             }
             Command::SetHitbox(_, hitbox) => revision.hitbox = Some(hitbox),
             Command::SetLayers(_, layers) => revision.layers = Some(layers),
-            Command::Replan(_, from, plan) => revision.follow(scene, Some(from), plan, terms)?,
+            Command::Replan(_, from, plan) => match plan.line() {
+                Some((&line, _)) if revision.trajectory.is_none() && revision.turn.is_none() => {
+                    let command = number;
+                    revision.turn = Some(PendingTurn {
+                        from,
+                        line,
+                        command,
+                    });
+                }
+                _ => revision.follow(scene, Some(from), plan, terms)?,
+            },
             Command::Extend(_, plan) => revision.follow(scene, None, plan, terms)?,
         }
         Ok(())
@@ -306,6 +327,7 @@ impl PendingChange {
             id,
             is_removed: false,
             trajectory: None,
+            turn: None,
             splice: None,
             late: None,
             hitbox: None,
@@ -333,6 +355,7 @@ impl PendingChange {
         plan: Trajectory,
         terms: &ChangeContext<'_>,
     ) -> Result<(), Rejection> {
+        self.turn_to_splice();
         self.splice(scene, terms)?;
         let flown = self.trajectory.replace(plan);
         self.splice = Some(PendingSplice {
@@ -343,6 +366,36 @@ impl PendingChange {
         flown.map_or(Ok(()), |flown| {
             self.precede_by(&flown, self.body(scene)?.tag, terms)
         })
+    }
+
+    /// Takes the straight motion for a plan like any other: there is more to it.
+    fn turn_to_splice(&mut self) {
+        if let Some(turn) = self.turn.take() {
+            self.trajectory = Some(Trajectory::of_line(turn.line));
+            self.splice = Some(PendingSplice {
+                from: Some(turn.from),
+                command: turn.command,
+            });
+        }
+    }
+
+    /// Returns true if the body's own plan can be turned; notes from when on (s) that is.
+    fn can_turn(&mut self, body: &Body, terms: &ChangeContext<'_>) -> Result<bool, Rejection> {
+        let Some(turn) = &mut self.turn else {
+            return Ok(false);
+        };
+        let (flown, plan) = (&body.trajectory, Trajectory::of_line(turn.line));
+        let from = terms.follows_from(flown, &plan, turn.from);
+        let from = from.map_err(|error| Rejection {
+            command: turn.command,
+            error: error.in_body(body.tag),
+        })?;
+        let can = self.hitbox.is_none() && flown.can_turn(from, &turn.line, terms.window);
+        if can {
+            self.late = Some(from).filter(|from| turn.from < *from);
+            turn.from = from;
+        }
+        Ok(can)
     }
 
     /// Lets the body's own trajectory precede the plan, if that is still to be done.
@@ -380,6 +433,10 @@ impl PendingChange {
     /// Works out what becomes of the body.
     fn settle(&mut self, scene: &Scene, terms: &ChangeContext<'_>) -> Result<(), Rejection> {
         let body = self.body(scene)?;
+        if !self.is_removed && self.can_turn(body, terms)? {
+            return Ok(());
+        }
+        self.turn_to_splice();
         self.splice(scene, terms)?;
         if !self.is_removed {
             let trajectory = self.trajectory.as_ref().unwrap_or(&body.trajectory);

@@ -183,8 +183,6 @@ impl Monitor {
 
     /// Lets it take effect. Nothing is refused.
     fn take_motions(&mut self, tracked: &mut [TrackedMotion]) -> Result<(), Error> {
-        let terms = self.terms()?;
-        let (window, since) = (terms.window, terms.forget_before);
         for place in 0..tracked.len() {
             self.prefetch_motion(tracked, place);
             let TrackedMotion { id, from, line, .. } = tracked[place];
@@ -198,12 +196,10 @@ impl Monitor {
                 let (mut plan, flight) = *replanned;
                 self.scene.swap_trajectory(id, &mut plan)?;
                 self.place(id, Some(flight));
+                self.plan_ends.set(id.slot, f64::INFINITY);
             } else {
-                let turned = self.scene.turn(id, (from, &line, since))?;
-                self.search.replan(id.slot, turned, window)?;
-                self.count_change();
+                self.turn(id, (from, &line))?;
             }
-            self.plan_ends.set(id.slot, f64::INFINITY);
         }
         Ok(())
     }

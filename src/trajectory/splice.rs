@@ -158,14 +158,11 @@ impl Trajectory {
             return false;
         };
         let carrier = &plan.segments.beside()[1];
-        let is_cut_once = plan.after == Outside::Coast
-            && line.start() <= from
-            && last < from
-            && from <= last + (carrier.end() - carrier.start());
+        let goes_on = plan.after == Outside::Coast && line.start() <= from && last < from;
         let begins = plan.before == Outside::Absent || plan.knots[0] < window.start();
         let number = plan.knots().len();
         let mut reached = from;
-        is_cut_once
+        goes_on
             && begins
             && check_reach(&carrier.straight(), (last, from), number - 1).is_ok()
             && DoublingCuts::of(from, line.end() - line.start(), window.end().next_up()).all(
@@ -184,8 +181,13 @@ impl Trajectory {
             // Told twice, it turns there already.
             if plan.knots.last().is_some_and(|&last| last < from) {
                 let carrier = plan.segments.beside()[1].straight();
-                plan.segments.push(carrier);
-                plan.knots.push(one_zero(from));
+                let step = carrier.end() - carrier.start();
+                let last = plan.knots[plan.knots.len() - 1];
+                let cuts = DoublingCuts::of(last, step, from).but_last();
+                for knot in cuts.chain(once(one_zero(from))) {
+                    plan.segments.push(carrier);
+                    plan.knots.push(knot);
+                }
             }
             plan.segments.put_beside(1, *line);
             plan.forget_before(since);
