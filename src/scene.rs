@@ -40,15 +40,16 @@ struct Slot {
 ///
 /// # Memory
 ///
-/// A body takes about 950 bytes, and 230 per segment: a million bodies with plans of 8 segments
-/// take 2.8 GB. Motion beyond the knots ([`Outside`](crate::Outside)) takes no memory of its own.
+/// A body takes about 1,000 bytes, and 230 per segment: a million bodies with plans of 8 segments
+/// take 2.9 GB. Motion beyond the knots ([`Outside`](crate::Outside)) takes no memory of its own. A body at
+/// rest, or one that coasts from a single state, takes its record only.
 ///
 /// | per body | bytes |
 /// |---|---|
-/// | record of the body | 310 |
+/// | record of the body | 390 |
 /// | end motions before and after its plan | 260 |
 /// | room for two more segments in front, for a monitor's splices | 270 |
-/// | lists | 110 |
+/// | lists | 80 |
 ///
 /// | per segment | bytes |
 /// |---|---|
@@ -62,10 +63,10 @@ struct Slot {
 /// MiB), live data is moved to new memory and the rest is returned to the system. A monitor's
 /// replans copy nothing. Apart from those, at most five times the bodies' need and 3 MiB are
 /// written at any time. The last allocation has an unwritten end, as large as the data in use, up
-/// to 32 MiB. An empty scene holds none. Slots of 310 bytes, for the largest number of bodies so
+/// to 32 MiB. An empty scene holds none. Slots of 390 bytes, for the largest number of bodies so
 /// far, are reused and freed with the scene.
 ///
-/// A screening adds some 310 bytes a body. For each thread it adds at most 64 MiB of boxes (64
+/// A screening adds some 320 bytes a body. For each thread it adds at most 64 MiB of boxes (64
 /// bytes each, for up to 2^20 boxes, or one slice if that has more). It also adds 40 to 130 bytes a
 /// box of one slice for the sweep, 8 for each of a slice's candidates, and 16 for each span that is
 /// solved. Boxes, candidates and the sweep's lists are reused by the next screening.

@@ -74,6 +74,19 @@ fn of_scene(segments: u32) -> f64 {
     shares.skip(100).fold(f64::INFINITY, f64::min)
 }
 
+/// Of a scene of bodies that coast from a single state.
+fn of_straight() -> f64 {
+    const BODIES: u32 = 4_096;
+    let before = USED.load(Ordering::Relaxed);
+    let mut scene = Scene::new();
+    for number in 0..BODIES {
+        let place = 1e3 * DVec3::new(f64::from(number % 64), f64::from(number / 64), 0.0);
+        let motion = Trajectory::coasting(State::new(0.0, place, DVec3::X)).unwrap();
+        scene.insert(Body::new(motion)).unwrap();
+    }
+    share(before, BODIES)
+}
+
 /// What a screening beyond the plans' ends leaves in a scene of bodies that go on there, or do not.
 fn of_screening(segments: u32, outside: Outside) -> f64 {
     const BODIES: u32 = 2_000;
@@ -112,12 +125,13 @@ fn figures_are_as_documented() {
     };
     for segments in [1, 8, 20] {
         let many = f64::from(segments);
-        is("a body", of_scene(segments), 950.0 + 230.0 * many);
+        is("a body", of_scene(segments), 1000.0 + 230.0 * many);
         // What a body does beyond its knots takes nothing.
         let beyond =
             of_screening(segments, Outside::Coast) - of_screening(segments, Outside::Absent);
         assert!(beyond.abs() <= 50.0, "{beyond}");
     }
+    is("a body of one state", of_straight(), 390.0);
     is("monitored", of_monitor(8, Outside::Absent), 1100.0);
     let coasting = of_monitor(8, Outside::Coast);
     is("monitored and coasting", coasting, 1100.0);

@@ -7,6 +7,7 @@
 
 use super::request::{Request, Ticket};
 use crate::id::BodyId;
+use crate::scene::BodyState;
 use crate::trajectory::Trajectory;
 use crossbeam_channel::{Sender, TrySendError};
 use std::fmt;
@@ -146,6 +147,17 @@ impl Handle {
         }
         // Still held: the thread does not empty the queue for the last time before this is in it.
         self.try_send(request)
+    }
+
+    /// Has each of these bodies follow a straight motion from its state, from `now` (s) on: see
+    /// [`Monitor::track`](crate::Monitor::track). Never blocks.
+    ///
+    /// # Errors
+    ///
+    /// As [`send`](Self::send). What [`Monitor::track`](crate::Monitor::track) refuses comes as
+    /// [`ReportKind::Refused`](super::ReportKind::Refused).
+    pub fn track(&self, now: f64, states: Vec<(BodyId, BodyState)>) -> Result<Ticket, Unsent> {
+        self.send(Request::Track(now, states))
     }
 
     /// Moves the clock to `now` (s). Never blocks.

@@ -2,6 +2,7 @@
 
 use crate::id::BodyId;
 use crate::monitor::Command;
+use crate::scene::BodyState;
 use crate::trajectory::Trajectory;
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, VecDeque};
@@ -29,6 +30,9 @@ pub enum Request {
     Change(Command),
     /// Several changes that take effect together, or not at all.
     Batch(Vec<Command>),
+    /// From a time (s) on these bodies follow straight motions from their states: see
+    /// [`Monitor::track`](crate::Monitor::track).
+    Track(f64, Vec<(BodyId, BodyState)>),
     /// The clock moves on to this time, s.
     Clock(f64),
     /// What would become of a body, at an alert level, if it followed a plan from now on? Changes nothing;
@@ -142,7 +146,7 @@ impl RequestQueue {
                 self.plans.clear();
             }
             // What is asked is about all that was requested before.
-            (Request::Batch(_) | Request::WhatIf(..), _) => self.plans.clear(),
+            (Request::Batch(_) | Request::Track(..) | Request::WhatIf(..), _) => self.plans.clear(),
             _ => {}
         }
         self.requests.push_back(Some((ticket, request)));

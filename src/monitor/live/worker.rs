@@ -174,6 +174,7 @@ impl Worker {
         let outcome = match request {
             Request::Change(command) => self.apply(ticket, [command]),
             Request::Batch(commands) => self.apply(ticket, commands),
+            Request::Track(now, states) => self.monitor.track(now, states).map(|()| None),
             Request::Clock(now) => self.tick(now).map(|()| None),
             Request::WhatIf(id, plan, level) => {
                 let conflicts = self.monitor.what_if(id, &plan, level);
