@@ -100,7 +100,7 @@ impl<'m> PreparedBodies<'m> {
 
     /// Returns a window (s) in slices of the length that suits the bodies in all of the lookahead.
     pub(super) fn usual_slices(&self, (from, to): (f64, f64)) -> TimeSlices {
-        TimeSlices::whole(from, to).with_count(((to - from) / self.table.search_length).ceil())
+        TimeSlices::whole(from, to).with_count(((to - from) / self.table.search_length).round())
     }
 
     /// Returns a window (s) in slices of the length that suits the bodies there, searched from a length (s).
