@@ -9,9 +9,36 @@ use crate::id::BodyId;
 use crate::scene::BodyState;
 use crate::trajectory::{Segment, Trajectory};
 
+/// What becomes of the bodies of one call. Its memory is used again and again.
+#[derive(Debug, Default)]
+pub(super) struct TrackedMotions {
+    /// One for each body.
+    motions: Vec<TrackedMotion>,
+    /// By slot: the place of its motion in `motions`, if that is of this slot.
+    place_of: Vec<usize>,
+}
+
+impl TrackedMotions {
+    /// Takes a motion in. It replaces that of the same body, if there is one.
+    fn put(&mut self, motion: TrackedMotion) {
+        let slot = motion.id.slot as usize;
+        if self.place_of.len() <= slot {
+            self.place_of.resize(slot + 1, 0);
+        }
+        let place = &mut self.place_of[slot];
+        match self.motions.get_mut(*place) {
+            Some(known) if known.id == motion.id => *known = motion,
+            _ => {
+                *place = self.motions.len();
+                self.motions.push(motion);
+            }
+        }
+    }
+}
+
 /// What becomes of a body.
 #[derive(Debug)]
-pub(super) struct TrackedMotion {
+struct TrackedMotion {
     id: BodyId,
     /// From when on, s.
     from: f64,
@@ -75,9 +102,9 @@ impl Monitor {
         states: impl Iterator<Item = (BodyId, BodyState)>,
     ) -> Result<(), Error> {
         let mut tracked = std::mem::take(&mut self.tracked);
-        tracked.clear();
+        tracked.motions.clear();
         let done = self.list_motions(now, states, &mut tracked);
-        let done = done.and_then(|()| self.take_motions(&mut tracked));
+        let done = done.and_then(|()| self.take_motions(&mut tracked.motions));
         self.tracked = tracked;
         done
     }
@@ -87,7 +114,7 @@ impl Monitor {
         &self,
         now: f64,
         states: impl Iterator<Item = (BodyId, BodyState)>,
-        tracked: &mut Vec<TrackedMotion>,
+        tracked: &mut TrackedMotions,
     ) -> Result<(), Error> {
         let terms = self.terms()?;
         for (id, state) in states {
@@ -106,7 +133,7 @@ impl Monitor {
                 let flight = terms.flight(&plan, &body.hitbox, body.tag)?;
                 replanned = Some(Box::new((plan, flight)));
             }
-            tracked.push(TrackedMotion {
+            tracked.put(TrackedMotion {
                 id,
                 from,
                 line,
@@ -117,7 +144,7 @@ impl Monitor {
     }
 
     /// Lets it take effect. Nothing is refused.
-    fn take_motions(&mut self, tracked: &mut Vec<TrackedMotion>) -> Result<(), Error> {
+    fn take_motions(&mut self, motions: &mut Vec<TrackedMotion>) -> Result<(), Error> {
         let terms = self.terms()?;
         let (window, since) = (terms.window, terms.forget_before);
         for TrackedMotion {
@@ -125,7 +152,7 @@ impl Monitor {
             from,
             line,
             replanned,
-        } in tracked.drain(..)
+        } in motions.drain(..)
         {
             let flown = self.scene.body(id).map(|body| &body.trajectory);
             if flown.is_some_and(|flown| flown.follows(&line, from)) {

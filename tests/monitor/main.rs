@@ -20,6 +20,7 @@ mod scenarios;
 #[path = "../support/mod.rs"]
 mod support;
 mod threads;
+mod tracked;
 
 use nearmiss::{
     AlertLevel, Body, BodyId, Budget, Command, EncounterId, EndReason, Error, Event, EventKind,
