@@ -21,6 +21,7 @@ mod scenarios;
 mod support;
 mod threads;
 mod tracked;
+mod tracked_calls;
 
 use nearmiss::{
     AlertLevel, Body, BodyId, Budget, Command, EncounterId, EndReason, Error, Event, EventKind,
