@@ -66,9 +66,8 @@ fn an_update_equals_trajectories_that_are_set_one_by_one() {
                 let mut rng = rng(seed);
                 let (mut scene, ids) = any_scene(&mut rng, 150);
                 let mut one_by_one = scene.clone();
-                for frame in 0..6 {
+                for (frame, share) in (0..6).zip([0.05, 1.0, 0.6].into_iter().cycle()) {
                     let now = f64::from(frame) * 0.3;
-                    let share = [0.05, 1.0, 0.6][frame as usize % 3];
                     let mut states = Vec::new();
                     for &id in &ids {
                         while rng.random_bool(share * 0.9) {
