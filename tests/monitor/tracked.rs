@@ -95,7 +95,7 @@ pub(super) struct Seen {
 /// Two monitors that live the same life.
 pub(super) struct Pair {
     pub(super) tracked: Monitor,
-    replanned: Monitor,
+    pub(super) replanned: Monitor,
     pub(super) ids: Vec<BodyId>,
     followed: BTreeMap<BodyId, Followed>,
 }
@@ -409,7 +409,6 @@ fn a_monitor_that_is_told_states_equals_one_that_is_told_plans() {
     for seed in 401..421 {
         life(seed, &mut seen);
     }
-    println!("{seen:?}");
     assert!(seen.told > 10_000 && seen.unchanged > 2_000, "{seen:?}");
     assert!(seen.conflicts > 20_000 && seen.events > 5_000, "{seen:?}");
     assert!(seen.twice > 1_000 && seen.idle > 1_000, "{seen:?}");

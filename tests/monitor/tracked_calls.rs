@@ -6,6 +6,7 @@ use glam::DVec3;
 #[cfg(feature = "serde")]
 use nearmiss::Outside;
 use nearmiss::{Body, BodyId, Budget, Error, Monitor, Quantity, Scene, State, Trajectory};
+use rand::RngExt;
 
 /// A life of some ticks; the same each time.
 fn started() -> Pair {
@@ -208,4 +209,49 @@ fn trajectories_of_tracked_bodies_are_read_as_they_were_written() {
         .unwrap();
     are_same(&monitor, &pair.tracked, (0, 0));
     assert!(!monitor.conflicts(0).unwrap().is_empty());
+}
+
+/// As far, as fast and as long ago as numbers go: what one refuses, the other refuses, for the same reason.
+#[test]
+fn extreme_states_are_refused_or_followed_alike() {
+    let (mut taken, mut refused, mut failed) = (0, 0, 0);
+    for seed in 451..471 {
+        let mut rng = rng(seed);
+        let mut pair = Pair::new(&mut rng, 0.0);
+        for tick in 1..30 {
+            let now = 0.05 * f64::from(tick);
+            for _ in 0..3 {
+                let id = pair.ids[rng.random_range(0..pair.ids.len())];
+                let mut power = |least: f64, most: f64| {
+                    let size = 10_f64.powf(rng.random_range(least..most));
+                    [size, -size, 0.0][rng.random_range(0..3)]
+                };
+                let time = [now, now + power(-12.0, 18.0), power(-3.0, 299.9)];
+                let velocity = DVec3::new(power(-30.0, 3.0), power(-3.0, 299.9), 0.0);
+                let position = DVec3::new(power(-9.0, 9.0), 0.0, power(-9.0, 299.9));
+                let state = State::new(time[rng.random_range(0..3)], position, velocity);
+                let Ok(plan) = Trajectory::coasting(state) else {
+                    continue;
+                };
+                let done = pair.tracked.track(now, [(id, state)]);
+                let expected = pair.replanned.replan(id, now, plan).map(drop);
+                assert_eq!(done, expected, "{seed} {tick} {state:?}");
+                taken += usize::from(done.is_ok());
+                refused += usize::from(done.is_err());
+            }
+            let [done, expected] = [&mut pair.tracked, &mut pair.replanned].map(|monitor| {
+                let mut events = Vec::new();
+                let done = monitor.advance(now, &mut events);
+                done.map(|()| events)
+            });
+            assert_eq!(done, expected, "{seed} {tick}");
+            let bodies = pair.tracked.scene().bodies();
+            assert!(bodies.eq(pair.replanned.scene().bodies()), "{seed} {tick}");
+            if done.is_err() {
+                failed += 1;
+                break;
+            }
+        }
+    }
+    assert!(taken > 500 && refused > 20, "{taken} {refused} {failed}");
 }
