@@ -12,7 +12,9 @@
 mod support;
 
 use nearmiss::internals::{Method, QueryInternals};
-use nearmiss::{AlertLevel, Command, Monitor, Outside, Query, Scene, State, Trajectory};
+use nearmiss::{
+    AlertLevel, BodyId, Command, Monitor, Outside, Query, Scene, State, Trajectory, Window,
+};
 use rand::RngExt;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -115,6 +117,16 @@ struct Course {
     replanned: usize,
     every: usize,
     told: Told,
+    by: By,
+}
+
+/// How they are told.
+#[derive(Clone, Copy)]
+enum By {
+    /// Plan by plan.
+    Commands,
+    /// All states in one call.
+    Track,
 }
 
 impl Course {
@@ -125,6 +137,7 @@ impl Course {
         replanned: 0,
         every: 1,
         told: the_same,
+        by: By::Commands,
     };
 }
 
@@ -168,16 +181,26 @@ fn count_ticks(course: Course) -> u64 {
         // The body flies the same on: what is found of it is found again.
         let (turn, within) = (tick as usize / course.every, tick as usize % course.every);
         let count = if within == 0 { course.replanned } else { 0 };
-        let commands: Vec<Command> = plans
+        let in_turn = plans
             .iter()
             .cycle()
             .skip(turn * course.replanned % plans.len())
-            .take(count)
-            .map(|(id, flown)| Command::Replan(*id, before, (course.told)(flown, before)))
-            .collect();
+            .take(count);
+        let replan =
+            |(id, flown): &(BodyId, _)| Command::Replan(*id, before, (course.told)(flown, before));
+        let commands: Vec<Command> = match course.by {
+            By::Commands => in_turn.clone().map(replan).collect(),
+            By::Track => Vec::new(),
+        };
         events.clear();
         let counted = allocations();
-        monitor.apply(commands).unwrap();
+        match course.by {
+            By::Commands => drop(monitor.apply(commands).unwrap()),
+            By::Track => {
+                let states = in_turn.map(|(id, flown)| (*id, state_at(flown, before)));
+                monitor.track(before, states).unwrap();
+            }
+        }
         monitor
             .advance(f64::from(tick + 1) / 60.0, &mut events)
             .unwrap();
@@ -233,6 +256,60 @@ fn a_tick_with_bodies_told_frame_by_frame_allocates_nothing() {
             assert_eq!(allocations_of_ticks(course), 0, "{replanned}");
         }
     }
+}
+
+/// All of them, 30 % and few of them, each tick.
+#[test]
+fn a_tick_with_states_told_in_one_call_allocates_nothing() {
+    for replanned in [BODIES, 3 * BODIES / 10, 2] {
+        let course = Course {
+            replanned,
+            by: By::Track,
+            ..Course::UNTOLD
+        };
+        assert_eq!(allocations_of_ticks(course), 0, "{replanned}");
+    }
+}
+
+/// Each frame, by the same orbits.
+#[test]
+fn a_screening_of_an_updated_scene_allocates_no_more_than_one_of_the_same_scene() {
+    support::on_threads(1, || {
+        let mut rng = support::rng(7);
+        let mut scene = Scene::new();
+        let mut plans = Vec::new();
+        for _ in 0..300 {
+            let flown = circling(Outside::Absent, &mut rng);
+            let body = Trajectory::coasting(state_at(&flown, 0.0)).unwrap();
+            plans.push((scene.insert(nearmiss::Body::new(body)).unwrap(), flown));
+        }
+        let of_frame = |scene: &mut Scene, now: f64, is_told: bool| {
+            let window = Window::new(now, now + 2.0).unwrap();
+            let query = Query::new(window).with_margin(1.0);
+            let before = allocations();
+            if is_told {
+                let states = plans.iter().map(|(id, flown)| (*id, state_at(flown, now)));
+                scene.update(states).unwrap();
+            }
+            let during = allocations() - before;
+            assert!(!scene.screen(&query).unwrap().conflicts.is_empty());
+            (during, allocations() - before)
+        };
+        let times = || (0..120).map(|frame| f64::from(frame) / 12.0);
+        // Two rounds, after which no buffer has anything new to hold.
+        for now in times().chain(times()) {
+            of_frame(&mut scene, now, true);
+        }
+        let mut told = 0;
+        for now in times() {
+            let (update, updated) = of_frame(&mut scene, now, true);
+            let (_, unchanged) = of_frame(&mut scene, now, false);
+            assert_eq!(update, 0, "{now} s");
+            assert!(updated <= unchanged, "{now} s: {updated} {unchanged}");
+            told += unchanged;
+        }
+        assert!(told > 0, "{told}");
+    });
 }
 
 /// What a screening works in is left to the next one of the same scene; a clone begins without it.

@@ -56,7 +56,7 @@ use read::LevelCaches;
 use recording::Record;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use track::TrackedMotion;
+use track::TrackedMotions;
 
 /// Watches a scene as time passes and plans change: a clock, a lookahead, and events, of which none
 /// is lost as long as ticks keep up with the clock. (A body that is put in, taken out or replanned while a
@@ -150,7 +150,7 @@ pub struct Monitor {
     review: RescheduleTrigger,
     batch: CommandBatch,
     /// Memory of [`track`](Self::track).
-    tracked: Vec<TrackedMotion>,
+    tracked: TrackedMotions,
     readings: LevelCaches,
     /// Set from another thread to have a tick end early, as if its budget were spent.
     interrupt: Option<Arc<AtomicBool>>,
@@ -253,7 +253,7 @@ impl Monitor {
             changed_bodies: 0,
             review: RescheduleTrigger::made(scene.len(), now),
             batch: CommandBatch::default(),
-            tracked: Vec::new(),
+            tracked: TrackedMotions::default(),
             readings: LevelCaches::of_levels(levels.len()),
             interrupt: None,
             #[cfg(feature = "recording")]

@@ -9,11 +9,38 @@ use crate::error::Error;
 use crate::id::BodyId;
 use crate::parallel;
 use crate::scene::BodyState;
-use crate::trajectory::{Segment, State, Trajectory};
+use crate::trajectory::{Segment, Trajectory};
+
+/// What becomes of the bodies of one call. Its memory is used again and again.
+#[derive(Debug, Default)]
+pub(super) struct TrackedMotions {
+    /// One for each body.
+    motions: Vec<TrackedMotion>,
+    /// By slot: the place of its motion in `motions`, if that is of this slot.
+    place_of: Vec<usize>,
+}
+
+impl TrackedMotions {
+    /// Takes a motion in. It replaces that of the same body, if there is one.
+    fn put(&mut self, motion: TrackedMotion) {
+        let slot = motion.id.slot as usize;
+        if self.place_of.len() <= slot {
+            self.place_of.resize(slot + 1, 0);
+        }
+        let place = &mut self.place_of[slot];
+        match self.motions.get_mut(*place) {
+            Some(known) if known.id == motion.id => *known = motion,
+            _ => {
+                *place = self.motions.len();
+                self.motions.push(motion);
+            }
+        }
+    }
+}
 
 /// What becomes of a body.
 #[derive(Debug)]
-pub(super) struct TrackedMotion {
+struct TrackedMotion {
     id: BodyId,
     /// From when on, s.
     from: f64,
@@ -38,8 +65,9 @@ impl Monitor {
     /// state's own time; until then it keeps its old plan. That is what [`replan`](Self::replan) does for each,
     /// in one call: what a physics engine or a network tells of all bodies, each frame.
     ///
-    /// A body that is left out keeps its course. One that already follows that very motion is not changed. Of a
-    /// body that is named twice the last state counts. In steady state nothing is allocated.
+    /// A body that is left out keeps its course. One that already follows that very motion, from a state of that
+    /// very time, is not changed: leave out bodies that sleep. Of a body that is named twice the last state
+    /// counts. In steady state nothing is allocated.
     ///
     /// ```
     /// use nearmiss::glam::DVec3;
@@ -87,9 +115,9 @@ impl Monitor {
         states: impl Iterator<Item = (BodyId, BodyState)>,
     ) -> Result<(), Error> {
         let mut tracked = std::mem::take(&mut self.tracked);
-        tracked.clear();
+        tracked.motions.clear();
         let done = self.list_motions(now, states, &mut tracked);
-        let done = done.and_then(|()| self.take_motions(&mut tracked));
+        let done = done.and_then(|()| self.take_motions(&mut tracked.motions));
         self.tracked = tracked;
         done
     }
@@ -99,50 +127,49 @@ impl Monitor {
         &self,
         now: f64,
         states: impl Iterator<Item = (BodyId, BodyState)>,
-        tracked: &mut Vec<TrackedMotion>,
+        tracked: &mut TrackedMotions,
     ) -> Result<(), Error> {
         /// Bodies that one thread looks at together.
         const CHUNK: usize = 64;
+        let mut refused = Ok(());
         for (id, state) in states {
-            let (line, change) = match state.line() {
-                Ok(line) => (line, TrackedChange::Turn),
-                Err(error) => {
+            let line = state.line();
+            let is_known = (id.slot as usize) < self.scene.slots();
+            match line {
+                Ok(line) if is_known => tracked.put(TrackedMotion {
+                    id,
+                    from: now,
+                    line,
+                    change: TrackedChange::Turn,
+                }),
+                line => {
+                    // One before it may be refused as well.
                     let body = self.scene.body(id).ok_or(Error::UnknownBody { id });
-                    let error = body.map_or_else(|error| error, |body| error.in_body(body.tag));
-                    let any = Trajectory::coasting_segment(&State::default())?;
-                    (any, TrackedChange::Refused(Box::new(error)))
+                    let tag = body.map(|body| body.tag);
+                    refused =
+                        tag.and_then(|tag| line.map(drop).map_err(|error| error.in_body(tag)));
+                    break;
                 }
-            };
-            let is_refused = matches!(change, TrackedChange::Refused(_));
-            tracked.push(TrackedMotion {
-                id,
-                from: now,
-                line,
-                change,
-            });
-            if is_refused {
-                // One before it may be refused as well.
-                break;
             }
         }
+        let tracked = &mut tracked.motions;
         let terms = self.terms()?;
         let few = (tracked.len(), CommandBatch::FEW);
         parallel::for_each_chunk(tracked, CHUNK, few, |some| {
             for place in 0..some.len() {
                 self.prefetch_motion(some, place);
                 let one = &mut some[place];
-                if matches!(one.change, TrackedChange::Turn)
-                    && let Err(error) = self.work_out_motion(one, &terms)
-                {
+                if let Err(error) = self.work_out_motion(one, &terms) {
                     one.change = TrackedChange::Refused(Box::new(error));
                 }
             }
         });
-        let refused = tracked.iter_mut().find_map(|one| match &mut one.change {
-            TrackedChange::Refused(error) => Some(std::mem::replace(&mut **error, Error::NoPlan)),
-            _ => None,
-        });
-        refused.map_or(Ok(()), Err)
+        let is_refused = |one: &&mut TrackedMotion| matches!(one.change, TrackedChange::Refused(_));
+        let first = tracked.iter_mut().find(is_refused);
+        match first.map(|one| std::mem::replace(&mut one.change, TrackedChange::Turn)) {
+            Some(TrackedChange::Refused(error)) => Err(*error),
+            _ => refused,
+        }
     }
 
     /// Fetches bodies that are looked at later into the caches: they lie anywhere in memory.

@@ -22,7 +22,7 @@ pub(crate) struct CubicArena {
 }
 
 /// The lines of one compact trajectory.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct ArenaRange {
     chunk: usize,
     first: usize,
@@ -45,8 +45,11 @@ impl CubicArena {
     /// Chunks for more live lines than this are not larger, 32 MiB.
     const MANY: usize = 1 << 19;
 
-    /// Allocates a range of lines with arbitrary content.
+    /// Allocates a range of lines with arbitrary content. One without lines is nowhere: it outlives all chunks.
     pub(crate) fn take(&mut self, lines: usize) -> ArenaRange {
+        if lines == 0 {
+            return ArenaRange::default();
+        }
         if self.rest < lines || self.chunks.is_empty() {
             // Room for no fewer than are in use, unless these are many.
             let chunk = Memory::with(lines.max(self.live.clamp(Self::FEWEST, Self::MANY)));
@@ -90,10 +93,16 @@ impl CubicArena {
     }
 
     pub(crate) fn at(&self, range: &ArenaRange) -> &[Line] {
+        if range.lines == 0 {
+            return &[];
+        }
         &self.chunks[range.chunk].lines()[range.first..][..range.lines]
     }
 
     pub(crate) fn at_mut(&mut self, range: &ArenaRange) -> &mut [Line] {
+        if range.lines == 0 {
+            return &mut [];
+        }
         &mut self.chunks[range.chunk].lines_mut()[range.first..][..range.lines]
     }
 

@@ -178,16 +178,13 @@ impl Trajectory {
     pub(crate) fn turn(&mut self, from: f64, line: &Segment, since: f64) {
         if let Form::Plan(plan) = &mut self.form {
             plan.drop_piece_after();
-            // Told twice, it turns there already.
-            if plan.knots.last().is_some_and(|&last| last < from) {
-                let carrier = plan.segments.beside()[1].straight();
-                let step = carrier.end() - carrier.start();
-                let last = plan.knots[plan.knots.len() - 1];
-                let cuts = DoublingCuts::of(last, step, from).but_last();
-                for knot in cuts.chain(once(one_zero(from))) {
-                    plan.segments.push(carrier);
-                    plan.knots.push(knot);
-                }
+            let carrier = plan.segments.beside()[1].straight();
+            let step = carrier.end() - carrier.start();
+            let last = plan.knots[plan.knots.len() - 1];
+            let cuts = DoublingCuts::of(last, step, from).but_last();
+            for knot in cuts.chain(once(one_zero(from))) {
+                plan.segments.push(carrier);
+                plan.knots.push(knot);
             }
             plan.segments.put_beside(1, *line);
             plan.forget_before(since);

@@ -275,7 +275,7 @@ fn random_late_plans(seed: u64, history: f64, seen: &mut Seen) {
 /// What a monitor writes.
 #[cfg(feature = "recording")]
 #[derive(Clone, Default)]
-struct Recording(Arc<Mutex<Vec<u8>>>);
+pub(super) struct Recording(Arc<Mutex<Vec<u8>>>);
 
 #[cfg(feature = "recording")]
 impl io::Write for Recording {
@@ -290,14 +290,14 @@ impl io::Write for Recording {
 
 #[cfg(feature = "recording")]
 impl Recording {
-    fn of(monitor: &mut Monitor) -> Self {
+    pub(super) fn of(monitor: &mut Monitor) -> Self {
         let recording = Self::default();
         monitor.start_recording(recording.clone()).unwrap();
         recording
     }
 
     /// The events of a replay.
-    fn again(&self, monitor: &mut Monitor) -> Vec<Event> {
+    pub(super) fn again(&self, monitor: &mut Monitor) -> Vec<Event> {
         monitor.stop_recording().unwrap();
         let bytes = self.0.lock().unwrap();
         let mut replay = Replay::open(&bytes[..]).unwrap();

@@ -20,6 +20,8 @@ mod scenarios;
 #[path = "../support/mod.rs"]
 mod support;
 mod threads;
+mod tracked;
+mod tracked_calls;
 
 use nearmiss::{
     AlertLevel, Body, BodyId, Budget, Command, EncounterId, EndReason, Error, Event, EventKind,

@@ -1,0 +1,257 @@
+//! Calls of `track` that are refused, that name a body twice, and what remains of it on paper.
+
+use super::support::rng;
+use super::tracked::{LEVELS, LOOKAHEAD, Pair, Seen, any_state, are_same};
+use glam::DVec3;
+#[cfg(feature = "serde")]
+use nearmiss::Outside;
+use nearmiss::{Body, BodyId, Budget, Error, Monitor, Quantity, Scene, State, Trajectory};
+use rand::RngExt;
+
+/// A life of some ticks; the same each time.
+fn started() -> Pair {
+    let (mut rng, mut seen) = (rng(431), Seen::default());
+    let mut pair = Pair::new(&mut rng, 0.0);
+    for tick in 1..20 {
+        let next = 0.05 * f64::from(tick);
+        pair.tell_any(&mut rng, next, &mut seen);
+        pair.advance(next, Budget::Unlimited);
+    }
+    assert!(seen.told > 100, "{seen:?}");
+    pair
+}
+
+/// Returns states that are refused, with the error's number and value.
+fn refused_states() -> Vec<(State, Quantity, f64)> {
+    let [nan, inf] = [f64::NAN, f64::INFINITY];
+    let of = |position, velocity| State::new(1.0, position, velocity);
+    vec![
+        (
+            of(DVec3::ZERO, DVec3::new(0.0, nan, 0.0)),
+            Quantity::Velocity(1),
+            nan,
+        ),
+        (
+            of(DVec3::X, DVec3::new(0.0, 0.0, inf)),
+            Quantity::Velocity(2),
+            inf,
+        ),
+        (
+            of(DVec3::new(0.0, 0.0, -inf), DVec3::X),
+            Quantity::Position(2),
+            -inf,
+        ),
+        (
+            of(DVec3::new(-1e301, 0.0, 0.0), DVec3::X),
+            Quantity::Position(0),
+            -1e301,
+        ),
+        (State::new(nan, DVec3::ZERO, DVec3::X), Quantity::Time, nan),
+        (
+            State::new(1e301, DVec3::ZERO, DVec3::X),
+            Quantity::Time,
+            1e301,
+        ),
+    ]
+}
+
+fn refusal(quantity: Quantity, value: f64) -> Error {
+    if value.is_finite() {
+        Error::OutOfRange {
+            knot: 0,
+            quantity,
+            value,
+        }
+    } else {
+        Error::NotFinite {
+            knot: 0,
+            quantity,
+            value,
+        }
+    }
+}
+
+/// In the middle of states that are fine. (Errors are compared as text, since no NaN equals another one.)
+#[test]
+fn a_call_with_a_state_that_is_refused_changes_nothing() {
+    let mut asked = started();
+    let mut never = started();
+    let mut rng = rng(432);
+    let clock = asked.tracked.now();
+    let now = clock + 0.05;
+    let fresh: Vec<(BodyId, State)> = asked
+        .ids
+        .iter()
+        .filter(|id| asked.plan(**id).position(now).is_some())
+        .map(|&id| (id, any_state(&mut rng, now)))
+        .collect();
+    assert!(fresh.len() > 20);
+    let middle = fresh.len() / 2;
+    let id = fresh[middle].0;
+    let tag_of = |pair: &Pair, id| pair.tracked.scene().body(id).unwrap().tag;
+    let mut calls = Vec::new();
+    for (state, quantity, value) in refused_states() {
+        let mut states = fresh.clone();
+        states[middle].1 = state;
+        let error = refusal(quantity, value).in_body(tag_of(&asked, id));
+        calls.push((now, states, error));
+    }
+    let first = tag_of(&asked, fresh[0].0);
+    for now in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let error = Error::NoPlanAt { time: now }.in_body(first);
+        calls.push((now, fresh.clone(), error));
+    }
+    // It has no plan at that time.
+    let position = DVec3::ZERO;
+    let short = [-3.0, -2.0].map(|time| State::new(time, position, DVec3::X));
+    let short = Body::new(Trajectory::from_states(&short).unwrap()).with_tag(77);
+    let mut gone = None;
+    for pair in [&mut asked, &mut never] {
+        let absent = pair.tracked.insert(short.clone()).unwrap();
+        let removed = pair.tracked.insert(short.clone()).unwrap();
+        pair.tracked.remove(removed).unwrap();
+        gone = Some((absent, removed));
+        pair.tracked.advance(clock, &mut Vec::new()).unwrap();
+    }
+    let (absent, removed) = gone.unwrap();
+    let errors = [
+        (absent, Error::NoPlanAt { time: now }.in_body(77)),
+        (removed, Error::UnknownBody { id: removed }),
+    ];
+    for (id, error) in errors {
+        let mut states = fresh.clone();
+        states.insert(middle, (id, State::new(now, position, DVec3::X)));
+        calls.push((now, states, error));
+    }
+    for (now, states, error) in calls {
+        let refused = asked.tracked.track(now, states).unwrap_err();
+        assert_eq!(format!("{refused:?}"), format!("{error:?}"));
+        are_same(&asked.tracked, &never.tracked, (0, 0));
+        for (id, body) in never.tracked.scene().bodies() {
+            assert_eq!(asked.tracked.scene().body(id), Some(body), "{error}");
+        }
+    }
+    // The next ticks are those of a monitor that was never asked.
+    for (tick, told) in [(0, 0), (1, fresh.len()), (2, 0)] {
+        let [events, expected] = [&mut asked, &mut never].map(|pair| {
+            let monitor = &mut pair.tracked;
+            monitor.track(now, fresh[..told].iter().copied()).unwrap();
+            let mut events = Vec::new();
+            let next = clock + 0.1 * f64::from(tick + 1);
+            monitor.advance(next, &mut events).unwrap();
+            assert_eq!(monitor.stats().changed, told as u64);
+            events
+        });
+        assert_eq!(events, expected);
+        are_same(&asked.tracked, &never.tracked, (0, tick));
+        assert!(!asked.tracked.conflicts(0).unwrap().is_empty());
+    }
+}
+
+/// The first of them begins later than the instant it is told for; the last is what the body does already, or
+/// turns it anew.
+#[test]
+fn of_a_body_that_is_named_twice_the_last_state_counts() {
+    let mut scene = Scene::new();
+    let (position, velocity) = (DVec3::X, DVec3::Y);
+    let known = State::new(0.0, position, velocity);
+    let body = Body::new(Trajectory::coasting(known).unwrap());
+    let id = scene.insert(body).unwrap();
+    let mut monitor = Monitor::new(scene, 0.0, LOOKAHEAD, &LEVELS).unwrap();
+    let later = State::new(5.0, -9.0 * position, velocity);
+    for (now, last, changed) in [
+        (1.0, known, 0),
+        (2.0, State::new(2.0, position, velocity), 1),
+        (3.0, State::new(3.0, position, -velocity), 1),
+    ] {
+        monitor.track(now, [(id, later), (id, last)]).unwrap();
+        let plan = &monitor.scene().body(id).unwrap().trajectory;
+        for time in [now, now + 1.0, 9.0] {
+            let expected = last.position + (time - last.time) * last.velocity;
+            assert_eq!(plan.position(time), Some(expected), "{now}");
+        }
+        monitor.advance(now, &mut Vec::new()).unwrap();
+        assert_eq!(monitor.stats().changed, changed, "{now}");
+    }
+}
+
+/// Plans that were turned in place, written down and read again.
+#[cfg(feature = "serde")]
+#[test]
+fn trajectories_of_tracked_bodies_are_read_as_they_were_written() {
+    let mut pair = started();
+    let now = pair.tracked.now();
+    let (mut rng, mut seen) = (rng(433), Seen::default());
+    for now in [now + 0.05, now + 0.1] {
+        let there = pair
+            .ids
+            .iter()
+            .filter(|id| pair.plan(**id).position(now).is_some());
+        let states: Vec<_> = there.map(|&id| (id, any_state(&mut rng, now))).collect();
+        pair.tell(now, &states, &mut seen);
+        pair.advance(now, Budget::Unlimited);
+    }
+    let (mut read, mut turned) = (Scene::new(), 0);
+    for (_, body) in pair.tracked.scene().bodies() {
+        let written = serde_json::to_string(&body.trajectory).unwrap();
+        let trajectory: Trajectory = serde_json::from_str(&written).unwrap();
+        assert_eq!(trajectory, body.trajectory);
+        let is_turned = !trajectory.segments().is_empty();
+        turned += usize::from(is_turned && trajectory.outside_after() == Outside::Coast);
+        let mut body = body.clone();
+        body.trajectory = trajectory;
+        read.insert(body).unwrap();
+    }
+    assert!(turned > 20, "{turned}");
+    let mut monitor = Monitor::new(read, pair.tracked.now(), LOOKAHEAD, &LEVELS).unwrap();
+    monitor
+        .advance(pair.tracked.now(), &mut Vec::new())
+        .unwrap();
+    are_same(&monitor, &pair.tracked, (0, 0));
+    assert!(!monitor.conflicts(0).unwrap().is_empty());
+}
+
+/// As far, as fast and as long ago as numbers go: what one refuses, the other refuses, for the same reason.
+#[test]
+fn extreme_states_are_refused_or_followed_alike() {
+    let (mut taken, mut refused, mut failed) = (0, 0, 0);
+    for seed in 451..471 {
+        let mut rng = rng(seed);
+        let mut pair = Pair::new(&mut rng, 0.0);
+        for tick in 1..30 {
+            let now = 0.05 * f64::from(tick);
+            for _ in 0..3 {
+                let id = pair.ids[rng.random_range(0..pair.ids.len())];
+                let mut power = |least: f64, most: f64| {
+                    let size = 10_f64.powf(rng.random_range(least..most));
+                    [size, -size, 0.0][rng.random_range(0..3)]
+                };
+                let time = [now, now + power(-12.0, 18.0), power(-3.0, 299.9)];
+                let velocity = DVec3::new(power(-30.0, 3.0), power(-3.0, 299.9), 0.0);
+                let position = DVec3::new(power(-9.0, 9.0), 0.0, power(-9.0, 299.9));
+                let state = State::new(time[rng.random_range(0..3)], position, velocity);
+                let Ok(plan) = Trajectory::coasting(state) else {
+                    continue;
+                };
+                let done = pair.tracked.track(now, [(id, state)]);
+                let expected = pair.replanned.replan(id, now, plan).map(drop);
+                assert_eq!(done, expected, "{seed} {tick} {state:?}");
+                taken += usize::from(done.is_ok());
+                refused += usize::from(done.is_err());
+            }
+            let [done, expected] = [&mut pair.tracked, &mut pair.replanned].map(|monitor| {
+                let mut events = Vec::new();
+                let done = monitor.advance(now, &mut events);
+                done.map(|()| events)
+            });
+            assert_eq!(done, expected, "{seed} {tick}");
+            let bodies = pair.tracked.scene().bodies();
+            assert!(bodies.eq(pair.replanned.scene().bodies()), "{seed} {tick}");
+            if done.is_err() {
+                failed += 1;
+                break;
+            }
+        }
+    }
+    assert!(taken > 500 && refused > 20, "{taken} {refused} {failed}");
+}

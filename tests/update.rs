@@ -1,0 +1,207 @@
+//! States of many bodies told to a scene in one call, against trajectories that are set one by one.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "a scene that cannot be built fails the test"
+)]
+
+mod support;
+
+use nearmiss::glam::DVec3;
+use nearmiss::{
+    Accuracy, Body, BodyId, BodyState, Error, Hitbox, Outside, Quantity, Query, Scene, State,
+    Trajectory, Window,
+};
+use rand::RngExt;
+use rand::rngs::ChaCha8Rng;
+use support::{bits, line, on_threads, rng, screen, vector, wander};
+
+const CUBE: f64 = 20.0;
+
+fn any_state(rng: &mut ChaCha8Rng, now: f64) -> State {
+    let (position, velocity) = (vector(rng, CUBE / 2.0), vector(rng, 3.0));
+    match rng.random_range(0..12) {
+        0 => State::new(now - 1e9, position, DVec3::ZERO),
+        1 => State::new(now, position + 1e9 * DVec3::Y, velocity),
+        2 => State::new(now - 1e-9, position, velocity),
+        3 => State::new(now + 7.0, position, velocity),
+        _ => State::new(now, position, velocity),
+    }
+}
+
+/// Splines absent outside, splines that coast, bodies at rest, and bodies of one state.
+fn any_scene(rng: &mut ChaCha8Rng, count: u64) -> (Scene, Vec<BodyId>) {
+    let mut scene = Scene::new();
+    let ids = (0..count).map(|tag| {
+        let states = wander(rng, -5.0, 12, 1.0, CUBE, 3.0);
+        let plan = match tag % 4 {
+            0 => Trajectory::from_states(&states).unwrap(),
+            1 => {
+                let plan = Trajectory::from_states(&states).unwrap();
+                plan.with_outside(Outside::Coast)
+            }
+            2 => Trajectory::at_rest(states[0].position).unwrap(),
+            _ => Trajectory::coasting(states[0]).unwrap(),
+        };
+        let hitbox = Hitbox::sphere(rng.random_range(0.0..0.4)).unwrap();
+        let body = Body::new(plan).with_hitbox(hitbox).with_tag(tag);
+        scene.insert(body).unwrap()
+    });
+    let ids = ids.collect();
+    (scene, ids)
+}
+
+fn found(scene: &Scene, now: f64, accuracy: Accuracy) -> Vec<Vec<u64>> {
+    let window = Window::new(now - 1.0, now + 4.0).unwrap();
+    let query = Query::new(window).with_margin(1.0).with_accuracy(accuracy);
+    bits(&scene.screen(&query).unwrap().conflicts)
+}
+
+#[test]
+fn an_update_equals_trajectories_that_are_set_one_by_one() {
+    for threads in [1, 2] {
+        on_threads(threads, || {
+            let (mut conflicts, mut twice) = (0, 0);
+            for seed in 441..447 {
+                let mut rng = rng(seed);
+                let (mut scene, ids) = any_scene(&mut rng, 150);
+                let mut one_by_one = scene.clone();
+                for (frame, share) in (0..6).zip([0.05, 1.0, 0.6].into_iter().cycle()) {
+                    let now = f64::from(frame) * 0.3;
+                    let mut states = Vec::new();
+                    for &id in &ids {
+                        while rng.random_bool(share * 0.9) {
+                            states.push((id, any_state(&mut rng, now)));
+                        }
+                    }
+                    // Some are told a second time at the end, and some of the splines come back.
+                    for _ in 0..5 {
+                        let id = ids[rng.random_range(0..ids.len())];
+                        states.push((id, any_state(&mut rng, now)));
+                        let plan = wander(&mut rng, now - 2.0, 6, 1.0, CUBE, 3.0);
+                        let plan = Trajectory::from_states(&plan).unwrap();
+                        let id = ids[rng.random_range(0..ids.len())];
+                        scene.set_trajectory(id, plan.clone()).unwrap();
+                        one_by_one.set_trajectory(id, plan).unwrap();
+                    }
+                    let mut named: Vec<BodyId> = states.iter().map(|(id, _)| *id).collect();
+                    named.sort_unstable();
+                    named.dedup();
+                    twice += states.len() - named.len();
+                    scene.update(states.iter().copied()).unwrap();
+                    for &(id, state) in &states {
+                        let plan = Trajectory::coasting(state).unwrap();
+                        one_by_one.set_trajectory(id, plan).unwrap();
+                    }
+                    assert!(scene.bodies().eq(one_by_one.bodies()), "{seed} {frame}");
+                    // A clone has worked out nothing of the scene before.
+                    let scenes = [&scene, &one_by_one, &scene.clone()];
+                    for accuracy in [Accuracy::Exact, Accuracy::Certified] {
+                        let [updated, expected, anew] =
+                            scenes.map(|scene| found(scene, now, accuracy));
+                        assert_eq!(updated, expected, "{seed} {frame} {accuracy:?}");
+                        assert_eq!(anew, expected, "{seed} {frame} {accuracy:?}");
+                        conflicts += updated.len();
+                    }
+                }
+            }
+            assert!(conflicts > 2_000 && twice > 1_000, "{conflicts} {twice}");
+        });
+    }
+}
+
+#[test]
+fn an_update_of_no_body_changes_nothing() {
+    let (mut scene, _) = any_scene(&mut rng(451), 60);
+    let before = scene.clone();
+    scene.update([] as [(BodyId, State); 0]).unwrap();
+    assert!(scene.bodies().eq(before.bodies()));
+    let conflicts = found(&scene, 0.0, Accuracy::Exact);
+    assert!(!conflicts.is_empty());
+    assert_eq!(conflicts, found(&before, 0.0, Accuracy::Exact));
+    Scene::new().update([] as [(BodyId, BodyState); 0]).unwrap();
+}
+
+/// In the middle of states that are fine. (Errors are compared as text, since no NaN equals another one.)
+#[test]
+fn an_update_that_is_refused_changes_nothing() {
+    let mut rng = rng(452);
+    let (mut scene, ids) = any_scene(&mut rng, 60);
+    let removed = scene.insert(Body::new(line(0.0, 1.0, DVec3::X, DVec3::X)));
+    let removed = removed.unwrap();
+    scene.remove(removed).unwrap();
+    let before = scene.clone();
+    let expected = found(&before, 0.0, Accuracy::Exact);
+    assert!(!expected.is_empty());
+    let not_finite = |quantity, value| Error::NotFinite {
+        knot: 0,
+        quantity,
+        value,
+    };
+    let (nan, inf) = (f64::NAN, f64::INFINITY);
+    let at = |position, velocity| State::new(0.0, position, velocity);
+    let too_large = Error::OutOfRange {
+        knot: 0,
+        quantity: Quantity::Position(2),
+        value: 1e301,
+    };
+    let refused = [
+        (
+            ids[30],
+            at(DVec3::ZERO, DVec3::new(0.0, nan, 0.0)),
+            not_finite(Quantity::Velocity(1), nan).in_body(30),
+        ),
+        (
+            ids[31],
+            at(DVec3::new(-inf, 0.0, 0.0), DVec3::X),
+            not_finite(Quantity::Position(0), -inf).in_body(31),
+        ),
+        (
+            ids[32],
+            at(DVec3::new(0.0, 0.0, 1e301), DVec3::X),
+            too_large.in_body(32),
+        ),
+        (
+            ids[33],
+            State::new(nan, DVec3::ZERO, DVec3::X),
+            not_finite(Quantity::Time, nan).in_body(33),
+        ),
+        (
+            removed,
+            at(DVec3::ZERO, DVec3::X),
+            Error::UnknownBody { id: removed },
+        ),
+    ];
+    for (id, state, error) in refused {
+        let fine = ids.iter().map(|&id| (id, at(DVec3::ZERO, DVec3::Z)));
+        let mut states: Vec<_> = fine.collect();
+        states.insert(30, (id, state));
+        let done = scene.update(states).unwrap_err();
+        assert_eq!(format!("{done:?}"), format!("{error:?}"));
+        assert!(scene.bodies().eq(before.bodies()), "{error}");
+        assert_eq!(found(&scene, 0.0, Accuracy::Exact), expected, "{error}");
+    }
+}
+
+/// Their summaries take no room: none is left behind by the last one that did.
+#[test]
+fn a_scene_without_any_spline_left_can_be_screened_and_cloned() {
+    let window = Window::new(0.0, 9.0).unwrap();
+    let rest = |x: f64| Body::new(Trajectory::at_rest(x * DVec3::X).unwrap());
+    let spline = || Body::new(line(0.0, 9.0, DVec3::Y, DVec3::X));
+    let mut scene = Scene::new();
+    let first = scene.insert(spline()).unwrap();
+    scene.insert(rest(0.0)).unwrap();
+    scene.insert(rest(1.0)).unwrap();
+    let second = scene.insert(spline()).unwrap();
+    scene.remove(first).unwrap();
+    let state = State::new(0.0, 9.0 * DVec3::X, DVec3::ZERO);
+    scene.update([(second, state)]).unwrap();
+    for scene in [&scene, &scene.clone()] {
+        assert_eq!(screen(scene, window, 1.5).len(), 1);
+    }
+    // Nor does what comes then stand in their place.
+    scene.insert(spline()).unwrap();
+    assert_eq!(screen(&scene, window, 1.5).len(), 4);
+    assert_eq!(screen(&scene.clone(), window, 1.5).len(), 4);
+}
