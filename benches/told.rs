@@ -11,9 +11,9 @@
 //!   collision pipeline. It finds those within the margin now, and looks at nothing ahead;
 //! - `closest_approach/polycool/random`: solves of the benchmark `kernels`, the unit of the ratios.
 //!
-//! After the run a table is printed. Its ratios hold on a busy machine: solves are measured after each sample,
-//! and a sample's time is the median of its frames. (Criterion's is the mean.) Beside them are the candidates,
-//! and the conflicts, events or overlaps of a frame.
+//! After the run a table is printed: times in solves, which are measured after each sample, for the frames'
+//! mean (as criterion's) and for their median, which holds on a busier machine; then the candidates, and the
+//! conflicts, events or overlaps of a frame.
 
 #[allow(dead_code, reason = "the benchmark `kernels` uses more of it")]
 #[path = "kernels/peers.rs"]

@@ -45,10 +45,13 @@ impl Solve {
     }
 }
 
-/// Seconds of a frame, the median of some, and of a solve right after them.
+/// Seconds of frames, and of a solve right after them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Turn {
-    frame: f64,
+    /// The mean of the frames.
+    mean: f64,
+    /// The median of the frames.
+    median: f64,
     solve: f64,
 }
 
@@ -56,7 +59,8 @@ impl Turn {
     /// Measures a solve after frames that took so long each.
     pub(crate) fn new(frames: &[Duration], solve: &Solve) -> Self {
         Self {
-            frame: median(frames.iter().map(Duration::as_secs_f64)),
+            mean: frames.iter().sum::<Duration>().as_secs_f64() / frames.len() as f64,
+            median: median(frames.iter().map(Duration::as_secs_f64)),
             solve: solve.seconds(),
         }
     }
@@ -77,11 +81,16 @@ pub(crate) struct Table {
 impl Table {
     /// Adds a benchmark: its turns, and the counts of all its frames, of which there were so many.
     pub(crate) fn add(&mut self, id: &str, turns: &[Turn], frames: u64, sums: &[(u64, &str)]) {
-        let frame = 1e3 * median(turns.iter().map(|turn| turn.frame));
+        let frame = 1e3 * median(turns.iter().map(|turn| turn.mean));
         let solve = 1e9 * median(turns.iter().map(|turn| turn.solve));
-        let ratios = turns.iter().map(|turn| turn.frame / turn.solve);
-        let (least, ratio) = (ratios.clone().fold(f64::INFINITY, f64::min), median(ratios));
-        let mut line = format!("{id:<20}{frame:>9.3}{solve:>9.0}{ratio:>9.0}{least:>9.0}");
+        let means = turns.iter().map(|turn| turn.mean / turn.solve);
+        let least = means.clone().fold(f64::INFINITY, f64::min);
+        let (mean, typical) = (
+            median(means),
+            median(turns.iter().map(|turn| turn.median / turn.solve)),
+        );
+        let mut line =
+            format!("{id:<20}{frame:>9.3}{solve:>7.0}{mean:>10.0}{least:>10.0}{typical:>10.0}");
         for (sum, what) in sums {
             let mean = *sum as f64 / frames as f64;
             let _ = write!(line, "{mean:>10.1} {what}");
@@ -94,8 +103,8 @@ impl fmt::Display for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "Medians of turns: milliseconds a frame, nanoseconds a polycool solve, solves a frame; then \
-             the least of\nthese in a turn, and means of what a frame has:"
+            "Medians of turns: ms a frame, ns a polycool solve, solves a frame (and the least turn), solves\n\
+             a median frame; and means of what a frame has:"
         )?;
         f.write_str(&self.lines)
     }
