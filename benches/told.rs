@@ -1,0 +1,128 @@
+//! Time of a frame of a game whose physics engine tells position and velocity of all bodies, each frame.
+//!
+//! Bodies as in the swarm of the other benchmarks: one in 65.6^3 m, up to 17 m/s fast, radius 0.5 m, margin
+//! 5 m. A frame is 1/60 s; one body in 20 changes its velocity in it. The lookahead is 2 s. One iteration
+//! is one frame; stepping the world is not timed.
+//!
+//! - `update_screen/N`, one thread: `Scene::update` of all N bodies, then `Scene::screen` of the next 2 s;
+//! - `told/N`, one thread (100,000: two): `Monitor::track` of all bodies, then `Monitor::advance`, events
+//!   included;
+//! - `rapier/10k`, one thread, with the feature `rapier`: kinematic bodies with balls as sensors in rapier's
+//!   collision pipeline. It finds those within the margin now, and looks at nothing ahead;
+//! - `closest_approach/polycool/random`: solves of the benchmark `kernels`, the unit of the ratios.
+//!
+//! After the run a table is printed: times in solves, which are measured after each sample, for the frames'
+//! mean (as criterion's) and for their median, which holds on a busier machine; then the candidates, and the
+//! conflicts, events or overlaps of a frame.
+
+#[allow(dead_code, reason = "the benchmark `kernels` uses more of it")]
+#[path = "kernels/peers.rs"]
+mod peers;
+#[path = "../examples/scenes/mod.rs"]
+mod scenes;
+#[allow(dead_code, reason = "the benchmark `kernels` uses more of it")]
+#[path = "kernels/workloads.rs"]
+mod workloads;
+
+#[path = "told/games.rs"]
+mod games;
+#[cfg(feature = "rapier")]
+#[path = "told/overlaps.rs"]
+mod overlaps;
+#[path = "told/ratios.rs"]
+mod ratios;
+#[path = "told/world.rs"]
+mod world;
+
+use criterion::{BenchmarkId, Criterion, SamplingMode, Throughput};
+use games::{Game, Told, UpdateScreen};
+use ratios::{PAIRS, Solve, Table, Turn};
+use std::time::Duration;
+
+/// Samples of a benchmark, and turns of its ratio.
+const SAMPLES: usize = 20;
+
+/// The run: what measures, and the table of what was measured.
+struct Run {
+    criterion: Criterion,
+    solve: Solve,
+    table: Table,
+}
+
+impl Run {
+    /// Measures frames of a game on so many threads; entering their pool is not timed.
+    fn measure<G: Game + Send>(
+        &mut self,
+        (group, bodies): (&str, u32),
+        threads: usize,
+        make: fn(u32) -> G,
+    ) {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let pool = pool.unwrap_or_else(|error| panic!("{threads} threads: {error}"));
+        let name = format!("{}k", bodies / 1_000);
+        let (mut game, mut turns, mut frames, mut sums) = (None, Vec::new(), 0, [(0, ""); 2]);
+        let mut measured = self.criterion.benchmark_group(group);
+        measured
+            .sample_size(SAMPLES)
+            .sampling_mode(SamplingMode::Flat)
+            .warm_up_time(Duration::from_secs(1))
+            .measurement_time(Duration::from_secs(5))
+            .throughput(Throughput::Elements(u64::from(bodies)));
+        measured.bench_function(BenchmarkId::from_parameter(&name), |bencher| {
+            bencher.iter_custom(|rounds| {
+                pool.install(|| {
+                    let game = game.get_or_insert_with(|| make(bodies));
+                    let mut times = Vec::new();
+                    for _ in 0..rounds {
+                        times.push(game.frame());
+                        for (sum, count) in sums.iter_mut().zip(game.counts()) {
+                            *sum = (sum.0 + count.0, count.1);
+                        }
+                    }
+                    frames += rounds;
+                    turns.push(Turn::new(&times, &self.solve));
+                    times.iter().sum()
+                })
+            });
+        });
+        measured.finish();
+        // The first ones are criterion's warm-up; none is there if the benchmark was filtered out.
+        let last = &turns[turns.len().saturating_sub(SAMPLES)..];
+        if !last.is_empty() {
+            self.table
+                .add(&format!("{group}/{name}"), last, frames, &sums);
+        }
+    }
+
+    fn measure_solves(&mut self) {
+        let mut group = self.criterion.benchmark_group("closest_approach");
+        group.throughput(Throughput::Elements(PAIRS as u64));
+        let id = BenchmarkId::new("polycool", "random");
+        group.bench_function(id, |bencher| bencher.iter(|| self.solve.run()));
+        group.finish();
+    }
+}
+
+fn main() {
+    let mut run = Run {
+        criterion: Criterion::default().configure_from_args(),
+        solve: Solve::default(),
+        table: Table::default(),
+    };
+    run.measure_solves();
+    for bodies in [10_000, 100_000] {
+        run.measure(("update_screen", bodies), 1, UpdateScreen::new);
+    }
+    for (bodies, threads) in [(1_000, 1), (10_000, 1), (100_000, 2)] {
+        run.measure(("told", bodies), threads, Told::new);
+    }
+    #[cfg(feature = "rapier")]
+    run.measure(("rapier", 10_000), 1, overlaps::Overlaps::new);
+    run.criterion.final_summary();
+    // A smoke test passes `--test`: its times say nothing.
+    let arguments: Vec<String> = std::env::args().collect();
+    let has = |wanted: &str| arguments.iter().any(|argument| argument == wanted);
+    if has("--bench") && !has("--test") {
+        println!("{}", run.table);
+    }
+}

@@ -1,0 +1,109 @@
+//! Games: a world, and those that are told of all its bodies in each frame.
+
+use super::world::{MARGIN, World};
+use nearmiss::{AlertLevel, Event, Monitor, Query, Scene, Window};
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+/// Time ahead of the present frame that is looked at, s.
+const LOOKAHEAD: f64 = 2.0;
+
+/// A game that goes on frame by frame.
+pub(crate) trait Game {
+    /// Lets the world go on by a frame, tells it, and waits for the answer. Returns the time from telling it
+    /// until the answer is there; the world's own time is left out.
+    fn frame(&mut self) -> Duration;
+
+    /// Returns how many there were of each kind in the last frame.
+    fn counts(&self) -> [(u64, &'static str); 2];
+}
+
+/// A scene that is updated, and screened.
+pub(crate) struct UpdateScreen {
+    world: World,
+    scene: Scene,
+    counts: [u64; 2],
+}
+
+impl UpdateScreen {
+    pub(crate) fn new(bodies: u32) -> Self {
+        let (world, scene) = World::new(bodies);
+        Self {
+            world,
+            scene,
+            counts: [0; 2],
+        }
+    }
+}
+
+impl Game for UpdateScreen {
+    fn frame(&mut self) -> Duration {
+        self.world.step();
+        let now = self.world.now();
+        let begin = Instant::now();
+        let updated = self.scene.update(self.world.states.iter().copied());
+        let screening = updated.and_then(|()| {
+            let query = Query::new(Window::new(now, now + LOOKAHEAD)?).with_margin(MARGIN);
+            self.scene.screen(&query)
+        });
+        let time = begin.elapsed();
+        let stats = screening.unwrap_or_else(|error| panic!("{error}")).stats;
+        self.counts = [stats.candidates, stats.conflicts];
+        time
+    }
+
+    fn counts(&self) -> [(u64, &'static str); 2] {
+        [
+            (self.counts[0], "candidates"),
+            (self.counts[1], "conflicts"),
+        ]
+    }
+}
+
+/// A monitor that tracks all bodies.
+pub(crate) struct Told {
+    world: World,
+    monitor: Monitor,
+    events: Vec<Event>,
+}
+
+impl Told {
+    /// Returns a game whose lookahead is known.
+    pub(crate) fn new(bodies: u32) -> Self {
+        let (world, scene) = World::new(bodies);
+        let mut events = Vec::new();
+        let monitor = Monitor::new(scene, 0.0, LOOKAHEAD, &[AlertLevel::at(MARGIN)]);
+        let monitor = monitor.and_then(|mut monitor| {
+            monitor.advance(0.0, &mut events)?;
+            Ok(monitor)
+        });
+        Self {
+            world,
+            monitor: monitor.unwrap_or_else(|error| panic!("{error}")),
+            events,
+        }
+    }
+}
+
+impl Game for Told {
+    fn frame(&mut self) -> Duration {
+        self.world.step();
+        let now = self.world.now();
+        self.events.clear();
+        let begin = Instant::now();
+        let tracked = self.monitor.track(now, self.world.states.iter().copied());
+        let advanced = tracked.and_then(|()| self.monitor.advance(now, &mut self.events));
+        black_box(&self.events);
+        let time = begin.elapsed();
+        advanced.unwrap_or_else(|error| panic!("{error}"));
+        time
+    }
+
+    fn counts(&self) -> [(u64, &'static str); 2] {
+        let candidates = self.monitor.stats().candidates;
+        [
+            (candidates, "candidates"),
+            (self.events.len() as u64, "events"),
+        ]
+    }
+}

@@ -1,0 +1,80 @@
+//! A world as a physics engine steps it: all bodies move, some change their velocity.
+
+use crate::scenes::{generator, uniform_vector};
+use nearmiss::glam::DVec3;
+use nearmiss::{Body, BodyId, Hitbox, Scene, State, Trajectory};
+use rand::RngExt;
+use rand::rngs::ChaCha8Rng;
+
+/// Duration of a frame, s.
+const STEP: f64 = 1.0 / 60.0;
+/// m.
+const RADIUS: f64 = 0.5;
+/// m.
+pub(crate) const MARGIN: f64 = 5.0;
+/// Side of the cube for one body, m, as in the generated swarm.
+const SPACING: f64 = 65.6;
+/// Largest speed along each axis, m/s: 17 m/s along a diagonal.
+const SPEED: f64 = 10.0;
+/// One body in so many changes its velocity in a frame.
+const STEADY: u32 = 20;
+
+/// Bodies in a cube at constant density.
+#[derive(Debug)]
+pub(crate) struct World {
+    rng: ChaCha8Rng,
+    /// Half the side of the cube, m.
+    half: f64,
+    frame: u32,
+    /// All bodies and their present states.
+    pub(crate) states: Vec<(BodyId, State)>,
+}
+
+impl World {
+    /// Returns `count` bodies, and a scene in which they coast from time 0 on.
+    pub(crate) fn new(count: u32) -> (Self, Scene) {
+        let mut rng = generator(1);
+        let half = 0.5 * SPACING * f64::from(count).cbrt();
+        let mut scene = Scene::new();
+        let mut insert = |state| {
+            let body = Body::new(Trajectory::coasting(state)?).with_hitbox(Hitbox::sphere(RADIUS)?);
+            scene.insert(body)
+        };
+        let states = (0..count).map(|_| {
+            let position = uniform_vector(&mut rng, half);
+            let state = State::new(0.0, position, uniform_vector(&mut rng, SPEED));
+            let inserted = insert(state);
+            let id = inserted.unwrap_or_else(|error| panic!("a body is refused: {error}"));
+            (id, state)
+        });
+        let states = states.collect();
+        let world = Self {
+            rng,
+            half,
+            frame: 0,
+            states,
+        };
+        (world, scene)
+    }
+
+    /// Returns the time of the present frame, s.
+    pub(crate) fn now(&self) -> f64 {
+        f64::from(self.frame) * STEP
+    }
+
+    /// Moves all bodies by a frame. A body that changes its velocity outside of the cube turns back.
+    pub(crate) fn step(&mut self) {
+        self.frame += 1;
+        let now = self.now();
+        for (_, state) in &mut self.states {
+            state.time = now;
+            state.position += STEP * state.velocity;
+            if self.rng.random_ratio(1, STEADY) {
+                let velocity = uniform_vector(&mut self.rng, SPEED);
+                let inwards = -velocity.abs() * state.position.signum();
+                let is_outside = state.position.abs().cmpgt(DVec3::splat(self.half));
+                state.velocity = DVec3::select(is_outside, inwards, velocity);
+            }
+        }
+    }
+}
