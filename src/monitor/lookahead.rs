@@ -17,7 +17,7 @@ use super::budget::BudgetMeter;
 use super::grid::Grid;
 use super::jump::JumpSearch;
 use super::monitored_bodies::{MonitoredBodies, MonitoredBody};
-use super::prepared::ListMemory;
+use super::prepared::PreparedMemory;
 use super::recent_changes::RecentChanges;
 use super::slice::{LookaheadSlice, SliceScratch};
 use super::solved_spans::{SlotPair, SolvedSpans};
@@ -55,7 +55,7 @@ pub(super) struct LookaheadSearch {
     sorter: SpanSorter,
     pool: Pool<SliceScratch>,
     search_pool: Pool<search::SearchScratch>,
-    lists: ListMemory,
+    lists: PreparedMemory,
     /// Bodies that changed since the last catching up, each once.
     dirty: Vec<u32>,
     is_dirty: Vec<bool>,
@@ -93,7 +93,7 @@ impl LookaheadSearch {
             sorter: SpanSorter::default(),
             pool: Pool::default(),
             search_pool: Pool::default(),
-            lists: ListMemory::default(),
+            lists: PreparedMemory::default(),
             dirty: Vec::new(),
             is_dirty: Vec::new(),
             recent: RecentChanges::default(),

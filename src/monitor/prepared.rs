@@ -6,8 +6,8 @@ use crate::narrow_phase::BodyView;
 use crate::parallel;
 use crate::pool::Pool;
 use crate::search::{
-    BodyLists, Lifetimes, Limits, SceneStatistics, SearchScratch, SliceTrials, TimeSlices,
-    WindowSearch,
+    BodyLists, Lifetimes, Limits, ListMemory, SceneStatistics, SearchScratch, SliceTrials,
+    TimeSlices, WindowSearch,
 };
 use crate::simd::InstructionSet;
 use crate::trajectory::Segment;
@@ -24,19 +24,17 @@ pub(super) struct PreparedBodies<'m> {
 
 /// Memory for them.
 #[derive(Debug, Default)]
-pub(super) struct ListMemory {
-    views: Vec<BodyView<'static>>,
-    sources: Vec<CubicSource<'static, Segment>>,
+pub(super) struct PreparedMemory {
+    lists: ListMemory<Segment>,
     presence: Lifetimes,
 }
 
 impl<'m> PreparedBodies<'m> {
     /// Lays out all bodies, in memory that is given back with [`forget`](Self::forget).
-    pub(super) fn of(table: BodyTable<'m>, memory: &mut ListMemory) -> Self {
+    pub(super) fn of(table: BodyTable<'m>, memory: &mut PreparedMemory) -> Self {
         /// Fewer are gone through on this thread.
         const FEW: usize = 4096;
-        let mut views = recycled(std::mem::take(&mut memory.views));
-        let mut sources = recycled(std::mem::take(&mut memory.sources));
+        let (mut views, mut sources) = memory.lists.take();
         let mut presence = std::mem::take(&mut memory.presence);
         let prepare = |slot: usize| {
             let body = u32::try_from(slot).ok();
@@ -64,9 +62,8 @@ impl<'m> PreparedBodies<'m> {
     }
 
     /// Leaves the memory for other ones.
-    pub(super) fn forget(self, memory: &mut ListMemory) {
-        memory.views = recycled(self.views);
-        memory.sources = recycled(self.sources);
+    pub(super) fn forget(self, memory: &mut PreparedMemory) {
+        memory.lists.put_back((self.views, self.sources));
         memory.presence = self.presence;
     }
 
@@ -137,10 +134,4 @@ impl<'m> PreparedBodies<'m> {
         }
         traffic
     }
-}
-
-/// Returns the memory of a list for values of another lifetime.
-fn recycled<T, U>(mut list: Vec<T>) -> Vec<U> {
-    list.clear();
-    list.into_iter().filter_map(|_| None).collect()
 }

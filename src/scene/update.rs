@@ -87,7 +87,12 @@ impl Scene {
             }
         }
         if checked.is_ok() {
-            for (id, line) in &told {
+            /// Bodies that are fetched ahead.
+            const AHEAD: usize = 8;
+            for (place, (id, line)) in told.iter().enumerate() {
+                if let Some((later, _)) = told.get(place + AHEAD) {
+                    self.prefetch(later.slot);
+                }
                 let (entry, arena) = self.entry_mut(*id)?;
                 entry.follow_line(line, arena);
             }

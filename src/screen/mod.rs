@@ -21,7 +21,9 @@ use crate::parallel;
 use crate::query::Query;
 use crate::rounding::{seen_from, seen_until};
 use crate::scene::Scene;
-use crate::search::{BodyLists, SceneStatistics, SliceTrials, TimeSlices, WindowSearch};
+use crate::search::{
+    BodyLists, ListMemory, SceneStatistics, SliceTrials, TimeSlices, WindowSearch,
+};
 use crate::spans::{Spans, spans};
 use crate::stats::Stats;
 use crate::wall_clock::Instant;
@@ -218,16 +220,21 @@ impl PreparedScene<'_> {
     }
 
     /// Returns all bodies and the slices; computed in parallel if there are many bodies.
-    fn prepared(&self, traffic: &SceneStatistics) -> (Lists<'_>, TimeSlices) {
+    fn prepared(
+        &self,
+        traffic: &SceneStatistics,
+        memory: &mut ListMemory<CompactCubic>,
+    ) -> (Lists<'_>, TimeSlices) {
         /// Fewer are prepared before another thread wakes up.
         const FEW: usize = 1024;
         if parallel::threads() > 1 && self.ids.len() > FEW {
             let slices = || self.slices(traffic, |places| self.sources(places));
-            let (slices, lists) = parallel::join(self.ids.len(), FEW, slices, || self.views());
+            let (slices, lists) =
+                parallel::join(self.ids.len(), FEW, slices, || self.views(memory));
             return (lists, slices);
         }
         // Then it is cheaper to copy some than to look at their bodies again.
-        let (views, sources) = self.views();
+        let (views, sources) = self.views(memory);
         let some = |places: &[usize]| places.iter().map(|&place| sources[place]).collect();
         let slices = self.slices(traffic, some);
         ((views, sources), slices)
@@ -240,7 +247,7 @@ impl PreparedScene<'_> {
         progress: &(impl Fn(f64) + Sync),
     ) -> Result<Screening, Error> {
         if self.ids.len() < 2 {
-            let (views, _) = self.views();
+            let (views, _) = self.views(&mut ListMemory::default());
             return Ok(Screening {
                 conflicts: Vec::new(),
                 window: self.asked,
@@ -248,7 +255,8 @@ impl PreparedScene<'_> {
             });
         }
         let traffic = self.traffic();
-        let ((views, sources), slices) = self.prepared(&traffic);
+        let mut memory = self.pool.take();
+        let ((views, sources), slices) = self.prepared(&traffic, &mut memory.lists);
         let search = WindowSearch {
             bodies: BodyLists {
                 views: &views,
@@ -299,6 +307,7 @@ impl PreparedScene<'_> {
         stats.narrow_time += begin.elapsed();
         stats.survivors = survivors.len() as u64;
         stats.conflicts = conflicts.len() as u64;
+        memory.lists.put_back((views, sources));
         Ok(Screening {
             conflicts,
             window: self.asked,

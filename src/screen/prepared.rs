@@ -13,7 +13,7 @@ use crate::parallel;
 use crate::pool::Pool;
 use crate::query::Query;
 use crate::scene::{Body, CubicArena, IgnoredPairs, Scene, SceneEntry, can_reach, radius};
-use crate::search::{Lifetimes, Limits, SceneStatistics, SearchScratch};
+use crate::search::{Lifetimes, Limits, ListMemory, SceneStatistics, SearchScratch};
 use crate::spans::common_domain;
 use crate::trajectory::Extension;
 use crate::window::Window;
@@ -103,12 +103,12 @@ impl<'a> PreparedScene<'a> {
     }
 
     /// Returns views and box sources of all bodies, by place, in a common frame.
-    pub(super) fn views(&self) -> Lists<'_> {
+    pub(super) fn views(&self, memory: &mut ListMemory<CompactCubic>) -> Lists<'_> {
         /// Fewer are prepared on this thread.
         const FEW: usize = 4096;
         let frame = self.frame;
         let count = self.entries.len();
-        let (mut views, mut sources) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let (mut views, mut sources) = memory.take();
         let lists = (&mut views, &mut sources);
         parallel::map_both(count, FEW, lists, |place| self.view(place, &frame));
         (views, sources)

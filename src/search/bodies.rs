@@ -39,6 +39,46 @@ pub(crate) struct BodyLists<'a, C> {
     pub(crate) sources: &'a [CubicSource<'a, C>],
 }
 
+/// Memory of such lists, which one search leaves to the next.
+#[derive(Debug)]
+pub(crate) struct ListMemory<C: 'static> {
+    views: Vec<BodyView<'static>>,
+    sources: Vec<CubicSource<'static, C>>,
+}
+
+impl<C> Default for ListMemory<C> {
+    fn default() -> Self {
+        Self {
+            views: Vec::new(),
+            sources: Vec::new(),
+        }
+    }
+}
+
+impl<C> ListMemory<C> {
+    /// Returns two empty lists in this memory.
+    pub(crate) fn take<'a>(&mut self) -> (Vec<BodyView<'a>>, Vec<CubicSource<'a, C>>) {
+        (
+            recycled(std::mem::take(&mut self.views)),
+            recycled(std::mem::take(&mut self.sources)),
+        )
+    }
+
+    /// Takes the memory of two lists back.
+    pub(crate) fn put_back<'a>(
+        &mut self,
+        (views, sources): (Vec<BodyView<'a>>, Vec<CubicSource<'a, C>>),
+    ) {
+        (self.views, self.sources) = (recycled(views), recycled(sources));
+    }
+}
+
+/// Returns the memory of a list for values of another lifetime.
+fn recycled<T, U>(mut list: Vec<T>) -> Vec<U> {
+    list.clear();
+    list.into_iter().filter_map(|_| None).collect()
+}
+
 impl<C: BoundingCubic + Sync> Bodies for BodyLists<'_, C> {
     #[inline]
     fn view(&self, body: u32) -> BodyView<'_> {

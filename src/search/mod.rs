@@ -16,7 +16,7 @@ mod slices;
 mod sort;
 mod window;
 
-pub(crate) use bodies::{Bodies, BodyLists};
+pub(crate) use bodies::{Bodies, BodyLists, ListMemory};
 #[cfg(test)]
 pub(crate) use form::SliceBounds;
 pub(crate) use form::{FormBounds, SliceBlock};

@@ -1,6 +1,7 @@
 //! Buffers that one screening leaves to the next.
 
-use super::{CandidateRefiner, SliceBlock, SpanSorter};
+use super::{CandidateRefiner, ListMemory, SliceBlock, SpanSorter};
+use crate::bounds::CompactCubic;
 use crate::broad_phase::{BruteForce, Candidate, Sweep, Tree};
 use crate::spans::SpanKey;
 
@@ -10,6 +11,8 @@ use crate::spans::SpanKey;
 /// take 40 to 130 bytes a box of one slice.
 #[derive(Debug, Default)]
 pub(crate) struct SearchScratch {
+    /// The bodies of a screening.
+    pub(crate) lists: ListMemory<CompactCubic>,
     pub(crate) brute_force: BruteForce,
     pub(crate) tree: Tree,
     pub(crate) sweep: Sweep,
