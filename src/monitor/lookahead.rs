@@ -11,6 +11,7 @@
 mod ahead;
 mod ask;
 mod from_nothing;
+mod time_grid;
 
 use super::bodies::{BodyTable, ChangedBounds};
 use super::budget::BudgetMeter;
@@ -39,6 +40,7 @@ use ahead::due_ahead;
 use std::collections::VecDeque;
 use std::sync::atomic::AtomicUsize;
 use std::sync::atomic::Ordering::Relaxed;
+use time_grid::as_number;
 
 /// See the module.
 #[derive(Debug)]
@@ -406,37 +408,6 @@ impl LookaheadSearch {
         Ok((known, is_done))
     }
 
-    /// Up to where slices are there already, from `from` on, s.
-    fn laid_until(&self, from: f64) -> f64 {
-        let (first, last) = (self.slices.front(), self.slices.back());
-        let is_there = first.is_some_and(|first| first.number <= self.index(from));
-        last.filter(|_| is_there)
-            .map_or(from, |last| last.end().max(from))
-    }
-
-    /// Begins the slices that are missing from the one with `from` to the one after that with
-    /// `to`; returns how many have a time in common with `from..=to`.
-    fn lay_slices(&mut self, from: f64, to: f64) -> usize {
-        let mut index = self.index(from);
-        let mut needed = 0;
-        self.ends.clear();
-        loop {
-            self.ends.push(self.start(index));
-            let is_needed = self.start(index) <= to;
-            let place = usize::try_from(index - self.index(from)).unwrap_or(usize::MAX);
-            if place >= self.slices.len() {
-                let mut slice = self.spare.pop().unwrap_or_default();
-                slice.begin(index, (self.start(index), self.start(index + 1)));
-                self.slices.push_back(slice);
-            }
-            if !is_needed {
-                return needed;
-            }
-            needed += 1;
-            index += 1;
-        }
-    }
-
     pub(super) const fn finds(&self) -> &SolvedSpans {
         &self.finds
     }
@@ -464,36 +435,6 @@ impl LookaheadSearch {
     ) {
         self.finds.contacts(pair, margin, clip, found);
     }
-
-    fn drop_before(&mut self, from: f64) {
-        let first = self.index(from);
-        while self
-            .slices
-            .front()
-            .is_some_and(|slice| slice.number < first)
-        {
-            self.spare.extend(self.slices.pop_front());
-        }
-    }
-
-    fn start(&self, index: i64) -> f64 {
-        self.grid.origin + self.grid.length * as_number(index)
-    }
-
-    /// The first slice in which to look for what is reported from `time` on: where that is on a cut,
-    /// the one before it. (Instants are rounded to the nearest number. Two cuts are more than one apart, and
-    /// slices hold both their ends.)
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "saturates; a lookahead of 2^63 slices is refused by `Monitor`"
-    )]
-    fn index(&self, time: f64) -> i64 {
-        let mut index = ((time - self.grid.origin) / self.grid.length).floor() as i64;
-        while self.start(index) >= time {
-            index -= 1;
-        }
-        index
-    }
 }
 
 /// Appends to what is a set; now and then each is kept once, so that it does not grow without end.
@@ -504,12 +445,4 @@ pub(super) fn push_once<T: Ord>(list: &mut Vec<T>, value: T) {
         list.sort_unstable();
         list.dedup();
     }
-}
-
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "a slice's number is far below 2^53"
-)]
-fn as_number(index: i64) -> f64 {
-    index as f64
 }

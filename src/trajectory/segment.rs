@@ -1,5 +1,9 @@
 //! One cubic between two knots, in local form.
 
+mod restriction;
+
+pub(crate) use restriction::Restriction;
+
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
 use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, largest_norm, norm, normalising_power, one_zero};
 use crate::trajectory::state::State;
@@ -25,14 +29,6 @@ pub struct Segment {
     /// Bound on the error of each point `origin + control`, m; with a minus sign for an [end
     /// motion](Self::goes_on).
     error: f64,
-}
-
-/// Control points of a part of a segment relative to the segment's origin (m), and their error.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Restriction {
-    pub(crate) points: [DVec3; 4],
-    /// Bound on the error of each point, m, without that of the origin.
-    pub(crate) error: f64,
 }
 
 impl Segment {
@@ -306,120 +302,6 @@ impl Segment {
         }
     }
 
-    /// Returns the control points of the part over `from..to`, relative to the segment's origin.
-    ///
-    /// Inside the knots: blossoming with weights of sum one. Beyond them (`Extrapolate`, `Coast`):
-    /// power form around the first knot. `from == to` gives one point four times.
-    #[inline]
-    pub(crate) fn restrict(&self, from: f64, to: f64) -> Restriction {
-        if from <= self.start && to >= self.end && from >= self.start && to <= self.end {
-            return Restriction {
-                points: self.control_points(),
-                error: self.error() + UNIT_ROUNDOFF * self.extent + UNDERFLOW,
-            };
-        }
-        self.restrict_part(from, to)
-    }
-
-    /// Restricts to an interval other than the whole segment.
-    fn restrict_part(&self, from: f64, to: f64) -> Restriction {
-        if self.is_straight() {
-            self.restrict_straight(from, to)
-        } else if self.covers(from, to) {
-            self.restrict_inside(from, to)
-        } else {
-            self.restrict_beyond(from, to)
-        }
-    }
-
-    #[inline(always)]
-    fn restrict_straight(&self, from: f64, to: f64) -> Restriction {
-        let duration = self.end - self.start;
-        let (a, b) = ((from - self.start) / duration, (to - self.start) / duration);
-        let linear = 3.0 * self.control_points[0];
-        let reach = a.abs().max(b.abs());
-        let size = self.extent * reach;
-        Restriction {
-            points: [a + a + a, a + a + b, a + b + b, b + b + b].map(|sum| linear * (sum / 3.0)),
-            // As of any cubic: the extent is the length of the linear coefficient.
-            error: self.grown_error(reach, size) + 12.0 * UNIT_ROUNDOFF * size + UNDERFLOW,
-        }
-    }
-
-    fn restrict_inside(&self, from: f64, to: f64) -> Restriction {
-        let duration = self.end - self.start;
-        let weights = |time: f64| Weights {
-            first: (self.end - time) / duration,
-            second: (time - self.start) / duration,
-        };
-        let [b0, b1, b2, b3] = self.control_points();
-        let (low, high) = (weights(from), weights(to));
-        let (l0, l1, l2) = (low.mix(b0, b1), low.mix(b1, b2), low.mix(b2, b3));
-        let (ll0, ll1) = (low.mix(l0, l1), low.mix(l1, l2));
-        let (h0, h1, h2) = (high.mix(b0, b1), high.mix(b1, b2), high.mix(b2, b3));
-        let (hh0, hh1) = (high.mix(h0, h1), high.mix(h1, h2));
-        Restriction {
-            points: [
-                low.mix(ll0, ll1),
-                high.mix(ll0, ll1),
-                low.mix(hh0, hh1),
-                high.mix(hh0, hh1),
-            ],
-            // Three levels of lerps with relative weight errors: γ5 each (γn: n roundings).
-            error: self.error() + 16.0 * UNIT_ROUNDOFF * self.extent + UNDERFLOW,
-        }
-    }
-
-    fn restrict_beyond(&self, from: f64, to: f64) -> Restriction {
-        let duration = self.end - self.start;
-        let (a, b) = ((from - self.start) / duration, (to - self.start) / duration);
-        let [linear, quadratic, cubic] = self.powers();
-        // The blossom of c1 s + c2 s² + c3 s³ at (x, y, z).
-        let blossom = |x: f64, y: f64, z: f64| {
-            linear * ((x + y + z) / 3.0)
-                + quadratic * ((x * y + y * z + z * x) / 3.0)
-                + cubic * (x * y * z)
-        };
-        let reach = a.abs().max(b.abs());
-        let size = norm(linear) * reach
-            + norm(quadratic) * reach * reach
-            + norm(cubic) * reach * reach * reach;
-        Restriction {
-            points: [
-                blossom(a, a, a),
-                blossom(a, a, b),
-                blossom(a, b, b),
-                blossom(b, b, b),
-            ],
-            // The blossom: at most 12 roundings of each term.
-            error: self.grown_error(reach, size) + 12.0 * UNIT_ROUNDOFF * size + UNDERFLOW,
-        }
-    }
-
-    /// Returns a bound on the segment's own error within `lengths` durations of its start, m;
-    /// `size` (m) bounds the terms of its power form there.
-    ///
-    /// For an [end motion](Self::goes_on) each coefficient's error is proportional to itself: see
-    /// [`bend`](super::bend). Otherwise a control point's error (its own, and at most 4 roundings
-    /// of the extent from forming the power coefficients) grows like the sum of the Bernstein
-    /// weights: (1 + 2 lengths)³.
-    fn grown_error(&self, lengths: f64, size: f64) -> f64 {
-        let growth = 1.0 + 2.0 * lengths;
-        if !self.goes_on() {
-            let points = self.error + 4.0 * UNIT_ROUNDOFF * self.extent + UNDERFLOW;
-            points * growth.powi(3)
-        } else if self.error() > 0.0 {
-            let (coarse, growth) = if self.is_bent() {
-                (1.0 + 64.0 * UNIT_ROUNDOFF * lengths, growth.powi(3))
-            } else {
-                (1.0, growth)
-            };
-            self.error() + 20.0 * UNIT_ROUNDOFF * size * coarse * coarse + UNDERFLOW * growth
-        } else {
-            0.0
-        }
-    }
-
     /// Returns true if an interval lies between the segment's knots.
     pub(crate) fn covers(&self, from: f64, to: f64) -> bool {
         from >= self.start && to <= self.end
@@ -475,13 +357,6 @@ impl Segment {
         bend.max_element() <= 0.0
     }
 
-    /// Returns where a straight motion is at two instants (s) relative to its origin, m, and a bound on the error
-    /// of both.
-    pub(crate) fn straight_between(&self, (from, to): (f64, f64)) -> ([DVec3; 2], f64) {
-        let Restriction { points, error } = self.restrict_straight(from, to);
-        ([points[0], points[3]], error)
-    }
-
     /// Returns the velocity of a straight motion, m/s.
     pub(crate) fn straight_velocity(&self) -> DVec3 {
         3.0 * self.control_points[0] / (self.end - self.start)
@@ -495,18 +370,6 @@ fn power_form(first: DVec3, second: DVec3, third: DVec3) -> [DVec3; 3] {
         3.0 * (second - 2.0 * first),
         third - 3.0 * (second - first),
     ]
-}
-
-/// Barycentric weights of an instant, each with a small relative error, also near a knot.
-struct Weights {
-    first: f64,
-    second: f64,
-}
-
-impl Weights {
-    fn mix(&self, x: DVec3, y: DVec3) -> DVec3 {
-        x * self.first + y * self.second
-    }
 }
 
 #[cfg(test)]

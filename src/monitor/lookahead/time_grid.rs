@@ -1,0 +1,74 @@
+//! The grid of time: which slices there are.
+
+use super::LookaheadSearch;
+
+impl LookaheadSearch {
+    /// Up to where slices are there already, from `from` on, s.
+    pub(super) fn laid_until(&self, from: f64) -> f64 {
+        let (first, last) = (self.slices.front(), self.slices.back());
+        let is_there = first.is_some_and(|first| first.number <= self.index(from));
+        last.filter(|_| is_there)
+            .map_or(from, |last| last.end().max(from))
+    }
+
+    /// Begins the slices that are missing from the one with `from` to the one after that with
+    /// `to`; returns how many have a time in common with `from..=to`.
+    pub(super) fn lay_slices(&mut self, from: f64, to: f64) -> usize {
+        let mut index = self.index(from);
+        let mut needed = 0;
+        self.ends.clear();
+        loop {
+            self.ends.push(self.start(index));
+            let is_needed = self.start(index) <= to;
+            let place = usize::try_from(index - self.index(from)).unwrap_or(usize::MAX);
+            if place >= self.slices.len() {
+                let mut slice = self.spare.pop().unwrap_or_default();
+                slice.begin(index, (self.start(index), self.start(index + 1)));
+                self.slices.push_back(slice);
+            }
+            if !is_needed {
+                return needed;
+            }
+            needed += 1;
+            index += 1;
+        }
+    }
+
+    pub(super) fn drop_before(&mut self, from: f64) {
+        let first = self.index(from);
+        while self
+            .slices
+            .front()
+            .is_some_and(|slice| slice.number < first)
+        {
+            self.spare.extend(self.slices.pop_front());
+        }
+    }
+
+    pub(super) fn start(&self, index: i64) -> f64 {
+        self.grid.origin + self.grid.length * as_number(index)
+    }
+
+    /// The first slice in which to look for what is reported from `time` on: where that is on a cut,
+    /// the one before it. (Instants are rounded to the nearest number. Two cuts are more than one apart, and
+    /// slices hold both their ends.)
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "saturates; a lookahead of 2^63 slices is refused by `Monitor`"
+    )]
+    pub(super) fn index(&self, time: f64) -> i64 {
+        let mut index = ((time - self.grid.origin) / self.grid.length).floor() as i64;
+        while self.start(index) >= time {
+            index -= 1;
+        }
+        index
+    }
+}
+
+#[allow(
+    clippy::cast_precision_loss,
+    reason = "a slice's number is far below 2^53"
+)]
+pub(super) fn as_number(index: i64) -> f64 {
+    index as f64
+}
