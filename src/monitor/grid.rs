@@ -170,6 +170,15 @@ impl Grid {
         (Self::SHARE * slices).min(most).max(Self::FEWEST)
     }
 
+    /// Returns where a slice begins, s.
+    #[allow(
+        clippy::cast_precision_loss,
+        reason = "a slice's number is far below 2^53"
+    )]
+    pub(super) fn start(&self, slice: i64) -> f64 {
+        self.origin + self.length * slice as f64
+    }
+
     /// Returns true if it still suits a scene, by what that looks like now.
     pub(super) fn suits(&self, scene: &Scene, margin: f64, signs: &SceneSignature) -> bool {
         /// Times more slices, or fewer, that a tick hardly notices.

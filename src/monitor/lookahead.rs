@@ -40,7 +40,6 @@ use ahead::due_ahead;
 use std::collections::VecDeque;
 use std::sync::atomic::AtomicUsize;
 use std::sync::atomic::Ordering::Relaxed;
-use time_grid::as_number;
 
 /// See the module.
 #[derive(Debug)]
@@ -326,7 +325,7 @@ impl LookaheadSearch {
         slices[..needed].iter_mut().for_each(LookaheadSlice::need);
         if let [.., last, next] = slices {
             // It is due when the lookahead's end has passed through the last one.
-            let start = self.grid.origin + self.grid.length * as_number(last.number);
+            let start = self.grid.start(last.number);
             let share = ((to - start) / self.grid.length).clamp(0.0, 1.0);
             let step = (to - self.reached) / self.grid.length;
             let changed = (self.dirty.len(), self.flights.len());
@@ -365,7 +364,7 @@ impl LookaheadSearch {
                     is_done = false;
                     break;
                 }
-                let start = self.grid.origin + self.grid.length * as_number(slice.number);
+                let start = self.grid.start(slice.number);
                 let start = start.max(from);
                 let is_needed = number < needed;
                 if is_needed && meter.until().is_some_and(|until| start >= until) {

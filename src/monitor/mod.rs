@@ -30,6 +30,7 @@ mod sorted_slab;
 mod tick;
 mod time_key;
 mod track;
+mod tracked_motions;
 mod what_if;
 
 pub use alert_level::AlertLevel;
@@ -56,7 +57,7 @@ use read::LevelCaches;
 use recording::Record;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use track::TrackedMotions;
+use tracked_motions::TrackedMotions;
 
 /// Watches a scene as time passes and plans change: a clock, a lookahead, and events, of which none
 /// is lost as long as ticks keep up with the clock. (A body that is put in, taken out or replanned while a

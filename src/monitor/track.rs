@@ -2,63 +2,14 @@
 
 use super::Monitor;
 use super::command::{ChangeContext, CommandBatch};
-use super::monitored_bodies::MonitoredBody;
 #[cfg(feature = "recording")]
 use super::recording::Record;
+use super::tracked_motions::{TrackedChange, TrackedMotion, TrackedMotions};
 use crate::error::Error;
 use crate::id::BodyId;
 use crate::parallel;
 use crate::scene::BodyState;
-use crate::trajectory::{Segment, Trajectory};
-
-/// What becomes of the bodies of one call. Its memory is used again and again.
-#[derive(Debug, Default)]
-pub(super) struct TrackedMotions {
-    /// One for each body.
-    motions: Vec<TrackedMotion>,
-    /// By slot: the place of its motion in `motions`, if that is of this slot.
-    place_of: Vec<usize>,
-}
-
-impl TrackedMotions {
-    /// Takes a motion in. It replaces that of the same body, if there is one.
-    fn put(&mut self, motion: TrackedMotion) {
-        let slot = motion.id.slot as usize;
-        if self.place_of.len() <= slot {
-            self.place_of.resize(slot + 1, 0);
-        }
-        let place = &mut self.place_of[slot];
-        match self.motions.get_mut(*place) {
-            Some(known) if known.id == motion.id => *known = motion,
-            _ => {
-                *place = self.motions.len();
-                self.motions.push(motion);
-            }
-        }
-    }
-}
-
-/// What becomes of a body.
-#[derive(Debug)]
-struct TrackedMotion {
-    id: BodyId,
-    /// From when on, s.
-    from: f64,
-    /// Straight motion from then on.
-    line: Segment,
-    change: TrackedChange,
-}
-
-/// The way in which a body comes to follow a straight motion.
-#[derive(Debug)]
-enum TrackedChange {
-    /// Its plan is turned in place.
-    Turn,
-    /// It takes another plan.
-    Replan(Box<(Trajectory, MonitoredBody)>),
-    /// None: it is refused.
-    Refused(Box<Error>),
-}
+use crate::trajectory::Trajectory;
 
 impl Monitor {
     /// From `now` (s) on each of these bodies follows [`Trajectory::coasting`] from its state, whatever the

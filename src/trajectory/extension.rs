@@ -7,8 +7,9 @@
 //! needs only a few dozen pieces. Pieces and cuts are computed from their numbers, not stored.
 
 use super::cuts::DoublingCuts;
+use super::reach::check_reach;
 use super::{Outside, Segment, Trajectory};
-use crate::error::{Error, MAX_MAGNITUDE, Quantity};
+use crate::error::Error;
 use crate::window::Window;
 
 /// The number of pieces beyond the knots that cover a window.
@@ -176,38 +177,6 @@ impl Trajectory {
             },
         }
     }
-}
-
-/// Checks that a cubic can be followed between two instants (s) beyond knot number `knot`.
-///
-/// # Errors
-///
-/// [`Error::OutOfRange`], [`Error::TooFar`].
-pub(super) fn check_reach(
-    segment: &Segment,
-    (from, to): (f64, f64),
-    knot: usize,
-) -> Result<(), Error> {
-    /// In segment durations: the third power must stay in range.
-    const MAX_LENGTHS: f64 = 1e100;
-    /// Upper bound of cut times, s: the last cut may lie some times farther than the window's end.
-    const FARTHEST: f64 = 10.0 * MAX_MAGNITUDE;
-    let farthest = from.abs().max(to.abs());
-    if segment.lengths_to(from, to) > MAX_LENGTHS || farthest > FARTHEST {
-        let far = (from - segment.start()).abs() > (to - segment.start()).abs();
-        let time = if far { from } else { to };
-        return Err(Error::TooFar { knot, time });
-    }
-    // What its rounding amounts to grows as well.
-    let reach = segment.rounding_scale(from, to);
-    if reach.is_nan() || reach > MAX_MAGNITUDE {
-        return Err(Error::OutOfRange {
-            knot,
-            quantity: Quantity::Distance,
-            value: reach,
-        });
-    }
-    Ok(())
 }
 
 /// All pieces of a motion, as lists.

@@ -5,6 +5,7 @@ mod build;
 mod cuts;
 mod double_double;
 mod extension;
+mod reach;
 mod roomy;
 mod rows;
 mod segment;
@@ -25,8 +26,8 @@ pub use state::State;
 
 use crate::window::Window;
 use cuts::DoublingCuts;
-use extension::check_reach;
 use glam::DVec3;
+use reach::check_reach;
 use roomy::Roomy;
 use std::slice::from_ref;
 

@@ -1,7 +1,7 @@
 //! Serialised trajectories: the exact internal numbers, checked on reading.
 
 use super::build::{check_number, check_times};
-use super::extension::check_reach;
+use super::reach::check_reach;
 use super::roomy::Roomy;
 use super::{Form, Outside, Plan, Segment, Trajectory};
 use crate::error::{Error, Quantity};

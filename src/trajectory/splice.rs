@@ -1,7 +1,7 @@
 //! Changes of a plan in flight: the part already flown stays, bit for bit.
 
 use super::cuts::DoublingCuts;
-use super::extension::check_reach;
+use super::reach::check_reach;
 use super::roomy::Roomy;
 use super::{Form, Outside, Plan, Segment, Trajectory};
 use crate::error::Error;

@@ -46,7 +46,7 @@ impl LookaheadSearch {
     }
 
     pub(super) fn start(&self, index: i64) -> f64 {
-        self.grid.origin + self.grid.length * as_number(index)
+        self.grid.start(index)
     }
 
     /// The first slice in which to look for what is reported from `time` on: where that is on a cut,
@@ -63,12 +63,4 @@ impl LookaheadSearch {
         }
         index
     }
-}
-
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "a slice's number is far below 2^53"
-)]
-pub(super) fn as_number(index: i64) -> f64 {
-    index as f64
 }
