@@ -1,4 +1,4 @@
-//! Changes between ticks: each is checked as a whole before any of it takes effect.
+//! Changes between ticks: each is checked as a whole before any part takes effect.
 
 use super::Monitor;
 use super::command::{ChangeContext, Command, CommandBatch, PairRule};
@@ -48,7 +48,7 @@ impl Monitor {
         Ok(id)
     }
 
-    /// Takes a body out. Its encounters end, or are withdrawn, where the last tick stood.
+    /// Removes a body. Its encounters end, or are withdrawn, at the clock of the last tick.
     ///
     /// # Errors
     ///
@@ -68,7 +68,7 @@ impl Monitor {
         Ok(body)
     }
 
-    /// Ends the encounters of bodies that were taken out, of all of them at once.
+    /// Ends the encounters of all removed bodies in one pass.
     pub(super) fn end_of_removed(&mut self) {
         if self.removed.is_empty() {
             return;
@@ -86,7 +86,7 @@ impl Monitor {
         self.removed.clear();
     }
 
-    /// Replaces a body's trajectory as a whole, the past included.
+    /// Replaces a body's whole trajectory, including the past.
     ///
     /// # Errors
     ///
@@ -114,17 +114,18 @@ impl Monitor {
         self.apply([Command::SetLayers(id, layers)]).map(drop)
     }
 
-    /// From `from` (s) on the body follows `plan`; until then it keeps its old one. See
-    /// [`Trajectory::spliced`]. Returns the instant from which `plan` is followed, s: `from`, unless
-    /// the plan is late.
+    /// Lets the body follow `plan` from `from` (s) on; until then it keeps its old plan. See
+    /// [`Trajectory::spliced`]. Returns the instant from which `plan` is followed, s: `from`,
+    /// unless the plan is late.
     ///
-    /// Cubics that end before the clock of the last tick are forgotten with this call, unless
+    /// This call drops cubics that end before the clock of the last tick, unless
     /// [`set_history`](Self::set_history) keeps them.
     ///
-    /// A plan is late if `from` lies before the clock. One that goes on from the clock is taken. The instant
-    /// returned is then the latest of `from`, the start of the plan's [domain](Trajectory::domain) and that
-    /// of the body's: the body keeps what it flew before, as far as that is known. What was told stays
-    /// told: events are told from the clock of the last tick on, none of what the plan changes before it.
+    /// A plan is late if `from` lies before the clock. A late plan is accepted if it continues from
+    /// the clock on. The returned instant is then the latest of `from`, the start of the plan's
+    /// [domain](Trajectory::domain) and the start of the body's. The body keeps its known motion
+    /// before that instant. Events already reported stand: no event is reported for a change before
+    /// the clock of the last tick.
     ///
     /// ```
     /// # use nearmiss::glam::DVec3;
@@ -141,14 +142,14 @@ impl Monitor {
     /// # Ok::<(), nearmiss::Error>(())
     /// ```
     ///
-    /// The plan is kept in its own memory, which has room for two pieces of what precedes it: usually there
-    /// are one or two, and no memory is taken. There are more with a history, where `from` lies several
-    /// knots ahead, or where the plan goes back far from its first knot to `from`; and one that was
-    /// [spliced](Trajectory::spliced) itself has less room.
+    /// Cost: the plan stays in its own memory, which has room for two preceding pieces. Usually one
+    /// or two are needed, and nothing is allocated. More are needed with a history, if `from` lies
+    /// several knots ahead, or if the plan extends far from its first knot back to `from`. A plan
+    /// that was itself [spliced](Trajectory::spliced) has less room.
     ///
-    /// The plan may begin elsewhere, but a far jump is dear: until it is past, all bodies between the two
-    /// places are neighbours. For one that vanishes here and begins anew there,
-    /// [`set_trajectory`](Self::set_trajectory) is the cheap way.
+    /// The plan may begin elsewhere, but a far jump is expensive: until it is past, all bodies
+    /// between the two places are neighbours. For a body that reappears elsewhere,
+    /// [`set_trajectory`](Self::set_trajectory) is cheaper.
     ///
     /// # Errors
     ///
@@ -157,36 +158,36 @@ impl Monitor {
     ///
     /// - One of the two plans does not exist at that instant, or the new one ends there.
     ///   ([`set_trajectory`](Self::set_trajectory) needs no old plan.)
-    /// - A late plan does not go on from the clock, where the body's plan still exists.
+    /// - A late plan does not continue from the clock on, where the body's plan still exists.
     pub fn replan(&mut self, id: BodyId, from: f64, plan: Trajectory) -> Result<f64, Error> {
         self.apply([Command::Replan(id, from, plan)])?;
         Ok(self.late_plans().next().map_or(from, |(_, late)| late))
     }
 
-    /// Bodies whose last plan in the last batch came too late for what it asked, and from when on they follow
+    /// Returns the bodies whose last plan in the last batch was late, and from when on they follow
     /// it (s).
     pub(super) fn late_plans(&self) -> impl Iterator<Item = (BodyId, f64)> {
         self.batch.late()
     }
 
-    /// Appends `plan` to the body's plan: from its last knot on, not from now on, the body follows
-    /// `plan`, which must exist there. The last knot may lie before the clock, and `plan` end before it.
-    /// What is forgotten: see [`replan`](Self::replan).
+    /// Appends `plan` to the body's plan: the body follows it from its last knot on, where `plan`
+    /// must exist. The last knot may lie before the clock, and `plan` may end before it. Cubics are
+    /// dropped as by [`replan`](Self::replan).
     ///
-    /// A body that goes on beyond its knots may have passed the last one long ago (one
-    /// [at rest](Trajectory::at_rest) has a single knot, at 0 s). A plan that begins later is
-    /// refused then, with [`Error::NoPlanAt`]: use [`replan`](Self::replan).
+    /// A body that continues beyond its knots may have passed the last one long ago (a body [at
+    /// rest](Trajectory::at_rest) has a single knot, at 0 s). A plan that begins later is then
+    /// refused with [`Error::NoPlanAt`]: use [`replan`](Self::replan).
     ///
     /// # Errors
     ///
-    /// As [`replan`](Self::replan).
+    /// The errors of [`replan`](Self::replan).
     pub fn extend(&mut self, id: BodyId, plan: Trajectory) -> Result<(), Error> {
         self.apply([Command::Extend(id, plan)]).map(drop)
     }
 
-    /// Several changes that take effect together, or, if one is refused, not at all. Returns the
-    /// ids of the inserted bodies, in order. The instant from which a late plan is followed follows
-    /// from the rule at [`replan`](Self::replan), and the body's trajectory as it was before the batch.
+    /// Applies several changes together, or none if one is refused. Returns the ids of the inserted
+    /// bodies, in order. A late plan is followed from the instant given by the rule at
+    /// [`replan`](Self::replan), with the body's trajectory before the batch.
     ///
     /// ```
     /// # use nearmiss::glam::DVec3;
@@ -204,7 +205,7 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// That of the first command that is refused; nothing was changed then.
+    /// The error of the first refused command; nothing was changed then.
     pub fn apply(
         &mut self,
         commands: impl IntoIterator<Item = Command>,
@@ -235,8 +236,7 @@ impl Monitor {
         ids
     }
 
-    /// Lets a batch take effect. Nothing is refused: the scene has room for them, and all
-    /// ids were found.
+    /// Applies a batch. Cannot fail: the scene has room, and all ids were found.
     fn take_over(&mut self, batch: &mut CommandBatch) -> Result<Vec<BodyId>, Error> {
         // Of bodies, some of which may be removed below.
         for &(a, b, rule) in &batch.pairs {
@@ -282,7 +282,7 @@ impl Monitor {
             .collect()
     }
 
-    /// Leaves a pair out; its encounters end with [`EndReason::PlanChanged`] at the next tick, or are
+    /// Ignores a pair. At the next tick its encounters end with [`EndReason::PlanChanged`], or are
     /// withdrawn if they had not begun.
     ///
     /// # Errors
@@ -302,7 +302,7 @@ impl Monitor {
         Ok(())
     }
 
-    /// Takes a pair in again that was left out.
+    /// Stops ignoring a pair.
     ///
     /// # Errors
     ///
@@ -323,7 +323,7 @@ impl Monitor {
         Ok(())
     }
 
-    /// What changes are worked out with now.
+    /// Returns the context in which changes are prepared now.
     pub(super) fn terms(&self) -> Result<ChangeContext<'_>, Error> {
         let end = self.search.laid_out(self.now + self.lookahead);
         Ok(ChangeContext {
@@ -346,8 +346,7 @@ impl Monitor {
         Ok(())
     }
 
-    /// Forgets all that can be worked out again from the scene: it is to be looked at as if it was new,
-    /// on this grid.
+    /// Drops all state derived from the scene, and starts again on this grid.
     pub(super) fn renew(&mut self, grid: Grid) -> Result<(), Error> {
         let renewed = self.search.renewed(grid);
         let before = std::mem::replace(&mut self.search, renewed);
@@ -359,16 +358,15 @@ impl Monitor {
         Ok(())
     }
 
-    /// Forgets all that can be worked out again, and stays on its grid.
+    /// Drops all state derived from the scene, and keeps the grid.
     pub(super) fn look_anew(&mut self) -> Result<(), Error> {
         self.renew(*self.search.grid())
     }
 
-    /// Chooses another grid, on which all is looked at anew, where the one there is cannot stay: since
-    /// the scene has grown too large for it, or the clock, about to show `now` (s), has come so far that
-    /// it cannot tell slices apart. And where it no longer suits the scene: it was chosen for an empty
-    /// one, say, or for bodies at rest that fly now; but that is not done if the tick may not wait for all
-    /// that is to be looked at then: it has a budget, or lags behind.
+    /// Chooses another grid, and rebuilds the search on it, if the current one is unusable: the
+    /// scene has outgrown it, or `now` (s) is too large to tell its slices apart. Also if the grid
+    /// no longer suits the scene, unless the tick may not wait for the rebuild: it has a budget, or
+    /// lags.
     pub(super) fn choose_grid(&mut self, now: f64, may_wait: bool) -> Result<(), Error> {
         let (margin, _) = self.search.reach();
         let span = (self.told, self.lookahead);
@@ -395,7 +393,7 @@ impl Monitor {
         self.renew(other)
     }
 
-    /// Has a body turn to a straight motion from an instant (s) on, which its plan can do.
+    /// Turns a body's plan, which must allow it, to a straight motion from an instant (s) on.
     pub(super) fn turn(&mut self, id: BodyId, (from, line): (f64, &Segment)) -> Result<(), Error> {
         let terms = self.terms()?;
         let (window, since) = (terms.window, terms.forget_before);
@@ -417,14 +415,14 @@ impl Monitor {
         self.search.find_partners(&self.scene, Some(id.slot));
     }
 
-    /// The end of a new plan is to be told, once it comes into sight.
+    /// Schedules the report of a new plan's end.
     fn watch_plan_end(&mut self, id: BodyId) {
         let body = self.scene.body(id);
         let end = body.and_then(|body| plan_end(&body.trajectory));
         self.plan_ends.set(id.slot, end.unwrap_or(f64::INFINITY));
     }
 
-    /// The same of all plans there are.
+    /// Schedules the reports of all plans' ends.
     pub(super) fn watch_plan_ends(&mut self) {
         for (id, body) in self.scene.bodies() {
             if let Some(end) = plan_end(&body.trajectory) {

@@ -30,30 +30,29 @@ pub enum Command {
     /// Keeps the old plan up to the time (s), then follows the new one: see
     /// [`Monitor::replan`](crate::Monitor::replan).
     Replan(BodyId, f64, Trajectory),
-    /// Appends: the old plan to its last knot, then the new one. See
-    /// [`Monitor::extend`](crate::Monitor::extend).
+    /// Appends a plan after the last knot: see [`Monitor::extend`](crate::Monitor::extend).
     Extend(BodyId, Trajectory),
-    /// Leaves a pair out: see [`Monitor::ignore_pair`](crate::Monitor::ignore_pair).
+    /// Ignores a pair: see [`Monitor::ignore_pair`](crate::Monitor::ignore_pair).
     IgnorePair(BodyId, BodyId),
-    /// Takes a pair in again that was left out.
+    /// Stops ignoring a pair.
     UnignorePair(BodyId, BodyId),
 }
 
-/// What all changes are worked out with.
+/// The context in which all changes are prepared.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ChangeContext<'m> {
-    /// Within what pairs are looked for (m), and where their boxes are measured from.
+    /// Largest margin (m), and the frame of boxes.
     pub(super) reach: (f64, &'m Frame),
-    /// As far as plans are laid out.
+    /// Window over which plans are followed.
     pub(super) window: Window,
     /// The clock of the last tick, s.
     pub(super) now: f64,
-    /// Where history ends: replanned bodies drop what is older, s.
+    /// End of the history, s: replans drop older cubics.
     pub(super) forget_before: f64,
 }
 
 impl ChangeContext<'_> {
-    /// What a plan means over the lookahead.
+    /// Returns the monitored body of a plan over the lookahead.
     pub(super) fn flight(
         &self,
         trajectory: &Trajectory,
@@ -64,8 +63,9 @@ impl ChangeContext<'_> {
         flight.map_err(|error| error.in_body(tag))
     }
 
-    /// From when on (s) a body follows a plan that is to hold from `from` on: from then, or if that is past,
-    /// from when on both the plan and what the body flew are known.
+    /// Returns the instant from which a body follows a plan requested from `from` on, s. If `from`
+    /// is past, that is the first instant at which both the plan and the body's past motion are
+    /// known.
     ///
     /// # Errors
     ///
@@ -86,22 +86,21 @@ impl ChangeContext<'_> {
         Ok(from.max(known).min(self.now))
     }
 
-    /// The same of a body as it is.
+    /// Returns the monitored body of a body with its current plan.
     pub(super) fn flight_of(&self, body: &Body) -> Result<MonitoredBody, Error> {
         self.flight(&body.trajectory, &body.hitbox, body.tag)
     }
 }
 
-/// What a batch comes to: what becomes of the bodies that it changes, and the new ones. Its memory
-/// is used again and again.
+/// The outcome of a batch: changed bodies and new ones. Its memory is reused.
 #[derive(Debug, Default)]
 pub(super) struct CommandBatch {
     /// One for each body, in the order of the commands.
     pub(super) changed: Vec<PendingChange>,
-    /// By slot: the place of its revision in `changed`, if that is of this slot.
+    /// By slot: index of its change in `changed`, valid if that entry is of this slot.
     place_of: Vec<usize>,
     pub(super) inserted: Vec<(Body, MonitoredBody)>,
-    /// Pairs that are to be ignored, or no more, in the order of the commands.
+    /// Pairs to ignore, or to stop ignoring, in the order of the commands.
     pub(super) pairs: Vec<(BodyId, BodyId, PairRule)>,
 }
 
@@ -112,24 +111,24 @@ pub(super) enum PairRule {
     Unignored,
 }
 
-/// What of a body is replaced.
+/// The replaced parts of a body.
 #[derive(Debug)]
 pub(super) struct PendingChange {
     pub(super) id: BodyId,
     pub(super) is_removed: bool,
     pub(super) trajectory: Option<Trajectory>,
-    /// The body's own plan is turned to a straight motion, and nothing else of it is replaced.
+    /// A straight motion to which the body's own plan turns; nothing else is replaced.
     pub(super) turn: Option<PendingTurn>,
-    /// The trajectory is a plan yet, which what has been flown must precede.
+    /// Set while the trajectory is a bare plan, which the past motion must precede.
     splice: Option<PendingSplice>,
-    /// From when on the body follows its last plan, if that came too late for what it asked, s.
+    /// Instant from which the body follows its last plan, if that was late, s.
     late: Option<f64>,
     pub(super) hitbox: Option<Hitbox>,
     pub(super) layers: Option<Layers>,
     /// Numbers of the first and the last command that concern the body.
     first: usize,
     last: usize,
-    /// None once it is taken, and of what is removed.
+    /// None once taken, and for removed bodies.
     pub(super) flight: Option<MonitoredBody>,
     refusal: Option<Rejection>,
 }
@@ -142,14 +141,14 @@ pub(super) struct PendingTurn {
     command: usize,
 }
 
-/// From when on a plan is followed (none: the last knot of the one before), s.
+/// Instant from which a plan is followed (none: the last knot of the one before), s.
 #[derive(Clone, Copy, Debug)]
 struct PendingSplice {
     from: Option<f64>,
     command: usize,
 }
 
-/// Which command is refused, and why.
+/// A refused command, and the reason.
 #[derive(Debug)]
 struct Rejection {
     command: usize,
@@ -157,15 +156,15 @@ struct Rejection {
 }
 
 impl CommandBatch {
-    /// Revisions that one thread settles at a time.
+    /// Number of changes that one thread settles at a time.
     const CHUNK: usize = 64;
-    /// Revisions that are not worth another thread to work out or to drop: 0.3 ms.
+    /// Number of changes not worth another thread: 0.3 ms of preparing or dropping.
     pub(super) const FEW: usize = 1024;
-    /// Revisions that are looked at ahead: bodies lie anywhere in memory.
+    /// Distance of prefetches, in changes: bodies lie anywhere in memory.
     pub(super) const AHEAD: usize = 4;
 
-    /// Goes through the commands in order, each on what the ones before it left, and works out
-    /// what becomes of each body. The first refusal is reported.
+    /// Prepares the commands in order, each on the outcome of those before. Returns the first
+    /// refusal.
     pub(super) fn work_out(
         &mut self,
         scene: &Scene,
@@ -203,13 +202,13 @@ impl CommandBatch {
         first.map_or(Ok(()), |first| Err(first.error))
     }
 
-    /// Bodies whose last plan came too late for what it asked, and from when on they follow it (s).
+    /// Returns the bodies whose last plan was late, and from when on they follow it (s).
     pub(super) fn late(&self) -> impl Iterator<Item = (BodyId, f64)> {
         let there = self.changed.iter().filter(|changed| !changed.is_removed);
         there.filter_map(|changed| Some((changed.id, changed.late?)))
     }
 
-    /// Drops all, and with it what was replaced.
+    /// Drops all changes, and the values they replaced.
     pub(super) fn clear(&mut self) {
         self.changed.clear();
         self.inserted.clear();
@@ -275,7 +274,7 @@ impl CommandBatch {
         Ok(())
     }
 
-    /// Notes what becomes of a pair.
+    /// Notes the rule for a pair.
     fn pair(
         &mut self,
         scene: &Scene,
@@ -294,8 +293,8 @@ impl CommandBatch {
         Ok(())
     }
 
-    /// What the commands so far replace of a body. Whether there is such a body is seen when it is
-    /// settled, where it was fetched before.
+    /// Returns the pending change of a body. Settling, after the prefetch, checks that the body
+    /// exists.
     fn revision(
         &mut self,
         scene: &Scene,
@@ -339,7 +338,7 @@ impl PendingChange {
         }
     }
 
-    /// The body as it is.
+    /// Returns the current body.
     fn body<'s>(&self, scene: &'s Scene) -> Result<&'s Body, Rejection> {
         scene.body(self.id).ok_or(Rejection {
             command: self.first,
@@ -347,7 +346,7 @@ impl PendingChange {
         })
     }
 
-    /// The plan so far up to `from` (none: its last knot), then `plan`.
+    /// Joins the plan so far, up to `from` (none: its last knot), and `plan`.
     fn follow(
         &mut self,
         scene: &Scene,
@@ -368,7 +367,7 @@ impl PendingChange {
         })
     }
 
-    /// Takes the straight motion for a plan like any other: there is more to it.
+    /// Converts a pending turn to a plan, since more than the turn is replaced.
     fn turn_to_splice(&mut self) {
         if let Some(turn) = self.turn.take() {
             self.trajectory = Some(Trajectory::of_line(turn.line));
@@ -379,7 +378,7 @@ impl PendingChange {
         }
     }
 
-    /// Returns true if the body's own plan can be turned; notes from when on (s) that is.
+    /// Returns true if the body's own plan can be turned; notes from when on (s).
     fn can_turn(&mut self, body: &Body, terms: &ChangeContext<'_>) -> Result<bool, Rejection> {
         let Some(turn) = &mut self.turn else {
             return Ok(false);
@@ -398,7 +397,7 @@ impl PendingChange {
         Ok(can)
     }
 
-    /// Lets the body's own trajectory precede the plan, if that is still to be done.
+    /// Joins the body's own trajectory and the plan, if that is pending.
     fn splice(&mut self, scene: &Scene, terms: &ChangeContext<'_>) -> Result<(), Rejection> {
         if self.splice.is_none() {
             return Ok(());
@@ -430,7 +429,7 @@ impl PendingChange {
         })
     }
 
-    /// Works out what becomes of the body.
+    /// Prepares the outcome for the body.
     fn settle(&mut self, scene: &Scene, terms: &ChangeContext<'_>) -> Result<(), Rejection> {
         let body = self.body(scene)?;
         if !self.is_removed && self.can_turn(body, terms)? {

@@ -1,4 +1,4 @@
-//! What a monitor tells: encounters and what happens to them.
+//! Events of a monitor, and the encounters they are about.
 
 use crate::conflict::{ClosestApproach, write_course};
 use crate::id::BodyId;
@@ -12,14 +12,15 @@ use std::fmt;
 pub struct EncounterId(pub(super) u64);
 
 impl EncounterId {
-    /// Returns the id as one number. [`from_bits`](Self::from_bits) returns the same id again. Like the id, the
-    /// number is of use with its own monitor, and a replay of that; the numbers are in the order of the ids.
+    /// Returns the id as a number; [`from_bits`](Self::from_bits) returns the same id again.
+    /// Numbers are in the order of the ids. They are valid for their own monitor and its replays.
     #[must_use]
     pub const fn to_bits(self) -> u64 {
         self.0
     }
 
-    /// Returns the id whose [`to_bits`](Self::to_bits) is this number. Each number is that of one id.
+    /// Returns the id whose [`to_bits`](Self::to_bits) is this number. Every number belongs to one
+    /// id.
     #[must_use]
     pub const fn from_bits(bits: u64) -> Self {
         Self(bits)
@@ -32,17 +33,18 @@ impl fmt::Display for EncounterId {
     }
 }
 
-/// A conflict as the monitor follows it over time, at one alert level. A pair may have several.
+/// A conflict followed over time by a monitor, at one alert level. A pair may have several.
 ///
-/// It remembers what has passed: when it began, and how close it came. At each tick the encounters
-/// of a pair are matched with what the plans lead into now, by overlap in time and in order; one that has begun
-/// only with what is under way at the clock of the tick before. What
-/// finds no match is withdrawn, or ended if it had begun; what is new has a new id.
+/// An encounter includes its past: when it began, and how close the bodies came. Each tick matches
+/// a pair's known encounters with those that the current plans predict, in time order, by overlap.
+/// An encounter that has begun matches only one that was under way at the previous clock. A known
+/// encounter without a match is withdrawn, or ended if it had begun. A predicted one without a
+/// match gets a new id.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Encounter {
-    /// Stays the same from the first event to the last.
+    /// Id, the same from the first event to the last.
     pub id: EncounterId,
     /// The body with the smaller id.
     pub a: BodyId,
@@ -52,26 +54,25 @@ pub struct Encounter {
     pub tag_a: u64,
     /// The tag of body b.
     pub tag_b: u64,
-    /// Which alert level: its place, from 0, in the list that [`Monitor::new`](crate::Monitor::new)
-    /// was given.
-    pub level: usize,
-    /// First instant within the level's margin, s; of bodies that are within it already when they
-    /// are first looked at, the clock of the tick before, or that of
+    /// Number of the alert level: its index in the list given to
     /// [`Monitor::new`](crate::Monitor::new).
+    pub level: usize,
+    /// First instant within the level's margin, s. For bodies within the margin when first
+    /// examined, the clock of the tick before, or of [`Monitor::new`](crate::Monitor::new).
     pub enter: f64,
-    /// Last instant within the level's release margin, s; the end of what is known while `open`.
+    /// Last instant within the level's release margin, s; while `open`, the end of the examined
+    /// time.
     pub exit: f64,
-    /// The end is not known yet: it lies beyond what the monitor has looked at.
+    /// True while the end is unknown: it lies beyond the time that the monitor has examined.
     pub open: bool,
-    /// The least separation, over what has passed since it began and what is planned, as far as the
-    /// monitor has looked: while the encounter is `open` the bodies may come nearer later. How near, a
-    /// [`Revised`](EventKind::Revised) tells once that is in sight, and until then once a lookahead.
+    /// Least separation over the past and the planned part, as far as the monitor has looked. While
+    /// the encounter is `open`, the bodies may come nearer later. A [`Revised`](EventKind::Revised)
+    /// reports the nearest point once it is in sight, and until then once a lookahead.
     pub closest: ClosestApproach,
 }
 
 impl fmt::Display for Encounter {
-    /// One line: id, level, bodies, the interval, and the closest approach. With a precision (`{:.6}`), so many
-    /// decimals.
+    /// Formats one line: id, level, bodies, interval, closest approach. `{:.6}` sets the decimals.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
@@ -83,7 +84,7 @@ impl fmt::Display for Encounter {
     }
 }
 
-/// Why an encounter that had begun is over.
+/// The reason why an encounter that had begun is over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -92,7 +93,7 @@ pub enum EndReason {
     Separated,
     /// One of the trajectories ended.
     TrajectoryEnded,
-    /// A changed plan, hitbox or layer ended it, or that the pair is ignored.
+    /// A changed plan, hitbox or layer ended it, or the pair is now ignored.
     PlanChanged,
     /// One of the bodies was removed.
     BodyRemoved,
@@ -112,9 +113,9 @@ impl fmt::Display for EndReason {
     }
 }
 
-/// What happened.
+/// Content of an event.
 ///
-/// The events of one encounter (the same [`Encounter::id`]), in the order in which they are told:
+/// Events of one encounter (one [`Encounter::id`]) come in this order:
 ///
 /// | after | may come |
 /// |---|---|
@@ -123,27 +124,28 @@ impl fmt::Display for EndReason {
 /// | `Began`, or a `Revised` after that | `Revised`, `Ended` |
 /// | `Withdrawn` or `Ended` | nothing |
 ///
-/// A clock that jumps tells what lay in between all the same: `Began` and `Ended` at one tick.
+/// When the clock jumps past an encounter, one tick reports both `Began` and `Ended`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum EventKind {
-    /// A new encounter lies ahead. One that reaches beyond the lookahead is `open`: how near the bodies
-    /// come is then only known so far. Its nearest point is told once it is in sight; while they still
-    /// come nearer at the end of what is known, how near by then is told once a lookahead
-    /// ([`Monitor::encounters`](crate::Monitor::encounters) says it at each tick).
+    /// A new encounter lies ahead. If it reaches beyond the lookahead it is `open`, and `closest`
+    /// covers only the examined time. The nearest point is reported once it is in sight. While the
+    /// bodies still come nearer at the end of the examined time, the separation reached by then is
+    /// reported once a lookahead. [`Monitor::encounters`](crate::Monitor::encounters) gives it at
+    /// each tick.
     Predicted(Encounter),
-    /// Its numbers differ from those last sent by more than the least change.
+    /// The encounter changed by more than the revision threshold since its last event.
     Revised(Encounter),
-    /// It will not take place. Only before it began.
+    /// The encounter will not take place. It had not begun.
     Withdrawn(Encounter),
-    /// It has begun.
+    /// The encounter has begun.
     Began(Encounter),
-    /// It is over. Every encounter that began has exactly one of these.
+    /// The encounter is over. Every encounter that began has exactly one of these.
     Ended(Encounter, EndReason),
-    /// A body's plan ends within the lookahead (or ended before it), and the body with it. Told once for each
-    /// plan, as soon as its end is in sight, and not again when it comes: with plans no longer than the
-    /// lookahead at once. Plan further ahead, or let bodies go on
+    /// A body's plan, and with it the body, ends within the lookahead or has ended. Reported once
+    /// for each plan, as soon as its end is in sight: at once for plans no longer than the
+    /// lookahead. To avoid it, plan further ahead or let bodies continue
     /// ([`Outside::Coast`](crate::Outside::Coast)).
     PlanEnds {
         /// The body.
@@ -153,20 +155,20 @@ pub enum EventKind {
     },
 }
 
-/// Something that happened, and when.
+/// An event with its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Event {
-    /// s: the enter of what began, the exit of what ended, the end of the plan that ends; else the
-    /// monitor's clock (of what a removal withdraws, that of the tick before it).
+    /// Time, s: the enter of what began, the exit of what ended, or the end of the plan that ends.
+    /// Otherwise the monitor's clock; for withdrawals by a removal, the clock of the tick before.
     pub time: f64,
-    /// What.
+    /// Content.
     pub kind: EventKind,
 }
 
 impl EventKind {
-    /// The encounter it speaks of, if any.
+    /// Returns the encounter that the event is about, if any.
     #[must_use]
     pub const fn encounter(&self) -> Option<&Encounter> {
         match self {
@@ -192,7 +194,7 @@ impl EventKind {
 }
 
 impl Event {
-    /// The order in which events are told: by time, kind, a, b, level, encounter.
+    /// Compares two events in the order of reports: time, kind, a, b, level, encounter.
     #[must_use]
     pub fn order(&self, other: &Self) -> Ordering {
         let place = |event: &Self| match event.kind {
@@ -221,7 +223,7 @@ impl Event {
 }
 
 impl fmt::Display for EventKind {
-    /// One line: what happened, and the encounter. With a precision (`{:.6}`), so many decimals.
+    /// Formats one line: the kind, and the encounter. `{:.6}` sets the decimals.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (what, encounter) = match self {
             Self::Predicted(encounter) => ("predicted", encounter),
@@ -240,7 +242,7 @@ impl fmt::Display for EventKind {
 }
 
 impl fmt::Display for Event {
-    /// One line: when, what happened, and the encounter. With a precision (`{:.6}`), so many decimals.
+    /// Formats one line: time, kind, and the encounter. `{:.6}` sets the decimals.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let decimals = f.precision().unwrap_or(3);
         write!(f, "at {:.decimals$} s ", Readable(self.time))?;
