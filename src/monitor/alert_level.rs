@@ -21,8 +21,8 @@
 pub struct AlertLevel {
     /// An encounter begins when the separation falls to this, m.
     pub margin: f64,
-    /// It ends when the separation exceeds this, m; at least the margin. More than the margin is
-    /// hysteresis: an encounter that hovers at its margin does not flicker.
+    /// An encounter ends when the separation exceeds this, m; at least the margin. More than the
+    /// margin is hysteresis: an encounter that hovers at its margin does not flicker.
     pub release: f64,
 }
 

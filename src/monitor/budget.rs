@@ -10,7 +10,7 @@ use std::time::Duration;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Budget {
-    /// As much as there is.
+    /// No limit.
     Unlimited,
     /// Wall time, looked at after every thousand boxes or candidates: so many are looked at however
     /// short it is. Exceeded by what sorting the boxes of one slice takes, and solving and reading

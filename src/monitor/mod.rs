@@ -144,7 +144,7 @@ pub struct Monitor {
     waiting: Vec<Event>,
     /// Slots of bodies that were taken out since.
     removed: Vec<u32>,
-    /// When plans end of which that has not been told.
+    /// Ends of plans that are still to be reported.
     plan_ends: DueQueue,
     stats: Stats,
     changed_bodies: u64,
@@ -348,13 +348,13 @@ impl Monitor {
         &self.levels
     }
 
-    /// The bodies and their plans.
+    /// Returns the bodies and their plans.
     #[must_use]
     pub const fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// The clock, s.
+    /// Returns the clock, s.
     #[must_use]
     pub const fn now(&self) -> f64 {
         self.now
@@ -367,13 +367,13 @@ impl Monitor {
         self.known
     }
 
-    /// Whether all of the lookahead is known, with all changes.
+    /// Returns true if all of the lookahead is known, with all changes.
     #[must_use]
     pub fn is_caught_up(&self) -> bool {
         !self.search.has_changed() && self.is_known()
     }
 
-    /// Whether all of the lookahead was known at the last tick.
+    /// Returns true if all of the lookahead was known at the last tick.
     fn is_known(&self) -> bool {
         self.known >= self.now + self.lookahead
     }
@@ -389,7 +389,7 @@ impl Monitor {
         conflicts.ok_or(Error::UnknownAlertLevel { level })
     }
 
-    /// The conflicts of one body at a level, soonest first: goes through all of the level.
+    /// Returns the conflicts of one body at a level, soonest first. Goes through all of the level.
     ///
     /// # Errors
     ///
@@ -403,7 +403,7 @@ impl Monitor {
         Ok(self.conflicts(level)?.iter().filter(concerns))
     }
 
-    /// The soonest conflict of one body at a level.
+    /// Returns the soonest conflict of one body at a level.
     ///
     /// # Errors
     ///
@@ -412,14 +412,14 @@ impl Monitor {
         Ok(self.conflicts_of(id, level)?.next())
     }
 
-    /// Encounters under way and ahead, level by level.
+    /// Returns encounters under way and ahead, level by level.
     pub fn encounters(&self) -> impl Iterator<Item = &Encounter> {
         let all = self.encounters.iter().flat_map(EncounterTracker::iter);
         let is_there = |id| self.removed.is_empty() || self.scene.body(id).is_some();
         all.filter(move |encounter| is_there(encounter.a) && is_there(encounter.b))
     }
 
-    /// What the last tick did.
+    /// Returns the counts and times of the last tick.
     #[must_use]
     pub const fn stats(&self) -> &Stats {
         &self.stats

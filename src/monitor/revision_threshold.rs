@@ -1,4 +1,4 @@
-//! How much an encounter changes before that is told.
+//! Threshold of reported changes of an encounter.
 
 /// The largest change of an encounter that is not reported, measured from the last report.
 ///
@@ -9,10 +9,10 @@
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RevisionThreshold {
-    /// Of enter, exit and the time of closest approach, s; 1e-9 by default.
+    /// Change of enter, exit and the time of closest approach, s; 1e-9 by default.
     #[cfg_attr(feature = "serde", serde(with = "crate::json_number"))]
     pub time: f64,
-    /// Of the least separation, m; 1e-9 by default.
+    /// Change of the least separation, m; 1e-9 by default.
     #[cfg_attr(feature = "serde", serde(with = "crate::json_number"))]
     pub separation: f64,
 }

@@ -40,12 +40,11 @@ impl Monitor {
         self.advance_within(now, Budget::Unlimited, events)
     }
 
-    /// The same within a budget, soonest first. When it is spent,
-    /// [`complete_until`](Self::complete_until) says up to when nothing is missing; what happens
-    /// later waits for later ticks. They go on where this one stopped, also while the clock stands
-    /// still, and tell the same events of the clock in the end: but where a plan changes what was at
-    /// an instant that one monitor has told and another has not, be it the clock's own, or bodies come and
-    /// go meanwhile.
+    /// Like [`advance`](Self::advance), but within a budget, soonest first. Nothing is missing
+    /// before [`complete_until`](Self::complete_until); later ticks continue from there, also while
+    /// the clock stands still. In the end they report the same clock events. Exceptions: bodies
+    /// come or go meanwhile, or a plan changes what was at an instant (the clock's own included)
+    /// that one monitor has reported and another has not.
     ///
     /// ```
     /// # use nearmiss::glam::DVec3;
@@ -67,7 +66,7 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// As [`advance`](Self::advance).
+    /// The errors of [`advance`](Self::advance).
     pub fn advance_within(
         &mut self,
         now: f64,
@@ -199,7 +198,7 @@ impl Monitor {
         Ok(())
     }
 
-    /// Whether another tick at the same time would find everything as it is.
+    /// Returns true if another tick at the same time would change nothing.
     pub(super) fn has_told_all(&self) -> bool {
         self.is_caught_up() && self.waiting.is_empty() && !self.readings.reads_all()
     }
@@ -248,7 +247,7 @@ impl Monitor {
     }
 }
 
-/// When a body that has only its plan runs out of it, s.
+/// Returns the end of a plan without a rule beyond it, s.
 pub(super) fn plan_end(trajectory: &Trajectory) -> Option<f64> {
     let last = trajectory.knots().last().copied();
     last.filter(|_| trajectory.outside_after() == Outside::Absent)

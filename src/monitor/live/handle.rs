@@ -17,7 +17,7 @@ use std::sync::{Arc, PoisonError, RwLock};
 /// A request that was not sent, handed back.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Unsent {
-    /// As many requests wait as may: try again later, or leave it.
+    /// The queue is full: try again later, or drop the request.
     Busy(Request),
     /// The monitor takes no more requests, was shut down, or panicked.
     Closed(Request),
@@ -44,7 +44,7 @@ impl fmt::Display for Unsent {
 
 impl std::error::Error for Unsent {}
 
-/// How many requests came to what end.
+/// Numbers of requests by what became of them.
 ///
 /// `sent = applied + superseded + refused + waiting`, and nothing waits after a shutdown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -61,7 +61,7 @@ pub struct Counts {
     pub refused: u64,
 }
 
-/// What the thread and the handles share.
+/// State shared by the thread and the handles.
 #[derive(Debug)]
 pub(super) struct Shared {
     now: AtomicU64,
@@ -154,8 +154,8 @@ impl Handle {
     ///
     /// # Errors
     ///
-    /// As [`send`](Self::send). What [`Monitor::track`](crate::Monitor::track) refuses comes as
-    /// [`ReportKind::Refused`](super::ReportKind::Refused).
+    /// The errors of [`send`](Self::send). A refusal by [`Monitor::track`](crate::Monitor::track)
+    /// comes as [`ReportKind::Refused`](super::ReportKind::Refused).
     pub fn track(&self, now: f64, states: Vec<(BodyId, BodyState)>) -> Result<Ticket, Unsent> {
         self.send(Request::Track(now, states))
     }
@@ -164,7 +164,7 @@ impl Handle {
     ///
     /// # Errors
     ///
-    /// As [`send`](Self::send).
+    /// The errors of [`send`](Self::send).
     pub fn advance(&self, now: f64) -> Result<Ticket, Unsent> {
         self.send(Request::Clock(now))
     }
@@ -195,7 +195,8 @@ impl Handle {
     ///
     /// # Errors
     ///
-    /// As [`send`](Self::send). What [`Monitor::what_if`](crate::Monitor::what_if) refuses comes as
+    /// The errors of [`send`](Self::send). A refusal by
+    /// [`Monitor::what_if`](crate::Monitor::what_if) comes as
     /// [`ReportKind::Refused`](super::ReportKind::Refused).
     pub fn what_if(&self, id: BodyId, plan: Trajectory, level: usize) -> Result<Ticket, Unsent> {
         self.send(Request::WhatIf(id, plan, level))
@@ -217,7 +218,7 @@ impl Handle {
         }
     }
 
-    /// The monitor's clock, s.
+    /// Returns the monitor's clock, s.
     #[must_use]
     pub fn now(&self) -> f64 {
         f64::from_bits(self.shared.now.load(Ordering::Acquire))
@@ -230,7 +231,7 @@ impl Handle {
         f64::from_bits(self.shared.complete_until.load(Ordering::Acquire))
     }
 
-    /// What has become of the requests so far.
+    /// Returns the numbers of requests so far, by what became of them.
     #[must_use]
     pub fn counts(&self) -> Counts {
         // The ends before the beginning: what is added in between makes `sent` larger, not smaller, and

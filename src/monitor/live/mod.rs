@@ -80,11 +80,11 @@ pub struct Live {
     thread: Option<JoinHandle<Box<Outcome>>>,
 }
 
-/// What a live monitor leaves.
+/// Everything that a live monitor leaves at its end.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct Stopped {
-    /// As the last request left it.
+    /// Monitor, as the last request left it.
     pub monitor: Monitor,
     /// Reports that no other reader has taken, in order.
     pub reports: Vec<Report>,
@@ -98,15 +98,16 @@ pub struct Stopped {
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct Panicked {
-    /// What the panic said.
+    /// Message of the panic.
     pub message: String,
     /// The monitor as the last whole request left it; none if even that cannot be made of it.
     pub monitor: Option<Box<Monitor>>,
-    /// As in [`Stopped`].
+    /// Reports that no other reader has taken, in order.
     pub reports: Vec<Report>,
-    /// As in [`Stopped`]; the request that panicked is counted as refused, and not among these.
+    /// Requests that were not applied, in order, without the one that panicked; all count as
+    /// refused.
     pub unapplied: Vec<(Ticket, Request)>,
-    /// As in [`Stopped`].
+    /// All requests, by what became of them.
     pub counts: Counts,
 }
 

@@ -1,4 +1,4 @@
-//! How a live monitor runs, and what it tells.
+//! Options and reports of a live monitor.
 
 use super::request::Ticket;
 use crate::conflict::Conflict;
@@ -7,7 +7,7 @@ use crate::id::BodyId;
 use crate::monitor::Event;
 use std::time::Duration;
 
-/// How a live monitor runs. What its queues and its budget mean is in the contract at [`Live`](super::Live).
+/// Options of a live monitor. The contract at [`Live`](super::Live) explains queues and budget.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -18,29 +18,29 @@ pub struct LiveOptions {
     /// Reports that may wait to be read, 1 to [`MAX`](Self::MAX); 4,096 by default. There is room for all of
     /// them from the beginning; those of the step at hand wait beside them.
     pub reports: usize,
-    /// How long the monitor works at a stretch before it looks for requests again; 10 ms by default.
+    /// Longest work between two looks at the requests; 10 ms by default.
     pub budget: Duration,
 }
 
 impl LiveOptions {
-    /// What a queue may hold at most: some hundred megabytes.
+    /// Largest capacity of a queue: some hundred megabytes.
     pub const MAX: usize = 1 << 20;
 
-    /// The same options with room for this many requests.
+    /// Sets the capacity of the queue of requests.
     #[must_use]
     pub const fn with_requests(mut self, requests: usize) -> Self {
         self.requests = requests;
         self
     }
 
-    /// The same options with room for this many reports.
+    /// Sets the capacity of the queue of reports.
     #[must_use]
     pub const fn with_reports(mut self, reports: usize) -> Self {
         self.reports = reports;
         self
     }
 
-    /// The same options with this budget.
+    /// Sets the budget.
     #[must_use]
     pub const fn with_budget(mut self, budget: Duration) -> Self {
         self.budget = budget;
@@ -101,9 +101,9 @@ pub enum ReportKind {
     WhatIf {
         /// The request.
         ticket: Ticket,
-        /// What the body would meet, as [`Monitor::what_if`](crate::Monitor::what_if) says it.
+        /// Conflicts of the body, as [`Monitor::what_if`](crate::Monitor::what_if) returns them.
         conflicts: Vec<Conflict>,
-        /// What lies later is not in it, s.
+        /// End of the examined time, s: later conflicts are not listed.
         complete_until: f64,
     },
     /// A request was refused, and changed nothing. (What it had [superseded](super::Request) is gone.)
@@ -113,8 +113,8 @@ pub enum ReportKind {
         /// Why.
         error: Error,
     },
-    /// What was left of a tick cannot be caught up with: there is [too little
-    /// room](Error::TooCrowded), say. It is tried again after the next request.
+    /// Catching up failed: for [too little room](Error::TooCrowded), say. The next request is
+    /// followed by another attempt.
     Stuck {
         /// Why.
         error: Error,

@@ -1,4 +1,4 @@
-//! What is sent to a live monitor, and how it waits there.
+//! Requests to a live monitor, and the queue in which they wait.
 
 use crate::id::BodyId;
 use crate::monitor::Command;
@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, VecDeque};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Ticket(pub(super) u64);
 
-/// What is sent to a live monitor.
+/// A request to a live monitor.
 ///
 /// A plan replaces an earlier one of the same body altogether if it is
 /// [`Command::SetTrajectory`], or if both are [`Command::Replan`] and the later one begins no
@@ -35,8 +35,8 @@ pub enum Request {
     Track(f64, Vec<(BodyId, BodyState)>),
     /// The clock moves on to this time, s.
     Clock(f64),
-    /// What would become of a body, at an alert level, if it followed a plan from now on? Changes nothing;
-    /// answered with [`ReportKind::WhatIf`](super::ReportKind::WhatIf). See
+    /// Asks for the conflicts of a body, at an alert level, if it followed a plan from now on.
+    /// Changes nothing. The answer is a [`ReportKind::WhatIf`](super::ReportKind::WhatIf). See
     /// [`Monitor::what_if`](crate::Monitor::what_if).
     WhatIf(BodyId, Trajectory, usize),
     /// Panics, to see what becomes of it.
@@ -66,8 +66,8 @@ fn plan_of(request: &Request) -> Option<BodyId> {
     }
 }
 
-/// Whether the later of two plans for one body leaves nothing of the earlier, when the clock (s) has been
-/// moved.
+/// Returns true if the later of two plans for one body replaces the earlier altogether, at a clock
+/// (s).
 fn replaces(later: &Request, earlier: &Request, clock: f64) -> bool {
     match (later, earlier) {
         (Request::Change(Command::SetTrajectory(..)), _) => true,
@@ -85,10 +85,10 @@ fn replaces(later: &Request, earlier: &Request, clock: f64) -> bool {
 /// Requests received and not yet applied, superseded ones taken out.
 #[derive(Debug, Default)]
 pub(super) struct RequestQueue {
-    /// As the last clock request leaves it, s.
+    /// Clock after the last clock request, s.
     clock: f64,
     requests: VecDeque<Option<(Ticket, Request)>>,
-    /// How many have been taken from the front: the number of the first in `requests`.
+    /// Number of requests taken from the front: the number of the first in `requests`.
     taken: usize,
     /// Numbers of the plans of each body that wait and are not superseded, since the last clock request,
     /// batch or question, in order.
@@ -96,7 +96,7 @@ pub(super) struct RequestQueue {
 }
 
 impl RequestQueue {
-    /// None yet, for a monitor whose clock shows this, s.
+    /// Returns an empty queue for a monitor whose clock shows this, s.
     pub(super) fn at(clock: f64) -> Self {
         Self {
             clock,
@@ -104,12 +104,12 @@ impl RequestQueue {
         }
     }
 
-    /// How much room the requests take, superseded ones included.
+    /// Returns the room that the requests take, superseded ones included.
     pub(super) fn len(&self) -> usize {
         self.requests.len()
     }
 
-    /// How many plans it remembers.
+    /// Returns the number of remembered plans.
     #[cfg(test)]
     pub(super) fn plans(&self) -> usize {
         self.plans.values().map(VecDeque::len).sum()

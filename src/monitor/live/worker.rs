@@ -11,7 +11,7 @@ use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-/// How the thread ended, with all it had.
+/// The way the thread ended, with all it had.
 #[derive(Debug)]
 pub(super) enum Outcome {
     Stopped {
@@ -28,7 +28,7 @@ pub(super) enum Outcome {
 }
 
 impl Outcome {
-    /// Nothing is left but a message.
+    /// Returns the outcome of which only a message is left.
     pub(super) fn lost(message: String) -> Self {
         Self::Panicked {
             message,
@@ -55,7 +55,7 @@ pub(super) struct Worker {
     waiting: RequestQueue,
     /// Reports that the reader has no room for.
     outbox: VecDeque<Report>,
-    /// How many reports there have been.
+    /// Number of reports so far.
     reported: u64,
     events: Vec<Event>,
     /// Catching up was refused: it is not tried again before something is requested.
@@ -275,13 +275,13 @@ impl Worker {
     }
 }
 
-/// The same monitor with all that can be worked out again worked out from the scene.
+/// Rebuilds from the scene all state that can be derived from it.
 fn repaired(mut monitor: Monitor) -> Result<Monitor, Error> {
     monitor.look_anew()?;
     Ok(monitor)
 }
 
-/// What a panic said.
+/// Returns the message of a panic.
 pub(super) fn message_of(payload: &(dyn Any + Send)) -> String {
     payload
         .downcast_ref::<&str>()

@@ -52,7 +52,7 @@ impl Monitor {
         }
     }
 
-    /// Whether a recording is under way, and nothing has gone wrong with it.
+    /// Returns true if a recording is under way and has met no error.
     #[must_use]
     pub fn is_recording(&self) -> bool {
         self.tape.as_ref().is_some_and(RecordWriter::is_whole)

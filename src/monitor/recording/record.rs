@@ -45,30 +45,30 @@ pub(in crate::monitor) enum Record {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordingError {
-    /// It does not begin like a recording of a version that is known.
+    /// The beginning is not that of a recording of a known version.
     #[error("not a recording of this version: it begins with {found:?}")]
     NotARecording {
-        /// What its first line says instead, as far as it is text.
+        /// First line, as far as it is text.
         found: String,
     },
-    /// It ends before its end.
+    /// The recording ends before its end record.
     #[error("byte {offset}: the recording was cut short")]
     Truncated {
-        /// Where the line that is cut, or missing, begins.
+        /// Beginning of the line that is cut or missing.
         offset: u64,
     },
     /// A line is not what was written there: its length, its checksum or what it says is wrong.
     #[error("byte {offset}: the recording is damaged: {problem}")]
     Damaged {
-        /// Where the line begins.
+        /// Beginning of the line.
         offset: u64,
-        /// What is wrong.
+        /// Description of the damage.
         problem: String,
     },
     /// A record was refused by the monitor.
     #[error("byte {offset}: {error}")]
     Refused {
-        /// Where the line begins.
+        /// Beginning of the line.
         offset: u64,
         /// Why.
         #[source]

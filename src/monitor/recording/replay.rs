@@ -67,7 +67,7 @@ use std::io::{BufRead, Read};
 #[derive(Debug)]
 pub struct Replay<R> {
     source: R,
-    /// Where the next line begins.
+    /// Beginning of the next line.
     offset: u64,
     /// The checksum of the last record.
     checksum: u32,
@@ -75,7 +75,7 @@ pub struct Replay<R> {
     monitor: Monitor,
 }
 
-/// How far a replay is.
+/// State of a replay.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ReplayState {
     Open,
@@ -125,7 +125,7 @@ impl<R: BufRead> Replay<R> {
         })
     }
 
-    /// The monitor as it was after the last tick gone through.
+    /// Returns the monitor after the last replayed tick.
     pub const fn monitor(&self) -> &Monitor {
         &self.monitor
     }

@@ -6,7 +6,7 @@ use std::io::{self, BufWriter, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Mutex, PoisonError};
 
-/// Where a monitor's recording goes.
+/// The writer of a monitor's recording.
 pub(in crate::monitor) struct RecordWriter {
     /// Never locked: a writer need not be shared between threads, a monitor may be.
     target: Mutex<BufWriter<Guarded>>,
