@@ -1,4 +1,4 @@
-//! When something is due of a body: the soonest first, without going through all of them.
+//! A queue of due instants of bodies, soonest first.
 
 use super::time_key::TimeKey;
 use std::cmp::Reverse;
@@ -34,7 +34,7 @@ impl DueQueue {
         self.enqueue(slot);
     }
 
-    /// Whether a slot is due at some time.
+    /// Returns true if a slot is due at some time.
     pub(super) fn has(&self, slot: u32) -> bool {
         self.due
             .get(slot as usize)

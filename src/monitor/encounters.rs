@@ -110,7 +110,7 @@ impl Saved {
 #[derive(Debug, Default)]
 pub(super) struct EncounterTracker {
     level: usize,
-    /// Those of one pair in the order of time.
+    /// Encounters; of one pair in the order of time.
     tracked: SortedSlab<SlotPair, TrackedEncounter>,
     /// Pairs of which some lie beyond what is known and were not found again, sorted.
     waiting: Vec<SlotPair>,
@@ -118,7 +118,7 @@ pub(super) struct EncounterTracker {
     updated: Vec<SlotPair>,
 }
 
-/// What a tick knows about time.
+/// The instants that a tick works with.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct TickContext {
     /// The clock, s.
@@ -237,12 +237,12 @@ impl EncounterTracker {
         self.tracked.add(slots, interval, tracked);
     }
 
-    /// What is remembered.
+    /// Returns a copy of the encounters, to be saved.
     pub(super) fn save(&self) -> Saved {
         Saved(self.tracked.values().copied().collect())
     }
 
-    /// Those of a level that were saved.
+    /// Restores the saved encounters of a level.
     pub(super) fn restored(level: usize, saved: Saved) -> Self {
         let mut encounters = Self::of_level(level);
         let Saved(mut saved) = saved;

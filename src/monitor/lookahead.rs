@@ -48,7 +48,7 @@ pub(super) struct LookaheadSearch {
     finds: SolvedSpans,
     margin: f64,
     grid: Grid,
-    /// Those of the lookahead, and the next one.
+    /// Slices of the lookahead, and the next one.
     slices: VecDeque<LookaheadSlice>,
     spare: Vec<LookaheadSlice>,
     jump: JumpSearch,
@@ -108,7 +108,7 @@ impl LookaheadSearch {
         }
     }
 
-    /// One that knows no body, on another grid maybe.
+    /// Returns a search that knows no body, on another grid maybe.
     pub(super) fn renewed(&self, grid: Grid) -> Self {
         Self::new(self.margin, grid, self.max_spans)
     }
@@ -416,7 +416,7 @@ impl LookaheadSearch {
         self.finds.take_changed(changed);
     }
 
-    /// When both bodies of a pair exist, as far back as they are known.
+    /// Returns when both bodies of a pair exist, s, as far back as they are known.
     pub(super) fn domain(&self, scene: &Scene, (a, b): (u32, u32)) -> Option<(f64, f64)> {
         let (start_a, end_a) = self.flights.domain(scene, a)?;
         let (start_b, end_b) = self.flights.domain(scene, b)?;

@@ -19,7 +19,7 @@ pub(super) struct MonitoredBody {
     /// begin with that window at the time the plan was set, so that their numbers stay as its end moves on.
     extension: Option<Extension>,
     begin: f64,
-    /// Of the knots.
+    /// Ends of the knots, s.
     ends: (f64, f64),
     /// Up to where a plan without end is followed, s; infinite for one that has an end.
     until: f64,
@@ -28,7 +28,7 @@ pub(super) struct MonitoredBody {
 }
 
 impl MonitoredBody {
-    /// What a plan means over `window`, for pairs within `margin` (m) in `frame`.
+    /// Prepares a plan over `window`, for pairs within `margin` (m) in `frame`.
     pub(super) fn of(
         trajectory: &Trajectory,
         hitbox: &Hitbox,

@@ -42,7 +42,7 @@ pub(super) struct ReadContext<'m> {
 }
 
 impl LevelCaches {
-    /// Of so many levels, and no pair.
+    /// Returns empty caches for so many levels.
     pub(super) fn of_levels(count: usize) -> Self {
         Self {
             conflicts: (0..count).map(|_| ConflictCache::default()).collect(),
@@ -52,7 +52,7 @@ impl LevelCaches {
         }
     }
 
-    /// Whether all is to be read next.
+    /// Returns true if all is to be read next.
     pub(super) fn reads_all(&self) -> bool {
         self.plains.iter().any(EncounterCache::lists_all)
     }

@@ -22,7 +22,7 @@ pub struct Snapshot {
     pub(super) history: f64,
     pub(super) max_spans: usize,
     pub(super) next_id: u64,
-    /// By level.
+    /// Encounters by level.
     pub(super) encounters: Vec<Saved>,
     pub(super) waiting: Vec<Event>,
     /// By slot: the end of its plan, if it has one, has been told.

@@ -7,7 +7,7 @@ use std::ops::Range;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct IndexEntry<K> {
     pub(super) key: K,
-    /// When, s.
+    /// Interval, s.
     pub(super) interval: (f64, f64),
     /// See [`SortedSlab::at`].
     pub(super) place: usize,
@@ -18,7 +18,7 @@ pub(super) struct IndexEntry<K> {
 pub(super) struct SortedSlab<K, V> {
     /// Sorted by key.
     entries: Vec<IndexEntry<K>>,
-    /// Those that are not among the entries yet.
+    /// Entries added since the last settling.
     added: Vec<IndexEntry<K>>,
     merged: Vec<IndexEntry<K>>,
     values: Vec<V>,
@@ -49,7 +49,7 @@ impl<K: Copy + Ord, V> SortedSlab<K, V> {
         found.is_ok()
     }
 
-    /// Which of all values, counted in the order of their keys, have a key.
+    /// Returns the numbers of the values with a key, counted in the order of keys.
     pub(super) fn of(&self, key: &K) -> Range<usize> {
         let first = self.entries.partition_point(|entry| entry.key < *key);
         let rest = &self.entries[first..];

@@ -1,4 +1,4 @@
-//! What is ordered by time.
+//! A key ordered by time.
 
 use std::cmp::Ordering;
 

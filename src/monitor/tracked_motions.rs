@@ -1,11 +1,11 @@
-//! What becomes of the bodies whose states are told in one call.
+//! Changes of the bodies whose states are given in one call.
 
 use super::monitored_bodies::MonitoredBody;
 use crate::error::Error;
 use crate::id::BodyId;
 use crate::trajectory::{Segment, Trajectory};
 
-/// What becomes of the bodies of one call. Its memory is used again and again.
+/// Changes of the bodies of one call. Their memory is reused.
 #[derive(Debug, Default)]
 pub(super) struct TrackedMotions {
     /// One for each body.
@@ -32,7 +32,7 @@ impl TrackedMotions {
     }
 }
 
-/// What becomes of a body.
+/// The change of one body.
 #[derive(Debug)]
 pub(super) struct TrackedMotion {
     pub(super) id: BodyId,
@@ -48,7 +48,7 @@ pub(super) struct TrackedMotion {
 pub(super) enum TrackedChange {
     /// Its plan is turned in place.
     Turn,
-    /// It takes another plan.
+    /// The body takes another plan.
     Replan(Box<(Trajectory, MonitoredBody)>),
     /// None: it is refused.
     Refused(Box<Error>),

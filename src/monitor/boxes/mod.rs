@@ -25,9 +25,9 @@ const NOWHERE: u32 = u32::MAX;
 /// Boxes by slot; a body that does not exist in the slice has none.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BoxTree {
-    /// By slot.
+    /// Place of each slot's body.
     place_of: Vec<u32>,
-    /// By place: [`WIDTH`] for each node of the lowest level.
+    /// Slot at each place: [`WIDTH`] places for each node of the lowest level.
     slot_at: Vec<u32>,
     /// The bodies' own boxes first, then those around each node of the level below; the highest
     /// has one node. Levels above it are spare memory.

@@ -1,4 +1,4 @@
-//! What needs the inside: a panic, and how requests wait.
+//! Tests that need the inside: a panic, and the queue of requests.
 
 #![allow(
     clippy::unwrap_used,

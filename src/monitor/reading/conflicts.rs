@@ -11,7 +11,7 @@ use crate::monitor::time_key::TimeKey;
 pub(in crate::monitor) struct ConflictCache {
     /// Whatever the window, by when a conflict begins, and whose it is: the order of reports.
     always: SortedSlab<TimeKey<SlotPair>, Conflict>,
-    /// What this tick sees of those at an edge of the window.
+    /// Conflicts at an edge of the window, as this tick sees them.
     at_edge: Vec<Conflict>,
     /// All of the window, in the order of reports.
     listed: Vec<CacheSlot>,

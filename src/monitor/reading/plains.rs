@@ -12,15 +12,15 @@ use crate::monitor::sorted_slab::{IndexEntry, SortedSlab};
 pub(in crate::monitor) struct EncounterCache {
     /// Whatever the window.
     always: SortedSlab<SlotPair, PlannedEncounter>,
-    /// What this tick sees of pairs at an edge of the window.
+    /// Planned encounters of pairs at an edge of the window, as this tick sees them.
     at_edge: Vec<PlannedEncounter>,
     /// Pairs that were dropped, or added, since the last listing.
     touched: Vec<SlotPair>,
-    /// What each listed pair has.
+    /// Encounters of the listed pairs.
     listed: Vec<CacheSlot>,
     /// The pairs, and where the list of each ends.
     pairs: Vec<(SlotPair, usize)>,
-    /// Of the last listing; none if all are to be listed.
+    /// Edges of the last listing's window; none if all are to be listed.
     before: Option<WindowEdges>,
 }
 
@@ -63,7 +63,7 @@ impl EncounterCache {
         self.touched.clear();
     }
 
-    /// Whether all are listed next.
+    /// Returns true if all are listed next.
     pub(in crate::monitor) const fn lists_all(&self) -> bool {
         self.before.is_none()
     }

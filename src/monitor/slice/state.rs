@@ -36,7 +36,7 @@ pub(in crate::monitor) struct LookaheadSlice {
     pub(super) rest: Option<f64>,
     /// There was too little room for what is in it: it was given up.
     pub(super) is_crowded: bool,
-    /// Nothing is done for it before it is needed.
+    /// Set while no work is done before the slice is needed.
     pub(super) is_put_off: bool,
     pub(in crate::monitor) stats: Stats,
 }
