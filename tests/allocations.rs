@@ -120,7 +120,7 @@ struct Course {
     by: By,
 }
 
-/// How they are told.
+/// The call by which bodies are told.
 #[derive(Clone, Copy)]
 enum By {
     /// Plan by plan.

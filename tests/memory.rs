@@ -74,7 +74,7 @@ fn of_scene(segments: u32) -> f64 {
     shares.skip(100).fold(f64::INFINITY, f64::min)
 }
 
-/// Of a scene of bodies that coast from a single state.
+/// Returns the bytes for each body of a scene of bodies that coast from a single state.
 fn of_straight() -> f64 {
     const BODIES: u32 = 4_096;
     let before = USED.load(Ordering::Relaxed);

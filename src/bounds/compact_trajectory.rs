@@ -92,7 +92,7 @@ impl CompactTrajectory {
         (compact, extremes)
     }
 
-    /// Of a straight motion between two instants (s): nothing is drawn of it.
+    /// Returns the compact form of a straight motion between two instants (s). It takes no lines.
     pub(crate) const fn of_line(ends: (f64, f64)) -> Self {
         Self {
             frame: Frame::OF_NOTHING,

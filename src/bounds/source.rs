@@ -163,7 +163,7 @@ impl<'a> CubicSource<'a, CompactCubic> {
 }
 
 impl<'a, C> CubicSource<'a, C> {
-    /// Of a body that moves straight, with these knots.
+    /// Returns the source of a body that moves straight, with these knots.
     pub(crate) fn straight(
         (knots, segment): (Knots<'a>, &'a Segment),
         padding: &Padding,

@@ -75,8 +75,8 @@ use tracked_motions::TrackedMotions;
 /// looked at now and then, by ticks without a budget. If other slices suit it far better, one of them
 /// takes as long as the first one.
 ///
-/// Where more than three quarters of the bodies changed before two ticks in a row, the second one is one
-/// screening of the lookahead, unless it has a budget. The next one before which fewer bodies changed takes
+/// A tick is one screening of the lookahead if more than three quarters of the bodies changed before it and before
+/// the previous one, unless it has a budget. The next one before which fewer bodies changed takes
 /// longer: it forms the boxes of all bodies, with which the changed ones are compared from then on.
 ///
 /// - After a tick that [has caught up](Self::is_caught_up), [`conflicts`](Self::conflicts) is, bit for bit, what

@@ -5,8 +5,8 @@ use crate::error::Error;
 use crate::id::BodyId;
 use crate::trajectory::{Segment, State, Trajectory};
 
-/// What a program knows of a body at one instant, for [`Scene::update`] and
-/// [`Monitor::track`](crate::Monitor::track).
+/// The state of a body at one instant, as [`Scene::update`] and
+/// [`Monitor::track`](crate::Monitor::track) take it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

@@ -3,7 +3,7 @@
 use super::cuts::DoublingCuts;
 use super::double_double::DoubleDouble;
 use super::roomy::Roomy;
-use super::{Form, Line, Outside, Plan, Segment, State, Trajectory, bend};
+use super::{Form, Outside, Plan, Segment, State, StraightMotion, Trajectory, bend};
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
 use crate::rounding::{UNIT_ROUNDOFF, largest_norm, norm, one_zero};
 use glam::DVec3;
@@ -272,7 +272,7 @@ impl Trajectory {
         let (knot, duration) = (segment.start(), segment.end() - segment.start());
         let ends = [-duration, duration].map(|step| DoublingCuts::cut(knot, step, 1));
         Self {
-            form: Form::Line(Line { segment, ends }),
+            form: Form::Straight(StraightMotion { segment, ends }),
         }
     }
 }

@@ -25,7 +25,7 @@ impl DoublingCuts {
         }
     }
 
-    /// Those after the cut with a number (k).
+    /// Returns the cuts after cut number k.
     pub(super) fn after(number: u32, knot: f64, step: f64, until: f64) -> Self {
         Self {
             number,

@@ -59,7 +59,7 @@ pub struct Trajectory {
 #[derive(Clone, Debug)]
 enum Form {
     /// Straight motion for all time, from one state.
-    Line(Line),
+    Straight(StraightMotion),
     Plan(Plan),
 }
 
@@ -68,7 +68,7 @@ enum Form {
 /// One cubic serves from its duration before the state to its duration after it. Farther away the motion is
 /// cut into [pieces](extension), as beyond the knots of a plan.
 #[derive(Clone, Debug)]
-struct Line {
+struct StraightMotion {
     /// Begins at the state.
     segment: Segment,
     /// First and last instant of the cubic, s.
@@ -196,7 +196,7 @@ impl Trajectory {
     #[must_use]
     pub const fn outside_before(&self) -> Outside {
         match &self.form {
-            Form::Line(_) => Outside::Coast,
+            Form::Straight(_) => Outside::Coast,
             Form::Plan(plan) => plan.before,
         }
     }
@@ -207,7 +207,7 @@ impl Trajectory {
     #[must_use]
     pub const fn outside_after(&self) -> Outside {
         match &self.form {
-            Form::Line(_) => Outside::Coast,
+            Form::Straight(_) => Outside::Coast,
             Form::Plan(plan) => plan.after,
         }
     }
@@ -220,7 +220,7 @@ impl Trajectory {
     /// Returns the cubic of a straight motion from one state, and where that begins and ends (s).
     pub(crate) const fn line(&self) -> Option<(&Segment, [f64; 2])> {
         match &self.form {
-            Form::Line(line) => Some((&line.segment, line.ends)),
+            Form::Straight(line) => Some((&line.segment, line.ends)),
             Form::Plan(_) => None,
         }
     }
@@ -229,7 +229,7 @@ impl Trajectory {
     /// a straight motion from a state begins and ends.
     pub(crate) fn cuts(&self) -> &[f64] {
         match &self.form {
-            Form::Line(line) => &line.ends,
+            Form::Straight(line) => &line.ends,
             Form::Plan(plan) => &plan.knots,
         }
     }
@@ -237,7 +237,7 @@ impl Trajectory {
     /// Returns the cubics between the [cuts](Self::cuts).
     pub(crate) fn cubics(&self) -> &[Segment] {
         match &self.form {
-            Form::Line(line) => from_ref(&line.segment),
+            Form::Straight(line) => from_ref(&line.segment),
             Form::Plan(plan) => &plan.segments,
         }
     }
@@ -245,7 +245,7 @@ impl Trajectory {
     /// Returns what follows from the first and from the last state: straight motion before and after.
     fn carriers(&self) -> [&Segment; 2] {
         match &self.form {
-            Form::Line(line) => [&line.segment; 2],
+            Form::Straight(line) => [&line.segment; 2],
             Form::Plan(plan) => {
                 let ends = plan.segments.beside();
                 [&ends[0], &ends[1]]
@@ -257,7 +257,7 @@ impl Trajectory {
     #[must_use]
     pub fn knots(&self) -> &[f64] {
         match &self.form {
-            Form::Line(line) => from_ref(line.segment.start_ref()),
+            Form::Straight(line) => from_ref(line.segment.start_ref()),
             Form::Plan(plan) => plan.knots(),
         }
     }
@@ -267,7 +267,7 @@ impl Trajectory {
     #[must_use]
     pub fn segments(&self) -> &[Segment] {
         match &self.form {
-            Form::Line(_) => &[],
+            Form::Straight(_) => &[],
             Form::Plan(plan) => plan.segments(),
         }
     }
@@ -346,7 +346,7 @@ impl Trajectory {
     /// Returns position, velocity and acceleration on the cubic that the body follows at `time`.
     fn followed_at(&self, time: f64) -> (DVec3, DVec3, DVec3) {
         let plan = match &self.form {
-            Form::Line(line) => return line.segment.motion_at(time),
+            Form::Straight(line) => return line.segment.motion_at(time),
             Form::Plan(plan) => plan,
         };
         let after = plan.knots().partition_point(|&knot| knot <= time);

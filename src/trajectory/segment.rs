@@ -203,7 +203,7 @@ impl Segment {
         self.start
     }
 
-    /// The same, to be looked at as a list of one knot.
+    /// Returns a reference to the time of the first knot, s: a list of one knot.
     pub(super) const fn start_ref(&self) -> &f64 {
         &self.start
     }

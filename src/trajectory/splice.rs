@@ -201,7 +201,7 @@ impl Trajectory {
 
     /// Returns the plan that this is made of, or would be.
     fn as_plan(&mut self) -> &mut Plan {
-        if let Form::Line(line) = &self.form {
+        if let Form::Straight(line) = &self.form {
             let ends = [line.segment; 2];
             let plan = Plan {
                 knots: Roomy::new(from_ref(line.segment.start_ref()), &[]),
@@ -214,7 +214,7 @@ impl Trajectory {
         }
         match &mut self.form {
             Form::Plan(plan) => plan,
-            Form::Line(_) => unreachable!("it was made a plan"),
+            Form::Straight(_) => unreachable!("it was made a plan"),
         }
     }
 
