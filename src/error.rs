@@ -25,6 +25,10 @@ pub enum Quantity {
         /// 0, 1, 2 for x, y, z.
         axis: usize,
     },
+    /// Component x, y, z or w (0, 1, 2, 3) of a rotation's quaternion.
+    Rotation(usize),
+    /// Component x, y or z (0, 1, 2) of an angular velocity, rad/s.
+    AngularVelocity(usize),
     /// A distance that the motion covers, or a bound of it, m.
     Distance,
     /// A speed that follows from the input, or a bound of it, m/s.
@@ -35,7 +39,7 @@ pub enum Quantity {
 
 impl fmt::Display for Quantity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        const AXES: [&str; 3] = ["x", "y", "z"];
+        const AXES: [&str; 4] = ["x", "y", "z", "w"];
         match *self {
             Self::Time => write!(f, "time"),
             Self::Position(axis) => write!(f, "position {}", AXES[axis]),
@@ -43,6 +47,8 @@ impl fmt::Display for Quantity {
             Self::Coefficient { power, axis } => {
                 write!(f, "coefficient of t^{power} in {}", AXES[axis])
             }
+            Self::Rotation(axis) => write!(f, "rotation {}", AXES[axis]),
+            Self::AngularVelocity(axis) => write!(f, "angular velocity {}", AXES[axis]),
             Self::Distance => write!(f, "the distance covered"),
             Self::Speed => write!(f, "the speed"),
             Self::Acceleration => write!(f, "the acceleration"),
@@ -114,6 +120,47 @@ pub enum Error {
         knot: usize,
         /// The time, s.
         time: f64,
+    },
+    /// Too few rotations. An [orientation](crate::Orientation) between knots needs at least two.
+    #[error("an orientation between knots needs at least two rotations, not {count}")]
+    TooFewRotations {
+        /// Number of rotations.
+        count: usize,
+    },
+    /// The length of a rotation's quaternion differs from 1 by more than 1e-9.
+    #[error("knot {knot}: the quaternion of the rotation has the length {length:?}, not 1")]
+    RotationLength {
+        /// The knot, counted from 0.
+        knot: usize,
+        /// The length.
+        length: f64,
+    },
+    /// Two neighbouring rotations are half a turn apart: both ways from one to the other are
+    /// equally long.
+    #[error("knot {knot}: half a turn from the knot before, either way: give a knot in between")]
+    AntipodalRotations {
+        /// The later knot, counted from 0.
+        knot: usize,
+    },
+    /// A cubic of quaternions comes so close to zero that its direction is not known well enough.
+    #[error(
+        "knot {knot}: the cubic of quaternions before it comes too close to zero: give a knot in between, or          a larger tolerance"
+    )]
+    RotationVanishes {
+        /// The later knot, counted from 0.
+        knot: usize,
+    },
+    /// An angular speed is above 1e6 rad/s.
+    #[error("angular speed {speed:e} rad/s is above 1e6 rad/s")]
+    AngularSpeed {
+        /// The speed, rad/s.
+        speed: f64,
+    },
+    /// The tolerance of an orientation is not within 1e-9..=0.1.
+    #[error("tolerance {value:?} is not a number within 1e-9..=0.1")]
+    Tolerance {
+        /// The tolerance, relative to a sphere's distance from the body's position.
+        value: f64,
     },
     /// The rows of one body are not together.
     #[error("row {row}: the body appeared before, and others since: its rows must be together")]

@@ -58,6 +58,10 @@ struct Cluster {
     /// Corners of the box around all spheres, m.
     low: DVec3,
     high: DVec3,
+    /// Largest distance from the body's position to a sphere's centre, m.
+    arm: f64,
+    /// Largest distance from the body's position to a sphere's surface, m.
+    radius: f64,
 }
 
 impl Hitbox {
@@ -102,7 +106,17 @@ impl Hitbox {
         }
         let (low, high) = corners(&spheres);
         let bounding = bounding_sphere(&spheres, (low, high));
-        let cluster = Cluster { spheres, low, high };
+        let distances = || spheres.iter().map(|sphere| norm(sphere.offset));
+        let reaches = distances()
+            .zip(&spheres)
+            .map(|(far, sphere)| far + sphere.radius);
+        let cluster = Cluster {
+            arm: distances().fold(0.0, f64::max),
+            radius: reaches.fold(0.0, f64::max),
+            spheres,
+            low,
+            high,
+        };
         Ok(Self {
             cluster: Some(Box::new(cluster)),
             ..Self::single(bounding)
@@ -144,6 +158,21 @@ impl Hitbox {
     /// Returns the largest distance of the bounding sphere's points from the body's position, m.
     pub(crate) const fn reach(&self) -> f64 {
         self.reach
+    }
+
+    /// Returns the largest distance from the body's position to a sphere's centre, m.
+    pub(crate) fn arm(&self) -> f64 {
+        let own = || norm(self.bounding.offset);
+        self.cluster
+            .as_ref()
+            .map_or_else(own, |cluster| cluster.arm)
+    }
+
+    /// Returns the radius of the smallest sphere around the body's position that contains all
+    /// others, m.
+    pub(crate) fn radius_around_position(&self) -> f64 {
+        let cluster = self.cluster.as_ref();
+        cluster.map_or(self.reach, |cluster| cluster.radius)
     }
 
     /// Returns the smallest radius, m.

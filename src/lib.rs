@@ -97,6 +97,7 @@ mod knots;
 mod layers;
 mod monitor;
 mod narrow_phase;
+mod orientation;
 mod parallel;
 mod polynomial;
 mod pool;
@@ -107,6 +108,7 @@ mod rounding;
 mod scene;
 mod screen;
 mod search;
+mod shape;
 mod simd;
 mod spans;
 mod stats;
@@ -126,6 +128,7 @@ pub use monitor::{
     RevisionThreshold, Snapshot,
 };
 pub use narrow_phase::kernels;
+pub use orientation::Orientation;
 pub use query::Query;
 pub use scene::{Body, BodyState, Scene};
 pub use screen::{CertifiedApproach, Screening};

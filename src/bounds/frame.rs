@@ -2,8 +2,8 @@
 
 use super::nearest;
 use super::slice_interval::SliceInterval;
-use crate::hitbox::Hitbox;
 use crate::rounding::normalising_power;
+use crate::shape::BodyShape;
 use glam::{DVec3, Vec4};
 use std::ops::Deref;
 
@@ -189,27 +189,28 @@ impl Padding {
         size: 0.0,
     };
 
-    /// Returns the padding by a hitbox and half a margin (m), in a frame's unit.
-    pub(crate) fn of(hitbox: &Hitbox, margin: f64, frame: &Frame) -> Self {
+    /// Returns the padding by a body's shape and half a margin (m), in a frame's unit.
+    pub(crate) fn of<'a>(shape: impl Into<BodyShape<'a>>, margin: f64, frame: &Frame) -> Self {
+        let shape = shape.into();
         let mut half = 0.5 * margin;
         // A margin that swallows one body's radius leaves a point; the other body's box is then at worst
         // too large.
         if half < 0.0 {
-            half = half.max(-hitbox.smallest_radius());
+            half = half.max(-shape.smallest_radius());
         }
-        let (low, high) = hitbox.corners();
+        let (low, high) = shape.corners();
         let lanes = |DVec3 { x, y, z }: DVec3| scaled([x, y, z, 0.0], frame.power);
         Self {
             low: lanes(low - half),
             high: lanes(high + half),
-            reach: nearest((hitbox.reach() + half) * frame.power),
-            size: nearest(Self::size(hitbox, margin) * frame.power),
+            reach: nearest((shape.reach() + half) * frame.power),
+            size: nearest(Self::size(shape, margin) * frame.power),
         }
     }
 
     /// Returns a bound on the padding, m, that is not reduced by cancellation.
-    pub(crate) fn size(hitbox: &Hitbox, margin: f64) -> f64 {
-        hitbox.reach() + margin.abs()
+    pub(crate) fn size<'a>(shape: impl Into<BodyShape<'a>>, margin: f64) -> f64 {
+        shape.into().reach() + margin.abs()
     }
 }
 

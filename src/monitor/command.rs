@@ -8,6 +8,7 @@ use crate::id::BodyId;
 use crate::layers::Layers;
 use crate::parallel;
 use crate::scene::{Body, Scene};
+use crate::shape::BodyShape;
 use crate::trajectory::{Segment, Trajectory};
 use crate::window::Window;
 
@@ -56,10 +57,10 @@ impl ChangeContext<'_> {
     pub(super) fn flight(
         &self,
         trajectory: &Trajectory,
-        hitbox: &Hitbox,
+        shape: BodyShape<'_>,
         tag: u64,
     ) -> Result<MonitoredBody, Error> {
-        let flight = MonitoredBody::of(trajectory, hitbox, self.reach, self.window);
+        let flight = MonitoredBody::of(trajectory, shape, self.reach, self.window);
         flight.map_err(|error| error.in_body(tag))
     }
 
@@ -88,7 +89,7 @@ impl ChangeContext<'_> {
 
     /// Returns the monitored body of a body with its current plan.
     pub(super) fn flight_of(&self, body: &Body) -> Result<MonitoredBody, Error> {
-        self.flight(&body.trajectory, &body.hitbox, body.tag)
+        self.flight(&body.trajectory, body.shape(), body.tag)
     }
 }
 
@@ -440,7 +441,8 @@ impl PendingChange {
         if !self.is_removed {
             let trajectory = self.trajectory.as_ref().unwrap_or(&body.trajectory);
             let hitbox = self.hitbox.as_ref().unwrap_or(&body.hitbox);
-            let flight = terms.flight(trajectory, hitbox, body.tag);
+            let shape = BodyShape::new(hitbox, body.orientation.turning());
+            let flight = terms.flight(trajectory, shape, body.tag);
             self.flight = Some(flight.map_err(|error| Rejection {
                 command: self.last,
                 error,

@@ -2,10 +2,10 @@
 
 use crate::bounds::{Frame, Padding};
 use crate::error::Error;
-use crate::hitbox::Hitbox;
 use crate::knots::Knots;
 use crate::narrow_phase::BodyView;
 use crate::scene::Scene;
+use crate::shape::BodyShape;
 use crate::simd::prefetch;
 use crate::trajectory::{Extension, Outside, Trajectory};
 use crate::window::Window;
@@ -31,12 +31,12 @@ impl MonitoredBody {
     /// Prepares a plan over `window`, for pairs within `margin` (m) in `frame`.
     pub(super) fn of(
         trajectory: &Trajectory,
-        hitbox: &Hitbox,
+        shape: BodyShape<'_>,
         (margin, frame): (f64, &Frame),
         window: Window,
     ) -> Result<Self, Error> {
         let mut flight = Self {
-            padding: Padding::of(hitbox, margin, frame),
+            padding: Padding::of(shape, margin, frame),
             extension: None,
             begin: 0.0,
             ends: (0.0, 0.0),
@@ -90,15 +90,11 @@ impl MonitoredBody {
     pub(super) fn view<'s>(
         &'s self,
         trajectory: &'s Trajectory,
-        hitbox: &'s Hitbox,
+        shape: BodyShape<'s>,
     ) -> BodyView<'s> {
         let knots = Knots::with_ends(trajectory.cuts(), self.ends);
-        BodyView {
-            knots: knots.extended(trajectory, self.extension.as_ref()),
-            segments: trajectory.cubics(),
-            spheres: hitbox.spheres(),
-            bounding: hitbox.bounding(),
-        }
+        let knots = knots.extended(trajectory, self.extension.as_ref());
+        BodyView::of((knots, trajectory.cubics()), shape)
     }
 }
 
@@ -173,7 +169,7 @@ impl MonitoredBodies {
     ) -> Option<(&'s MonitoredBody, BodyView<'s>)> {
         let flight = self.by_slot.get(slot as usize)?.as_ref()?;
         let body = &scene.in_slot(slot)?.1.body;
-        Some((flight, flight.view(&body.trajectory, &body.hitbox)))
+        Some((flight, flight.view(&body.trajectory, body.shape())))
     }
 
     pub(super) fn view<'s>(&'s self, scene: &'s Scene, slot: u32) -> Option<BodyView<'s>> {

@@ -153,7 +153,7 @@ impl Monitor {
             let mut plan = plan();
             let since = terms.forget_before;
             plan.precede_by(flown, from, since).map_err(in_body)?;
-            let flight = terms.flight(&plan, &body.hitbox, body.tag)?;
+            let flight = terms.flight(&plan, body.shape(), body.tag)?;
             tracked.change = TrackedChange::Replan(Box::new((plan, flight)));
         }
         Ok(())

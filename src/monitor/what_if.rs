@@ -34,8 +34,8 @@ impl Monitor {
         if !body.trajectory.domain().contains(self.now) || !plan.goes_on_from(self.now) {
             return Err(Error::NoPlanAt { time: self.now }.in_body(body.tag));
         }
-        let flight = self.terms()?.flight(plan, &body.hitbox, body.tag)?;
-        let own = flight.view(plan, &body.hitbox);
+        let flight = self.terms()?.flight(plan, body.shape(), body.tag)?;
+        let own = flight.view(plan, body.shape());
         let window = (self.now, self.known);
         if window.1 < window.0 {
             return Ok(Vec::new());

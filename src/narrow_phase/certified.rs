@@ -12,8 +12,9 @@ use super::clusters::{ClusterPair, ProvenContact};
 use super::contact::{ClosestSearch, each_for_nearest, lone_pair};
 use super::sphere_pair::{Approach, Contact, SpherePair};
 use super::stretches::DistanceProfile;
+use super::turning::TurningPair;
 use super::{BodyView, contact_radius, two_sum};
-use crate::accuracy::{Certificate, TimeEnclosure};
+use crate::accuracy::{Accuracy, Certificate, TimeEnclosure};
 use crate::enclosure::{Side, Stretch, Threshold};
 use crate::spans::Span;
 use separation::{SeparationEnclosure, least_separation};
@@ -81,6 +82,12 @@ pub(crate) fn certified_contacts(
 ) {
     workspace.clear();
     for span in spans {
+        if let Some(turning) = TurningPair::of(a, b, span, Accuracy::Certified) {
+            turning.each_within(margin, clip, |pair, part| {
+                workspace.solve(pair, part, margin, clip);
+            });
+            continue;
+        }
         if let Some(pair) = lone_pair(a, b, span) {
             workspace.solve(&pair, span, margin, clip);
             continue;
@@ -199,7 +206,8 @@ pub(crate) fn certified_approach(
     let mut found: Vec<SeparationEnclosure> = Vec::new();
     let mut reached = f64::INFINITY;
     for span in spans {
-        each_for_nearest((a, b), span, (from, to), reached, |pair| {
+        let accuracy = Accuracy::Certified;
+        each_for_nearest((a, b), span, accuracy, (from, to), reached, |pair, span| {
             let (start, end) = (span.start.max(from), span.end.min(to));
             let is_whole = start <= span.start && end >= span.end;
             let least = least_separation((a, b), span, pair, is_whole, (start, end));
@@ -225,7 +233,7 @@ fn push_parts(
     parts: &mut Vec<VerdictInterval>,
 ) {
     let threshold = threshold(pair.radius_a, pair.radius_b, margin);
-    let stretches = pair.cubic.uncertain().stretches(threshold);
+    let stretches = pair.uncertain().stretches(threshold);
     for &Stretch { first, last, side } in stretches.as_slice() {
         if side == Side::Outside {
             continue;

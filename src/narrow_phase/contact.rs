@@ -5,7 +5,9 @@ use super::filter::{certainly_beyond, segments_apart};
 use super::relative::{RelativeCubic, RelativeMotion, filter_threshold, local_scale};
 use super::sphere_pair::{Approach, Contact, SpherePair};
 use super::stretches::DistanceProfile;
+use super::turning::TurningPair;
 use super::{BodyView, contact_radius};
+use crate::accuracy::Accuracy;
 use crate::spans::Span;
 use glam::DVec3;
 
@@ -29,6 +31,7 @@ pub(super) fn lone_pair(a: &BodyView<'_>, b: &BodyView<'_>, span: Span) -> Optio
         b: 0,
         radius_a: sphere_a.radius,
         radius_b: sphere_b.radius,
+        baking: 0.0,
         cubic: RelativeCubic::between(segment_a, segment_b, (span.start, span.end), offset),
     })
 }
@@ -91,7 +94,7 @@ pub(crate) fn solve(
     margin: f64,
     mut solved: impl FnMut(SolvedSpan),
 ) {
-    let mut solve = |pair: &SpherePair| {
+    let mut solve = |pair: &SpherePair, span: Span| {
         let radius = pair.radius(margin);
         if radius < 0.0 {
             return;
@@ -106,9 +109,14 @@ pub(crate) fn solve(
             });
         }
     };
+    if let Some(turning) = TurningPair::of(a, b, span, Accuracy::Exact) {
+        return turning.each_within(margin, (f64::MIN, f64::MAX), solve);
+    }
     match lone_pair(a, b, span) {
-        Some(pair) => solve(&pair),
-        None => ClusterPair::of(a, b, span).each_on_envelope(margin, solve),
+        Some(pair) => solve(&pair, span),
+        None => {
+            ClusterPair::of(a, b, span).each_on_envelope(margin, |pair| solve(pair, span));
+        }
     }
 }
 
@@ -126,18 +134,22 @@ pub(crate) fn contacts(
 ) {
     let first = found.len();
     for span in spans {
-        let solve = |pair: &SpherePair, found: &mut Vec<Contact>| {
+        let solve = |pair: &SpherePair, span: Span, found: &mut Vec<Contact>| {
             if let Some(profile) = DistanceProfile::near(&pair.cubic, pair.radius(margin)) {
                 pair.contacts(&profile, span, margin, clip, found);
             }
         };
+        if let Some(turning) = TurningPair::of(a, b, span, Accuracy::Exact) {
+            turning.each_within(margin, clip, |pair, part| solve(pair, part, found));
+            continue;
+        }
         // Lone spheres have been through the test that those of clusters are still to pass.
         if let Some(pair) = lone_pair(a, b, span) {
-            solve(&pair, found);
+            solve(&pair, span, found);
         } else {
             ClusterPair::of(a, b, span).each_for_contacts(margin, clip, |pair, shown| {
                 let count = found.len();
-                solve(pair, found);
+                solve(pair, span, found);
                 if let Some(shown) = shown {
                     shown.extend(found[count..].iter().map(|contact| ProvenContact {
                         enter: contact.enter,
@@ -206,7 +218,8 @@ pub(crate) fn closest_approach(
     let mut nearest = ClosestSearch::new();
     for span in spans {
         let reached = nearest.reached;
-        each_for_nearest((a, b), span, (from, to), reached, |pair| {
+        let accuracy = Accuracy::Exact;
+        each_for_nearest((a, b), span, accuracy, (from, to), reached, |pair, span| {
             nearest.push(pair, span, (from, to))
         });
         nearest.settle();
@@ -215,21 +228,28 @@ pub(crate) fn closest_approach(
 }
 
 /// Solves the pairs of spheres over a span that may come nearer in `clip` than `reached` (m);
-/// `solve` returns the new value of `reached`.
+/// `solve` gets the span, or the part of it that was solved, and returns the new value of
+/// `reached`.
 pub(super) fn each_for_nearest(
     (a, b): (&BodyView<'_>, &BodyView<'_>),
     span: Span,
+    accuracy: Accuracy,
     clip: (f64, f64),
     reached: f64,
-    mut solve: impl FnMut(&SpherePair) -> f64,
+    mut solve: impl FnMut(&SpherePair, Span) -> f64,
 ) {
+    if let Some(turning) = TurningPair::of(a, b, span, accuracy) {
+        return turning.each_for_nearest(clip, reached, solve);
+    }
     match lone_pair(a, b, span) {
         Some(pair) => {
             if !(reached < f64::INFINITY && pair.is_beyond(a, b, span, reached)) {
-                solve(&pair);
+                solve(&pair, span);
             }
         }
-        None => ClusterPair::of(a, b, span).each_for_nearest(clip, reached, solve),
+        None => {
+            ClusterPair::of(a, b, span).each_for_nearest(clip, reached, |pair| solve(pair, span))
+        }
     }
 }
 

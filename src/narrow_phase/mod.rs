@@ -4,7 +4,7 @@
 //! `relative` cubic, applies `filter` or the `hull`'s control heights, and finds `stationary`
 //! points (and the `dips` that the squared distance hides) and `stretches`. `contact` joins these
 //! across spans and spheres, `certified` with certificates. For two clusters, `clusters` selects
-//! the pairs of spheres to solve. [`kernels`] answers many independent pairs at once.
+//! the pairs of spheres to solve; where a body turns, `turning` does. [`kernels`] answers many independent pairs at once.
 
 mod approach;
 mod certified;
@@ -18,6 +18,7 @@ mod relative;
 mod sphere_pair;
 mod stationary;
 mod stretches;
+mod turning;
 
 pub(crate) use approach::approaching;
 pub(crate) use certified::{CertifiedContact, Workspace, certified_approach, certified_contacts};
@@ -26,6 +27,8 @@ pub(crate) use sphere_pair::{Approach, Contact};
 
 use crate::hitbox::Sphere;
 use crate::knots::Knots;
+use crate::orientation::Turning;
+use crate::shape::BodyShape;
 use crate::simd::prefetch;
 use crate::spans::Span;
 use crate::trajectory::Segment;
@@ -42,9 +45,23 @@ pub(crate) struct BodyView<'a> {
     pub(crate) segments: &'a [Segment],
     pub(crate) spheres: &'a [Sphere],
     pub(crate) bounding: Sphere,
+    /// Turning motion of the spheres, if that changes anything.
+    pub(crate) turning: Option<&'a Turning>,
 }
 
 impl<'a> BodyView<'a> {
+    /// Returns the view of a body with these knots and cubics of its plan.
+    #[inline(always)]
+    pub(crate) fn of((knots, segments): (Knots<'a>, &'a [Segment]), shape: BodyShape<'a>) -> Self {
+        Self {
+            knots,
+            segments,
+            spheres: shape.spheres(),
+            bounding: shape.bounding(),
+            turning: shape.turning(),
+        }
+    }
+
     /// Returns cubic number `number`.
     #[inline(always)]
     pub(crate) fn segment(&self, number: usize) -> Cow<'a, Segment> {
@@ -85,6 +102,7 @@ impl BodyView<'_> {
             offset: DVec3::ZERO,
             radius: 0.0,
         },
+        turning: None,
     };
 }
 

@@ -1,6 +1,6 @@
 //! The motion of one body relative to another over a span: differences first, then local.
 
-use crate::enclosure::UncertainCubic;
+use crate::enclosure::{UncertainCubic, part};
 use crate::rounding::{CLEARANCE, UNDERFLOW, UNIT_ROUNDOFF, largest_norm, norm, seen_until};
 use crate::trajectory::Segment;
 use glam::DVec3;
@@ -134,6 +134,20 @@ impl RelativeCubic {
         outward(time).clamp(self.start, self.end)
     }
 
+    /// Returns the part between two instants of the span (s).
+    pub(crate) fn part(&self, (start, end): (f64, f64)) -> Self {
+        let points = part(&self.points, self.parameter(start), self.parameter(end));
+        Self {
+            start,
+            end,
+            points,
+            // 9 roundings of the size; three of each parameter, which the motion multiplies by 6
+            // at most; and those of second order.
+            error: (self.error + 32.0 * UNIT_ROUNDOFF * self.size) * (1.0 + 2f64.powi(-40)),
+            size: largest_norm(&points),
+        }
+    }
+
     /// Returns the local parameter of an instant of the span.
     pub(crate) fn parameter(&self, time: f64) -> f64 {
         let duration = self.end - self.start;
@@ -233,6 +247,23 @@ impl RelativeMotion {
         // the local difference and of the last sum. Second-order terms are covered by the 2^-40. Sums do
         // not underflow, and what does in the bound is in both parts' errors.
         let roundings = 2.0 * norm(apart) + 2.0 * norm(offset) + spread + size;
+        let error = (self.error + UNIT_ROUNDOFF * roundings) * (1.0 + 2f64.powi(-40));
+        RelativeCubic {
+            start: self.start,
+            end: self.end,
+            points,
+            error,
+            size,
+        }
+    }
+
+    /// Returns the relative cubic of two points of the bodies, with its error. `ways` are the
+    /// control points of a's point minus those of b's, each relative to its body's position, m. Their own error is not included.
+    pub(super) fn along(&self, ways: &[DVec3; 4]) -> RelativeCubic {
+        let points = [0, 1, 2, 3].map(|k| (self.apart + self.local[k]) + ways[k]);
+        let (size, spread) = (largest_norm(&points), largest_norm(&self.local));
+        // As `of_spheres`; the sum of apart and local is rounded as well.
+        let roundings = 2.0 * norm(self.apart) + 2.0 * spread + 2.0 * largest_norm(ways) + size;
         let error = (self.error + UNIT_ROUNDOFF * roundings) * (1.0 + 2f64.powi(-40));
         RelativeCubic {
             start: self.start,

@@ -4,6 +4,8 @@ use super::filter::certainly_beyond;
 use super::relative::{RelativeCubic, filter_threshold, local_scale};
 use super::stretches::{DistanceProfile, ProfilePoint};
 use super::{BodyView, contact_radius};
+use crate::enclosure::UncertainCubic;
+use crate::rounding::CLEARANCE;
 use crate::spans::Span;
 use glam::DVec3;
 
@@ -86,6 +88,9 @@ pub(super) struct SpherePair {
     pub(super) b: u32,
     pub(super) radius_a: f64,
     pub(super) radius_b: f64,
+    /// Bound on the distance of turning centres from their cubics that the radii do not contain,
+    /// m; 0 if neither body turns.
+    pub(super) baking: f64,
     pub(super) cubic: RelativeCubic,
 }
 
@@ -133,6 +138,20 @@ impl SpherePair {
         self.approach(span, instant).separation + self.cubic.tolerance() + self.cubic.blur()
     }
 
+    /// Returns the centres' relative motion as input of certified enclosures.
+    pub(super) fn uncertain(&self) -> UncertainCubic {
+        self.enclosed(&self.cubic)
+    }
+
+    /// Returns a part of the relative motion as input of certified enclosures.
+    pub(super) fn enclosed(&self, part: &RelativeCubic) -> UncertainCubic {
+        if self.baking > 0.0 {
+            UncertainCubic::finite(part.points, (part.error + self.baking).next_up())
+        } else {
+            part.uncertain()
+        }
+    }
+
     /// Returns true if cheap tests show that the separation stays above `margin` in the span.
     pub(super) fn is_beyond(
         &self,
@@ -141,10 +160,15 @@ impl SpherePair {
         span: Span,
         margin: f64,
     ) -> bool {
+        let radii = (self.radius_a, self.radius_b);
+        if self.baking > 0.0 {
+            let rounding = 2.0 * self.cubic.tolerance() + CLEARANCE * self.cubic.size;
+            let radius = contact_radius(self.radius_a, self.radius_b, margin) + self.baking;
+            return radius < 0.0 || certainly_beyond(&self.cubic.points, radius + rounding);
+        }
         let [segment_a, segment_b] = &a.segments_in(b, span);
         let offset = a.spheres[self.a as usize].offset - b.spheres[self.b as usize].offset;
         let scale = local_scale(segment_a, segment_b, (span.start, span.end), offset);
-        let radii = (self.radius_a, self.radius_b);
         spheres_beyond(&self.cubic.points, radii, margin, scale)
     }
 }

@@ -1,7 +1,9 @@
 //! Bodies: trajectory, hitbox, layers and tag.
 
-use crate::hitbox::Hitbox;
+use crate::hitbox::{Hitbox, Sphere};
 use crate::layers::Layers;
+use crate::orientation::Orientation;
+use crate::shape::BodyShape;
 use crate::trajectory::Trajectory;
 
 /// A trajectory with a hitbox around it.
@@ -13,6 +15,9 @@ pub struct Body {
     pub trajectory: Trajectory,
     /// Space that the body occupies; a point by default.
     pub hitbox: Hitbox,
+    /// Rotation of the hitbox over time; fixed by default.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub orientation: Orientation,
     /// Masks that select the bodies to screen against; all by default.
     pub layers: Layers,
     /// Name chosen by the user; 0 by default. Errors name bodies by their tag.
@@ -20,12 +25,13 @@ pub struct Body {
 }
 
 impl Body {
-    /// Returns a point that follows `trajectory`, in all layers, with tag 0.
+    /// Returns a point that follows `trajectory` without turning, in all layers, with tag 0.
     #[must_use]
     pub fn new(trajectory: Trajectory) -> Self {
         Self {
             trajectory,
             hitbox: Hitbox::POINT,
+            orientation: Orientation::FIXED,
             layers: Layers::ALL,
             tag: 0,
         }
@@ -35,6 +41,13 @@ impl Body {
     #[must_use]
     pub fn with_hitbox(mut self, hitbox: Hitbox) -> Self {
         self.hitbox = hitbox;
+        self
+    }
+
+    /// Returns the body with this orientation.
+    #[must_use]
+    pub fn with_orientation(mut self, orientation: Orientation) -> Self {
+        self.orientation = orientation;
         self
     }
 
@@ -50,5 +63,24 @@ impl Body {
     pub const fn with_tag(mut self, tag: u64) -> Self {
         self.tag = tag;
         self
+    }
+
+    /// Returns the spheres of the hitbox at `time` (s), with their centres in the world as offsets
+    /// (m), or `None` where the body does not exist: for drawing.
+    #[must_use]
+    pub fn spheres_at(&self, time: f64) -> Option<Vec<Sphere>> {
+        let position = self.trajectory.position(time)?;
+        let rotation = self.orientation.rotation(time);
+        let turned = |sphere: &Sphere| Sphere {
+            offset: position + rotation * sphere.offset,
+            ..*sphere
+        };
+        Some(self.hitbox.spheres().iter().map(turned).collect())
+    }
+
+    /// Returns the space that the body occupies around its position.
+    #[inline]
+    pub(crate) fn shape(&self) -> BodyShape<'_> {
+        BodyShape::new(&self.hitbox, self.orientation.turning())
     }
 }

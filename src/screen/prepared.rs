@@ -127,7 +127,7 @@ impl<'a> PreparedScene<'a> {
         let of_place = |(other, _): &(usize, Extension)| other.cmp(&place);
         let extension = self.extensions.binary_search_by(of_place);
         let extension = extension.ok().map(|number| &self.extensions[number].1);
-        let padding = Padding::of(&entry.body.hitbox, self.margin, frame);
+        let padding = Padding::of(entry.body.shape(), self.margin, frame);
         if let Some((segment, _)) = entry.body.trajectory.line() {
             let knots = Knots::over(&entry.body.trajectory, extension);
             let source = CubicSource::straight((knots, segment), &padding, frame);
@@ -196,12 +196,7 @@ pub(super) fn lone_view(entry: &SceneEntry, window: Window) -> Result<BodyView<'
 }
 
 fn view_of<'a>(body: &'a Body, knots: Knots<'a>) -> BodyView<'a> {
-    BodyView {
-        knots,
-        segments: body.trajectory.cubics(),
-        spheres: body.hitbox.spheres(),
-        bounding: body.hitbox.bounding(),
-    }
+    BodyView::of((knots, body.trajectory.cubics()), body.shape())
 }
 
 /// Returns the part of the window in which both bodies exist.

@@ -68,7 +68,7 @@ impl SceneSurvey {
         if first > self.window.end() || last < self.window.start() {
             return;
         }
-        let size = Padding::size(&body.hitbox, self.margin);
+        let size = Padding::size(body.shape(), self.margin);
         self.size = self.size.max(size);
         if let Some((segment, _)) = body.trajectory.line() {
             self.count_line(segment, own);

@@ -28,6 +28,8 @@ pub(super) fn least_separation(
 ) -> SeparationEnclosure {
     let cubic = if is_whole {
         pair.cubic
+    } else if pair.baking > 0.0 {
+        pair.cubic.part((start, end))
     } else {
         let [segment_a, segment_b] = &a.segments_in(b, span);
         RelativeCubic::between(
@@ -37,7 +39,7 @@ pub(super) fn least_separation(
             a.spheres[pair.a as usize].offset - b.spheres[pair.b as usize].offset,
         )
     };
-    let least = cubic.uncertain().least_distance();
+    let least = pair.enclosed(&cubic).least_distance();
     let radii = (pair.radius_a, pair.radius_b);
     let time = TimeEnclosure {
         earliest: cubic.earliest(least.parameter.first),

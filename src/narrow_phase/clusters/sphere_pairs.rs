@@ -86,6 +86,7 @@ impl<'a> ClusterPair<'a> {
             b: candidate.b,
             radius_a: a.radius,
             radius_b: b.radius,
+            baking: 0.0,
             cubic: self.motion.of_spheres(a.offset - b.offset),
         }
     }

@@ -137,6 +137,7 @@ impl Case {
             segments: &self.plans[number].segments,
             spheres: self.hitboxes[number].spheres(),
             bounding: self.hitboxes[number].bounding(),
+            turning: None,
         })
     }
 

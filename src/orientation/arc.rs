@@ -1,0 +1,171 @@
+//! Rotations about a fixed axis at a constant rate.
+
+use super::baked::BakedRotation;
+use crate::rounding::{UNIT_ROUNDOFF, norm};
+use glam::{DMat3, DQuat, DVec3};
+use std::f64::consts::TAU;
+
+/// A rotation about a fixed axis at a constant rate.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Arc {
+    /// Instant of `rotation`, s.
+    pub(super) time: f64,
+    /// Unit of time, s.
+    pub(super) duration: f64,
+    /// Unit quaternion.
+    pub(super) rotation: DQuat,
+    /// Unit vector in the world's axes.
+    pub(super) axis: DVec3,
+    /// Angle per unit of time, rad, at least 0.
+    pub(super) angle: f64,
+    /// Rounding, relative to a point's distance: a constant part, and one per unit of time.
+    pub(super) rounding: f64,
+    pub(super) drift: f64,
+}
+
+impl Arc {
+    /// Returns a rotation that is held.
+    pub(super) const fn held(rotation: DQuat) -> Self {
+        Self {
+            time: 0.0,
+            duration: 1.0,
+            rotation,
+            axis: DVec3::X,
+            angle: 0.0,
+            rounding: BakedRotation::ROUNDING,
+            drift: 0.0,
+        }
+    }
+
+    /// Returns the constant angular velocity (rad/s) from a rotation at an instant (s).
+    pub(super) fn spin(time: f64, rotation: DQuat, angular_velocity: DVec3) -> Self {
+        let angle = norm(angular_velocity);
+        if angle < f64::MIN_POSITIVE {
+            return Self::held(rotation);
+        }
+        Self {
+            time,
+            axis: angular_velocity / angle,
+            angle,
+            // The angle has 7 roundings.
+            drift: 16.0 * UNIT_ROUNDOFF * angle,
+            ..Self::held(rotation)
+        }
+    }
+
+    /// Returns the shorter way from one unit quaternion to another, of the same sign, between two
+    /// instants (s).
+    pub(super) fn between((start, end): (f64, f64), from: DQuat, to: DQuat) -> Self {
+        let turn = to * from.conjugate();
+        let vector = DVec3::new(turn.x, turn.y, turn.z);
+        let sine = vector.length();
+        if sine < f64::MIN_POSITIVE {
+            return Self::held(from);
+        }
+        Self {
+            time: start,
+            duration: end - start,
+            axis: vector / sine,
+            angle: 2.0 * libm::atan2(sine, turn.w),
+            ..Self::held(from)
+        }
+    }
+
+    /// Returns the motion that goes on at this rate from an instant (s) at which it has this
+    /// rotation.
+    pub(super) fn going_on(&self, time: f64, rotation: DQuat) -> Self {
+        // The axis is known to 25 roundings over the sine of half the angle, the angle to 64.
+        let sine = libm::sin(0.5 * self.angle).max(UNIT_ROUNDOFF);
+        let axis = 256.0 * UNIT_ROUNDOFF / sine;
+        Self {
+            time,
+            rotation,
+            rounding: self.rounding + axis,
+            drift: self.drift + 128.0 * UNIT_ROUNDOFF,
+            ..*self
+        }
+    }
+
+    pub(super) fn is_held(&self) -> bool {
+        self.angle <= 0.0
+    }
+
+    /// Returns the rotation at an instant (s).
+    pub(super) fn at(&self, time: f64) -> DQuat {
+        if self.is_held() {
+            return self.rotation;
+        }
+        let half = 0.5 * (self.angle * ((time - self.time) / self.duration));
+        let (sine, cosine) = libm::sincos(half);
+        let DVec3 { x, y, z } = self.axis * sine;
+        DQuat::from_xyzw(x, y, z, cosine) * self.rotation
+    }
+
+    /// Returns the cubic between two instants (s), or the one of an unknown rotation where its
+    /// error would exceed `largest`.
+    ///
+    /// Cubic Hermite interpolation of a circle of radius r over an angle a is wrong by at most
+    /// r a⁴ / 384: its fourth derivative by the angle has the length r.
+    pub(super) fn bake(&self, ends: (f64, f64), largest: f64) -> BakedRotation {
+        if self.is_held() {
+            return BakedRotation::held(ends, matrix(self.rotation), self.rounding);
+        }
+        let (start, end) = ends;
+        let lengths = (end - start) / self.duration;
+        let angle = self.angle * lengths;
+        let away = (start - self.time).abs().max((end - self.time).abs()) / self.duration;
+        let error = interpolation_error(angle) + self.rounding + self.drift * away;
+        if error.is_nan() || error > largest {
+            return BakedRotation::unknown(ends);
+        }
+        let (first, last) = (matrix(self.at(start)), matrix(self.at(end)));
+        let third = self.axis * (angle / 3.0);
+        let across = |matrix: DMat3| {
+            DMat3::from_cols(
+                third.cross(matrix.x_axis),
+                third.cross(matrix.y_axis),
+                third.cross(matrix.z_axis),
+            )
+        };
+        let points = [first, first + across(first), last - across(last), last];
+        BakedRotation::new(ends, points, error)
+    }
+}
+
+/// Returns the largest error of cubic Hermite interpolation of a unit circle over an angle (rad).
+fn interpolation_error(angle: f64) -> f64 {
+    let square = angle * angle;
+    square * square * ((1.0 + 1e-12) / 384.0)
+}
+
+/// Returns the largest angle (rad) over which interpolation of a unit circle has this error.
+pub(super) fn angle_within(error: f64) -> f64 {
+    (384.0 * error).sqrt().sqrt()
+}
+
+/// Returns the parts of a revolution for a tolerance.
+pub(super) fn parts_of_revolution(tolerance: f64) -> f64 {
+    (TAU / angle_within(tolerance)).ceil()
+}
+
+/// Returns the matrix of a unit quaternion.
+pub(super) fn matrix(rotation: DQuat) -> DMat3 {
+    let DQuat { x, y, z, w } = rotation;
+    DMat3::from_cols(
+        DVec3::new(
+            (w * w + x * x) - (y * y + z * z),
+            2.0 * (x * y + w * z),
+            2.0 * (x * z - w * y),
+        ),
+        DVec3::new(
+            2.0 * (x * y - w * z),
+            (w * w + y * y) - (x * x + z * z),
+            2.0 * (y * z + w * x),
+        ),
+        DVec3::new(
+            2.0 * (x * z + w * y),
+            2.0 * (y * z - w * x),
+            (w * w + z * z) - (x * x + y * y),
+        ),
+    )
+}

@@ -1,0 +1,108 @@
+//! A turning motion over an interval as a cubic, which carries every point of the body.
+
+use crate::rounding::{UNIT_ROUNDOFF, norm};
+use glam::{DMat3, DVec3};
+
+/// The Bézier control points of a rotation over `start..end` (s), as matrices: applied to a point
+/// of the body, they are those of a cubic close to its way around the body's position.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BakedRotation {
+    start: f64,
+    end: f64,
+    points: [DMat3; 4],
+    /// Largest distance between a point's way and its cubic, rounding included, relative to the
+    /// point's distance from the body's position.
+    error: f64,
+}
+
+impl BakedRotation {
+    /// Rounding of an exact rotation's matrices.
+    ///
+    /// A quaternion has an error of at most 75 roundings, a matrix formed of it three times that
+    /// and 30 more. Control points are weighted sums of two matrices with weights below 2.5.
+    pub(super) const ROUNDING: f64 = 1024.0 * UNIT_ROUNDOFF;
+
+    /// Returns the cubic with these control points, `error` relative to a point's distance.
+    pub(super) const fn new((start, end): (f64, f64), points: [DMat3; 4], error: f64) -> Self {
+        Self {
+            start,
+            end,
+            points,
+            error,
+        }
+    }
+
+    /// Returns a rotation that is held.
+    pub(super) const fn held(ends: (f64, f64), matrix: DMat3, error: f64) -> Self {
+        Self::new(ends, [matrix; 4], error)
+    }
+
+    /// Returns the cubic of a rotation of which nothing is known: points stay at the body's
+    /// position, and are known to their distance from it.
+    pub(super) const fn unknown(ends: (f64, f64)) -> Self {
+        Self::new(ends, [DMat3::ZERO; 4], 1.0 + Self::ROUNDING)
+    }
+
+    /// Returns the largest distance between a point's way and its cubic, relative to the point's
+    /// distance from the body's position.
+    pub(super) const fn error(&self) -> f64 {
+        self.error
+    }
+
+    /// Returns the control points of the way of a point of the body, relative to its position, m.
+    #[inline]
+    pub(crate) fn way(&self, point: DVec3) -> [DVec3; 4] {
+        self.points.map(|matrix| matrix * point)
+    }
+
+    /// Returns a bound on the distance between a point's exact way and its cubic as computed, m.
+    #[inline]
+    pub(crate) fn error_of(&self, point: DVec3) -> f64 {
+        // Products and sums of matrices with entries below 2, and the roundings of this bound.
+        let error = self.error + 32.0 * UNIT_ROUNDOFF;
+        error * norm(point) * (1.0 + 16.0 * UNIT_ROUNDOFF) + f64::MIN_POSITIVE
+    }
+
+    /// Returns the part between two instants of the interval (s).
+    pub(crate) fn part(&self, (start, end): (f64, f64)) -> Self {
+        debug_assert!(self.start <= start && end <= self.end, "a part");
+        let is_whole = start <= self.start && end >= self.end;
+        let [p0, p1, p2, p3] = self.points;
+        if is_whole || p0 == p3 {
+            // Held, or unknown.
+            return Self {
+                start,
+                end,
+                ..*self
+            };
+        }
+        let duration = self.end - self.start;
+        let between = |p: DMat3, q: DMat3, time: f64| {
+            p * ((self.end - time) / duration) + q * ((time - self.start) / duration)
+        };
+        let (a0, a1, a2) = (
+            between(p0, p1, start),
+            between(p1, p2, start),
+            between(p2, p3, start),
+        );
+        let (b0, b1, b2) = (
+            between(p0, p1, end),
+            between(p1, p2, end),
+            between(p2, p3, end),
+        );
+        let (aa0, aa1) = (between(a0, a1, start), between(a1, a2, start));
+        let (bb0, bb1) = (between(b0, b1, end), between(b1, b2, end));
+        Self {
+            start,
+            end,
+            points: [
+                between(aa0, aa1, start),
+                between(aa0, aa1, end),
+                between(bb0, bb1, start),
+                between(bb0, bb1, end),
+            ],
+            // Three levels of five roundings, of matrices whose norms are below 2.5.
+            error: self.error + 64.0 * UNIT_ROUNDOFF,
+        }
+    }
+}

@@ -1,0 +1,220 @@
+//! Orientations: how bodies turn, and the cubics that stand in for the way of a turning point.
+//!
+//! A point c of a turning body is at p(t) + R(t) c, which is no polynomial. Between the cuts of an
+//! orientation, R is replaced by a cubic of matrices with a proven error: applied to c it gives the
+//! point's cubic. The cuts depend on the orientation and its tolerance alone.
+
+mod arc;
+mod baked;
+mod piece;
+mod quaternion_cubic;
+#[cfg(feature = "serde")]
+mod serial;
+mod source;
+#[cfg(test)]
+mod tests;
+mod turning;
+
+pub(crate) use baked::BakedRotation;
+pub(crate) use turning::{Turning, TurningCell};
+
+use crate::error::Error;
+use crate::trajectory::Outside;
+use glam::{DQuat, DVec3};
+use source::Source;
+use turning::Part;
+
+/// The orientation of a body over time: the rotation from its own axes to those of the world.
+///
+/// | kind | meaning |
+/// |---|---|
+/// | [`FIXED`](Self::FIXED) | the axes of the body are those of the world; the default |
+/// | [`spin`](Self::spin) | a rotation at one instant, and a constant angular velocity |
+/// | [`slerp`](Self::slerp) | rotations at knots, the shortest way between them at a constant rate |
+/// | [`normalized_cubic`](Self::normalized_cubic) | rotations at knots, without jumps of the angular velocity |
+///
+/// Knots of an orientation are independent of those of the trajectory. Rotations are unit
+/// quaternions; a length that differs from 1 by more than 1e-9 is refused. The direction given is
+/// meant, normalised in real arithmetic: what rounding does to it is part of every bound. q and -q
+/// are the same rotation.
+///
+/// # Accuracy and cost
+///
+/// The centre c of a sphere goes around the body's position on a path that is no polynomial.
+/// Between cuts the path is replaced by a cubic with a proven error of at most `tolerance · |c|`.
+/// [`Accuracy::Exact`](crate::Accuracy::Exact) adds that error to the sphere's radius, so no contact is lost:
+/// a separation is at most twice the error of each body too small.
+/// [`Accuracy::Certified`](crate::Accuracy::Certified) adds it to the half-width of its enclosures.
+///
+/// | tolerance | default of | cubics per revolution |
+/// |---|---|---|
+/// | 1e-2 | | 5 |
+/// | 1e-3 | `Accuracy::Exact` | 8 |
+/// | 1e-4 | | 15 |
+/// | 1e-6 | `Accuracy::Certified` | 45 |
+///
+/// The numbers hold for `spin`, and for whole revolutions of `slerp`. Cubics are formed while two
+/// bodies' bounding spheres are within the margin, and not before. The time taken grows with their
+/// number. A body whose spheres are all centred at its position pays nothing for turning.
+///
+/// ```
+/// use nearmiss::glam::{DQuat, DVec3};
+/// use nearmiss::{Body, Hitbox, Orientation, Sphere, Trajectory};
+/// use std::f64::consts::{FRAC_PI_2, PI};
+///
+/// // Half a revolution per second about z.
+/// let spin = Orientation::spin(0.0, DQuat::IDENTITY, PI * DVec3::Z)?;
+/// let ahead = Sphere { offset: DVec3::X, radius: 0.1 };
+/// let body = Body::new(Trajectory::at_rest(DVec3::ZERO)?)
+///     .with_hitbox(Hitbox::cluster(vec![ahead])?)
+///     .with_orientation(spin);
+/// let spheres = body.spheres_at(0.5).unwrap_or_default();
+/// assert!(spheres[0].offset.distance(DVec3::Y) < 1e-15);
+///
+/// let turn = [(0.0, DQuat::IDENTITY), (2.0, DQuat::from_rotation_z(FRAC_PI_2))];
+/// let slow = Orientation::slerp(&turn)?;
+/// assert!(slow.rotation(1.0).angle_between(DQuat::from_rotation_z(0.5 * FRAC_PI_2)) < 1e-7);
+/// # Ok::<(), nearmiss::Error>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "serial::Numbers", into = "serial::Numbers")
+)]
+pub struct Orientation {
+    /// `None` if the body does not turn.
+    turning: Option<Box<Turning>>,
+}
+
+impl Orientation {
+    /// The axes of the body are those of the world at all times.
+    pub const FIXED: Self = Self { turning: None };
+
+    /// Returns a constant angular velocity (rad/s, in the world's axes) from a rotation at `time`
+    /// (s), before and after it: what a physics engine tells each frame.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotFinite`], [`Error::OutOfRange`] for a time beyond 1e300 s,
+    /// [`Error::RotationLength`], and [`Error::AngularSpeed`] above 1e6 rad/s.
+    pub fn spin(
+        time: f64,
+        rotation: DQuat,
+        angular_velocity: impl Into<DVec3>,
+    ) -> Result<Self, Error> {
+        Self::of(Source::Spin {
+            time,
+            rotation,
+            angular_velocity: angular_velocity.into(),
+        })
+    }
+
+    /// Returns the motion through rotations at knots (s), increasing: about a fixed axis at a
+    /// constant rate from each to the next one, the shorter way.
+    ///
+    /// Before the first and after the last knot the rotation is held; see
+    /// [`with_outside`](Self::with_outside).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooFewRotations`], [`Error::NotFinite`], [`Error::OutOfRange`],
+    /// [`Error::TimeNotIncreasing`], [`Error::RotationLength`]; [`Error::AntipodalRotations`] if
+    /// neighbours are half a turn apart, where both ways are equally long.
+    pub fn slerp(knots: &[(f64, DQuat)]) -> Result<Self, Error> {
+        Self::of(Source::Slerp {
+            knots: knots.to_vec(),
+            outside: Outside::Absent,
+        })
+    }
+
+    /// Returns the smooth motion through rotations at knots (s), increasing: cubics of quaternions,
+    /// normalised. The angular velocity does not jump.
+    ///
+    /// At a knot the slope of the cubics is that from the knot before to the knot after
+    /// (Catmull and Rom); at the first and last one, that to its neighbour. Before the first and
+    /// after the last knot the rotation is held; see [`with_outside`](Self::with_outside).
+    ///
+    /// # Errors
+    ///
+    /// As [`slerp`](Self::slerp); [`Error::RotationVanishes`] if a cubic comes so close to zero
+    /// that its direction is lost.
+    pub fn normalized_cubic(knots: &[(f64, DQuat)]) -> Result<Self, Error> {
+        Self::of(Source::NormalizedCubic {
+            knots: knots.to_vec(),
+            outside: Outside::Absent,
+        })
+    }
+
+    /// Returns this orientation with another rule for the time before and after its knots.
+    ///
+    /// With [`Outside::Absent`] the rotation is held: whether the body exists is up to its
+    /// trajectory. With [`Outside::Coast`] and [`Outside::Extrapolate`] the body keeps the angular
+    /// velocity that it has at the first or last knot. A spin has no knots, and ignores the rule.
+    #[must_use]
+    pub fn with_outside(mut self, outside: Outside) -> Self {
+        // What was accepted before is so again: the rule refuses nothing.
+        if let Some(turning) = &mut self.turning
+            && let Ok(other) = turning.with_outside(outside)
+        {
+            **turning = other;
+        }
+        self
+    }
+
+    /// Returns this orientation with another tolerance: the largest error of a sphere's centre,
+    /// relative to its distance from the body's position, at any accuracy.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Tolerance`] if it is not within 1e-9..=0.1; [`Error::RotationVanishes`] if a
+    /// [normalised cubic](Self::normalized_cubic) cannot be known so well.
+    pub fn with_tolerance(self, tolerance: f64) -> Result<Self, Error> {
+        let parts = match self.turning {
+            Some(turning) => turning.parts,
+            None => vec![Part {
+                from: None,
+                source: Source::Fixed,
+            }],
+        };
+        Self::of_parts(parts, Some(tolerance))
+    }
+
+    fn of(source: Source) -> Result<Self, Error> {
+        Self::of_parts(vec![Part { from: None, source }], None)
+    }
+
+    /// Returns the orientation of these parts, cut for this tolerance.
+    fn of_parts(parts: Vec<Part>, tolerance: Option<f64>) -> Result<Self, Error> {
+        let turning = Turning::of(parts, tolerance)?;
+        let is_fixed = turning
+            .parts
+            .iter()
+            .all(|part| part.source == Source::Fixed);
+        Ok(Self {
+            turning: (!is_fixed).then(|| Box::new(turning)),
+        })
+    }
+
+    /// Returns the rotation from the body's axes to those of the world at `time` (s): a unit
+    /// quaternion, good to a few roundings, and to 16 roundings of the angle of a spin.
+    #[must_use]
+    pub fn rotation(&self, time: f64) -> DQuat {
+        match &self.turning {
+            None => DQuat::IDENTITY,
+            Some(turning) => turning.at(time),
+        }
+    }
+
+    /// Returns true if the axes of the body are those of the world at all times.
+    #[must_use]
+    pub const fn is_fixed(&self) -> bool {
+        self.turning.is_none()
+    }
+
+    /// Returns the turning motion, or `None` if the body does not turn.
+    #[inline]
+    pub(crate) fn turning(&self) -> Option<&Turning> {
+        self.turning.as_deref()
+    }
+}

@@ -1,0 +1,165 @@
+//! A part of a turning motion, and the cuts between which it is a cubic.
+
+use super::arc::{Arc, parts_of_revolution};
+use super::baked::BakedRotation;
+use super::quaternion_cubic::{QuaternionCubic, equal_cut};
+use crate::accuracy::Accuracy;
+use glam::DQuat;
+use std::f64::consts::TAU;
+
+/// A rotation between two instants.
+#[derive(Clone, Debug)]
+pub(super) struct Piece {
+    /// First and last instant, s; the first and last piece have no beginning and end.
+    pub(super) start: f64,
+    pub(super) end: f64,
+    motion: Motion,
+    cuts: Cuts,
+}
+
+/// The way of turning.
+#[derive(Clone, Debug)]
+pub(super) enum Motion {
+    Arc(Arc),
+    Cubic(Box<QuaternionCubic>),
+}
+
+/// The instants at which one cubic ends and the next one begins. Each has two sets, for
+/// [`Accuracy::Exact`] and for [`Accuracy::Certified`].
+#[derive(Clone, Copy, Debug)]
+enum Cuts {
+    /// None: the rotation is held.
+    None,
+    /// Equal parts between two instants (s), that many.
+    Equal((f64, f64), [u32; 2]),
+    /// Parts of equal duration (s) from an instant (s) on, in both directions of time.
+    Steps(f64, [f64; 2]),
+}
+
+/// Returns the number of an accuracy's set of cuts.
+pub(super) const fn set_of(accuracy: Accuracy) -> usize {
+    match accuracy {
+        Accuracy::Exact => 0,
+        Accuracy::Certified => 1,
+    }
+}
+
+impl Piece {
+    /// Returns a motion for all time.
+    pub(super) fn forever(arc: Arc, tolerances: [f64; 2]) -> Self {
+        let revolution = TAU / arc.angle * arc.duration;
+        let cuts = if arc.is_held() {
+            Cuts::None
+        } else {
+            let steps = tolerances.map(|tolerance| revolution / parts_of_revolution(tolerance));
+            Cuts::Steps(arc.time, steps)
+        };
+        Self {
+            start: f64::NEG_INFINITY,
+            end: f64::INFINITY,
+            motion: Motion::Arc(arc),
+            cuts,
+        }
+    }
+
+    /// Returns a motion between two instants (s), in that many equal parts.
+    pub(super) fn between(ends: (f64, f64), motion: Motion, counts: [u32; 2]) -> Self {
+        let is_held = matches!(&motion, Motion::Arc(arc) if arc.is_held());
+        Self {
+            start: ends.0,
+            end: ends.1,
+            motion,
+            cuts: if is_held {
+                Cuts::None
+            } else {
+                Cuts::Equal(ends, counts)
+            },
+        }
+    }
+
+    /// Returns the rotation at an instant (s).
+    pub(super) fn at(&self, time: f64) -> DQuat {
+        match &self.motion {
+            Motion::Arc(arc) => arc.at(time),
+            Motion::Cubic(cubic) => cubic.at(time),
+        }
+    }
+
+    /// Returns the cuts around an instant (s) of the piece, and true if the rotation is known
+    /// between them.
+    pub(super) fn around(&self, time: f64, set: usize) -> (f64, f64, bool) {
+        let (start, end, is_known) = match &self.cuts {
+            Cuts::None => (self.start, self.end, true),
+            Cuts::Equal(ends, counts) => {
+                let (start, end) = equal_part(*ends, counts[set], time);
+                (start, end, true)
+            }
+            Cuts::Steps(origin, steps) => step_around(*origin, steps[set], time),
+        };
+        (start.max(self.start), end.min(self.end), is_known)
+    }
+
+    /// Returns the cubic between two neighbouring cuts (s).
+    pub(super) fn bake(&self, ends: (f64, f64), largest: f64) -> BakedRotation {
+        match &self.motion {
+            Motion::Arc(arc) => arc.bake(ends, largest),
+            Motion::Cubic(cubic) => {
+                let baked = cubic.bake(ends);
+                if baked.error() <= largest {
+                    baked
+                } else {
+                    BakedRotation::unknown(ends)
+                }
+            }
+        }
+    }
+}
+
+/// Returns the one of some equal parts of an interval that holds an instant, as the first one that
+/// ends after it.
+fn equal_part(ends: (f64, f64), count: u32, time: f64) -> (f64, f64) {
+    let (start, end) = ends;
+    let share = (time - start) / (end - start) * f64::from(count);
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "saturates"
+    )]
+    let mut number = (share as u32).min(count - 1);
+    while number > 0 && equal_cut(ends, number, count) > time {
+        number -= 1;
+    }
+    while number + 1 < count && equal_cut(ends, number + 1, count) <= time {
+        number += 1;
+    }
+    (
+        equal_cut(ends, number, count),
+        equal_cut(ends, number + 1, count),
+    )
+}
+
+/// Returns the cuts of equal steps around an instant, and true if f64 can tell them apart there.
+fn step_around(origin: f64, step: f64, time: f64) -> (f64, f64, bool) {
+    /// Steps from the origin of time, and from that of the cuts, that still have two bits.
+    const FAR: f64 = (1_u64 << 50) as f64;
+    let reach = FAR * step;
+    let (first, last) = ((origin - reach).max(-reach), (origin + reach).min(reach));
+    if first >= last {
+        return (f64::NEG_INFINITY, f64::INFINITY, false);
+    }
+    if time < first {
+        return (f64::NEG_INFINITY, first, false);
+    }
+    if time >= last {
+        return (last, f64::INFINITY, false);
+    }
+    let cut = |number: f64| (origin + number * step).clamp(first, last);
+    let mut number = ((time - origin) / step).floor();
+    while cut(number) > time {
+        number -= 1.0;
+    }
+    while cut(number + 1.0) <= time {
+        number += 1.0;
+    }
+    (cut(number), cut(number + 1.0), true)
+}

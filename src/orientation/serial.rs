@@ -1,0 +1,58 @@
+//! Serialised orientations: the numbers as given.
+
+use super::Orientation;
+use super::turning::Part;
+use crate::error::Error;
+use serde::{Deserialize, Serialize};
+
+/// The serialised fields of an orientation; no parts if the body does not turn.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Numbers {
+    parts: Vec<Part>,
+    tolerance: Option<f64>,
+}
+
+impl From<Orientation> for Numbers {
+    fn from(orientation: Orientation) -> Self {
+        match orientation.turning {
+            None => Self {
+                parts: Vec::new(),
+                tolerance: None,
+            },
+            Some(turning) => Self {
+                parts: turning.parts,
+                tolerance: turning.tolerance,
+            },
+        }
+    }
+}
+
+impl TryFrom<Numbers> for Orientation {
+    type Error = Error;
+
+    fn try_from(Numbers { parts, tolerance }: Numbers) -> Result<Self, Error> {
+        let mut before = None;
+        for (knot, part) in parts.iter().enumerate() {
+            // The first one begins with time, each other one after the one before.
+            let is_later = match (before, part.from) {
+                (None, None) => knot == 0,
+                (None, Some(from)) => knot == 1 && from.is_finite(),
+                (Some(before), Some(from)) => from.is_finite() && before < from,
+                (Some(_), None) => false,
+            };
+            if !is_later {
+                return Err(Error::TimeNotIncreasing {
+                    knot,
+                    previous: before.unwrap_or(f64::NEG_INFINITY),
+                    time: part.from.unwrap_or(f64::NEG_INFINITY),
+                });
+            }
+            before = part.from;
+        }
+        if parts.is_empty() {
+            return Ok(Self::FIXED);
+        }
+        Self::of_parts(parts, tolerance)
+    }
+}

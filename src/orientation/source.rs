@@ -1,0 +1,276 @@
+//! Orientations as they are given, and the checks on them.
+
+use super::arc::{Arc, angle_within};
+use super::piece::{Motion, Piece};
+use super::quaternion_cubic::QuaternionCubic;
+use crate::error::{Error, MAX_MAGNITUDE, Quantity};
+use crate::rounding::{UNIT_ROUNDOFF, norm, one_zero};
+use crate::trajectory::Outside;
+use glam::{DQuat, DVec3};
+
+/// An orientation as it was given.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) enum Source {
+    Fixed,
+    Spin {
+        time: f64,
+        rotation: DQuat,
+        angular_velocity: DVec3,
+    },
+    Slerp {
+        knots: Vec<(f64, DQuat)>,
+        outside: Outside,
+    },
+    NormalizedCubic {
+        knots: Vec<(f64, DQuat)>,
+        outside: Outside,
+    },
+}
+
+/// Largest angular speed, rad/s: more than 150,000 revolutions per second.
+const MAX_SPEED: f64 = 1e6;
+
+impl Source {
+    /// Sets the rule for the time outside the knots, if there are knots.
+    pub(super) fn set_outside(&mut self, rule: Outside) {
+        match self {
+            Self::Fixed | Self::Spin { .. } => {}
+            Self::Slerp { outside, .. } | Self::NormalizedCubic { outside, .. } => *outside = rule,
+        }
+    }
+
+    /// Returns the pieces for all time, in time order, cut for these tolerances.
+    pub(super) fn pieces(&self, tolerances: [f64; 2]) -> Result<Vec<Piece>, Error> {
+        match self {
+            Self::Fixed => Ok(vec![Piece::forever(Arc::held(DQuat::IDENTITY), tolerances)]),
+            Self::Spin {
+                time,
+                rotation,
+                angular_velocity,
+            } => {
+                let rotation = checked(0, *time, *rotation)?;
+                let arc = Arc::spin(one_zero(*time), rotation, checked_speed(*angular_velocity)?);
+                Ok(vec![Piece::forever(arc, tolerances)])
+            }
+            Self::Slerp { knots, outside } => {
+                let knots = checked_knots(knots)?;
+                let arcs = knots.windows(2).map(|ends| {
+                    let [(start, from), (end, to)] = [ends[0], ends[1]];
+                    Arc::between((start, end), from, to)
+                });
+                let arcs: Vec<Arc> = arcs.collect();
+                let ends = [arcs.first(), arcs.last()].map(|arc| arc.copied());
+                let turn = arcs.iter().zip(knots.windows(2)).map(|(arc, ends)| {
+                    let counts = tolerances.map(|share| parts(arc.angle / angle_within(share)));
+                    Piece::between((ends[0].0, ends[1].0), Motion::Arc(*arc), counts)
+                });
+                Ok(with_ends(
+                    turn.collect(),
+                    &knots,
+                    ends,
+                    *outside,
+                    tolerances,
+                ))
+            }
+            Self::NormalizedCubic { knots, outside } => {
+                let knots = checked_knots(knots)?;
+                let cubics = cubics(&knots);
+                let turn = cubics.iter().enumerate().map(|(number, cubic)| {
+                    let mut counts = [0; 2];
+                    for (count, tolerance) in counts.iter_mut().zip(tolerances) {
+                        let found = cubic.parts_within(tolerance);
+                        *count = found.ok_or(Error::RotationVanishes { knot: number + 1 })?;
+                    }
+                    Ok(Piece::between(
+                        cubic.ends,
+                        Motion::Cubic(Box::new(*cubic)),
+                        counts,
+                    ))
+                });
+                let turn = turn.collect::<Result<Vec<Piece>, Error>>()?;
+                let ends = [
+                    cubics.first().map(|cubic| going_on(cubic, 0)),
+                    cubics.last().map(|cubic| going_on(cubic, 1)),
+                ];
+                Ok(with_ends(turn, &knots, ends, *outside, tolerances))
+            }
+        }
+    }
+}
+
+/// Returns the motion that goes on from the first (0) or last (1) knot of a cubic.
+fn going_on(cubic: &QuaternionCubic, end: usize) -> Arc {
+    let velocity = cubic.end_velocities()[end];
+    let angle = norm(velocity);
+    let (start, finish) = cubic.ends;
+    let held = Arc::held(DQuat::IDENTITY);
+    if angle < f64::MIN_POSITIVE {
+        return held;
+    }
+    Arc {
+        duration: finish - start,
+        axis: velocity / angle,
+        angle,
+        // The velocity is known to 64 roundings of 1.
+        rounding: held.rounding + 256.0 * UNIT_ROUNDOFF / angle,
+        drift: 16.0 * UNIT_ROUNDOFF * angle + 256.0 * UNIT_ROUNDOFF,
+        ..held
+    }
+}
+
+/// Adds what comes before and after the knots: the rotation there is held, or goes on at the rate
+/// of the first and last piece.
+fn with_ends(
+    turn: Vec<Piece>,
+    knots: &[(f64, DQuat)],
+    rates: [Option<Arc>; 2],
+    outside: Outside,
+    tolerances: [f64; 2],
+) -> Vec<Piece> {
+    let (Some(&first), Some(&last)) = (knots.first(), knots.last()) else {
+        return turn;
+    };
+    let end = |(time, rotation): (f64, DQuat), rate: Option<Arc>| {
+        let arc = match (outside, rate) {
+            (Outside::Extrapolate | Outside::Coast, Some(rate)) if !rate.is_held() => {
+                rate.going_on(time, rotation)
+            }
+            _ => Arc::held(rotation),
+        };
+        Piece::forever(arc, tolerances)
+    };
+    let (mut before, mut after) = (end(first, rates[0]), end(last, rates[1]));
+    (before.end, after.start) = (first.0, last.0);
+    let mut pieces = Vec::with_capacity(turn.len() + 2);
+    pieces.push(before);
+    pieces.extend(turn);
+    pieces.push(after);
+    pieces
+}
+
+/// Rounds a number of parts up; at least one.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "half a turn has some hundred parts at most"
+)]
+fn parts(share: f64) -> u32 {
+    share.ceil().max(1.0) as u32
+}
+
+/// Returns the unit quaternion of a given rotation.
+fn checked(knot: usize, time: f64, rotation: DQuat) -> Result<DQuat, Error> {
+    let not_finite = |quantity, value| Error::NotFinite {
+        knot,
+        quantity,
+        value,
+    };
+    if !time.is_finite() {
+        return Err(not_finite(Quantity::Time, time));
+    }
+    if time.abs() > MAX_MAGNITUDE {
+        return Err(Error::OutOfRange {
+            knot,
+            quantity: Quantity::Time,
+            value: time,
+        });
+    }
+    for (axis, value) in rotation.to_array().into_iter().enumerate() {
+        if !value.is_finite() {
+            return Err(not_finite(Quantity::Rotation(axis), value));
+        }
+    }
+    /// Largest difference of a quaternion's length from 1.
+    const OFF: f64 = 1e-9;
+    let length = rotation.length();
+    // Also of one that overflows.
+    if (length - 1.0).abs() <= OFF {
+        Ok(rotation * (1.0 / length))
+    } else {
+        Err(Error::RotationLength { knot, length })
+    }
+}
+
+fn checked_speed(velocity: DVec3) -> Result<DVec3, Error> {
+    for (axis, value) in velocity.to_array().into_iter().enumerate() {
+        if !value.is_finite() {
+            return Err(Error::NotFinite {
+                knot: 0,
+                quantity: Quantity::AngularVelocity(axis),
+                value,
+            });
+        }
+    }
+    let speed = norm(velocity);
+    if speed <= MAX_SPEED {
+        Ok(velocity)
+    } else {
+        Err(Error::AngularSpeed { speed })
+    }
+}
+
+/// Returns unit quaternions of continuous sign.
+fn checked_knots(knots: &[(f64, DQuat)]) -> Result<Vec<(f64, DQuat)>, Error> {
+    /// Least cosine of half the angle between neighbours: the way to half a turn is not known.
+    const LEAST: f64 = 1e-9;
+    if knots.len() < 2 {
+        return Err(Error::TooFewRotations { count: knots.len() });
+    }
+    let mut found: Vec<(f64, DQuat)> = Vec::with_capacity(knots.len());
+    for (knot, &(time, rotation)) in knots.iter().enumerate() {
+        let mut rotation = checked(knot, time, rotation)?;
+        let time = one_zero(time);
+        if let Some(&(previous, before)) = found.last() {
+            if time <= previous {
+                return Err(Error::TimeNotIncreasing {
+                    knot,
+                    previous,
+                    time,
+                });
+            }
+            if !(time - previous).is_finite() || time - previous < f64::MIN_POSITIVE {
+                return Err(Error::OutOfRange {
+                    knot,
+                    quantity: Quantity::Time,
+                    value: time - previous,
+                });
+            }
+            let cosine = before.dot(rotation);
+            if cosine.abs() <= LEAST {
+                return Err(Error::AntipodalRotations { knot });
+            }
+            if cosine < 0.0 {
+                rotation = -rotation;
+            }
+        }
+        found.push((time, rotation));
+    }
+    Ok(found)
+}
+
+/// Returns the cubics through unit quaternions: at a knot the slope is that from the knot before to
+/// the knot after.
+fn cubics(knots: &[(f64, DQuat)]) -> Vec<QuaternionCubic> {
+    let slope = |knot: usize| {
+        let (before, after) = (knot.saturating_sub(1), (knot + 1).min(knots.len() - 1));
+        (
+            knots[after].1 - knots[before].1,
+            knots[after].0 - knots[before].0,
+        )
+    };
+    let cubic = |(number, ends): (usize, &[(f64, DQuat)])| {
+        let [(start, from), (end, to)] = [ends[0], ends[1]];
+        let third = |(way, time): (DQuat, f64)| way * ((end - start) / time / 3.0);
+        QuaternionCubic {
+            ends: (start, end),
+            points: [
+                from,
+                from + third(slope(number)),
+                to - third(slope(number + 1)),
+                to,
+            ],
+        }
+    };
+    knots.windows(2).enumerate().map(cubic).collect()
+}

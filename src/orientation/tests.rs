@@ -1,0 +1,491 @@
+//! Cubics of turning points, against rotations in arithmetic of 200 bits.
+
+#![allow(clippy::unwrap_used, reason = "a failure fails the test")]
+
+use super::Orientation;
+use super::source::Source;
+use super::turning::TurningCell;
+use crate::accuracy::Accuracy;
+use crate::error::{Error, Quantity};
+use crate::trajectory::Outside;
+use dashu::float::FBig;
+use dashu::float::round::mode::HalfEven;
+use glam::{DQuat, DVec3};
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
+use std::f64::consts::{PI, TAU};
+
+type Big = FBig<HalfEven>;
+
+fn big(x: f64) -> Big {
+    Big::try_from(x).unwrap().with_precision(200).value()
+}
+
+/// A quaternion x, y, z, w.
+type BigQuaternion = [Big; 4];
+
+fn product(p: &BigQuaternion, q: &BigQuaternion) -> BigQuaternion {
+    let [x, y, z, w] = p;
+    let [a, b, c, d] = q;
+    [
+        w * a + x * d + y * c - z * b,
+        w * b - x * c + y * d + z * a,
+        w * c + x * b - y * a + z * d,
+        w * d - x * a - y * b - z * c,
+    ]
+}
+
+fn dot(p: &BigQuaternion, q: &BigQuaternion) -> Big {
+    p.iter()
+        .zip(q)
+        .map(|(x, y)| x * y)
+        .fold(big(0.0), |sum, x| sum + x)
+}
+
+fn scaled(p: &BigQuaternion, factor: &Big) -> BigQuaternion {
+    p.each_ref().map(|x| x * factor)
+}
+
+fn sum(p: &BigQuaternion, q: &BigQuaternion) -> BigQuaternion {
+    [0, 1, 2, 3].map(|lane| &p[lane] + &q[lane])
+}
+
+fn conjugate([x, y, z, w]: &BigQuaternion) -> BigQuaternion {
+    [-x, -y, -z, w.clone()]
+}
+
+fn unit(q: &BigQuaternion) -> BigQuaternion {
+    scaled(q, &(big(1.0) / dot(q, q).sqrt()))
+}
+
+fn given(q: DQuat) -> BigQuaternion {
+    unit(&q.to_array().map(big))
+}
+
+/// Returns the rotation about a vector by an angle in proportion to it.
+fn about(vector: [Big; 3], length: &Big, half: &Big) -> BigQuaternion {
+    if *length == big(0.0) {
+        return [0.0, 0.0, 0.0, 1.0].map(big);
+    }
+    let (sine, cosine) = half.sin_cos();
+    let [x, y, z] = vector.map(|lane| lane * &sine / length);
+    [x, y, z, cosine]
+}
+
+/// Returns the turn of an arc between two unit quaternions: its vector part's direction and length,
+/// and half its angle.
+fn arc(from: &BigQuaternion, to: &BigQuaternion) -> ([Big; 3], Big, Big) {
+    let [x, y, z, w] = product(to, &conjugate(from));
+    let length = (&x * &x + &y * &y + &z * &z).sqrt();
+    let half = length.atan2(&w);
+    ([x, y, z], length, half)
+}
+
+fn knots(knots: &[(f64, DQuat)]) -> Vec<(Big, BigQuaternion)> {
+    let mut found: Vec<(Big, BigQuaternion)> = Vec::new();
+    for &(time, rotation) in knots {
+        let mut rotation = given(rotation);
+        if let Some((_, before)) = found.last()
+            && dot(before, &rotation) < big(0.0)
+        {
+            rotation = rotation.map(|lane| -lane);
+        }
+        found.push((big(time), rotation));
+    }
+    found
+}
+
+/// Returns the exact rotation at an instant, not normalised.
+fn exact(source: &Source, time: &Big) -> BigQuaternion {
+    match source {
+        Source::Fixed => [0.0, 0.0, 0.0, 1.0].map(big),
+        Source::Spin {
+            time: at,
+            rotation,
+            angular_velocity,
+        } => {
+            let velocity = angular_velocity.to_array().map(big);
+            let [x, y, z] = &velocity;
+            let speed = (x * x + y * y + z * z).sqrt();
+            let half = &speed * (time - big(*at)) / big(2.0);
+            product(&about(velocity, &speed, &half), &given(*rotation))
+        }
+        Source::Slerp {
+            knots: own,
+            outside,
+        } => {
+            let knots = knots(own);
+            let last = knots.len() - 1;
+            let after = knots
+                .iter()
+                .position(|(knot, _)| time < knot)
+                .unwrap_or(knots.len());
+            let number = after.clamp(1, last);
+            let ((start, from), (end, to)) = (&knots[number - 1], &knots[number]);
+            let mut share = (time - start) / (end - start);
+            if *outside == Outside::Absent {
+                share = share.max(big(0.0)).min(big(1.0));
+            }
+            let (axis, length, half) = arc(from, to);
+            product(&about(axis, &length, &(half * share)), from)
+        }
+        Source::NormalizedCubic {
+            knots: own,
+            outside,
+        } => {
+            let knots = knots(own);
+            let last = knots.len() - 1;
+            let after = knots
+                .iter()
+                .position(|(knot, _)| time < knot)
+                .unwrap_or(knots.len());
+            let number = after.clamp(1, last);
+            let slope = |knot: usize| {
+                let (before, after) = (knot.saturating_sub(1), (knot + 1).min(last));
+                let way = sum(&knots[after].1, &scaled(&knots[before].1, &big(-1.0)));
+                scaled(&way, &(big(1.0) / (&knots[after].0 - &knots[before].0)))
+            };
+            if after == 0 || after > last {
+                let end = if after == 0 { 0 } else { last };
+                let (at, rotation) = &knots[end];
+                if *outside == Outside::Absent {
+                    return rotation.clone();
+                }
+                let [x, y, z, _] = product(&slope(end), &conjugate(rotation));
+                let velocity = [x, y, z].map(|lane| lane * big(2.0));
+                let [x, y, z] = &velocity;
+                let speed = (x * x + y * y + z * z).sqrt();
+                let half = &speed * (time - at) / big(2.0);
+                return product(&about(velocity, &speed, &half), rotation);
+            }
+            let ((start, from), (end, to)) = (&knots[number - 1], &knots[number]);
+            let duration = end - start;
+            let s = (time - start) / &duration;
+            let r = big(1.0) - &s;
+            let third = &duration / big(3.0);
+            let leave = sum(from, &scaled(&slope(number - 1), &third));
+            let arrive = sum(to, &scaled(&slope(number), &-third));
+            let weights = [
+                &r * &r * &r,
+                big(3.0) * &r * &r * &s,
+                big(3.0) * &r * &s * &s,
+                &s * &s * &s,
+            ];
+            let points = [from, &leave, &arrive, to];
+            points
+                .iter()
+                .zip(&weights)
+                .map(|(point, weight)| scaled(point, weight))
+                .reduce(|p, q| sum(&p, &q))
+                .unwrap()
+        }
+    }
+}
+
+/// Returns the point of a body turned by a quaternion of any length.
+fn turned(q: &BigQuaternion, point: DVec3) -> [Big; 3] {
+    let q = unit(q);
+    let [x, y, z] = point.to_array().map(big);
+    let [x, y, z, _] = product(&product(&q, &[x, y, z, big(0.0)]), &conjugate(&q));
+    [x, y, z]
+}
+
+/// Returns the point of a cubic.
+fn on_cubic(points: &[DVec3; 4], s: &Big) -> [Big; 3] {
+    let r = big(1.0) - s;
+    let weights = [
+        &r * &r * &r,
+        big(3.0) * &r * &r * s,
+        big(3.0) * &r * s * s,
+        s * s * s,
+    ];
+    [0, 1, 2].map(|axis| {
+        let lanes = points.iter().zip(&weights);
+        lanes
+            .map(|(point, weight)| big(point[axis]) * weight)
+            .fold(big(0.0), |sum, x| sum + x)
+    })
+}
+
+fn vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
+    DVec3::from_array([0; 3].map(|_| rng.random_range(-half..=half)))
+}
+
+fn rotation(rng: &mut ChaCha8Rng) -> DQuat {
+    let any = [0; 4].map(|_| rng.random_range(-1.0..1.0));
+    DQuat::from_array(any).normalize() * (1.0 + rng.random_range(-9e-10..9e-10))
+}
+
+/// Returns an orientation of some kind, and a time around which to look at it (s).
+fn orientation(rng: &mut ChaCha8Rng, kind: usize) -> (Source, f64, f64) {
+    let time = [0.0, 1.7e9][kind / 3 % 2];
+    if kind.is_multiple_of(3) {
+        let speed = 10f64.powf(rng.random_range(-9.0..5.0));
+        let from = time - rng.random_range(-1.0..1.0) * 10f64.powf(rng.random_range(-3.0..4.0));
+        let source = Source::Spin {
+            time: from,
+            rotation: rotation(rng),
+            angular_velocity: vector(rng, speed),
+        };
+        return (source, time, 10.0 / speed);
+    }
+    let length = if time > 0.0 {
+        10.0
+    } else {
+        10f64.powf(rng.random_range(-6.0..6.0))
+    };
+    let near = [1.0, 1e-3, 1e-9][kind / 6 % 3];
+    let first = rotation(rng);
+    let mut at = time;
+    let knots = (0..rng.random_range(2..6)).map(|_| {
+        at += length * rng.random_range(0.05..1.0);
+        let turn = DQuat::from_scaled_axis(vector(rng, 1.7 * near));
+        let sign = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
+        (at, (turn * first).normalize() * sign)
+    });
+    let knots: Vec<(f64, DQuat)> = knots.collect();
+    let outside = [Outside::Absent, Outside::Coast][kind / 18 % 2];
+    let source = if kind % 3 == 1 {
+        Source::Slerp { knots, outside }
+    } else {
+        Source::NormalizedCubic { knots, outside }
+    };
+    (source, time, 4.0 * length)
+}
+
+/// Points of turning bodies stay within the error of their cubics, of whole cells and of parts, and
+/// the rotation at an instant is that of the definition.
+#[test]
+fn cubics_stay_within_their_error() {
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let rng = &mut rng;
+    let (mut closest, mut unknown, mut count) = (0.0_f64, 0, 0);
+    for kind in 0..720 {
+        let (source, around, reach) = orientation(rng, kind);
+        let turning = match Orientation::of(source.clone()) {
+            Ok(orientation) => orientation,
+            Err(Error::AntipodalRotations { .. } | Error::RotationVanishes { .. }) => continue,
+            Err(error) => unreachable!("{error}"),
+        };
+        let accuracy = [Accuracy::Exact, Accuracy::Certified][kind % 2];
+        let orientation = turning;
+        let Some(turning) = orientation.turning() else {
+            continue;
+        };
+        let time = around + reach * rng.random_range(-0.3..1.3);
+        let cell: TurningCell = turning.cell_at(time, accuracy);
+        assert!(cell.start <= time && time < cell.end, "{cell:?} {time}");
+        let baked = turning.bake(&cell, accuracy);
+        let (mut start, mut end) = (
+            cell.start.max(time - reach),
+            cell.end.min(time + reach).max(time.next_up()),
+        );
+        let mut part = baked;
+        if kind % 5 == 0 || cell.start < start || cell.end > end {
+            start += rng.random_range(0.0..1.0) * (time - start);
+            end -= rng.random_range(0.0..1.0) * (end - time);
+            part = baked.part((start, end));
+        }
+        if part.error() >= 1.0 {
+            unknown += 1;
+        }
+        let far = 10f64.powf(rng.random_range(-3.0..3.0));
+        let point = vector(rng, far);
+        let (points, error) = (part.way(point), part.error_of(point));
+        for step in 0..=4 {
+            let s = big(f64::from(step) / 4.0);
+            let time = big(start) + &s * (big(end) - big(start));
+            let place = turned(&exact(&source, &time), point);
+            let found = on_cubic(&points, &s);
+            let off = [0, 1, 2].map(|axis| &place[axis] - &found[axis]);
+            let off = off.iter().map(|x| x * x).fold(big(0.0), |sum, x| sum + x);
+            let off = off.sqrt().to_f64().value();
+            assert!(off <= error, "{kind}: {off} {error} {source:?} {cell:?}");
+            closest = closest.max(off / error);
+            count += 1;
+        }
+        let here = exact(&source, &big(time));
+        let there = orientation.rotation(time) * point;
+        let place = turned(&here, point).map(|lane| lane.to_f64().value());
+        let off = (DVec3::from_array(place) - there).length();
+        if part.error() < 1.0 {
+            assert!(off <= 1e-5 * point.length(), "{kind}: {off} {source:?}");
+        }
+    }
+    assert!(closest > 0.9 && closest <= 1.0, "{closest}");
+    assert!(unknown < 40 && count > 3_000, "{unknown} {count}");
+}
+
+/// Without the errors of cubics, rounding alone is within its bound.
+#[test]
+fn rounding_is_within_its_bound() {
+    let mut rng = ChaCha8Rng::seed_from_u64(4);
+    let rng = &mut rng;
+    let mut closest = 0.0_f64;
+    for _ in 0..300 {
+        let source = Source::Spin {
+            time: 0.0,
+            rotation: rotation(rng),
+            angular_velocity: vector(rng, 1.0),
+        };
+        let orientation = Orientation::of(source.clone()).unwrap();
+        let turning = orientation.turning().unwrap();
+        let cell = turning.cell_at(rng.random_range(-50.0..50.0), Accuracy::Certified);
+        let baked = turning.bake(&cell, Accuracy::Certified);
+        let point = vector(rng, 1.0);
+        let points = baked.way(point);
+        for (time, found) in [(cell.start, points[0]), (cell.end, points[3])] {
+            let place = turned(&exact(&source, &big(time)), point);
+            let off = [0, 1, 2].map(|axis| (&place[axis] - big(found[axis])).to_f64().value());
+            let off = DVec3::from_array(off).length() / point.length();
+            closest = closest.max(off);
+        }
+    }
+    let bound = super::BakedRotation::ROUNDING;
+    assert!(
+        closest < bound && closest > 1e-3 * bound,
+        "{closest} {bound}"
+    );
+}
+
+/// The cells between two instants.
+fn cells(
+    orientation: &Orientation,
+    (from, to): (f64, f64),
+    accuracy: Accuracy,
+) -> Vec<TurningCell> {
+    let turning = orientation.turning().unwrap();
+    let mut found = vec![turning.cell_at(from, accuracy)];
+    while found[found.len() - 1].end < to {
+        let next = turning.cell_at(found[found.len() - 1].end, accuracy);
+        assert!(next.start <= found[found.len() - 1].end && next.end > next.start);
+        found.push(next);
+    }
+    found
+}
+
+#[test]
+fn cubics_per_revolution() {
+    let spin = |tolerance: f64| {
+        let spin = Orientation::spin(0.0, DQuat::IDENTITY, TAU * DVec3::Z).unwrap();
+        spin.with_tolerance(tolerance).unwrap()
+    };
+    for (tolerance, count) in [(1e-2, 5), (1e-3, 8), (1e-4, 15), (1e-6, 45)] {
+        let found = cells(&spin(tolerance), (0.0, 1.0 - 1e-9), Accuracy::Exact);
+        assert_eq!(found.len(), count);
+    }
+    let spin = Orientation::spin(0.3, DQuat::IDENTITY, TAU * DVec3::Z).unwrap();
+    for (accuracy, count) in [(Accuracy::Exact, 8), (Accuracy::Certified, 45)] {
+        assert_eq!(cells(&spin, (0.3, 1.3 - 1e-9), accuracy).len(), count);
+    }
+    // A revolution in thirds.
+    let third = |number: f64| (number, DQuat::from_rotation_z(number * TAU / 3.0));
+    let slerp = Orientation::slerp(&[0.0, 1.0, 2.0, 3.0].map(third)).unwrap();
+    assert!(cells(&slerp, (0.0, 3.0 - 1e-9), Accuracy::Exact).len() <= 9);
+    let half = |number: f64| (number, DQuat::from_rotation_z(number * PI * (1.0 - 1e-6)));
+    let slerp = Orientation::slerp(&[0.0, 1.0, 2.0].map(half)).unwrap();
+    assert_eq!(cells(&slerp, (0.0, 2.0 - 1e-9), Accuracy::Exact).len(), 8);
+}
+
+#[test]
+fn cuts_do_not_depend_on_where_the_walk_begins() {
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    for kind in 0..60 {
+        let (source, around, reach) = orientation(&mut rng, kind);
+        let Ok(orientation) = Orientation::of(source) else {
+            continue;
+        };
+        let over = (around, around + reach.min(1e3));
+        let all = cells(&orientation, over, Accuracy::Exact);
+        let turning = orientation.turning().unwrap();
+        for cell in all.iter().take(200) {
+            for time in [cell.start.max(around - reach), cell.end.next_down()] {
+                let found = turning.cell_at(time, Accuracy::Exact);
+                assert!(
+                    found.start.to_bits() == cell.start.to_bits(),
+                    "{kind} {cell:?} {found:?}"
+                );
+                assert!(found.end.to_bits() == cell.end.to_bits(), "{kind}");
+            }
+        }
+    }
+}
+
+#[test]
+fn bad_orientations_are_named() {
+    let still = DQuat::IDENTITY;
+    let spin = |rotation, velocity: DVec3| Orientation::spin(0.0, rotation, velocity);
+    assert!(matches!(
+        spin(still * 1.1, DVec3::X),
+        Err(Error::RotationLength { knot: 0, length }) if (length - 1.1).abs() < 1e-12
+    ));
+    assert!(spin(still * (1.0 + 9e-10), DVec3::X).is_ok());
+    assert!(matches!(
+        spin(still, DVec3::Y * f64::NAN),
+        Err(Error::NotFinite {
+            quantity: Quantity::AngularVelocity(_),
+            ..
+        })
+    ));
+    assert!(matches!(
+        spin(still, DVec3::Y * 1e7),
+        Err(Error::AngularSpeed { speed }) if speed > 9e6
+    ));
+    assert!(matches!(
+        Orientation::spin(f64::INFINITY, still, DVec3::X),
+        Err(Error::NotFinite {
+            knot: 0,
+            quantity: Quantity::Time,
+            ..
+        })
+    ));
+    let half = DQuat::from_xyzw(1.0, 0.0, 0.0, 0.0);
+    for build in [Orientation::slerp, Orientation::normalized_cubic] {
+        assert!(matches!(
+            build(&[(0.0, still)]),
+            Err(Error::TooFewRotations { count: 1 })
+        ));
+        assert!(matches!(
+            build(&[(0.0, still), (1.0, half)]),
+            Err(Error::AntipodalRotations { knot: 1 })
+        ));
+        assert!(matches!(
+            build(&[(0.0, still), (0.0, still)]),
+            Err(Error::TimeNotIncreasing { knot: 1, .. })
+        ));
+        let bad = DQuat::from_xyzw(0.0, f64::NAN, 0.0, 1.0);
+        assert!(matches!(
+            build(&[(0.0, still), (1.0, bad)]),
+            Err(Error::NotFinite {
+                knot: 1,
+                quantity: Quantity::Rotation(1),
+                ..
+            })
+        ));
+        // Of two signs, the same rotation.
+        assert!(build(&[(0.0, still), (1.0, -still)]).is_ok());
+    }
+    let fixed = Orientation::FIXED;
+    assert!(matches!(
+        fixed.with_tolerance(0.2),
+        Err(Error::Tolerance { .. })
+    ));
+}
+
+/// Far from its origin, or too fast for the clock, a rotation is not known, and said so.
+#[test]
+fn what_rounding_hides_is_unknown() {
+    let spin = Orientation::spin(0.0, DQuat::IDENTITY, 1e6 * DVec3::Z).unwrap();
+    let turning = spin.turning().unwrap();
+    for time in [1e3, 1e12, -1e300] {
+        let cell = turning.cell_at(time, Accuracy::Certified);
+        let baked = turning.bake(&cell, Accuracy::Certified);
+        assert!(
+            baked.error() >= 1.0 && baked.error() < 1.01,
+            "{time} {cell:?}"
+        );
+        assert!(cell.start <= time && time < cell.end);
+    }
+    let cell = turning.cell_at(1.0, Accuracy::Certified);
+    assert!(turning.bake(&cell, Accuracy::Certified).error() < 2e-6);
+}

@@ -1,0 +1,161 @@
+//! Turning motions: pieces in time order, and the cubics that stand in for them.
+
+use super::baked::BakedRotation;
+use super::piece::{Piece, set_of};
+use super::source::Source;
+use crate::accuracy::Accuracy;
+use crate::error::Error;
+use crate::trajectory::Outside;
+use glam::DQuat;
+
+/// A turning motion.
+#[derive(Clone, Debug)]
+pub(crate) struct Turning {
+    /// Orientations as given, in time order; each is followed until the next one begins.
+    pub(super) parts: Vec<Part>,
+    /// Largest error of the cubics, relative to a point's distance, if set.
+    pub(super) tolerance: Option<f64>,
+    pieces: Vec<Piece>,
+}
+
+/// An orientation and the time from which on it is followed.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Part {
+    /// First instant, s; none for the first one.
+    pub(super) from: Option<f64>,
+    pub(super) source: Source,
+}
+
+/// An interval between neighbouring cuts of a turning motion.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TurningCell {
+    piece: usize,
+    /// First and last instant, s; may be infinite.
+    pub(crate) start: f64,
+    pub(crate) end: f64,
+    is_known: bool,
+}
+
+impl PartialEq for Turning {
+    fn eq(&self, other: &Self) -> bool {
+        self.parts == other.parts && self.tolerance == other.tolerance
+    }
+}
+
+impl Turning {
+    /// Returns the motion of these parts.
+    pub(super) fn of(parts: Vec<Part>, tolerance: Option<f64>) -> Result<Self, Error> {
+        /// Range of tolerances: what rounding, and a cubic, allow.
+        const RANGE: std::ops::RangeInclusive<f64> = 1e-9..=0.1;
+        if let Some(value) = tolerance.filter(|value| !RANGE.contains(value)) {
+            return Err(Error::Tolerance { value });
+        }
+        let mut turning = Self {
+            parts,
+            tolerance,
+            pieces: Vec::new(),
+        };
+        let tolerances = [Accuracy::Exact, Accuracy::Certified].map(|one| turning.tolerance(one));
+        for (number, part) in turning.parts.iter().enumerate() {
+            let start = part.from.unwrap_or(f64::NEG_INFINITY);
+            let next = turning.parts.get(number + 1).and_then(|next| next.from);
+            let end = next.unwrap_or(f64::INFINITY);
+            for mut piece in part.source.pieces(tolerances)? {
+                piece.start = piece.start.max(start);
+                piece.end = piece.end.min(end);
+                if piece.start < piece.end {
+                    turning.pieces.push(piece);
+                }
+            }
+        }
+        Ok(turning)
+    }
+
+    /// Returns the motion with another rule for the time outside the knots.
+    pub(super) fn with_outside(&self, outside: Outside) -> Result<Self, Error> {
+        let mut parts = self.parts.clone();
+        for part in &mut parts {
+            part.source.set_outside(outside);
+        }
+        Self::of(parts, self.tolerance)
+    }
+
+    /// Returns the largest error of the cubics, relative to a point's distance from the body's
+    /// position.
+    fn tolerance(&self, accuracy: Accuracy) -> f64 {
+        const OF_EXACT: f64 = 1e-3;
+        const OF_CERTIFIED: f64 = 1e-6;
+        self.tolerance.unwrap_or(match accuracy {
+            Accuracy::Exact => OF_EXACT,
+            Accuracy::Certified => OF_CERTIFIED,
+        })
+    }
+
+    /// Returns a bound on the distance from the body's position to the farthest point of a sphere
+    /// whose radius is enlarged by the error of its centre, at any accuracy: for spheres within
+    /// `reach` (m), with centres within `arm` (m).
+    pub(crate) fn reach(&self, reach: f64, arm: f64) -> f64 {
+        // Once for the centre, once for the radius. What is unknown stays at the body's position.
+        let error = 2.0 * Self::largest_error(self.tolerance(Accuracy::Exact));
+        (reach + error * arm) * (1.0 + 1e-12) + f64::MIN_POSITIVE
+    }
+
+    /// Returns the error beyond which a rotation counts as unknown: rounding cannot double it.
+    fn largest_error(tolerance: f64) -> f64 {
+        2.0 * tolerance
+    }
+
+    /// Returns the rotation at an instant (s).
+    pub(super) fn at(&self, time: f64) -> DQuat {
+        let piece = &self.pieces[self.piece_at(time)];
+        let rotation = piece.at(time);
+        rotation * (1.0 / rotation.length())
+    }
+
+    fn piece_at(&self, time: f64) -> usize {
+        let after = self.pieces.partition_point(|piece| piece.start <= time);
+        after.saturating_sub(1)
+    }
+
+    /// Returns the cell that holds an instant (s): the one that begins there, if one does.
+    #[inline]
+    pub(crate) fn cell_at(&self, time: f64, accuracy: Accuracy) -> TurningCell {
+        let number = self.piece_at(time);
+        let (start, end, is_known) = self.pieces[number].around(time, set_of(accuracy));
+        TurningCell {
+            piece: number,
+            start,
+            end,
+            is_known,
+        }
+    }
+
+    /// Returns the cubic of a cell.
+    pub(crate) fn bake(&self, cell: &TurningCell, accuracy: Accuracy) -> BakedRotation {
+        let ends = (cell.start, cell.end);
+        if !cell.is_known {
+            return BakedRotation::unknown(ends);
+        }
+        let largest = Self::largest_error(self.tolerance(accuracy));
+        self.pieces[cell.piece].bake(ends, largest)
+    }
+
+    /// Returns the parts that are followed after this motion is left at `from` (s) for another one,
+    /// without those that end before `since` (s).
+    pub(super) fn parts_until(parts: &[Part], from: f64, since: f64) -> Vec<Part> {
+        let mut kept: Vec<Part> = Vec::new();
+        for (number, part) in parts.iter().enumerate() {
+            let next = parts.get(number + 1).and_then(|next| next.from);
+            let end = next.unwrap_or(f64::INFINITY).min(from);
+            let start = part.from.unwrap_or(f64::NEG_INFINITY);
+            if start < end && end > since {
+                kept.push(part.clone());
+            }
+        }
+        if let Some(first) = kept.first_mut() {
+            first.from = None;
+        }
+        kept
+    }
+}
