@@ -2,6 +2,7 @@
 
 mod arena;
 mod body;
+mod body_plan;
 mod entry;
 mod ignored;
 mod partners;
@@ -12,17 +13,19 @@ mod update;
 
 pub(crate) use arena::CubicArena;
 pub use body::Body;
+pub use body_plan::BodyPlan;
 pub(crate) use entry::SceneEntry;
 pub(crate) use ignored::IgnoredPairs;
 use partners::{Kinds, Partners};
 pub(crate) use partners::{can_reach, radius};
-pub use update::BodyState;
+pub use update::{BodyState, Spin};
 
 use crate::bounds::DAabb;
 use crate::error::Error;
 use crate::hitbox::Hitbox;
 use crate::id::BodyId;
 use crate::layers::Layers;
+use crate::orientation::Orientation;
 use crate::pool::Pool;
 use crate::search::SearchScratch;
 use crate::simd::prefetch;
@@ -258,6 +261,20 @@ impl Scene {
         let old = std::mem::replace(&mut self.entry_mut(id)?.0.body.hitbox, hitbox);
         self.kinds.add_radius(radius);
         Ok(old)
+    }
+
+    /// Replaces a body's orientation and returns the old one.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownBody`].
+    pub fn set_orientation(
+        &mut self,
+        id: BodyId,
+        orientation: Orientation,
+    ) -> Result<Orientation, Error> {
+        let (entry, _) = self.entry_mut(id)?;
+        Ok(std::mem::replace(&mut entry.body.orientation, orientation))
     }
 
     /// Replaces a body's layers and returns the old ones.

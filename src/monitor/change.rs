@@ -14,9 +14,11 @@ use crate::error::Error;
 use crate::hitbox::Hitbox;
 use crate::id::BodyId;
 use crate::layers::Layers;
-use crate::scene::Body;
+use crate::orientation::Orientation;
+use crate::scene::{Body, BodyPlan};
 use crate::trajectory::{Segment, Trajectory};
 use crate::window::Window;
+use std::iter::once;
 
 impl Monitor {
     /// Adds a body.
@@ -105,6 +107,32 @@ impl Monitor {
         self.apply([Command::SetHitbox(id, hitbox)]).map(drop)
     }
 
+    /// Replaces a body's whole orientation, including the past.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownBody`], [`Error::InBody`].
+    pub fn set_orientation(&mut self, id: BodyId, orientation: Orientation) -> Result<(), Error> {
+        self.apply([Command::SetOrientation(id, orientation)])
+            .map(drop)
+    }
+
+    /// Lets the body turn as `orientation` says from `from` (s) on; until then it turns as before.
+    ///
+    /// This call drops what ended before the clock of the last tick, unless
+    /// [`set_history`](Self::set_history) keeps it. Events already reported stand, also where
+    /// `from` lies before the clock.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::NotFinite`] if `from` is not finite,
+    /// or with [`Error::RotationVanishes`] if the tolerance of the one orientation is too small for
+    /// the other.
+    pub fn orient(&mut self, id: BodyId, from: f64, orientation: Orientation) -> Result<(), Error> {
+        self.apply([Command::Orient(id, from, orientation)])
+            .map(drop)
+    }
+
     /// Replaces a body's layers.
     ///
     /// # Errors
@@ -116,7 +144,8 @@ impl Monitor {
 
     /// Lets the body follow `plan` from `from` (s) on; until then it keeps its old plan. See
     /// [`Trajectory::spliced`]. Returns the instant from which `plan` is followed, s: `from`,
-    /// unless the plan is late.
+    /// unless the plan is late. An orientation in the plan is followed from `from` on in any case,
+    /// as by [`orient`](Self::orient); without one the body goes on turning as it does.
     ///
     /// This call drops cubics that end before the clock of the last tick, unless
     /// [`set_history`](Self::set_history) keeps them.
@@ -159,8 +188,16 @@ impl Monitor {
     /// - One of the two plans does not exist at that instant, or the new one ends there.
     ///   ([`set_trajectory`](Self::set_trajectory) needs no old plan.)
     /// - A late plan does not continue from the clock on, where the body's plan still exists.
-    pub fn replan(&mut self, id: BodyId, from: f64, plan: Trajectory) -> Result<f64, Error> {
-        self.apply([Command::Replan(id, from, plan)])?;
+    pub fn replan(
+        &mut self,
+        id: BodyId,
+        from: f64,
+        plan: impl Into<BodyPlan>,
+    ) -> Result<f64, Error> {
+        let plan = plan.into();
+        let orient = plan.orientation.map(|next| Command::Orient(id, from, next));
+        let replan = Command::Replan(id, from, plan.trajectory);
+        self.apply(once(replan).chain(orient))?;
         Ok(self.late_plans().next().map_or(from, |(_, late)| late))
     }
 
@@ -172,7 +209,7 @@ impl Monitor {
 
     /// Appends `plan` to the body's plan: the body follows it from its last knot on, where `plan`
     /// must exist. The last knot may lie before the clock, and `plan` may end before it. Cubics are
-    /// dropped as by [`replan`](Self::replan).
+    /// dropped as by [`replan`](Self::replan). An orientation in the plan is followed from that knot on.
     ///
     /// A body that continues beyond its knots may have passed the last one long ago (a body [at
     /// rest](Trajectory::at_rest) has a single knot, at 0 s). A plan that begins later is then
@@ -181,8 +218,13 @@ impl Monitor {
     /// # Errors
     ///
     /// The errors of [`replan`](Self::replan).
-    pub fn extend(&mut self, id: BodyId, plan: Trajectory) -> Result<(), Error> {
-        self.apply([Command::Extend(id, plan)]).map(drop)
+    pub fn extend(&mut self, id: BodyId, plan: impl Into<BodyPlan>) -> Result<(), Error> {
+        let plan = plan.into();
+        let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
+        let last = body.trajectory.knots().last().copied().unwrap_or(0.0);
+        let orient = plan.orientation.map(|next| Command::Orient(id, last, next));
+        let extend = Command::Extend(id, plan.trajectory);
+        self.apply(once(extend).chain(orient)).map(drop)
     }
 
     /// Applies several changes together, or none if one is refused. Returns the ids of the inserted
@@ -270,6 +312,9 @@ impl Monitor {
             }
             if let Some(hitbox) = revision.hitbox.take() {
                 drop(self.scene.set_hitbox(id, hitbox)?);
+            }
+            if let Some(orientation) = revision.orientation.take() {
+                drop(self.scene.set_orientation(id, orientation)?);
             }
             if let Some(layers) = revision.layers {
                 self.scene.set_layers(id, layers)?;
@@ -404,7 +449,7 @@ impl Monitor {
         Ok(())
     }
 
-    const fn count_change(&mut self) {
+    pub(super) const fn count_change(&mut self) {
         self.changed_bodies += 1;
         self.review.changes += 1;
     }

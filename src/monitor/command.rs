@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::hitbox::Hitbox;
 use crate::id::BodyId;
 use crate::layers::Layers;
+use crate::orientation::Orientation;
 use crate::parallel;
 use crate::scene::{Body, Scene};
 use crate::shape::BodyShape;
@@ -26,11 +27,16 @@ pub enum Command {
     SetTrajectory(BodyId, Trajectory),
     /// Replaces a hitbox.
     SetHitbox(BodyId, Hitbox),
+    /// Replaces an orientation as a whole.
+    SetOrientation(BodyId, Orientation),
     /// Replaces layers.
     SetLayers(BodyId, Layers),
     /// Keeps the old plan up to the time (s), then follows the new one: see
     /// [`Monitor::replan`](crate::Monitor::replan).
     Replan(BodyId, f64, Trajectory),
+    /// Keeps the old orientation up to the time (s), then follows the new one: see
+    /// [`Monitor::orient`](crate::Monitor::orient).
+    Orient(BodyId, f64, Orientation),
     /// Appends a plan after the last knot: see [`Monitor::extend`](crate::Monitor::extend).
     Extend(BodyId, Trajectory),
     /// Ignores a pair: see [`Monitor::ignore_pair`](crate::Monitor::ignore_pair).
@@ -125,6 +131,7 @@ pub(super) struct PendingChange {
     /// Instant from which the body follows its last plan, if that was late, s.
     late: Option<f64>,
     pub(super) hitbox: Option<Hitbox>,
+    pub(super) orientation: Option<Orientation>,
     pub(super) layers: Option<Layers>,
     /// Numbers of the first and the last command that concern the body.
     first: usize,
@@ -243,7 +250,9 @@ impl CommandBatch {
             Command::Remove(id)
             | Command::SetTrajectory(id, _)
             | Command::SetHitbox(id, _)
+            | Command::SetOrientation(id, _)
             | Command::SetLayers(id, _)
+            | Command::Orient(id, ..)
             | Command::Replan(id, ..)
             | Command::Extend(id, _) => id,
         };
@@ -258,7 +267,15 @@ impl CommandBatch {
                 revision.late = None;
             }
             Command::SetHitbox(_, hitbox) => revision.hitbox = Some(hitbox),
+            Command::SetOrientation(_, orientation) => revision.orientation = Some(orientation),
             Command::SetLayers(_, layers) => revision.layers = Some(layers),
+            Command::Orient(_, from, next) => {
+                let body = revision.body(scene)?;
+                let before = revision.orientation.as_ref().unwrap_or(&body.orientation);
+                let both = before.followed_by(&next, from, terms.forget_before);
+                let both = both.map_err(|error| refuse(error.in_body(body.tag)))?;
+                revision.orientation = Some(both);
+            }
             Command::Replan(_, from, plan) => match plan.line() {
                 Some((&line, _)) if revision.trajectory.is_none() && revision.turn.is_none() => {
                     let command = number;
@@ -331,6 +348,7 @@ impl PendingChange {
             splice: None,
             late: None,
             hitbox: None,
+            orientation: None,
             layers: None,
             first: command,
             last: command,
@@ -390,7 +408,8 @@ impl PendingChange {
             command: turn.command,
             error: error.in_body(body.tag),
         })?;
-        let can = self.hitbox.is_none() && flown.can_turn(from, &turn.line, terms.window);
+        let keeps_shape = self.hitbox.is_none() && self.orientation.is_none();
+        let can = keeps_shape && flown.can_turn(from, &turn.line, terms.window);
         if can {
             self.late = Some(from).filter(|from| turn.from < *from);
             turn.from = from;
@@ -441,7 +460,8 @@ impl PendingChange {
         if !self.is_removed {
             let trajectory = self.trajectory.as_ref().unwrap_or(&body.trajectory);
             let hitbox = self.hitbox.as_ref().unwrap_or(&body.hitbox);
-            let shape = BodyShape::new(hitbox, body.orientation.turning());
+            let orientation = self.orientation.as_ref().unwrap_or(&body.orientation);
+            let shape = BodyShape::new(hitbox, orientation.turning());
             let flight = terms.flight(trajectory, shape, body.tag);
             self.flight = Some(flight.map_err(|error| Rejection {
                 command: self.last,

@@ -22,7 +22,7 @@ use super::prepared::PreparedMemory;
 use super::recent_changes::RecentChanges;
 use super::slice::{LookaheadSlice, SliceScratch};
 use super::solved_spans::{SlotPair, SolvedSpans};
-use crate::bounds::Frame;
+use crate::bounds::{Frame, Padding};
 use crate::broad_phase::PairFilter;
 use crate::error::Error;
 use crate::narrow_phase::{BodyView, Contact};
@@ -31,6 +31,7 @@ use crate::pool::Pool;
 use crate::rounding::seen_from;
 use crate::scene::Scene;
 use crate::search::{self, FEW_BOXES, LimitExceeded, SpanSorter};
+use crate::shape::BodyShape;
 use crate::spans::SpanKey;
 use crate::stats::Stats;
 use crate::trajectory::Trajectory;
@@ -156,6 +157,13 @@ impl LookaheadSearch {
         Ok(())
     }
 
+    /// Takes another shape of the body in a slot. What was found of it is forgotten, and looked for again.
+    pub(super) fn reshape(&mut self, slot: u32, shape: BodyShape<'_>) {
+        let padding = Padding::of(shape, self.margin, &self.grid.frame);
+        self.flights.set_padding(slot, padding);
+        self.forget(slot);
+    }
+
     /// Finds which bodies may be part of a pair: of the one in a slot, and of all if that may have changed.
     pub(super) fn find_partners(&mut self, scene: &Scene, slot: Option<u32>) {
         let partners = scene.partners(self.margin);
@@ -259,7 +267,8 @@ impl LookaheadSearch {
             self.sorter
                 .sort_and_dedup(&mut self.survivors, self.flights.len());
             let most = self.max_spans;
-            stats.survivors += self.finds.add(&self.survivors, &bodies, most)?;
+            let window = (from, self.laid_out(to));
+            stats.survivors += self.finds.add(&self.survivors, &bodies, window, most)?;
             stats.narrow_time += begin.elapsed();
             if is_done {
                 return Ok(meter.until().unwrap_or(reached));

@@ -146,6 +146,13 @@ impl MonitoredBodies {
         Ok(())
     }
 
+    /// Takes another padding of the body in a slot.
+    pub(super) fn set_padding(&mut self, slot: u32, padding: Padding) {
+        if let Some(Some(flight)) = self.by_slot.get_mut(slot as usize) {
+            flight.padding = padding;
+        }
+    }
+
     /// Notes which bodies may be part of a pair; returns whether that is new of the one in a slot.
     pub(super) fn set_partner(&mut self, slot: u32, has_partner: bool) -> bool {
         let flight = self.by_slot.get_mut(slot as usize);

@@ -5,6 +5,7 @@ use super::sorted_slab::{IndexEntry, SortedSlab};
 use crate::narrow_phase::{Contact, SolvedSpan, contacts_of, solve};
 use crate::search::LimitExceeded;
 use crate::spans::SpanKey;
+use std::collections::BTreeMap;
 
 /// Two bodies, the smaller slot first.
 pub(super) type SlotPair = (u32, u32);
@@ -22,6 +23,8 @@ pub(super) struct SolvedSpans {
     /// [taken](Self::take_changed). (Not those of which something has passed: that changes nothing
     /// that is still to come, and who reads them sees when.)
     changed: Vec<SlotPair>,
+    /// Spans of turning bodies of which only a part is solved, and the end of that part, s.
+    begun: BTreeMap<SpanKey, f64>,
 }
 
 impl SolvedSpans {
@@ -40,15 +43,18 @@ impl SolvedSpans {
             }
             !is_gone
         });
+        self.begun.retain(|key, _| !is_gone(pair_of(key)));
     }
 
     /// Forgets spans that end before `from` (s).
     pub(super) fn forget_before(&mut self, from: f64) {
         self.finds.retain(|find, _| find.interval.1 >= from);
+        self.begun.retain(|_, until| *until >= from);
     }
 
     /// Solves the survivors (sorted, each once) that are not there yet, and keeps those that come
-    /// within the margin; returns how many were solved.
+    /// within the margin; returns how many were solved. Those of turning bodies are solved from one
+    /// instant to another (s).
     ///
     /// # Errors
     ///
@@ -57,12 +63,18 @@ impl SolvedSpans {
         &mut self,
         survivors: &[SpanKey],
         bodies: &BodyTable<'_>,
+        window: (f64, f64),
         most: usize,
     ) -> Result<u64, LimitExceeded> {
         let room = most.saturating_sub(self.len());
         let (mut count, mut added) = (0, 0);
         for &key in survivors {
-            if self.finds.has(&key) {
+            let begun = self.begun.get(&key).copied();
+            if begun.is_none() && self.finds.has(&key) {
+                continue;
+            }
+            let after = begun.unwrap_or(f64::NEG_INFINITY);
+            if after > window.1 {
                 continue;
             }
             let views = [key.a, key.b].map(|slot| bodies.get(slot));
@@ -72,10 +84,16 @@ impl SolvedSpans {
             count += 1;
             let span = key.span(&a.knots, &b.knots);
             let before = added;
-            solve(&a, &b, span, bodies.margin, |solved| {
-                self.finds.add(key, (span.start, span.end), solved);
+            let part = (window, after);
+            let reached = solve(&a, &b, span, bodies.margin, part, |interval, solved| {
+                self.finds.add(key, interval, solved);
                 added += 1;
             });
+            if reached < f64::INFINITY {
+                self.begun.insert(key, reached);
+            } else if begun.is_some() {
+                self.begun.remove(&key);
+            }
             if added > before {
                 self.changed.push(pair_of(&key));
             }

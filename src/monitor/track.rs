@@ -16,7 +16,8 @@ impl Monitor {
     /// state's own time; until then it keeps its old plan. That is what [`replan`](Self::replan) does for each,
     /// in one call: what a physics engine or a network tells of all bodies, each frame.
     ///
-    /// A body that is left out keeps its course. One that already follows that very motion, from a state of that
+    /// A state with a [spin](BodyState::with_spin) sets the orientation as well, from `now` on; without one the
+    /// body goes on turning as it does. A body that is left out keeps its course. One that already follows that very motion, from a state of that
     /// very time, is not changed: leave out bodies that sleep. Of a body that is named twice the last state
     /// counts. In steady state nothing is allocated.
     ///
@@ -42,7 +43,8 @@ impl Monitor {
     /// # Errors
     ///
     /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::NotFinite`], [`Error::OutOfRange`],
-    /// [`Error::TooFar`] or [`Error::NoPlanAt`], as for [`replan`](Self::replan). The error of the first state
+    /// [`Error::TooFar`], [`Error::NoPlanAt`], [`Error::RotationLength`] or [`Error::AngularSpeed`], as for
+    /// [`replan`](Self::replan) and [`Orientation::spin`](crate::Orientation::spin). The error of the first state
     /// that is refused; nothing was changed then.
     pub fn track<S: Into<BodyState>>(
         &mut self,
@@ -85,12 +87,14 @@ impl Monitor {
         let mut refused = Ok(());
         for (id, state) in states {
             let line = state.line();
+            let line = line.and_then(|line| Ok((line, state.orientation()?)));
             let is_known = (id.slot as usize) < self.scene.slots();
             match line {
-                Ok(line) if is_known => tracked.put(TrackedMotion {
+                Ok((line, orientation)) if is_known => tracked.put(TrackedMotion {
                     id,
                     from: now,
                     line,
+                    orientation,
                     change: TrackedChange::Turn,
                 }),
                 line => {
@@ -147,6 +151,12 @@ impl Monitor {
         let in_body = |error: Error| error.in_body(body.tag);
         let plan = || Trajectory::of_line(line);
         let from = terms.follows_from(flown, &plan(), tracked.from);
+        if let Some(next) = &tracked.orientation {
+            let both = body
+                .orientation
+                .followed_by(next, tracked.from, terms.forget_before);
+            tracked.orientation = Some(both.map_err(in_body)?);
+        }
         tracked.from = from.map_err(in_body)?;
         let from = tracked.from;
         if !flown.follows(&line, from) && !flown.can_turn(from, &line, terms.window) {
@@ -159,11 +169,26 @@ impl Monitor {
         Ok(())
     }
 
+    /// Gives the body its new orientation, if that is another one.
+    fn take_orientation(&mut self, tracked: &mut TrackedMotion) -> Result<(), Error> {
+        let (id, Some(orientation)) = (tracked.id, tracked.orientation.take()) else {
+            return Ok(());
+        };
+        let before = self.scene.set_orientation(id, orientation)?;
+        let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
+        if before != body.orientation {
+            self.search.reshape(id.slot, body.shape());
+            self.count_change();
+        }
+        Ok(())
+    }
+
     /// Lets it take effect. Nothing is refused.
     fn take_motions(&mut self, tracked: &mut [TrackedMotion]) -> Result<(), Error> {
         for place in 0..tracked.len() {
             self.prefetch_motion(tracked, place);
             let TrackedMotion { id, from, line, .. } = tracked[place];
+            self.take_orientation(&mut tracked[place])?;
             let flown = self.scene.body(id).map(|body| &body.trajectory);
             if flown.is_some_and(|flown| flown.follows(&line, from)) {
                 continue;

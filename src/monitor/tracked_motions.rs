@@ -3,6 +3,7 @@
 use super::monitored_bodies::MonitoredBody;
 use crate::error::Error;
 use crate::id::BodyId;
+use crate::orientation::Orientation;
 use crate::trajectory::{Segment, Trajectory};
 
 /// Changes of the bodies of one call. Their memory is reused.
@@ -40,6 +41,8 @@ pub(super) struct TrackedMotion {
     pub(super) from: f64,
     /// Straight motion from then on.
     pub(super) line: Segment,
+    /// Orientation from then on, if it was given; then that of all time.
+    pub(super) orientation: Option<Orientation>,
     pub(super) change: TrackedChange,
 }
 

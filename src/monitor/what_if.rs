@@ -4,8 +4,9 @@ use super::{Monitor, SlotAdmission};
 use crate::conflict::Conflict;
 use crate::error::Error;
 use crate::id::BodyId;
+use crate::scene::BodyPlan;
 use crate::screen::conflict;
-use crate::trajectory::Trajectory;
+use crate::shape::BodyShape;
 
 impl Monitor {
     /// Which conflicts at a level the body would have from now to
@@ -16,7 +17,8 @@ impl Monitor {
     /// first tick nothing is known, and nothing found. For a body that is not there yet, put it in at
     /// rest where nobody comes, ask, and [set its trajectory](Self::set_trajectory) if the answer pleases. For a plan that begins later, ask about what
     /// [`replan`](Self::replan) would make of it: the body's trajectory
-    /// [spliced](crate::Trajectory::spliced) with it.
+    /// [spliced](crate::Trajectory::spliced) with it. Without an orientation in the plan, the body turns as it
+    /// does.
     ///
     /// # Errors
     ///
@@ -25,17 +27,21 @@ impl Monitor {
     pub fn what_if(
         &self,
         id: BodyId,
-        plan: &Trajectory,
+        plan: impl Into<BodyPlan>,
         level: usize,
     ) -> Result<Vec<Conflict>, Error> {
+        let plan = plan.into();
+        let (plan, orientation) = (&plan.trajectory, &plan.orientation);
         let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
         let alert = self.levels.get(level);
         let alert = alert.ok_or(Error::UnknownAlertLevel { level })?;
         if !body.trajectory.domain().contains(self.now) || !plan.goes_on_from(self.now) {
             return Err(Error::NoPlanAt { time: self.now }.in_body(body.tag));
         }
-        let flight = self.terms()?.flight(plan, body.shape(), body.tag)?;
-        let own = flight.view(plan, body.shape());
+        let orientation = orientation.as_ref().unwrap_or(&body.orientation);
+        let shape = BodyShape::new(&body.hitbox, orientation.turning());
+        let flight = self.terms()?.flight(plan, shape, body.tag)?;
+        let own = flight.view(plan, shape);
         let window = (self.now, self.known);
         if window.1 < window.0 {
             return Ok(Vec::new());

@@ -86,14 +86,20 @@ fn near_points(
     RelativeMotion::between(segment_a, segment_b, part).points(offset)
 }
 
-/// Solves each pair of spheres over a span and returns those that come within `margin`.
+/// Solves each pair of spheres over a span, and calls `solved` with those that come within `margin`,
+/// and with the interval in which they are solved (s).
+///
+/// Where a body turns, only the parts of the span that meet `clip` and do not begin before `after`
+/// (s) are solved: a span may last for ever. Returns the next value of `after`, infinity if all of
+/// the span is solved.
 pub(crate) fn solve(
     a: &BodyView<'_>,
     b: &BodyView<'_>,
     span: Span,
     margin: f64,
-    mut solved: impl FnMut(SolvedSpan),
-) {
+    (clip, after): ((f64, f64), f64),
+    mut solved: impl FnMut((f64, f64), SolvedSpan),
+) -> f64 {
     let mut solve = |pair: &SpherePair, span: Span| {
         let radius = pair.radius(margin);
         if radius < 0.0 {
@@ -102,15 +108,25 @@ pub(crate) fn solve(
         if let Some(profile) = DistanceProfile::near(&pair.cubic, radius)
             && profile.comes_within(&pair.cubic, radius)
         {
-            solved(SolvedSpan {
-                span,
-                pair: *pair,
-                profile,
-            });
+            let interval = (span.start, span.end);
+            let pair = *pair;
+            solved(
+                interval,
+                SolvedSpan {
+                    span,
+                    pair,
+                    profile,
+                },
+            );
         }
     };
     if let Some(turning) = TurningPair::of(a, b, span, Accuracy::Exact) {
-        return turning.each_within(margin, (f64::MIN, f64::MAX), solve);
+        let reached = turning.each_within_after(margin, (clip, after), solve);
+        return if reached < span.end {
+            reached
+        } else {
+            f64::INFINITY
+        };
     }
     match lone_pair(a, b, span) {
         Some(pair) => solve(&pair, span),
@@ -118,6 +134,7 @@ pub(crate) fn solve(
             ClusterPair::of(a, b, span).each_on_envelope(margin, |pair| solve(pair, span));
         }
     }
+    f64::INFINITY
 }
 
 /// Appends all maximal intervals of `clip` with separation of at most `margin`, in time order, to

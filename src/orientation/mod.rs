@@ -18,7 +18,8 @@ mod turning;
 pub(crate) use baked::BakedRotation;
 pub(crate) use turning::{Turning, TurningCell};
 
-use crate::error::Error;
+use crate::error::{Error, Quantity};
+use crate::rounding::one_zero;
 use crate::trajectory::Outside;
 use glam::{DQuat, DVec3};
 use source::Source;
@@ -170,14 +171,66 @@ impl Orientation {
     /// [`Error::Tolerance`] if it is not within 1e-9..=0.1; [`Error::RotationVanishes`] if a
     /// [normalised cubic](Self::normalized_cubic) cannot be known so well.
     pub fn with_tolerance(self, tolerance: f64) -> Result<Self, Error> {
-        let parts = match self.turning {
-            Some(turning) => turning.parts,
+        Self::of_parts(self.parts(), Some(tolerance))
+    }
+
+    /// Returns the orientation that is this one until `from` (s) and `next` from then on. What ends
+    /// before `since` (s) is forgotten. The tolerance is that of `next`, if it has one.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotFinite`] for an instant that is none; [`Error::RotationVanishes`] if a cubic
+    /// cannot be known to the tolerance of the other orientation.
+    pub(crate) fn followed_by(&self, next: &Self, from: f64, since: f64) -> Result<Self, Error> {
+        if !from.is_finite() {
+            return Err(Error::NotFinite {
+                knot: 0,
+                quantity: Quantity::Time,
+                value: from,
+            });
+        }
+        let from = one_zero(from);
+        let (own, other) = (self.parts(), next.parts());
+        let tolerance = |one: &Self| one.turning().and_then(|turning| turning.tolerance);
+        let tolerance = tolerance(next).or_else(|| tolerance(self));
+        if let ([.., last], [only]) = (&own[..], &other[..])
+            && last.source == only.source
+            && last.from.is_none_or(|begin| begin <= from)
+        {
+            // It is followed already.
+            return Self::of_parts(Turning::parts_until(&own, f64::INFINITY, since), tolerance);
+        }
+        let mut parts = Turning::parts_until(&own, from, since);
+        let mut first = (!parts.is_empty()).then_some(from);
+        for part in next.parts_from(from) {
+            let begin = first.take().or(part.from).filter(|_| !parts.is_empty());
+            parts.push(Part {
+                from: begin,
+                source: part.source,
+            });
+        }
+        Self::of_parts(parts, tolerance)
+    }
+
+    fn parts(&self) -> Vec<Part> {
+        match &self.turning {
+            Some(turning) => turning.parts.clone(),
             None => vec![Part {
                 from: None,
                 source: Source::Fixed,
             }],
-        };
-        Self::of_parts(parts, Some(tolerance))
+        }
+    }
+
+    /// Returns the parts that are followed from an instant (s) on.
+    fn parts_from(&self, from: f64) -> Vec<Part> {
+        let mut parts = self.parts();
+        let passed = parts.iter().skip(1).take_while(|part| {
+            let begin = part.from.unwrap_or(f64::NEG_INFINITY);
+            begin <= from
+        });
+        let passed = passed.count();
+        parts.split_off(passed)
     }
 
     fn of(source: Source) -> Result<Self, Error> {

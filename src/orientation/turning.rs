@@ -141,8 +141,8 @@ impl Turning {
         self.pieces[cell.piece].bake(ends, largest)
     }
 
-    /// Returns the parts that are followed after this motion is left at `from` (s) for another one,
-    /// without those that end before `since` (s).
+    /// Returns the parts of a motion that is left at `from` (s) for another one, without those that
+    /// end before `since` (s).
     pub(super) fn parts_until(parts: &[Part], from: f64, since: f64) -> Vec<Part> {
         let mut kept: Vec<Part> = Vec::new();
         for (number, part) in parts.iter().enumerate() {

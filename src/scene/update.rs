@@ -3,7 +3,9 @@
 use super::Scene;
 use crate::error::Error;
 use crate::id::BodyId;
+use crate::orientation::Orientation;
 use crate::trajectory::{Segment, State, Trajectory};
+use glam::{DQuat, DVec3};
 
 /// The state of a body at one instant, as [`Scene::update`] and
 /// [`Monitor::track`](crate::Monitor::track) take it.
@@ -13,15 +15,60 @@ use crate::trajectory::{Segment, State, Trajectory};
 pub struct BodyState {
     /// Time, position and velocity.
     pub state: State,
+    /// Rotation and angular velocity at that time; `None` leaves the body's orientation as it is.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub spin: Option<Spin>,
+}
+
+/// The rotation of a body at one instant, and how it turns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Spin {
+    /// From the body's axes to those of the world; a unit quaternion.
+    pub rotation: DQuat,
+    /// In the world's axes, rad/s.
+    pub angular_velocity: DVec3,
 }
 
 impl From<State> for BodyState {
     fn from(state: State) -> Self {
-        Self { state }
+        Self { state, spin: None }
     }
 }
 
 impl BodyState {
+    /// Returns the state with a rotation and an angular velocity (rad/s, in the world's axes) at
+    /// its time: see [`Orientation::spin`].
+    ///
+    /// ```
+    /// use nearmiss::glam::{DQuat, DVec3};
+    /// use nearmiss::{BodyState, State};
+    ///
+    /// let state = State::new(0.0, DVec3::ZERO, DVec3::X);
+    /// let told = BodyState::from(state).with_spin(DQuat::IDENTITY, DVec3::Z);
+    /// assert!(told.spin.is_some_and(|spin| spin.angular_velocity == DVec3::Z));
+    /// ```
+    #[must_use]
+    pub fn with_spin(mut self, rotation: DQuat, angular_velocity: impl Into<DVec3>) -> Self {
+        self.spin = Some(Spin {
+            rotation,
+            angular_velocity: angular_velocity.into(),
+        });
+        self
+    }
+
+    /// Returns the orientation that follows from the spin, if there is one.
+    ///
+    /// # Errors
+    ///
+    /// As [`Orientation::spin`].
+    pub(crate) fn orientation(&self) -> Result<Option<Orientation>, Error> {
+        let Some(spin) = self.spin else {
+            return Ok(None);
+        };
+        Orientation::spin(self.state.time, spin.rotation, spin.angular_velocity).map(Some)
+    }
+
     /// Returns the straight motion through the state.
     ///
     /// # Errors
@@ -34,7 +81,8 @@ impl BodyState {
 
 impl Scene {
     /// Gives each of these bodies the trajectory [`Trajectory::coasting`] from its state: what a physics
-    /// engine or a network tells of all bodies, each frame.
+    /// engine or a network tells of all bodies, each frame. A state with a [spin](BodyState::with_spin)
+    /// gives the body the [orientation](Orientation::spin) as well.
     ///
     /// A body that is left out keeps its course. Of a body that is named twice the last state counts. A body
     /// that had another trajectory of one state takes no memory for the new one.
@@ -61,7 +109,8 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::NotFinite`] or [`Error::OutOfRange`]. The error of
+    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::NotFinite`], [`Error::OutOfRange`],
+    /// [`Error::RotationLength`] or [`Error::AngularSpeed`]. The error of
     /// the first state that is refused; nothing was changed then.
     pub fn update<S: Into<BodyState>>(
         &mut self,
@@ -70,16 +119,20 @@ impl Scene {
         let mut told = std::mem::take(&mut self.told);
         told.clear();
         let mut checked = Ok(());
+        let mut turning: Vec<(BodyId, Orientation)> = Vec::new();
         for (id, state) in states {
+            let state: BodyState = state.into();
             let body = self.body(id).ok_or(Error::UnknownBody { id });
-            let line = |tag| {
-                state
-                    .into()
-                    .line()
-                    .map_err(|error: Error| error.in_body(tag))
+            let both = |tag| {
+                let line = state.line();
+                let both = line.and_then(|line| Ok((line, state.orientation()?)));
+                both.map_err(|error: Error| error.in_body(tag))
             };
-            match body.and_then(|body| line(body.tag)) {
-                Ok(line) => told.push((id, line)),
+            match body.and_then(|body| both(body.tag)) {
+                Ok((line, orientation)) => {
+                    told.push((id, line));
+                    turning.extend(orientation.map(|orientation| (id, orientation)));
+                }
                 Err(error) => {
                     checked = Err(error);
                     break;
@@ -95,6 +148,9 @@ impl Scene {
                 }
                 let (entry, arena) = self.entry_mut(*id)?;
                 entry.follow_line(line, arena);
+            }
+            for (id, orientation) in turning {
+                drop(self.set_orientation(id, orientation)?);
             }
             self.tidy();
         }

@@ -7,8 +7,8 @@
 
 use super::request::{Request, Ticket};
 use crate::id::BodyId;
-use crate::scene::BodyState;
-use crate::trajectory::Trajectory;
+use crate::scene::{BodyPlan, BodyState};
+
 use crossbeam_channel::{Sender, TrySendError};
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -198,8 +198,13 @@ impl Handle {
     /// The errors of [`send`](Self::send). A refusal by
     /// [`Monitor::what_if`](crate::Monitor::what_if) comes as
     /// [`ReportKind::Refused`](super::ReportKind::Refused).
-    pub fn what_if(&self, id: BodyId, plan: Trajectory, level: usize) -> Result<Ticket, Unsent> {
-        self.send(Request::WhatIf(id, plan, level))
+    pub fn what_if(
+        &self,
+        id: BodyId,
+        plan: impl Into<BodyPlan>,
+        level: usize,
+    ) -> Result<Ticket, Unsent> {
+        self.send(Request::WhatIf(id, plan.into(), level))
     }
 
     fn try_send(&self, request: Request) -> Result<Ticket, Unsent> {

@@ -2,8 +2,8 @@
 
 use crate::id::BodyId;
 use crate::monitor::Command;
-use crate::scene::BodyState;
-use crate::trajectory::Trajectory;
+use crate::scene::{BodyPlan, BodyState};
+
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, VecDeque};
 
@@ -38,7 +38,7 @@ pub enum Request {
     /// Asks for the conflicts of a body, at an alert level, if it followed a plan from now on.
     /// Changes nothing. The answer is a [`ReportKind::WhatIf`](super::ReportKind::WhatIf). See
     /// [`Monitor::what_if`](crate::Monitor::what_if).
-    WhatIf(BodyId, Trajectory, usize),
+    WhatIf(BodyId, BodyPlan, usize),
     /// Panics, to see what becomes of it.
     #[cfg(test)]
     Panic,

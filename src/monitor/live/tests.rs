@@ -121,7 +121,7 @@ fn waiting_orders_coalesce_as_the_contract_says() {
     assert_eq!(push(&mut waiting, Request::Batch(vec![])), 0);
     assert_eq!(push(&mut waiting, set(b)), 0);
     // Nor across a question.
-    let question = || Request::WhatIf(a, rest(0.0), 0);
+    let question = || Request::WhatIf(a, rest(0.0).into(), 0);
     assert_eq!(push(&mut waiting, question()), 0);
     assert_eq!(push(&mut waiting, set(b)), 0);
     let left: Vec<Request> = std::iter::from_fn(|| waiting.pop())

@@ -225,7 +225,10 @@ fn the_envelope_serves_for_all_margins_and_windows() {
         let [a, b] = &case.views();
         kept.clear();
         for span in case.spans() {
-            solve(a, b, span, case.margin, |solved| kept.push(solved));
+            let whole = ((f64::MIN, f64::MAX), f64::NEG_INFINITY);
+            solve(a, b, span, case.margin, whole, |_, solved| {
+                kept.push(solved)
+            });
         }
         count += kept.len();
         all += case.spans().len() * a.spheres.len() * b.spheres.len();
@@ -388,7 +391,10 @@ fn what_instants_are_rounded_by_rules_nothing_out() {
         let spans = || case.spans().into_iter();
         kept.clear();
         for span in spans() {
-            solve(a, b, span, case.margin, |solved| kept.push(solved));
+            let whole = ((f64::MIN, f64::MAX), f64::NEG_INFINITY);
+            solve(a, b, span, case.margin, whole, |_, solved| {
+                kept.push(solved)
+            });
         }
         for _ in 0..8.min(instants.len()) {
             let any = |rng: &mut ChaCha8Rng| {

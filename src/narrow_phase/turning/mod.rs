@@ -56,9 +56,31 @@ impl<'a> TurningPair<'a> {
         mut solve: impl FnMut(&SpherePair, Span),
     ) {
         let clip = (seen_from(clip.0), seen_until(clip.1));
-        self.each_near(margin, clip, |part| {
+        self.each_near(margin, clip, f64::NEG_INFINITY, |part| {
             part.each_within(margin, |pair| solve(pair, part.span));
         });
+    }
+
+    /// Solves the pairs of spheres that may come within `margin` in a part of the span that meets
+    /// `clip` and does not begin before `after` (s). Returns the end of the last such part: the next
+    /// value of `after`.
+    pub(super) fn each_within_after(
+        &self,
+        margin: f64,
+        (clip, after): ((f64, f64), f64),
+        mut solve: impl FnMut(&SpherePair, Span),
+    ) -> f64 {
+        let clip = (seen_from(clip.0), seen_until(clip.1));
+        self.each_near(margin, clip, after, |part| {
+            part.each_within(margin, |pair| solve(pair, part.span));
+        });
+        let end = (clip.1, clip.1);
+        let mut cells = Cells::of((self.a, self.b), self.span, self.accuracy, end);
+        let mut last = self.span.end;
+        while let Some(part) = cells.next() {
+            last = part.end;
+        }
+        last
     }
 
     /// Solves the pairs of spheres that may come nearer in `clip` than `reached` (m); `solve` gets
@@ -87,11 +109,12 @@ impl<'a> TurningPair<'a> {
     }
 
     /// Calls `visit` with each part of the span in which the bounding spheres may come within
-    /// `margin`.
+    /// `margin`, from the one that begins at `after` (s) on.
     fn each_near(
         &self,
         margin: f64,
         (from, to): (f64, f64),
+        after: f64,
         mut visit: impl FnMut(&SpheresOverPart<'_>),
     ) {
         let Some(threshold) = self.threshold(margin) else {
@@ -105,8 +128,8 @@ impl<'a> TurningPair<'a> {
             low: threshold,
             high: threshold,
         });
-        // Parts of the span by start: each is visited once.
-        let mut visited = f64::NEG_INFINITY;
+        // Each part of the span is visited once.
+        let mut visited = after;
         for &Stretch { first, last, side } in stretches.as_slice() {
             if side == Side::Outside {
                 continue;

@@ -2,6 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a failure fails the test")]
 
+mod invariance;
+mod monitor;
+
 use nearmiss::glam::{DQuat, DVec3};
 use nearmiss::{
     Accuracy, Body, BodyId, Conflict, Hitbox, Orientation, Outside, Query, Scene, Sphere, State,

@@ -1,0 +1,231 @@
+//! Monitors of turning bodies against one-shot screening.
+
+use super::{moving, rotation, vector};
+use nearmiss::glam::DVec3;
+use nearmiss::{
+    AlertLevel, Body, BodyId, BodyPlan, BodyState, Command, Conflict, Error, Event, Hitbox,
+    Monitor, Orientation, Outside, Query, Scene, Sphere, State, Trajectory, Window,
+};
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
+
+const LOOKAHEAD: f64 = 5.0;
+const MARGIN: f64 = 0.5;
+
+/// What a screening of the monitor's scene says from now to the end of its lookahead.
+fn screened(monitor: &Monitor) -> Vec<Conflict> {
+    let window = Window::new(monitor.now(), monitor.complete_until()).unwrap();
+    let query = Query::new(window).with_margin(MARGIN);
+    monitor.scene().screen(&query).unwrap().conflicts
+}
+
+fn body(rng: &mut ChaCha8Rng) -> Body {
+    let kind = rng.random_range(0..4);
+    let mut body = moving(rng, kind, (0.0, 10.0)).body;
+    body.trajectory = body.trajectory.with_outside(Outside::Coast);
+    body
+}
+
+fn spin(rng: &mut ChaCha8Rng, time: f64) -> Orientation {
+    let velocity = vector(rng, 6.0);
+    Orientation::spin(time, rotation(rng), velocity).unwrap()
+}
+
+fn plan(rng: &mut ChaCha8Rng, from: f64) -> Trajectory {
+    let (place, velocity) = (vector(rng, 5.0), vector(rng, 3.0));
+    let states = [0.0, 2.0, 6.0].map(|time| {
+        State::new(
+            from + time,
+            place + time * velocity,
+            velocity + vector(rng, 0.5),
+        )
+    });
+    Trajectory::from_states(&states)
+        .unwrap()
+        .with_outside(Outside::Coast)
+}
+
+/// Bodies of all kinds are put in, told, replanned, oriented and taken out: after each tick the
+/// monitor has the conflicts of a screening, bit for bit, and answers questions alike.
+#[test]
+fn monitors_say_what_screenings_say() {
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let rng = &mut rng;
+    let mut scene = Scene::new();
+    let mut ids: Vec<BodyId> = (0..24).map(|_| scene.insert(body(rng)).unwrap()).collect();
+    let levels = [AlertLevel::at(MARGIN)];
+    let mut monitor = Monitor::new(scene, 0.0, LOOKAHEAD, &levels).unwrap();
+    let (mut events, mut found, mut asked) = (Vec::new(), 0, 0);
+    for tick in 0..60_usize {
+        let now = 0.1 * tick as f64;
+        let id = ids[rng.random_range(0..ids.len())];
+        let from = now + rng.random_range(-0.3..2.0);
+        let (next, turn) = (plan(rng, from), spin(rng, from));
+        match tick % 8 {
+            0 => drop(monitor.replan(id, from, BodyPlan::new(next, turn)).unwrap()),
+            1 => monitor.orient(id, from, turn).unwrap(),
+            2 => {
+                let told: Vec<(BodyId, BodyState)> = ids
+                    .iter()
+                    .skip(tick % 3)
+                    .map(|&id| {
+                        let state = State::new(now, vector(rng, 6.0), vector(rng, 2.0));
+                        let turn = rotation(rng);
+                        (id, BodyState::from(state).with_spin(turn, vector(rng, 4.0)))
+                    })
+                    .collect();
+                monitor.track(now, told.iter().copied()).unwrap();
+                // Told again: nothing changes.
+                monitor.track(now, told).unwrap();
+            }
+            3 => {
+                let ship = monitor.insert(body(rng)).unwrap();
+                ids.push(ship);
+            }
+            4 => {
+                let gone = ids.swap_remove(0);
+                monitor.remove(gone).unwrap();
+            }
+            5 => {
+                let batch = [
+                    Command::Replan(id, from, next),
+                    Command::Orient(id, from + 0.5, turn.clone()),
+                    Command::Orient(id, from + 1.5, Orientation::FIXED),
+                ];
+                monitor.apply(batch).unwrap();
+            }
+            6 => monitor.set_orientation(id, turn).unwrap(),
+            _ => {
+                // From where it is: at a jump a body is at both places.
+                let clock = monitor.now();
+                let ship = monitor.scene().body(id).unwrap();
+                let state = ship.trajectory.state(clock).unwrap();
+                let turn = ship.orientation.rotation(clock);
+                let (velocity, spin) = (vector(rng, 3.0), vector(rng, 6.0));
+                let ahead = State::new(clock, state.position, velocity);
+                let next = Trajectory::coasting(ahead).unwrap();
+                let idea = BodyPlan::new(next, Orientation::spin(clock, turn, spin).unwrap());
+                let would = monitor.what_if(id, &idea, 0).unwrap();
+                let mut other = monitor.scene().clone();
+                other.set_trajectory(id, idea.trajectory).unwrap();
+                other
+                    .set_orientation(id, idea.orientation.unwrap())
+                    .unwrap();
+                let window = Window::new(clock, monitor.complete_until()).unwrap();
+                let query = Query::new(window).with_margin(MARGIN);
+                let mut expected = other.screen(&query).unwrap().conflicts;
+                expected.retain(|conflict| conflict.a == id || conflict.b == id);
+                assert_eq!(would, expected);
+                asked += would.len();
+            }
+        }
+        monitor.advance(now, &mut events).unwrap();
+        let expected = screened(&monitor);
+        assert_eq!(monitor.conflicts(0).unwrap(), expected, "{tick}");
+        found += expected.len();
+    }
+    assert!(
+        found > 200 && events.len() > 100,
+        "{found} {}",
+        events.len()
+    );
+}
+
+/// A spin that is told each frame, and screened by a scene that is told as well.
+#[test]
+fn bodies_told_with_their_spin() {
+    let mut rng = ChaCha8Rng::seed_from_u64(8);
+    let rng = &mut rng;
+    let arm = |offset| Sphere {
+        offset,
+        radius: 0.3,
+    };
+    let hitbox = Hitbox::cluster(vec![arm(DVec3::X), arm(-DVec3::X)]).unwrap();
+    let mut scene = Scene::new();
+    let ids: Vec<BodyId> = (0..8)
+        .map(|_| {
+            let rest = Trajectory::at_rest(vector(rng, 3.0)).unwrap();
+            scene
+                .insert(Body::new(rest).with_hitbox(hitbox.clone()))
+                .unwrap()
+        })
+        .collect();
+    let mut other = scene.clone();
+    let levels = [AlertLevel::at(MARGIN)];
+    let mut monitor = Monitor::new(scene, 0.0, LOOKAHEAD, &levels).unwrap();
+    let mut found = 0;
+    for tick in 1..40 {
+        let now = f64::from(tick) / 60.0;
+        let told: Vec<(BodyId, BodyState)> = ids
+            .iter()
+            .map(|&id| {
+                let body = monitor.scene().body(id).unwrap();
+                let place = body.trajectory.position(now).unwrap();
+                let state = State::new(now, place, vector(rng, 1.0) - 0.1 * place);
+                let turn = body.orientation.rotation(now);
+                (id, BodyState::from(state).with_spin(turn, vector(rng, 4.0)))
+            })
+            .collect();
+        monitor.track(now, told.iter().copied()).unwrap();
+        other.update(told).unwrap();
+        monitor.advance(now, &mut Vec::new()).unwrap();
+        let conflicts = monitor.conflicts(0).unwrap();
+        assert_eq!(conflicts, screened(&monitor));
+        // From now on it is the same motion, cut at the same instants.
+        let window = Window::new(now, now + LOOKAHEAD).unwrap();
+        let query = Query::new(window).with_margin(MARGIN);
+        let conflicts: Vec<_> = conflicts.iter().map(|one| (one.a, one.b)).collect();
+        let others = other.screen(&query).unwrap().conflicts;
+        assert_eq!(
+            others.iter().map(|one| (one.a, one.b)).collect::<Vec<_>>(),
+            conflicts
+        );
+        found += conflicts.len();
+    }
+    assert!(found > 100, "{found}");
+    // Refused as a whole.
+    let state = BodyState::from(State::new(1.0, DVec3::ZERO, DVec3::ZERO));
+    let bad = state.with_spin(rotation(rng), 1e9 * DVec3::X);
+    let before = monitor.scene().body(ids[0]).cloned();
+    let refused = monitor.track(1.0, [(ids[0], state), (ids[1], bad)]);
+    assert!(matches!(
+        refused,
+        Err(Error::InBody { error, .. }) if matches!(*error, Error::AngularSpeed { .. })
+    ));
+    assert_eq!(monitor.scene().body(ids[0]), before.as_ref());
+    let refused = other.update([(ids[0], state), (ids[1], bad)]);
+    assert!(matches!(refused, Err(Error::InBody { .. })));
+}
+
+/// Two arms that sweep past each other begin and end encounters, though the bodies rest.
+#[test]
+fn turning_alone_makes_encounters() {
+    let arm = |offset| Sphere {
+        offset,
+        radius: 0.1,
+    };
+    let hitbox = Hitbox::cluster(vec![arm(DVec3::X)]).unwrap();
+    let turn = Orientation::spin(0.0, nearmiss::glam::DQuat::IDENTITY, DVec3::Z).unwrap();
+    let place = |x: f64| Trajectory::at_rest(DVec3::new(x, 0.0, 0.0)).unwrap();
+    let mut monitor = Monitor::new(Scene::new(), 0.0, 2.0, &[AlertLevel::at(0.0)]).unwrap();
+    let turning = Body::new(place(0.0))
+        .with_hitbox(hitbox.clone())
+        .with_orientation(turn);
+    monitor.insert(turning).unwrap();
+    // It holds its arm towards the other one.
+    let still = Hitbox::cluster(vec![arm(-0.95 * DVec3::X)]).unwrap();
+    monitor
+        .insert(Body::new(place(2.0)).with_hitbox(still))
+        .unwrap();
+    let mut events: Vec<Event> = Vec::new();
+    for tick in 0..400 {
+        monitor
+            .advance(0.05 * f64::from(tick), &mut events)
+            .unwrap();
+    }
+    let began = events
+        .iter()
+        .filter(|event| matches!(event.kind, nearmiss::EventKind::Began(_)));
+    // In 20 s it passes three times, and once more from the beginning.
+    assert_eq!(began.count(), 4);
+}
