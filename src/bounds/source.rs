@@ -6,10 +6,11 @@ use super::compact_trajectory::CompactView;
 use super::cubic_run::{CubicRun, largest};
 use super::frame::{Frame, Padding};
 use super::placement::FramePlacement;
+use super::slice_interval::SliceInterval;
 use super::sub_cubic::SubCubic;
 use crate::knots::Knots;
 use crate::simd::prefetch;
-use crate::trajectory::Segment;
+use crate::trajectory::{Segment, StraightMotion};
 use std::slice::from_ref;
 
 /// A cubic from which bounds are formed.
@@ -25,12 +26,55 @@ pub(crate) trait BoundingCubic {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CubicSource<'a, C> {
     pub(crate) knots: Knots<'a>,
-    /// The cubics of the plan; none of a straight motion from one state.
+    /// The cubics of the plan; none of straight motions.
     cubics: &'a [C],
-    straight: Option<&'a Segment>,
     /// The complete runs of the cubics.
     runs: &'a [CubicRun],
     pub(crate) placement: FramePlacement,
+}
+
+/// Straight motions, one after another.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StraightPieces<'a> {
+    motions: &'a [StraightMotion],
+    /// One more than motions.
+    knots: &'a [f64],
+    /// Number of the first motion among the body's cubics.
+    before: usize,
+    anchor: Frame,
+}
+
+impl StraightPieces<'_> {
+    /// Returns the bounds of the motion in a slice, and the number of its first cubic there. All of the slice lies
+    /// between the first and the last knot.
+    #[inline(always)]
+    pub(crate) fn bounds<const MOVES: bool>(
+        &self,
+        period: &SliceInterval<MOVES>,
+    ) -> (BoundsBuilder<MOVES>, usize) {
+        let count = self.motions.len();
+        let ends = &self.knots[1..count];
+        // A piece that ends as the slice begins counts with its last point, as one does that begins at its end.
+        let first = ends.iter().take_while(|&&end| end < period.from).count();
+        let later = ends[first..].iter().take_while(|&&end| end <= period.to);
+        let last = first + later.count();
+        let piece = |number: usize| {
+            let from = self.knots[number].max(period.from);
+            let to = self.knots[number + 1].min(period.to);
+            SubCubic::straight(&self.motions[number], (from, to), &self.anchor)
+        };
+        let head = piece(first);
+        let mut builder = if first == last && head.fills(period) {
+            BoundsBuilder::alone(&head, period)
+        } else {
+            let tail = piece(last);
+            BoundsBuilder::between(&head, &tail, period)
+        };
+        for number in first + 1..=last {
+            builder.follow_from_start(&piece(number));
+        }
+        (builder, self.before + first)
+    }
 }
 
 impl<C> CubicSource<'_, C> {
@@ -38,13 +82,12 @@ impl<C> CubicSource<'_, C> {
     pub(crate) const NONE: Self = Self {
         knots: Knots::NONE,
         cubics: &[],
-        straight: None,
         runs: &[],
         placement: FramePlacement::NONE,
     };
 }
 
-impl<C: BoundingCubic> CubicSource<'_, C> {
+impl<'a, C: BoundingCubic> CubicSource<'a, C> {
     /// Returns a whole cubic, of an extended motion or of one without extension.
     #[inline(always)]
     pub(crate) fn piece<const EXTENDED: bool>(&self, number: usize) -> SubCubic {
@@ -55,13 +98,12 @@ impl<C: BoundingCubic> CubicSource<'_, C> {
         self.own_piece(number, (knots[number], knots[number + 1]))
     }
 
-    /// A whole cubic of the plan, or the one of a straight motion.
+    /// Returns a whole cubic of the plan.
     #[inline(always)]
     fn own_piece(&self, number: usize, ends: (f64, f64)) -> SubCubic {
-        match (self.cubics.get(number), self.straight) {
-            (Some(cubic), _) => cubic.piece(ends, &self.placement),
-            (None, Some(straight)) => straight.piece(ends, &self.placement),
-            (None, None) => SubCubic::anywhere(ends),
+        match self.cubics.get(number) {
+            Some(cubic) => cubic.piece(ends, &self.placement),
+            None => SubCubic::anywhere(ends),
         }
     }
 
@@ -74,20 +116,24 @@ impl<C: BoundingCubic> CubicSource<'_, C> {
         }
     }
 
-    /// Returns the straight motion from one state, if nothing else is followed between two instants (s).
+    /// Returns the straight motions and the knots between them, if nothing else is followed between two instants
+    /// (s).
     #[inline(always)]
-    pub(crate) fn straight_over(&self, (from, to): (f64, f64)) -> Option<&Segment> {
-        let is_own = || {
-            let (first, last) = self.knots.ends();
-            first <= from && to <= last && !self.knots.are_extended()
+    pub(crate) fn straight_over(&self, (from, to): (f64, f64)) -> Option<StraightPieces<'a>> {
+        if !self.knots.are_extended() {
+            return None;
+        }
+        let (motions, knots) = (self.knots.straight_motions(), self.knots.own());
+        let [first, .., last] = *knots else {
+            return None;
         };
-        self.straight.filter(|_| is_own())
-    }
-
-    /// Returns the part of a straight motion between two instants (s).
-    #[inline(always)]
-    pub(crate) fn straight_piece(&self, segment: &Segment, ends: (f64, f64)) -> SubCubic {
-        SubCubic::straight(segment, ends, &self.placement.anchor)
+        let pieces = StraightPieces {
+            motions,
+            knots,
+            before: self.knots.before(),
+            anchor: self.placement.anchor,
+        };
+        (!motions.is_empty() && first <= from && to <= last).then_some(pieces)
     }
 
     /// Prefetches a cubic.
@@ -155,7 +201,6 @@ impl<'a> CubicSource<'a, CompactCubic> {
         Self {
             knots,
             cubics: view.compact_cubics,
-            straight: None,
             runs: view.runs,
             placement: FramePlacement::new(anchor, view.size, padding, frame),
         }
@@ -163,20 +208,16 @@ impl<'a> CubicSource<'a, CompactCubic> {
 }
 
 impl<'a, C> CubicSource<'a, C> {
-    /// Returns the source of a body that moves straight, with these knots.
-    pub(crate) fn straight(
-        (knots, segment): (Knots<'a>, &'a Segment),
-        padding: &Padding,
-        frame: &Frame,
-    ) -> Self {
+    /// Returns the source of a body of straight motions, with these knots.
+    pub(crate) fn straight(knots: Knots<'a>, padding: &Padding, frame: &Frame) -> Self {
+        let first = knots.straight_motions().first();
         let anchor = Frame {
-            origin: segment.origin(),
+            origin: first.map_or(frame.origin, StraightMotion::origin),
             power: frame.power,
         };
         Self {
             knots,
             cubics: &[],
-            straight: Some(segment),
             runs: &[],
             placement: FramePlacement::new(anchor, 0.0, padding, frame),
         }
@@ -190,6 +231,9 @@ impl<'a> CubicSource<'a, Segment> {
         padding: &Padding,
         frame: &Frame,
     ) -> Self {
+        if !knots.straight_motions().is_empty() {
+            return Self::straight(knots, padding, frame);
+        }
         let origin = segments.first().map(Segment::origin);
         let anchor = Frame {
             origin: origin.or_else(|| knots.origin()).unwrap_or(frame.origin),
@@ -198,7 +242,6 @@ impl<'a> CubicSource<'a, Segment> {
         Self {
             knots,
             cubics: segments,
-            straight: None,
             runs: &[],
             placement: FramePlacement::new(anchor, 0.0, padding, frame),
         }
@@ -219,9 +262,6 @@ impl BoundingCubic for Segment {
 
     #[inline(always)]
     fn piece(&self, knots: (f64, f64), placement: &FramePlacement) -> SubCubic {
-        if self.is_straight() {
-            return SubCubic::straight(self, knots, &placement.anchor);
-        }
         match CompactCubic::of(self, knots, &placement.anchor) {
             Some(compact_cubic) => SubCubic::whole(&compact_cubic, knots, 1.0),
             None => SubCubic::anywhere(knots),

@@ -4,8 +4,8 @@ use super::compact_cubic::CompactCubic;
 use super::frame::Frame;
 use super::slice_interval::SliceInterval;
 use super::{FAR, ROUNDING, nearest};
-use crate::rounding::norm;
-use crate::trajectory::Segment;
+use crate::rounding::UNIT_ROUNDOFF;
+use crate::trajectory::StraightMotion;
 use glam::Vec4;
 
 /// A cubic or a part of one: control points relative to a body's place, in the frame's unit.
@@ -63,10 +63,12 @@ impl SubCubic {
     /// Returns the part of a straight motion between two instants (s), relative to a frame's origin and in its
     /// unit.
     #[inline(always)]
-    pub(crate) fn straight(segment: &Segment, (from, to): (f64, f64), frame: &Frame) -> Self {
-        let ([first, last], error) = segment.straight_between((from, to));
-        let (offset, change) = (segment.origin() - frame.origin, last - first);
-        let near = (norm(change) + error / f64::from(ROUNDING)) * frame.power;
+    pub(super) fn straight(motion: &StraightMotion, (from, to): (f64, f64), frame: &Frame) -> Self {
+        let (first, last) = (motion.way_to(from), motion.way_to(to));
+        let (offset, change) = (motion.origin() - frame.origin, last - first);
+        // Each way has two roundings; four more of it are where it cancels with the offset, and with its share.
+        let error = first.abs().max(last.abs()) * (8.0 * UNIT_ROUNDOFF / f64::from(ROUNDING));
+        let near = (change.abs() + error).element_sum() * frame.power;
         let point = |share: f64| {
             let point = (offset + first + change * share) * frame.power;
             Vec4::new(nearest(point.x), nearest(point.y), nearest(point.z), 0.0)

@@ -8,7 +8,7 @@ use crate::id::BodyId;
 use crate::layers::Layers;
 use crate::parallel;
 use crate::scene::{Body, Scene};
-use crate::trajectory::{Segment, Trajectory};
+use crate::trajectory::{StraightMotion, Trajectory};
 use crate::window::Window;
 
 /// One change to a monitor's scene, for [`Monitor::apply`](crate::Monitor::apply) or to be sent to a
@@ -137,7 +137,7 @@ pub(super) struct PendingChange {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PendingTurn {
     pub(super) from: f64,
-    pub(super) line: Segment,
+    pub(super) motion: StraightMotion,
     command: usize,
 }
 
@@ -258,12 +258,12 @@ impl CommandBatch {
             }
             Command::SetHitbox(_, hitbox) => revision.hitbox = Some(hitbox),
             Command::SetLayers(_, layers) => revision.layers = Some(layers),
-            Command::Replan(_, from, plan) => match plan.line() {
-                Some((&line, _)) if revision.trajectory.is_none() && revision.turn.is_none() => {
+            Command::Replan(_, from, plan) => match plan.straight() {
+                Some((&motion, _)) if revision.trajectory.is_none() && revision.turn.is_none() => {
                     let command = number;
                     revision.turn = Some(PendingTurn {
                         from,
-                        line,
+                        motion,
                         command,
                     });
                 }
@@ -370,7 +370,7 @@ impl PendingChange {
     /// Converts a pending turn to a plan, since more than the turn is replaced.
     fn turn_to_splice(&mut self) {
         if let Some(turn) = self.turn.take() {
-            self.trajectory = Some(Trajectory::of_line(turn.line));
+            self.trajectory = Some(Trajectory::of_straight(turn.motion));
             self.splice = Some(PendingSplice {
                 from: Some(turn.from),
                 command: turn.command,
@@ -383,13 +383,13 @@ impl PendingChange {
         let Some(turn) = &mut self.turn else {
             return Ok(false);
         };
-        let (flown, plan) = (&body.trajectory, Trajectory::of_line(turn.line));
+        let (flown, plan) = (&body.trajectory, Trajectory::of_straight(turn.motion));
         let from = terms.follows_from(flown, &plan, turn.from);
         let from = from.map_err(|error| Rejection {
             command: turn.command,
             error: error.in_body(body.tag),
         })?;
-        let can = self.hitbox.is_none() && flown.can_turn(from, &turn.line, terms.window);
+        let can = self.hitbox.is_none() && flown.can_turn(from, &turn.motion, terms.window);
         if can {
             self.late = Some(from).filter(|from| turn.from < *from);
             turn.from = from;

@@ -3,7 +3,7 @@
 use super::monitored_bodies::MonitoredBody;
 use crate::error::Error;
 use crate::id::BodyId;
-use crate::trajectory::{Segment, Trajectory};
+use crate::trajectory::{StraightMotion, Trajectory};
 
 /// Changes of the bodies of one call. Their memory is reused.
 #[derive(Debug, Default)]
@@ -39,7 +39,7 @@ pub(super) struct TrackedMotion {
     /// From when on, s.
     pub(super) from: f64,
     /// Straight motion from then on.
-    pub(super) line: Segment,
+    pub(super) motion: StraightMotion,
     pub(super) change: TrackedChange,
 }
 

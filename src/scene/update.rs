@@ -3,7 +3,7 @@
 use super::Scene;
 use crate::error::Error;
 use crate::id::BodyId;
-use crate::trajectory::{Segment, State, Trajectory};
+use crate::trajectory::{State, StraightMotion, Trajectory};
 
 /// The state of a body at one instant, as [`Scene::update`] and
 /// [`Monitor::track`](crate::Monitor::track) take it.
@@ -27,8 +27,8 @@ impl BodyState {
     /// # Errors
     ///
     /// As [`Trajectory::coasting`].
-    pub(crate) fn line(&self) -> Result<Segment, Error> {
-        Trajectory::coasting_segment(&self.state)
+    pub(crate) fn motion(&self) -> Result<StraightMotion, Error> {
+        Trajectory::coasting_motion(&self.state)
     }
 }
 
@@ -72,14 +72,12 @@ impl Scene {
         let mut checked = Ok(());
         for (id, state) in states {
             let body = self.body(id).ok_or(Error::UnknownBody { id });
-            let line = |tag| {
-                state
-                    .into()
-                    .line()
-                    .map_err(|error: Error| error.in_body(tag))
+            let motion = |tag| {
+                let motion = state.into().motion();
+                motion.map_err(|error: Error| error.in_body(tag))
             };
-            match body.and_then(|body| line(body.tag)) {
-                Ok(line) => told.push((id, line)),
+            match body.and_then(|body| motion(body.tag)) {
+                Ok(motion) => told.push((id, motion)),
                 Err(error) => {
                     checked = Err(error);
                     break;
@@ -89,12 +87,12 @@ impl Scene {
         if checked.is_ok() {
             /// Bodies that are fetched ahead.
             const AHEAD: usize = 8;
-            for (place, (id, line)) in told.iter().enumerate() {
+            for (place, (id, motion)) in told.iter().enumerate() {
                 if let Some((later, _)) = told.get(place + AHEAD) {
                     self.prefetch(later.slot);
                 }
                 let (entry, arena) = self.entry_mut(*id)?;
-                entry.follow_line(line, arena);
+                entry.follow_straight(motion, arena);
             }
             self.tidy();
         }

@@ -128,9 +128,9 @@ impl<'a> PreparedScene<'a> {
         let extension = self.extensions.binary_search_by(of_place);
         let extension = extension.ok().map(|number| &self.extensions[number].1);
         let padding = Padding::of(&entry.body.hitbox, self.margin, frame);
-        if let Some((segment, _)) = entry.body.trajectory.line() {
+        if !entry.body.trajectory.straight_motions().is_empty() {
             let knots = Knots::over(&entry.body.trajectory, extension);
-            let source = CubicSource::straight((knots, segment), &padding, frame);
+            let source = CubicSource::straight(knots, &padding, frame);
             return (view_of(&entry.body, knots), source);
         }
         let compact_view = entry.compact_view(self.arena);

@@ -1,9 +1,10 @@
 //! Scene-wide statistics, gathered in one pass over the bodies.
 
 use crate::bounds::{DAabb, Frame, MovingFrame, Padding};
+use crate::knots::Knots;
 use crate::scene::{Scene, SceneEntry};
 use crate::search::SceneStatistics;
-use crate::trajectory::{Extension, Segment};
+use crate::trajectory::{Extension, Segment, StraightMotion};
 use crate::window::Window;
 use glam::DVec3;
 
@@ -54,9 +55,11 @@ impl SceneSurvey {
         has_partner: bool,
     ) {
         let body = &entry.body;
-        let own = match body.trajectory.line() {
-            Some((_, [first, last])) => (first, last),
-            None => entry.summary().compact.ends(),
+        let motions = body.trajectory.straight_motions();
+        let own = if motions.is_empty() {
+            entry.summary().compact.ends()
+        } else {
+            Knots::of(body.trajectory.cuts()).ends()
         };
         let (first, last) = extension.map_or(own, |extension| extension.domain);
         if !has_partner {
@@ -70,9 +73,11 @@ impl SceneSurvey {
         }
         let size = Padding::size(&body.hitbox, self.margin);
         self.size = self.size.max(size);
-        if let Some((segment, _)) = body.trajectory.line() {
-            self.count_line(segment, own);
-        } else {
+        let pieces = motions.iter().zip(body.trajectory.cuts().windows(2));
+        for (motion, ends) in pieces {
+            self.count_straight(motion, (ends[0], ends[1]));
+        }
+        if motions.is_empty() {
             let plan = entry.summary();
             self.extremes.include(plan.extremes);
             self.plans.include(plan.extremes);
@@ -92,13 +97,12 @@ impl SceneSurvey {
     }
 
     /// Includes the part of a straight motion that lies within the window and between two instants (s).
-    fn count_line(&mut self, segment: &Segment, (first, last): (f64, f64)) {
+    fn count_straight(&mut self, motion: &StraightMotion, (first, last): (f64, f64)) {
         let (from, to) = (first.max(self.window.start()), last.min(self.window.end()));
-        let velocity = segment.straight_velocity();
-        let at = |time: f64| segment.origin() + velocity * (time - segment.start());
+        let at = |time: f64| motion.origin() + motion.way_to(time);
         let mut extremes = DAabb {
-            low: segment.origin(),
-            high: segment.origin(),
+            low: motion.origin(),
+            high: motion.origin(),
         };
         self.plans.include(extremes);
         if from <= to {
@@ -108,7 +112,7 @@ impl SceneSurvey {
                     high: position,
                 });
             }
-            let path = velocity.length() * (to - from);
+            let path = motion.velocity().length() * (to - from);
             self.count((from, to), (path, 1));
         }
         self.extremes.include(extremes);
@@ -145,7 +149,7 @@ impl SceneSurvey {
     pub(super) fn frame(&self, scene: &Scene) -> MovingFrame {
         let window = (self.window.start(), self.window.end());
         let some = scene.sample(window);
-        let mut places: Vec<DVec3> = some.map(|one| one.summary().extremes.middle()).collect();
+        let mut places: Vec<DVec3> = some.map(|one| one.extremes().middle()).collect();
         let most = DAabb::of_middle_half(&mut places);
         Frame::amid(self.extremes, most, self.size).moving(scene.common_velocity(window))
     }

@@ -7,7 +7,6 @@ use crate::bounds::{
 use crate::broad_phase::BodyBox;
 use crate::knots::Knots;
 use crate::simd::Task;
-use crate::trajectory::Segment;
 use parry3d::bounding_volume::Aabb;
 
 /// The bounds of one slice: a box and a fat line for each body that exists in it.
@@ -111,8 +110,11 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
             }
             let piece = self.block.pieces[body] as usize;
             let slices = &mut self.block.slices[..count];
-            if let Some(segment) = source.straight_over(ends_of(periods)) {
-                go_straight((source, segment), place, periods, slices);
+            if let Some(pieces) = source.straight_over(ends_of(periods)) {
+                for (slice, period) in slices.iter_mut().zip(periods) {
+                    let (bounds, first) = pieces.bounds(period);
+                    slice.push(place, bounds.finish(&source.placement, short(first)));
+                }
                 continue;
             }
             let end = if source.knots.are_extended() {
@@ -249,25 +251,6 @@ fn cubic_at<const EXTENDED: bool>(knots: &Knots<'_>, time: f64, number: usize) -
     }
     let passed = rest.iter().take_while(|&&knot| knot <= time).count();
     knots.len() - 2 - rest.len() + passed
-}
-
-/// Appends the box and the fat line of a body that moves straight to each slice.
-#[inline(always)]
-fn go_straight<C: BoundingCubic, const MOVES: bool>(
-    (source, segment): (&CubicSource<'_, C>, &Segment),
-    body: u32,
-    periods: &[SliceInterval<MOVES>],
-    slices: &mut [SliceBounds],
-) {
-    for (slice, period) in slices.iter_mut().zip(periods) {
-        let piece = source.straight_piece(segment, (period.from, period.to));
-        let builder = if piece.fills(period) {
-            BoundsBuilder::alone(&piece, period)
-        } else {
-            BoundsBuilder::between(&piece, &piece, period)
-        };
-        slice.push(body, builder.finish(&source.placement, 0));
-    }
 }
 
 /// The walk of one body through the slices of a block.
