@@ -24,6 +24,10 @@ pub(super) struct SceneSurvey {
     traffic: SceneStatistics,
     /// Largest relevant distance from a body's position, m.
     pub(super) size: f64,
+    /// Number of cubics, pieces beyond the knots in the window included.
+    pub(super) cubics: usize,
+    /// Number of bodies that follow a plan, not straight motions.
+    pub(super) planned: usize,
 }
 
 impl SceneSurvey {
@@ -44,6 +48,8 @@ impl SceneSurvey {
                 reach: margin.max(0.0),
             },
             size: 0.0,
+            cubics: 0,
+            planned: 0,
         }
     }
 
@@ -62,6 +68,9 @@ impl SceneSurvey {
             Knots::of(body.trajectory.cuts()).ends()
         };
         let (first, last) = extension.map_or(own, |extension| extension.domain);
+        let beyond = extension.map_or(0, |extension| extension.before + extension.after);
+        self.cubics += body.trajectory.cuts().len().saturating_sub(1) + beyond as usize;
+        self.planned += usize::from(motions.is_empty());
         if !has_partner {
             self.lives[place] = (f64::INFINITY, f64::NEG_INFINITY);
             return;

@@ -16,10 +16,10 @@ mod slices;
 mod sort;
 mod window;
 
-pub(crate) use bodies::{Bodies, BodyLists, ListMemory};
+pub(crate) use bodies::{Bodies, BodyLists, BoxedBodies, ListMemory};
 #[cfg(test)]
 pub(crate) use form::SliceBounds;
-pub(crate) use form::{FormBounds, SliceBlock};
+pub(crate) use form::{BATCH, FormBounds, PLACES, SliceBlock, SlicesToForm};
 pub(crate) use limits::{LimitExceeded, Limits};
 pub(crate) use presence::Lifetimes;
 pub(crate) use refine::{CandidateRefiner, RefineContext};
