@@ -58,22 +58,30 @@ impl StraightPieces<'_> {
         let first = ends.iter().take_while(|&&end| end < period.from).count();
         let later = ends[first..].iter().take_while(|&&end| end <= period.to);
         let last = first + later.count();
-        let piece = |number: usize| {
-            let from = self.knots[number].max(period.from);
-            let to = self.knots[number + 1].min(period.to);
-            SubCubic::straight(&self.motions[number], (from, to), &self.anchor)
-        };
-        let head = piece(first);
-        let mut builder = if first == last && head.fills(period) {
-            BoundsBuilder::alone(&head, period)
-        } else {
-            let tail = piece(last);
-            BoundsBuilder::between(&head, &tail, period)
-        };
-        for number in first + 1..=last {
-            builder.follow_from_start(&piece(number));
+        let head = self.piece(first, period);
+        if first == last {
+            let builder = if head.fills(period) {
+                BoundsBuilder::alone(&head, period)
+            } else {
+                BoundsBuilder::between(&head, &head, period)
+            };
+            return (builder, self.before + first);
         }
+        let tail = self.piece(last, period);
+        let mut builder = BoundsBuilder::between(&head, &tail, period);
+        for number in first + 1..last {
+            builder.follow_from_start(&self.piece(number, period));
+        }
+        builder.follow_from_start(&tail);
         (builder, self.before + first)
+    }
+
+    /// Returns the part of a motion within a slice.
+    #[inline(always)]
+    fn piece<const MOVES: bool>(&self, number: usize, period: &SliceInterval<MOVES>) -> SubCubic {
+        let from = self.knots[number].max(period.from);
+        let to = self.knots[number + 1].min(period.to);
+        SubCubic::straight(&self.motions[number], (from, to), &self.anchor)
     }
 }
 

@@ -149,7 +149,9 @@ impl Monitor {
         let from = terms.follows_from(flown, &plan(), tracked.from);
         tracked.from = from.map_err(in_body)?;
         let from = tracked.from;
-        if !flown.follows(&motion, from) && !flown.can_turn(from, &motion, terms.window) {
+        if flown.follows(&motion, from) {
+            tracked.change = TrackedChange::Same;
+        } else if !flown.can_turn(from, &motion, terms.window) {
             let mut plan = plan();
             let since = terms.forget_before;
             plan.precede_by(flown, from, since).map_err(in_body)?;
@@ -163,22 +165,17 @@ impl Monitor {
     fn take_motions(&mut self, tracked: &mut [TrackedMotion]) -> Result<(), Error> {
         for place in 0..tracked.len() {
             self.prefetch_motion(tracked, place);
-            let TrackedMotion {
-                id, from, motion, ..
-            } = tracked[place];
-            let flown = self.scene.body(id).map(|body| &body.trajectory);
-            if flown.is_some_and(|flown| flown.follows(&motion, from)) {
-                continue;
-            }
-            let turn = TrackedChange::Turn;
-            let change = std::mem::replace(&mut tracked[place].change, turn);
-            if let TrackedChange::Replan(replanned) = change {
-                let (mut plan, flight) = *replanned;
-                self.scene.swap_trajectory(id, &mut plan)?;
-                self.place(id, Some(flight));
-                self.plan_ends.set(id.slot, f64::INFINITY);
-            } else {
-                self.turn(id, (from, &motion))?;
+            let tracked = &mut tracked[place];
+            let (id, motion) = (tracked.id, (tracked.from, &tracked.motion));
+            match std::mem::replace(&mut tracked.change, TrackedChange::Same) {
+                TrackedChange::Turn => self.turn(id, motion)?,
+                TrackedChange::Replan(replanned) => {
+                    let (mut plan, flight) = *replanned;
+                    self.scene.swap_trajectory(id, &mut plan)?;
+                    self.place(id, Some(flight));
+                    self.plan_ends.set(id.slot, f64::INFINITY);
+                }
+                TrackedChange::Same | TrackedChange::Refused(_) => {}
             }
         }
         Ok(())

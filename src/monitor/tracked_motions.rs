@@ -46,6 +46,8 @@ pub(super) struct TrackedMotion {
 /// The way in which a body comes to follow a straight motion.
 #[derive(Debug)]
 pub(super) enum TrackedChange {
+    /// None: it follows it already.
+    Same,
     /// Its plan is turned in place.
     Turn,
     /// The body takes another plan.

@@ -223,8 +223,8 @@ impl Trajectory {
         // It lasts as long as times go, so that a window however long needs one piece, or two.
         let state = State::new(0.0, position, DVec3::ZERO);
         check_states(&[state])?;
-        let line = Segment::line(&state, MAX_MAGNITUDE, 0.0, 0)?;
-        Ok(Self::of_straight(StraightMotion::new(&state, &line)))
+        let motion = StraightMotion::through(&state, MAX_MAGNITUDE)?;
+        Ok(Self::of_straight(motion))
     }
 
     /// Builds a body that keeps its velocity for all time: dead reckoning from one state, such as
@@ -262,12 +262,11 @@ impl Trajectory {
     ///
     /// As [`coasting`](Self::coasting).
     pub(crate) fn coasting_motion(state: &State) -> Result<StraightMotion, Error> {
-        /// Seconds. Many lookaheads long, so that one or two pieces suffice; not longer, since
-        /// boxes are only as good as f32 resolves the distance covered in that time.
-        const DURATION: f64 = 6.0;
+        if let Some(motion) = StraightMotion::through_ordinary(state) {
+            return Ok(motion);
+        }
         check_states(from_ref(state))?;
-        let line = Segment::line(state, DURATION, 0.0, 0)?;
-        Ok(StraightMotion::new(state, &line))
+        StraightMotion::through(state, StraightMotion::DURATION)
     }
 
     /// Returns the trajectory of a body that moves so, before and after.

@@ -75,13 +75,15 @@ impl Trajectory {
     /// [`Error::OutOfRange`] where an extrapolated cubic leaves the range of numbers served;
     /// [`Error::TooFar`].
     pub(crate) fn extension(&self, window: Window) -> Result<Option<Extension>, Error> {
-        if !self.goes_beyond() {
+        let planned = self.planned();
+        let is_own = planned.start() < window.start() && window.end() < planned.end();
+        if is_own || !self.goes_beyond() {
             return Ok(None);
         }
         let mut extension = Extension {
             before: 0,
             after: 0,
-            domain: (self.planned().start(), self.planned().end()),
+            domain: (planned.start(), planned.end()),
         };
         let before = self.cuts_before(window.start());
         for (cut, number) in before.zip(1..) {
@@ -155,8 +157,13 @@ impl Trajectory {
 
     /// Returns the duration of the first piece after the knots, s.
     fn step_after(&self) -> f64 {
-        let end = self.carrier_after();
-        end.end() - end.start()
+        match self.straight_motions().last() {
+            Some(motion) => motion.duration(),
+            None => {
+                let end = self.carrier_after();
+                end.end() - end.start()
+            }
+        }
     }
 
     /// Returns the knot that the cuts before the motion's own cubics are counted from (s), and the number of

@@ -1,7 +1,7 @@
 //! Changes of a plan in flight: the part already flown stays, bit for bit.
 
 use super::cuts::DoublingCuts;
-use super::reach::check_reach;
+use super::reach::{check_reach, check_straight};
 use super::roomy::Roomy;
 use super::turned::TurnedMotion;
 use super::{Form, Outside, Plan, StraightMotion, Trajectory};
@@ -165,11 +165,15 @@ impl Trajectory {
             return false;
         }
         let number = self.knots().len();
-        let (carrier, line) = (self.carrier_after().straight(), motion.segment());
+        let is_known = match &self.form {
+            Form::Turned(turned) => check_straight(turned.last(), (last, from), number - 1),
+            _ => check_reach(&self.carrier_after().straight(), (last, from), number - 1),
+        };
         let mut reached = from;
-        check_reach(&carrier, (last, from), number - 1).is_ok()
+        is_known.is_ok()
             && DoublingCuts::of(from, motion.duration(), window.end().next_up()).all(|cut| {
-                check_reach(&line, (std::mem::replace(&mut reached, cut), cut), number).is_ok()
+                let piece = (std::mem::replace(&mut reached, cut), cut);
+                check_straight(motion, piece, number).is_ok()
             })
     }
 

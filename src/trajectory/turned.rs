@@ -1,7 +1,7 @@
 //! A body that is told a new straight motion again and again: the last few of them, in place.
 
 use super::cuts::DoublingCuts;
-use super::reach::check_reach;
+use super::reach::check_straight;
 use super::roomy::Roomy;
 use super::straight::StraightMotion;
 use super::{Outside, Plan, Segment};
@@ -96,7 +96,7 @@ impl TurnedMotion {
         let dropped = past.saturating_sub(1).min(self.pieces - 1);
         let kept = self.pieces - dropped;
         let cut = DoublingCuts::cut(from, motion.duration(), 1);
-        let is_piece = cut > from && check_reach(&motion.segment(), (from, cut), 0).is_ok();
+        let is_piece = cut > from && check_straight(motion, (from, cut), 0).is_ok();
         if !is_first_piece || !is_piece || kept >= Self::ROOM {
             return false;
         }
