@@ -6,7 +6,7 @@ use super::compact_trajectory::CompactView;
 use super::cubic_run::{CubicRun, largest};
 use super::frame::{Frame, Padding};
 use super::placement::FramePlacement;
-use super::slice_interval::SliceInterval;
+use super::straight_pieces::StraightPieces;
 use super::sub_cubic::SubCubic;
 use crate::knots::Knots;
 use crate::simd::prefetch;
@@ -31,58 +31,6 @@ pub(crate) struct CubicSource<'a, C> {
     /// The complete runs of the cubics.
     runs: &'a [CubicRun],
     pub(crate) placement: FramePlacement,
-}
-
-/// Straight motions, one after another.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct StraightPieces<'a> {
-    motions: &'a [StraightMotion],
-    /// One more than motions.
-    knots: &'a [f64],
-    /// Number of the first motion among the body's cubics.
-    before: usize,
-    anchor: Frame,
-}
-
-impl StraightPieces<'_> {
-    /// Returns the bounds of the motion in a slice, and the number of its first cubic there. All of the slice lies
-    /// between the first and the last knot.
-    #[inline(always)]
-    pub(crate) fn bounds<const MOVES: bool>(
-        &self,
-        period: &SliceInterval<MOVES>,
-    ) -> (BoundsBuilder<MOVES>, usize) {
-        let count = self.motions.len();
-        let ends = &self.knots[1..count];
-        // A piece that ends as the slice begins counts with its last point, as one does that begins at its end.
-        let first = ends.iter().take_while(|&&end| end < period.from).count();
-        let later = ends[first..].iter().take_while(|&&end| end <= period.to);
-        let last = first + later.count();
-        let head = self.piece(first, period);
-        if first == last {
-            let builder = if head.fills(period) {
-                BoundsBuilder::alone(&head, period)
-            } else {
-                BoundsBuilder::between(&head, &head, period)
-            };
-            return (builder, self.before + first);
-        }
-        let tail = self.piece(last, period);
-        let mut builder = BoundsBuilder::between(&head, &tail, period);
-        for number in first + 1..last {
-            builder.follow_from_start(&self.piece(number, period));
-        }
-        builder.follow_from_start(&tail);
-        (builder, self.before + first)
-    }
-
-    /// Returns the part of a motion within a slice.
-    #[inline(always)]
-    fn piece<const MOVES: bool>(&self, number: usize, period: &SliceInterval<MOVES>) -> SubCubic {
-        let from = self.knots[number].max(period.from);
-        let to = self.knots[number + 1].min(period.to);
-        SubCubic::straight(&self.motions[number], (from, to), &self.anchor)
-    }
 }
 
 impl<C> CubicSource<'_, C> {

@@ -1,11 +1,8 @@
 //! Parts of a compact trajectory's cubics.
 
 use super::compact_cubic::CompactCubic;
-use super::frame::Frame;
 use super::slice_interval::SliceInterval;
-use super::{FAR, ROUNDING, nearest};
-use crate::rounding::UNIT_ROUNDOFF;
-use crate::trajectory::StraightMotion;
+use super::{ROUNDING, nearest};
 use glam::Vec4;
 
 /// A cubic or a part of one: control points relative to a body's place, in the frame's unit.
@@ -54,32 +51,6 @@ impl SubCubic {
         Self {
             points,
             near,
-            splits: 0.0,
-            from,
-            to,
-        }
-    }
-
-    /// Returns the part of a straight motion between two instants (s), relative to a frame's origin and in its
-    /// unit.
-    #[inline(always)]
-    pub(super) fn straight(motion: &StraightMotion, (from, to): (f64, f64), frame: &Frame) -> Self {
-        let (first, last) = (motion.way_to(from), motion.way_to(to));
-        let (offset, change) = (motion.origin() - frame.origin, last - first);
-        // Each way has two roundings; four more of it are where it cancels with the offset, and with its share.
-        let error = first.abs().max(last.abs()) * (8.0 * UNIT_ROUNDOFF / f64::from(ROUNDING));
-        let near = (change.abs() + error).element_sum() * frame.power;
-        let point = |share: f64| {
-            let point = (offset + first + change * share) * frame.power;
-            Vec4::new(nearest(point.x), nearest(point.y), nearest(point.z), 0.0)
-        };
-        let is_served = (offset + first).abs().max_element() * frame.power + near < FAR;
-        if !is_served {
-            return Self::anywhere((from, to));
-        }
-        Self {
-            points: [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(point),
-            near: nearest(near),
             splits: 0.0,
             from,
             to,
