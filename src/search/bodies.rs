@@ -1,6 +1,6 @@
 //! The bodies of a search, under dense numbers.
 
-use super::form::SlicesToForm;
+use super::form_slices::SlicesToForm;
 use crate::bounds::{BodyCubic, BoundingCubic, CubicSource, HullTest, hull_test};
 use crate::knots::Knots;
 use crate::narrow_phase::BodyView;

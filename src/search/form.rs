@@ -6,7 +6,7 @@ use crate::bounds::{
 };
 use crate::broad_phase::BodyBox;
 use crate::knots::Knots;
-use crate::simd::{InstructionSet, Task};
+use crate::simd::Task;
 use parry3d::bounding_volume::Aabb;
 
 /// The bounds of one slice: a box and a fat line for each body that exists in it.
@@ -27,19 +27,6 @@ impl SliceBounds {
         self.fat_lines.push(fat_line);
         self.bodies.push(body);
     }
-
-    /// Appends the bounds of a batch, given the bodies at its places.
-    fn append(&mut self, batch: &Self, bodies: &[u32]) {
-        let first = short(self.bodies.len());
-        let boxes = batch.boxes.iter().map(|&BodyBox { aabb, body }| BodyBox {
-            aabb,
-            body: first + body,
-        });
-        self.boxes.extend(boxes);
-        self.fat_lines.extend_from_slice(&batch.fat_lines);
-        let bodies = batch.bodies.iter().map(|&place| bodies[place as usize]);
-        self.bodies.extend(bodies);
-    }
 }
 
 /// A few consecutive slices.
@@ -57,7 +44,7 @@ impl SliceBlock {
     pub(crate) const SLICES: usize = 32;
 
     /// Empties the first slices, and makes room for so many boxes in each.
-    fn clear(&mut self, count: usize, room: usize) {
+    pub(super) fn clear(&mut self, count: usize, room: usize) {
         if self.slices.len() < count {
             self.slices.resize_with(count, SliceBounds::default);
         }
@@ -72,78 +59,6 @@ impl SliceBlock {
         }
     }
 }
-
-/// A few slices whose boxes and fat lines are to be formed.
-pub(crate) struct SlicesToForm<'a> {
-    pub(crate) block: &'a mut SliceBlock,
-    /// Memory for the boxes of a few bodies.
-    pub(crate) batch: &'a mut SliceBlock,
-    pub(crate) frame: &'a MovingFrame,
-    /// Bodies, ascending: includes each body that exists in one of the slices.
-    pub(crate) present: &'a [u32],
-    /// Ends of the slices, s: one more than there are slices.
-    pub(crate) ends: &'a [f64],
-    pub(crate) instructions: InstructionSet,
-}
-
-impl SlicesToForm<'_> {
-    /// Forms them from a list of all bodies.
-    pub(crate) fn form_listed<C: BoundingCubic>(self, sources: &[CubicSource<'_, C>]) {
-        self.instructions.run(FormBounds {
-            block: self.block,
-            frame: self.frame,
-            sources,
-            present: self.present,
-            ends: self.ends,
-        });
-    }
-
-    /// Forms them of each body from where it lies. `fetch` prefetches a body.
-    pub(crate) fn form_in_place<'s, C: BoundingCubic + Copy + 's>(
-        self,
-        fetch: impl Fn(u32),
-        source: impl Fn(u32) -> CubicSource<'s, C>,
-    ) {
-        /// Prefetch distance in bodies.
-        const AHEAD: usize = 4;
-        let slices = self.ends.len() - 1;
-        self.block.clear(slices, self.present.len());
-        let mut sources = [CubicSource::NONE; BATCH];
-        for (number, batch) in self.present.chunks(BATCH).enumerate() {
-            for (place, (&body, of_body)) in batch.iter().zip(&mut sources).enumerate() {
-                if let Some(&later) = self.present.get(number * BATCH + place + AHEAD) {
-                    fetch(later);
-                }
-                *of_body = source(body);
-            }
-            self.instructions.run(FormBounds {
-                block: self.batch,
-                frame: self.frame,
-                sources: &sources[..batch.len()],
-                present: &PLACES[..batch.len()],
-                ends: self.ends,
-            });
-            let formed = &self.batch.slices[..slices];
-            for (slice, formed) in self.block.slices.iter_mut().zip(formed) {
-                slice.append(formed, batch);
-            }
-        }
-    }
-}
-
-/// Bodies whose boxes are formed at a time where they lie: their sources stay in the caches.
-pub(crate) const BATCH: usize = 64;
-
-/// Their places: 0, 1, and so on.
-pub(crate) const PLACES: [u32; BATCH] = {
-    let mut places = [0; BATCH];
-    let mut place = 1;
-    while place < BATCH {
-        places[place] = places[place - 1] + 1;
-        place += 1;
-    }
-    places
-};
 
 /// Forms the boxes and fat lines of some slices (at most [`SliceBlock::SLICES`]).
 pub(crate) struct FormBounds<'a, C> {
@@ -457,6 +372,7 @@ mod tests {
     use crate::hitbox::Hitbox;
     use crate::knots::Knots;
     use crate::search::TimeSlices;
+    use crate::simd::InstructionSet;
     use crate::trajectory::{State, Trajectory};
     use glam::DVec3;
     use rand::rngs::ChaCha8Rng;

@@ -1,6 +1,7 @@
 //! Search of a whole window: boxes, candidates, and the spans that cheap tests leave.
 
-use super::form::{SliceBlock, SliceBounds, SlicesToForm, short};
+use super::form::{SliceBlock, SliceBounds, short};
+use super::form_slices::SlicesToForm;
 use super::{
     BoxedBodies, Lifetimes, LimitExceeded, Limits, RefineContext, SceneStatistics, SearchScratch,
     TimeSlices,
@@ -114,7 +115,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
             .list((ends[0], ends[ends.len() - 1]), &mut scratch.present);
         // Taken out meanwhile, so that the method can be borrowed beside them.
         let mut block = std::mem::take(&mut scratch.block);
-        self.form(&ends, &scratch.present, (&mut block, &mut scratch.batch));
+        self.form(&ends, &scratch.present, (&mut block, &mut scratch.batches));
         scratch.ends = ends;
         stats.bounds_time += begin.elapsed();
         let mut candidates = std::mem::take(&mut scratch.candidates);
@@ -169,15 +170,16 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         &self,
         ends: &[f64],
         present: &[u32],
-        (block, batch): (&mut SliceBlock, &mut SliceBlock),
+        (block, batches): (&mut SliceBlock, &mut Vec<SliceBlock>),
     ) {
         self.bodies.form(SlicesToForm {
             block,
-            batch,
+            batches,
             frame: self.frame,
             present,
             ends,
             instructions: self.instructions,
+            threads: self.threads,
         });
     }
 
@@ -248,7 +250,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         let middle = 0.5 * from + 0.5 * to;
         let mut halves = SliceBlock::default();
         if from < middle && middle < to {
-            let memory = (&mut halves, &mut scratch.batch);
+            let memory = (&mut halves, &mut scratch.batches);
             self.form(&[from, middle, to], &slice.bodies, memory);
         }
         let whole = Size::of(slice);
