@@ -1,7 +1,7 @@
 //! The knots of a motion, including the cuts of its extension.
 
 use crate::simd::prefetch;
-use crate::trajectory::{Extension, Segment, Trajectory};
+use crate::trajectory::{Extension, Segment, StraightMotion, Trajectory};
 use glam::DVec3;
 
 /// The knots of a motion (s, increasing), one more than its cubics; none if it never exists.
@@ -12,7 +12,7 @@ pub(crate) struct Knots<'a> {
     /// The plan's knots.
     own: &'a [f64],
     ends: (f64, f64),
-    /// The plan, if the motion is extended.
+    /// The motion, if not all of its cubics are in the list of a plan: they follow from it.
     plan: Option<&'a Trajectory>,
     /// Cubics before the plan's first knot.
     before: u32,
@@ -48,10 +48,19 @@ impl<'a> Knots<'a> {
         Self::of(plan.cuts()).extended(plan, extension)
     }
 
+    /// Returns the knots of straight motions, which are no list of cubics.
+    const fn formed(self, plan: &'a Trajectory) -> Self {
+        Self {
+            plan: Some(plan),
+            ..self
+        }
+    }
+
     /// Returns these knots of a plan with those of its extension.
     pub(crate) fn extended(self, plan: &'a Trajectory, extension: Option<&Extension>) -> Self {
         match extension {
-            None => self,
+            None if plan.straight_motions().is_empty() => self,
+            None => self.formed(plan),
             Some(&Extension {
                 before,
                 after,
@@ -82,7 +91,7 @@ impl<'a> Knots<'a> {
         self.before as usize
     }
 
-    /// Returns true if there are cubics beyond the plan's own.
+    /// Returns true if not all cubics are in the list of a plan: beyond it, or of a straight motion.
     #[inline(always)]
     pub(crate) const fn are_extended(&self) -> bool {
         self.plan.is_some()
@@ -140,8 +149,18 @@ impl<'a> Knots<'a> {
         let plan = self.plan?;
         match number.checked_sub(self.before()) {
             None => Some(plan.segment_before()),
-            Some(place) => (place + 1 >= self.own.len()).then(|| plan.segment_after()),
+            Some(place) if place + 1 >= self.own.len() => Some(plan.segment_after()),
+            Some(place) => plan
+                .straight_motions()
+                .get(place)
+                .map(StraightMotion::segment),
         }
+    }
+
+    /// Returns the straight motions between the [own](Self::own) knots; none of a plan.
+    #[inline(always)]
+    pub(crate) fn straight_motions(&self) -> &'a [StraightMotion] {
+        self.plan.map_or(&[], Trajectory::straight_motions)
     }
 
     /// Returns the origin of an extension's cubics, m, or `None` without extension.

@@ -105,6 +105,31 @@ pub(crate) fn for_each_chunk<T: Send>(
     items.chunks_mut(size).for_each(work);
 }
 
+/// Calls `work(number, share, own)` for each share of `size` items of two lists of the same length, with a value
+/// of its own. Two shares at least; fewer stay on this thread.
+pub(crate) fn for_each_share<T: Send, U: Send, V: Send>(
+    (one, other): (&mut [T], &mut [U]),
+    own: &mut [V],
+    size: usize,
+    work: impl Fn(usize, (&mut [T], &mut [U]), &mut V) + Sync + Send,
+) {
+    #[cfg(feature = "parallel")]
+    {
+        use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
+        use rayon::slice::ParallelSliceMut;
+        if one.len() > size {
+            let shares = one.par_chunks_mut(size).zip(other.par_chunks_mut(size));
+            let shares = shares.zip(own.par_iter_mut()).enumerate();
+            shares.for_each(|(number, (share, own))| work(number, share, own));
+            return;
+        }
+    }
+    let shares = one.chunks_mut(size).zip(other.chunks_mut(size));
+    for (number, (share, own)) in shares.zip(own).enumerate() {
+        work(number, share, own);
+    }
+}
+
 /// Runs two functions in parallel, or one after the other for few items: see [`map`].
 pub(crate) fn join<T: Send, U: Send>(
     count: usize,

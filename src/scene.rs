@@ -29,7 +29,7 @@ use crate::orientation::Orientation;
 use crate::pool::Pool;
 use crate::search::SearchScratch;
 use crate::simd::prefetch;
-use crate::trajectory::{Segment, Trajectory};
+use crate::trajectory::{StraightMotion, Trajectory};
 use crate::window::Window;
 use std::slice::from_ref;
 
@@ -112,7 +112,7 @@ pub struct Scene {
     /// Buffers of screenings; no part of the scene's value.
     pool: Pool<SearchScratch>,
     /// Memory of updates; no part of what a scene is.
-    told: Vec<(BodyId, Segment)>,
+    told: Vec<(BodyId, StraightMotion)>,
 }
 
 impl Scene {
@@ -245,10 +245,10 @@ impl Scene {
     pub(crate) fn turn(
         &mut self,
         id: BodyId,
-        (from, line, since): (f64, &Segment, f64),
+        (from, motion, since): (f64, &StraightMotion, f64),
     ) -> Result<&Trajectory, Error> {
         let (entry, arena) = self.entry_mut(id)?;
-        Ok(entry.turn((from, line, since), arena))
+        Ok(entry.turn((from, motion, since), arena))
     }
 
     /// Replaces a body's hitbox and returns the old one.
@@ -368,8 +368,7 @@ impl Scene {
     #[must_use]
     pub fn planned(&self) -> Option<Window> {
         let trajectories = self.bodies().map(|(_, body)| &body.trajectory);
-        let plans = trajectories.filter(|trajectory| !trajectory.segments().is_empty());
-        let planned = plans.filter_map(|plan| match plan.knots() {
+        let planned = trajectories.filter_map(|plan| match plan.knots() {
             [first, .., last] => Window::new(*first, *last).ok(),
             _ => None,
         });
@@ -381,7 +380,7 @@ impl Scene {
         let mut extremes = DAabb::NOTHING;
         for (_, entry) in self.entries() {
             if self.partners(0.0).has(&entry.body) {
-                extremes.include(entry.summary().extremes);
+                extremes.include(entry.extremes());
             }
         }
         extremes

@@ -5,6 +5,7 @@ use super::cubic_run::{CubicRun, ScaledRun};
 use super::fat_line::FatLine;
 use super::placement::FramePlacement;
 use super::slice_interval::SliceInterval;
+use super::straight_part::StraightPart;
 use super::sub_cubic::SubCubic;
 use glam::Vec4;
 use parry3d::bounding_volume::Aabb;
@@ -78,6 +79,33 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
             high: first.high,
             ..Self::toward((first.start, period.from), last.end, period)
         }
+    }
+
+    /// Starts a builder with a straight piece, on the line to the end of the last one.
+    #[inline(always)]
+    pub(super) fn along(
+        head: &StraightPart,
+        tail: &StraightPart,
+        period: &SliceInterval<MOVES>,
+    ) -> Self {
+        let mut builder = Self::toward((head.first, head.from), tail.last, period);
+        builder.go_straight(head);
+        builder
+    }
+
+    /// Adds a straight piece that begins when the previous one ends, possibly at another position. Between its
+    /// ends it strays no farther than there.
+    #[inline(always)]
+    pub(super) fn go_straight(&mut self, part: &StraightPart) {
+        let place = self.period.relative_at(part.first, self.share);
+        (self.low, self.high) = (self.low.min(place), self.high.max(place));
+        self.include_deviation(part.first - self.line);
+        self.share = self.period.share(part.to);
+        self.line = self.start + self.change * self.share;
+        let place = self.period.relative_at(part.last, self.share);
+        (self.low, self.high) = (self.low.min(place), self.high.max(place));
+        self.include_deviation(part.last - self.line);
+        self.near = self.near.max(part.near);
     }
 
     /// Starts a builder on the line from a point at an instant (s) to another point.

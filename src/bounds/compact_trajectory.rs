@@ -92,17 +92,6 @@ impl CompactTrajectory {
         (compact, extremes)
     }
 
-    /// Returns the compact form of a straight motion between two instants (s). It takes no lines.
-    pub(crate) const fn of_line(ends: (f64, f64)) -> Self {
-        Self {
-            frame: Frame::OF_NOTHING,
-            size: 0.0,
-            ends,
-            knots: 0,
-            cubics: 0,
-        }
-    }
-
     /// Returns the first and last knot, s; the first is later only if there are no knots.
     pub(crate) const fn ends(&self) -> (f64, f64) {
         self.ends

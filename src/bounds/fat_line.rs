@@ -4,7 +4,7 @@
 ///
 /// At the share `s` of the slice, 0..=1, every sphere of the body, enlarged by half the margin, is
 /// within `slack` of `start + s change`. The exact solver's rounding is included.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct FatLine {
     pub(crate) start: [f32; 3],
     pub(crate) change: [f32; 3],

@@ -25,6 +25,8 @@ mod placement;
 mod points;
 mod slice_interval;
 mod source;
+mod straight_part;
+mod straight_pieces;
 mod sub_cubic;
 
 pub(crate) use apart::{BodyCubic, HullTest, hull_test};

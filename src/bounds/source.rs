@@ -6,10 +6,11 @@ use super::compact_trajectory::CompactView;
 use super::cubic_run::{CubicRun, largest};
 use super::frame::{Frame, Padding};
 use super::placement::FramePlacement;
+use super::straight_pieces::StraightPieces;
 use super::sub_cubic::SubCubic;
 use crate::knots::Knots;
 use crate::simd::prefetch;
-use crate::trajectory::Segment;
+use crate::trajectory::{Segment, StraightMotion};
 use std::slice::from_ref;
 
 /// A cubic from which bounds are formed.
@@ -25,9 +26,8 @@ pub(crate) trait BoundingCubic {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CubicSource<'a, C> {
     pub(crate) knots: Knots<'a>,
-    /// The cubics of the plan; none of a straight motion from one state.
+    /// The cubics of the plan; none of straight motions.
     cubics: &'a [C],
-    straight: Option<&'a Segment>,
     /// The complete runs of the cubics.
     runs: &'a [CubicRun],
     pub(crate) placement: FramePlacement,
@@ -38,13 +38,12 @@ impl<C> CubicSource<'_, C> {
     pub(crate) const NONE: Self = Self {
         knots: Knots::NONE,
         cubics: &[],
-        straight: None,
         runs: &[],
         placement: FramePlacement::NONE,
     };
 }
 
-impl<C: BoundingCubic> CubicSource<'_, C> {
+impl<'a, C: BoundingCubic> CubicSource<'a, C> {
     /// Returns a whole cubic, of an extended motion or of one without extension.
     #[inline(always)]
     pub(crate) fn piece<const EXTENDED: bool>(&self, number: usize) -> SubCubic {
@@ -55,13 +54,12 @@ impl<C: BoundingCubic> CubicSource<'_, C> {
         self.own_piece(number, (knots[number], knots[number + 1]))
     }
 
-    /// A whole cubic of the plan, or the one of a straight motion.
+    /// Returns a whole cubic of the plan.
     #[inline(always)]
     fn own_piece(&self, number: usize, ends: (f64, f64)) -> SubCubic {
-        match (self.cubics.get(number), self.straight) {
-            (Some(cubic), _) => cubic.piece(ends, &self.placement),
-            (None, Some(straight)) => straight.piece(ends, &self.placement),
-            (None, None) => SubCubic::anywhere(ends),
+        match self.cubics.get(number) {
+            Some(cubic) => cubic.piece(ends, &self.placement),
+            None => SubCubic::anywhere(ends),
         }
     }
 
@@ -74,20 +72,24 @@ impl<C: BoundingCubic> CubicSource<'_, C> {
         }
     }
 
-    /// Returns the straight motion from one state, if nothing else is followed between two instants (s).
+    /// Returns the straight motions and the knots between them, if nothing else is followed between two instants
+    /// (s).
     #[inline(always)]
-    pub(crate) fn straight_over(&self, (from, to): (f64, f64)) -> Option<&Segment> {
-        let is_own = || {
-            let (first, last) = self.knots.ends();
-            first <= from && to <= last && !self.knots.are_extended()
+    pub(crate) fn straight_over(&self, (from, to): (f64, f64)) -> Option<StraightPieces<'a>> {
+        if !self.knots.are_extended() {
+            return None;
+        }
+        let (motions, knots) = (self.knots.straight_motions(), self.knots.own());
+        let [first, .., last] = *knots else {
+            return None;
         };
-        self.straight.filter(|_| is_own())
-    }
-
-    /// Returns the part of a straight motion between two instants (s).
-    #[inline(always)]
-    pub(crate) fn straight_piece(&self, segment: &Segment, ends: (f64, f64)) -> SubCubic {
-        SubCubic::straight(segment, ends, &self.placement.anchor)
+        let pieces = StraightPieces {
+            motions,
+            knots,
+            before: self.knots.before(),
+            anchor: self.placement.anchor,
+        };
+        (!motions.is_empty() && first <= from && to <= last).then_some(pieces)
     }
 
     /// Prefetches a cubic.
@@ -155,7 +157,6 @@ impl<'a> CubicSource<'a, CompactCubic> {
         Self {
             knots,
             cubics: view.compact_cubics,
-            straight: None,
             runs: view.runs,
             placement: FramePlacement::new(anchor, view.size, padding, frame),
         }
@@ -163,20 +164,16 @@ impl<'a> CubicSource<'a, CompactCubic> {
 }
 
 impl<'a, C> CubicSource<'a, C> {
-    /// Returns the source of a body that moves straight, with these knots.
-    pub(crate) fn straight(
-        (knots, segment): (Knots<'a>, &'a Segment),
-        padding: &Padding,
-        frame: &Frame,
-    ) -> Self {
+    /// Returns the source of a body of straight motions, with these knots.
+    pub(crate) fn straight(knots: Knots<'a>, padding: &Padding, frame: &Frame) -> Self {
+        let first = knots.straight_motions().first();
         let anchor = Frame {
-            origin: segment.origin(),
+            origin: first.map_or(frame.origin, StraightMotion::origin),
             power: frame.power,
         };
         Self {
             knots,
             cubics: &[],
-            straight: Some(segment),
             runs: &[],
             placement: FramePlacement::new(anchor, 0.0, padding, frame),
         }
@@ -190,6 +187,9 @@ impl<'a> CubicSource<'a, Segment> {
         padding: &Padding,
         frame: &Frame,
     ) -> Self {
+        if !knots.straight_motions().is_empty() {
+            return Self::straight(knots, padding, frame);
+        }
         let origin = segments.first().map(Segment::origin);
         let anchor = Frame {
             origin: origin.or_else(|| knots.origin()).unwrap_or(frame.origin),
@@ -198,7 +198,6 @@ impl<'a> CubicSource<'a, Segment> {
         Self {
             knots,
             cubics: segments,
-            straight: None,
             runs: &[],
             placement: FramePlacement::new(anchor, 0.0, padding, frame),
         }
@@ -219,9 +218,6 @@ impl BoundingCubic for Segment {
 
     #[inline(always)]
     fn piece(&self, knots: (f64, f64), placement: &FramePlacement) -> SubCubic {
-        if self.is_straight() {
-            return SubCubic::straight(self, knots, &placement.anchor);
-        }
         match CompactCubic::of(self, knots, &placement.anchor) {
             Some(compact_cubic) => SubCubic::whole(&compact_cubic, knots, 1.0),
             None => SubCubic::anywhere(knots),

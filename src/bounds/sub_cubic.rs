@@ -1,11 +1,8 @@
 //! Parts of a compact trajectory's cubics.
 
 use super::compact_cubic::CompactCubic;
-use super::frame::Frame;
 use super::slice_interval::SliceInterval;
-use super::{FAR, ROUNDING, nearest};
-use crate::rounding::norm;
-use crate::trajectory::Segment;
+use super::{ROUNDING, nearest};
 use glam::Vec4;
 
 /// A cubic or a part of one: control points relative to a body's place, in the frame's unit.
@@ -54,30 +51,6 @@ impl SubCubic {
         Self {
             points,
             near,
-            splits: 0.0,
-            from,
-            to,
-        }
-    }
-
-    /// Returns the part of a straight motion between two instants (s), relative to a frame's origin and in its
-    /// unit.
-    #[inline(always)]
-    pub(crate) fn straight(segment: &Segment, (from, to): (f64, f64), frame: &Frame) -> Self {
-        let ([first, last], error) = segment.straight_between((from, to));
-        let (offset, change) = (segment.origin() - frame.origin, last - first);
-        let near = (norm(change) + error / f64::from(ROUNDING)) * frame.power;
-        let point = |share: f64| {
-            let point = (offset + first + change * share) * frame.power;
-            Vec4::new(nearest(point.x), nearest(point.y), nearest(point.z), 0.0)
-        };
-        let is_served = (offset + first).abs().max_element() * frame.power + near < FAR;
-        if !is_served {
-            return Self::anywhere((from, to));
-        }
-        Self {
-            points: [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(point),
-            near: nearest(near),
             splits: 0.0,
             from,
             to,

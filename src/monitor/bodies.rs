@@ -7,7 +7,9 @@ use crate::broad_phase::BodyBox;
 use crate::narrow_phase::BodyView;
 use crate::parallel;
 use crate::scene::Scene;
-use crate::search::{Bodies, FEW_BOXES, FormBounds, SliceBlock};
+use crate::search::{
+    BATCH, Bodies, BoxedBodies, FEW_BOXES, FormBounds, PLACES, SliceBlock, SlicesToForm,
+};
 use crate::simd::InstructionSet;
 use crate::trajectory::Segment;
 
@@ -34,19 +36,11 @@ impl Bodies for BodyTable<'_> {
     }
 }
 
-/// Bodies whose boxes are formed at a time: what is known of them stays in the caches.
-const BATCH: usize = 64;
-
-/// Their places: 0, 1, and so on.
-const PLACES: [u32; BATCH] = {
-    let mut places = [0; BATCH];
-    let mut place = 1;
-    while place < BATCH {
-        places[place] = places[place - 1] + 1;
-        place += 1;
+impl BoxedBodies for BodyTable<'_> {
+    fn form(&self, slices: SlicesToForm<'_>) {
+        slices.form_in_place(|body| self.fetch_motion(body), |body| self.source(body));
     }
-    places
-};
+}
 
 impl<'m> BodyTable<'m> {
     /// Those of a scene, as they lie in the frame of a grid; pairs within a margin (m) are looked for.
@@ -73,6 +67,25 @@ impl<'m> BodyTable<'m> {
     /// Returns the body in a slot.
     pub(super) fn get(&self, slot: u32) -> Option<BodyView<'m>> {
         self.flights.view(self.scene, slot)
+    }
+
+    /// Returns the source of a body's boxes; that of one that never exists if it is part of no pair.
+    pub(super) fn source(&self, slot: u32) -> CubicSource<'m, Segment> {
+        let body = self.flights.get(self.scene, slot);
+        match body.filter(|(flight, _)| flight.has_partner) {
+            Some((flight, view)) => {
+                let cubics = (view.knots, view.segments);
+                CubicSource::plain(cubics, &flight.padding, self.frame)
+            }
+            None => CubicSource::plain((BodyView::NONE.knots, &[]), &Padding::NONE, self.frame),
+        }
+    }
+
+    /// Prefetches the motion of a body.
+    fn fetch_motion(&self, slot: u32) {
+        if let Some((_, entry)) = self.scene.in_slot(slot) {
+            entry.body.trajectory.prefetch();
+        }
     }
 
     /// Calls `visit` with the box and the fat line of each body in each slice in which it exists,

@@ -16,7 +16,7 @@ use crate::id::BodyId;
 use crate::layers::Layers;
 use crate::orientation::Orientation;
 use crate::scene::{Body, BodyPlan};
-use crate::trajectory::{Segment, Trajectory};
+use crate::trajectory::{StraightMotion, Trajectory};
 use crate::window::Window;
 use std::iter::once;
 
@@ -302,7 +302,7 @@ impl Monitor {
                 if let Some(layers) = revision.layers {
                     self.scene.set_layers(id, layers)?;
                 }
-                self.turn(id, (turn.from, &turn.line))?;
+                self.turn(id, (turn.from, &turn.motion))?;
                 self.search.find_partners(&self.scene, Some(id.slot));
                 continue;
             }
@@ -439,10 +439,14 @@ impl Monitor {
     }
 
     /// Turns a body's plan, which must allow it, to a straight motion from an instant (s) on.
-    pub(super) fn turn(&mut self, id: BodyId, (from, line): (f64, &Segment)) -> Result<(), Error> {
+    pub(super) fn turn(
+        &mut self,
+        id: BodyId,
+        (from, motion): (f64, &StraightMotion),
+    ) -> Result<(), Error> {
         let terms = self.terms()?;
         let (window, since) = (terms.window, terms.forget_before);
-        let turned = self.scene.turn(id, (from, line, since))?;
+        let turned = self.scene.turn(id, (from, motion, since))?;
         self.search.replan(id.slot, turned, window)?;
         self.plan_ends.set(id.slot, f64::INFINITY);
         self.count_change();

@@ -10,7 +10,7 @@ use crate::orientation::Orientation;
 use crate::parallel;
 use crate::scene::{Body, Scene};
 use crate::shape::BodyShape;
-use crate::trajectory::{Segment, Trajectory};
+use crate::trajectory::{StraightMotion, Trajectory};
 use crate::window::Window;
 
 /// One change to a monitor's scene, for [`Monitor::apply`](crate::Monitor::apply) or to be sent to a
@@ -145,7 +145,7 @@ pub(super) struct PendingChange {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PendingTurn {
     pub(super) from: f64,
-    pub(super) line: Segment,
+    pub(super) motion: StraightMotion,
     command: usize,
 }
 
@@ -276,12 +276,12 @@ impl CommandBatch {
                 let both = both.map_err(|error| refuse(error.in_body(body.tag)))?;
                 revision.orientation = Some(both);
             }
-            Command::Replan(_, from, plan) => match plan.line() {
-                Some((&line, _)) if revision.trajectory.is_none() && revision.turn.is_none() => {
+            Command::Replan(_, from, plan) => match plan.straight() {
+                Some((&motion, _)) if revision.trajectory.is_none() && revision.turn.is_none() => {
                     let command = number;
                     revision.turn = Some(PendingTurn {
                         from,
-                        line,
+                        motion,
                         command,
                     });
                 }
@@ -389,7 +389,7 @@ impl PendingChange {
     /// Converts a pending turn to a plan, since more than the turn is replaced.
     fn turn_to_splice(&mut self) {
         if let Some(turn) = self.turn.take() {
-            self.trajectory = Some(Trajectory::of_line(turn.line));
+            self.trajectory = Some(Trajectory::of_straight(turn.motion));
             self.splice = Some(PendingSplice {
                 from: Some(turn.from),
                 command: turn.command,
@@ -402,14 +402,14 @@ impl PendingChange {
         let Some(turn) = &mut self.turn else {
             return Ok(false);
         };
-        let (flown, plan) = (&body.trajectory, Trajectory::of_line(turn.line));
+        let (flown, plan) = (&body.trajectory, Trajectory::of_straight(turn.motion));
         let from = terms.follows_from(flown, &plan, turn.from);
         let from = from.map_err(|error| Rejection {
             command: turn.command,
             error: error.in_body(body.tag),
         })?;
         let keeps_shape = self.hitbox.is_none() && self.orientation.is_none();
-        let can = keeps_shape && flown.can_turn(from, &turn.line, terms.window);
+        let can = keeps_shape && flown.can_turn(from, &turn.motion, terms.window);
         if can {
             self.late = Some(from).filter(|from| turn.from < *from);
             turn.from = from;

@@ -18,7 +18,7 @@ use super::budget::BudgetMeter;
 use super::grid::Grid;
 use super::jump::JumpSearch;
 use super::monitored_bodies::{MonitoredBodies, MonitoredBody};
-use super::prepared::PreparedMemory;
+
 use super::recent_changes::RecentChanges;
 use super::slice::{LookaheadSlice, SliceScratch};
 use super::solved_spans::{SlotPair, SolvedSpans};
@@ -30,7 +30,7 @@ use crate::parallel;
 use crate::pool::Pool;
 use crate::rounding::seen_from;
 use crate::scene::Scene;
-use crate::search::{self, FEW_BOXES, LimitExceeded, SpanSorter};
+use crate::search::{self, FEW_BOXES, Lifetimes, LimitExceeded, SpanSorter};
 use crate::shape::BodyShape;
 use crate::spans::SpanKey;
 use crate::stats::Stats;
@@ -57,7 +57,7 @@ pub(super) struct LookaheadSearch {
     sorter: SpanSorter,
     pool: Pool<SliceScratch>,
     search_pool: Pool<search::SearchScratch>,
-    lists: PreparedMemory,
+    presence: Lifetimes,
     /// Bodies that changed since the last catching up, each once.
     dirty: Vec<u32>,
     is_dirty: Vec<bool>,
@@ -95,7 +95,7 @@ impl LookaheadSearch {
             sorter: SpanSorter::default(),
             pool: Pool::default(),
             search_pool: Pool::default(),
-            lists: PreparedMemory::default(),
+            presence: Lifetimes::default(),
             dirty: Vec::new(),
             is_dirty: Vec::new(),
             recent: RecentChanges::default(),

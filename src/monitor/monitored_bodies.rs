@@ -21,6 +21,8 @@ pub(super) struct MonitoredBody {
     begin: f64,
     /// Ends of the knots, s.
     ends: (f64, f64),
+    /// Number of the plan's own cubics.
+    cubics: u32,
     /// Up to where a plan without end is followed, s; infinite for one that has an end.
     until: f64,
     /// The body may be part of a pair.
@@ -40,6 +42,7 @@ impl MonitoredBody {
             extension: None,
             begin: 0.0,
             ends: (0.0, 0.0),
+            cubics: 0,
             until: f64::INFINITY,
             has_partner: true,
         };
@@ -51,7 +54,9 @@ impl MonitoredBody {
     fn replan(&mut self, trajectory: &Trajectory, window: Window) -> Result<(), Error> {
         self.extension = None;
         self.begin = window.start();
-        self.ends = Knots::of(trajectory.cuts()).ends();
+        let knots = Knots::of(trajectory.cuts());
+        self.ends = knots.ends();
+        self.cubics = u32::try_from(knots.cubics()).unwrap_or(u32::MAX);
         self.until = f64::INFINITY;
         if trajectory.goes_beyond() {
             self.follow(trajectory, window.end())?;
@@ -159,6 +164,26 @@ impl MonitoredBodies {
         flight.and_then(Option::as_mut).is_some_and(|flight| {
             std::mem::replace(&mut flight.has_partner, has_partner) != has_partner
         })
+    }
+
+    /// Returns when each body exists that may be part of a pair, s; never in a slot without one.
+    pub(super) fn lives(&self) -> impl Iterator<Item = (f64, f64)> {
+        let partner = |flight: &'_ Option<MonitoredBody>| {
+            let ends = flight.as_ref().filter(|flight| flight.has_partner);
+            ends.map_or(Knots::NONE.ends(), |flight| flight.ends)
+        };
+        self.by_slot.iter().map(partner)
+    }
+
+    /// Returns the number of each body's cubics, by slot.
+    pub(super) fn cubics(&self) -> impl Iterator<Item = u32> {
+        let beyond = |extension: &Extension| extension.before + extension.after;
+        let cubics = move |flight: &MonitoredBody| {
+            flight.cubics + flight.extension.as_ref().map_or(0, beyond)
+        };
+        self.by_slot
+            .iter()
+            .map(move |flight| flight.as_ref().map_or(0, cubics))
     }
 
     /// Fetches what is known of the body in a slot into the caches.

@@ -1,75 +1,36 @@
-//! All bodies of a monitor side by side: for searches from nothing.
+//! All bodies of a monitor, for searches from nothing.
 
 use super::bodies::BodyTable;
-use crate::bounds::{CubicSource, Padding};
-use crate::narrow_phase::BodyView;
-use crate::parallel;
 use crate::pool::Pool;
 use crate::search::{
-    BodyLists, Lifetimes, Limits, ListMemory, SceneStatistics, SearchScratch, SliceTrials,
-    TimeSlices, WindowSearch,
+    Lifetimes, Limits, SceneStatistics, SearchScratch, SliceTrials, TimeSlices, WindowSearch,
 };
 use crate::simd::InstructionSet;
-use crate::trajectory::Segment;
 use crate::window::Window;
 
-/// All bodies side by side, by slot; one that never exists where there is none.
+/// All bodies by slot, and when they exist: never where there is none.
 #[derive(Debug)]
 pub(super) struct PreparedBodies<'m> {
     table: BodyTable<'m>,
-    views: Vec<BodyView<'m>>,
-    sources: Vec<CubicSource<'m, Segment>>,
-    presence: Lifetimes,
-}
-
-/// Memory for them.
-#[derive(Debug, Default)]
-pub(super) struct PreparedMemory {
-    lists: ListMemory<Segment>,
     presence: Lifetimes,
 }
 
 impl<'m> PreparedBodies<'m> {
-    /// Lays out all bodies, in memory that is given back with [`forget`](Self::forget).
-    pub(super) fn of(table: BodyTable<'m>, memory: &mut PreparedMemory) -> Self {
-        /// Fewer are gone through on this thread.
-        const FEW: usize = 4096;
-        let (mut views, mut sources) = memory.lists.take();
-        let mut presence = std::mem::take(&mut memory.presence);
-        let prepare = |slot: usize| {
-            let body = u32::try_from(slot).ok();
-            let body = body.and_then(|slot| table.flights.get(table.scene, slot));
-            let Some((flight, view)) = body.filter(|(flight, _)| flight.has_partner) else {
-                let source =
-                    CubicSource::plain((BodyView::NONE.knots, &[]), &Padding::NONE, table.frame);
-                return (BodyView::NONE, source);
-            };
-            let cubics = (view.knots, view.segments);
-            (
-                view,
-                CubicSource::plain(cubics, &flight.padding, table.frame),
-            )
-        };
-        let lists = (&mut views, &mut sources);
-        parallel::map_both(table.flights.len(), FEW, lists, prepare);
-        presence.fill(views.iter().map(|view| view.knots.ends()));
-        Self {
-            table,
-            views,
-            sources,
-            presence,
-        }
+    /// Lists when all bodies exist, in memory that is given back with [`forget`](Self::forget).
+    pub(super) fn of(table: BodyTable<'m>, memory: &mut Lifetimes) -> Self {
+        let mut presence = std::mem::take(memory);
+        presence.fill(table.flights.lives());
+        Self { table, presence }
     }
 
     /// Leaves the memory for other ones.
-    pub(super) fn forget(self, memory: &mut PreparedMemory) {
-        memory.lists.put_back((self.views, self.sources));
-        memory.presence = self.presence;
+    pub(super) fn forget(self, memory: &mut Lifetimes) {
+        *memory = self.presence;
     }
 
     /// Returns the number of slots.
     pub(super) const fn len(&self) -> usize {
-        self.views.len()
+        self.presence.len()
     }
 
     /// Returns a search over some time (s) on so many threads.
@@ -78,12 +39,9 @@ impl<'m> PreparedBodies<'m> {
         window: Window,
         limits: Limits,
         (pool, threads): (&'s Pool<SearchScratch>, usize),
-    ) -> WindowSearch<'s, Segment> {
+    ) -> WindowSearch<'s, BodyTable<'m>> {
         WindowSearch {
-            bodies: BodyLists {
-                views: &self.views,
-                sources: &self.sources,
-            },
+            bodies: self.table,
             presence: &self.presence,
             frame: self.table.frame,
             window,
@@ -115,7 +73,10 @@ impl<'m> PreparedBodies<'m> {
             instructions: InstructionSet::best(),
             pool,
         };
-        let some = |slots: &[usize]| slots.iter().map(|&slot| self.sources[slot]).collect();
+        let some = |slots: &[usize]| {
+            let slots = slots.iter().filter_map(|&slot| u32::try_from(slot).ok());
+            slots.map(|slot| self.table.source(slot)).collect()
+        };
         let slices = TimeSlices::whole(from, to).with_count(count);
         trials.cheapest(slices, &traffic, some)
     }
@@ -123,13 +84,12 @@ impl<'m> PreparedBodies<'m> {
     /// Returns how much moves in a window (s), as far as the number of slices depends on it.
     pub(super) fn traffic(&self, (from, to): (f64, f64)) -> SceneStatistics {
         let mut traffic = SceneStatistics::default();
-        for (&(first, last), view) in self.presence.lives().iter().zip(&self.views) {
+        let bodies = self.table.flights.cubics();
+        for (&(first, last), cubics) in self.presence.lives().iter().zip(bodies) {
             let time = (last.min(to) - first.max(from)).max(0.0);
             traffic.body_time += time;
             if last > first {
-                #[allow(clippy::cast_precision_loss, reason = "an estimate")]
-                let segments = view.knots.cubics() as f64;
-                traffic.segments += segments * (time / (last - first));
+                traffic.segments += f64::from(cubics) * (time / (last - first));
             }
         }
         traffic

@@ -86,23 +86,23 @@ impl Monitor {
         const CHUNK: usize = 64;
         let mut refused = Ok(());
         for (id, state) in states {
-            let line = state.line();
-            let line = line.and_then(|line| Ok((line, state.orientation()?)));
+            let motion = state.motion();
+            let motion = motion.and_then(|motion| Ok((motion, state.orientation()?)));
             let is_known = (id.slot as usize) < self.scene.slots();
-            match line {
-                Ok((line, orientation)) if is_known => tracked.put(TrackedMotion {
+            match motion {
+                Ok((motion, orientation)) if is_known => tracked.put(TrackedMotion {
                     id,
                     from: now,
-                    line,
+                    motion,
                     orientation,
                     change: TrackedChange::Turn,
                 }),
-                line => {
+                motion => {
                     // One before it may be refused as well.
                     let body = self.scene.body(id).ok_or(Error::UnknownBody { id });
                     let tag = body.map(|body| body.tag);
                     refused =
-                        tag.and_then(|tag| line.map(drop).map_err(|error| error.in_body(tag)));
+                        tag.and_then(|tag| motion.map(drop).map_err(|error| error.in_body(tag)));
                     break;
                 }
             }
@@ -147,9 +147,9 @@ impl Monitor {
     ) -> Result<(), Error> {
         let id = tracked.id;
         let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
-        let (flown, line) = (&body.trajectory, tracked.line);
+        let (flown, motion) = (&body.trajectory, tracked.motion);
         let in_body = |error: Error| error.in_body(body.tag);
-        let plan = || Trajectory::of_line(line);
+        let plan = || Trajectory::of_straight(motion);
         let from = terms.follows_from(flown, &plan(), tracked.from);
         if let Some(next) = &tracked.orientation {
             let both = body
@@ -159,7 +159,9 @@ impl Monitor {
         }
         tracked.from = from.map_err(in_body)?;
         let from = tracked.from;
-        if !flown.follows(&line, from) && !flown.can_turn(from, &line, terms.window) {
+        if flown.follows(&motion, from) {
+            tracked.change = TrackedChange::Same;
+        } else if !flown.can_turn(from, &motion, terms.window) {
             let mut plan = plan();
             let since = terms.forget_before;
             plan.precede_by(flown, from, since).map_err(in_body)?;
@@ -187,21 +189,18 @@ impl Monitor {
     fn take_motions(&mut self, tracked: &mut [TrackedMotion]) -> Result<(), Error> {
         for place in 0..tracked.len() {
             self.prefetch_motion(tracked, place);
-            let TrackedMotion { id, from, line, .. } = tracked[place];
             self.take_orientation(&mut tracked[place])?;
-            let flown = self.scene.body(id).map(|body| &body.trajectory);
-            if flown.is_some_and(|flown| flown.follows(&line, from)) {
-                continue;
-            }
-            let turn = TrackedChange::Turn;
-            let change = std::mem::replace(&mut tracked[place].change, turn);
-            if let TrackedChange::Replan(replanned) = change {
-                let (mut plan, flight) = *replanned;
-                self.scene.swap_trajectory(id, &mut plan)?;
-                self.place(id, Some(flight));
-                self.plan_ends.set(id.slot, f64::INFINITY);
-            } else {
-                self.turn(id, (from, &line))?;
+            let tracked = &mut tracked[place];
+            let (id, motion) = (tracked.id, (tracked.from, &tracked.motion));
+            match std::mem::replace(&mut tracked.change, TrackedChange::Same) {
+                TrackedChange::Turn => self.turn(id, motion)?,
+                TrackedChange::Replan(replanned) => {
+                    let (mut plan, flight) = *replanned;
+                    self.scene.swap_trajectory(id, &mut plan)?;
+                    self.place(id, Some(flight));
+                    self.plan_ends.set(id.slot, f64::INFINITY);
+                }
+                TrackedChange::Same | TrackedChange::Refused(_) => {}
             }
         }
         Ok(())

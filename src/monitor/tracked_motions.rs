@@ -4,7 +4,7 @@ use super::monitored_bodies::MonitoredBody;
 use crate::error::Error;
 use crate::id::BodyId;
 use crate::orientation::Orientation;
-use crate::trajectory::{Segment, Trajectory};
+use crate::trajectory::{StraightMotion, Trajectory};
 
 /// Changes of the bodies of one call. Their memory is reused.
 #[derive(Debug, Default)]
@@ -40,7 +40,7 @@ pub(super) struct TrackedMotion {
     /// From when on, s.
     pub(super) from: f64,
     /// Straight motion from then on.
-    pub(super) line: Segment,
+    pub(super) motion: StraightMotion,
     /// Orientation from then on, if it was given; then that of all time.
     pub(super) orientation: Option<Orientation>,
     pub(super) change: TrackedChange,
@@ -49,6 +49,8 @@ pub(super) struct TrackedMotion {
 /// The way in which a body comes to follow a straight motion.
 #[derive(Debug)]
 pub(super) enum TrackedChange {
+    /// None: it follows it already.
+    Same,
     /// Its plan is turned in place.
     Turn,
     /// The body takes another plan.

@@ -4,7 +4,7 @@ use super::arena::{ArenaRange, CubicArena};
 use super::body::Body;
 use crate::bounds::{CompactTrajectory, CompactView, DAabb, Line};
 use crate::error::Error;
-use crate::trajectory::{Extension, Segment, Trajectory};
+use crate::trajectory::{Extension, Segment, StraightMotion, Trajectory};
 use crate::window::Window;
 use std::sync::OnceLock;
 
@@ -21,17 +21,6 @@ pub(crate) struct MotionSummary {
 
 impl MotionSummary {
     fn of(trajectory: &Trajectory, lines: &mut [Line]) -> Self {
-        if let Some((segment, [first, last])) = trajectory.line() {
-            let position = segment.origin();
-            return Self {
-                extremes: DAabb {
-                    low: position,
-                    high: position,
-                },
-                path: 2.0 * segment.extent(),
-                compact: CompactTrajectory::of_line((first, last)),
-            };
-        }
         let (knots, segments) = (trajectory.cuts(), trajectory.cubics());
         let (compact, extremes) = CompactTrajectory::write(knots, segments, lines);
         let mut summary = Self {
@@ -72,13 +61,13 @@ impl Lines {
     /// Computes the summary of a trajectory on lines of an arena, in place of a previous one.
     fn shared(
         trajectory: &Trajectory,
-        before: Option<(MotionSummary, Self)>,
+        before: Option<ArenaRange>,
         arena: &mut CubicArena,
     ) -> (MotionSummary, Self) {
         let count = lines_for(trajectory);
         let range = match before {
-            Some((_, Self::Shared(range))) => arena.exchange(range, count),
-            _ => arena.take(count),
+            Some(range) => arena.exchange(range, count),
+            None => arena.take(count),
         };
         let summary = MotionSummary::of(trajectory, arena.at_mut(&range));
         (summary, Self::Shared(range))
@@ -87,33 +76,46 @@ impl Lines {
 
 /// Returns the number of lines of a trajectory's compact form.
 fn lines_for(trajectory: &Trajectory) -> usize {
-    match trajectory.line() {
-        Some(_) => 0,
-        None => CompactTrajectory::lines(trajectory.cuts().len(), trajectory.cubics().len()),
-    }
+    CompactTrajectory::lines(trajectory.cuts().len(), trajectory.cubics().len())
 }
 
 #[derive(Debug)]
 pub(crate) struct SceneEntry {
     pub(crate) body: Body,
-    summary: OnceLock<(MotionSummary, Lines)>,
+    /// The summary of a plan. Beside the record: straight motions need none.
+    summary: OnceLock<Box<(MotionSummary, Lines)>>,
 }
 
 impl SceneEntry {
     /// Returns the entry of a body in the scene with this arena.
     pub(super) fn new(body: Body, arena: &mut CubicArena) -> Self {
-        let summary = Lines::shared(&body.trajectory, None, arena).into();
-        Self { body, summary }
+        let mut entry = Self {
+            body,
+            summary: OnceLock::new(),
+        };
+        entry.sum_up(None, arena);
+        entry
     }
 
-    /// Returns the summary of the trajectory; computes it if needed.
+    /// Returns the approximate extremes of all segments, m; of straight motions, the first one's origin.
+    pub(crate) fn extremes(&self) -> DAabb {
+        match self.body.trajectory.straight_motions().first() {
+            Some(motion) => DAabb {
+                low: motion.origin(),
+                high: motion.origin(),
+            },
+            None => self.summary().extremes,
+        }
+    }
+
+    /// Returns the summary of a plan; computes it if needed.
     pub(crate) fn summary(&self) -> &MotionSummary {
         &self.cached().0
     }
 
     fn cached(&self) -> &(MotionSummary, Lines) {
         let trajectory = &self.body.trajectory;
-        self.summary.get_or_init(|| Lines::of(trajectory))
+        self.summary.get_or_init(|| Box::new(Lines::of(trajectory)))
     }
 
     /// Returns the compact trajectory; the arena is that of the body's scene.
@@ -135,7 +137,8 @@ impl SceneEntry {
             trajectory, tag, ..
         } = &self.body;
         let is_within = |ends: [f64; 2]| ends[0] < window.start() && window.end() < ends[1];
-        if !trajectory.goes_beyond() || trajectory.line().is_some_and(|(_, ends)| is_within(ends)) {
+        let straight = trajectory.straight();
+        if !trajectory.goes_beyond() || straight.is_some_and(|(_, ends)| is_within(ends)) {
             return Ok(None);
         }
         let followed = trajectory.domain().intersection(window);
@@ -152,26 +155,43 @@ impl SceneEntry {
         mut trajectory: Trajectory,
         arena: &mut CubicArena,
     ) -> Trajectory {
-        let summary = Lines::shared(&trajectory, self.summary.take(), arena);
-        self.swap(&mut trajectory, arena);
-        self.summary = summary.into();
+        let before = self.summary.take();
+        std::mem::swap(&mut self.body.trajectory, &mut trajectory);
+        self.sum_up(before, arena);
         trajectory
     }
 
+    /// Computes the summary of a plan, in place of a previous one.
+    fn sum_up(&mut self, before: Option<Box<(MotionSummary, Lines)>>, arena: &mut CubicArena) {
+        self.summary = before.map_or_else(OnceLock::new, OnceLock::from);
+        let trajectory = &self.body.trajectory;
+        if !trajectory.straight_motions().is_empty() {
+            self.forget_summary(arena);
+        } else if let Some(kept) = self.summary.get_mut() {
+            let range = match &mut kept.1 {
+                Lines::Shared(range) => Some(std::mem::take(range)),
+                Lines::Own(_) => None,
+            };
+            **kept = Lines::shared(trajectory, range, arena);
+        } else {
+            self.summary = Box::new(Lines::shared(trajectory, None, arena)).into();
+        }
+    }
+
     /// Gives the body a straight motion.
-    pub(super) fn follow_line(&mut self, line: &Segment, arena: &mut CubicArena) {
+    pub(super) fn follow_straight(&mut self, motion: &StraightMotion, arena: &mut CubicArena) {
         self.forget_summary(arena);
-        self.body.trajectory = Trajectory::of_line(*line);
+        self.body.trajectory = Trajectory::of_straight(*motion);
     }
 
     /// Turns the motion in place: see [`Trajectory::turn`].
     pub(super) fn turn(
         &mut self,
-        (from, line, since): (f64, &Segment, f64),
+        (from, motion, since): (f64, &StraightMotion, f64),
         arena: &mut CubicArena,
     ) -> &Trajectory {
         self.forget_summary(arena);
-        self.body.trajectory.turn(from, line, since);
+        self.body.trajectory.turn(from, motion, since);
         &self.body.trajectory
     }
 
@@ -190,25 +210,26 @@ impl SceneEntry {
 
     /// Copies the compact trajectory from the scene's old arena to the new one.
     pub(super) fn move_compact(&mut self, old: &CubicArena, arena: &mut CubicArena) {
-        if let Some((_, Lines::Shared(range))) = self.summary.get_mut() {
+        if let Some((_, Lines::Shared(range))) = self.summary.get_mut().map(|kept| &mut **kept) {
             *range = arena.take_copy(old, range);
         }
     }
 
     fn forget_summary(&mut self, arena: &mut CubicArena) {
-        if let Some((_, Lines::Shared(range))) = self.summary.take() {
+        if let Some((_, Lines::Shared(range))) = self.summary.take().map(|kept| *kept) {
             arena.give_back(range);
         }
     }
 
     /// Returns this entry for a copy of its scene.
     pub(super) fn copy(&self, arena: &CubicArena, copy: &mut CubicArena) -> Self {
-        let summary = self.summary.get().map(|(summary, lines)| {
+        let summary = self.summary.get().map(|kept| {
+            let (summary, lines) = &**kept;
             let lines = match lines {
                 Lines::Shared(range) => Lines::Shared(copy.take_copy(arena, range)),
                 Lines::Own(lines) => Lines::Own(lines.clone()),
             };
-            (*summary, lines)
+            Box::new((*summary, lines))
         });
         Self {
             body: self.body.clone(),

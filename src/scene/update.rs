@@ -4,7 +4,7 @@ use super::Scene;
 use crate::error::Error;
 use crate::id::BodyId;
 use crate::orientation::Orientation;
-use crate::trajectory::{Segment, State, Trajectory};
+use crate::trajectory::{State, StraightMotion, Trajectory};
 use glam::{DQuat, DVec3};
 
 /// The state of a body at one instant, as [`Scene::update`] and
@@ -74,8 +74,8 @@ impl BodyState {
     /// # Errors
     ///
     /// As [`Trajectory::coasting`].
-    pub(crate) fn line(&self) -> Result<Segment, Error> {
-        Trajectory::coasting_segment(&self.state)
+    pub(crate) fn motion(&self) -> Result<StraightMotion, Error> {
+        Trajectory::coasting_motion(&self.state)
     }
 }
 
@@ -124,13 +124,13 @@ impl Scene {
             let state: BodyState = state.into();
             let body = self.body(id).ok_or(Error::UnknownBody { id });
             let both = |tag| {
-                let line = state.line();
-                let both = line.and_then(|line| Ok((line, state.orientation()?)));
+                let motion = state.motion();
+                let both = motion.and_then(|motion| Ok((motion, state.orientation()?)));
                 both.map_err(|error: Error| error.in_body(tag))
             };
             match body.and_then(|body| both(body.tag)) {
-                Ok((line, orientation)) => {
-                    told.push((id, line));
+                Ok((motion, orientation)) => {
+                    told.push((id, motion));
                     turning.extend(orientation.map(|orientation| (id, orientation)));
                 }
                 Err(error) => {
@@ -142,12 +142,12 @@ impl Scene {
         if checked.is_ok() {
             /// Bodies that are fetched ahead.
             const AHEAD: usize = 8;
-            for (place, (id, line)) in told.iter().enumerate() {
+            for (place, (id, motion)) in told.iter().enumerate() {
                 if let Some((later, _)) = told.get(place + AHEAD) {
                     self.prefetch(later.slot);
                 }
                 let (entry, arena) = self.entry_mut(*id)?;
-                entry.follow_line(line, arena);
+                entry.follow_straight(motion, arena);
             }
             for (id, orientation) in turning {
                 drop(self.set_orientation(id, orientation)?);

@@ -22,13 +22,13 @@ use crate::query::Query;
 use crate::rounding::{seen_from, seen_until};
 use crate::scene::Scene;
 use crate::search::{
-    BodyLists, ListMemory, SceneStatistics, SliceTrials, TimeSlices, WindowSearch,
+    BodyLists, BoxedBodies, ListMemory, SceneStatistics, SliceTrials, TimeSlices, WindowSearch,
 };
 use crate::spans::{Spans, spans};
 use crate::stats::Stats;
 use crate::wall_clock::Instant;
 use crate::window::Window;
-use prepared::{Lists, PlaceAdmission, PreparedScene, clip_of, lone_view};
+use prepared::{BodiesInPlace, Lists, PlaceAdmission, PreparedScene, clip_of, lone_view};
 use solve::{SHARE_OF_SLICES, describe};
 
 /// The answer to a [`Query`].
@@ -219,8 +219,8 @@ impl PreparedScene<'_> {
         trials.cheapest(slices, traffic, sources)
     }
 
-    /// Returns all bodies and the slices; computed in parallel if there are many bodies.
-    fn prepared(
+    /// Returns all bodies in lists and the slices; computed in parallel if there are many bodies.
+    fn laid_out(
         &self,
         traffic: &SceneStatistics,
         memory: &mut ListMemory<CompactCubic>,
@@ -246,22 +246,58 @@ impl PreparedScene<'_> {
         filter: &F,
         progress: &(impl Fn(f64) + Sync),
     ) -> Result<Screening, Error> {
+        let mut screening = Screening {
+            conflicts: Vec::new(),
+            window: self.asked,
+            stats: Stats {
+                segments: self.survey.cubics as u64,
+                ..Stats::default()
+            },
+        };
         if self.ids.len() < 2 {
-            let (views, _) = self.views(&mut ListMemory::default());
-            return Ok(Screening {
-                conflicts: Vec::new(),
-                window: self.asked,
-                stats: counted(&views),
-            });
+            return Ok(screening);
         }
         let traffic = self.traffic();
+        if self.is_in_place() {
+            let slices = self.slices(&traffic, |places| self.sources(places));
+            let bodies = BodiesInPlace(self);
+            self.search(
+                &bodies,
+                (&slices, &traffic),
+                (method, filter),
+                progress,
+                &mut screening,
+            )?;
+            return Ok(screening);
+        }
         let mut memory = self.pool.take();
-        let ((views, sources), slices) = self.prepared(&traffic, &mut memory.lists);
+        let ((views, sources), slices) = self.laid_out(&traffic, &mut memory.lists);
+        let lists = BodyLists {
+            views: &views,
+            sources: &sources,
+        };
+        self.search(
+            &lists,
+            (&slices, &traffic),
+            (method, filter),
+            progress,
+            &mut screening,
+        )?;
+        memory.lists.put_back((views, sources));
+        Ok(screening)
+    }
+
+    /// Finds all conflicts and puts them into `screening`.
+    fn search<F: PairFilter>(
+        &self,
+        bodies: &(impl BoxedBodies + Copy),
+        cut: (&TimeSlices, &SceneStatistics),
+        (method, filter): (Method, &F),
+        progress: &(impl Fn(f64) + Sync),
+        screening: &mut Screening,
+    ) -> Result<(), Error> {
         let search = WindowSearch {
-            bodies: BodyLists {
-                views: &views,
-                sources: &sources,
-            },
+            bodies: *bodies,
             presence: &self.presence,
             frame: &self.frame,
             window: self.window,
@@ -271,10 +307,10 @@ impl PreparedScene<'_> {
             pool: self.pool,
             threads: parallel::threads(),
         };
-        let mut stats = counted(&views);
-        stats.slices = u64::from(slices.count());
+        let stats = &mut screening.stats;
+        stats.slices = u64::from(cut.0.count());
         let mut survivors = Vec::new();
-        let (cut, found) = ((&slices, &traffic), (&mut survivors, &mut stats));
+        let found = (&mut survivors, &mut *stats);
         let progress_of_slices = |share: f64| progress(SHARE_OF_SLICES * share);
         let progress_of_slices = &progress_of_slices;
         let done = match method {
@@ -303,25 +339,11 @@ impl PreparedScene<'_> {
         let limit = self.limits.spans;
         done.map_err(|_| Error::TooCrowded { limit })?;
         let begin = Instant::now();
-        let conflicts = self.solve(&views, &survivors, progress);
+        screening.conflicts = self.solve(bodies, &survivors, progress);
         stats.narrow_time += begin.elapsed();
         stats.survivors = survivors.len() as u64;
-        stats.conflicts = conflicts.len() as u64;
-        memory.lists.put_back((views, sources));
-        Ok(Screening {
-            conflicts,
-            window: self.asked,
-            stats,
-        })
-    }
-}
-
-/// Returns the statistics of the funnel's beginning.
-fn counted(views: &[BodyView<'_>]) -> Stats {
-    let segments = views.iter().map(|view| view.knots.cubics() as u64);
-    Stats {
-        segments: segments.sum(),
-        ..Stats::default()
+        stats.conflicts = screening.conflicts.len() as u64;
+        Ok(())
     }
 }
 

@@ -13,11 +13,16 @@ use crate::parallel;
 use crate::pool::Pool;
 use crate::query::Query;
 use crate::scene::{Body, CubicArena, IgnoredPairs, Scene, SceneEntry, can_reach, radius};
-use crate::search::{Lifetimes, Limits, ListMemory, SceneStatistics, SearchScratch};
+use crate::search::{
+    Bodies, BoxedBodies, Lifetimes, Limits, ListMemory, SceneStatistics, SearchScratch,
+    SlicesToForm,
+};
+use crate::simd::prefetch;
 use crate::spans::common_domain;
 use crate::trajectory::Extension;
 use crate::window::Window;
 use std::num::NonZeroU32;
+use std::slice::from_ref;
 
 /// Views and box sources of all bodies, by place.
 pub(super) type Lists<'a> = (Vec<BodyView<'a>>, Vec<CubicSource<'a, CompactCubic>>);
@@ -42,7 +47,7 @@ pub(super) struct PreparedScene<'a> {
     pub(super) pool: &'a Pool<SearchScratch>,
     arena: &'a CubicArena,
     pub(super) frame: MovingFrame,
-    survey: SceneSurvey,
+    pub(super) survey: SceneSurvey,
 }
 
 impl<'a> PreparedScene<'a> {
@@ -97,6 +102,7 @@ impl<'a> PreparedScene<'a> {
                 prepared.ids.clear();
                 prepared.entries.clear();
                 prepared.extensions.clear();
+                prepared.survey.cubics = 0;
             }
         }
         Ok(prepared)
@@ -110,27 +116,42 @@ impl<'a> PreparedScene<'a> {
         let count = self.entries.len();
         let (mut views, mut sources) = memory.take();
         let lists = (&mut views, &mut sources);
-        parallel::map_both(count, FEW, lists, |place| self.view(place, &frame));
+        parallel::map_both(count, FEW, lists, |place| self.prepare(place, &frame));
         (views, sources)
+    }
+
+    /// Returns true if most bodies are looked at where they lie: there is hardly anything to lay out.
+    pub(super) fn is_in_place(&self) -> bool {
+        /// Of plans, lists are read faster.
+        const SHARE: usize = 8;
+        SHARE * self.survey.planned < self.entries.len()
     }
 
     /// Returns the box sources of the bodies at some places.
     pub(super) fn sources(&self, places: &[usize]) -> Vec<CubicSource<'_, CompactCubic>> {
         let frame = self.frame;
-        let source = |&place: &usize| self.view(place, &frame).1;
+        let source = |&place: &usize| self.prepare(place, &frame).1;
         places.iter().map(source).collect()
     }
 
     #[inline]
-    fn view(&self, place: usize, frame: &Frame) -> (BodyView<'_>, CubicSource<'_, CompactCubic>) {
-        let entry = self.entries[place];
+    fn extension(&self, place: usize) -> Option<&Extension> {
         let of_place = |(other, _): &(usize, Extension)| other.cmp(&place);
         let extension = self.extensions.binary_search_by(of_place);
-        let extension = extension.ok().map(|number| &self.extensions[number].1);
+        extension.ok().map(|number| &self.extensions[number].1)
+    }
+
+    #[inline]
+    fn prepare(
+        &self,
+        place: usize,
+        frame: &Frame,
+    ) -> (BodyView<'_>, CubicSource<'_, CompactCubic>) {
+        let (entry, extension) = (self.entries[place], self.extension(place));
         let padding = Padding::of(entry.body.shape(), self.margin, frame);
-        if let Some((segment, _)) = entry.body.trajectory.line() {
+        if !entry.body.trajectory.straight_motions().is_empty() {
             let knots = Knots::over(&entry.body.trajectory, extension);
-            let source = CubicSource::straight((knots, segment), &padding, frame);
+            let source = CubicSource::straight(knots, &padding, frame);
             return (view_of(&entry.body, knots), source);
         }
         let compact_view = entry.compact_view(self.arena);
@@ -145,6 +166,33 @@ impl<'a> PreparedScene<'a> {
     /// Returns the statistics of motion in the window.
     pub(super) fn traffic(&self) -> SceneStatistics {
         self.survey.traffic()
+    }
+}
+
+/// Bodies by place, each looked at where it lies.
+#[derive(Clone, Copy)]
+pub(super) struct BodiesInPlace<'a>(pub(super) &'a PreparedScene<'a>);
+
+impl Bodies for BodiesInPlace<'_> {
+    #[inline]
+    fn view(&self, body: u32) -> BodyView<'_> {
+        let place = body as usize;
+        let body = &self.0.entries[place].body;
+        let knots = Knots::over(&body.trajectory, self.0.extension(place));
+        view_of(body, knots)
+    }
+
+    #[inline]
+    fn fetch(&self, body: u32) {
+        prefetch(from_ref(self.0.entries[body as usize]));
+    }
+}
+
+impl BoxedBodies for BodiesInPlace<'_> {
+    fn form(&self, slices: SlicesToForm<'_>) {
+        let frame = self.0.frame;
+        // They lie in the order of their places.
+        slices.form_in_place(|_| {}, |place| self.0.prepare(place as usize, &frame).1);
     }
 }
 

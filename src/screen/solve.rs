@@ -8,10 +8,9 @@ use crate::narrow_phase::{
     Approach, BodyView, CertifiedContact, Contact, Workspace, certified_contacts, contacts,
 };
 use crate::parallel;
-use crate::simd::prefetch;
+use crate::search::Bodies;
 use crate::spans::Span;
 use crate::spans::SpanKey;
-use std::slice::from_ref;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Buffers that one thread reuses from pair to pair.
@@ -35,7 +34,7 @@ impl PreparedScene<'_> {
     /// Returns the conflicts of the sorted survivors, in the order of reports.
     pub(super) fn solve(
         &self,
-        views: &[BodyView<'_>],
+        bodies: &impl Bodies,
         survivors: &[SpanKey],
         progress: &(impl Fn(f64) + Sync),
     ) -> Vec<Conflict> {
@@ -48,8 +47,8 @@ impl PreparedScene<'_> {
             let mut conflicts = Vec::new();
             let chunk = chunks[chunk];
             match self.accuracy {
-                Accuracy::Exact => self.exact(views, chunk, scratch, &mut conflicts),
-                Accuracy::Certified => self.certified(views, chunk, scratch, &mut conflicts),
+                Accuracy::Exact => self.exact(bodies, chunk, scratch, &mut conflicts),
+                Accuracy::Certified => self.certified(bodies, chunk, scratch, &mut conflicts),
             }
             let done = done_chunks.fetch_add(1, Ordering::Relaxed) + 1;
             if done < chunks.len() {
@@ -63,18 +62,18 @@ impl PreparedScene<'_> {
 
     fn exact(
         &self,
-        views: &[BodyView<'_>],
+        bodies: &impl Bodies,
         pairs: &[OfPair<'_>],
         scratch: &mut SolveScratch,
         conflicts: &mut Vec<Conflict>,
     ) {
         let found = &mut scratch.contacts;
         for number in 0..pairs.len() {
-            let Some(pair) = self.pair(views, pairs, number) else {
+            let Some(pair) = self.pair(bodies, pairs, number) else {
                 continue;
             };
             found.clear();
-            let (a, b) = pair.views;
+            let [a, b] = &pair.views;
             contacts(a, b, pair.spans(), self.margin, pair.clip, found);
             conflicts.extend(found.iter().map(|contact| pair.conflict(contact)));
         }
@@ -82,18 +81,18 @@ impl PreparedScene<'_> {
 
     fn certified(
         &self,
-        views: &[BodyView<'_>],
+        bodies: &impl Bodies,
         pairs: &[OfPair<'_>],
         scratch: &mut SolveScratch,
         conflicts: &mut Vec<Conflict>,
     ) {
         let (found, workspace) = (&mut scratch.certified, &mut scratch.workspace);
         for number in 0..pairs.len() {
-            let Some(pair) = self.pair(views, pairs, number) else {
+            let Some(pair) = self.pair(bodies, pairs, number) else {
                 continue;
             };
             found.clear();
-            let (a, b) = pair.views;
+            let [a, b] = &pair.views;
             certified_contacts(a, b, pair.spans(), self.margin, pair.clip, workspace, found);
             conflicts.extend(found.iter().map(|certified| Conflict {
                 certificate: Some(certified.certificate),
@@ -106,18 +105,19 @@ impl PreparedScene<'_> {
     /// within the window.
     fn pair<'p>(
         &self,
-        views: &'p [BodyView<'p>],
+        bodies: &'p impl Bodies,
         pairs: &[OfPair<'p>],
         number: usize,
     ) -> Option<PairTask<'p>> {
-        fetch(views, pairs, number);
+        fetch(bodies, pairs, number);
         let survivors = pairs[number];
-        let (place_a, place_b) = (survivors[0].a as usize, survivors[0].b as usize);
-        let pair = (&views[place_a], &views[place_b]);
+        let places = [survivors[0].a, survivors[0].b];
+        let views = places.map(|place| bodies.view(place));
+        let names = places.map(|place| place as usize);
         Some(PairTask {
-            names: [place_a, place_b].map(|place| (self.ids[place], self.entries[place].body.tag)),
-            views: pair,
-            clip: clip_of(pair.0, pair.1, self.window)?,
+            names: names.map(|place| (self.ids[place], self.entries[place].body.tag)),
+            views,
+            clip: clip_of(&views[0], &views[1], self.window)?,
             survivors,
         })
     }
@@ -129,22 +129,21 @@ fn ratio(done: usize, all: usize) -> f64 {
 }
 
 /// Prefetches the data of later pairs, which is scattered in memory.
-fn fetch(views: &[BodyView<'_>], pairs: &[OfPair<'_>], number: usize) {
+fn fetch(bodies: &impl Bodies, pairs: &[OfPair<'_>], number: usize) {
     /// Prefetch distance in pairs; bodies are prefetched twice as far ahead.
     const AHEAD: usize = 4;
     /// Spans prefetched of a pair: most have no more.
     const SPANS: usize = 4;
     if let Some(later) = pairs.get(number + 2 * AHEAD) {
         for place in [later[0].a, later[0].b] {
-            prefetch(from_ref(&views[place as usize]));
+            bodies.fetch_view(place);
         }
     }
     if let Some(later) = pairs.get(number + AHEAD) {
         for survivor in later.iter().take(SPANS) {
-            for (place, cubic) in survivor.cubics() {
-                let (view, cubic) = (&views[place as usize], cubic as usize);
-                view.knots.prefetch(cubic, 2);
-                view.prefetch(cubic);
+            for cubic in survivor.cubics() {
+                bodies.fetch_knots(cubic);
+                bodies.fetch_segment(cubic);
             }
         }
     }
@@ -177,21 +176,22 @@ fn in_order(found: &[Vec<Conflict>]) -> Vec<Conflict> {
 /// Two bodies with the spans in which they may be in contact.
 struct PairTask<'p> {
     names: [(BodyId, u64); 2],
-    views: (&'p BodyView<'p>, &'p BodyView<'p>),
+    views: [BodyView<'p>; 2],
     clip: (f64, f64),
     survivors: OfPair<'p>,
 }
 
 impl PairTask<'_> {
     fn spans(&self) -> impl Iterator<Item = Span> {
-        let (a, b) = self.views;
+        let [a, b] = &self.views;
         self.survivors
             .iter()
             .map(|survivor| survivor.span(&a.knots, &b.knots))
     }
 
     fn conflict(&self, contact: &Contact) -> Conflict {
-        conflict(contact, self.names, self.views, self.clip)
+        let [a, b] = &self.views;
+        conflict(contact, self.names, (a, b), self.clip)
     }
 }
 

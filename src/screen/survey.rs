@@ -1,9 +1,10 @@
 //! Scene-wide statistics, gathered in one pass over the bodies.
 
 use crate::bounds::{DAabb, Frame, MovingFrame, Padding};
+use crate::knots::Knots;
 use crate::scene::{Scene, SceneEntry};
 use crate::search::SceneStatistics;
-use crate::trajectory::{Extension, Segment};
+use crate::trajectory::{Extension, Segment, StraightMotion};
 use crate::window::Window;
 use glam::DVec3;
 
@@ -23,6 +24,10 @@ pub(super) struct SceneSurvey {
     traffic: SceneStatistics,
     /// Largest relevant distance from a body's position, m.
     pub(super) size: f64,
+    /// Number of cubics, pieces beyond the knots in the window included.
+    pub(super) cubics: usize,
+    /// Number of bodies that follow a plan, not straight motions.
+    pub(super) planned: usize,
 }
 
 impl SceneSurvey {
@@ -43,6 +48,8 @@ impl SceneSurvey {
                 reach: margin.max(0.0),
             },
             size: 0.0,
+            cubics: 0,
+            planned: 0,
         }
     }
 
@@ -54,11 +61,16 @@ impl SceneSurvey {
         has_partner: bool,
     ) {
         let body = &entry.body;
-        let own = match body.trajectory.line() {
-            Some((_, [first, last])) => (first, last),
-            None => entry.summary().compact.ends(),
+        let motions = body.trajectory.straight_motions();
+        let own = if motions.is_empty() {
+            entry.summary().compact.ends()
+        } else {
+            Knots::of(body.trajectory.cuts()).ends()
         };
         let (first, last) = extension.map_or(own, |extension| extension.domain);
+        let beyond = extension.map_or(0, |extension| extension.before + extension.after);
+        self.cubics += body.trajectory.cuts().len().saturating_sub(1) + beyond as usize;
+        self.planned += usize::from(motions.is_empty());
         if !has_partner {
             self.lives[place] = (f64::INFINITY, f64::NEG_INFINITY);
             return;
@@ -70,9 +82,11 @@ impl SceneSurvey {
         }
         let size = Padding::size(body.shape(), self.margin);
         self.size = self.size.max(size);
-        if let Some((segment, _)) = body.trajectory.line() {
-            self.count_line(segment, own);
-        } else {
+        let pieces = motions.iter().zip(body.trajectory.cuts().windows(2));
+        for (motion, ends) in pieces {
+            self.count_straight(motion, (ends[0], ends[1]));
+        }
+        if motions.is_empty() {
             let plan = entry.summary();
             self.extremes.include(plan.extremes);
             self.plans.include(plan.extremes);
@@ -92,13 +106,12 @@ impl SceneSurvey {
     }
 
     /// Includes the part of a straight motion that lies within the window and between two instants (s).
-    fn count_line(&mut self, segment: &Segment, (first, last): (f64, f64)) {
+    fn count_straight(&mut self, motion: &StraightMotion, (first, last): (f64, f64)) {
         let (from, to) = (first.max(self.window.start()), last.min(self.window.end()));
-        let velocity = segment.straight_velocity();
-        let at = |time: f64| segment.origin() + velocity * (time - segment.start());
+        let at = |time: f64| motion.origin() + motion.way_to(time);
         let mut extremes = DAabb {
-            low: segment.origin(),
-            high: segment.origin(),
+            low: motion.origin(),
+            high: motion.origin(),
         };
         self.plans.include(extremes);
         if from <= to {
@@ -108,7 +121,7 @@ impl SceneSurvey {
                     high: position,
                 });
             }
-            let path = velocity.length() * (to - from);
+            let path = motion.velocity().length() * (to - from);
             self.count((from, to), (path, 1));
         }
         self.extremes.include(extremes);
@@ -145,7 +158,7 @@ impl SceneSurvey {
     pub(super) fn frame(&self, scene: &Scene) -> MovingFrame {
         let window = (self.window.start(), self.window.end());
         let some = scene.sample(window);
-        let mut places: Vec<DVec3> = some.map(|one| one.summary().extremes.middle()).collect();
+        let mut places: Vec<DVec3> = some.map(|one| one.extremes().middle()).collect();
         let most = DAabb::of_middle_half(&mut places);
         Frame::amid(self.extremes, most, self.size).moving(scene.common_velocity(window))
     }

@@ -1,5 +1,6 @@
 //! The bodies of a search, under dense numbers.
 
+use super::form_slices::SlicesToForm;
 use crate::bounds::{BodyCubic, BoundingCubic, CubicSource, HullTest, hull_test};
 use crate::knots::Knots;
 use crate::narrow_phase::BodyView;
@@ -23,6 +24,11 @@ pub(crate) trait Bodies: Sync {
     /// Prefetches the record of a body.
     fn fetch(&self, _: u32) {}
 
+    /// Prefetches the data of its view.
+    fn fetch_view(&self, body: u32) {
+        self.fetch(body);
+    }
+
     /// Prefetches the knots of a body, from those of a cubic on.
     fn fetch_knots(&self, _: (u32, u32)) {}
 
@@ -30,6 +36,12 @@ pub(crate) trait Bodies: Sync {
     fn fetch_cubic(&self, _: (u32, u32)) {}
 
     fn fetch_segment(&self, _: (u32, u32)) {}
+}
+
+/// Bodies of which boxes can be formed.
+pub(crate) trait BoxedBodies: Bodies {
+    /// Forms the boxes and fat lines of some bodies in a few slices.
+    fn form(&self, slices: SlicesToForm<'_>);
 }
 
 /// Bodies in lists, by number.
@@ -109,6 +121,11 @@ impl<C: BoundingCubic + Sync> Bodies for BodyLists<'_, C> {
     }
 
     #[inline]
+    fn fetch_view(&self, body: u32) {
+        prefetch(from_ref(&self.views[body as usize]));
+    }
+
+    #[inline]
     fn fetch_knots(&self, (body, first): (u32, u32)) {
         /// Two cache lines.
         const KNOTS: usize = 16;
@@ -124,5 +141,11 @@ impl<C: BoundingCubic + Sync> Bodies for BodyLists<'_, C> {
     #[inline]
     fn fetch_segment(&self, (body, cubic): (u32, u32)) {
         self.views[body as usize].prefetch(cubic as usize);
+    }
+}
+
+impl<C: BoundingCubic + Sync> BoxedBodies for BodyLists<'_, C> {
+    fn form(&self, slices: SlicesToForm<'_>) {
+        slices.form_listed(self.sources);
     }
 }

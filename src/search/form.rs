@@ -7,7 +7,6 @@ use crate::bounds::{
 use crate::broad_phase::BodyBox;
 use crate::knots::Knots;
 use crate::simd::Task;
-use crate::trajectory::Segment;
 use parry3d::bounding_volume::Aabb;
 
 /// The bounds of one slice: a box and a fat line for each body that exists in it.
@@ -43,6 +42,22 @@ pub(crate) struct SliceBlock {
 impl SliceBlock {
     /// Largest number of slices in a block: each list may be as long as the longest.
     pub(crate) const SLICES: usize = 32;
+
+    /// Empties the first slices, and makes room for so many boxes in each.
+    pub(super) fn clear(&mut self, count: usize, room: usize) {
+        if self.slices.len() < count {
+            self.slices.resize_with(count, SliceBounds::default);
+        }
+        for slice in &mut self.slices[..count] {
+            slice.boxes.clear();
+            slice.fat_lines.clear();
+            slice.bodies.clear();
+            // At once: growing step by step would touch twice the memory.
+            slice.boxes.reserve(room);
+            slice.fat_lines.reserve(room);
+            slice.bodies.reserve(room);
+        }
+    }
 }
 
 /// Forms the boxes and fat lines of some slices (at most [`SliceBlock::SLICES`]).
@@ -79,19 +94,7 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
     fn form<const MOVES: bool>(mut self, period: impl Fn(f64, f64) -> SliceInterval<MOVES>) {
         let Self { ends, present, .. } = self;
         let count = ends.len() - 1;
-        if self.block.slices.len() < count {
-            self.block.slices.resize_with(count, SliceBounds::default);
-        }
-        let slices = &mut self.block.slices[..count];
-        for slice in &mut *slices {
-            slice.boxes.clear();
-            slice.fat_lines.clear();
-            slice.bodies.clear();
-            // At once: growing step by step would touch twice the memory.
-            slice.boxes.reserve(present.len());
-            slice.fat_lines.reserve(present.len());
-            slice.bodies.reserve(present.len());
-        }
+        self.block.clear(count, present.len());
         let mut periods = [period(0.0, 0.0); SliceBlock::SLICES];
         for (place, ends) in periods.iter_mut().zip(ends.windows(2)) {
             *place = period(ends[0], ends[1]);
@@ -111,8 +114,11 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
             }
             let piece = self.block.pieces[body] as usize;
             let slices = &mut self.block.slices[..count];
-            if let Some(segment) = source.straight_over(ends_of(periods)) {
-                go_straight((source, segment), place, periods, slices);
+            if let Some(pieces) = source.straight_over(ends_of(periods)) {
+                for (slice, period) in slices.iter_mut().zip(periods) {
+                    let (bounds, first) = pieces.bounds(period);
+                    slice.push(place, bounds.finish(&source.placement, short(first)));
+                }
                 continue;
             }
             let end = if source.knots.are_extended() {
@@ -249,25 +255,6 @@ fn cubic_at<const EXTENDED: bool>(knots: &Knots<'_>, time: f64, number: usize) -
     }
     let passed = rest.iter().take_while(|&&knot| knot <= time).count();
     knots.len() - 2 - rest.len() + passed
-}
-
-/// Appends the box and the fat line of a body that moves straight to each slice.
-#[inline(always)]
-fn go_straight<C: BoundingCubic, const MOVES: bool>(
-    (source, segment): (&CubicSource<'_, C>, &Segment),
-    body: u32,
-    periods: &[SliceInterval<MOVES>],
-    slices: &mut [SliceBounds],
-) {
-    for (slice, period) in slices.iter_mut().zip(periods) {
-        let piece = source.straight_piece(segment, (period.from, period.to));
-        let builder = if piece.fills(period) {
-            BoundsBuilder::alone(&piece, period)
-        } else {
-            BoundsBuilder::between(&piece, &piece, period)
-        };
-        slice.push(body, builder.finish(&source.placement, 0));
-    }
 }
 
 /// The walk of one body through the slices of a block.

@@ -7,6 +7,7 @@
 
 mod bodies;
 mod form;
+mod form_slices;
 mod limits;
 mod presence;
 mod refine;
@@ -16,10 +17,11 @@ mod slices;
 mod sort;
 mod window;
 
-pub(crate) use bodies::{Bodies, BodyLists, ListMemory};
+pub(crate) use bodies::{Bodies, BodyLists, BoxedBodies, ListMemory};
 #[cfg(test)]
 pub(crate) use form::SliceBounds;
 pub(crate) use form::{FormBounds, SliceBlock};
+pub(crate) use form_slices::{BATCH, PLACES, SlicesToForm};
 pub(crate) use limits::{LimitExceeded, Limits};
 pub(crate) use presence::Lifetimes;
 pub(crate) use refine::{CandidateRefiner, RefineContext};

@@ -19,6 +19,8 @@ pub(crate) struct SearchScratch {
     /// Places of the bodies that exist in the block.
     pub(crate) present: Vec<u32>,
     pub(crate) block: SliceBlock,
+    /// The boxes of a few bodies in the block, for each share of the work.
+    pub(crate) batches: Vec<SliceBlock>,
     pub(crate) candidates: Vec<Candidate>,
     /// Number of candidates of each slice.
     pub(crate) counts: Vec<usize>,
@@ -43,7 +45,7 @@ mod tests {
     fn sizes_are_as_documented() {
         assert_eq!(size_of::<Segment>(), 128);
         assert_eq!(size_of::<CompactCubic>(), 64);
-        assert_eq!(size_of::<SceneEntry>(), 384);
+        assert_eq!(size_of::<SceneEntry>(), 168);
         assert_eq!(size_of::<CubicRun>(), 64);
         let line = size_of::<BodyView<'_>>() + size_of::<CubicSource<'_, CompactCubic>>();
         let line = line + size_of::<(f64, f64)>();

@@ -1,11 +1,12 @@
 //! Search of a whole window: boxes, candidates, and the spans that cheap tests leave.
 
-use super::form::{FormBounds, SliceBlock, SliceBounds, short};
+use super::form::{SliceBlock, SliceBounds, short};
+use super::form_slices::SlicesToForm;
 use super::{
-    BodyLists, Lifetimes, LimitExceeded, Limits, RefineContext, SceneStatistics, SearchScratch,
+    BoxedBodies, Lifetimes, LimitExceeded, Limits, RefineContext, SceneStatistics, SearchScratch,
     TimeSlices,
 };
-use crate::bounds::{BoundingCubic, MovingFrame};
+use crate::bounds::MovingFrame;
 use crate::broad_phase::{BroadPhase, Candidate, CandidateLimit, PairFilter, mean_size};
 use crate::parallel;
 use crate::pool::Pool;
@@ -17,10 +18,10 @@ use crate::window::Window;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
-/// Bodies in lists, with the query about them in a window.
+/// Bodies, with the query about them in a window.
 #[derive(Debug)]
-pub(crate) struct WindowSearch<'a, C> {
-    pub(crate) bodies: BodyLists<'a, C>,
+pub(crate) struct WindowSearch<'a, B> {
+    pub(crate) bodies: B,
     pub(crate) presence: &'a Lifetimes,
     pub(crate) frame: &'a MovingFrame,
     pub(crate) window: Window,
@@ -32,7 +33,7 @@ pub(crate) struct WindowSearch<'a, C> {
     pub(crate) threads: usize,
 }
 
-impl<C: BoundingCubic + Sync> WindowSearch<'_, C> {
+impl<S: BoxedBodies> WindowSearch<'_, S> {
     /// Appends every span in which a pair may be in contact within some slices to `found`, then
     /// sorts it and removes duplicates. `progress` gets the share of slices done. If the filter
     /// gives up, spans may be missing.
@@ -48,7 +49,7 @@ impl<C: BoundingCubic + Sync> WindowSearch<'_, C> {
         progress: &(impl Fn(f64) + Sync),
         (found, stats): (&mut Vec<SpanKey>, &mut Stats),
     ) -> Result<(), LimitExceeded> {
-        let bodies = self.bodies.views.len();
+        let bodies = self.presence.len();
         let blocks = SliceBlocks::of(slices, traffic, (bodies, self.threads));
         let done_blocks = AtomicU32::new(0);
         let is_exceeded = AtomicBool::new(false);
@@ -114,7 +115,7 @@ impl<C: BoundingCubic + Sync> WindowSearch<'_, C> {
             .list((ends[0], ends[ends.len() - 1]), &mut scratch.present);
         // Taken out meanwhile, so that the method can be borrowed beside them.
         let mut block = std::mem::take(&mut scratch.block);
-        self.form(&ends, &scratch.present, &mut block);
+        self.form(&ends, &scratch.present, (&mut block, &mut scratch.batches));
         scratch.ends = ends;
         stats.bounds_time += begin.elapsed();
         let mut candidates = std::mem::take(&mut scratch.candidates);
@@ -159,19 +160,26 @@ impl<C: BoundingCubic + Sync> WindowSearch<'_, C> {
         let begin = Instant::now();
         if scratch.found.len() > FEW_FOUND {
             let SearchScratch { sorter, found, .. } = scratch;
-            sorter.sort_and_dedup(found, self.bodies.views.len());
+            sorter.sort_and_dedup(found, self.presence.len());
         }
         stats.narrow_time += begin.elapsed();
         Ok(stats)
     }
 
-    fn form(&self, ends: &[f64], present: &[u32], block: &mut SliceBlock) {
-        self.instructions.run(FormBounds {
+    fn form(
+        &self,
+        ends: &[f64],
+        present: &[u32],
+        (block, batches): (&mut SliceBlock, &mut Vec<SliceBlock>),
+    ) {
+        self.bodies.form(SlicesToForm {
             block,
+            batches,
             frame: self.frame,
-            sources: self.bodies.sources,
             present,
             ends,
+            instructions: self.instructions,
+            threads: self.threads,
         });
     }
 
@@ -210,7 +218,7 @@ impl<C: BoundingCubic + Sync> WindowSearch<'_, C> {
         }
         if found.len() > self.limits.spans {
             // A span that lasts for several slices is found in each.
-            sorter.sort_and_dedup(found, self.bodies.views.len());
+            sorter.sort_and_dedup(found, self.presence.len());
             self.limits.check(found.len())?;
         }
         Ok(looked_at)
@@ -242,7 +250,8 @@ impl<C: BoundingCubic + Sync> WindowSearch<'_, C> {
         let middle = 0.5 * from + 0.5 * to;
         let mut halves = SliceBlock::default();
         if from < middle && middle < to {
-            self.form(&[from, middle, to], &slice.bodies, &mut halves);
+            let memory = (&mut halves, &mut scratch.batches);
+            self.form(&[from, middle, to], &slice.bodies, memory);
         }
         let whole = Size::of(slice);
         let sizes = halves.slices.iter().map(Size::of);

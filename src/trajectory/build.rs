@@ -3,7 +3,8 @@
 use super::cuts::DoublingCuts;
 use super::double_double::DoubleDouble;
 use super::roomy::Roomy;
-use super::{Form, Outside, Plan, Segment, State, StraightMotion, Trajectory, bend};
+use super::straight::StraightMotion;
+use super::{Form, Outside, Plan, Segment, State, Trajectory, bend};
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
 use crate::rounding::{UNIT_ROUNDOFF, largest_norm, norm, one_zero};
 use glam::DVec3;
@@ -222,7 +223,8 @@ impl Trajectory {
         // It lasts as long as times go, so that a window however long needs one piece, or two.
         let state = State::new(0.0, position, DVec3::ZERO);
         check_states(&[state])?;
-        Ok(Self::of_line(Segment::line(&state, MAX_MAGNITUDE, 0.0, 0)?))
+        let motion = StraightMotion::through(&state, MAX_MAGNITUDE)?;
+        Ok(Self::of_straight(motion))
     }
 
     /// Builds a body that keeps its velocity for all time: dead reckoning from one state, such as
@@ -251,28 +253,28 @@ impl Trajectory {
     /// [`Error::NotFinite`] and [`Error::OutOfRange`] if the state is not usable, or moves farther
     /// than 1e300 m in 6 s.
     pub fn coasting(state: State) -> Result<Self, Error> {
-        Ok(Self::of_line(Self::coasting_segment(&state)?))
+        Ok(Self::of_straight(Self::coasting_motion(&state)?))
     }
 
-    /// Returns the cubic of a [coasting](Self::coasting) body.
+    /// Returns the motion of a [coasting](Self::coasting) body.
     ///
     /// # Errors
     ///
     /// As [`coasting`](Self::coasting).
-    pub(crate) fn coasting_segment(state: &State) -> Result<Segment, Error> {
-        /// Seconds. Many lookaheads long, so that one or two pieces suffice; not longer, since
-        /// boxes are only as good as f32 resolves the distance covered in that time.
-        const DURATION: f64 = 6.0;
+    pub(crate) fn coasting_motion(state: &State) -> Result<StraightMotion, Error> {
+        if let Some(motion) = StraightMotion::through_ordinary(state) {
+            return Ok(motion);
+        }
         check_states(from_ref(state))?;
-        Segment::line(state, DURATION, 0.0, 0)
+        StraightMotion::through(state, StraightMotion::DURATION)
     }
 
-    /// The motion that goes on from the start of a cubic, before and after.
-    pub(crate) fn of_line(segment: Segment) -> Self {
-        let (knot, duration) = (segment.start(), segment.end() - segment.start());
+    /// Returns the trajectory of a body that moves so, before and after.
+    pub(crate) fn of_straight(motion: StraightMotion) -> Self {
+        let (knot, duration) = (motion.start(), motion.duration());
         let ends = [-duration, duration].map(|step| DoublingCuts::cut(knot, step, 1));
         Self {
-            form: Form::Straight(StraightMotion { segment, ends }),
+            form: Form::Straight(motion, ends),
         }
     }
 }

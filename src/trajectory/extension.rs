@@ -6,6 +6,8 @@
 //! never on a window. So an encounter there has the same bits whatever the window, and any window
 //! needs only a few dozen pieces. Pieces and cuts are computed from their numbers, not stored.
 
+#[cfg(test)]
+use super::StraightMotion;
 use super::cuts::DoublingCuts;
 use super::reach::check_reach;
 use super::{Outside, Segment, Trajectory};
@@ -35,7 +37,7 @@ impl Trajectory {
 
     /// Returns the cubic that the body follows before its first knot.
     pub(crate) fn segment_before(&self) -> Segment {
-        let end = *self.carriers()[0];
+        let end = self.carrier_before();
         match (self.outside_before(), self.cubics().first()) {
             // Of what was before the knots that are left nothing is known.
             (Outside::Extrapolate, Some(first)) if end.start() < self.cuts()[0] => *first,
@@ -46,7 +48,7 @@ impl Trajectory {
 
     /// Returns the cubic that the body follows after its last knot.
     pub(crate) fn segment_after(&self) -> Segment {
-        let end = *self.carriers()[1];
+        let end = self.carrier_after();
         match self.outside_after() {
             Outside::Extrapolate => end.extended(),
             _ => end.straight(),
@@ -73,13 +75,15 @@ impl Trajectory {
     /// [`Error::OutOfRange`] where an extrapolated cubic leaves the range of numbers served;
     /// [`Error::TooFar`].
     pub(crate) fn extension(&self, window: Window) -> Result<Option<Extension>, Error> {
-        if !self.goes_beyond() {
+        let planned = self.planned();
+        let is_own = planned.start() < window.start() && window.end() < planned.end();
+        if is_own || !self.goes_beyond() {
             return Ok(None);
         }
         let mut extension = Extension {
             before: 0,
             after: 0,
-            domain: (self.planned().start(), self.planned().end()),
+            domain: (planned.start(), planned.end()),
         };
         let before = self.cuts_before(window.start());
         for (cut, number) in before.zip(1..) {
@@ -133,7 +137,7 @@ impl Trajectory {
     fn cuts_after(&self, end: f64) -> DoublingCuts {
         let last = self.planned().end();
         // Without a cubic of its own a body goes on beyond its knot, whatever the window.
-        if self.outside_after() == Outside::Absent || !(self.cubics().is_empty() || end >= last) {
+        if self.outside_after() == Outside::Absent || !(self.cuts().len() < 2 || end >= last) {
             return DoublingCuts::NONE;
         }
         let until = end.max(last).next_up().min(f64::MAX);
@@ -143,25 +147,30 @@ impl Trajectory {
 
     /// Returns the duration of the first piece before the knots, negative, s.
     fn step_before(&self) -> f64 {
-        let end = self.carriers()[0];
+        let end = self.carrier_before();
         let segment = match (self.outside_before(), self.cubics().first()) {
             (Outside::Extrapolate, Some(first)) if end.start() < self.cuts()[0] => first,
-            _ => end,
+            _ => &end,
         };
         segment.start() - segment.end()
     }
 
     /// Returns the duration of the first piece after the knots, s.
     fn step_after(&self) -> f64 {
-        let end = self.carriers()[1];
-        end.end() - end.start()
+        match self.straight_motions().last() {
+            Some(motion) => motion.duration(),
+            None => {
+                let end = self.carrier_after();
+                end.end() - end.start()
+            }
+        }
     }
 
     /// Returns the knot that the cuts before the motion's own cubics are counted from (s), and the number of
     /// the one at which these begin.
     fn knot_before(&self) -> (f64, u32) {
-        match self.line() {
-            Some((segment, _)) => (segment.start(), 1),
+        match self.straight() {
+            Some((motion, _)) => (motion.start(), 1),
             None => (self.planned().start(), 0),
         }
     }
@@ -169,8 +178,8 @@ impl Trajectory {
     /// Returns the knot that the cuts after the motion's own cubics are counted from (s), and the number of
     /// the one at which these end.
     fn knot_after(&self) -> (f64, u32) {
-        match self.line() {
-            Some((segment, _)) => (segment.start(), 1),
+        match self.straight() {
+            Some((motion, _)) => (motion.start(), 1),
             None => match (self.cuts(), self.knots()) {
                 (cuts, [.., last]) if cuts.len() > self.knots().len() => (*last, 1),
                 _ => (self.planned().end(), 0),
@@ -197,7 +206,7 @@ impl Pieces {
         let own = knots.len();
         knots.extend(plan.cuts_after(window.end()));
         let mut segments = vec![plan.segment_before(); before];
-        segments.extend_from_slice(plan.cubics());
+        segments.extend(Self::own(plan).segments);
         segments.resize(segments.len() + knots.len() - own, plan.segment_after());
         Self { knots, segments }
     }
@@ -206,7 +215,10 @@ impl Pieces {
     pub(crate) fn own(plan: &Trajectory) -> Self {
         Self {
             knots: plan.cuts().to_vec(),
-            segments: plan.cubics().to_vec(),
+            segments: match plan.straight_motions() {
+                [] => plan.cubics().to_vec(),
+                motions => motions.iter().map(StraightMotion::segment).collect(),
+            },
         }
     }
 }

@@ -13,6 +13,8 @@ mod segment;
 mod serial;
 mod splice;
 mod state;
+mod straight;
+mod turned;
 
 pub use build::TimeBase;
 #[cfg(test)]
@@ -23,6 +25,7 @@ pub(crate) use extension::Pieces;
 pub(crate) use segment::Restriction;
 pub use segment::Segment;
 pub use state::State;
+pub(crate) use straight::StraightMotion;
 
 use crate::window::Window;
 use cuts::DoublingCuts;
@@ -30,6 +33,7 @@ use glam::DVec3;
 use reach::check_reach;
 use roomy::Roomy;
 use std::slice::from_ref;
+use turned::TurnedMotion;
 
 /// The motion of one body: cubic segments between knots, and a rule for the time outside them.
 ///
@@ -55,24 +59,17 @@ pub struct Trajectory {
     form: Form,
 }
 
-/// The two forms of a trajectory.
+/// The forms of a trajectory.
 #[derive(Clone, Debug)]
 enum Form {
-    /// Straight motion for all time, from one state.
-    Straight(StraightMotion),
+    /// Straight motion for all time, from one state. It takes no memory beside this.
+    ///
+    /// One cubic serves from its duration before the state to its duration after it: between these two instants
+    /// (s). Farther away the motion is cut into [pieces](extension), as beyond the knots of a plan.
+    Straight(StraightMotion, [f64; 2]),
+    /// A few straight motions, one after another.
+    Turned(Box<TurnedMotion>),
     Plan(Plan),
-}
-
-/// Straight motion for all time. It takes no memory beside this.
-///
-/// One cubic serves from its duration before the state to its duration after it. Farther away the motion is
-/// cut into [pieces](extension), as beyond the knots of a plan.
-#[derive(Clone, Debug)]
-struct StraightMotion {
-    /// Begins at the state.
-    segment: Segment,
-    /// First and last instant of the cubic, s.
-    ends: [f64; 2],
 }
 
 /// Cubics between knots.
@@ -128,7 +125,8 @@ impl PartialEq for Trajectory {
         let rules = |plan: &Self| (plan.outside_before(), plan.outside_after());
         self.knots() == other.knots()
             && self.segments() == other.segments()
-            && self.carriers() == other.carriers()
+            && self.carrier_before() == other.carrier_before()
+            && self.carrier_after() == other.carrier_after()
             && rules(self) == rules(other)
     }
 }
@@ -183,9 +181,8 @@ impl Trajectory {
     /// it keeps its motion for all time.
     #[must_use]
     pub fn with_outside(mut self, outside: Outside) -> Self {
-        if let Form::Plan(plan) = &mut self.form
-            && !plan.segments().is_empty()
-        {
+        if self.knots().len() > 1 {
+            let plan = self.as_plan();
             plan.drop_piece_after();
             (plan.before, plan.after) = (outside, outside);
         }
@@ -196,7 +193,8 @@ impl Trajectory {
     #[must_use]
     pub const fn outside_before(&self) -> Outside {
         match &self.form {
-            Form::Straight(_) => Outside::Coast,
+            Form::Straight(..) => Outside::Coast,
+            Form::Turned(turned) => turned.before(),
             Form::Plan(plan) => plan.before,
         }
     }
@@ -207,7 +205,7 @@ impl Trajectory {
     #[must_use]
     pub const fn outside_after(&self) -> Outside {
         match &self.form {
-            Form::Straight(_) => Outside::Coast,
+            Form::Straight(..) | Form::Turned(_) => Outside::Coast,
             Form::Plan(plan) => plan.after,
         }
     }
@@ -217,11 +215,11 @@ impl Trajectory {
         self.outside_before() != Outside::Absent || self.outside_after() != Outside::Absent
     }
 
-    /// Returns the cubic of a straight motion from one state, and where that begins and ends (s).
-    pub(crate) const fn line(&self) -> Option<(&Segment, [f64; 2])> {
+    /// Returns the straight motion from one state that this is, and where its cubic begins and ends (s).
+    pub(crate) const fn straight(&self) -> Option<(&StraightMotion, [f64; 2])> {
         match &self.form {
-            Form::Straight(line) => Some((&line.segment, line.ends)),
-            Form::Plan(_) => None,
+            Form::Straight(motion, ends) => Some((motion, *ends)),
+            Form::Turned(_) | Form::Plan(_) => None,
         }
     }
 
@@ -229,27 +227,45 @@ impl Trajectory {
     /// a straight motion from a state begins and ends.
     pub(crate) fn cuts(&self) -> &[f64] {
         match &self.form {
-            Form::Straight(line) => &line.ends,
+            Form::Straight(_, ends) => ends,
+            Form::Turned(turned) => turned.cuts(),
             Form::Plan(plan) => &plan.knots,
         }
     }
 
-    /// Returns the cubics between the [cuts](Self::cuts).
+    /// Returns the cubics of a plan between the [cuts](Self::cuts); none if there are
+    /// [straight motions](Self::straight_motions).
     pub(crate) fn cubics(&self) -> &[Segment] {
         match &self.form {
-            Form::Straight(line) => from_ref(&line.segment),
+            Form::Straight(..) | Form::Turned(_) => &[],
             Form::Plan(plan) => &plan.segments,
         }
     }
 
-    /// Returns what follows from the first and from the last state: straight motion before and after.
-    fn carriers(&self) -> [&Segment; 2] {
+    /// Returns the straight motions between the [cuts](Self::cuts); none of a plan.
+    pub(crate) fn straight_motions(&self) -> &[StraightMotion] {
         match &self.form {
-            Form::Straight(line) => [&line.segment; 2],
-            Form::Plan(plan) => {
-                let ends = plan.segments.beside();
-                [&ends[0], &ends[1]]
-            }
+            Form::Straight(motion, _) => from_ref(motion),
+            Form::Turned(turned) => turned.motions(),
+            Form::Plan(_) => &[],
+        }
+    }
+
+    /// Returns what follows from the first state: straight motion before it.
+    fn carrier_before(&self) -> Segment {
+        match &self.form {
+            Form::Straight(motion, _) => motion.segment(),
+            Form::Turned(turned) => turned.motions()[0].segment(),
+            Form::Plan(plan) => plan.segments.beside()[0],
+        }
+    }
+
+    /// Returns what follows from the last state: straight motion after it.
+    fn carrier_after(&self) -> Segment {
+        match &self.form {
+            Form::Straight(motion, _) => motion.segment(),
+            Form::Turned(turned) => turned.last().segment(),
+            Form::Plan(plan) => plan.segments.beside()[1],
         }
     }
 
@@ -257,7 +273,8 @@ impl Trajectory {
     #[must_use]
     pub fn knots(&self) -> &[f64] {
         match &self.form {
-            Form::Straight(line) => from_ref(line.segment.start_ref()),
+            Form::Straight(motion, _) => from_ref(motion.start_ref()),
+            Form::Turned(turned) => turned.knots(),
             Form::Plan(plan) => plan.knots(),
         }
     }
@@ -267,7 +284,8 @@ impl Trajectory {
     #[must_use]
     pub fn segments(&self) -> &[Segment] {
         match &self.form {
-            Form::Straight(_) => &[],
+            Form::Straight(..) => &[],
+            Form::Turned(turned) => turned.segments(),
             Form::Plan(plan) => plan.segments(),
         }
     }
@@ -345,20 +363,22 @@ impl Trajectory {
 
     /// Returns position, velocity and acceleration on the cubic that the body follows at `time`.
     fn followed_at(&self, time: f64) -> (DVec3, DVec3, DVec3) {
-        let plan = match &self.form {
-            Form::Straight(line) => return line.segment.motion_at(time),
-            Form::Plan(plan) => plan,
-        };
-        let after = plan.knots().partition_point(|&knot| knot <= time);
+        let knots = self.knots();
+        let after = knots.partition_point(|&knot| knot <= time);
         if after == 0 {
             return self.segment_before().motion_at(time);
         }
-        if after < plan.knots().len() {
-            return plan.segments()[after - 1].motion_at(time);
+        let motions = self.straight_motions();
+        if !motions.is_empty() {
+            return motions[after - 1].segment().motion_at(time);
         }
-        match plan.segments().last() {
+        let segments = self.segments();
+        if after < knots.len() {
+            return segments[after - 1].motion_at(time);
+        }
+        match segments.last() {
             // It is at its last knot, where it ceases to exist.
-            Some(last) if plan.after == Outside::Absent => last.motion_at(time),
+            Some(last) if self.outside_after() == Outside::Absent => last.motion_at(time),
             _ => self.segment_after().motion_at(time),
         }
     }

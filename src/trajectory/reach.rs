@@ -1,6 +1,7 @@
 //! Limits to which a cubic is followed beyond its knots.
 
 use super::segment::Segment;
+use super::straight::StraightMotion;
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
 
 /// Checks that a cubic can be followed between two instants (s) beyond knot number `knot`.
@@ -33,4 +34,20 @@ pub(super) fn check_reach(
         });
     }
     Ok(())
+}
+
+/// Checks the same of a straight motion.
+///
+/// # Errors
+///
+/// As [`check_reach`].
+pub(super) fn check_straight(
+    motion: &StraightMotion,
+    (from, to): (f64, f64),
+    knot: usize,
+) -> Result<(), Error> {
+    if motion.is_near(from, to) {
+        return Ok(());
+    }
+    check_reach(&motion.segment(), (from, to), knot)
 }

@@ -71,11 +71,16 @@ impl Segment {
             .max(2.0 * f64::EPSILON * state.time.abs())
             .max(f64::MIN_POSITIVE / f64::EPSILON);
         let third = 1.0 / normalising_power(third.min(MAX_MAGNITUDE));
-        let end = state.time + 3.0 * third;
-        // The parameter runs between the two as they are: beyond a power of two the end was rounded.
+        Self::through(state, state.time + 3.0 * third, error).checked(knot)
+    }
+
+    /// Returns straight motion through a state, with a duration up to `end` (s) as [`line`](Self::line) rounds it.
+    pub(super) fn through(state: &State, end: f64, error: f64) -> Self {
+        // The parameter runs between the two as they are: beyond a power of two the end was rounded, and the
+        // third is not exact.
         let duration = end - state.time;
-        let is_exact = (duration - 3.0 * third).abs() <= 0.0;
-        let third = if is_exact { third } else { duration / 3.0 };
+        let third = duration / 3.0;
+        let is_exact = is_power_of_two(third) && (duration - 3.0 * third).abs() <= 0.0;
         let step = state.velocity * third;
         let extent = norm(3.0 * step) * (1.0 + 8.0 * UNIT_ROUNDOFF);
         Self {
@@ -91,7 +96,6 @@ impl Segment {
                 -(error + 4.0 * UNIT_ROUNDOFF * extent)
             },
         }
-        .checked(knot)
     }
 
     /// Adds the quadratic and cubic coefficient of a cubic through the same state, in units of
@@ -201,11 +205,6 @@ impl Segment {
     #[must_use]
     pub const fn start(&self) -> f64 {
         self.start
-    }
-
-    /// Returns a reference to the time of the first knot, s: a list of one knot.
-    pub(super) const fn start_ref(&self) -> &f64 {
-        &self.start
     }
 
     /// Returns the time of the second knot, s.
@@ -358,9 +357,14 @@ impl Segment {
     }
 
     /// Returns the velocity of a straight motion, m/s.
-    pub(crate) fn straight_velocity(&self) -> DVec3 {
-        3.0 * self.control_points[0] / (self.end - self.start)
+    pub(super) fn straight_velocity(&self) -> DVec3 {
+        self.control_points[0] / ((self.end - self.start) / 3.0)
     }
+}
+
+/// Returns true for a normal power of two.
+fn is_power_of_two(number: f64) -> bool {
+    number.is_normal() && number.to_bits().trailing_zeros() >= f64::MANTISSA_DIGITS - 1
 }
 
 /// Returns the coefficients of s, s², s³ of the cubic with Bézier points 0, first, second, third.

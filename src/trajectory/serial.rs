@@ -3,7 +3,7 @@
 use super::build::{check_number, check_times};
 use super::reach::check_reach;
 use super::roomy::Roomy;
-use super::{Form, Outside, Plan, Segment, Trajectory};
+use super::{Form, Outside, Plan, Segment, StraightMotion, Trajectory};
 use crate::error::{Error, Quantity};
 use crate::rounding::{largest_norm, one_zero};
 use glam::DVec3;
@@ -26,7 +26,8 @@ impl From<Trajectory> for Numbers {
         Self {
             knots: trajectory.knots().to_vec(),
             segments: trajectory.segments().iter().map(Segment::numbers).collect(),
-            ends: trajectory.carriers().map(Segment::numbers),
+            ends: [trajectory.carrier_before(), trajectory.carrier_after()]
+                .map(|end| end.numbers()),
             outside: [trajectory.outside_before(), trajectory.outside_after()],
         }
     }
@@ -78,8 +79,8 @@ impl TryFrom<Numbers> for Trajectory {
             && ends[0] == ends[1]
             && ends[0] == ends[0].straight()
             && ends[0].start().total_cmp(&knots[0]).is_eq();
-        if is_line {
-            return Ok(Self::of_line(ends[0]));
+        if let Some(motion) = StraightMotion::of(&ends[0]).filter(|_| is_line) {
+            return Ok(Self::of_straight(motion));
         }
         Ok(Self {
             form: Form::Plan(Plan {

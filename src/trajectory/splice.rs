@@ -1,9 +1,10 @@
 //! Changes of a plan in flight: the part already flown stays, bit for bit.
 
 use super::cuts::DoublingCuts;
-use super::reach::check_reach;
+use super::reach::{check_reach, check_straight};
 use super::roomy::Roomy;
-use super::{Form, Outside, Plan, Segment, Trajectory};
+use super::turned::TurnedMotion;
+use super::{Form, Outside, Plan, StraightMotion, Trajectory};
 use crate::error::Error;
 use crate::rounding::one_zero;
 use crate::simd::prefetch;
@@ -59,8 +60,8 @@ impl Trajectory {
     /// was.
     #[must_use]
     pub fn trimmed_before(mut self, time: f64) -> Self {
-        if let Form::Plan(plan) = &mut self.form {
-            plan.forget_before(time);
+        if self.knots().len() > 1 {
+            self.as_plan().forget_before(time);
         }
         self
     }
@@ -121,10 +122,10 @@ impl Trajectory {
             .flat_map(|beyond| repeat_n(beyond, beyond_count));
         let cut_before = cuts_before.clone().count();
         let to_come = if goes_on { 1 + cut_before } else { 0 };
-        let is_line = self.line().is_some();
+        let is_line = self.straight().is_some();
         let plan = self.as_plan();
         plan.drop_piece_after();
-        plan.segments.put_beside(0, *flown.carriers()[0]);
+        plan.segments.put_beside(0, flown.carrier_before());
         plan.before = flown.outside_before();
         if dropped > 0 {
             plan.before = Outside::Absent;
@@ -150,71 +151,81 @@ impl Trajectory {
     }
 
     /// Returns true if [`turn`](Self::turn) can be done, and the motion followed over `window` then.
-    pub(crate) fn can_turn(&self, from: f64, line: &Segment, window: Window) -> bool {
-        let Form::Plan(plan) = &self.form else {
-            return false;
+    pub(crate) fn can_turn(&self, from: f64, motion: &StraightMotion, window: Window) -> bool {
+        let [first, .., last] = match self.knots() {
+            _ if self.straight().is_some() => return false,
+            [] => return false,
+            [only] => [*only; 2],
+            [first, .., last] => [*first, *last],
         };
-        let [.., last] = *plan.knots() else {
+        let goes_on =
+            self.outside_after() == Outside::Coast && motion.start() <= from && last < from;
+        let begins = self.outside_before() == Outside::Absent || first < window.start();
+        if !goes_on || !begins {
             return false;
+        }
+        let number = self.knots().len();
+        let is_known = match &self.form {
+            Form::Turned(turned) => check_straight(turned.last(), (last, from), number - 1),
+            _ => check_reach(&self.carrier_after().straight(), (last, from), number - 1),
         };
-        let carrier = &plan.segments.beside()[1];
-        let goes_on = plan.after == Outside::Coast && line.start() <= from && last < from;
-        let begins = plan.before == Outside::Absent || plan.knots[0] < window.start();
-        let number = plan.knots().len();
         let mut reached = from;
-        goes_on
-            && begins
-            && check_reach(&carrier.straight(), (last, from), number - 1).is_ok()
-            && DoublingCuts::of(from, line.end() - line.start(), window.end().next_up()).all(
-                |cut| {
-                    check_reach(line, (std::mem::replace(&mut reached, cut), cut), number).is_ok()
-                },
-            )
+        is_known.is_ok()
+            && DoublingCuts::of(from, motion.duration(), window.end().next_up()).all(|cut| {
+                let piece = (std::mem::replace(&mut reached, cut), cut);
+                check_straight(motion, piece, number).is_ok()
+            })
     }
 
     /// Makes it the motion so far up to `from` (s), then a straight one: what
     /// [`precede_by`](Self::precede_by) makes of the other one, in this one's memory. Does nothing where that
     /// [cannot be done](Self::can_turn).
-    pub(crate) fn turn(&mut self, from: f64, line: &Segment, since: f64) {
-        if let Form::Plan(plan) = &mut self.form {
-            plan.drop_piece_after();
-            let carrier = plan.segments.beside()[1].straight();
-            let step = carrier.end() - carrier.start();
-            let last = plan.knots[plan.knots.len() - 1];
-            let cuts = DoublingCuts::of(last, step, from).but_last();
-            for knot in cuts.chain(once(one_zero(from))) {
-                plan.segments.push(carrier);
-                plan.knots.push(knot);
-            }
-            plan.segments.put_beside(1, *line);
-            plan.forget_before(since);
-            plan.add_piece_after();
+    pub(crate) fn turn(&mut self, from: f64, motion: &StraightMotion, since: f64) {
+        if let Form::Turned(turned) = &mut self.form
+            && turned.turn(from, motion, since)
+        {
+            return;
+        }
+        let plan = self.as_plan();
+        plan.turn(from, motion, since);
+        if let Some(turned) = TurnedMotion::of(plan) {
+            self.form = Form::Turned(Box::new(turned));
         }
     }
 
     /// Returns true if it goes on from `from` (s) just as a straight motion does.
-    pub(crate) fn follows(&self, line: &Segment, from: f64) -> bool {
+    pub(crate) fn follows(&self, motion: &StraightMotion, from: f64) -> bool {
         let is_past = self.knots().last().is_some_and(|&last| last <= from);
-        let goes_on = self.carriers()[1];
-        is_past && self.outside_after() == Outside::Coast && *line == goes_on.straight()
+        is_past
+            && match &self.form {
+                Form::Straight(own, _) => own == motion,
+                Form::Turned(turned) => turned.last() == motion,
+                Form::Plan(plan) => {
+                    plan.after == Outside::Coast
+                        && plan.segments.beside()[1].straight() == motion.segment()
+                }
+            }
     }
 
     /// Returns the plan that this is made of, or would be.
-    fn as_plan(&mut self) -> &mut Plan {
-        if let Form::Straight(line) = &self.form {
-            let ends = [line.segment; 2];
-            let plan = Plan {
-                knots: Roomy::new(from_ref(line.segment.start_ref()), &[]),
-                segments: Roomy::new(&[], &ends),
+    pub(super) fn as_plan(&mut self) -> &mut Plan {
+        let other = match &self.form {
+            Form::Straight(motion, _) => Some(Plan {
+                knots: Roomy::new(from_ref(motion.start_ref()), &[]),
+                segments: Roomy::new(&[], &[motion.segment(); 2]),
                 before: Outside::Coast,
                 after: Outside::Coast,
                 has_piece_after: false,
-            };
-            self.form = Form::Plan(plan);
+            }),
+            Form::Turned(turned) => Some(turned.to_plan()),
+            Form::Plan(_) => None,
+        };
+        if let Some(other) = other {
+            self.form = Form::Plan(other);
         }
         match &mut self.form {
             Form::Plan(plan) => plan,
-            Form::Straight(_) => unreachable!("it was made a plan"),
+            Form::Straight(..) | Form::Turned(_) => unreachable!("it was made a plan"),
         }
     }
 
@@ -222,15 +233,35 @@ impl Trajectory {
     pub(crate) fn prefetch(&self) {
         /// One or two cache lines.
         const KNOTS: usize = 8;
-        if let Form::Plan(plan) = &self.form {
-            prefetch(&plan.knots[..plan.knots.len().min(KNOTS)]);
-            prefetch(plan.segments.beside());
-            prefetch(&plan.segments[..plan.segments.len().min(2)]);
+        match &self.form {
+            Form::Straight(..) => {}
+            Form::Turned(turned) => prefetch(from_ref(&**turned)),
+            Form::Plan(plan) => {
+                prefetch(&plan.knots[..plan.knots.len().min(KNOTS)]);
+                prefetch(plan.segments.beside());
+                prefetch(&plan.segments[..plan.segments.len().min(2)]);
+            }
         }
     }
 }
 
 impl Plan {
+    /// See [`Trajectory::turn`].
+    fn turn(&mut self, from: f64, motion: &StraightMotion, since: f64) {
+        self.drop_piece_after();
+        let carrier = self.segments.beside()[1].straight();
+        let step = carrier.end() - carrier.start();
+        let last = self.knots[self.knots.len() - 1];
+        let cuts = DoublingCuts::of(last, step, from).but_last();
+        for knot in cuts.chain(once(one_zero(from))) {
+            self.segments.push(carrier);
+            self.knots.push(knot);
+        }
+        self.segments.put_beside(1, motion.segment());
+        self.forget_before(since);
+        self.add_piece_after();
+    }
+
     /// Drops the cubics that end before `time` (s), but for the last one.
     fn forget_before(&mut self, time: f64) {
         let dropped = count_at_front(self.knots(), |knot| knot < time)
@@ -309,10 +340,10 @@ mod tests {
                 _ => plan(&[now + 2.0], Outside::Coast),
             };
             let mut spliced = next.clone();
-            spliced.as_plan();
-            let memory = std::ptr::from_ref(spliced.carriers()[0]);
+            let memory = spliced.as_plan().segments.beside().as_ptr();
             assert!(spliced.precede_by(&flown, now, now).is_ok());
-            assert_eq!(std::ptr::from_ref(spliced.carriers()[0]), memory, "{now}");
+            let kept = spliced.as_plan().segments.beside().as_ptr();
+            assert_eq!(kept, memory, "{now}");
             flown = spliced;
         }
     }

@@ -36,7 +36,7 @@ impl LookaheadSearch {
     ) -> Result<Option<f64>, LimitExceeded> {
         let limits = self.limits();
         let table = BodyTable::of(scene, &self.flights, &self.grid, self.margin);
-        let bodies = PreparedBodies::of(table, &mut self.lists);
+        let bodies = PreparedBodies::of(table, &mut self.presence);
         let stop = self.jump.cross(
             (from, to, self.grid.length),
             (&bodies, filter),
@@ -44,7 +44,7 @@ impl LookaheadSearch {
             meter,
             (&mut self.survivors, stats),
         );
-        bodies.forget(&mut self.lists);
+        bodies.forget(&mut self.presence);
         stop
     }
 
@@ -76,7 +76,7 @@ impl LookaheadSearch {
         let window = (seen_from(from).max(self.ends[0]), self.ends[needed]);
         let table = BodyTable::of(scene, &self.flights, &self.grid, self.margin);
         let begin = Instant::now();
-        let bodies = PreparedBodies::of(table, &mut self.lists);
+        let bodies = PreparedBodies::of(table, &mut self.presence);
         let cut = (&bodies.usual_slices(window), &bodies.traffic(window));
         stats.bounds_time += begin.elapsed();
         let threads = (&self.search_pool, parallel::threads());
@@ -84,7 +84,7 @@ impl LookaheadSearch {
         let mut counted = Stats::default();
         let found = (&mut self.survivors, &mut counted);
         let done = search.spans(|scratch| &mut scratch.sweep, cut, filter, &|_| {}, found);
-        bodies.forget(&mut self.lists);
+        bodies.forget(&mut self.presence);
         done?;
         if filter.gives_up() {
             return Ok(());

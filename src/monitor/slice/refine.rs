@@ -3,8 +3,8 @@
 use super::state::{LookaheadSlice, SliceScratch};
 use crate::broad_phase::{Candidate, PairFilter};
 use crate::monitor::bodies::BodyTable;
-use crate::monitor::prepared::{PreparedBodies, PreparedMemory};
-use crate::search::{Limits, RefineContext};
+use crate::monitor::prepared::PreparedBodies;
+use crate::search::{Lifetimes, Limits, RefineContext};
 use crate::window::Window;
 
 impl LookaheadSlice {
@@ -20,7 +20,7 @@ impl LookaheadSlice {
         /// Slices that are searched between two looks at a budget.
         const SLICES: f64 = 8.0;
         let end = (from + SLICES * bodies.search_length).min(self.interval.1);
-        let prepared = PreparedBodies::of(*bodies, &mut PreparedMemory::default());
+        let prepared = PreparedBodies::of(*bodies, &mut Lifetimes::default());
         let before = self.stats.boxes;
         let done = prepared
             .search(Window::ALL, limits, (&scratch.pool, 1))

@@ -126,13 +126,6 @@ impl Segment {
             0.0
         }
     }
-
-    /// Returns where a straight motion is at two instants (s) relative to its origin, m, and a bound on the error
-    /// of both.
-    pub(crate) fn straight_between(&self, (from, to): (f64, f64)) -> ([DVec3; 2], f64) {
-        let Restriction { points, error } = self.restrict_straight(from, to);
-        ([points[0], points[3]], error)
-    }
 }
 
 /// Barycentric weights of an instant, each with a small relative error, also near a knot.

@@ -1,0 +1,187 @@
+//! Straight motion through a state.
+
+use super::{Segment, State};
+use crate::error::Error;
+use crate::rounding::one_zero;
+use glam::DVec3;
+
+/// Straight motion through a state, in both directions of time. Its cubic is formed from this when it is needed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct StraightMotion {
+    state: State,
+    /// End of its cubic, s; the duration from the state's time on is the unit of the cubic's parameter.
+    end: f64,
+}
+
+impl StraightMotion {
+    pub(super) const NONE: Self = Self {
+        state: State {
+            time: 0.0,
+            position: DVec3::ZERO,
+            velocity: DVec3::ZERO,
+        },
+        end: 1.0,
+    };
+
+    /// Returns the motion through a state whose cubic was made by [`Segment::line`] without an error of its own.
+    pub(super) const fn new(state: &State, line: &Segment) -> Self {
+        Self {
+            state: State {
+                time: line.start(),
+                ..*state
+            },
+            end: line.end(),
+        }
+    }
+
+    /// Returns the motion through a state that was checked, whose cubic lasts for `duration` (s), or about so.
+    ///
+    /// # Errors
+    ///
+    /// As [`Segment::line`].
+    pub(super) fn through(state: &State, duration: f64) -> Result<Self, Error> {
+        Ok(Self::new(state, &Segment::line(state, duration, 0.0, 0)?))
+    }
+
+    /// Returns the motion through a state whose cubic lasts for 6 s, without forming that, if the state is an
+    /// ordinary one: all its numbers are finite and far below the limits.
+    #[inline]
+    pub(super) fn through_ordinary(state: &State) -> Option<Self> {
+        /// Up to here instants are far finer than 6 s, s.
+        const LATEST: f64 = (1_u64 << 40) as f64;
+        /// m, m/s.
+        const FAR: f64 = 1e200;
+        let far = DVec3::splat(FAR);
+        let is_ordinary = state.time.abs() <= LATEST
+            && (state.position.abs().cmple(far) & state.velocity.abs().cmple(far)).all();
+        is_ordinary.then(|| Self {
+            state: State {
+                time: one_zero(state.time),
+                ..*state
+            },
+            end: one_zero(state.time + Self::DURATION),
+        })
+    }
+
+    /// Seconds. Many lookaheads long, so that one or two pieces suffice; not longer, since boxes are only as good
+    /// as f32 resolves the distance covered in that time.
+    pub(super) const DURATION: f64 = 6.0;
+
+    /// Returns true if the motion can certainly be followed between two instants (s): all numbers are far below
+    /// the limits of [`check_reach`](super::reach::check_reach).
+    #[inline]
+    pub(super) fn is_near(&self, from: f64, to: f64) -> bool {
+        const LONG: f64 = 1e12;
+        const FAST: f64 = 1e200;
+        let is_slow = self.state.velocity.abs().cmple(DVec3::splat(FAST)).all();
+        let (start, long) = (self.state.time, LONG * self.duration().min(1.0));
+        is_slow && (from - start).abs() <= long && (to - start).abs() <= long && start.abs() <= FAST
+    }
+
+    /// Returns the motion whose cubic this is, if there is one.
+    pub(super) fn of(line: &Segment) -> Option<Self> {
+        let state = State {
+            time: line.start(),
+            position: line.origin(),
+            velocity: line.straight_velocity(),
+        };
+        let motion = Self::new(&state, line);
+        (motion.segment() == *line).then_some(motion)
+    }
+
+    /// Returns the cubic.
+    #[inline]
+    pub(crate) fn segment(&self) -> Segment {
+        Segment::through(&self.state, self.end, 0.0)
+    }
+
+    /// Returns the time of the state, s.
+    pub(crate) const fn start(&self) -> f64 {
+        self.state.time
+    }
+
+    pub(super) const fn start_ref(&self) -> &f64 {
+        &self.state.time
+    }
+
+    /// Returns the duration of the cubic, s.
+    pub(crate) fn duration(&self) -> f64 {
+        self.end - self.state.time
+    }
+
+    /// Returns the position at the time of the state, m.
+    pub(crate) const fn origin(&self) -> DVec3 {
+        self.state.position
+    }
+
+    /// Returns the velocity, m/s.
+    pub(crate) const fn velocity(&self) -> DVec3 {
+        self.state.velocity
+    }
+
+    /// Returns the way from the origin to the position at an instant (s), m. Each coordinate has two roundings.
+    #[inline(always)]
+    pub(crate) fn way_to(&self, time: f64) -> DVec3 {
+        self.state.velocity * (time - self.state.time)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trajectory::reach::check_reach;
+    use rand::rngs::ChaCha8Rng;
+    use rand::{RngExt, SeedableRng};
+
+    /// Of any size, to beyond the limits.
+    fn number(rng: &mut ChaCha8Rng) -> f64 {
+        let size = 10_f64.powf(rng.random_range(-330.0..330.0));
+        match rng.random_range(0..8) {
+            0 => f64::NAN,
+            1 => -0.0,
+            2 => 1.0 - 2.0 * rng.random::<f64>(),
+            _ => size * (1.0 - 2.0 * rng.random::<f64>()),
+        }
+    }
+
+    #[test]
+    fn the_short_ways_agree_with_the_long_ones() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let (mut ordinary, mut near, mut same) = (0, 0, 0);
+        for round in 0..200_000 {
+            let mut vector = || DVec3::from_array([0; 3].map(|_| number(&mut rng)));
+            let (position, velocity) = (vector(), vector());
+            let time = number(&mut rng) * [1.0, 1e12][round % 2];
+            let state = State::new(time, position, velocity);
+            let is_usable = time.is_finite() && position.is_finite() && velocity.is_finite();
+            let slow = StraightMotion::through(&state, StraightMotion::DURATION);
+            let fast = StraightMotion::through_ordinary(&state);
+            if let Some(fast) = fast {
+                ordinary += 1;
+                assert!(is_usable, "{state:?}");
+                assert_eq!(slow.as_ref().ok(), Some(&fast), "{state:?}");
+            }
+            let Some(motion) = slow.ok().filter(|_| is_usable) else {
+                continue;
+            };
+            let Ok(line) = Segment::line(&state, StraightMotion::DURATION, 0.0, 0) else {
+                unreachable!("it is the same")
+            };
+            // Bit for bit, also the signs of zeros.
+            assert_eq!(format!("{:?}", motion.segment()), format!("{line:?}"));
+            same += usize::from(StraightMotion::of(&line) == Some(motion));
+            let [from, to] = [0; 2].map(|_| time + number(&mut rng));
+            if motion.is_near(from, to) {
+                near += 1;
+                assert!(
+                    check_reach(&line, (from, to), 0).is_ok(),
+                    "{state:?} {from} {to}"
+                );
+            }
+        }
+        assert!(
+            ordinary > 2_000 && near > 500 && same > 5_000,
+            "{ordinary} {near} {same}"
+        );
+    }
+}

@@ -1,0 +1,128 @@
+//! A body that is told a new straight motion again and again: the last few of them, in place.
+
+use super::cuts::DoublingCuts;
+use super::reach::check_straight;
+use super::roomy::Roomy;
+use super::straight::StraightMotion;
+use super::{Outside, Plan, Segment};
+use crate::rounding::one_zero;
+use std::iter::once;
+use std::sync::OnceLock;
+
+/// A few straight motions, one after another. They take no memory beside this.
+///
+/// The last one is followed for ever. Its first piece after the last knot is one of those that are listed here.
+#[derive(Clone, Debug)]
+pub(super) struct TurnedMotion {
+    motions: [StraightMotion; Self::ROOM],
+    /// The knots, and the end of the first piece after the last one: one more than there are pieces.
+    cuts: [f64; Self::ROOM + 1],
+    pieces: usize,
+    before: Outside,
+    /// The cubics between the knots, for those who ask for a list of them.
+    segments: OnceLock<Box<[Segment]>>,
+}
+
+impl TurnedMotion {
+    /// As many as there are of a body that is told a state each frame: the piece that ended when the clock was
+    /// last advanced, the one until it is told, and the one from then on.
+    const ROOM: usize = 3;
+
+    /// Returns a plan in this form, if it is one of a few straight motions.
+    pub(super) fn of(plan: &Plan) -> Option<Self> {
+        let pieces = plan.segments.len();
+        let is_turned = plan.has_piece_after && plan.before != Outside::Extrapolate;
+        if !is_turned || pieces > Self::ROOM {
+            return None;
+        }
+        let mut turned = Self {
+            motions: [StraightMotion::NONE; Self::ROOM],
+            cuts: [0.0; Self::ROOM + 1],
+            pieces,
+            before: plan.before,
+            segments: OnceLock::new(),
+        };
+        for (motion, segment) in turned.motions.iter_mut().zip(&*plan.segments) {
+            *motion = StraightMotion::of(segment)?;
+        }
+        turned.cuts[..=pieces].copy_from_slice(&plan.knots);
+        let [before, after] = plan.segments.beside() else {
+            return None;
+        };
+        let is_whole = turned.before == Outside::Absent || *before == turned.motions[0].segment();
+        (is_whole && *after == turned.last().segment()).then_some(turned)
+    }
+
+    /// Returns the knots and the end of the first piece after the last one, s.
+    pub(super) fn cuts(&self) -> &[f64] {
+        &self.cuts[..=self.pieces]
+    }
+
+    /// Returns the knots, s.
+    pub(super) fn knots(&self) -> &[f64] {
+        &self.cuts[..self.pieces]
+    }
+
+    /// Returns the motions between the [cuts](Self::cuts).
+    pub(super) fn motions(&self) -> &[StraightMotion] {
+        &self.motions[..self.pieces]
+    }
+
+    /// Returns the rule before the first knot.
+    pub(super) const fn before(&self) -> Outside {
+        self.before
+    }
+
+    /// Returns the cubics between the knots.
+    pub(super) fn segments(&self) -> &[Segment] {
+        self.segments.get_or_init(|| {
+            let motions = &self.motions[..self.pieces - 1];
+            motions.iter().map(StraightMotion::segment).collect()
+        })
+    }
+
+    /// Returns the motion after the last knot.
+    pub(super) fn last(&self) -> &StraightMotion {
+        &self.motions[self.pieces - 1]
+    }
+
+    /// Turns it as [`Trajectory::turn`](super::Trajectory::turn) does. Returns false, and changes nothing, if
+    /// there is no room.
+    pub(super) fn turn(&mut self, from: f64, motion: &StraightMotion, since: f64) -> bool {
+        let from = one_zero(from);
+        let is_first_piece = from <= self.cuts[self.pieces];
+        let past = self.knots().iter().chain(once(&from));
+        let past = past.take_while(|knot| **knot < since).count();
+        let dropped = past.saturating_sub(1).min(self.pieces - 1);
+        let kept = self.pieces - dropped;
+        let cut = DoublingCuts::cut(from, motion.duration(), 1);
+        let is_piece = cut > from && check_straight(motion, (from, cut), 0).is_ok();
+        if !is_first_piece || !is_piece || kept >= Self::ROOM {
+            return false;
+        }
+        self.motions.copy_within(dropped..self.pieces, 0);
+        self.cuts.copy_within(dropped..self.pieces, 0);
+        self.motions[kept] = *motion;
+        self.cuts[kept] = from;
+        self.cuts[kept + 1] = cut;
+        self.pieces = kept + 1;
+        if dropped > 0 {
+            self.before = Outside::Absent;
+        }
+        self.segments.take();
+        true
+    }
+    /// Returns the plan that this is.
+    pub(super) fn to_plan(&self) -> Plan {
+        let ends = [self.motions[0], *self.last()].map(|motion| motion.segment());
+        let mut plan = Plan {
+            knots: Roomy::new(self.knots(), &[]),
+            segments: Roomy::new(self.segments(), &ends),
+            before: self.before,
+            after: Outside::Coast,
+            has_piece_after: false,
+        };
+        plan.add_piece_after();
+        plan
+    }
+}
