@@ -300,8 +300,10 @@ impl ClosestSearch {
 
     /// Ends a span. Ties are broken by sphere numbers, not by the order of solving.
     pub(super) fn settle(&mut self) {
-        self.found
-            .sort_by_key(|approach| (approach.sphere_a, approach.sphere_b));
+        self.found.sort_by(|x, y| {
+            let spheres = (x.sphere_a, x.sphere_b).cmp(&(y.sphere_a, y.sphere_b));
+            spheres.then(x.span.start.total_cmp(&y.span.start))
+        });
         let found = self.found.drain(..);
         self.closest = self
             .closest

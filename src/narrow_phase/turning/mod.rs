@@ -92,19 +92,37 @@ impl<'a> TurningPair<'a> {
         mut solve: impl FnMut(&SpherePair, Span) -> f64,
     ) {
         let clip = (clip.0.max(self.span.start), clip.1.min(self.span.end));
+        // The parts in which the bodies come nearest go first: they rule out most others.
+        let mut order: Vec<(f64, Span)> = Vec::new();
         let mut cells = Cells::of((self.a, self.b), self.span, self.accuracy, clip);
+        let [segment_a, segment_b] = &self.a.segments_in(self.b, self.span);
         while let Some(part) = cells.next() {
-            // What is reached by then: all else in this part is compared with that.
-            let bound = reached;
-            let Some(near) = self.part(&mut cells, part, bound) else {
-                continue;
-            };
             let ends = (clip.0.max(part.start), clip.1.min(part.end));
             if ends.0 > ends.1 {
                 continue;
             }
-            let bound = bound.min(near.separation_at_ends(ends));
-            near.each_within(bound, |pair| reached = reached.min(solve(pair, part)));
+            let middle = ends.0 + 0.5 * (ends.1 - ends.0);
+            let [place_a, place_b] = [segment_a, segment_b].map(|one| one.motion_at(middle).0);
+            order.push((place_a.distance_squared(place_b), part));
+        }
+        order.sort_by(|x, y| x.0.total_cmp(&y.0));
+        for (_, part) in order {
+            let at = (part.start, part.start);
+            let mut cells = Cells::of((self.a, self.b), part, self.accuracy, at);
+            cells.next();
+            let Some(near) = self.part(&mut cells, part, reached) else {
+                continue;
+            };
+            // Compared with one of the nearest pairs of spheres, few others are near.
+            let probe = reached.is_infinite().then(|| near.facing());
+            if let Some(pair) = probe {
+                reached = reached.min(solve(&near.pair(pair), part));
+            }
+            near.each_within(reached, |pair| {
+                if probe != Some((pair.a, pair.b)) {
+                    reached = reached.min(solve(pair, part));
+                }
+            });
         }
     }
 
@@ -115,7 +133,7 @@ impl<'a> TurningPair<'a> {
         margin: f64,
         (from, to): (f64, f64),
         after: f64,
-        mut visit: impl FnMut(&SpheresOverPart<'_>),
+        mut visit: impl FnMut(&SpheresOverPart),
     ) {
         let Some(threshold) = self.threshold(margin) else {
             return;
@@ -168,7 +186,7 @@ impl<'a> TurningPair<'a> {
 
     /// Returns the spheres over a part of the span, or `None` if the bounding spheres are certainly
     /// farther apart than `margin`.
-    fn part(&self, cells: &mut Cells<'_>, part: Span, margin: f64) -> Option<SpheresOverPart<'a>> {
+    fn part(&self, cells: &mut Cells<'_>, part: Span, margin: f64) -> Option<SpheresOverPart> {
         let [segment_a, segment_b] = &self.a.segments_in(self.b, part);
         let ends = (part.start, part.end);
         let motion = RelativeMotion::between(segment_a, segment_b, ends);

@@ -9,11 +9,12 @@
 #[path = "../../support/mod.rs"]
 mod support;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use nearmiss::internals::{Method, QueryInternals};
 use nearmiss::{
-    Accuracy, Body, Budget, CertifiedApproach, Conflict, Hitbox, Monitor, Query, RevisionThreshold,
-    Scene, Screening, State, Trajectory, Window,
+    Accuracy, AlertLevel, Body, BodyPlan, BodyState, Budget, CertifiedApproach, Conflict, Hitbox,
+    Monitor, Orientation, Outside, Query, RevisionThreshold, Scene, Screening, State, Trajectory,
+    Window,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -74,6 +75,66 @@ fn states_and_conflicts_come_back() {
         serde_json::from_str::<Vec<Conflict>>(&json).unwrap(),
         conflicts
     );
+}
+
+/// Orientations of each kind, and bodies and plans that have them.
+#[test]
+fn orientations_come_back() {
+    let turned = |angle: f64| DQuat::from_rotation_x(angle);
+    let knots = [(0.0, turned(0.1)), (2.0, turned(1.4)), (2.5, -turned(-0.3))];
+    let spin = Orientation::spin(1.0, turned(0.7), DVec3::new(0.1, 1e-7, 3.0)).unwrap();
+    let kinds = [
+        Orientation::FIXED,
+        spin.clone(),
+        spin.clone().with_tolerance(1e-5).unwrap(),
+        Orientation::slerp(&knots).unwrap(),
+        Orientation::normalized_cubic(&knots)
+            .unwrap()
+            .with_outside(Outside::Coast),
+    ];
+    let rest = Trajectory::at_rest(DVec3::X).unwrap();
+    for kind in kinds {
+        assert_eq!(back(&kind), kind);
+        let body = Body::new(rest.clone()).with_orientation(kind.clone());
+        let found = back(&body);
+        assert_eq!(found, body);
+        assert_eq!(found.spheres_at(1.7), body.spheres_at(1.7));
+        let plan = BodyPlan::new(rest.clone(), kind);
+        assert_eq!(back(&plan), plan);
+    }
+    let told = BodyState::from(State::new(0.0, DVec3::X, DVec3::Y));
+    assert_eq!(back(&told), told);
+    let told = told.with_spin(turned(0.2), DVec3::Z);
+    assert_eq!(back(&told), told);
+    // Of a body that turned first one way, then another.
+    let levels = [AlertLevel::at(1.0)];
+    let mut monitor = Monitor::new(Scene::new(), 0.0, 5.0, &levels).unwrap();
+    let id = monitor
+        .insert(Body::new(rest).with_orientation(spin))
+        .unwrap();
+    monitor
+        .orient(id, 2.0, Orientation::slerp(&knots).unwrap())
+        .unwrap();
+    let body = monitor.scene().body(id).unwrap();
+    assert_eq!(&back(body), body);
+
+    // Without the field it does not turn; what cannot be is refused.
+    let json = serde_json::to_value(body).unwrap();
+    let mut plain = json.clone();
+    plain.as_object_mut().unwrap().remove("orientation");
+    let plain: Body = serde_json::from_value(plain).unwrap();
+    assert!(plain.orientation.is_fixed());
+    for (find, put) in [
+        ("\"from\":2.0", "\"from\":null"),
+        ("\"tolerance\":null", "\"tolerance\":0.5"),
+        ("\"from\":null", "\"from\":1.0"),
+        ("[0.0,[", "[7.0,["),
+    ] {
+        let text = json["orientation"].to_string();
+        assert!(text.contains(find), "{text}");
+        let bad = text.replacen(find, put, 1);
+        assert!(serde_json::from_str::<Orientation>(&bad).is_err(), "{bad}");
+    }
 }
 
 /// What is read of what was written, in text and in another format, which must be the same.
