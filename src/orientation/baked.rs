@@ -55,6 +55,12 @@ impl BakedRotation {
         self.points.map(|matrix| matrix * point)
     }
 
+    /// Returns the vectors whose scalar products with a point of the body are those of its way's
+    /// control points with a direction.
+    pub(crate) fn seen_along(&self, direction: DVec3) -> [DVec3; 4] {
+        self.points.map(|matrix| matrix.transpose() * direction)
+    }
+
     /// Returns a bound on the distance between a point's exact way and its cubic as computed, m.
     #[inline]
     pub(crate) fn error_of(&self, point: DVec3) -> f64 {

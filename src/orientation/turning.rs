@@ -28,7 +28,7 @@ pub(super) struct Part {
 }
 
 /// An interval between neighbouring cuts of a turning motion.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct TurningCell {
     piece: usize,
     /// First and last instant, s; may be infinite.

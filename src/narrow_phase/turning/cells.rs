@@ -5,25 +5,26 @@ use crate::narrow_phase::BodyView;
 use crate::orientation::{BakedRotation, Turning, TurningCell};
 use crate::spans::Span;
 
+/// A part of a span between neighbouring cuts of both bodies' rotations.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cell {
+    pub(super) span: Span,
+    /// Cells of the rotations; `None` for a body that does not turn.
+    turns: [Option<TurningCell>; 2],
+}
+
 /// Iterator over the parts of a span between cuts of either body's rotation, in time order: those
 /// that overlap or touch an interval.
 #[derive(Debug)]
 pub(super) struct Cells<'a> {
     span: Span,
-    rotations: [RotationWalk<'a>; 2],
+    turning: [Option<&'a Turning>; 2],
+    accuracy: Accuracy,
+    turns: [Option<TurningCell>; 2],
     /// An instant of the next part, s.
     time: f64,
     until: f64,
     is_done: bool,
-}
-
-/// One body's rotation, walked from cell to cell.
-#[derive(Debug)]
-struct RotationWalk<'a> {
-    turning: Option<&'a Turning>,
-    accuracy: Accuracy,
-    cell: Option<TurningCell>,
-    baked: Option<BakedRotation>,
 }
 
 impl<'a> Cells<'a> {
@@ -34,69 +35,70 @@ impl<'a> Cells<'a> {
         accuracy: Accuracy,
         (from, to): (f64, f64),
     ) -> Self {
-        let walk = |view: &BodyView<'a>| RotationWalk {
-            turning: view.turning,
-            accuracy,
-            cell: None,
-            baked: None,
-        };
         Self {
             span,
-            rotations: [walk(a), walk(b)],
+            turning: [a.turning, b.turning],
+            accuracy,
+            turns: [None; 2],
             // The part that ends there is included.
             time: from.next_down().max(span.start),
             until: to.min(span.end),
             is_done: from > span.end || to < span.start,
         }
     }
+}
 
-    /// Returns the next part.
-    pub(super) fn next(&mut self) -> Option<Span> {
+impl Iterator for Cells<'_> {
+    type Item = Cell;
+
+    fn next(&mut self) -> Option<Cell> {
         if self.is_done {
             return None;
         }
         let (mut start, mut end) = (self.span.start, self.span.end);
-        for walk in &mut self.rotations {
-            if let Some(cell) = walk.cell_at(self.time) {
-                (start, end) = (start.max(cell.start), end.min(cell.end));
-            }
+        for (turn, turning) in self.turns.iter_mut().zip(self.turning) {
+            let Some(turning) = turning else {
+                continue;
+            };
+            let known = turn.filter(|cell| cell.start <= self.time && self.time < cell.end);
+            let cell = known.unwrap_or_else(|| turning.cell_at(self.time, self.accuracy));
+            (start, end) = (start.max(cell.start), end.min(cell.end));
+            *turn = Some(cell);
         }
         self.is_done = end >= self.span.end || end > self.until;
         self.time = end;
-        Some(Span {
+        let span = Span {
             start,
             end,
             ..self.span
-        })
-    }
-
-    /// Returns the rotations over the part that was returned last, `None` for a body that does not
-    /// turn.
-    pub(super) fn rotations(&mut self, part: Span) -> [Option<BakedRotation>; 2] {
-        let [a, b] = &mut self.rotations;
-        [a, b].map(|walk| walk.over((part.start, part.end)))
+        };
+        let turns = self.turns;
+        Some(Cell { span, turns })
     }
 }
 
-impl RotationWalk<'_> {
-    fn cell_at(&mut self, time: f64) -> Option<TurningCell> {
-        let turning = self.turning?;
-        if let Some(cell) = self.cell
-            && cell.start <= time
-            && time < cell.end
-        {
-            return Some(cell);
-        }
-        self.baked = None;
-        self.cell = Some(turning.cell_at(time, self.accuracy));
-        self.cell
-    }
+/// The cubics of both bodies' rotations over the cells met last.
+#[derive(Debug, Default)]
+pub(super) struct Rotations([Option<(TurningCell, BakedRotation)>; 2]);
 
-    fn over(&mut self, part: (f64, f64)) -> Option<BakedRotation> {
-        let (turning, cell) = (self.turning?, self.cell?);
-        let baked = self
-            .baked
-            .get_or_insert_with(|| turning.bake(&cell, self.accuracy));
-        Some(baked.part(part))
+impl Rotations {
+    /// Returns the rotations over a part, `None` for a body that does not turn.
+    pub(super) fn over(
+        &mut self,
+        views: [&BodyView<'_>; 2],
+        cell: &Cell,
+        accuracy: Accuracy,
+    ) -> [Option<BakedRotation>; 2] {
+        let mut found = [None; 2];
+        for body in 0..2 {
+            let (Some(turning), Some(turn)) = (views[body].turning, cell.turns[body]) else {
+                continue;
+            };
+            let known = self.0[body].filter(|(other, _)| *other == turn);
+            let (_, baked) = known.unwrap_or_else(|| (turn, turning.bake(&turn, accuracy)));
+            self.0[body] = Some((turn, baked));
+            found[body] = Some(baked.part((cell.span.start, cell.span.end)));
+        }
+        found
     }
 }

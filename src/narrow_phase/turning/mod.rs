@@ -19,8 +19,9 @@ use crate::accuracy::Accuracy;
 use crate::enclosure::{Side, Stretch, Threshold};
 use crate::rounding::{seen_from, seen_until};
 use crate::spans::Span;
-use cells::Cells;
-use part::SpheresOverPart;
+use cells::{Cell, Cells, Rotations};
+use glam::DVec3;
+use part::{PartScratch, SpheresOverPart};
 
 /// Two bodies of which at least one turns, over a span.
 pub(super) struct TurningPair<'a> {
@@ -28,6 +29,8 @@ pub(super) struct TurningPair<'a> {
     b: &'a BodyView<'a>,
     span: Span,
     accuracy: Accuracy,
+    /// Difference of the bounding spheres' offsets, m.
+    offset: DVec3,
 }
 
 impl<'a> TurningPair<'a> {
@@ -39,12 +42,21 @@ impl<'a> TurningPair<'a> {
         span: Span,
         accuracy: Accuracy,
     ) -> Option<Self> {
-        (a.turning.is_some() || b.turning.is_some()).then_some(Self {
+        (a.turning.is_some() || b.turning.is_some()).then(|| Self {
             a,
             b,
             span,
             accuracy,
+            offset: a.bounding.offset - b.bounding.offset,
         })
+    }
+
+    /// Returns the magnitude to which all rounding over a part of the span is relative, m.
+    fn scale(&self, part: Span) -> f64 {
+        let [segment_a, segment_b] = &self.a.segments_in(self.b, part);
+        let scale = local_scale(segment_a, segment_b, (part.start, part.end), self.offset);
+        // A sphere's centre, and the control points of its way.
+        scale + 4.0 * (self.a.bounding.radius + self.b.bounding.radius)
     }
 
     /// Solves the pairs of spheres that may come within `margin` in a part of the span that meets
@@ -53,12 +65,10 @@ impl<'a> TurningPair<'a> {
         &self,
         margin: f64,
         clip: (f64, f64),
-        mut solve: impl FnMut(&SpherePair, Span),
+        solve: impl FnMut(&SpherePair, Span),
     ) {
         let clip = (seen_from(clip.0), seen_until(clip.1));
-        self.each_near(margin, clip, f64::NEG_INFINITY, |part| {
-            part.each_within(margin, |pair| solve(pair, part.span));
-        });
+        self.each_near(margin, clip, f64::NEG_INFINITY, solve);
     }
 
     /// Solves the pairs of spheres that may come within `margin` in a part of the span that meets
@@ -68,19 +78,12 @@ impl<'a> TurningPair<'a> {
         &self,
         margin: f64,
         (clip, after): ((f64, f64), f64),
-        mut solve: impl FnMut(&SpherePair, Span),
+        solve: impl FnMut(&SpherePair, Span),
     ) -> f64 {
         let clip = (seen_from(clip.0), seen_until(clip.1));
-        self.each_near(margin, clip, after, |part| {
-            part.each_within(margin, |pair| solve(pair, part.span));
-        });
-        let end = (clip.1, clip.1);
-        let mut cells = Cells::of((self.a, self.b), self.span, self.accuracy, end);
-        let mut last = self.span.end;
-        while let Some(part) = cells.next() {
-            last = part.end;
-        }
-        last
+        self.each_near(margin, clip, after, solve);
+        let last = self.cells((clip.1, clip.1)).last();
+        last.map_or(self.span.end, |cell| cell.span.end)
     }
 
     /// Solves the pairs of spheres that may come nearer in `clip` than `reached` (m); `solve` gets
@@ -92,116 +95,133 @@ impl<'a> TurningPair<'a> {
         mut solve: impl FnMut(&SpherePair, Span) -> f64,
     ) {
         let clip = (clip.0.max(self.span.start), clip.1.min(self.span.end));
+        if reached < f64::INFINITY
+            && self.is_beyond(&self.motion(self.span), reached, self.scale(self.span))
+        {
+            return;
+        }
         // The parts in which the bodies come nearest go first: they rule out most others.
-        let mut order: Vec<(f64, Span)> = Vec::new();
-        let mut cells = Cells::of((self.a, self.b), self.span, self.accuracy, clip);
         let [segment_a, segment_b] = &self.a.segments_in(self.b, self.span);
-        while let Some(part) = cells.next() {
-            let ends = (clip.0.max(part.start), clip.1.min(part.end));
-            if ends.0 > ends.1 {
-                continue;
-            }
+        let order = self.cells(clip).filter_map(|cell| {
+            let ends = (clip.0.max(cell.span.start), clip.1.min(cell.span.end));
             let middle = ends.0 + 0.5 * (ends.1 - ends.0);
             let [place_a, place_b] = [segment_a, segment_b].map(|one| one.motion_at(middle).0);
-            order.push((place_a.distance_squared(place_b), part));
-        }
+            let square = (place_a - place_b + self.offset).length_squared();
+            (ends.0 <= ends.1).then_some((square, cell))
+        });
+        let mut order: Vec<(f64, Cell)> = order.collect();
         order.sort_by(|x, y| x.0.total_cmp(&y.0));
-        for (_, part) in order {
-            let at = (part.start, part.start);
-            let mut cells = Cells::of((self.a, self.b), part, self.accuracy, at);
-            cells.next();
-            let Some(near) = self.part(&mut cells, part, reached) else {
+        let (mut rotations, mut scratch) = (Rotations::default(), PartScratch::default());
+        for (_, cell) in &order {
+            let Some(part) = self.part(cell, reached, &mut rotations) else {
                 continue;
             };
             // Compared with one of the nearest pairs of spheres, few others are near.
-            let probe = reached.is_infinite().then(|| near.facing());
-            if let Some(pair) = probe {
-                reached = reached.min(solve(&near.pair(pair), part));
+            let first = reached.is_infinite().then(|| part.facing(&mut scratch));
+            if let Some(pair) = first {
+                reached = reached.min(solve(&part.pair(pair), cell.span));
             }
-            near.each_within(reached, |pair| {
-                if probe != Some((pair.a, pair.b)) {
-                    reached = reached.min(solve(pair, part));
+            part.each_within(reached, &mut scratch, |pair| {
+                if first != Some((pair.a, pair.b)) {
+                    reached = reached.min(solve(pair, cell.span));
                 }
             });
         }
     }
 
-    /// Calls `visit` with each part of the span in which the bounding spheres may come within
-    /// `margin`, from the one that begins at `after` (s) on.
+    /// Solves the pairs of spheres that may come within `margin` in a part of the span that meets an
+    /// interval (s) and does not begin before `after` (s).
     fn each_near(
         &self,
         margin: f64,
         (from, to): (f64, f64),
         after: f64,
-        mut visit: impl FnMut(&SpheresOverPart),
+        mut solve: impl FnMut(&SpherePair, Span),
     ) {
-        let Some(threshold) = self.threshold(margin) else {
+        let Some(threshold) = self.threshold(margin, self.scale(self.span)) else {
             return;
         };
+        let (mut rotations, mut scratch) = (Rotations::default(), PartScratch::default());
+        // Each part of the span is visited once.
+        let mut visited = after;
+        let mut visit = |times: (f64, f64)| {
+            for cell in self.cells(times) {
+                if cell.span.start < visited {
+                    continue;
+                }
+                visited = cell.span.end.max(cell.span.start.next_up());
+                if let Some(part) = self.part(&cell, margin, &mut rotations) {
+                    part.each_within(margin, &mut scratch, |pair| solve(pair, cell.span));
+                }
+            }
+        };
+        /// With so few parts each is tested by itself.
+        const FEW: usize = 4;
+        let part = (from.max(self.span.start), to.min(self.span.end));
+        if self.cells(part).nth(FEW).is_none() {
+            return visit(part);
+        }
         let [segment_a, segment_b] = &self.a.segments_in(self.b, self.span);
         let ends = (self.span.start, self.span.end);
-        let offset = self.a.bounding.offset - self.b.bounding.offset;
-        let cubic = RelativeCubic::between(segment_a, segment_b, ends, offset);
+        let cubic = RelativeCubic::between(segment_a, segment_b, ends, self.offset);
         let stretches = cubic.uncertain().stretches(Threshold {
             low: threshold,
             high: threshold,
         });
-        // Each part of the span is visited once.
-        let mut visited = after;
         for &Stretch { first, last, side } in stretches.as_slice() {
-            if side == Side::Outside {
-                continue;
-            }
-            let times = (cubic.earliest(first).max(from), cubic.latest(last).min(to));
-            if times.0 > times.1 {
-                continue;
-            }
-            let mut cells = Cells::of((self.a, self.b), self.span, self.accuracy, times);
-            while let Some(part) = cells.next() {
-                if part.start < visited {
-                    continue;
-                }
-                visited = part.end.max(part.start.next_up());
-                if let Some(near) = self.part(&mut cells, part, margin) {
-                    visit(&near);
-                }
+            let times = (
+                cubic.earliest(first).max(part.0),
+                cubic.latest(last).min(part.1),
+            );
+            if side != Side::Outside && times.0 <= times.1 {
+                visit(times);
             }
         }
+    }
+
+    fn cells(&self, interval: (f64, f64)) -> Cells<'a> {
+        Cells::of((self.a, self.b), self.span, self.accuracy, interval)
     }
 
     /// Returns the distance within which the bounding spheres' centres are where the separation
     /// may be `margin`, or `None` if it never is.
-    fn threshold(&self, margin: f64) -> Option<f64> {
+    fn threshold(&self, margin: f64, scale: f64) -> Option<f64> {
         let radius = contact_radius(self.a.bounding.radius, self.b.bounding.radius, margin);
-        if radius < 0.0 {
-            return None;
-        }
-        let [segment_a, segment_b] = &self.a.segments_in(self.b, self.span);
-        let ends = (self.span.start, self.span.end);
-        let offset = self.a.bounding.offset - self.b.bounding.offset;
-        let scale = local_scale(segment_a, segment_b, ends, offset);
-        let arms = self.a.bounding.radius + self.b.bounding.radius;
-        Some(filter_threshold(radius, scale + arms))
+        (radius >= 0.0).then(|| filter_threshold(radius, scale))
+    }
+
+    /// Returns the motion of the bodies over a part of the span.
+    fn motion(&self, part: Span) -> RelativeMotion {
+        let [segment_a, segment_b] = &self.a.segments_in(self.b, part);
+        RelativeMotion::between(segment_a, segment_b, (part.start, part.end))
+    }
+
+    /// Returns true if the bounding spheres certainly stay farther apart than `margin`.
+    fn is_beyond(&self, motion: &RelativeMotion, margin: f64, scale: f64) -> bool {
+        let threshold = self.threshold(margin, scale);
+        threshold.is_none_or(|threshold| certainly_beyond(&motion.points(self.offset), threshold))
     }
 
     /// Returns the spheres over a part of the span, or `None` if the bounding spheres are certainly
-    /// farther apart than `margin`.
-    fn part(&self, cells: &mut Cells<'_>, part: Span, margin: f64) -> Option<SpheresOverPart> {
-        let [segment_a, segment_b] = &self.a.segments_in(self.b, part);
-        let ends = (part.start, part.end);
-        let motion = RelativeMotion::between(segment_a, segment_b, ends);
-        let offset = self.a.bounding.offset - self.b.bounding.offset;
-        // A threshold of infinity is that of a search that has found nothing yet.
-        if margin < f64::INFINITY {
-            let threshold = self.threshold(margin)?;
-            if certainly_beyond(&motion.points(offset), threshold) {
-                return None;
-            }
+    /// farther apart than `margin`, which may be infinite.
+    fn part(
+        &self,
+        cell: &Cell,
+        margin: f64,
+        rotations: &mut Rotations,
+    ) -> Option<SpheresOverPart<'a>> {
+        let (motion, scale) = (self.motion(cell.span), self.scale(cell.span));
+        if margin < f64::INFINITY && self.is_beyond(&motion, margin, scale) {
+            return None;
         }
-        let scale = local_scale(segment_a, segment_b, ends, offset);
-        let rotations = cells.rotations(part);
-        let views = (self.a, self.b);
-        let near = SpheresOverPart::new(views, part, self.accuracy, (motion, scale), &rotations);
-        Some(near)
+        let views = [self.a, self.b];
+        let rotations = rotations.over(views, cell, self.accuracy);
+        let motion = (motion, scale);
+        Some(SpheresOverPart::new(
+            views,
+            self.accuracy,
+            motion,
+            rotations,
+        ))
     }
 }

@@ -13,18 +13,28 @@ use crate::narrow_phase::relative::{RelativeMotion, filter_threshold};
 use crate::narrow_phase::sphere_pair::SpherePair;
 use crate::orientation::BakedRotation;
 use crate::rounding::{norm, normalising_power};
-use crate::spans::Span;
 use glam::DVec3;
 
 /// Two bodies over a part of a span in which both rotations are cubics.
-pub(super) struct SpheresOverPart {
-    pub(super) span: Span,
+pub(super) struct SpheresOverPart<'a> {
+    views: [&'a BodyView<'a>; 2],
+    accuracy: Accuracy,
+    rotations: [Option<BakedRotation>; 2],
     motion: RelativeMotion,
     /// Control points of the bodies' relative position, m.
     base: [DVec3; 4],
     /// Magnitude to which all rounding is relative, m.
     scale: f64,
-    ways: [Vec<SphereWay>; 2],
+}
+
+/// Buffers that one part leaves to the next.
+#[derive(Debug, Default)]
+pub(super) struct PartScratch {
+    /// Reach of each sphere of both bodies along a direction, m.
+    reaches: [Vec<f64>; 2],
+    /// Spheres of b that may be near some of a's, by number.
+    near_b: Vec<(u32, SphereWay)>,
+    candidates: Vec<Candidate>,
 }
 
 /// A sphere's centre over the part.
@@ -53,6 +63,7 @@ struct Candidate {
 }
 
 impl SphereWay {
+    #[inline]
     fn of(sphere: &Sphere, rotation: Option<&BakedRotation>, accuracy: Accuracy) -> Self {
         let Some(rotation) = rotation else {
             return Self {
@@ -101,51 +112,43 @@ impl Candidate {
     }
 }
 
-impl SpheresOverPart {
+impl<'a> SpheresOverPart<'a> {
     /// Up to this number all candidates are solved.
     const FEW: usize = 2;
 
     pub(super) fn new(
-        (a, b): (&BodyView<'_>, &BodyView<'_>),
-        span: Span,
+        views: [&'a BodyView<'a>; 2],
         accuracy: Accuracy,
         (motion, scale): (RelativeMotion, f64),
-        rotations: &[Option<BakedRotation>; 2],
+        rotations: [Option<BakedRotation>; 2],
     ) -> Self {
-        let ways = |view: &BodyView<'_>, rotation: Option<&BakedRotation>| {
-            let spheres = view.spheres.iter();
-            let ways = spheres.map(|sphere| SphereWay::of(sphere, rotation, accuracy));
-            ways.collect::<Vec<_>>()
-        };
         Self {
-            span,
+            views,
+            accuracy,
+            rotations,
             base: motion.points(DVec3::ZERO),
             motion,
-            scale: scale + 4.0 * (a.bounding.radius + b.bounding.radius),
-            ways: [
-                ways(a, rotations[0].as_ref()),
-                ways(b, rotations[1].as_ref()),
-            ],
+            scale,
         }
     }
 
-    /// Returns the distance below which two spheres, given by radius and error, may come within
-    /// `margin`, or `None` if none is small enough.
     #[inline]
-    fn threshold(&self, a: (f64, f64), b: (f64, f64), margin: f64) -> Option<f64> {
-        if margin >= f64::INFINITY {
-            return Some(margin);
-        }
-        let radius = contact_radius(a.0, b.0, margin) + (a.1 + b.1);
-        (radius >= 0.0).then(|| filter_threshold(radius, self.scale))
+    fn way(&self, body: usize, sphere: &Sphere) -> SphereWay {
+        SphereWay::of(sphere, self.rotations[body].as_ref(), self.accuracy)
     }
 
     /// Calls `visit` with each pair of spheres that may come within `margin` and be the nearest one
     /// then, in the order of their numbers.
-    pub(super) fn each_within(&self, margin: f64, mut visit: impl FnMut(&SpherePair)) {
-        let candidates = self.candidates(margin);
+    pub(super) fn each_within(
+        &self,
+        margin: f64,
+        scratch: &mut PartScratch,
+        mut visit: impl FnMut(&SpherePair),
+    ) {
+        self.find_candidates(margin, scratch);
+        let candidates = &scratch.candidates;
         if candidates.len() <= Self::FEW {
-            for candidate in &candidates {
+            for candidate in candidates {
                 visit(&self.pair((candidate.a, candidate.b)));
             }
             return;
@@ -161,7 +164,7 @@ impl SpheresOverPart {
         }
         let power = normalising_power(self.scale);
         let slack = 2.0 * filter_threshold(0.0, self.scale) * power;
-        for candidate in &candidates {
+        for candidate in candidates {
             let is_behind =
                 |&(_, near): &(f64, usize)| candidate.is_behind(&candidates[near], slack);
             if !nearest.iter().any(is_behind) {
@@ -170,69 +173,96 @@ impl SpheresOverPart {
         }
     }
 
-    /// Returns the pairs of spheres that cheap tests cannot rule out to come within `margin`, in the
+    /// Finds the pairs of spheres that cheap tests cannot rule out to come within `margin`, in the
     /// order of their numbers.
-    fn candidates(&self, margin: f64) -> Vec<Candidate> {
-        let mut candidates = Vec::new();
-        let reaches = self.reaches();
+    fn find_candidates(&self, margin: f64, scratch: &mut PartScratch) {
+        self.find_reaches(scratch);
+        let PartScratch {
+            reaches: [reaches_a, reaches_b],
+            near_b,
+            candidates,
+        } = scratch;
+        candidates.clear();
+        near_b.clear();
         // Infinite, or a distance: rounding of the reaches and of the sums is that of a filter.
         let bound = filter_threshold(margin, self.scale + margin.abs());
-        let farthest = reaches[1].iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let nearest = reaches_a.iter().copied().fold(f64::INFINITY, f64::min);
+        let [spheres_a, spheres_b] = self.views.map(|view| view.spheres);
+        for (number, (sphere, most)) in (0..).zip(spheres_b.iter().zip(&*reaches_b)) {
+            if nearest - most <= bound {
+                near_b.push((number, self.way(1, sphere)));
+            }
+        }
         let power = normalising_power(self.scale);
-        let [ways_a, ways_b] = &self.ways;
-        for (number_a, (way_a, least)) in (0..).zip(ways_a.iter().zip(&reaches[0])) {
+        let farthest = reaches_b.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        for (number_a, (sphere, least)) in (0..).zip(spheres_a.iter().zip(&*reaches_a)) {
             if least - farthest > bound {
                 continue;
             }
+            let way_a = self.way(0, sphere);
             let places = [0, 1, 2, 3].map(|k| self.base[k] + way_a.points[k]);
-            for (number_b, (way_b, most)) in (0..).zip(ways_b.iter().zip(&reaches[1])) {
-                if least - most > bound {
+            for (number_b, way_b) in &*near_b {
+                if least - reaches_b[*number_b as usize] > bound {
                     continue;
                 }
-                let own = (way_a.radius, way_a.error);
-                let Some(threshold) = self.threshold(own, (way_b.radius, way_b.error), margin)
-                else {
-                    continue;
+                let error = way_a.error + way_b.error;
+                let radius = if margin < f64::INFINITY {
+                    contact_radius(way_a.radius, way_b.radius, margin) + error
+                } else {
+                    margin
                 };
+                if radius < 0.0 {
+                    continue;
+                }
                 let points = [0, 1, 2, 3].map(|k| (places[k] - way_b.points[k]) * power);
                 let heights = squared_distance(&points);
                 let lowest = heights.into_iter().fold(f64::INFINITY, f64::min);
-                let radius = threshold * power;
-                if lowest > radius * radius {
+                // The clearance contains their rounding: see the filter by coefficients.
+                let threshold = filter_threshold(radius, self.scale) * power;
+                if lowest > threshold * threshold {
                     continue;
                 }
                 candidates.push(Candidate {
                     a: number_a,
-                    b: number_b,
+                    b: *number_b,
                     points,
                     heights,
                     radii: (way_a.radius + way_b.radius) * power,
-                    error: (way_a.error + way_b.error) * power,
+                    error: error * power,
                 });
             }
         }
-        candidates
     }
 
-    /// Returns how far each sphere reaches along the direction from body b to body a, m: those of a
-    /// at least, from b's position, and those of b at most. The separation of two spheres is never
+    /// Finds how far each sphere reaches along the direction from body b to body a, m: those of a at
+    /// least, from b's position, and those of b at most. The separation of two spheres is never
     /// below the difference.
-    fn reaches(&self) -> [Vec<f64>; 2] {
+    fn find_reaches(&self, scratch: &mut PartScratch) {
         let direction = self.direction();
-        let [ways_a, ways_b] = &self.ways;
         let base = self.base.map(|point| point.dot(direction));
-        let least = |way: &SphereWay| {
-            let places = [0, 1, 2, 3].map(|k| base[k] + way.points[k].dot(direction));
-            places.into_iter().fold(f64::INFINITY, f64::min) - (way.radius + way.error)
+        let [reaches_a, reaches_b] = &mut scratch.reaches;
+        let still = [direction; 4];
+        let along = |body: usize| {
+            let rotation = self.rotations[body].as_ref();
+            rotation.map_or(still, |rotation| rotation.seen_along(direction))
         };
-        let most = |way: &SphereWay| {
-            let places = way.points.map(|point| point.dot(direction));
-            places.into_iter().fold(f64::NEG_INFINITY, f64::max) + (way.radius + way.error)
+        let error = |body: usize| {
+            let farthest = DVec3::new(self.views[body].bounding.radius, 0.0, 0.0);
+            let rotation = self.rotations[body].as_ref();
+            rotation.map_or(0.0, |rotation| rotation.error_of(farthest))
         };
-        [
-            ways_a.iter().map(least).collect(),
-            ways_b.iter().map(most).collect(),
-        ]
+        let (axes, excess) = (along(0), error(0));
+        reaches_a.clear();
+        reaches_a.extend(self.views[0].spheres.iter().map(|sphere| {
+            let places = [0, 1, 2, 3].map(|k| base[k] + axes[k].dot(sphere.offset));
+            places.into_iter().fold(f64::INFINITY, f64::min) - (sphere.radius + excess)
+        }));
+        let (axes, excess) = (along(1), error(1));
+        reaches_b.clear();
+        reaches_b.extend(self.views[1].spheres.iter().map(|sphere| {
+            let places = axes.map(|axis| axis.dot(sphere.offset));
+            places.into_iter().fold(f64::NEG_INFINITY, f64::max) + (sphere.radius + excess)
+        }));
     }
 
     /// Returns a direction in which body a lies from body b in this part: a unit vector, up to
@@ -249,8 +279,8 @@ impl SpheresOverPart {
     }
 
     /// Returns two spheres that reach far towards each other's bodies: probably among the nearest.
-    pub(super) fn facing(&self) -> (u32, u32) {
-        let [reaches_a, reaches_b] = self.reaches();
+    pub(super) fn facing(&self, scratch: &mut PartScratch) -> (u32, u32) {
+        self.find_reaches(scratch);
         let smallest = |reaches: &[f64], sign: f64| {
             let mut least = (f64::INFINITY, 0);
             for (number, reach) in (0..).zip(reaches) {
@@ -260,12 +290,14 @@ impl SpheresOverPart {
             }
             least.1
         };
-        (smallest(&reaches_a, 1.0), smallest(&reaches_b, -1.0))
+        let [reaches_a, reaches_b] = &scratch.reaches;
+        (smallest(reaches_a, 1.0), smallest(reaches_b, -1.0))
     }
 
     /// Returns two spheres over the part.
     pub(super) fn pair(&self, (a, b): (u32, u32)) -> SpherePair {
-        let (way_a, way_b) = (&self.ways[0][a as usize], &self.ways[1][b as usize]);
+        let sphere = |body: usize, number: u32| &self.views[body].spheres[number as usize];
+        let (way_a, way_b) = (self.way(0, sphere(0, a)), self.way(1, sphere(1, b)));
         let ways = [0, 1, 2, 3].map(|k| way_a.points[k] - way_b.points[k]);
         SpherePair {
             a,
