@@ -101,13 +101,11 @@ impl<'a> TurningPair<'a> {
             return;
         }
         // The parts in which the bodies come nearest go first: they rule out most others.
-        let [segment_a, segment_b] = &self.a.segments_in(self.b, self.span);
+        let cubic = self.cubic();
         let order = self.cells(clip).filter_map(|cell| {
             let ends = (clip.0.max(cell.span.start), clip.1.min(cell.span.end));
-            let middle = ends.0 + 0.5 * (ends.1 - ends.0);
-            let [place_a, place_b] = [segment_a, segment_b].map(|one| one.motion_at(middle).0);
-            let square = (place_a - place_b + self.offset).length_squared();
-            (ends.0 <= ends.1).then_some((square, cell))
+            let middle = cubic.parameter(ends.0 + 0.5 * (ends.1 - ends.0));
+            (ends.0 <= ends.1).then(|| (cubic.at(middle).0.length_squared(), cell))
         });
         let mut order: Vec<(f64, Cell)> = order.collect();
         order.sort_by(|x, y| x.0.total_cmp(&y.0));
@@ -161,9 +159,7 @@ impl<'a> TurningPair<'a> {
         if self.cells(part).nth(FEW).is_none() {
             return visit(part);
         }
-        let [segment_a, segment_b] = &self.a.segments_in(self.b, self.span);
-        let ends = (self.span.start, self.span.end);
-        let cubic = RelativeCubic::between(segment_a, segment_b, ends, self.offset);
+        let cubic = self.cubic();
         let stretches = cubic.uncertain().stretches(Threshold {
             low: threshold,
             high: threshold,
@@ -188,6 +184,11 @@ impl<'a> TurningPair<'a> {
     fn threshold(&self, margin: f64, scale: f64) -> Option<f64> {
         let radius = contact_radius(self.a.bounding.radius, self.b.bounding.radius, margin);
         (radius >= 0.0).then(|| filter_threshold(radius, scale))
+    }
+
+    /// Returns the relative motion of the bounding spheres' centres over the whole span.
+    fn cubic(&self) -> RelativeCubic {
+        self.motion(self.span).of_spheres(self.offset)
     }
 
     /// Returns the motion of the bodies over a part of the span.
