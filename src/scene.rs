@@ -31,9 +31,20 @@ use crate::window::Window;
 use std::slice::from_ref;
 
 #[derive(Debug, Default)]
-struct Slot {
+pub(crate) struct Slot {
     generation: u32,
     entry: Option<SceneEntry>,
+}
+
+impl Slot {
+    /// Turns the motion of the body, if there is one, which must [turn in place](Trajectory::turns_in_place).
+    pub(crate) fn turn_in_place(
+        &mut self,
+        (from, motion, since): (f64, &StraightMotion, f64),
+    ) -> Option<&Trajectory> {
+        let entry = self.entry.as_mut()?;
+        Some(entry.turn_in_place((from, motion, since)))
+    }
 }
 
 /// The bodies that are screened against each other.
@@ -374,6 +385,11 @@ impl Scene {
         if let Some(slot) = self.slots.get(slot as usize) {
             prefetch(from_ref(slot));
         }
+    }
+
+    /// Returns all slots.
+    pub(crate) fn slots_mut(&mut self) -> &mut [Slot] {
+        &mut self.slots
     }
 
     /// Returns the number of slots, free ones included.

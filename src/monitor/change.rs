@@ -408,7 +408,7 @@ impl Monitor {
         Ok(())
     }
 
-    const fn count_change(&mut self) {
+    pub(super) const fn count_change(&mut self) {
         self.changed_bodies += 1;
         self.review.changes += 1;
     }

@@ -193,6 +193,14 @@ impl Trajectory {
         }
     }
 
+    /// Returns true if [`turn`](Self::turn) changes nothing but this motion's own few numbers.
+    pub(crate) fn turns_in_place(&self, from: f64, motion: &StraightMotion, since: f64) -> bool {
+        match &self.form {
+            Form::Turned(turned) => turned.room(from, motion, since).is_some(),
+            Form::Straight(..) | Form::Plan(_) => false,
+        }
+    }
+
     /// Returns true if it goes on from `from` (s) just as a straight motion does.
     pub(crate) fn follows(&self, motion: &StraightMotion, from: f64) -> bool {
         let is_past = self.knots().last().is_some_and(|&last| last <= from);
@@ -289,6 +297,7 @@ fn count_at_front(knots: &[f64], is_before: impl Fn(f64) -> bool) -> usize {
 #[cfg(test)]
 mod tests {
     use crate::trajectory::{Outside, State, Trajectory};
+    use crate::window::Window;
     use glam::DVec3;
 
     fn plan(knots: &[f64], outside: Outside) -> Trajectory {
@@ -346,5 +355,42 @@ mod tests {
             assert_eq!(kept, memory, "{now}");
             flown = spliced;
         }
+    }
+    /// A plan that is turned in place is what one with lists is, wherever there is room for it.
+    #[test]
+    fn what_is_turned_in_place_is_the_same_plan() {
+        let window = |from: f64| Window::new(from - 1.0, from + 5.0).unwrap_or(Window::ALL);
+        let (mut in_place, mut in_lists) = (0, 0);
+        for round in 0..200_u32 {
+            let mut one = plan(&[0.0, 1.0, 2.0], Outside::Coast);
+            let mut other = one.clone();
+            let mut now = 2.0;
+            for frame in 0..40_u32 {
+                // Usually each frame, at times long after, or with what was before.
+                let mix = (round * 41 + frame).wrapping_mul(2_654_435_761) >> 16;
+                now += [0.1, 0.5, 3.0, 7.0, 40.0][(mix % 9).saturating_sub(4) as usize];
+                let since = now - [0.0, 0.1, 0.5, 20.0][(mix / 9 % 7).saturating_sub(3) as usize];
+                let age = [0.0, 0.0, 2.0, 1e9][(mix / 63 % 4) as usize];
+                let velocity = DVec3::new(f64::from(mix % 5), 1.0, 0.1);
+                let state = State::new(now - age, DVec3::X * f64::from(mix % 7), velocity);
+                let Ok(motion) = Trajectory::coasting_motion(&state) else {
+                    unreachable!("it is usable")
+                };
+                assert!(one.can_turn(now, &motion, window(now)));
+                assert!(other.can_turn(now, &motion, window(now)));
+                one.turn(now, &motion, since);
+                other.as_plan().turn(now, &motion, since);
+                in_place += usize::from(!one.straight_motions().is_empty());
+                in_lists += usize::from(one.straight_motions().is_empty());
+                assert_eq!((one.knots(), one.cuts()), (other.knots(), other.cuts()));
+                assert_eq!(one.segments(), other.segments());
+                assert_eq!(one.segment_after(), other.segment_after());
+                assert_eq!(one.outside_before(), other.outside_before());
+                for time in [now - 3.0, now - 0.05, now, now + 1.0, now + 99.0] {
+                    assert_eq!(one.state(time), other.state(time));
+                }
+            }
+        }
+        assert!(in_place > 500 && in_lists > 500, "{in_place} {in_lists}");
     }
 }

@@ -89,21 +89,14 @@ impl TurnedMotion {
     /// Turns it as [`Trajectory::turn`](super::Trajectory::turn) does. Returns false, and changes nothing, if
     /// there is no room.
     pub(super) fn turn(&mut self, from: f64, motion: &StraightMotion, since: f64) -> bool {
-        let from = one_zero(from);
-        let is_first_piece = from <= self.cuts[self.pieces];
-        let past = self.knots().iter().chain(once(&from));
-        let past = past.take_while(|knot| **knot < since).count();
-        let dropped = past.saturating_sub(1).min(self.pieces - 1);
-        let kept = self.pieces - dropped;
-        let cut = DoublingCuts::cut(from, motion.duration(), 1);
-        let is_piece = cut > from && check_straight(motion, (from, cut), 0).is_ok();
-        if !is_first_piece || !is_piece || kept >= Self::ROOM {
+        let Some((dropped, cut)) = self.room(from, motion, since) else {
             return false;
-        }
+        };
+        let kept = self.pieces - dropped;
         self.motions.copy_within(dropped..self.pieces, 0);
         self.cuts.copy_within(dropped..self.pieces, 0);
         self.motions[kept] = *motion;
-        self.cuts[kept] = from;
+        self.cuts[kept] = one_zero(from);
         self.cuts[kept + 1] = cut;
         self.pieces = kept + 1;
         if dropped > 0 {
@@ -112,6 +105,25 @@ impl TurnedMotion {
         self.segments.take();
         true
     }
+
+    /// Returns how many pieces [`turn`](Self::turn) drops, and where its last one ends (s), if there is room.
+    pub(super) fn room(
+        &self,
+        from: f64,
+        motion: &StraightMotion,
+        since: f64,
+    ) -> Option<(usize, f64)> {
+        let from = one_zero(from);
+        let is_first_piece = from <= self.cuts[self.pieces];
+        let past = self.knots().iter().chain(once(&from));
+        let past = past.take_while(|knot| **knot < since).count();
+        let dropped = past.saturating_sub(1).min(self.pieces - 1);
+        let has_room = self.pieces - dropped < Self::ROOM;
+        let cut = DoublingCuts::cut(from, motion.duration(), 1);
+        let is_piece = cut > from && check_straight(motion, (from, cut), 0).is_ok();
+        (is_first_piece && has_room && is_piece).then_some((dropped, cut))
+    }
+
     /// Returns the plan that this is.
     pub(super) fn to_plan(&self) -> Plan {
         let ends = [self.motions[0], *self.last()].map(|motion| motion.segment());
