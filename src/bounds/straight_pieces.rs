@@ -89,7 +89,7 @@ mod tests {
         for told in [-0.8, -0.5, -0.2, 0.0] {
             let next = motion(told);
             if flown.can_turn(told, &next, window) {
-                flown.turn(told, &next, told - 0.6);
+                flown.turn(told, &next, told - 0.25);
             } else {
                 let mut plan = Trajectory::of_straight(next);
                 assert!(plan.precede_by(&flown, told, told - 0.1).is_ok());
@@ -176,7 +176,8 @@ mod tests {
                 }
             }
         }
-        // Where that error is all there is, it is held about three times.
-        assert!(tightest < 5.0 && turns > 1_000, "{tightest} {turns}");
+        // Where that error is all there is, it is held about eight times; that of a state whose time is coarse is three
+        // times as large.
+        assert!(tightest < 12.0 && turns > 1_000, "{tightest} {turns}");
     }
 }
