@@ -130,7 +130,7 @@ pub use monitor::{
 pub use narrow_phase::kernels;
 pub use orientation::Orientation;
 pub use query::Query;
-pub use scene::{Body, BodyPlan, BodyState, Scene, Spin};
+pub use scene::{Body, BodyPlan, BodyPlanRef, BodyState, Scene, Spin};
 pub use screen::{CertifiedApproach, Screening};
 pub use stats::Stats;
 pub use trajectory::{Outside, Segment, State, TimeBase, Trajectory};

@@ -13,7 +13,7 @@ mod update;
 
 pub(crate) use arena::CubicArena;
 pub use body::Body;
-pub use body_plan::BodyPlan;
+pub use body_plan::{BodyPlan, BodyPlanRef};
 pub(crate) use entry::SceneEntry;
 pub(crate) use ignored::IgnoredPairs;
 use partners::{Kinds, Partners};
@@ -25,7 +25,6 @@ use crate::error::Error;
 use crate::hitbox::Hitbox;
 use crate::id::BodyId;
 use crate::layers::Layers;
-use crate::orientation::Orientation;
 use crate::pool::Pool;
 use crate::search::SearchScratch;
 use crate::simd::prefetch;
@@ -34,9 +33,20 @@ use crate::window::Window;
 use std::slice::from_ref;
 
 #[derive(Debug, Default)]
-struct Slot {
+pub(crate) struct Slot {
     generation: u32,
     entry: Option<SceneEntry>,
+}
+
+impl Slot {
+    /// Turns the motion of the body, if there is one, which must [turn in place](Trajectory::turns_in_place).
+    pub(crate) fn turn_in_place(
+        &mut self,
+        (from, motion, since): (f64, &StraightMotion, f64),
+    ) -> Option<&Trajectory> {
+        let entry = self.entry.as_mut()?;
+        Some(entry.turn_in_place((from, motion, since)))
+    }
 }
 
 /// The bodies that are screened against each other.
@@ -263,20 +273,6 @@ impl Scene {
         Ok(old)
     }
 
-    /// Replaces a body's orientation and returns the old one.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::UnknownBody`].
-    pub fn set_orientation(
-        &mut self,
-        id: BodyId,
-        orientation: Orientation,
-    ) -> Result<Orientation, Error> {
-        let (entry, _) = self.entry_mut(id)?;
-        Ok(std::mem::replace(&mut entry.body.orientation, orientation))
-    }
-
     /// Replaces a body's layers and returns the old ones.
     ///
     /// # Errors
@@ -391,6 +387,11 @@ impl Scene {
         if let Some(slot) = self.slots.get(slot as usize) {
             prefetch(from_ref(slot));
         }
+    }
+
+    /// Returns all slots.
+    pub(crate) fn slots_mut(&mut self) -> &mut [Slot] {
+        &mut self.slots
     }
 
     /// Returns the number of slots, free ones included.

@@ -10,7 +10,7 @@ use super::straight_pieces::StraightPieces;
 use super::sub_cubic::SubCubic;
 use crate::knots::Knots;
 use crate::simd::prefetch;
-use crate::trajectory::{Segment, StraightMotion};
+use crate::trajectory::Segment;
 use std::slice::from_ref;
 
 /// A cubic from which bounds are formed.
@@ -166,11 +166,8 @@ impl<'a> CubicSource<'a, CompactCubic> {
 impl<'a, C> CubicSource<'a, C> {
     /// Returns the source of a body of straight motions, with these knots.
     pub(crate) fn straight(knots: Knots<'a>, padding: &Padding, frame: &Frame) -> Self {
-        let first = knots.straight_motions().first();
-        let anchor = Frame {
-            origin: first.map_or(frame.origin, StraightMotion::origin),
-            power: frame.power,
-        };
+        // Not its state's place, which may be far away if the state is old.
+        let anchor = *frame;
         Self {
             knots,
             cubics: &[],

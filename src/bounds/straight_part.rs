@@ -23,8 +23,9 @@ impl StraightPart {
     pub(super) fn new(motion: &StraightMotion, (from, to): (f64, f64), frame: &Frame) -> Self {
         let (first, last) = (motion.way_to(from), motion.way_to(to));
         let offset = motion.origin() - frame.origin;
-        // Each way has two roundings; two more of it are where it cancels with the offset.
-        let error = first.abs().max(last.abs()) * (4.0 * UNIT_ROUNDOFF / f64::from(ROUNDING));
+        // A box is larger by four roundings of `near`. Each way has two roundings, and two where it cancels with the
+        // offset. The solver's error, of at most 36, is held more than twice, as that of any cubic is.
+        let error = first.abs().max(last.abs()) * (24.0 * UNIT_ROUNDOFF / f64::from(ROUNDING));
         let near = ((last - first).abs() + error).element_sum() * frame.power;
         let [start, end] = [first, last].map(|way| (offset + way) * frame.power);
         let lanes = |DVec3 { x, y, z }: DVec3| Vec4::new(nearest(x), nearest(y), nearest(z), 0.0);

@@ -60,3 +60,124 @@ impl StraightPieces<'_> {
         StraightPart::new(&self.motions[number], (from, to), &self.anchor)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{CubicSource, Frame, Padding};
+    use crate::hitbox::Hitbox;
+    use crate::knots::Knots;
+    use crate::rounding::exact::{Exact, number};
+    use crate::search::{FormBounds, SliceBlock};
+    use crate::simd::InstructionSet;
+    use crate::trajectory::{Segment, State, Trajectory};
+    use crate::window::Window;
+    use glam::DVec3;
+    use rand::rngs::ChaCha8Rng;
+    use rand::{RngExt, SeedableRng};
+
+    /// A body that was told where it is again and again, at last at 0 s: up to three straight motions from -1 s on.
+    fn told(rng: &mut ChaCha8Rng, age: f64, far: f64) -> Trajectory {
+        let mut vector =
+            |half: f64| DVec3::from_array([0; 3].map(|_| rng.random_range(-half..half)));
+        let mut motion = |told: f64| {
+            let (place, velocity) = (vector(far), vector(20.0));
+            let state = State::new(told - age, place - age * velocity, velocity);
+            Trajectory::coasting_motion(&state).unwrap_or_else(|_| unreachable!("it is usable"))
+        };
+        let mut flown = Trajectory::of_straight(motion(-1.0));
+        let window = Window::new(-0.5, 3.0).unwrap_or_else(|_| unreachable!());
+        for told in [-0.8, -0.5, -0.2, 0.0] {
+            let next = motion(told);
+            if flown.can_turn(told, &next, window) {
+                flown.turn(told, &next, told - 0.25);
+            } else {
+                let mut plan = Trajectory::of_straight(next);
+                assert!(plan.precede_by(&flown, told, told - 0.1).is_ok());
+                flown = plan;
+            }
+        }
+        flown
+    }
+
+    /// Boxes and fat lines of slices in which a body turns hold it, and more than twice the solver's error around
+    /// it: also where its states are old, and their way cancels with their place.
+    #[test]
+    fn motions_told_one_after_another_are_held() {
+        const SEEN: f64 = 2.25;
+        let mut rng = ChaCha8Rng::seed_from_u64(11);
+        let (mut tightest, mut turns) = (f64::INFINITY, 0);
+        for round in 0..600 {
+            let age = [0.0, 1.0, 1e6, 1e9, 1e13][round % 5];
+            let far = [1.0, 1e5][round / 5 % 2];
+            let flown = told(&mut rng, age, far);
+            assert!(!flown.straight_motions().is_empty());
+            let frame = Frame::amid(
+                super::super::DAabb {
+                    low: DVec3::splat(-far),
+                    high: DVec3::splat(far),
+                },
+                super::super::DAabb::NOTHING,
+                0.0,
+            );
+            let padding = Padding::of(&Hitbox::POINT, 0.0, &frame);
+            let source =
+                CubicSource::<Segment>::straight(Knots::over(&flown, None), &padding, &frame);
+            let common = [DVec3::ZERO, DVec3::new(9.0, -3.0, 1.0)][round % 2];
+            let moving = frame.moving(common);
+            let ends = [-0.1, 0.0, 0.7, 0.7, 2.0];
+            let mut block = SliceBlock::default();
+            InstructionSet::best().run(FormBounds {
+                block: &mut block,
+                frame: &moving,
+                sources: &[source],
+                present: &[0],
+                ends: &ends,
+            });
+            for (slice, ends) in block.slices.iter().zip(ends.windows(2)) {
+                let (line, aabb) = (&slice.fat_lines[0], &slice.boxes[0].aabb);
+                for step in 0..=4 {
+                    let share = f64::from(step) / 4.0;
+                    let time = ends[0] + share * (ends[1] - ends[0]);
+                    let piece = flown.cuts()[1..]
+                        .iter()
+                        .take_while(|&&cut| cut < time)
+                        .count();
+                    turns += usize::from(piece > 0);
+                    let motion =
+                        &flown.straight_motions()[piece.min(flown.straight_motions().len() - 1)];
+                    let since = number(time) - number(motion.start());
+                    let place = Exact::of(motion.origin())
+                        .plus(&Exact::of(motion.velocity()).times(&since));
+                    let place = place.minus(&Exact::of(frame.origin));
+                    let moved = Exact::of(common).times(&(number(time) - number(ends[0])));
+                    let error = motion.segment().restrict(time, time).error;
+                    let inside = |seen: f64| {
+                        let room = DVec3::splat(seen * error);
+                        let [low, high] = [aabb.mins, aabb.maxs].map(|corner| {
+                            DVec3::new(corner.x.into(), corner.y.into(), corner.z.into())
+                        });
+                        let middle = (low + high) * 0.5;
+                        let relative = place.minus(&moved).minus(&Exact::of(middle));
+                        relative.is_within_box((high - low) * 0.5 - room)
+                    };
+                    assert!(inside(SEEN), "{round} {time} {flown:?}");
+                    let mut most = SEEN;
+                    while most < 1e3 && inside(most) {
+                        most *= 1.2;
+                    }
+                    tightest = tightest.min(most);
+                    let lane = |lanes: [f32; 3]| DVec3::from_array(lanes.map(f64::from));
+                    let on_line = Exact::of(lane(line.start))
+                        .plus(&Exact::of(lane(line.change)).times(&number(share)));
+                    assert!(
+                        place.minus(&on_line).is_within(line.slack.into()),
+                        "{round} {time}"
+                    );
+                }
+            }
+        }
+        // Where that error is all there is, it is held about eight times; that of a state whose time is coarse is three
+        // times as large.
+        assert!(tightest < 12.0 && turns > 1_000, "{tightest} {turns}");
+    }
+}

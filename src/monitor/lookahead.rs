@@ -164,6 +164,11 @@ impl LookaheadSearch {
         self.forget(slot);
     }
 
+    /// Returns what is known of all bodies.
+    pub(super) fn bodies_mut(&mut self) -> &mut MonitoredBodies {
+        &mut self.flights
+    }
+
     /// Finds which bodies may be part of a pair: of the one in a slot, and of all if that may have changed.
     pub(super) fn find_partners(&mut self, scene: &Scene, slot: Option<u32>) {
         let partners = scene.partners(self.margin);

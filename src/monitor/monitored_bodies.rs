@@ -24,7 +24,7 @@ pub(super) struct MonitoredBody {
     /// Number of the plan's own cubics.
     cubics: u32,
     /// Up to where a plan without end is followed, s; infinite for one that has an end.
-    until: f64,
+    pub(super) until: f64,
     /// The body may be part of a pair.
     pub(super) has_partner: bool,
 }
@@ -51,7 +51,7 @@ impl MonitoredBody {
     }
 
     /// Takes another plan of the same body over `window`.
-    fn replan(&mut self, trajectory: &Trajectory, window: Window) -> Result<(), Error> {
+    pub(super) fn replan(&mut self, trajectory: &Trajectory, window: Window) -> Result<(), Error> {
         self.extension = None;
         self.begin = window.start();
         let knots = Knots::of(trajectory.cuts());
@@ -156,6 +156,11 @@ impl MonitoredBodies {
         if let Some(Some(flight)) = self.by_slot.get_mut(slot as usize) {
             flight.padding = padding;
         }
+    }
+
+    /// Returns what is known of all bodies, by slot, and up to where all those that exist for ever are followed, s.
+    pub(super) fn by_slot_mut(&mut self) -> (&mut [Option<MonitoredBody>], &mut f64) {
+        (&mut self.by_slot, &mut self.until)
     }
 
     /// Notes which bodies may be part of a pair; returns whether that is new of the one in a slot.

@@ -70,7 +70,7 @@ impl Monitor {
         let mut tracked = std::mem::take(&mut self.tracked);
         tracked.motions.clear();
         let done = self.list_motions(now, states, &mut tracked);
-        let done = done.and_then(|()| self.take_motions(&mut tracked.motions));
+        let done = done.and_then(|()| self.take_motions(&mut tracked));
         self.tracked = tracked;
         done
     }
@@ -161,7 +161,11 @@ impl Monitor {
         let from = tracked.from;
         if flown.follows(&motion, from) {
             tracked.change = TrackedChange::Same;
-        } else if !flown.can_turn(from, &motion, terms.window) {
+        } else if flown.can_turn(from, &motion, terms.window) {
+            if flown.turns_in_place(from, &motion, terms.forget_before) {
+                tracked.change = TrackedChange::TurnInPlace;
+            }
+        } else {
             let mut plan = plan();
             let since = terms.forget_before;
             plan.precede_by(flown, from, since).map_err(in_body)?;
@@ -186,14 +190,24 @@ impl Monitor {
     }
 
     /// Lets it take effect. Nothing is refused.
-    fn take_motions(&mut self, tracked: &mut [TrackedMotion]) -> Result<(), Error> {
+    fn take_motions(&mut self, tracked: &mut TrackedMotions) -> Result<(), Error> {
+        let is_shared = parallel::threads() > 1 && 2 * tracked.motions.len() > self.scene.slots();
+        if is_shared {
+            self.turn_in_place(tracked)?;
+        }
+        let tracked = &mut tracked.motions;
         for place in 0..tracked.len() {
-            self.prefetch_motion(tracked, place);
-            self.take_orientation(&mut tracked[place])?;
+            if !is_shared {
+                self.prefetch_motion(tracked, place);
+            }
             let tracked = &mut tracked[place];
             let (id, motion) = (tracked.id, (tracked.from, &tracked.motion));
             match std::mem::replace(&mut tracked.change, TrackedChange::Same) {
-                TrackedChange::Turn => self.turn(id, motion)?,
+                TrackedChange::TurnInPlace if is_shared => {
+                    self.search.forget(id.slot);
+                    self.count_change();
+                }
+                TrackedChange::Turn | TrackedChange::TurnInPlace => self.turn(id, motion)?,
                 TrackedChange::Replan(replanned) => {
                     let (mut plan, flight) = *replanned;
                     self.scene.swap_trajectory(id, &mut plan)?;
@@ -202,6 +216,41 @@ impl Monitor {
                 }
                 TrackedChange::Same | TrackedChange::Refused(_) => {}
             }
+            // Last: what the body takes with another plan was worked out for the old one.
+            self.take_orientation(tracked)?;
+        }
+        Ok(())
+    }
+
+    /// Turns the motions that are turned in place, on several threads.
+    fn turn_in_place(&mut self, tracked: &TrackedMotions) -> Result<(), Error> {
+        /// Slots that one thread goes through together.
+        const SHARE: usize = 1024;
+        let terms = self.terms()?;
+        let (window, since) = (terms.window, terms.forget_before);
+        let slots = self.scene.slots_mut();
+        let (flights, until) = self.search.bodies_mut().by_slot_mut();
+        let count = slots.len().min(flights.len());
+        let mut ends = vec![Ok(f64::INFINITY); count.div_ceil(SHARE)];
+        let lists = (&mut slots[..count], &mut flights[..count]);
+        parallel::for_each_share(lists, &mut ends, SHARE, |share, (slots, flights), end| {
+            let bodies = slots.iter_mut().zip(flights).enumerate();
+            for (place, (slot, flight)) in bodies {
+                let motion = tracked.in_place(share * SHARE + place);
+                let (Some(motion), Some(flight)) = (motion, flight) else {
+                    continue;
+                };
+                let turned = slot.turn_in_place((motion.from, &motion.motion, since));
+                let followed = turned.map_or(Ok(()), |turned| flight.replan(turned, window));
+                match (&mut *end, followed) {
+                    (Ok(end), Ok(())) => *end = end.min(flight.until),
+                    (_, Err(error)) => *end = Err(error),
+                    (Err(_), Ok(())) => {}
+                }
+            }
+        });
+        for end in ends {
+            *until = until.min(end?);
         }
         Ok(())
     }

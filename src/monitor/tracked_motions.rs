@@ -33,6 +33,15 @@ impl TrackedMotions {
     }
 }
 
+impl TrackedMotions {
+    /// Returns the motion of the body in a slot, if it is turned in place.
+    pub(super) fn in_place(&self, slot: usize) -> Option<&TrackedMotion> {
+        let motion = self.motions.get(*self.place_of.get(slot)?)?;
+        let is_in_place = matches!(motion.change, TrackedChange::TurnInPlace);
+        (motion.id.slot as usize == slot && is_in_place).then_some(motion)
+    }
+}
+
 /// The change of one body.
 #[derive(Debug)]
 pub(super) struct TrackedMotion {
@@ -51,8 +60,10 @@ pub(super) struct TrackedMotion {
 pub(super) enum TrackedChange {
     /// None: it follows it already.
     Same,
-    /// Its plan is turned in place.
+    /// Its plan is turned.
     Turn,
+    /// The few straight motions that it follows are turned in place: several threads can share that.
+    TurnInPlace,
     /// The body takes another plan.
     Replan(Box<(Trajectory, MonitoredBody)>),
     /// None: it is refused.

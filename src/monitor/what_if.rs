@@ -4,7 +4,7 @@ use super::{Monitor, SlotAdmission};
 use crate::conflict::Conflict;
 use crate::error::Error;
 use crate::id::BodyId;
-use crate::scene::BodyPlan;
+use crate::scene::BodyPlanRef;
 use crate::screen::conflict;
 use crate::shape::BodyShape;
 
@@ -24,21 +24,23 @@ impl Monitor {
     ///
     /// [`Error::UnknownBody`], [`Error::InBody`]; [`Error::UnknownAlertLevel`]; in a body [`Error::NoPlanAt`] if
     /// the plan does not exist now, as [`replan`](Self::replan) would say.
-    pub fn what_if(
+    pub fn what_if<'p>(
         &self,
         id: BodyId,
-        plan: impl Into<BodyPlan>,
+        plan: impl Into<BodyPlanRef<'p>>,
         level: usize,
     ) -> Result<Vec<Conflict>, Error> {
-        let plan = plan.into();
-        let (plan, orientation) = (&plan.trajectory, &plan.orientation);
+        let BodyPlanRef {
+            trajectory: plan,
+            orientation,
+        } = plan.into();
         let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
         let alert = self.levels.get(level);
         let alert = alert.ok_or(Error::UnknownAlertLevel { level })?;
         if !body.trajectory.domain().contains(self.now) || !plan.goes_on_from(self.now) {
             return Err(Error::NoPlanAt { time: self.now }.in_body(body.tag));
         }
-        let orientation = orientation.as_ref().unwrap_or(&body.orientation);
+        let orientation = orientation.unwrap_or(&body.orientation);
         let shape = BodyShape::new(&body.hitbox, orientation.turning());
         let flight = self.terms()?.flight(plan, shape, body.tag)?;
         let own = flight.view(plan, shape);

@@ -1,5 +1,8 @@
 //! Plans: how a body moves and turns.
 
+use super::Scene;
+use crate::error::Error;
+use crate::id::BodyId;
 use crate::orientation::Orientation;
 use crate::trajectory::Trajectory;
 
@@ -47,14 +50,44 @@ impl From<Trajectory> for BodyPlan {
     }
 }
 
-impl From<&Trajectory> for BodyPlan {
-    fn from(trajectory: &Trajectory) -> Self {
-        Self::from(trajectory.clone())
+/// A plan that is only looked at: a `&Trajectory` or a `&BodyPlan`, for
+/// [`Monitor::what_if`](crate::Monitor::what_if).
+#[derive(Clone, Copy, Debug)]
+pub struct BodyPlanRef<'p> {
+    pub(crate) trajectory: &'p Trajectory,
+    pub(crate) orientation: Option<&'p Orientation>,
+}
+
+impl<'p> From<&'p Trajectory> for BodyPlanRef<'p> {
+    fn from(trajectory: &'p Trajectory) -> Self {
+        Self {
+            trajectory,
+            orientation: None,
+        }
     }
 }
 
-impl From<&Self> for BodyPlan {
-    fn from(plan: &Self) -> Self {
-        plan.clone()
+impl<'p> From<&'p BodyPlan> for BodyPlanRef<'p> {
+    fn from(plan: &'p BodyPlan) -> Self {
+        Self {
+            trajectory: &plan.trajectory,
+            orientation: plan.orientation.as_ref(),
+        }
+    }
+}
+
+impl Scene {
+    /// Replaces a body's orientation and returns the old one.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownBody`].
+    pub fn set_orientation(
+        &mut self,
+        id: BodyId,
+        orientation: Orientation,
+    ) -> Result<Orientation, Error> {
+        let (entry, _) = self.entry_mut(id)?;
+        Ok(std::mem::replace(&mut entry.body.orientation, orientation))
     }
 }

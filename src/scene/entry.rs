@@ -191,6 +191,14 @@ impl SceneEntry {
         arena: &mut CubicArena,
     ) -> &Trajectory {
         self.forget_summary(arena);
+        self.turn_in_place((from, motion, since))
+    }
+
+    /// Turns a motion that has no summary, since it is one of straight ones.
+    pub(super) fn turn_in_place(
+        &mut self,
+        (from, motion, since): (f64, &StraightMotion, f64),
+    ) -> &Trajectory {
         self.body.trajectory.turn(from, motion, since);
         &self.body.trajectory
     }

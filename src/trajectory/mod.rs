@@ -5,6 +5,8 @@ mod build;
 mod cuts;
 mod double_double;
 mod extension;
+mod outside;
+mod plan;
 mod reach;
 mod roomy;
 mod rows;
@@ -22,16 +24,15 @@ pub(crate) use double_double::DoubleDouble;
 pub(crate) use extension::Extension;
 #[cfg(test)]
 pub(crate) use extension::Pieces;
+pub use outside::Outside;
 pub(crate) use segment::Restriction;
 pub use segment::Segment;
 pub use state::State;
 pub(crate) use straight::StraightMotion;
 
 use crate::window::Window;
-use cuts::DoublingCuts;
 use glam::DVec3;
-use reach::check_reach;
-use roomy::Roomy;
+use plan::Plan;
 use std::slice::from_ref;
 use turned::TurnedMotion;
 
@@ -72,54 +73,6 @@ enum Form {
     Plan(Plan),
 }
 
-/// Cubics between knots.
-#[derive(Clone, Debug)]
-struct Plan {
-    /// One more than segments. There are none where a straight motion is followed by another one.
-    knots: Roomy<f64>,
-    /// Segments between the knots; beside them, the end motions before and after.
-    segments: Roomy<Segment, 2>,
-    before: Outside,
-    after: Outside,
-    /// The first piece after the last knot is the last one of the lists: it is read as fast as the plan's own.
-    has_piece_after: bool,
-}
-
-impl Plan {
-    /// Returns the knots, without the end of the piece after the last one.
-    fn knots(&self) -> &[f64] {
-        &self.knots[..self.knots.len() - usize::from(self.has_piece_after)]
-    }
-
-    /// Returns the cubics between the knots.
-    fn segments(&self) -> &[Segment] {
-        &self.segments[..self.segments.len() - usize::from(self.has_piece_after)]
-    }
-
-    /// Takes the first piece after the last knot into the lists, if the plan coasts there.
-    fn add_piece_after(&mut self) {
-        let carrier = self.segments.beside()[1].straight();
-        let Some(&last) = self.knots.last().filter(|_| self.after == Outside::Coast) else {
-            return;
-        };
-        let cut = DoublingCuts::cut(last, carrier.end() - carrier.start(), 1);
-        let is_piece = cut > last && check_reach(&carrier, (last, cut), 0).is_ok();
-        if is_piece && !self.has_piece_after {
-            self.knots.push(cut);
-            self.segments.push(carrier);
-            self.has_piece_after = true;
-        }
-    }
-
-    /// Takes the piece after the last knot out of the lists.
-    fn drop_piece_after(&mut self) {
-        if std::mem::take(&mut self.has_piece_after) {
-            self.knots.pop();
-            self.segments.pop();
-        }
-    }
-}
-
 impl PartialEq for Trajectory {
     fn eq(&self, other: &Self) -> bool {
         let rules = |plan: &Self| (plan.outside_before(), plan.outside_after());
@@ -129,49 +82,6 @@ impl PartialEq for Trajectory {
             && self.carrier_after() == other.carrier_after()
             && rules(self) == rules(other)
     }
-}
-
-/// The rule for the motion of a body before its first and after its last knot.
-///
-/// A body that continues beyond its knots exists at all times: it can only be screened within a
-/// closed window, else there is an [`Error::WindowNotClosed`](crate::Error::WindowNotClosed).
-///
-/// Rounding: a position beyond the knots is good to 4e-15 of the distance travelled from the knot.
-/// For a cubic, take the sum of the sizes of its three terms; straight motion has only the linear
-/// one. Two bodies then come within a margin to 1e-14 of both distances and of their separation.
-/// [`Accuracy::Exact`](crate::Accuracy::Exact) reports conflicts that this leaves open,
-/// [`Accuracy::Certified`](crate::Accuracy::Certified) marks them as unresolved.
-///
-/// Cost: in a window in which bodies cross the scene many times, every pair counts as near. Up to
-/// 1e12 s, 1,000 bodies at 10 m/s take 0.1 s, and 5,000 take 0.4 s.
-///
-/// ```
-/// use nearmiss::glam::DVec3;
-/// use nearmiss::{Outside, State, Trajectory};
-///
-/// // It speeds up: t² metres after t seconds.
-/// let square = |t: f64| State::new(t, t * t * DVec3::X, 2.0 * t * DVec3::X);
-/// let plan = Trajectory::from_states(&[square(0.0), square(1.0)])?;
-/// assert_eq!(plan.position(2.0), None);
-/// for (outside, metres) in [(Outside::Extrapolate, 4.0), (Outside::Coast, 3.0)] {
-///     assert_eq!(plan.clone().with_outside(outside).position(2.0), Some(metres * DVec3::X));
-/// }
-/// # Ok::<(), nearmiss::Error>(())
-/// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
-pub enum Outside {
-    /// The body does not exist there.
-    #[default]
-    Absent,
-    /// The first and last cubic continue in their own parameter, as in the literature. A position
-    /// is good to 4e-15 of the cubic's terms, which grow with time, its square and its cube. States
-    /// one minute apart on a low orbit give 1 mm after 10 hours, and 1 m after five days.
-    Extrapolate,
-    /// The body keeps the velocity of its first or last knot (dead reckoning). From a single state:
-    /// [`Trajectory::coasting`].
-    Coast,
 }
 
 impl Trajectory {

@@ -1,10 +1,11 @@
 //! Changes of a plan in flight: the part already flown stays, bit for bit.
 
 use super::cuts::DoublingCuts;
+use super::plan::{Plan, count_at_front};
 use super::reach::{check_reach, check_straight};
 use super::roomy::Roomy;
 use super::turned::TurnedMotion;
-use super::{Form, Outside, Plan, StraightMotion, Trajectory};
+use super::{Form, Outside, StraightMotion, Trajectory};
 use crate::error::Error;
 use crate::rounding::one_zero;
 use crate::simd::prefetch;
@@ -193,6 +194,14 @@ impl Trajectory {
         }
     }
 
+    /// Returns true if [`turn`](Self::turn) changes nothing but this motion's own few numbers.
+    pub(crate) fn turns_in_place(&self, from: f64, motion: &StraightMotion, since: f64) -> bool {
+        match &self.form {
+            Form::Turned(turned) => turned.room(from, motion, since).is_some(),
+            Form::Straight(..) | Form::Plan(_) => false,
+        }
+    }
+
     /// Returns true if it goes on from `from` (s) just as a straight motion does.
     pub(crate) fn follows(&self, motion: &StraightMotion, from: f64) -> bool {
         let is_past = self.knots().last().is_some_and(|&last| last <= from);
@@ -245,50 +254,10 @@ impl Trajectory {
     }
 }
 
-impl Plan {
-    /// See [`Trajectory::turn`].
-    fn turn(&mut self, from: f64, motion: &StraightMotion, since: f64) {
-        self.drop_piece_after();
-        let carrier = self.segments.beside()[1].straight();
-        let step = carrier.end() - carrier.start();
-        let last = self.knots[self.knots.len() - 1];
-        let cuts = DoublingCuts::of(last, step, from).but_last();
-        for knot in cuts.chain(once(one_zero(from))) {
-            self.segments.push(carrier);
-            self.knots.push(knot);
-        }
-        self.segments.put_beside(1, motion.segment());
-        self.forget_before(since);
-        self.add_piece_after();
-    }
-
-    /// Drops the cubics that end before `time` (s), but for the last one.
-    fn forget_before(&mut self, time: f64) {
-        let dropped = count_at_front(self.knots(), |knot| knot < time)
-            .saturating_sub(1)
-            .min(self.segments().len().saturating_sub(1));
-        if dropped > 0 {
-            self.knots.drop_front(dropped);
-            self.segments.drop_front(dropped);
-            self.before = Outside::Absent;
-        }
-    }
-}
-
-/// Returns the number of leading knots for which `is_before` holds. Searches from the front, since
-/// they are usually few.
-fn count_at_front(knots: &[f64], is_before: impl Fn(f64) -> bool) -> usize {
-    let mut bound = 1;
-    while bound < knots.len() && is_before(knots[bound]) {
-        bound *= 2;
-    }
-    let rest = &knots[bound / 2..knots.len().min(bound + 1)];
-    bound / 2 + rest.partition_point(|&knot| is_before(knot))
-}
-
 #[cfg(test)]
 mod tests {
     use crate::trajectory::{Outside, State, Trajectory};
+    use crate::window::Window;
     use glam::DVec3;
 
     fn plan(knots: &[f64], outside: Outside) -> Trajectory {
@@ -346,5 +315,42 @@ mod tests {
             assert_eq!(kept, memory, "{now}");
             flown = spliced;
         }
+    }
+    /// A plan that is turned in place is what one with lists is, wherever there is room for it.
+    #[test]
+    fn what_is_turned_in_place_is_the_same_plan() {
+        let window = |from: f64| Window::new(from - 1.0, from + 5.0).unwrap_or(Window::ALL);
+        let (mut in_place, mut in_lists) = (0, 0);
+        for round in 0..200_u32 {
+            let mut one = plan(&[0.0, 1.0, 2.0], Outside::Coast);
+            let mut other = one.clone();
+            let mut now = 2.0;
+            for frame in 0..40_u32 {
+                // Usually each frame, at times long after, or with what was before.
+                let mix = (round * 41 + frame).wrapping_mul(2_654_435_761) >> 16;
+                now += [0.1, 0.5, 3.0, 7.0, 40.0][(mix % 9).saturating_sub(4) as usize];
+                let since = now - [0.0, 0.1, 0.5, 20.0][(mix / 9 % 7).saturating_sub(3) as usize];
+                let age = [0.0, 0.0, 2.0, 1e9][(mix / 63 % 4) as usize];
+                let velocity = DVec3::new(f64::from(mix % 5), 1.0, 0.1);
+                let state = State::new(now - age, DVec3::X * f64::from(mix % 7), velocity);
+                let Ok(motion) = Trajectory::coasting_motion(&state) else {
+                    unreachable!("it is usable")
+                };
+                assert!(one.can_turn(now, &motion, window(now)));
+                assert!(other.can_turn(now, &motion, window(now)));
+                one.turn(now, &motion, since);
+                other.as_plan().turn(now, &motion, since);
+                in_place += usize::from(!one.straight_motions().is_empty());
+                in_lists += usize::from(one.straight_motions().is_empty());
+                assert_eq!((one.knots(), one.cuts()), (other.knots(), other.cuts()));
+                assert_eq!(one.segments(), other.segments());
+                assert_eq!(one.segment_after(), other.segment_after());
+                assert_eq!(one.outside_before(), other.outside_before());
+                for time in [now - 3.0, now - 0.05, now, now + 1.0, now + 99.0] {
+                    assert_eq!(one.state(time), other.state(time));
+                }
+            }
+        }
+        assert!(in_place > 5_000 && in_lists > 200, "{in_place} {in_lists}");
     }
 }

@@ -1,6 +1,7 @@
 //! Straight motion through a state.
 
-use super::{Segment, State};
+use super::segment::Segment;
+use super::state::State;
 use crate::error::Error;
 use crate::rounding::one_zero;
 use glam::DVec3;

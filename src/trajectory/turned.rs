@@ -1,10 +1,12 @@
 //! A body that is told a new straight motion again and again: the last few of them, in place.
 
 use super::cuts::DoublingCuts;
+use super::outside::Outside;
+use super::plan::Plan;
 use super::reach::check_straight;
 use super::roomy::Roomy;
+use super::segment::Segment;
 use super::straight::StraightMotion;
-use super::{Outside, Plan, Segment};
 use crate::rounding::one_zero;
 use std::iter::once;
 use std::sync::OnceLock;
@@ -89,29 +91,53 @@ impl TurnedMotion {
     /// Turns it as [`Trajectory::turn`](super::Trajectory::turn) does. Returns false, and changes nothing, if
     /// there is no room.
     pub(super) fn turn(&mut self, from: f64, motion: &StraightMotion, since: f64) -> bool {
-        let from = one_zero(from);
-        let is_first_piece = from <= self.cuts[self.pieces];
-        let past = self.knots().iter().chain(once(&from));
-        let past = past.take_while(|knot| **knot < since).count();
-        let dropped = past.saturating_sub(1).min(self.pieces - 1);
-        let kept = self.pieces - dropped;
-        let cut = DoublingCuts::cut(from, motion.duration(), 1);
-        let is_piece = cut > from && check_straight(motion, (from, cut), 0).is_ok();
-        if !is_first_piece || !is_piece || kept >= Self::ROOM {
+        let Some(room) = self.room(from, motion, since) else {
             return false;
+        };
+        let (before, last, last_knot) = (self.pieces, *self.last(), self.cuts[self.pieces - 1]);
+        for place in 0..room.kept {
+            let number = room.dropped + place;
+            if let Some(beyond) = number.checked_sub(before) {
+                self.motions[place] = last;
+                self.cuts[place] = cut_after(last_knot, &last, beyond + 1);
+            } else {
+                self.motions[place] = self.motions[number];
+                self.cuts[place] = self.cuts[number];
+            }
         }
-        self.motions.copy_within(dropped..self.pieces, 0);
-        self.cuts.copy_within(dropped..self.pieces, 0);
-        self.motions[kept] = *motion;
-        self.cuts[kept] = from;
-        self.cuts[kept + 1] = cut;
-        self.pieces = kept + 1;
-        if dropped > 0 {
+        self.motions[room.kept] = *motion;
+        self.cuts[room.kept] = one_zero(from);
+        self.cuts[room.kept + 1] = room.end;
+        self.pieces = room.kept + 1;
+        if room.dropped > 0 {
             self.before = Outside::Absent;
         }
         self.segments.take();
         true
     }
+
+    /// Returns what [`turn`](Self::turn) makes of the pieces, if there is room.
+    pub(super) fn room(&self, from: f64, motion: &StraightMotion, since: f64) -> Option<Room> {
+        let from = one_zero(from);
+        // The motion so far goes on up to there, in the pieces that it is cut into.
+        let (last, last_knot) = (self.last(), self.cuts[self.pieces - 1]);
+        let cut = |number: usize| cut_after(last_knot, last, number);
+        let beyond = (1..).take_while(|&number| cut(number) < from).count();
+        let cuts = (1..=beyond).map(cut);
+        let knots = self.knots().iter().copied().chain(cuts).chain(once(from));
+        let past = knots.take_while(|knot| *knot < since).count();
+        let pieces = self.pieces + beyond;
+        let dropped = past.saturating_sub(1).min(pieces - 1);
+        let end = cut_after(from, motion, 1);
+        let is_piece = end > from && check_straight(motion, (from, end), 0).is_ok();
+        let room = Room {
+            dropped,
+            kept: pieces - dropped,
+            end,
+        };
+        (is_piece && room.kept < Self::ROOM).then_some(room)
+    }
+
     /// Returns the plan that this is.
     pub(super) fn to_plan(&self) -> Plan {
         let ends = [self.motions[0], *self.last()].map(|motion| motion.segment());
@@ -125,4 +151,20 @@ impl TurnedMotion {
         plan.add_piece_after();
         plan
     }
+}
+
+/// What becomes of the pieces when the motion is turned.
+pub(super) struct Room {
+    dropped: usize,
+    /// Pieces that are left before the new motion.
+    kept: usize,
+    /// End of the first piece of the new motion, s.
+    end: f64,
+}
+
+/// Returns the cut with a number from 1 on of a motion that goes on from a knot (s).
+fn cut_after(knot: f64, motion: &StraightMotion, number: usize) -> f64 {
+    // There are far fewer: each is twice as far from the knot.
+    let number = u32::try_from(number).unwrap_or(u32::MAX);
+    DoublingCuts::cut(knot, motion.duration(), number)
 }

@@ -13,9 +13,9 @@ use rand::{RngExt, SeedableRng};
 fn scene(seed: u64) -> Scene {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut scene = Scene::new();
-    for number in 0..40 {
-        let mut body = moving(&mut rng, number, (0.0, 10.0)).body;
-        let shift = DVec3::new(f64::from(number as u32 % 8), 0.0, 0.0);
+    for number in 0..40_u8 {
+        let mut body = moving(&mut rng, usize::from(number), (0.0, 10.0)).body;
+        let shift = DVec3::new(f64::from(number % 8), 0.0, 0.0);
         let states = body.trajectory.knots().to_vec();
         let states: Vec<State> = states
             .iter()

@@ -1,0 +1,97 @@
+//! Plans: cubics between knots, in lists.
+
+use super::cuts::DoublingCuts;
+use super::outside::Outside;
+use super::reach::check_reach;
+use super::roomy::Roomy;
+use super::segment::Segment;
+use super::straight::StraightMotion;
+use crate::rounding::one_zero;
+use std::iter::once;
+
+/// Cubics between knots.
+#[derive(Clone, Debug)]
+pub(super) struct Plan {
+    /// One more than segments. There are none where a straight motion is followed by another one.
+    pub(super) knots: Roomy<f64>,
+    /// Segments between the knots; beside them, the end motions before and after.
+    pub(super) segments: Roomy<Segment, 2>,
+    pub(super) before: Outside,
+    pub(super) after: Outside,
+    /// The first piece after the last knot is the last one of the lists: it is read as fast as the plan's own.
+    pub(super) has_piece_after: bool,
+}
+
+impl Plan {
+    /// Returns the knots, without the end of the piece after the last one.
+    pub(super) fn knots(&self) -> &[f64] {
+        &self.knots[..self.knots.len() - usize::from(self.has_piece_after)]
+    }
+
+    /// Returns the cubics between the knots.
+    pub(super) fn segments(&self) -> &[Segment] {
+        &self.segments[..self.segments.len() - usize::from(self.has_piece_after)]
+    }
+
+    /// Takes the first piece after the last knot into the lists, if the plan coasts there.
+    pub(super) fn add_piece_after(&mut self) {
+        let carrier = self.segments.beside()[1].straight();
+        let Some(&last) = self.knots.last().filter(|_| self.after == Outside::Coast) else {
+            return;
+        };
+        let cut = DoublingCuts::cut(last, carrier.end() - carrier.start(), 1);
+        let is_piece = cut > last && check_reach(&carrier, (last, cut), 0).is_ok();
+        if is_piece && !self.has_piece_after {
+            self.knots.push(cut);
+            self.segments.push(carrier);
+            self.has_piece_after = true;
+        }
+    }
+
+    /// Takes the piece after the last knot out of the lists.
+    pub(super) fn drop_piece_after(&mut self) {
+        if std::mem::take(&mut self.has_piece_after) {
+            self.knots.pop();
+            self.segments.pop();
+        }
+    }
+
+    /// See [`Trajectory::turn`](super::Trajectory::turn).
+    pub(super) fn turn(&mut self, from: f64, motion: &StraightMotion, since: f64) {
+        self.drop_piece_after();
+        let carrier = self.segments.beside()[1].straight();
+        let step = carrier.end() - carrier.start();
+        let last = self.knots[self.knots.len() - 1];
+        let cuts = DoublingCuts::of(last, step, from).but_last();
+        for knot in cuts.chain(once(one_zero(from))) {
+            self.segments.push(carrier);
+            self.knots.push(knot);
+        }
+        self.segments.put_beside(1, motion.segment());
+        self.forget_before(since);
+        self.add_piece_after();
+    }
+
+    /// Drops the cubics that end before `time` (s), but for the last one.
+    pub(super) fn forget_before(&mut self, time: f64) {
+        let dropped = count_at_front(self.knots(), |knot| knot < time)
+            .saturating_sub(1)
+            .min(self.segments().len().saturating_sub(1));
+        if dropped > 0 {
+            self.knots.drop_front(dropped);
+            self.segments.drop_front(dropped);
+            self.before = Outside::Absent;
+        }
+    }
+}
+
+/// Returns the number of leading knots for which `is_before` holds. Searches from the front, since
+/// they are usually few.
+pub(super) fn count_at_front(knots: &[f64], is_before: impl Fn(f64) -> bool) -> usize {
+    let mut bound = 1;
+    while bound < knots.len() && is_before(knots[bound]) {
+        bound *= 2;
+    }
+    let rest = &knots[bound / 2..knots.len().min(bound + 1)];
+    bound / 2 + rest.partition_point(|&knot| is_before(knot))
+}
