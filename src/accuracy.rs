@@ -31,6 +31,7 @@
 /// | compact cubics | f32, both bodies' cubics over a part of a span | the same roundings, and those of the relative motion, are added to the radius |
 /// | cheap tests | f64 hulls, a separating direction, Bernstein coefficients of the squared distance, wrong by at most 100 u L | they reject only what is beyond the threshold by 512 u L (control heights that the solver looks at itself: by its own rounding once more) |
 /// | clusters | the bounding sphere is tested first | its radius is rounded outward; then the pairs of spheres that bounds cannot rule out are solved, and the results united |
+/// | turning spheres | between cuts, the way of a centre is a cubic, with an error of at most the [orientation's](crate::Orientation) tolerance; beyond the range of f64's angles the centre is anywhere within its distance | `Exact` adds the error to the radius, `Certified` to the error of the relative cubic; boxes contain every rotation |
 /// | relative cubic | restriction to the span and difference: a bound on its error is computed with it | handed to the solver |
 /// | threshold | radii and margin are summed exactly | `Certified` takes the two neighbours of the rounded sum where it had to be rounded |
 /// | solver | `Exact` counts as contact what comes within its worst-case rounding of the threshold | `Certified` proves each part of a span inside or outside (`src/enclosure`); undecided parts are reported, and join their neighbours, as unresolved |

@@ -89,7 +89,8 @@ impl Hitbox {
         Ok(Self::single(sphere))
     }
 
-    /// Returns a cluster of spheres in the body's frame. It moves with the body without rotating.
+    /// Returns a cluster of spheres in the body's frame. It moves with the body, and turns with its
+    /// [orientation](crate::Orientation).
     ///
     /// # Errors
     ///

@@ -49,7 +49,9 @@
 //! | plan | the trajectory that a body follows until it is given another one |
 //! | span | a common interval of one cubic of each of two bodies |
 //! | [`Hitbox`] | a sphere, or a cluster of spheres fixed in the body's frame |
-//! | [`Body`] | trajectory, hitbox, [`Layers`], and your tag |
+//! | [`Orientation`] | the rotation of a body's frame over time, in which its hitbox is fixed |
+//! | [`BodyPlan`] | a trajectory with an orientation |
+//! | [`Body`] | trajectory, hitbox, orientation, [`Layers`], and your tag |
 //! | separation | distance between hitbox surfaces, m; negative where they overlap |
 //! | margin | a conflict is a maximal interval with separation <= margin |
 //! | [`Window`] | the closed time interval asked about |
@@ -64,6 +66,10 @@
 //! Answers are f64, good to a few roundings of the local scale (the distance of the two bodies'
 //! knots plus the extents of their segments); neither the absolute position nor the absolute time
 //! enters. What comes within that rounding of the margin is reported, so a touch is never lost.
+//!
+//! A body that turns has a tolerance ([`Orientation`]): its spheres follow cubics that differ from the
+//! true way by at most that. The radii are enlarged by the difference, so no contact is lost; with
+//! [`Accuracy::Certified`] it is part of the proven error instead.
 //!
 //! # Features
 //!

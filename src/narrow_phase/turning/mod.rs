@@ -9,6 +9,8 @@
 
 mod cells;
 mod part;
+#[cfg(test)]
+mod tests;
 
 use super::BodyView;
 use super::contact_radius;
@@ -34,6 +36,9 @@ pub(super) struct TurningPair<'a> {
 }
 
 impl<'a> TurningPair<'a> {
+    /// Parts of a span that are put in order at a time: a span may have any number.
+    const BLOCK: usize = 1024;
+
     /// Returns the pair, or `None` if neither body turns.
     #[inline(always)]
     pub(super) fn of(
@@ -100,30 +105,35 @@ impl<'a> TurningPair<'a> {
         {
             return;
         }
-        // The parts in which the bodies come nearest go first: they rule out most others.
         let cubic = self.cubic();
-        let order = self.cells(clip).filter_map(|cell| {
+        let mut cells = self.cells(clip).filter_map(|cell| {
             let ends = (clip.0.max(cell.span.start), clip.1.min(cell.span.end));
             let middle = cubic.parameter(ends.0 + 0.5 * (ends.1 - ends.0));
             (ends.0 <= ends.1).then(|| (cubic.at(middle).0.length_squared(), cell))
         });
-        let mut order: Vec<(f64, Cell)> = order.collect();
-        order.sort_by(|x, y| x.0.total_cmp(&y.0));
         let (mut rotations, mut scratch) = (Rotations::default(), PartScratch::default());
-        for (_, cell) in &order {
-            let Some(part) = self.part(cell, reached, &mut rotations) else {
-                continue;
-            };
-            // Compared with one of the nearest pairs of spheres, few others are near.
-            let first = reached.is_infinite().then(|| part.facing(&mut scratch));
-            if let Some(pair) = first {
-                reached = reached.min(solve(&part.pair(pair), cell.span));
+        loop {
+            // The parts in which the bodies come nearest go first: they rule out most others.
+            let mut order: Vec<(f64, Cell)> = cells.by_ref().take(Self::BLOCK).collect();
+            if order.is_empty() {
+                return;
             }
-            part.each_within(reached, &mut scratch, |pair| {
-                if first != Some((pair.a, pair.b)) {
-                    reached = reached.min(solve(pair, cell.span));
+            order.sort_by(|x, y| x.0.total_cmp(&y.0));
+            for (_, cell) in &order {
+                let Some(part) = self.part(cell, reached, &mut rotations) else {
+                    continue;
+                };
+                // Compared with one of the nearest pairs of spheres, few others are near.
+                let first = reached.is_infinite().then(|| part.facing(&mut scratch));
+                if let Some(pair) = first {
+                    reached = reached.min(solve(&part.pair(pair), cell.span));
                 }
-            });
+                part.each_within(reached, &mut scratch, |pair| {
+                    if first != Some((pair.a, pair.b)) {
+                        reached = reached.min(solve(pair, cell.span));
+                    }
+                });
+            }
         }
     }
 

@@ -12,11 +12,11 @@ mod snapshots;
 mod support;
 mod writers;
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use nearmiss::recording::{RecordingError, Replay};
 use nearmiss::{
-    AlertLevel, Body, BodyId, Budget, Command, Event, Hitbox, Layers, Monitor, Orientation,
-    Outside, RevisionThreshold, Scene, Sphere, State, Trajectory,
+    AlertLevel, Body, BodyId, Budget, Command, Event, Hitbox, Layers, Monitor, Outside,
+    RevisionThreshold, Scene, Sphere, State, Trajectory,
 };
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
@@ -61,26 +61,8 @@ fn body(rng: &mut ChaCha8Rng, now: f64) -> Body {
     };
     Body::new(plan.with_outside(outside[rng.random_range(0..3)]))
         .with_hitbox(hitbox)
-        .with_orientation(orientation(rng, now))
         .with_layers(Layers::new(rng.random_range(1..8), rng.random_range(1..8)))
         .with_tag(rng.random())
-}
-
-/// A spin, or rotations at knots.
-fn orientation(rng: &mut ChaCha8Rng, now: f64) -> Orientation {
-    let mut rotation = || DQuat::from_scaled_axis(vector(rng, 1.0));
-    let knots = [-1.0, 1.5, 4.0].map(|time| (now + time, rotation()));
-    let spin = Orientation::spin(now, rotation(), vector(rng, 3.0));
-    let kinds = [
-        Ok(Orientation::FIXED),
-        spin,
-        Orientation::slerp(&knots),
-        Orientation::normalized_cubic(&knots),
-    ];
-    let [.., kind] = &kinds[..=rng.random_range(0..4)] else {
-        unreachable!("there are four")
-    };
-    kind.clone().unwrap_or_default()
 }
 
 fn monitor(rng: &mut ChaCha8Rng, count: usize, lookahead: f64) -> Monitor {
@@ -112,14 +94,11 @@ fn change(monitor: &mut Monitor, rng: &mut ChaCha8Rng) -> bool {
         let id = ids[rng.random_range(0..ids.len())];
         let begin = now + rng.random_range(-1.0..1.0);
         let plan = body(rng, begin).trajectory;
-        let turn = orientation(rng, now);
-        commands.push(match rng.random_range(0..10) {
+        commands.push(match rng.random_range(0..8) {
             0 | 1 => Command::Replan(id, now + rng.random_range(0.0..2.0), plan),
             2 => Command::Extend(id, plan),
             3 => Command::SetTrajectory(id, plan),
             4 => Command::SetHitbox(id, body(rng, now).hitbox),
-            8 => Command::SetOrientation(id, turn),
-            9 => Command::Orient(id, begin, turn),
             5 if id != ids[0] => Command::IgnorePair(id, ids[0]),
             6 if id != ids[0] => Command::UnignorePair(ids[0], id),
             _ => Command::SetLayers(id, body(rng, now).layers),
