@@ -10,6 +10,7 @@ mod damage;
 mod snapshots;
 #[path = "../../../support/mod.rs"]
 mod support;
+mod turning;
 mod writers;
 
 use glam::DVec3;
