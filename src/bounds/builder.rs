@@ -93,8 +93,7 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         builder
     }
 
-    /// Adds a straight piece that begins when the previous one ends, possibly at another position. Between its
-    /// ends it strays no farther than there.
+    /// Adds a straight piece that begins when the previous one ends: between its ends it strays no farther.
     #[inline(always)]
     pub(super) fn go_straight(&mut self, part: &StraightPart) {
         let place = self.period.relative_at(part.first, self.share);

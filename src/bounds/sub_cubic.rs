@@ -30,7 +30,6 @@ impl SubCubic {
     /// Coordinates of a part may be smaller than the rounded ones, by 2 for each of Far's: 2 at
     /// first, with 2 spare. Of a split's, the share has 3 spare: below 1 it is rounded half as
     /// much.
-    /// as much.
     pub(super) const FAR: [f32; 2] = [6.0, 3.0];
     pub(super) const NEAR: [f32; 2] = [4.0, 24.0];
 

@@ -167,11 +167,12 @@ where
         /// Prefetch distance in bodies.
         const AHEAD: usize = 4;
         let mut sources = [CubicSource::NONE; BATCH];
-        for place in 0..self.count {
+        let places = sources.iter_mut().zip(self.bodies).take(self.count);
+        for (place, (of_body, &body)) in places.enumerate() {
             if let Some(&later) = self.bodies.get(place + AHEAD) {
                 (self.fetch)(later);
             }
-            sources[place] = (self.source)(self.bodies[place]);
+            *of_body = (self.source)(body);
         }
         FormBounds {
             block: self.batch,

@@ -1,8 +1,11 @@
 //! Any number of threads: the same conflicts and events, while few and many plans change.
 
-use super::support::{bits, hash_of, on_threads, rng, wander, with_every_change};
+use super::support::{bits, hash_of, line, on_threads, rng, vector, wander, with_every_change};
 use super::{LEVELS, is_as_screened};
-use nearmiss::{Body, BodyId, Command, Hitbox, Monitor, Outside, Scene, Trajectory};
+use nearmiss::glam::DVec3;
+use nearmiss::{
+    Body, BodyId, Command, Hitbox, Monitor, Outside, Query, Scene, State, Trajectory, Window,
+};
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 
@@ -62,5 +65,73 @@ fn threads_make_no_difference() {
     assert!(one.1 > 20_000 && one.2 > 10_000);
     for threads in [2, 4] {
         assert!(flown(threads) == one, "{threads} threads");
+    }
+}
+
+/// So many that threads share their boxes and their turns.
+const TRACKED: usize = 5_000;
+
+/// What is told, and found by screenings, where the states of nearly all bodies are told each frame.
+fn tracked(threads: usize) -> (Vec<u64>, usize, usize) {
+    const CUBE: f64 = 90.0;
+    const FRAME: f64 = 0.05;
+    let mut rng = rng(47);
+    let mut scene = Scene::new();
+    let mut world: Vec<(DVec3, DVec3)> = (0..TRACKED)
+        .map(|_| (vector(&mut rng, CUBE / 2.0), vector(&mut rng, 4.0)))
+        .collect();
+    let ids: Vec<BodyId> = (0..TRACKED)
+        .map(|number| {
+            let (place, velocity) = world[number];
+            let motion = match number % 50 {
+                0 => line(-1.0, 9.0, place - velocity, velocity).with_outside(Outside::Coast),
+                _ => Trajectory::coasting(State::new(0.0, place, velocity)).unwrap(),
+            };
+            let hitbox = Hitbox::sphere(rng.random_range(0.0..0.5)).unwrap();
+            scene.insert(Body::new(motion).with_hitbox(hitbox)).unwrap()
+        })
+        .collect();
+    on_threads(threads, || {
+        let monitor = Monitor::new(scene.clone(), 0.0, 1.0, &LEVELS).unwrap();
+        let mut monitor = with_every_change(monitor);
+        let (mut told, mut conflicts, mut events) = (Vec::new(), 0, 0);
+        for tick in 0..12 {
+            let now = FRAME * f64::from(tick);
+            for (place, velocity) in &mut world {
+                *place += *velocity * FRAME;
+                if rng.random_bool(0.2) {
+                    *velocity = vector(&mut rng, 4.0);
+                }
+            }
+            // All, or all but some of them; the first ones follow their plans for some time.
+            let count = TRACKED - [0, 1, 700, 1_500][rng.random_range(0..4)];
+            let some = ids.iter().zip(&world);
+            let some = some.skip(if tick < 4 { 60 } else { 0 }).take(count);
+            let states =
+                some.map(|(&id, &(place, velocity))| (id, State::new(now, place, velocity)));
+            let states: Vec<_> = states.collect();
+            scene.update(states.iter().copied()).unwrap();
+            let window = Window::new(now, now + 1.0).unwrap();
+            let found = scene.screen(&Query::new(window).with_margin(1.0)).unwrap();
+            conflicts += found.conflicts.len();
+            told.push(hash_of(&bits(&found.conflicts)));
+            monitor.track(now, states).unwrap();
+            let mut news = Vec::new();
+            monitor.advance(now, &mut news).unwrap();
+            told.push(hash_of(&format!("{news:?}")));
+            events += news.len();
+        }
+        is_as_screened(&monitor, LEVELS[0]);
+        (told, conflicts, events)
+    })
+}
+
+#[test]
+fn threads_that_share_states_make_no_difference() {
+    let one = tracked(1);
+    println!("{} conflicts and {} events", one.1, one.2);
+    assert!(one.1 > 10_000 && one.2 > 10_000);
+    for threads in [2, 4] {
+        assert!(tracked(threads) == one, "{threads} threads");
     }
 }

@@ -1,0 +1,231 @@
+//! Where a window is cut, and on which side of an instant: what the window says, and nothing more.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "a scene that cannot be built fails the test"
+)]
+
+mod support;
+
+use glam::DVec3;
+use nearmiss::internals::QueryInternals;
+use nearmiss::{
+    AlertLevel, Body, Clip, Conflict, Monitor, Outside, Query, Scene, State, Trajectory, Window,
+};
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
+use std::num::NonZeroU32;
+use support::{bits, line, scene_of, screen, swarm, with_every_change};
+
+const MARGIN: f64 = 1.5;
+
+/// What a window shows of a scene's conflicts is these, clipped to it. Gives how many it cuts.
+fn assert_clipped(found: &[Conflict], whole: &[Conflict], (start, end): (f64, f64)) -> usize {
+    let mut cut_inside = 0;
+    let expected: Vec<&Conflict> = whole
+        .iter()
+        .filter(|c| c.exit >= start && c.enter <= end)
+        .collect();
+    assert_eq!(found.len(), expected.len(), "{start} {end}");
+    for full in expected {
+        let same_pair = |c: &&Conflict| {
+            (c.a, c.b) == (full.a, full.b) && c.enter.to_bits() == full.enter.max(start).to_bits()
+        };
+        let part = found.iter().find(same_pair).unwrap();
+        assert_eq!(part.exit.to_bits(), full.exit.min(end).to_bits());
+        let cut = full.enter < start || full.exit > end;
+        if cut {
+            cut_inside += 1;
+            assert!(part.closest.separation >= full.closest.separation);
+            let clip = Clip {
+                at_enter: full.clip.at_enter || full.enter <= start,
+                at_exit: full.clip.at_exit || full.exit >= end,
+            };
+            assert_eq!(part.clip, clip);
+        } else if start < full.enter && full.exit < end {
+            // Wholly inside: the same bits.
+            assert_eq!(bits(&[*part]), bits(&[*full]));
+        }
+    }
+    cut_inside
+}
+
+#[test]
+fn a_window_only_clips() {
+    // Denser than elsewhere: many conflicts that a cut goes through.
+    let scene = scene_of(&swarm(4, 60, 15.0));
+    let whole = screen(&scene, Window::ALL, MARGIN);
+    let mut cut_inside = 0;
+    for (start, end) in [
+        (3.0, 9.0),
+        (7.5, 7.5),
+        (8.0, 8.25),
+        (-5.0, 4.0),
+        (15.0, 99.0),
+    ] {
+        let found = screen(&scene, Window::new(start, end).unwrap(), MARGIN);
+        cut_inside += assert_clipped(&found, &whole, (start, end));
+    }
+    assert!(cut_inside > 10);
+}
+
+/// Reported instants are rounded: where a window begins or ends at one, the motion may be beyond the
+/// margin there by more than any rounding of positions. At 1.7e9 s and 5 m/s it is by a micrometre.
+#[test]
+fn a_window_may_begin_or_end_at_a_reported_instant() {
+    for (seed, epoch) in [(11, 0.0), (12, 1.7e9)] {
+        let mut bodies = swarm(seed, 40, 15.0);
+        for (states, _) in &mut bodies {
+            for state in states {
+                state.time += epoch;
+            }
+        }
+        let scene = scene_of(&bodies);
+        let whole = screen(&scene, Window::ALL, MARGIN);
+        assert!(whole.len() > 50);
+        for one in &whole {
+            for window in [
+                (one.exit, one.exit),
+                (one.exit, one.exit + 1.0),
+                (one.enter, one.enter),
+                (one.enter - 1.0, one.enter),
+                (one.exit.next_up(), one.exit + 1.0),
+                (one.enter - 1.0, one.enter.next_down()),
+            ] {
+                for slices in [None, NonZeroU32::new(7)] {
+                    let mut query =
+                        Query::new(Window::new(window.0, window.1).unwrap()).with_margin(MARGIN);
+                    if let Some(slices) = slices {
+                        query = query.with_slices(slices);
+                    }
+                    let found = scene.screen(&query).unwrap().conflicts;
+                    assert_clipped(&found, &whole, window);
+                }
+            }
+        }
+    }
+}
+
+/// An encounter that begins just after a body's last knot, at an instant that rounds to it, is in a
+/// window that ends there, whoever else is in the scene.
+#[test]
+fn an_instant_that_rounds_to_a_last_knot() {
+    let t = 1.7e9;
+    let coasts = line(t - 10.0, t, DVec3::X * -50.0, DVec3::X * 5.0);
+    let jumps = line(t - 10.0, t + 9.0, DVec3::X * 1e6, DVec3::X);
+    let jumps = jumps.spliced(t, &line(t - 10.0, t + 9.0, DVec3::Y * 1e6, DVec3::X));
+    for third in [None, Some(jumps.unwrap())] {
+        let mut scene = Scene::new();
+        let place = DVec3::X * (1.0 + 4e-7);
+        for plan in [
+            Some(coasts.clone().with_outside(Outside::Coast)),
+            Some(Trajectory::at_rest(place).unwrap()),
+            third,
+        ] {
+            plan.map(|plan| scene.insert(Body::new(plan)).unwrap());
+        }
+        for start in [t - 8.0, t] {
+            let found = screen(&scene, Window::new(start, t).unwrap(), 1.0);
+            let times: Vec<_> = found.iter().map(|c| (c.enter, c.exit)).collect();
+            assert_eq!(times, [(t, t)]);
+        }
+    }
+}
+
+/// Bodies in one place at time 0, most of which part there: encounters of no duration among others.
+/// Of plans that begin at 0 there, all that is told, and when.
+fn told_at_zero(zero: impl Fn(u64) -> f64) -> (String, String) {
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let mut scene = Scene::new();
+    for number in 0..24 {
+        let time = zero(number);
+        let from = f64::from(rng.random_range(0..3)) * DVec3::X;
+        let velocity = f64::from(rng.random_range(-2..=2)) * DVec3::Y;
+        let times = match number % 3 {
+            0 => vec![time, 1.0, 2.0],
+            1 => vec![-1.0, time],
+            _ => vec![-1.0, time, 2.0],
+        };
+        let states: Vec<State> = times
+            .iter()
+            .map(|&time| State::new(time, from + velocity * time, velocity))
+            .collect();
+        let plan = Trajectory::from_states(&states).unwrap();
+        scene.insert(Body::new(plan)).unwrap();
+    }
+    let conflicts = screen(&scene, Window::new(zero(7), 2.0).unwrap(), 0.0);
+    let levels = [AlertLevel::at(0.0)];
+    let mut monitor = with_every_change(Monitor::new(scene, zero(8), 0.5, &levels).unwrap());
+    let mut events = Vec::new();
+    for now in [zero(9), 0.5, 1.0] {
+        monitor.advance(now, &mut events).unwrap();
+    }
+    monitor.close(&mut events);
+    assert!(conflicts.iter().any(|conflict| conflict.exit <= 0.0));
+    (format!("{conflicts:?}"), format!("{events:?}"))
+}
+
+#[test]
+fn which_zero_a_time_is() {
+    let positive = told_at_zero(|_| 0.0);
+    assert_eq!(told_at_zero(|_| -0.0), positive);
+    let mixed = |number| if number % 2 == 0 { 0.0 } else { -0.0 };
+    assert_eq!(told_at_zero(mixed), positive);
+}
+
+/// A plan that jumps is in two places at one instant, and both count in a window that begins or ends
+/// there: also where the jump is at the first or the last knot of a plan that goes on beyond them.
+#[test]
+fn both_sides_of_a_jump_count() {
+    let at = |y: f64| line(0.0, 10.0, DVec3::new(0.0, y, 0.0), DVec3::X);
+    let still = |start: f64, end: f64| line(start, end, DVec3::new(5.0, 0.0, 0.0), DVec3::ZERO);
+    let coasting = |plan: Trajectory| plan.with_outside(Outside::Coast);
+    // Also one that goes on where its plan begins or ends at the jump.
+    let others = [
+        still(-100.0, 100.0),
+        coasting(still(5.0, 9.0)),
+        coasting(still(3.0, 5.0)),
+        coasting(still(5.0, 5.5)),
+    ];
+    for outside in [Outside::Absent, Outside::Coast, Outside::Extrapolate] {
+        // Beside the other body until it jumps away, and the other way round.
+        for (before, after) in [(0.0, 50.0), (50.0, 0.0)] {
+            let flown = at(before).with_outside(outside);
+            let plan = at(after).with_outside(outside);
+            // In the middle, at the first knot that is left, and after the last one.
+            let joined = flown.spliced(5.0, &plan).unwrap();
+            let mut jumps = vec![joined.clone().trimmed_before(5.0), joined];
+            if outside == Outside::Coast {
+                let begins = line(5.0, 10.0, DVec3::new(5.0, after, 0.0), DVec3::X);
+                let coasts = line(7.0, 10.0, DVec3::new(7.0, before, 0.0), DVec3::X);
+                let ended = line(0.0, 3.0, DVec3::new(0.0, after, 0.0), DVec3::X);
+                for (flown, plan) in [(&coasts, &begins), (&flown, &ended), (&coasts, &ended)] {
+                    let flown = flown.clone().with_outside(outside);
+                    let plan = plan.clone().with_outside(outside);
+                    jumps.push(flown.spliced(5.0, &plan).unwrap());
+                }
+            }
+            let pairs = jumps
+                .iter()
+                .flat_map(|jumps| others.iter().map(move |other| (jumps, other)));
+            for (trajectory, other) in pairs {
+                let mut scene = Scene::new();
+                let a = scene.insert(Body::new(trajectory.clone())).unwrap();
+                let b = scene.insert(Body::new(other.clone())).unwrap();
+                for (start, end) in [(4.0, 6.0), (5.0, 6.0), (4.0, 5.0), (5.0, 5.0)] {
+                    let window = Window::new(start, end).unwrap();
+                    let found = screen(&scene, window, 0.5);
+                    let beside = if before < after {
+                        (start.max(4.5), 5.0)
+                    } else {
+                        (5.0, end.min(5.5))
+                    };
+                    let times: Vec<_> = found.iter().map(|c| (c.enter, c.exit)).collect();
+                    assert_eq!(times, [beside], "{start} {end} {trajectory:?} {other:?}");
+                    let closest = scene.closest_approach(a, b, window).unwrap().unwrap();
+                    assert_eq!(closest, found[0].closest);
+                }
+            }
+        }
+    }
+}
