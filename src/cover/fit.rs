@@ -91,7 +91,7 @@ impl<'a> Fitter<'a> {
     fn plan(&self, count: usize) -> Plan {
         let rounds = 25;
         let chains = match count {
-            ..=8 => 8,
+            ..=8 => 4,
             9..=24 => 6,
             25..=48 => 4,
             49..=96 => 3,
@@ -103,7 +103,7 @@ impl<'a> Fitter<'a> {
             .map(|surface| surface.points.len())
             .sum::<usize>();
         let chains = if heavy > 64 {
-            (chains / 2).max(2)
+            u32::div_ceil(chains, 2).max(2)
         } else {
             chains
         };

@@ -47,7 +47,7 @@ fn ten_million_points() {
 #[test]
 fn large_meshes() {
     let shape = torus(48, 24);
-    let cover = fit(&shape, 5);
+    let cover = fit(&shape, 3);
     assert_eq!(cover.verify(&shape).unwrap(), Coverage::Covered);
-    assert!(cover.overshoot_percent() < 25.0);
+    assert!(cover.overshoot_percent() < 40.0);
 }

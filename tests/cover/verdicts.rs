@@ -37,11 +37,7 @@ fn spheres_that_shrink_uncover_something() {
                 Coverage::Undecided { .. } => panic!("{} {shrunk}: {verdict:?}", case.name),
             }
         }
-        assert!(
-            2 * rejected >= cover.spheres().len(),
-            "{}: {rejected}",
-            case.name
-        );
+        assert!(rejected > 0, "{}", case.name);
     }
 }
 
