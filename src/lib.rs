@@ -85,6 +85,7 @@ mod accuracy;
 mod bounds;
 mod broad_phase;
 mod conflict;
+mod cover;
 mod enclosure;
 mod error;
 mod hitbox;
@@ -116,6 +117,7 @@ mod window;
 
 pub use accuracy::{Accuracy, Certificate, TimeEnclosure};
 pub use conflict::{Clip, ClosestApproach, Conflict};
+pub use cover::{CoverError, CoverOptions, Coverage, Extent, SphereCover, verify_cover};
 pub use error::{Error, MAX_MAGNITUDE, Quantity};
 pub use glam;
 pub use hitbox::{Hitbox, Sphere};
@@ -126,6 +128,7 @@ pub use monitor::{
     RevisionThreshold, Snapshot,
 };
 pub use narrow_phase::kernels;
+pub use parry3d;
 pub use query::Query;
 pub use scene::{Body, BodyState, Scene};
 pub use screen::{CertifiedApproach, Screening};
