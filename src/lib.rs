@@ -91,6 +91,7 @@ mod accuracy;
 mod bounds;
 mod broad_phase;
 mod conflict;
+mod cover;
 mod enclosure;
 mod error;
 mod hitbox;
@@ -124,6 +125,7 @@ mod window;
 
 pub use accuracy::{Accuracy, Certificate, TimeEnclosure};
 pub use conflict::{Clip, ClosestApproach, Conflict};
+pub use cover::{CoverError, CoverOptions, Coverage, Extent, SphereCover, verify_cover};
 pub use error::{Error, MAX_MAGNITUDE, Quantity};
 pub use glam;
 pub use hitbox::{Hitbox, Sphere};
@@ -135,6 +137,7 @@ pub use monitor::{
 };
 pub use narrow_phase::kernels;
 pub use orientation::Orientation;
+pub use parry3d;
 pub use query::Query;
 pub use scene::{Body, BodyPlan, BodyPlanRef, BodyState, Scene, Spin};
 pub use screen::{CertifiedApproach, Screening};

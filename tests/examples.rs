@@ -1,4 +1,4 @@
-//! The examples `many_body` and `game_loop` as programs: what they refuse, and how.
+//! The examples `many_body`, `game_loop` and `cover` as programs: what they refuse, and how.
 
 #![allow(
     clippy::unwrap_used,
@@ -74,6 +74,62 @@ fn options_out_of_range() {
         refuses(2, &mut command, &["--seconds", "0.01..=1000000"]);
     }
     assert!(!picture.exists());
+}
+
+#[test]
+fn covers_that_cannot_be() {
+    let folder = folder("covers");
+    let picture = folder.join("cover.svg");
+    let cover = |options: &[&str]| {
+        let mut command = example("cover");
+        command.args(options).arg("--picture").arg(&picture);
+        command
+    };
+    for (options, part) in [
+        (&["box", "1", "2", "-4", "--spheres", "4"][..], "<Z>"),
+        (&["box", "1", "2", "--spheres", "4"], "<Z>"),
+        (&["capsule", "nan", "2", "--spheres", "4"], "<RADIUS>"),
+        (&["cylinder", "1", "2", "--spheres", "0"], "1..=4096"),
+        (&["cylinder", "1", "2"], "--spheres"),
+        (&["sphere", "1", "--spheres", "4"], "sphere"),
+    ] {
+        refuses(2, &mut cover(options), &[part]);
+    }
+    let file = |name: &str, text: &str| {
+        let path = folder.join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    for (path, part) in [
+        (folder.join("none.obj"), "none.obj"),
+        (folder.join("mesh.ply"), ".stl"),
+        (file("empty.obj", ""), "no triangles"),
+        (
+            file("nan.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
+            "nan.obj",
+        ),
+        (
+            file("beyond.obj", "v 0 0 0\nv 1 0 0\nf 1 2 3\n"),
+            "beyond.obj",
+        ),
+        (file("bad.stl", "solid x\n facet\n"), "bad.stl"),
+    ] {
+        let path = path.to_str().unwrap();
+        let mut command = cover(&["mesh", path, "--spheres", "2"]);
+        refuses(1, &mut command, &["error: ", part]);
+    }
+    assert!(!picture.exists());
+    let corner = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+    let corner = file("corner.obj", corner);
+    let options = ["mesh", corner.to_str().unwrap(), "--spheres", "2", "--json"];
+    let said = cover(&options).output().unwrap();
+    assert!(said.status.success() && picture.exists());
+    let said = plain(&said.stdout);
+    let line: serde_json::Value = serde_json::from_str(said.lines().last().unwrap()).unwrap();
+    assert_eq!(line["spheres"].as_array().unwrap().len(), 2);
+    assert!(line["overshoot_percent"].as_f64().unwrap() < 40.0);
+    assert!(line["volume_ratio"].as_f64().unwrap() > 1.0);
+    assert!(line["seconds"].as_f64().unwrap() > 0.0);
 }
 
 #[test]

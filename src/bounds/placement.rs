@@ -67,6 +67,23 @@ impl FramePlacement {
         }
     }
 
+    /// Returns the placement of motions whose coordinates are those of the frame.
+    #[inline]
+    pub(super) fn of_frame(padding: &Padding, frame: &Frame) -> Self {
+        if padding.size.is_nan() || f64::from(padding.size) >= FAR {
+            return Self::ANYWHERE;
+        }
+        Self {
+            anchor: *frame,
+            factor: 1.0,
+            place: Vec4::ZERO,
+            low: padding.low,
+            high: padding.high,
+            reach: padding.reach,
+            steady: 8.0 * ROUNDING * padding.size + f32::MIN_POSITIVE,
+        }
+    }
+
     /// Returns the largest distance from the body's position to the surface of its hitbox, half the
     /// margin included, in the frame's unit.
     pub(crate) fn reach(&self) -> f64 {

@@ -166,13 +166,12 @@ impl<'a> CubicSource<'a, CompactCubic> {
 impl<'a, C> CubicSource<'a, C> {
     /// Returns the source of a body of straight motions, with these knots.
     pub(crate) fn straight(knots: Knots<'a>, padding: &Padding, frame: &Frame) -> Self {
-        // Not its state's place, which may be far away if the state is old.
-        let anchor = *frame;
         Self {
             knots,
             cubics: &[],
             runs: &[],
-            placement: FramePlacement::new(anchor, 0.0, padding, frame),
+            // Not at its state's place, which may be far away if the state is old.
+            placement: FramePlacement::of_frame(padding, frame),
         }
     }
 }

@@ -1,0 +1,78 @@
+//! Triangle meshes from files.
+
+use crate::Failure;
+use crate::terminal;
+use nearmiss::parry3d::math::Vector;
+use nearmiss::parry3d::shape::TriMesh;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+/// Reads an OBJ or STL file, as its name says.
+pub(crate) fn read(path: &Path) -> Result<TriMesh, Failure> {
+    let extension = path
+        .extension()
+        .map(|extension| extension.to_ascii_lowercase());
+    let extension = extension
+        .as_deref()
+        .and_then(|extension| extension.to_str());
+    let mesh = match extension {
+        Some("obj") => read_obj(path),
+        Some("stl") => read_stl(path),
+        _ => Err("a mesh is an .obj or an .stl file".into()),
+    };
+    mesh.map_err(|error| format!("{}: {error}", terminal::name(path)).into())
+}
+
+fn read_obj(path: &Path) -> Result<TriMesh, Failure> {
+    let options = tobj::LoadOptions {
+        triangulate: true,
+        ..tobj::LoadOptions::default()
+    };
+    let mut reader = BufReader::new(File::open(path)?);
+    // Colours and textures do not matter.
+    let no_materials = |_: &Path| Err(tobj::LoadError::GenericFailure);
+    let (models, _) = tobj::load_obj_buf(&mut reader, &options, no_materials)?;
+    let (mut points, mut triangles) = (Vec::new(), Vec::new());
+    for model in models {
+        let first = u32::try_from(points.len())?;
+        let (corners, _) = model.mesh.indices.as_chunks::<3>();
+        triangles.extend(
+            corners
+                .iter()
+                .map(|corners| corners.map(|corner| first + corner)),
+        );
+        let (positions, _) = model.mesh.positions.as_chunks::<3>();
+        points.extend(positions.iter().map(|&[x, y, z]| Vector::new(x, y, z)));
+    }
+    build(points, triangles)
+}
+
+fn read_stl(path: &Path) -> Result<TriMesh, Failure> {
+    let mesh = stl_io::read_stl(&mut BufReader::new(File::open(path)?))?;
+    let points = mesh.vertices.iter().map(|vertex| {
+        let [x, y, z] = vertex.0;
+        Vector::new(x, y, z)
+    });
+    let mut triangles = Vec::with_capacity(mesh.faces.len());
+    for face in &mesh.faces {
+        let [a, b, c] = face.vertices;
+        triangles.push([u32::try_from(a)?, u32::try_from(b)?, u32::try_from(c)?]);
+    }
+    build(points.collect(), triangles)
+}
+
+fn build(points: Vec<Vector>, triangles: Vec<[u32; 3]>) -> Result<TriMesh, Failure> {
+    if triangles.is_empty() {
+        return Err("no triangles".into());
+    }
+    if let Some(point) = points.iter().find(|point| !point.is_finite()) {
+        return Err(format!("a corner at {point}").into());
+    }
+    let count = points.len();
+    let beyond = |corner: &&u32| **corner as usize >= count;
+    if let Some(corner) = triangles.iter().flatten().find(beyond) {
+        return Err(format!("a triangle with corner {corner} of {count}").into());
+    }
+    Ok(TriMesh::new(points, triangles)?)
+}

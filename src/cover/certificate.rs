@@ -1,0 +1,89 @@
+//! The last word on a cover: radii that are proven, and their overshoot.
+
+use super::cells::needed_radii;
+use super::solid::{Part, Solid};
+use super::surface::Surface;
+use glam::DVec3;
+
+/// Balls that contain a solid.
+#[derive(Clone, Debug)]
+pub(super) struct Certified {
+    pub(super) balls: Vec<(DVec3, f64)>,
+    /// No ball reaches farther out of the solid than this.
+    pub(super) overshoot: f64,
+}
+
+/// Points of round surfaces in all, about.
+const MAX_POINTS: f64 = 40_000.0;
+
+/// Returns surfaces around the parts, as fine as a proof deserves.
+pub(super) fn fine_surfaces(solid: &Solid) -> Vec<Surface> {
+    let is_capped = |points: usize| points > 4 * 64 + 1;
+    let coarse = solid.surfaces(64);
+    let round = solid.parts.iter().zip(&coarse);
+    let round = round.filter(|(part, _)| part.is_round());
+    let capped = round.filter(|(_, surface)| is_capped(surface.points.len()));
+    #[allow(clippy::cast_precision_loss, reason = "a small count")]
+    let parts = capped.count().max(1) as f64;
+    // A capped part has a quarter of the square of its sides as points.
+    let sides = (4.0 * MAX_POINTS / parts).sqrt().clamp(32.0, 1024.0);
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "within the range above"
+    )]
+    let sides = (sides as u32).div_ceil(4) * 4;
+    let each = solid.parts.iter().zip(coarse);
+    each.map(|(part, surface)| {
+        if !part.is_round() {
+            return surface;
+        }
+        let is_capped = is_capped(surface.points.len());
+        part.surface(if is_capped { sides } else { 1024 })
+    })
+    .collect()
+}
+
+/// Returns the balls around some centres that contain the surfaces, and the volumes that they bound,
+/// with about the least overshoot. `level` is about that overshoot.
+pub(super) fn certify(
+    solid: &Solid,
+    surfaces: &[Surface],
+    centres: &[DVec3],
+    mut level: f64,
+) -> Certified {
+    const ROUNDS: u32 = 8;
+    // A second proof, from other surfaces and other shares, needs some room.
+    let is_round = solid.parts.iter().any(Part::is_round);
+    let other_surfaces = if is_round { 5e-7 * solid.diameter } else { 0.0 };
+    let spare = 32.0 * (solid.rounding + 1e-10) + other_surfaces;
+    let heights = solid.certain_distances(centres);
+    let mut best = Certified {
+        balls: Vec::new(),
+        overshoot: f64::INFINITY,
+    };
+    for _ in 0..ROUNDS {
+        let with_radius = |(&centre, &height): (&DVec3, &f64)| (centre, (level - height).max(0.0));
+        let mut balls: Vec<_> = centres.iter().zip(&heights).map(with_radius).collect();
+        let needed = needed_radii(surfaces, &balls);
+        let mut overshoot = f64::NEG_INFINITY;
+        for ((ball, needed), height) in balls.iter_mut().zip(&needed).zip(&heights) {
+            if let Some(needed) = needed {
+                ball.1 = needed + spare;
+                overshoot = overshoot.max(ball.1 + height);
+            }
+        }
+        let mut needed = needed.iter();
+        balls.retain(|_| needed.next().is_some_and(Option::is_some));
+        // The shares of other weights would be no better.
+        let gain = best.overshoot - overshoot;
+        if gain > 0.0 {
+            best = Certified { balls, overshoot };
+        }
+        if gain < 1e-4 * overshoot {
+            break;
+        }
+        level = overshoot;
+    }
+    best
+}

@@ -1,0 +1,244 @@
+//! Convex forms: how deep a point lies in them, and polyhedra around them.
+
+use super::form::{Form, Round, across};
+use super::surface::{HalfSpace, Surface};
+use glam::DVec3;
+use std::f64::consts::{PI, TAU};
+
+/// A convex form with what its depth needs.
+#[derive(Clone, Debug)]
+pub(super) struct Convex {
+    form: Form,
+    /// Half-spaces within which a hull's points are deep in the hull; of no other form.
+    faces: Vec<HalfSpace>,
+    /// A point inside, and its depth.
+    inner: (DVec3, f64),
+    /// How far the form may reach beyond the polygons of a hull, by rounding of their corners.
+    pub(super) unevenness: f64,
+}
+
+impl Convex {
+    pub(super) fn new(form: Form) -> Self {
+        let mut convex = Self {
+            form,
+            faces: Vec::new(),
+            inner: (DVec3::ZERO, 0.0),
+            unevenness: 0.0,
+        };
+        let inner = match &convex.form {
+            Form::Hull { points, polygons } => {
+                let faces = polygons.iter().filter_map(|polygon| face(points, polygon));
+                (convex.faces, convex.unevenness) = faces.fold(
+                    (Vec::new(), 0.0),
+                    |(mut faces, unevenness), (face, slack)| {
+                        faces.push(face);
+                        (faces, f64::max(unevenness, slack))
+                    },
+                );
+                #[allow(clippy::cast_precision_loss, reason = "a mean of few points")]
+                let count = points.len().max(1) as f64;
+                points.iter().sum::<DVec3>() / count
+            }
+            Form::Cylinder(round) => round.middle,
+            // The middle of the largest ball within lies on the axis.
+            Form::Cone(round) => {
+                let slant = round.radius.hypot(2.0 * round.half_height);
+                let depth = 2.0 * round.half_height * round.radius / (slant + round.radius);
+                round.middle + round.axis * (depth - round.half_height)
+            }
+            Form::Capsule { ends, .. } => ends[0].midpoint(ends[1]),
+            Form::Mesh { .. } => DVec3::ZERO,
+        };
+        convex.inner = (inner, (-convex.height(inner).0).max(0.0));
+        convex
+    }
+
+    pub(super) const fn form(&self) -> &Form {
+        &self.form
+    }
+
+    /// Returns a bound of the signed distance from below outside and from above inside, as
+    /// `minus depth`, with its gradient.
+    fn height(&self, at: DVec3) -> (f64, DVec3) {
+        let higher = |a: (f64, DVec3), b: (f64, DVec3)| if b.0 > a.0 { b } else { a };
+        match &self.form {
+            Form::Hull { .. } | Form::Mesh { .. } => {
+                let heights = self.faces.iter().map(|face| (face.height(at), face.normal));
+                let from_inner = at - self.inner.0;
+                let flat = (from_inner.length(), from_inner.normalize_or_zero());
+                heights.reduce(higher).unwrap_or(flat)
+            }
+            Form::Cylinder(round) => {
+                let (along, out, away) = round.split(at);
+                let end = along.abs() - round.half_height;
+                higher(
+                    (away - round.radius, out),
+                    (end, round.axis * along.signum()),
+                )
+            }
+            Form::Cone(round) => {
+                let (along, out, away) = round.split(at);
+                let Round {
+                    axis,
+                    radius,
+                    half_height,
+                    ..
+                } = *round;
+                let slant = radius.hypot(2.0 * half_height).max(f64::MIN_POSITIVE);
+                let (outward, upward) = (2.0 * half_height / slant, radius / slant);
+                let side = away * outward + (along - half_height) * upward;
+                higher(
+                    (side, out * outward + axis * upward),
+                    (-half_height - along, -axis),
+                )
+            }
+            Form::Capsule { ends, radius } => {
+                let away = at - nearest_on_segment(*ends, at);
+                (away.length() - radius, away.normalize_or_zero())
+            }
+        }
+    }
+
+    /// Returns an upper bound of the signed distance, and about its gradient. Inside it is the
+    /// signed distance to rounding.
+    pub(super) fn signed_distance(&self, at: DVec3) -> (f64, DVec3) {
+        let (height, gradient) = self.height(at);
+        if height <= 0.0 || matches!(self.form, Form::Capsule { .. }) {
+            return (height, gradient);
+        }
+        // On the way to the inner point the height is convex: it has fallen to 0 by this share.
+        let share = height / (height + self.inner.1);
+        let reach = at.distance(self.inner.0) * share;
+        (reach, gradient * (reach / height))
+    }
+
+    /// Returns a closed polyhedron that contains the form. For a round form it has `around` sides,
+    /// a multiple of 4.
+    pub(super) fn polyhedron(&self, around: u32) -> Surface {
+        match &self.form {
+            Form::Hull { points, polygons } => {
+                let mut surface = Surface::new(points.clone(), true);
+                for polygon in polygons {
+                    surface.push_polygon(polygon.iter().copied());
+                }
+                surface
+            }
+            Form::Mesh { .. } => Surface::default(),
+            Form::Cylinder(round) => {
+                let profile = [-round.half_height, round.half_height];
+                let profile = profile.map(|along| (along, round.radius));
+                revolve(round.middle, round.axis, &profile, around)
+            }
+            Form::Cone(round) => {
+                let profile = [(-round.half_height, round.radius), (round.half_height, 0.0)];
+                revolve(round.middle, round.axis, &profile, around)
+            }
+            Form::Capsule { ends, radius } => {
+                let axis = (ends[1] - ends[0]).try_normalize().unwrap_or(DVec3::Z);
+                let half = ends[0].distance(ends[1]) / 2.0;
+                let profile = capsule_profile(half, *radius, around / 4);
+                revolve(ends[0].midpoint(ends[1]), axis, &profile, around)
+            }
+        }
+    }
+}
+
+impl Round {
+    /// Returns the place along the axis, the unit vector away from it, and the distance from it.
+    fn split(&self, at: DVec3) -> (f64, DVec3, f64) {
+        let from_middle = at - self.middle;
+        let along = from_middle.dot(self.axis);
+        let out = from_middle - self.axis * along;
+        (along, out.normalize_or_zero(), out.length())
+    }
+}
+
+pub(super) fn nearest_on_segment([from, to]: [DVec3; 2], at: DVec3) -> DVec3 {
+    let way = to - from;
+    let share = (at - from).dot(way) / way.length_squared().max(f64::MIN_POSITIVE);
+    from + way * share.clamp(0.0, 1.0)
+}
+
+/// Returns the half-space behind a polygon of a hull, moved inward until the whole polygon lies
+/// outside; and how far the hull reaches beyond the polygon. No half-space has a polygon without
+/// area.
+fn face(points: &[DVec3], polygon: &[usize]) -> Option<(HalfSpace, f64)> {
+    let first = points[*polygon.first()?];
+    let fan = polygon.windows(2).map(|pair| {
+        let (a, b) = (points[pair[0]] - first, points[pair[1]] - first);
+        a.cross(b)
+    });
+    let normal = fan.sum::<DVec3>().try_normalize()?;
+    let seen_from = |normal: DVec3| {
+        let heights = points.iter().map(|point| normal.dot(*point));
+        let highest = heights.fold(f64::NEG_INFINITY, f64::max);
+        let own = polygon.iter().map(|&corner| normal.dot(points[corner]));
+        let lowest = own.fold(f64::INFINITY, f64::min);
+        let half_space = HalfSpace {
+            normal,
+            offset: lowest,
+        };
+        (half_space, highest - lowest)
+    };
+    // Whichever way round the polygon is.
+    let sides = (seen_from(normal), seen_from(-normal));
+    Some(if sides.0.1 <= sides.1.1 {
+        sides.0
+    } else {
+        sides.1
+    })
+}
+
+/// Returns a polyhedron around a body of revolution, whose profile (place along the axis, radius)
+/// goes up the axis and is convex.
+fn revolve(middle: DVec3, axis: DVec3, profile: &[(f64, f64)], around: u32) -> Surface {
+    let (right, up) = across(axis);
+    // The sides touch the circles between the corners.
+    let beyond = (1.0 + 1e-15) / (PI / f64::from(around)).cos();
+    let directions: Vec<DVec3> = (0..around)
+        .map(|step| {
+            let (sin, cos) = (TAU * f64::from(step) / f64::from(around)).sin_cos();
+            (right * cos + up * sin) * beyond
+        })
+        .collect();
+    let sides = directions.len();
+    let mut points = Vec::with_capacity(profile.len() * sides);
+    for &(along, radius) in profile {
+        let at = |direction: &DVec3| middle + axis * along + *direction * radius;
+        points.extend(directions.iter().map(at));
+    }
+    let mut surface = Surface::new(points, true);
+    surface.push_polygon((0..sides).rev());
+    for ring in 0..profile.len() - 1 {
+        let base = ring * sides;
+        for side in 0..sides {
+            let next = (side + 1) % sides;
+            surface.push_polygon([
+                base + side,
+                base + next,
+                base + sides + next,
+                base + sides + side,
+            ]);
+        }
+    }
+    let top = (profile.len() - 1) * sides;
+    surface.push_polygon(top..top + sides);
+    surface
+}
+
+/// Returns the profile of a polyhedron around a capsule: tangents at `quarter + 1` points of
+/// each quarter of a circle, and where they meet.
+fn capsule_profile(half: f64, radius: f64, quarter: u32) -> Vec<(f64, f64)> {
+    let step = PI / 2.0 / f64::from(quarter);
+    let beyond = radius * (1.0 + 1e-15) / (step / 2.0).cos();
+    let cap = |number: u32| {
+        // From the pole to the equator.
+        let (sin, cos) = ((f64::from(number) + 0.5) * step).sin_cos();
+        (half + beyond * cos, beyond * sin)
+    };
+    let lower = (0..quarter).map(|number| {
+        let (along, away) = cap(number);
+        (-along, away)
+    });
+    lower.chain((0..quarter).rev().map(cap)).collect()
+}

@@ -1,0 +1,305 @@
+//! Moving centres until the overshoot is locally least.
+
+use super::cells::CellScratch;
+use super::points::{Nearest, Points, Samples};
+use super::random::Random;
+use super::solid::Solid;
+use super::surface::Surface;
+use glam::DVec3;
+
+/// A point that a ball must contain.
+#[derive(Clone, Copy, Debug)]
+struct Demand {
+    ball: usize,
+    point: DVec3,
+    distance: f64,
+}
+
+/// A set of centres, and the overshoot that they lead to.
+#[derive(Clone, Debug)]
+pub(super) struct Candidate {
+    pub(super) centres: Vec<DVec3>,
+    pub(super) overshoot: f64,
+}
+
+/// What the overshoot is measured on.
+#[derive(Clone, Debug)]
+pub(super) enum Target<'a> {
+    /// Surfaces, exactly: the corners of the balls' shares are found.
+    Surfaces(&'a [Surface]),
+    /// Points of them, and where shares meet between.
+    Samples(&'a Samples),
+}
+
+/// How far and how long centres move.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Schedule {
+    pub(super) steps: u32,
+    /// First and last step, as a share of the first overshoot.
+    pub(super) first: f64,
+    pub(super) last: f64,
+    /// Temperature of the soft maximum, in steps.
+    pub(super) temperature: f64,
+}
+
+/// Buffers of descents.
+#[derive(Clone, Debug, Default)]
+pub(super) struct DescentScratch {
+    cell: CellScratch,
+    balls: Vec<(DVec3, f64)>,
+    heights: Vec<(f64, DVec3)>,
+    demands: Vec<Demand>,
+    motions: Vec<Motion>,
+    nearest: Nearest,
+    meetings: Points,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Motion {
+    gradient: DVec3,
+    mean: DVec3,
+    square: f64,
+}
+
+/// Returns the best centres on the way down from some centres.
+pub(super) fn descend(
+    solid: &Solid,
+    target: &Target<'_>,
+    mut centres: Vec<DVec3>,
+    schedule: &Schedule,
+    scratch: &mut DescentScratch,
+) -> Candidate {
+    scratch.motions.clear();
+    scratch.motions.resize(centres.len(), Motion::default());
+    let mut level = f64::NAN;
+    let mut best = Candidate {
+        centres: centres.clone(),
+        overshoot: f64::INFINITY,
+    };
+    let mut unit = 0.0;
+    for step in 0..schedule.steps {
+        let overshoot = scratch.measure(solid, target, &centres, level);
+        if overshoot < best.overshoot {
+            best.overshoot = overshoot;
+            best.centres.clone_from(&centres);
+        }
+        if level.is_nan() {
+            unit = (scratch.spacing(overshoot) * overshoot).max(0.0).sqrt();
+        }
+        level = overshoot;
+        let progress = f64::from(step) / f64::from(schedule.steps.max(2) - 1);
+        let share = schedule.first * (schedule.last / schedule.first).powf(progress);
+        let length = share * unit;
+        scratch.find_gradient(
+            &centres,
+            overshoot,
+            share * best.overshoot * schedule.temperature,
+        );
+        let steps = step + 1;
+        for (centre, motion) in centres.iter_mut().zip(&mut scratch.motions) {
+            *centre -= motion.advance(steps) * length;
+        }
+    }
+    best
+}
+
+impl Motion {
+    const MEAN: f64 = 0.8;
+    const SQUARE: f64 = 0.95;
+
+    /// Returns the direction to go up, of length about 1 if the gradients agree.
+    ///
+    /// D. Kingma and J. Ba: Adam, a method for stochastic optimization (2015).
+    fn advance(&mut self, steps: u32) -> DVec3 {
+        let steps = steps.min(1_000).cast_signed();
+        self.mean = self.mean * Self::MEAN + self.gradient * (1.0 - Self::MEAN);
+        let square = self.gradient.length_squared();
+        self.square = self.square * Self::SQUARE + square * (1.0 - Self::SQUARE);
+        let mean = self.mean / (1.0 - Self::MEAN.powi(steps));
+        let square = self.square / (1.0 - Self::SQUARE.powi(steps));
+        mean / (square.sqrt() + 1e-9)
+    }
+}
+
+impl DescentScratch {
+    /// Finds the points that each ball must contain, and returns the overshoot. `level` is about
+    /// the overshoot to expect, NaN if nothing is known.
+    pub(super) fn measure(
+        &mut self,
+        solid: &Solid,
+        target: &Target<'_>,
+        centres: &[DVec3],
+        level: f64,
+    ) -> f64 {
+        self.place_balls(solid, target, centres, level);
+        self.demands.clear();
+        match target {
+            Target::Surfaces(surfaces) => self.share_surfaces(surfaces),
+            Target::Samples(samples) => self.share_samples(samples),
+        }
+        let overshoots = self.demands.iter().map(|demand| self.overshoot(demand));
+        overshoots.fold(0.0, f64::max)
+    }
+
+    fn place_balls(&mut self, solid: &Solid, target: &Target<'_>, centres: &[DVec3], level: f64) {
+        let level = if level.is_nan() {
+            solid.diameter
+        } else {
+            level
+        };
+        self.heights.clear();
+        let height = |&centre: &DVec3| match target {
+            Target::Samples(samples) => samples.signed_distance(centre),
+            Target::Surfaces(_) => solid.signed_distance(centre),
+        };
+        self.heights.extend(centres.iter().map(height));
+        self.balls.clear();
+        for (&centre, &(height, _)) in centres.iter().zip(&self.heights) {
+            self.balls.push((centre, (level - height).max(0.0)));
+        }
+    }
+
+    /// Returns the overshoot without each of the balls, as if the others stayed. `level` is about the
+    /// overshoot with all.
+    pub(super) fn losses(
+        &mut self,
+        solid: &Solid,
+        target: &Target<'_>,
+        centres: &[DVec3],
+        level: f64,
+    ) -> Vec<f64> {
+        self.place_balls(solid, target, centres, level);
+        match target {
+            Target::Surfaces(surfaces) => self.losses_of_surfaces(surfaces),
+            Target::Samples(samples) => {
+                self.nearest
+                    .find(&samples.points, &self.balls, &self.heights);
+                self.nearest.losses(self.balls.len())
+            }
+        }
+    }
+
+    fn reach(&self, ball: usize) -> f64 {
+        self.cell.share.farthest(self.balls[ball].0) + self.heights[ball].0
+    }
+
+    fn losses_of_surfaces(&mut self, surfaces: &[Surface]) -> Vec<f64> {
+        let count = self.balls.len();
+        let mut losses = vec![0.0_f64; count];
+        for surface in surfaces {
+            // The overshoot of each ball, and whose loss would change that.
+            let mut own = vec![f64::NEG_INFINITY; count];
+            let mut cut_by = vec![Vec::new(); count];
+            for ball in 0..count {
+                self.cell.form(surface, ball, &self.balls);
+                if !self.cell.share.points.is_empty() {
+                    own[ball] = self.reach(ball);
+                }
+                cut_by[ball].clone_from(&self.cell.cut_by);
+            }
+            for (lost, loss) in losses.iter_mut().enumerate() {
+                for ball in (0..count).filter(|&ball| ball != lost) {
+                    let mut overshoot = own[ball];
+                    if cut_by[ball].contains(&lost) {
+                        self.cell
+                            .form_without(surface, ball, &self.balls, Some(lost));
+                        if !self.cell.share.points.is_empty() {
+                            overshoot = self.reach(ball);
+                        }
+                    }
+                    *loss = loss.max(overshoot);
+                }
+            }
+        }
+        losses
+    }
+
+    /// Returns one of the points that reach out nearly farthest, and the centre of its ball.
+    pub(super) fn one_of_the_worst(
+        &self,
+        centres: &[DVec3],
+        random: &mut Random,
+    ) -> Option<(DVec3, DVec3)> {
+        const NEARLY: f64 = 0.95;
+        let overshoots = self.demands.iter().map(|demand| self.overshoot(demand));
+        let enough = NEARLY * overshoots.fold(0.0, f64::max);
+        let worst = self
+            .demands
+            .iter()
+            .filter(|demand| self.overshoot(demand) >= enough);
+        let worst: Vec<&Demand> = worst.collect();
+        let one = (!worst.is_empty()).then(|| worst[random.below(worst.len())])?;
+        Some((one.point, centres[one.ball]))
+    }
+
+    /// Returns a third of the mean radius at a level.
+    fn spacing(&self, level: f64) -> f64 {
+        let radii = self.heights.iter().map(|(height, _)| level - height);
+        #[allow(clippy::cast_precision_loss, reason = "a mean of few numbers")]
+        let count = self.heights.len() as f64;
+        radii.sum::<f64>() / (3.0 * count)
+    }
+
+    fn overshoot(&self, demand: &Demand) -> f64 {
+        demand.distance + self.heights[demand.ball].0
+    }
+
+    fn share_surfaces(&mut self, surfaces: &[Surface]) {
+        for ball in 0..self.balls.len() {
+            for surface in surfaces {
+                self.cell.form(surface, ball, &self.balls);
+                let centre = self.balls[ball].0;
+                let demands = self.cell.share.points.iter().map(|&point| Demand {
+                    ball,
+                    point,
+                    distance: point.distance(centre),
+                });
+                self.demands.extend(demands);
+            }
+        }
+    }
+
+    fn share_samples(&mut self, samples: &Samples) {
+        self.nearest
+            .find(&samples.points, &self.balls, &self.heights);
+        self.push_nearest(&samples.points);
+        let mut meetings = std::mem::take(&mut self.meetings);
+        samples.find_meetings(&self.nearest, &self.balls, &mut meetings);
+        self.nearest.find(&meetings, &self.balls, &self.heights);
+        self.push_nearest(&meetings);
+        self.meetings = meetings;
+    }
+
+    fn push_nearest(&mut self, points: &Points) {
+        for (number, &ball) in self.nearest.balls.iter().enumerate() {
+            let point = points.at(number);
+            self.demands.push(Demand {
+                ball,
+                point,
+                distance: point.distance(self.balls[ball].0),
+            });
+        }
+    }
+
+    /// Finds the gradient of the soft maximum of all overshoots.
+    fn find_gradient(&mut self, centres: &[DVec3], overshoot: f64, temperature: f64) {
+        for motion in &mut self.motions {
+            motion.gradient = DVec3::ZERO;
+        }
+        let mut total = 0.0;
+        for demand in &self.demands {
+            let (height, slope) = self.heights[demand.ball];
+            let below = overshoot - (demand.distance + height);
+            if below > 30.0 * temperature {
+                continue;
+            }
+            let weight = (-below / temperature).exp();
+            total += weight;
+            let away = (centres[demand.ball] - demand.point) / demand.distance.max(1e-12);
+            self.motions[demand.ball].gradient += (away + slope) * weight;
+        }
+        for motion in &mut self.motions {
+            motion.gradient /= f64::max(total, f64::MIN_POSITIVE);
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! The error of covers.
+
+use crate::error::Error;
+
+/// The reason for which there is no cover, or no verdict on one.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CoverError {
+    /// No finite set of spheres contains the shape (a half-space), or the kind of shape has neither
+    /// a volume nor triangles (a segment, a polyline), or it is not supported (height fields,
+    /// voxels, rounded and custom shapes).
+    #[error("a {kind} cannot be covered with spheres")]
+    UnsupportedShape {
+        /// The kind of shape, as parry3d calls it.
+        kind: &'static str,
+    },
+    /// The shape has no points, or a number of it is NaN or infinite, or a length is negative.
+    #[error("the {kind} has no points, or a number that is not finite, or a negative length")]
+    InvalidShape {
+        /// The kind of shape, as parry3d calls it.
+        kind: &'static str,
+    },
+    /// A number of spheres out of range.
+    #[error(
+        "{count} spheres: not a number from 1 to {}",
+        crate::CoverOptions::MOST_SPHERES
+    )]
+    SphereCount {
+        /// The number.
+        count: usize,
+    },
+    /// A target that is negative, NaN or infinite.
+    #[error("a target overshoot of {target:?} m is not a finite number of at least 0")]
+    Target {
+        /// The target, m.
+        target: f64,
+    },
+    /// No cover with the allowed number of spheres was found that reaches the target overshoot.
+    #[error(
+        "the best cover of {spheres} spheres has an overshoot of {overshoot} m, above the target of {target} m"
+    )]
+    TargetMissed {
+        /// Number of spheres of the best cover.
+        spheres: usize,
+        /// Its overshoot, m.
+        overshoot: f64,
+        /// The target, m.
+        target: f64,
+    },
+    /// A factor of scale is not a positive finite number.
+    #[error("{factor:?} is not a positive finite factor")]
+    Scale {
+        /// The factor.
+        factor: f64,
+    },
+    /// A sphere that no hitbox can have.
+    #[error(transparent)]
+    Sphere(#[from] Error),
+}

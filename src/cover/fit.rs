@@ -1,0 +1,253 @@
+//! From a shape to the best cover found.
+
+use super::certificate::{Certified, certify, fine_surfaces};
+use super::closed_form::closed_form;
+use super::descent::{Candidate, DescentScratch, Schedule, Target, descend};
+use super::points::Samples;
+use super::random::Random;
+use super::search::improve;
+use super::solid::Solid;
+use super::starts::{deepest, even_out, farthest, lattices, pool, spread};
+use super::surface::Surface;
+use crate::parallel;
+use glam::DVec3;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// Sides of round forms while centres are sought.
+const COARSE: u32 = 16;
+
+/// Surfaces of more points than this are stood for by some of them.
+const MANY_POINTS: usize = 400;
+
+/// Points that stand for a surface.
+const SAMPLES: usize = 1_000;
+
+/// Points from which centres are chosen.
+const POOL: usize = 8_192;
+
+/// Points that are moved to ridges.
+const RIDGE_POINTS: usize = 1_024;
+
+/// A shape with what each fit of it needs.
+#[derive(Debug)]
+pub(super) struct Fitter<'a> {
+    solid: &'a Solid,
+    coarse: Vec<Surface>,
+    fine: Vec<Surface>,
+    /// Empty if the coarse surfaces are used themselves.
+    samples: Samples,
+    /// Of more points, for the last descents.
+    more_samples: Samples,
+    /// Points in the solid, spread evenly, and on the ridges of the depth.
+    pool: Vec<DVec3>,
+    ridges: Vec<(DVec3, f64)>,
+    seed: u64,
+    effort: u32,
+}
+
+/// How much is tried.
+#[derive(Clone, Copy, Debug)]
+struct Plan {
+    chains: u32,
+    rounds: u32,
+}
+
+impl<'a> Fitter<'a> {
+    pub(super) fn new(solid: &'a Solid, seed: u64, effort: u32) -> Self {
+        let coarse = solid.surfaces(COARSE);
+        let points: usize = coarse.iter().map(|surface| surface.points.len()).sum();
+        let samples_of = |most: usize| {
+            if points > MANY_POINTS {
+                Samples::new(&coarse, most)
+            } else {
+                Samples::default()
+            }
+        };
+        let (samples, more_samples) = (samples_of(SAMPLES), samples_of(5 * SAMPLES));
+        let pool = pool(solid, POOL, &mut Random::new(seed, u64::MAX));
+        let signed_distance = |at: DVec3| {
+            if samples.is_empty() {
+                solid.signed_distance(at)
+            } else {
+                samples.signed_distance(at)
+            }
+        };
+        let ridges = deepest(&pool[..pool.len().min(RIDGE_POINTS)], &signed_distance);
+        Self {
+            solid,
+            pool,
+            ridges,
+            fine: fine_surfaces(solid),
+            coarse,
+            samples,
+            more_samples,
+            seed,
+            effort: effort.max(1),
+        }
+    }
+
+    /// Returns the number of chains, and of moves of single balls in each. They depend on the
+    /// number of balls, on the effort, and on the size of the shape's surfaces.
+    fn plan(&self, count: usize) -> Plan {
+        let rounds = 25;
+        let chains = match count {
+            ..=8 => 4,
+            9..=24 => 6,
+            25..=48 => 4,
+            49..=96 => 3,
+            _ => 1,
+        };
+        let heavy = self
+            .coarse
+            .iter()
+            .map(|surface| surface.points.len())
+            .sum::<usize>();
+        let chains = if heavy > 64 {
+            u32::div_ceil(chains, 2).max(2)
+        } else {
+            chains
+        };
+        Plan {
+            chains: if count == 1 { 2 } else { chains } * self.effort,
+            rounds: if (2..=256).contains(&count) {
+                rounds
+            } else {
+                0
+            },
+        }
+    }
+
+    /// Returns the best cover found with at most `count` balls. `progress` gets the share done,
+    /// below 1, on any thread.
+    pub(super) fn fit(&self, count: usize, progress: &(impl Fn(f64) + Sync)) -> Certified {
+        if let Some(certified) = closed_form(self.solid, count) {
+            return certified;
+        }
+        let plan = self.plan(count);
+        let done = AtomicU32::new(0);
+        let steps = f64::from(plan.chains * (plan.rounds + 1) + 2);
+        let step = || progress(f64::from(done.fetch_add(1, Ordering::Relaxed) + 1) / steps);
+        let work = |scratch: &mut DescentScratch, chain: u32| {
+            self.chain(count, chain, plan.rounds, scratch, &step)
+        };
+        let mut found = parallel::map(plan.chains, 1, DescentScratch::default, work);
+        // Of equal ones the first: a stable sort.
+        found.sort_by(|a, b| a.overshoot.total_cmp(&b.overshoot));
+        found.truncate(3);
+        let polished = parallel::map(found.len(), 1, DescentScratch::default, |scratch, place| {
+            self.polish(found[place].clone(), scratch)
+        });
+        let best = polished
+            .into_iter()
+            .min_by(|a, b| a.overshoot.total_cmp(&b.overshoot));
+        best.unwrap_or_else(|| self.certify(&found[0]))
+    }
+
+    fn certify(&self, candidate: &Candidate) -> Certified {
+        certify(
+            self.solid,
+            &self.fine,
+            &candidate.centres,
+            candidate.overshoot,
+        )
+    }
+
+    fn target(&self) -> Target<'_> {
+        if self.samples.is_empty() {
+            Target::Surfaces(&self.coarse)
+        } else {
+            Target::Samples(&self.samples)
+        }
+    }
+
+    /// Descends from one start, then from each of several changes of the best centres.
+    fn chain(
+        &self,
+        count: usize,
+        chain: u32,
+        rounds: u32,
+        scratch: &mut DescentScratch,
+        step: &impl Fn(),
+    ) -> Candidate {
+        const FIRST: Schedule = Schedule {
+            steps: 300,
+            first: 0.1,
+            last: 0.003,
+            temperature: 1.0,
+        };
+        const NEXT: Schedule = Schedule {
+            steps: 200,
+            first: 0.06,
+            last: 0.002,
+            temperature: 0.4,
+        };
+        let mut random = Random::new(self.seed, u64::from(chain));
+        let target = self.target();
+        let mut best = None;
+        // The first chain begins with the best lattice.
+        if chain == 0 {
+            for centres in lattices(self.solid, count) {
+                let overshoot = scratch.measure(self.solid, &target, &centres, f64::NAN);
+                let is_better = |best: &Candidate| overshoot < best.overshoot;
+                if best.as_ref().is_none_or(is_better) {
+                    best = Some(Candidate { centres, overshoot });
+                }
+            }
+        }
+        let centres = match &best {
+            Some(best) => best.centres.clone(),
+            None if chain % 2 == 1 => {
+                let mut centres = farthest(&self.ridges, count, &mut random);
+                even_out(&self.ridges, &mut centres);
+                centres
+            }
+            None => spread(&self.pool, count, &mut random),
+        };
+        let found = descend(self.solid, &target, centres, &FIRST, scratch);
+        let mut best = match best {
+            Some(best) if best.overshoot <= found.overshoot => best,
+            _ => found,
+        };
+        // A lattice may have fewer points than there are balls.
+        while best.centres.len() < count {
+            best.centres.push(self.pool[random.below(self.pool.len())]);
+        }
+        step();
+        for _ in 0..rounds {
+            improve(
+                self.solid,
+                &target,
+                &self.ridges,
+                &mut best,
+                &NEXT,
+                &mut random,
+                scratch,
+            );
+            step();
+        }
+        best
+    }
+
+    /// Descends in small steps, on what a proof demands.
+    fn polish(&self, mut best: Candidate, scratch: &mut DescentScratch) -> Certified {
+        const LAST: Schedule = Schedule {
+            steps: 400,
+            first: 0.03,
+            last: 1e-4,
+            temperature: 0.4,
+        };
+        let certified = self.certify(&best);
+        let finer = self.solid.surfaces(3 * COARSE);
+        let target = if self.samples.is_empty() {
+            Target::Surfaces(&finer)
+        } else {
+            Target::Samples(&self.more_samples)
+        };
+        best = descend(self.solid, &target, best.centres, &LAST, scratch);
+        better(certified, self.certify(&best))
+    }
+}
+
+fn better(a: Certified, b: Certified) -> Certified {
+    if b.overshoot < a.overshoot { b } else { a }
+}

@@ -1,0 +1,181 @@
+//! The forms of which shapes are made, in f64.
+
+use glam::{DQuat, DVec3};
+
+/// A place and a direction of parry's, in f64. The quaternion is taken for its direction.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Placement {
+    pub(super) rotation: DQuat,
+    pub(super) translation: DVec3,
+}
+
+impl Placement {
+    pub(super) const IDENTITY: Self = Self {
+        rotation: DQuat::IDENTITY,
+        translation: DVec3::ZERO,
+    };
+
+    pub(super) fn point(&self, point: DVec3) -> DVec3 {
+        self.rotation * point + self.translation
+    }
+
+    pub(super) fn then(&self, outer: &Self) -> Self {
+        Self {
+            rotation: outer.rotation * self.rotation,
+            translation: outer.point(self.translation),
+        }
+    }
+}
+
+/// A convex body of revolution with straight sides.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Round {
+    pub(super) middle: DVec3,
+    /// Unit vector; a cone's apex lies this way.
+    pub(super) axis: DVec3,
+    pub(super) radius: f64,
+    pub(super) half_height: f64,
+}
+
+#[derive(Clone, Debug)]
+pub(super) enum Form {
+    /// The convex hull of some points, with the polygons of its surface, seen from outside
+    /// anticlockwise.
+    Hull {
+        points: Vec<DVec3>,
+        polygons: Vec<Vec<usize>>,
+    },
+    Cylinder(Round),
+    Cone(Round),
+    /// A capsule; a ball where both ends are one point.
+    Capsule {
+        ends: [DVec3; 2],
+        radius: f64,
+    },
+    Mesh {
+        points: Vec<DVec3>,
+        triangles: Vec<[usize; 3]>,
+    },
+}
+
+/// Unit vectors that form a right-handed base with a unit vector.
+pub(super) fn across(axis: DVec3) -> (DVec3, DVec3) {
+    axis.any_orthonormal_pair()
+}
+
+impl Form {
+    pub(super) fn cuboid(half_extents: DVec3, placement: &Placement) -> Self {
+        let corner = |number: usize| {
+            let sign = |bit: usize| if number >> bit & 1 == 1 { 1.0 } else { -1.0 };
+            placement.point(half_extents * DVec3::new(sign(0), sign(1), sign(2)))
+        };
+        Self::Hull {
+            points: (0..8).map(corner).collect(),
+            polygons: [
+                [0, 4, 6, 2],
+                [1, 3, 7, 5],
+                [0, 1, 5, 4],
+                [2, 6, 7, 3],
+                [0, 2, 3, 1],
+                [4, 5, 7, 6],
+            ]
+            .map(Vec::from)
+            .to_vec(),
+        }
+    }
+
+    /// Returns points with radii. The balls around them lie within the form and reach as far as it
+    /// does in every direction, except for arcs between the points of a circle.
+    pub(super) fn extremes(&self) -> Vec<(DVec3, f64)> {
+        const AROUND: i32 = 64;
+        let circle = |round: &Round, height: f64| {
+            let (right, up) = across(round.axis);
+            let middle = round.middle + round.axis * height;
+            let radius = round.radius;
+            (0..AROUND).map(move |step| {
+                let (sin, cos) =
+                    (std::f64::consts::TAU * f64::from(step) / f64::from(AROUND)).sin_cos();
+                (middle + (right * cos + up * sin) * radius, 0.0)
+            })
+        };
+        match self {
+            Self::Hull { points, .. } | Self::Mesh { points, .. } => {
+                points.iter().map(|&point| (point, 0.0)).collect()
+            }
+            Self::Cylinder(round) => circle(round, round.half_height)
+                .chain(circle(round, -round.half_height))
+                .collect(),
+            Self::Cone(round) => circle(round, -round.half_height)
+                .chain([(round.middle + round.axis * round.half_height, 0.0)])
+                .collect(),
+            Self::Capsule { ends, radius } => ends.map(|end| (end, *radius)).to_vec(),
+        }
+    }
+
+    /// Returns the diameter if it is that of a simple formula.
+    pub(super) fn diameter(&self) -> Option<f64> {
+        match self {
+            Self::Hull { .. } | Self::Mesh { .. } => None,
+            Self::Cylinder(round) => Some(2.0 * round.radius.hypot(round.half_height)),
+            Self::Cone(round) => {
+                let slant = round.radius.hypot(2.0 * round.half_height);
+                Some(slant.max(2.0 * round.radius))
+            }
+            Self::Capsule { ends, radius } => Some(ends[0].distance(ends[1]) + 2.0 * radius),
+        }
+    }
+
+    /// Returns the corners of a box around the form.
+    pub(super) fn corners(&self) -> (DVec3, DVec3) {
+        let around = |middle: DVec3, reach: DVec3| (middle - reach, middle + reach);
+        let join = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
+        match self {
+            Self::Hull { points, .. } | Self::Mesh { points, .. } => {
+                let each = points.iter().map(|&point| (point, point));
+                each.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), join)
+            }
+            Self::Cylinder(round) | Self::Cone(round) => {
+                let sideways = (DVec3::ONE - round.axis * round.axis).max(DVec3::ZERO);
+                let reach = round.axis.abs() * round.half_height
+                    + DVec3::from_array(sideways.to_array().map(f64::sqrt)) * round.radius;
+                around(round.middle, reach)
+            }
+            Self::Capsule { ends, radius } => {
+                let reach = DVec3::splat(*radius);
+                join(around(ends[0], reach), around(ends[1], reach))
+            }
+        }
+    }
+
+    /// Moves `origin` to 0 and divides all lengths by `unit`.
+    pub(super) fn normalise(&mut self, origin: DVec3, unit: f64) {
+        let place = |point: &mut DVec3| *point = (*point - origin) / unit;
+        match self {
+            Self::Hull { points, .. } | Self::Mesh { points, .. } => {
+                points.iter_mut().for_each(place);
+            }
+            Self::Cylinder(round) | Self::Cone(round) => {
+                place(&mut round.middle);
+                round.radius /= unit;
+                round.half_height /= unit;
+            }
+            Self::Capsule { ends, radius } => {
+                ends.iter_mut().for_each(place);
+                *radius /= unit;
+            }
+        }
+    }
+
+    /// Returns the volume if it is that of a simple formula.
+    pub(super) fn volume(&self) -> Option<f64> {
+        use std::f64::consts::PI;
+        match self {
+            Self::Hull { .. } | Self::Mesh { .. } => None,
+            Self::Cylinder(round) => Some(2.0 * PI * round.radius.powi(2) * round.half_height),
+            Self::Cone(round) => Some(2.0 / 3.0 * PI * round.radius.powi(2) * round.half_height),
+            Self::Capsule { ends, radius } => {
+                Some(PI * radius.powi(2) * (ends[0].distance(ends[1]) + 4.0 / 3.0 * radius))
+            }
+        }
+    }
+}

@@ -1,0 +1,260 @@
+//! Triangle meshes: the nearest point of the surface, and which side a point is on.
+
+use super::surface::Surface;
+use glam::DVec3;
+
+/// Triangles in a tree of boxes.
+#[derive(Clone, Debug)]
+pub(super) struct Mesh {
+    points: Vec<DVec3>,
+    /// In the order of the tree's leaves.
+    triangles: Vec<[usize; 3]>,
+    nodes: Vec<Node>,
+    /// Each edge is passed as often one way as the other.
+    closed: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    low: DVec3,
+    high: DVec3,
+    /// The triangles within.
+    first: usize,
+    end: usize,
+    /// The node after all nodes within this one. The first of these follows the node itself.
+    after: usize,
+}
+
+const LEAF: usize = 4;
+
+impl Mesh {
+    /// Takes points of one place for one point.
+    pub(super) fn new(points: Vec<DVec3>, mut triangles: Vec<[usize; 3]>) -> Self {
+        weld(&points, &mut triangles);
+        triangles.retain(|[a, b, c]| a != b && b != c && c != a);
+        let closed = is_closed(&triangles);
+        let mut mesh = Self {
+            points,
+            triangles: Vec::new(),
+            nodes: Vec::new(),
+            closed,
+        };
+        mesh.build(&mut triangles, 0);
+        mesh.triangles = triangles;
+        mesh
+    }
+
+    pub(super) const fn is_closed(&self) -> bool {
+        self.closed
+    }
+
+    pub(super) fn surface(&self) -> Surface {
+        let mut surface = Surface::new(self.points.clone(), self.closed);
+        for triangle in &self.triangles {
+            surface.push_polygon(triangle.iter().copied());
+        }
+        surface
+    }
+
+    fn corners(&self, triangle: &[usize; 3]) -> [DVec3; 3] {
+        triangle.map(|corner| self.points[corner])
+    }
+
+    /// Adds the node of some triangles, whose first has this number, and all nodes within.
+    fn build(&mut self, triangles: &mut [[usize; 3]], first: usize) {
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for point in triangles
+            .iter()
+            .flatten()
+            .map(|&corner| self.points[corner])
+        {
+            (low, high) = (low.min(point), high.max(point));
+        }
+        let own = self.nodes.len();
+        self.nodes.push(Node {
+            low,
+            high,
+            first,
+            end: first + triangles.len(),
+            after: own + 1,
+        });
+        if triangles.len() > LEAF {
+            let size = high - low;
+            let axis = if size.x >= size.max_element() {
+                DVec3::X
+            } else if size.y >= size.z {
+                DVec3::Y
+            } else {
+                DVec3::Z
+            };
+            let place = |triangle: &[usize; 3]| -> f64 {
+                triangle
+                    .iter()
+                    .map(|&corner| self.points[corner].dot(axis))
+                    .sum()
+            };
+            let half = triangles.len() / 2;
+            triangles.select_nth_unstable_by(half, |a, b| {
+                place(a).total_cmp(&place(b)).then_with(|| a.cmp(b))
+            });
+            let (lower, upper) = triangles.split_at_mut(half);
+            self.build(lower, first);
+            self.build(upper, first + half);
+        }
+        self.nodes[own].after = self.nodes.len();
+    }
+
+    /// Returns the nearest point of the surface.
+    pub(super) fn nearest(&self, at: DVec3) -> DVec3 {
+        let (mut nearest, mut square) = (at, f64::INFINITY);
+        let distance = |node: &Node| at.distance_squared(at.clamp(node.low, node.high));
+        let mut waiting = vec![0];
+        while let Some(number) = waiting.pop() {
+            let Some(node) = self
+                .nodes
+                .get(number)
+                .filter(|node| distance(node) < square)
+            else {
+                continue;
+            };
+            if node.end - node.first <= LEAF {
+                for triangle in &self.triangles[node.first..node.end] {
+                    let point = nearest_on_triangle(self.corners(triangle), at);
+                    let found = point.distance_squared(at);
+                    if found < square {
+                        (nearest, square) = (point, found);
+                    }
+                }
+                continue;
+            }
+            let lower = number + 1;
+            let upper = self.nodes[lower].after;
+            // The nearer one is looked at first.
+            if distance(&self.nodes[lower]) <= distance(&self.nodes[upper]) {
+                waiting.extend([upper, lower]);
+            } else {
+                waiting.extend([lower, upper]);
+            }
+        }
+        nearest
+    }
+
+    /// Returns how often the surface winds around a point, 0 for a mesh that is not closed.
+    /// Within rounding of the surface the number may be that of the other side.
+    ///
+    /// A. Van Oosterom and J. Strackee: The solid angle of a plane triangle, IEEE Transactions on
+    /// Biomedical Engineering 30 (1983).
+    pub(super) fn winding(&self, at: DVec3) -> f64 {
+        if !self.closed {
+            return 0.0;
+        }
+        let angle = |triangle: &[usize; 3]| {
+            let [a, b, c] = self.corners(triangle).map(|corner| corner - at);
+            let lengths = [a.length(), b.length(), c.length()];
+            let below = lengths[0] * lengths[1] * lengths[2]
+                + a.dot(b) * lengths[2]
+                + b.dot(c) * lengths[0]
+                + c.dot(a) * lengths[1];
+            2.0 * a.dot(b.cross(c)).atan2(below)
+        };
+        let total: f64 = self.triangles.iter().map(angle).sum();
+        (total / (4.0 * std::f64::consts::PI)).round()
+    }
+
+    /// Returns how often the surface is crossed outward, less inward, on the way up from a point.
+    /// That is the winding number, except for points below an edge.
+    pub(super) fn crossings(&self, at: DVec3) -> i32 {
+        let mut crossings = 0;
+        let mut number = 0;
+        while let Some(node) = self.nodes.get(number) {
+            let beside = at.x < node.low.x || at.x > node.high.x || at.y < node.low.y;
+            if beside || at.y > node.high.y || at.z > node.high.z {
+                number = node.after;
+                continue;
+            }
+            if node.end - node.first <= LEAF {
+                for triangle in &self.triangles[node.first..node.end] {
+                    crossings += crossing(self.corners(triangle).map(|corner| corner - at));
+                }
+            }
+            number += 1;
+        }
+        crossings
+    }
+}
+
+/// Returns 1, -1 or 0: the way up from 0 leaves, enters or misses what a triangle bounds.
+fn crossing([a, b, c]: [DVec3; 3]) -> i32 {
+    let side = |p: DVec3, q: DVec3| p.x * q.y - p.y * q.x;
+    let sides = [side(a, b), side(b, c), side(c, a)];
+    let sign = if sides.iter().all(|&side| side >= 0.0) {
+        1
+    } else if sides.iter().all(|&side| side < 0.0) {
+        -1
+    } else {
+        return 0;
+    };
+    let above = a.dot((b - a).cross(c - a)) * f64::from(sign) > 0.0;
+    i32::from(above) * sign
+}
+
+/// Gives points of one place one number.
+fn weld(points: &[DVec3], triangles: &mut [[usize; 3]]) {
+    let key = |number: usize| (points[number] + 0.0).to_array().map(f64::to_bits);
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    order.sort_unstable_by_key(|&number| (key(number), number));
+    let mut same_as: Vec<usize> = (0..points.len()).collect();
+    for pair in order.windows(2) {
+        if key(pair[0]) == key(pair[1]) {
+            same_as[pair[1]] = same_as[pair[0]];
+        }
+    }
+    for corner in triangles.iter_mut().flatten() {
+        *corner = same_as[*corner];
+    }
+}
+
+/// Returns whether each edge is passed as often one way as the other.
+fn is_closed(triangles: &[[usize; 3]]) -> bool {
+    let of_triangle = |&[a, b, c]: &[usize; 3]| [(a, b), (b, c), (c, a)];
+    let mut edges: Vec<_> = triangles.iter().flat_map(of_triangle).collect();
+    let mut back: Vec<_> = edges.iter().map(|&(from, to)| (to, from)).collect();
+    edges.sort_unstable();
+    back.sort_unstable();
+    !edges.is_empty() && edges == back
+}
+
+/// Returns the point of a triangle that is nearest to a place.
+///
+/// C. Ericson: Real-Time Collision Detection (2005), section 5.1.5.
+fn nearest_on_triangle([a, b, c]: [DVec3; 3], at: DVec3) -> DVec3 {
+    let (ab, ac, ap) = (b - a, c - a, at - a);
+    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return a;
+    }
+    let bp = at - b;
+    let (d3, d4) = (ab.dot(bp), ac.dot(bp));
+    if d3 >= 0.0 && d4 <= d3 {
+        return b;
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        return a + ab * (d1 / (d1 - d3));
+    }
+    let cp = at - c;
+    let (d5, d6) = (ab.dot(cp), ac.dot(cp));
+    if d6 >= 0.0 && d5 <= d6 {
+        return c;
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        return a + ac * (d2 / (d2 - d6));
+    }
+    let va = d3 * d6 - d5 * d4;
+    if va <= 0.0 && d4 >= d3 && d5 >= d6 {
+        return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
+    }
+    let below = 1.0 / (va + vb + vc);
+    a + ab * (vb * below) + ac * (vc * below)
+}

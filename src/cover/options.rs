@@ -1,0 +1,93 @@
+//! What is asked of a cover.
+
+/// Options of [`SphereCover::fit`](crate::SphereCover::fit).
+///
+/// Options can hold any values: the fit checks them.
+///
+/// ```
+/// use nearmiss::CoverOptions;
+///
+/// let at_most_32 = CoverOptions::new(32);
+/// let few = CoverOptions::new(64).with_target_overshoot(0.05).with_seed(7);
+/// assert_eq!(at_most_32.max_spheres(), 32);
+/// assert_eq!(few.target_overshoot(), Some(0.05));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+pub struct CoverOptions {
+    max_spheres: usize,
+    target_overshoot: Option<f64>,
+    seed: u64,
+    effort: u32,
+}
+
+impl Default for CoverOptions {
+    /// Returns options for at most 16 spheres.
+    fn default() -> Self {
+        Self::new(16)
+    }
+}
+
+impl CoverOptions {
+    /// Largest number of spheres of a fit: 4,096.
+    pub const MOST_SPHERES: usize = 4_096;
+
+    /// Returns options for the least overshoot with at most this many spheres, seed 0.
+    #[must_use]
+    pub const fn new(max_spheres: usize) -> Self {
+        Self {
+            max_spheres,
+            target_overshoot: None,
+            seed: 0,
+            effort: 1,
+        }
+    }
+
+    /// Returns the options with a target: as few spheres as reach this overshoot, m. The numbers
+    /// tried are found by doubling and halving, so a smaller number may do by luck.
+    #[must_use]
+    pub const fn with_target_overshoot(mut self, target: f64) -> Self {
+        self.target_overshoot = Some(target);
+        self
+    }
+
+    /// Returns the options with a seed. Each seed leads to other starts of the search.
+    #[must_use]
+    pub const fn with_seed(mut self, seed: u64) -> Self {
+        self.seed = seed;
+        self
+    }
+
+    /// Returns the options with this many times the default number of starts; 0 counts as 1. The
+    /// default number depends on the number of spheres and on the shape, never on the clock.
+    #[must_use]
+    pub const fn with_effort(mut self, effort: u32) -> Self {
+        self.effort = effort;
+        self
+    }
+
+    /// Returns the largest number of spheres.
+    #[must_use]
+    pub const fn max_spheres(&self) -> usize {
+        self.max_spheres
+    }
+
+    /// Returns the target overshoot, m.
+    #[must_use]
+    pub const fn target_overshoot(&self) -> Option<f64> {
+        self.target_overshoot
+    }
+
+    /// Returns the seed.
+    #[must_use]
+    pub const fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// Returns the factor of the number of starts.
+    #[must_use]
+    pub const fn effort(&self) -> u32 {
+        self.effort
+    }
+}

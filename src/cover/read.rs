@@ -1,0 +1,136 @@
+//! Shapes of parry3d, read into forms of f64.
+
+use super::error::CoverError;
+use super::form::{Form, Placement, Round};
+use super::solid::Solid;
+use glam::{DQuat, DVec3};
+use parry3d::math::Pose;
+use parry3d::shape::{ConvexPolyhedron, Shape, TriMesh, TypedShape};
+
+/// Reads a shape, whose numbers count as exact.
+pub(super) fn read(shape: &dyn Shape) -> Result<Solid, CoverError> {
+    let mut forms = Vec::new();
+    push(shape, &Placement::IDENTITY, &mut forms)?;
+    let kind = kind(&shape.as_typed_shape());
+    Solid::new(forms).ok_or(CoverError::InvalidShape { kind })
+}
+
+fn push(shape: &dyn Shape, placement: &Placement, forms: &mut Vec<Form>) -> Result<(), CoverError> {
+    let typed = shape.as_typed_shape();
+    let kind = kind(&typed);
+    let length = |length: f32| {
+        let length = f64::from(length);
+        let is_one = length.is_finite() && length >= 0.0;
+        is_one
+            .then_some(length)
+            .ok_or(CoverError::InvalidShape { kind })
+    };
+    let round = |radius: f32, half_height: f32| {
+        Ok::<_, CoverError>(Round {
+            middle: placement.translation,
+            axis: (placement.rotation * DVec3::Y).normalize(),
+            radius: length(radius)?,
+            half_height: length(half_height)?,
+        })
+    };
+    let form = match typed {
+        TypedShape::Ball(ball) => Form::Capsule {
+            ends: [placement.translation; 2],
+            radius: length(ball.radius)?,
+        },
+        TypedShape::Cuboid(cuboid) => {
+            let half_extents = cuboid.half_extents.to_array();
+            for extent in half_extents {
+                length(extent)?;
+            }
+            Form::cuboid(cuboid.half_extents.as_dvec3(), placement)
+        }
+        TypedShape::Capsule(capsule) => Form::Capsule {
+            ends: [capsule.segment.a, capsule.segment.b].map(|end| placement.point(end.as_dvec3())),
+            radius: length(capsule.radius)?,
+        },
+        TypedShape::Cylinder(cylinder) => {
+            Form::Cylinder(round(cylinder.radius, cylinder.half_height)?)
+        }
+        TypedShape::Cone(cone) => Form::Cone(round(cone.radius, cone.half_height)?),
+        TypedShape::ConvexPolyhedron(hull) => polyhedron(hull, placement),
+        TypedShape::TriMesh(mesh) => triangles(mesh, placement),
+        TypedShape::Compound(compound) => {
+            for (pose, part) in compound.shapes() {
+                let inner = placement_of(pose).ok_or(CoverError::InvalidShape { kind })?;
+                push(part.as_ref(), &inner.then(placement), forms)?;
+            }
+            return Ok(());
+        }
+        _ => return Err(CoverError::UnsupportedShape { kind }),
+    };
+    forms.push(form);
+    Ok(())
+}
+
+fn placement_of(pose: &Pose) -> Option<Placement> {
+    let rotation = DQuat::from_array(pose.rotation.to_array().map(f64::from));
+    let length = rotation.length();
+    (length.is_finite() && length > 0.0).then(|| Placement {
+        rotation: rotation.normalize(),
+        translation: pose.translation.as_dvec3(),
+    })
+}
+
+fn polyhedron(hull: &ConvexPolyhedron, placement: &Placement) -> Form {
+    let corners = hull.vertices_adj_to_face();
+    let polygons = hull.faces().iter().map(|face| {
+        let first = face.first_vertex_or_edge as usize;
+        let end = first + face.num_vertices_or_edges as usize;
+        let corners = corners[first..end].iter();
+        corners.map(|&corner| corner as usize).collect()
+    });
+    Form::Hull {
+        points: points(hull.points(), placement),
+        polygons: polygons.collect(),
+    }
+}
+
+fn triangles(mesh: &TriMesh, placement: &Placement) -> Form {
+    let all = points(mesh.vertices(), placement);
+    let corners = mesh.indices().iter().flatten();
+    let mut used: Vec<usize> = corners.map(|&corner| corner as usize).collect();
+    used.sort_unstable();
+    used.dedup();
+    let place = |corner: u32| used.partition_point(|&other| other < corner as usize);
+    let triangle = |corners: &[u32; 3]| corners.map(place);
+    Form::Mesh {
+        triangles: mesh.indices().iter().map(triangle).collect(),
+        points: used.iter().map(|&corner| all[corner]).collect(),
+    }
+}
+
+fn points(points: &[parry3d::math::Vector], placement: &Placement) -> Vec<DVec3> {
+    let points = points.iter().map(|point| point.as_dvec3());
+    points.map(|point| placement.point(point)).collect()
+}
+
+const fn kind(shape: &TypedShape<'_>) -> &'static str {
+    match shape {
+        TypedShape::Ball(_) => "ball",
+        TypedShape::Cuboid(_) => "cuboid",
+        TypedShape::Capsule(_) => "capsule",
+        TypedShape::Segment(_) => "segment",
+        TypedShape::Triangle(_) => "triangle",
+        TypedShape::Voxels(_) => "voxel shape",
+        TypedShape::TriMesh(_) => "triangle mesh",
+        TypedShape::Polyline(_) => "polyline",
+        TypedShape::HalfSpace(_) => "half-space",
+        TypedShape::HeightField(_) => "height field",
+        TypedShape::Compound(_) => "compound",
+        TypedShape::ConvexPolyhedron(_) => "convex polyhedron",
+        TypedShape::Cylinder(_) => "cylinder",
+        TypedShape::Cone(_) => "cone",
+        TypedShape::RoundCuboid(_)
+        | TypedShape::RoundTriangle(_)
+        | TypedShape::RoundCylinder(_)
+        | TypedShape::RoundCone(_)
+        | TypedShape::RoundConvexPolyhedron(_) => "rounded shape",
+        TypedShape::Custom(_) => "custom shape",
+    }
+}

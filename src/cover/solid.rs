@@ -1,0 +1,180 @@
+//! A shape as the cover sees it: parts in a unit of their own size.
+
+use super::convex::Convex;
+use super::form::Form;
+use super::mesh::Mesh;
+use super::surface::Surface;
+use crate::parallel;
+use glam::DVec3;
+
+/// The parts of a shape, moved and scaled to the order of one.
+#[derive(Clone, Debug)]
+pub(super) struct Solid {
+    pub(super) parts: Vec<Part>,
+    /// What became 0.
+    pub(super) origin: DVec3,
+    /// Power of two by which all lengths were divided.
+    pub(super) unit: f64,
+    /// Largest distance of two points, rounded down. In this unit, as all lengths.
+    pub(super) diameter: f64,
+    /// Corners of a box around all parts.
+    pub(super) low: DVec3,
+    pub(super) high: DVec3,
+    /// By how much surfaces and bounds may be off: roundings of the corners.
+    pub(super) rounding: f64,
+}
+
+#[derive(Clone, Debug)]
+pub(super) enum Part {
+    Convex(Convex),
+    Mesh(Mesh),
+}
+
+impl Part {
+    pub(super) fn is_volume(&self) -> bool {
+        match self {
+            Self::Convex(_) => true,
+            Self::Mesh(mesh) => mesh.is_closed(),
+        }
+    }
+
+    /// Returns a surface that contains the part; a round one has `around` sides.
+    pub(super) fn surface(&self, around: u32) -> Surface {
+        match self {
+            Self::Convex(convex) => convex.polyhedron(around),
+            Self::Mesh(mesh) => mesh.surface(),
+        }
+    }
+
+    pub(super) const fn is_round(&self) -> bool {
+        match self {
+            Self::Convex(convex) => !matches!(convex.form(), Form::Hull { .. }),
+            Self::Mesh(_) => false,
+        }
+    }
+
+    /// Returns an upper bound of the signed distance, and about its gradient. Far from edges of
+    /// a mesh seen from above it is the distance.
+    pub(super) fn signed_distance(&self, at: DVec3) -> (f64, DVec3) {
+        match self {
+            Self::Convex(convex) => convex.signed_distance(at),
+            Self::Mesh(mesh) => {
+                let way = at - mesh.nearest(at);
+                let inside = mesh.is_closed() && mesh.crossings(at) != 0;
+                let sign = if inside { -1.0 } else { 1.0 };
+                (sign * way.length(), sign * way.normalize_or_zero())
+            }
+        }
+    }
+}
+
+impl Solid {
+    /// Returns `None` if the forms have no points, or points that are not finite.
+    pub(super) fn new(mut forms: Vec<Form>) -> Option<Self> {
+        let join = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
+        let (low, high) = forms.iter().map(Form::corners).reduce(join)?;
+        if !(low.is_finite() && high.is_finite()) {
+            return None;
+        }
+        let origin = low.midpoint(high);
+        let extent = (high - low).max_element();
+        // A point has no size; the smallest f32 are scaled as far as needed.
+        let unit = if extent > 0.0 {
+            extent.log2().floor().exp2()
+        } else {
+            1.0
+        };
+        let far = low.abs().max(high.abs()).max_element() / unit;
+        for form in &mut forms {
+            form.normalise(origin, unit);
+        }
+        let diameter = diameter(&forms);
+        let parts: Vec<Part> = forms.into_iter().map(part).collect();
+        let uneven = parts.iter().map(|part| match part {
+            Part::Convex(convex) => convex.unevenness,
+            Part::Mesh(_) => 0.0,
+        });
+        Some(Self {
+            rounding: uneven.fold(0.0, f64::max) + 64.0 * f64::EPSILON * (1.0 + far),
+            parts,
+            origin,
+            unit,
+            diameter,
+            low: (low - origin) / unit,
+            high: (high - origin) / unit,
+        })
+    }
+
+    pub(super) fn is_volume(&self) -> bool {
+        self.parts.iter().all(Part::is_volume)
+    }
+
+    /// Returns surfaces that contain the parts. Round ones have `around` sides.
+    pub(super) fn surfaces(&self, around: u32) -> Vec<Surface> {
+        self.parts.iter().map(|part| part.surface(around)).collect()
+    }
+
+    /// Returns an upper bound of the signed distance, and about its gradient.
+    pub(super) fn signed_distance(&self, at: DVec3) -> (f64, DVec3) {
+        let distances = self.parts.iter().map(|part| part.signed_distance(at));
+        let nearer = |a: (f64, DVec3), b: (f64, DVec3)| if b.0 < a.0 { b } else { a };
+        distances
+            .reduce(nearer)
+            .unwrap_or((f64::INFINITY, DVec3::ZERO))
+    }
+
+    /// Returns, for each place, an upper bound of the signed distance that holds without exception.
+    pub(super) fn certain_distances(&self, places: &[DVec3]) -> Vec<f64> {
+        let one = |(): &mut (), place: usize| {
+            let at = places[place];
+            let distances = self.parts.iter().map(|part| match part {
+                Part::Mesh(mesh) => {
+                    let distance = mesh.nearest(at).distance(at);
+                    // Within rounding of the surface the side does not matter.
+                    let inside = mesh.winding(at).abs() >= 0.5;
+                    if inside { -distance } else { distance }
+                }
+                Part::Convex(convex) => convex.signed_distance(at).0,
+            });
+            distances.fold(f64::INFINITY, f64::min) + self.rounding
+        };
+        parallel::map(places.len(), 1, || (), one)
+    }
+}
+
+fn part(form: Form) -> Part {
+    match form {
+        Form::Mesh { points, triangles } => Part::Mesh(Mesh::new(points, triangles)),
+        convex => Part::Convex(Convex::new(convex)),
+    }
+}
+
+/// Returns the largest distance of two points, or somewhat less.
+fn diameter(forms: &[Form]) -> f64 {
+    const DIRECTIONS: i32 = 512;
+    let single = forms.iter().filter_map(Form::diameter).fold(0.0, f64::max);
+    if let [form] = forms
+        && let Some(diameter) = form.diameter()
+    {
+        return diameter;
+    }
+    let points: Vec<(DVec3, f64)> = forms.iter().flat_map(Form::extremes).collect();
+    let apart = |a: &(DVec3, f64), b: &(DVec3, f64)| a.0.distance(b.0) + a.1 + b.1;
+    let farthest = |from: &(DVec3, f64)| {
+        let distances = points.iter().map(|point| apart(from, point));
+        distances.fold(0.0, f64::max)
+    };
+    if points.len() <= 1_024 {
+        return points.iter().map(farthest).fold(single, f64::max);
+    }
+    // Directions all around, by the golden angle.
+    let outermost = (0..DIRECTIONS).filter_map(|number| {
+        let height = (2.0 * f64::from(number) + 1.0) / f64::from(DIRECTIONS) - 1.0;
+        let (sin, cos) = (2.399_963_229_728_653 * f64::from(number)).sin_cos();
+        let away = (1.0 - height * height).sqrt();
+        let direction = DVec3::new(away * cos, away * sin, height);
+        let reach = |point: &&(DVec3, f64)| point.0.dot(direction) + point.1;
+        points.iter().max_by(|a, b| reach(a).total_cmp(&reach(b)))
+    });
+    outermost.map(farthest).fold(single, f64::max)
+}

@@ -1,0 +1,254 @@
+//! A cover: spheres, with what is known of them.
+
+use super::certificate::Certified;
+use super::error::CoverError;
+use super::fit::Fitter;
+use super::options::CoverOptions;
+use super::read::read;
+use super::solid::Solid;
+use super::verify::{Coverage, verify_cover};
+use super::volume;
+use crate::hitbox::{Hitbox, Sphere};
+use parry3d::shape::Shape;
+
+/// The part of a shape that a cover contains.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Extent {
+    /// The whole volume.
+    Volume,
+    /// The surfaces only. The shape has a mesh that is not closed, or not oriented as one: each edge
+    /// must be passed as often one way as the other.
+    Surface,
+}
+
+/// Spheres that provably contain a shape, with a bound of how far they reach out of it.
+///
+/// ```
+/// use nearmiss::parry3d::shape::Cuboid;
+/// use nearmiss::{CoverOptions, Coverage, Hitbox, SphereCover};
+///
+/// let brick = Cuboid::new([0.5, 1.0, 2.0].into());
+/// let cover = SphereCover::fit(&brick, &CoverOptions::new(8))?;
+/// assert!(cover.spheres().len() <= 8);
+/// assert!(cover.overshoot_percent() < 8.0);
+/// assert_eq!(cover.verify(&brick)?, Coverage::Covered);
+///
+/// let hitbox = Hitbox::from(cover.scaled(2.0)?);
+/// assert_eq!(hitbox.spheres().len(), cover.spheres().len());
+/// # Ok::<(), nearmiss::CoverError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct SphereCover {
+    /// The spheres.
+    spheres: Hitbox,
+    overshoot: f64,
+    diameter: f64,
+    volume_ratio: Option<f64>,
+    extent: Extent,
+}
+
+impl SphereCover {
+    /// Returns spheres that contain a shape, with as small an overshoot as the search finds; or as
+    /// few as the search finds to reach [a target](CoverOptions::with_target_overshoot).
+    ///
+    /// Each point of the shape is in a sphere: that is proven, with all rounding. The overshoot is a
+    /// bound too. Neither is a matter of samples. Whether fewer or smaller spheres would do is not
+    /// proven, except for a ball and a capsule, which have closed forms.
+    ///
+    /// The shape's f32 numbers count as exact. A compound is covered part by part, and a depth in
+    /// it is that in one of its parts: parts that overlap well lead to better bounds. The interior of
+    /// a mesh is where its surface winds around.
+    ///
+    /// The same shape and options lead to the same bits on any number of threads.
+    ///
+    /// # Errors
+    ///
+    /// - [`CoverError::UnsupportedShape`]: half-spaces, height fields, segments and others.
+    /// - [`CoverError::InvalidShape`]: NaN, infinite or negative numbers.
+    /// - [`CoverError::SphereCount`], [`CoverError::Target`]: options out of range.
+    /// - [`CoverError::TargetMissed`]: the largest number of spheres does not reach the target.
+    pub fn fit(shape: &dyn Shape, options: &CoverOptions) -> Result<Self, CoverError> {
+        Self::fit_with_progress(shape, options, |_| {})
+    }
+
+    /// Returns the cover of [`fit`](Self::fit) and reports the progress. `progress` gets the share
+    /// done, or of the present number of spheres if a target is to be reached. Any thread may call
+    /// it, so values may come out of order. The last call, with 1, is on this thread.
+    ///
+    /// # Errors
+    ///
+    /// As [`fit`](Self::fit).
+    pub fn fit_with_progress(
+        shape: &dyn Shape,
+        options: &CoverOptions,
+        progress: impl Fn(f64) + Sync,
+    ) -> Result<Self, CoverError> {
+        let most = options.max_spheres();
+        if !(1..=CoverOptions::MOST_SPHERES).contains(&most) {
+            return Err(CoverError::SphereCount { count: most });
+        }
+        let solid = read(shape)?;
+        let fitter = Fitter::new(&solid, options.seed(), options.effort());
+        let fit = |count: usize| fitter.fit(count, &progress);
+        let certified = match options.target_overshoot() {
+            None => fit(most),
+            Some(target) if target >= 0.0 && target.is_finite() => {
+                fewest(&solid, most, target, fit)?
+            }
+            Some(target) => return Err(CoverError::Target { target }),
+        };
+        let cover = Self::new(&solid, &certified)?;
+        progress(1.0);
+        Ok(cover)
+    }
+
+    fn new(solid: &Solid, certified: &Certified) -> Result<Self, CoverError> {
+        let spheres = certified.balls.iter().map(|&(centre, radius)| Sphere {
+            offset: centre * solid.unit + solid.origin,
+            radius: radius * solid.unit,
+        });
+        Ok(Self {
+            spheres: Hitbox::cluster(spheres.collect())?,
+            overshoot: certified.overshoot * solid.unit,
+            diameter: solid.diameter * solid.unit,
+            volume_ratio: volume::ratio(solid, &certified.balls),
+            extent: if solid.is_volume() {
+                Extent::Volume
+            } else {
+                Extent::Surface
+            },
+        })
+    }
+
+    /// Returns the spheres, in the shape's frame.
+    #[must_use]
+    pub fn spheres(&self) -> &[Sphere] {
+        self.spheres.spheres()
+    }
+
+    /// Returns a bound of the overshoot, m: no point of a sphere is farther from the shape.
+    #[must_use]
+    pub const fn overshoot(&self) -> f64 {
+        self.overshoot
+    }
+
+    /// Returns the overshoot in percent of the shape's diameter; 0 for a shape that is a point.
+    #[must_use]
+    pub fn overshoot_percent(&self) -> f64 {
+        if self.diameter > 0.0 {
+            100.0 * self.overshoot / self.diameter
+        } else {
+            0.0
+        }
+    }
+
+    /// Returns the largest distance of two points of the shape, m. Where no formula exists it is
+    /// rounded down.
+    #[must_use]
+    pub const fn diameter(&self) -> f64 {
+        self.diameter
+    }
+
+    /// Returns the volume of the union of the spheres over that of the shape, to about three digits;
+    /// `None` if the shape has no volume.
+    #[must_use]
+    pub const fn volume_ratio(&self) -> Option<f64> {
+        self.volume_ratio
+    }
+
+    /// Returns which part of the shape the spheres contain.
+    #[must_use]
+    pub const fn extent(&self) -> Extent {
+        self.extent
+    }
+
+    /// Returns whether the spheres contain a shape, as [`verify_cover`] finds it.
+    ///
+    /// # Errors
+    ///
+    /// As [`verify_cover`].
+    pub fn verify(&self, shape: &dyn Shape) -> Result<Coverage, CoverError> {
+        verify_cover(self.spheres(), shape)
+    }
+
+    /// Returns the cover of the shape scaled by a factor around the origin of its frame.
+    ///
+    /// # Errors
+    ///
+    /// - [`CoverError::Scale`] if the factor is not a positive finite number.
+    /// - [`CoverError::Sphere`] if a number leaves the range of hitboxes.
+    pub fn scaled(&self, factor: f64) -> Result<Self, CoverError> {
+        if !(factor > 0.0 && factor.is_finite()) {
+            return Err(CoverError::Scale { factor });
+        }
+        // Products are rounded by half of this, and underflow by less than the last term.
+        let rounded = |offset: f64, radius: f64| {
+            let rounding = 4.0 * f64::EPSILON * factor * (offset + radius);
+            factor * radius + rounding + f64::MIN_POSITIVE
+        };
+        let spheres = self.spheres().iter().map(|sphere| Sphere {
+            offset: sphere.offset * factor,
+            radius: rounded(crate::rounding::norm(sphere.offset), sphere.radius),
+        });
+        let reach = self.spheres().iter().map(|sphere| {
+            rounded(crate::rounding::norm(sphere.offset), sphere.radius) - factor * sphere.radius
+        });
+        Ok(Self {
+            overshoot: (self.overshoot * factor + reach.fold(0.0, f64::max)) * (1.0 + f64::EPSILON),
+            diameter: self.diameter * factor,
+            spheres: Hitbox::cluster(spheres.collect())?,
+            ..*self
+        })
+    }
+}
+
+/// Returns the smallest cover found that reaches a target (m): numbers of balls are doubled until one
+/// does, and halved between.
+fn fewest(
+    solid: &Solid,
+    most: usize,
+    target: f64,
+    fit: impl Fn(usize) -> Certified,
+) -> Result<Certified, CoverError> {
+    let reaches = |certified: &Certified| certified.overshoot * solid.unit <= target;
+    let (mut short, mut count) = (0, 1);
+    let mut best = loop {
+        let certified = fit(count);
+        if reaches(&certified) {
+            break certified;
+        }
+        if count == most {
+            return Err(CoverError::TargetMissed {
+                spheres: certified.balls.len(),
+                overshoot: certified.overshoot * solid.unit,
+                target,
+            });
+        }
+        short = count;
+        count = (2 * count).min(most);
+    };
+    while count - short > 1 {
+        let middle = usize::midpoint(short, count);
+        let certified = fit(middle);
+        if reaches(&certified) {
+            (best, count) = (certified, middle);
+        } else {
+            short = middle;
+        }
+    }
+    Ok(best)
+}
+
+impl From<SphereCover> for Hitbox {
+    fn from(cover: SphereCover) -> Self {
+        cover.spheres
+    }
+}
+
+impl From<&SphereCover> for Hitbox {
+    fn from(cover: &SphereCover) -> Self {
+        cover.spheres.clone()
+    }
+}

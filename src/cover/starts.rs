@@ -1,0 +1,139 @@
+//! Where a search for centres begins.
+
+use super::random::Random;
+use super::solid::Solid;
+use crate::parallel;
+use glam::DVec3;
+
+/// Points of a solid, about evenly spread in its volume, or on its surface if it has none.
+pub(super) fn pool(solid: &Solid, count: usize, random: &mut Random) -> Vec<DVec3> {
+    let mut pool = Vec::with_capacity(count);
+    for _ in 0..32 * count {
+        let point = random.point(solid.low, solid.high);
+        if solid.signed_distance(point).0 <= 0.0 {
+            pool.push(point);
+            if pool.len() == count {
+                return pool;
+            }
+        }
+    }
+    for surface in solid.surfaces(16) {
+        for polygon in surface.polygons() {
+            let corners = polygon.iter().map(|&corner| surface.points[corner]);
+            #[allow(clippy::cast_precision_loss, reason = "a mean of few points")]
+            pool.push(corners.sum::<DVec3>() / polygon.len() as f64);
+        }
+    }
+    pool
+}
+
+/// Chooses centres from a pool: the first at random, each further one with a probability that
+/// grows with its distance from those before it.
+pub(super) fn spread(pool: &[DVec3], count: usize, random: &mut Random) -> Vec<DVec3> {
+    let mut centres = vec![pool[random.below(pool.len())]];
+    let mut squares = vec![f64::INFINITY; pool.len()];
+    while centres.len() < count {
+        let last = centres[centres.len() - 1];
+        for (square, point) in squares.iter_mut().zip(pool) {
+            *square = square.min(point.distance_squared(last));
+        }
+        // The farthest of a few: neither an outlier each time nor a point by chance.
+        let few = (0..4).map(|_| random.below(pool.len()));
+        let next = few.max_by(|&a, &b| squares[a].total_cmp(&squares[b]));
+        centres.push(pool[next.unwrap_or(0)]);
+    }
+    centres
+}
+
+/// Moves points, and returns them with their signed distances, to where the depth is locally greatest, or to a ridge of it: balls around such points
+/// contain much and reach out little.
+pub(super) fn deepest(
+    pool: &[DVec3],
+    signed_distance: &(impl Fn(DVec3) -> (f64, DVec3) + Sync),
+) -> Vec<(DVec3, f64)> {
+    const STEPS: u32 = 24;
+    parallel::map(
+        pool.len(),
+        1,
+        || (),
+        |(), number| {
+            let mut at = pool[number];
+            let (mut height, mut slope) = signed_distance(at);
+            let mut length = height.abs();
+            for _ in 0..STEPS {
+                let next = at - slope * length;
+                let (next_height, next_slope) = signed_distance(next);
+                if next_height < height {
+                    (at, height, slope) = (next, next_height, next_slope);
+                } else {
+                    length /= 2.0;
+                }
+            }
+            (at, height)
+        },
+    )
+}
+
+/// Chooses centres from a pool: the first at random, each further one the farthest from those
+/// before it.
+pub(super) fn farthest(pool: &[(DVec3, f64)], count: usize, random: &mut Random) -> Vec<DVec3> {
+    let mut squares = vec![f64::INFINITY; pool.len()];
+    let mut centres = vec![pool[random.below(pool.len())].0];
+    while centres.len() < count {
+        let last = centres[centres.len() - 1];
+        for (square, (point, _)) in squares.iter_mut().zip(pool) {
+            *square = square.min(point.distance_squared(last));
+        }
+        let next = (0..pool.len()).max_by(|&a, &b| squares[a].total_cmp(&squares[b]));
+        centres.push(pool[next.unwrap_or(0)].0);
+    }
+    centres
+}
+
+/// Moves centres to points of a pool that divide it evenly: the point nearest to the mean of each share.
+pub(super) fn even_out(pool: &[(DVec3, f64)], centres: &mut [DVec3]) {
+    const ROUNDS: u32 = 12;
+    let mut sums = vec![(DVec3::ZERO, 0.0); centres.len()];
+    for _ in 0..ROUNDS {
+        sums.fill((DVec3::ZERO, 0.0));
+        for &(point, _) in pool {
+            let distances = centres.iter().map(|centre| centre.distance_squared(point));
+            let nearest = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
+            if let Some((centre, _)) = nearest {
+                sums[centre].0 += point;
+                sums[centre].1 += 1.0;
+            }
+        }
+        for (centre, &(sum, count)) in centres.iter_mut().zip(&sums) {
+            if count > 0.0 {
+                let mean = sum / count;
+                let distance = |point: &&(DVec3, f64)| point.0.distance_squared(mean);
+                let nearest = pool
+                    .iter()
+                    .min_by(|a, b| distance(a).total_cmp(&distance(b)));
+                *centre = nearest.map_or(mean, |&(point, _)| point);
+            }
+        }
+    }
+}
+
+/// Returns the centres of lattices in the box around a solid, with at most `count` points, as far
+/// as they lie in it.
+pub(super) fn lattices(solid: &Solid, count: usize) -> impl Iterator<Item = Vec<DVec3>> {
+    let size = solid.high - solid.low;
+    let sides = (1..=count).flat_map(move |x| (1..=count / x).map(move |y| [x, y, count / x / y]));
+    let lattice = move |[x, y, z]: [usize; 3]| {
+        #[allow(clippy::cast_precision_loss, reason = "small counts")]
+        let step = size / DVec3::new(x as f64, y as f64, z as f64);
+        let mut centres = Vec::with_capacity(x * y * z);
+        #[allow(clippy::cast_precision_loss, reason = "small counts")]
+        for number in 0..x * y * z {
+            let place = [number % x, number / x % y, number / x / y];
+            let place = DVec3::from_array(place.map(|place| place as f64 + 0.5));
+            centres.push(solid.low + step * place);
+        }
+        centres.retain(|&centre| solid.signed_distance(centre).0 < 0.0);
+        centres
+    };
+    sides.map(lattice).filter(|centres| !centres.is_empty())
+}

@@ -1,0 +1,242 @@
+//! Surfaces of polygons, and what a half-space leaves of them.
+
+use glam::DVec3;
+
+/// The half-space `normal . x <= offset`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct HalfSpace {
+    /// Of length 1 to rounding.
+    pub(super) normal: DVec3,
+    pub(super) offset: f64,
+}
+
+impl HalfSpace {
+    /// Returns how far a point lies outside; negative inside.
+    pub(super) fn height(&self, point: DVec3) -> f64 {
+        self.normal.dot(point) - self.offset
+    }
+}
+
+/// Oriented polygons. If the surface is closed, each edge is passed once in either direction.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Surface {
+    pub(super) points: Vec<DVec3>,
+    /// The points of all polygons, by number, one polygon after another.
+    corners: Vec<usize>,
+    /// Where each polygon ends among the corners.
+    ends: Vec<usize>,
+    /// A closed surface bounds a volume, and stays closed when it is clipped.
+    closed: bool,
+}
+
+/// Buffers of [`Surface::clip`].
+#[derive(Clone, Debug, Default)]
+pub(super) struct ClipScratch {
+    heights: Vec<f64>,
+    /// New number of each point that stays.
+    numbers: Vec<usize>,
+    /// Edges that cross the plane, each once: the point inside and the one outside.
+    crossings: Vec<(usize, usize)>,
+    /// Edges of the polygons that close the cut: first and last point.
+    cut: Vec<(usize, usize)>,
+    result: Surface,
+}
+
+impl Surface {
+    pub(super) fn new(points: Vec<DVec3>, closed: bool) -> Self {
+        Self {
+            points,
+            closed,
+            ..Self::default()
+        }
+    }
+
+    pub(super) const fn is_closed(&self) -> bool {
+        self.closed
+    }
+
+    pub(super) fn push_polygon(&mut self, corners: impl IntoIterator<Item = usize>) {
+        self.corners.extend(corners);
+        self.ends.push(self.corners.len());
+    }
+
+    pub(super) fn polygons(&self) -> impl Iterator<Item = &[usize]> {
+        let starts = std::iter::once(0).chain(self.ends.iter().copied());
+        starts
+            .zip(&self.ends)
+            .map(|(start, &end)| &self.corners[start..end])
+    }
+
+    /// Replaces this surface by a copy of another one, in the memory that it has.
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        self.points.clone_from(&other.points);
+        self.corners.clone_from(&other.corners);
+        self.ends.clone_from(&other.ends);
+        self.closed = other.closed;
+    }
+
+    fn clear(&mut self, closed: bool) {
+        self.points.clear();
+        self.corners.clear();
+        self.ends.clear();
+        self.closed = closed;
+    }
+
+    /// Returns the largest distance of the points from a place, 0 without points.
+    pub(super) fn farthest(&self, from: DVec3) -> f64 {
+        let squares = self.points.iter().map(|&at| at.distance_squared(from));
+        squares.fold(0.0, f64::max).sqrt()
+    }
+
+    /// Returns a normal for each point: of the polygons around the point, weighted by area.
+    pub(super) fn normals(&self) -> Vec<DVec3> {
+        let mut normals = vec![DVec3::ZERO; self.points.len()];
+        for polygon in self.polygons() {
+            let first = self.points[polygon[0]];
+            let fan = polygon[1..]
+                .windows(2)
+                .map(|pair| (self.points[pair[0]] - first).cross(self.points[pair[1]] - first));
+            let area: DVec3 = fan.sum();
+            for &corner in polygon {
+                normals[corner] += area;
+            }
+        }
+        let outward = if self.volume() < 0.0 { -1.0 } else { 1.0 };
+        let unit = |normal: DVec3| normal.normalize_or_zero() * outward;
+        normals.into_iter().map(unit).collect()
+    }
+
+    /// Returns the volume that a closed surface bounds.
+    pub(super) fn volume(&self) -> f64 {
+        let of_polygon = |corners: &[usize]| -> f64 {
+            let first = self.points[corners[0]];
+            let pairs = corners[1..].windows(2);
+            pairs
+                .map(|pair| first.dot(self.points[pair[0]].cross(self.points[pair[1]])))
+                .sum()
+        };
+        self.polygons().map(of_polygon).sum::<f64>() / 6.0
+    }
+
+    /// Removes what lies outside a half-space. A closed surface is closed again along the plane.
+    /// Returns whether anything was removed.
+    pub(super) fn clip(&mut self, half_space: &HalfSpace, scratch: &mut ClipScratch) -> bool {
+        let heights = &mut scratch.heights;
+        heights.clear();
+        heights.extend(self.points.iter().map(|&point| half_space.height(point)));
+        let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        if highest <= 0.0 {
+            return false;
+        }
+        scratch.result.clear(self.closed);
+        self.keep_points(scratch);
+        self.cross_edges(scratch);
+        self.keep_polygons(scratch);
+        if self.closed {
+            scratch.close();
+        }
+        std::mem::swap(self, &mut scratch.result);
+        true
+    }
+
+    fn keep_points(&self, scratch: &mut ClipScratch) {
+        scratch.numbers.clear();
+        for (&point, &height) in self.points.iter().zip(&scratch.heights) {
+            scratch.numbers.push(scratch.result.points.len());
+            if height <= 0.0 {
+                scratch.result.points.push(point);
+            }
+        }
+    }
+
+    /// Makes one point for each edge that crosses the plane, whichever polygons share the edge.
+    fn cross_edges(&self, scratch: &mut ClipScratch) {
+        let heights = &scratch.heights;
+        scratch.crossings.clear();
+        for polygon in self.polygons() {
+            for (from, to) in edges(polygon) {
+                match (heights[from] <= 0.0, heights[to] <= 0.0) {
+                    (true, false) => scratch.crossings.push((from, to)),
+                    (false, true) => scratch.crossings.push((to, from)),
+                    _ => {}
+                }
+            }
+        }
+        scratch.crossings.sort_unstable();
+        scratch.crossings.dedup();
+        for &(inside, outside) in &scratch.crossings {
+            let share = heights[inside] / (heights[inside] - heights[outside]);
+            let point = self.points[inside].lerp(self.points[outside], share);
+            scratch.result.points.push(point);
+        }
+    }
+
+    fn keep_polygons(&self, scratch: &mut ClipScratch) {
+        let ClipScratch {
+            heights,
+            numbers,
+            crossings,
+            cut,
+            result,
+        } = scratch;
+        let first_new = result.points.len() - crossings.len();
+        let crossing =
+            |edge: (usize, usize)| first_new + crossings.partition_point(|&other| other < edge);
+        cut.clear();
+        for polygon in self.polygons() {
+            let begin = result.corners.len();
+            // The last exit, and the first entrance if it comes before any exit.
+            let (mut exit, mut first_entrance) = (None, None);
+            for (from, to) in edges(polygon) {
+                let inside = heights[from] <= 0.0;
+                if inside {
+                    result.corners.push(numbers[from]);
+                }
+                if inside == (heights[to] <= 0.0) {
+                    continue;
+                }
+                let at = crossing(if inside { (from, to) } else { (to, from) });
+                result.corners.push(at);
+                match (inside, exit) {
+                    (true, _) => exit = Some(at),
+                    (false, Some(exit)) => cut.push((at, exit)),
+                    (false, None) => first_entrance = Some(at),
+                }
+                if !inside {
+                    exit = None;
+                }
+            }
+            if let (Some(entrance), Some(exit)) = (first_entrance, exit) {
+                cut.push((entrance, exit));
+            }
+            if result.corners.len() > begin {
+                result.ends.push(result.corners.len());
+            }
+        }
+    }
+}
+
+impl ClipScratch {
+    /// Joins the edges along the cut to polygons.
+    fn close(&mut self) {
+        let Self { cut, result, .. } = self;
+        cut.sort_unstable();
+        while let Some((first, mut last)) = cut.pop() {
+            result.corners.push(first);
+            while last != first {
+                let next = cut.partition_point(|&(start, _)| start < last);
+                if cut.get(next).is_none_or(|&(start, _)| start != last) {
+                    break;
+                }
+                result.corners.push(last);
+                last = cut.remove(next).1;
+            }
+            result.ends.push(result.corners.len());
+        }
+    }
+}
+
+fn edges(polygon: &[usize]) -> impl Iterator<Item = (usize, usize)> {
+    let next = polygon.iter().skip(1).chain(polygon.first());
+    polygon.iter().copied().zip(next.copied())
+}

@@ -1,0 +1,326 @@
+//! Whether given spheres contain a shape.
+
+use super::cells::CellScratch;
+use super::convex::nearest_on_segment;
+use super::error::CoverError;
+use super::form::{Form, Round};
+use super::read::read;
+use super::solid::{Part, Solid};
+use super::surface::Surface;
+use super::wedge::{Wedge, wedges};
+use crate::hitbox::{Hitbox, Sphere};
+use glam::DVec3;
+use parry3d::shape::Shape;
+
+/// The verdict on spheres that should contain a shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Coverage {
+    /// Proven: each point of the shape is in a sphere.
+    Covered,
+    /// No sphere contains this point of the shape.
+    Uncovered {
+        /// The point in the shape's frame, m. It is in the shape to 1e-10 of the shape's diameter.
+        point: DVec3,
+    },
+    /// Neither is proven. If the spheres were larger by 1e-6 of the shape's diameter, they would
+    /// contain it.
+    Undecided {
+        /// A point in doubt, in the shape's frame, m.
+        point: DVec3,
+    },
+}
+
+/// What is not proven at less than this may stay undecided, in diameters.
+const FINEST: f64 = 1e-7;
+
+/// A point that is outside of all balls by less than this may be in one, in the solid's unit.
+const CERTAIN: f64 = 1e-9;
+
+/// Pieces of one generation; more are not looked at.
+const MAX_PIECES: usize = 1 << 18;
+
+/// Spheres this many times larger than the shape have too few digits for a verdict.
+const TOO_LARGE: f64 = 1e4;
+
+/// Returns whether some spheres contain a shape: a user's own, or another tool's.
+///
+/// Shapes without interior are asked for their surface.
+///
+/// A sphere more than ten thousand times larger than the shape, whose surface passes the shape's box,
+/// has too few digits for a verdict: the answer is then `Undecided`.
+///
+/// ```
+/// use nearmiss::glam::DVec3;
+/// use nearmiss::parry3d::shape::Cuboid;
+/// use nearmiss::{Coverage, Sphere, verify_cover};
+///
+/// let cube = Cuboid::new([1.0, 1.0, 1.0].into());
+/// let around = |radius| [Sphere { offset: DVec3::ZERO, radius }];
+/// assert_eq!(verify_cover(&around(1.7321), &cube)?, Coverage::Covered);
+/// let verdict = verify_cover(&around(1.7), &cube)?;
+/// assert!(matches!(verdict, Coverage::Uncovered { .. }));
+/// # Ok::<(), nearmiss::CoverError>(())
+/// ```
+///
+/// # Errors
+///
+/// - [`CoverError::UnsupportedShape`], [`CoverError::InvalidShape`].
+/// - [`CoverError::Sphere`] if there are no spheres, or one that no hitbox can have.
+pub fn verify_cover(spheres: &[Sphere], shape: &dyn Shape) -> Result<Coverage, CoverError> {
+    let solid = read(shape)?;
+    let spheres = Hitbox::cluster(spheres.to_vec())?;
+    let mut balls = Balls::default();
+    for sphere in spheres.spheres() {
+        balls.add(&solid, sphere);
+    }
+    let verdict = balls.verdict(&solid);
+    let place = |point: DVec3| solid.origin + point * solid.unit;
+    Ok(match verdict {
+        Coverage::Covered => Coverage::Covered,
+        Coverage::Uncovered { point } if !balls.vague => Coverage::Uncovered {
+            point: place(point),
+        },
+        Coverage::Uncovered { point } | Coverage::Undecided { point } => Coverage::Undecided {
+            point: place(point),
+        },
+    })
+}
+
+/// The balls that may contain a part of a solid.
+#[derive(Debug, Default)]
+struct Balls {
+    balls: Vec<(DVec3, f64)>,
+    /// A sphere was left out that may contain anything.
+    vague: bool,
+    /// One ball contains the box around the solid.
+    contain_all: bool,
+    /// Roundings of the balls.
+    rounding: f64,
+}
+
+/// What is found of one share.
+enum Finding {
+    Covered,
+    /// The point farthest out of its ball.
+    NotProven(DVec3),
+}
+
+impl Balls {
+    fn add(&mut self, solid: &Solid, sphere: &Sphere) {
+        let centre = (sphere.offset - solid.origin) / solid.unit;
+        let radius = sphere.radius / solid.unit;
+        let rounding = 8.0 * f64::EPSILON * (crate::rounding::norm(centre) + radius);
+        let nearest = crate::rounding::norm(centre - centre.clamp(solid.low, solid.high));
+        let farthest = (centre - solid.low).abs().max((centre - solid.high).abs());
+        if crate::rounding::norm(farthest) + rounding <= radius {
+            self.contain_all = true;
+        } else if nearest - rounding > radius {
+            // It contains nothing.
+        } else if radius.max(crate::rounding::norm(centre)) > TOO_LARGE {
+            self.vague = true;
+        } else {
+            self.balls.push((centre, radius));
+            self.rounding = self.rounding.max(rounding);
+        }
+    }
+
+    /// Drops balls that others contain.
+    fn drop_contained(&mut self) {
+        let all = std::mem::take(&mut self.balls);
+        for (number, &(centre, radius)) in all.iter().enumerate() {
+            let is_contained = all
+                .iter()
+                .enumerate()
+                .any(|(other, &(outer, outer_radius))| {
+                    let reach = outer.distance(centre) + radius;
+                    let is_first = reach < outer_radius || other < number;
+                    other != number && reach <= outer_radius && is_first
+                });
+            if !is_contained {
+                self.balls.push((centre, radius));
+            }
+        }
+    }
+
+    fn verdict(&mut self, solid: &Solid) -> Coverage {
+        if self.contain_all {
+            return Coverage::Covered;
+        }
+        self.drop_contained();
+        let mut verdict = Coverage::Covered;
+        for part in &solid.parts {
+            let of_part = match part {
+                Part::Convex(convex) if part.is_round() => self.of_round(solid, convex.form()),
+                _ => self.of_polyhedron(solid, &part.surface(4)),
+            };
+            match of_part {
+                Coverage::Covered => {}
+                Coverage::Undecided { .. } => verdict = of_part,
+                Coverage::Uncovered { .. } => return of_part,
+            }
+        }
+        verdict
+    }
+
+    /// Returns whether a point is certainly outside of all balls.
+    fn are_left_out(&self, point: DVec3) -> bool {
+        let mut balls = self.balls.iter();
+        balls.all(|&(centre, radius)| point.distance(centre) > radius + CERTAIN + self.rounding)
+    }
+
+    fn of_polyhedron(&self, solid: &Solid, surface: &Surface) -> Coverage {
+        let spare = solid.rounding + self.rounding;
+        match share_out(surface, &self.balls, spare) {
+            Finding::Covered => Coverage::Covered,
+            Finding::NotProven(point) if self.are_left_out(point) => Coverage::Uncovered { point },
+            Finding::NotProven(point) => Coverage::Undecided { point },
+        }
+    }
+
+    fn of_round(&self, solid: &Solid, form: &Form) -> Coverage {
+        if self.balls.iter().any(|ball| contains(ball, form)) {
+            return Coverage::Covered;
+        }
+        let spare = solid.rounding + self.rounding;
+        let finest = FINEST * solid.diameter;
+        let mut undecided = None;
+        let mut pieces: Vec<(Wedge, Vec<usize>)> = wedges(form)
+            .into_iter()
+            .map(|piece| (piece, (0..self.balls.len()).collect()))
+            .collect();
+        while !pieces.is_empty() {
+            let mut next = Vec::new();
+            for (piece, balls) in pieces {
+                let surface = piece.polyhedron();
+                let balls = self.relevant(&surface, &balls);
+                let few: Vec<_> = balls.iter().map(|&ball| self.balls[ball]).collect();
+                let Finding::NotProven(point) = share_out(&surface, &few, spare) else {
+                    continue;
+                };
+                let point = into(form, point);
+                if self.are_left_out(point) {
+                    return Coverage::Uncovered { point };
+                }
+                if piece.slack() < finest || next.len() >= MAX_PIECES {
+                    undecided.get_or_insert(point);
+                } else {
+                    next.extend(piece.halves().map(|half| (half, balls.clone())));
+                }
+            }
+            pieces = next;
+        }
+        undecided.map_or(Coverage::Covered, |point| Coverage::Undecided { point })
+    }
+
+    /// Returns which of some balls may have the least power anywhere in a polyhedron.
+    fn relevant(&self, surface: &Surface, among: &[usize]) -> Vec<usize> {
+        #[allow(clippy::cast_precision_loss, reason = "a mean of few points")]
+        let middle = surface.points.iter().sum::<DVec3>() / surface.points.len() as f64;
+        let reach = surface.farthest(middle);
+        let power = |ball: usize| {
+            let (centre, radius) = self.balls[ball];
+            middle.distance_squared(centre) - radius * radius
+        };
+        let least = among
+            .iter()
+            .copied()
+            .min_by(|&a, &b| power(a).total_cmp(&power(b)));
+        let Some(least) = least else {
+            return Vec::new();
+        };
+        let may_be_least = |&ball: &usize| {
+            let apart = self.balls[ball].0.distance(self.balls[least].0);
+            let (own, other) = (power(ball), power(least));
+            own - other <= 2.0 * apart * reach + 1e-12 * (1.0 + own.abs() + other.abs())
+        };
+        among.iter().copied().filter(may_be_least).collect()
+    }
+}
+
+/// Returns whether each ball contains its share of a closed surface, with some spare.
+fn share_out(surface: &Surface, balls: &[(DVec3, f64)], spare: f64) -> Finding {
+    // Shares are rounded outward by less.
+    const SHARES: f64 = 5e-11;
+    let Some(&first) = surface.points.first() else {
+        return Finding::Covered;
+    };
+    let contains_all =
+        |&(centre, radius): &(DVec3, f64)| surface.farthest(centre) + spare + SHARES <= radius;
+    if balls.iter().any(contains_all) {
+        return Finding::Covered;
+    }
+    if balls.is_empty() {
+        return Finding::NotProven(first);
+    }
+    let mut scratch = CellScratch::default();
+    let mut worst = (0.0, None);
+    for (own, &(centre, radius)) in balls.iter().enumerate() {
+        scratch.form(surface, own, balls);
+        for &point in &scratch.share.points {
+            let beyond = point.distance(centre) + spare + SHARES - radius;
+            if beyond > worst.0 {
+                worst = (beyond, Some(point));
+            }
+        }
+    }
+    worst.1.map_or(Finding::Covered, Finding::NotProven)
+}
+
+/// Returns whether a ball certainly contains a whole round form.
+fn contains(&(centre, radius): &(DVec3, f64), form: &Form) -> bool {
+    let farthest = |round: &Round, height: f64| {
+        let from = centre - round.middle;
+        let along = from.dot(round.axis);
+        let away = (from - round.axis * along).length();
+        (away + round.radius).hypot((along - height).abs())
+    };
+    let beyond = match form {
+        Form::Hull { .. } | Form::Mesh { .. } => return false,
+        // Exact where the centres are one.
+        Form::Capsule { ends, radius: own } if ends.map(|end| end == centre) == [true; 2] => {
+            return *own <= radius;
+        }
+        Form::Capsule { ends, radius: own } => {
+            ends.map(|end| end.distance(centre))
+                .into_iter()
+                .fold(0.0, f64::max)
+                + own
+        }
+        Form::Cylinder(round) => {
+            farthest(round, round.half_height).max(farthest(round, -round.half_height))
+        }
+        Form::Cone(round) => {
+            let apex = round.middle + round.axis * round.half_height;
+            farthest(round, -round.half_height).max(apex.distance(centre))
+        }
+    };
+    beyond * (1.0 + 1e-14) + 1e-14 <= radius
+}
+
+/// Returns a point of a round form near a point.
+fn into(form: &Form, point: DVec3) -> DVec3 {
+    // Rounding must not put it outside.
+    const INSIDE: f64 = 1.0 - 1e-14;
+    let within = |round: &Round, radius_at: &dyn Fn(f64) -> f64| {
+        let from = point - round.middle;
+        let half_height = round.half_height * INSIDE;
+        let along = from.dot(round.axis);
+        let out = from - round.axis * along;
+        let along = along.clamp(-half_height, half_height);
+        let out = out.clamp_length_max(radius_at(along).max(0.0) * INSIDE);
+        round.middle + round.axis * along + out
+    };
+    match form {
+        Form::Hull { .. } | Form::Mesh { .. } => point,
+        Form::Capsule { ends, radius } => {
+            let nearest = nearest_on_segment(*ends, point);
+            nearest + (point - nearest).clamp_length_max(radius * INSIDE)
+        }
+        Form::Cylinder(round) => within(round, &|_| round.radius),
+        Form::Cone(round) => within(round, &|along| {
+            round.radius * (round.half_height - along)
+                / (2.0 * round.half_height).max(f64::MIN_POSITIVE)
+        }),
+    }
+}

@@ -1,0 +1,154 @@
+//! Verdicts on spheres, of a cover or not.
+
+use crate::cases::{seeded, torus};
+use crate::{brick, covers, fit};
+use nearmiss::glam::DVec3;
+use nearmiss::parry3d::math::Vector;
+use nearmiss::parry3d::shape::{Ball, Capsule, Cuboid, Shape, TriMesh};
+use nearmiss::{CoverError, Coverage, Error, Sphere, verify_cover};
+
+fn sphere(offset: DVec3, radius: f64) -> Sphere {
+    Sphere { offset, radius }
+}
+
+fn is_in(point: DVec3, spheres: &[Sphere]) -> bool {
+    let mut spheres = spheres.iter();
+    spheres.any(|sphere| point.distance(sphere.offset) <= sphere.radius)
+}
+
+/// Covers are tight: many a sphere cannot be smaller by 1 %. Samples find no point that the verdict
+/// overlooks.
+#[test]
+fn spheres_that_shrink_uncover_something() {
+    for (case, cover) in covers() {
+        let mut rejected = 0;
+        for shrunk in 0..cover.spheres().len() {
+            let mut spheres = cover.spheres().to_vec();
+            spheres[shrunk].radius *= 0.99;
+            let verdict = verify_cover(&spheres, &*case.shape).unwrap();
+            let mut random = seeded(9);
+            let left_out = (0..20_000).any(|_| !is_in((case.point)(&mut random), &spheres));
+            match verdict {
+                Coverage::Covered => assert!(!left_out, "{} {shrunk}", case.name),
+                Coverage::Uncovered { point } => {
+                    assert!(!is_in(point, &spheres), "{} {shrunk}", case.name);
+                    rejected += 1;
+                }
+                Coverage::Undecided { .. } => panic!("{} {shrunk}: {verdict:?}", case.name),
+            }
+        }
+        assert!(rejected > 0, "{}", case.name);
+    }
+}
+
+/// A void within spheres that contain the whole surface.
+#[test]
+fn voids_are_found() {
+    let cube = Cuboid::new(Vector::splat(1.0));
+    let (points, triangles) = cube.to_trimesh();
+    let mesh = TriMesh::new(points, triangles).unwrap();
+    let mut spheres = Vec::new();
+    for i in -2..=2 {
+        for j in -2..=2 {
+            let (a, b) = (f64::from(i) * 0.45, f64::from(j) * 0.45);
+            for side in [-0.95, 0.95] {
+                let centres = [[a, b, side], [a, side, b], [side, a, b]];
+                spheres.extend(centres.map(|centre| sphere(DVec3::from_array(centre), 0.4)));
+            }
+        }
+    }
+    for shape in [&cube as &dyn Shape, &mesh] {
+        let Coverage::Uncovered { point } = verify_cover(&spheres, shape).unwrap() else {
+            panic!("the void was not found");
+        };
+        assert!(
+            point.abs().max_element() < 0.6 && !is_in(point, &spheres),
+            "{point}"
+        );
+        let filled: Vec<Sphere> = spheres
+            .iter()
+            .copied()
+            .chain([sphere(DVec3::ZERO, 1.2)])
+            .collect();
+        assert_eq!(verify_cover(&filled, shape).unwrap(), Coverage::Covered);
+    }
+    // Without a side there is only the surface.
+    let open: Vec<[u32; 3]> = mesh.indices()[1..].to_vec();
+    let open = TriMesh::new(mesh.vertices().to_vec(), open).unwrap();
+    assert_eq!(verify_cover(&spheres, &open).unwrap(), Coverage::Covered);
+}
+
+#[test]
+fn tight_spheres() {
+    // Exact where the numbers are.
+    let ball = Ball::new(0.5);
+    let with = |radius: f64| verify_cover(&[sphere(DVec3::ZERO, radius)], &ball).unwrap();
+    assert_eq!(with(0.5), Coverage::Covered);
+    assert!(matches!(with(0.499), Coverage::Uncovered { .. }));
+    let within = 1.0 + 1e-6;
+    let just_off = [sphere(DVec3::X * 1e-9, 0.5)];
+    let verdict = verify_cover(&just_off, &ball).unwrap();
+    assert_ne!(verdict, Coverage::Covered);
+    let enough = [sphere(DVec3::X * 1e-9, 0.5 * within)];
+    assert_eq!(verify_cover(&enough, &ball).unwrap(), Coverage::Covered);
+
+    // The corners of a box, to rounding.
+    let corner = 5.25_f64.sqrt();
+    let with = |radius: f64| verify_cover(&[sphere(DVec3::ZERO, radius)], &brick()).unwrap();
+    assert!(matches!(
+        with(corner),
+        Coverage::Covered | Coverage::Undecided { .. }
+    ));
+    assert_eq!(with(corner + 1e-8), Coverage::Covered);
+    let Coverage::Uncovered { point } = with(corner - 1e-6) else {
+        panic!("a corner was not found");
+    };
+    assert!((point.abs() - DVec3::new(0.5, 1.0, 2.0)).length() < 1e-9);
+}
+
+/// Circles where neighbours touch the surface of a capsule: nothing to spare anywhere on them.
+#[test]
+fn tight_circles() {
+    let capsule = Capsule::new_y(1.0, 0.5);
+    let mut spheres = fit(&capsule, 5).spheres().to_vec();
+    for sphere in &mut spheres {
+        sphere.radius -= 2e-6;
+    }
+    assert!(matches!(
+        verify_cover(&spheres, &capsule).unwrap(),
+        Coverage::Uncovered { .. }
+    ));
+}
+
+#[test]
+fn spheres_of_all_kinds() {
+    let far = sphere(DVec3::splat(1e300), 1.0);
+    let around = sphere(DVec3::new(1e6, 0.0, 0.0), 2e6);
+    let dull = sphere(DVec3::new(1e9, 0.0, 0.0), 1e9);
+    let inner = sphere(DVec3::ZERO, 0.5);
+    let verdict = |spheres: &[Sphere]| verify_cover(spheres, &brick()).unwrap();
+    assert!(matches!(verdict(&[far, inner]), Coverage::Uncovered { .. }));
+    assert_eq!(verdict(&[far, around, inner]), Coverage::Covered);
+    // Its surface passes the box, where its digits do not say on which side.
+    assert!(matches!(
+        verdict(&[dull, inner]),
+        Coverage::Undecided { .. }
+    ));
+    // Spheres around one centre, one twice.
+    let whole = sphere(DVec3::ZERO, 2.3);
+    assert_eq!(verdict(&[inner, whole, whole, inner]), Coverage::Covered);
+    assert!(matches!(
+        verify_cover(&[], &brick()),
+        Err(CoverError::Sphere(Error::EmptyCluster))
+    ));
+    assert!(matches!(
+        verify_cover(&[sphere(DVec3::ZERO, f64::NAN)], &brick()),
+        Err(CoverError::Sphere(Error::Radius { .. }))
+    ));
+    // A cover of another shape.
+    let cover = fit(&brick(), 2);
+    assert!(matches!(
+        cover.verify(&torus(24, 12)).unwrap(),
+        Coverage::Uncovered { .. }
+    ));
+}
