@@ -68,6 +68,8 @@ pub(crate) fn map_both<T: Send, U: Send>(
     let _ = few;
     one.clear();
     other.clear();
+    one.reserve(count);
+    other.reserve(count);
     for both in (0..count).map(work) {
         one.push(both.0);
         other.push(both.1);
