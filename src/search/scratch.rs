@@ -45,7 +45,7 @@ mod tests {
     fn sizes_are_as_documented() {
         assert_eq!(size_of::<Segment>(), 128);
         assert_eq!(size_of::<CompactCubic>(), 64);
-        assert_eq!(size_of::<SceneEntry>(), 168);
+        assert_eq!(size_of::<SceneEntry>(), 176);
         assert_eq!(size_of::<CubicRun>(), 64);
         let line = size_of::<BodyView<'_>>() + size_of::<CubicSource<'_, CompactCubic>>();
         let line = line + size_of::<(f64, f64)>();
