@@ -127,7 +127,8 @@ fn covers_that_cannot_be() {
     let said = plain(&said.stdout);
     let line: serde_json::Value = serde_json::from_str(said.lines().last().unwrap()).unwrap();
     assert_eq!(line["spheres"].as_array().unwrap().len(), 2);
-    assert!(line["overshoot_percent"].as_f64().unwrap() < 40.0);
+    // One of two balls holds two of the corners on the axes: no two do better than 44.4 %.
+    assert!((44.0..45.0).contains(&line["overshoot_percent"].as_f64().unwrap()));
     assert!(line["volume_ratio"].as_f64().unwrap() > 1.0);
     assert!(line["seconds"].as_f64().unwrap() > 0.0);
 }

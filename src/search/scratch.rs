@@ -49,7 +49,7 @@ mod tests {
         assert_eq!(size_of::<CubicRun>(), 64);
         let line = size_of::<BodyView<'_>>() + size_of::<CubicSource<'_, CompactCubic>>();
         let line = line + size_of::<(f64, f64)>();
-        assert_eq!(line, 304);
+        assert_eq!(line, 312);
         let boxed = size_of::<BodyBox>() + size_of::<FatLine>() + size_of::<u32>();
         assert_eq!(boxed, 64);
         assert_eq!(size_of::<Candidate>(), 8);
