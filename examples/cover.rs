@@ -88,7 +88,7 @@ enum Kind {
 
 #[derive(Debug, Args)]
 struct Task {
-    /// How many spheres at most.
+    /// Largest number of spheres.
     #[arg(long, value_parser = spheres(), allow_negative_numbers = true)]
     spheres: usize,
     /// Another seed makes the search begin elsewhere.
@@ -97,7 +97,7 @@ struct Task {
     /// Ends with one line of JSON.
     #[arg(long)]
     json: bool,
-    /// Where the picture goes; one that is there is replaced.
+    /// File of the picture; one that is there is replaced.
     #[arg(long, default_value = "cover.svg")]
     picture: PathBuf,
 }

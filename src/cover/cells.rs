@@ -14,7 +14,7 @@ const ONE_PLACE: f64 = 1e-6;
 /// Buffers for one cell.
 #[derive(Clone, Debug, Default)]
 pub(super) struct CellScratch {
-    /// What of the surface lies in the cell.
+    /// The part of the surface that lies in the cell.
     pub(super) share: Surface,
     clip: ClipScratch,
     /// The balls whose radical planes cut the share.

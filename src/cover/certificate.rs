@@ -1,7 +1,7 @@
 //! The last word on a cover: radii that are proven, and their overshoot.
 
 use super::cells::needed_radii;
-use super::solid::{Part, Solid};
+use super::solid::{Solid, SolidPart};
 use super::surface::Surface;
 use glam::DVec3;
 
@@ -54,7 +54,7 @@ pub(super) fn certify(
 ) -> Certified {
     const ROUNDS: u32 = 8;
     // A second proof, from other surfaces and other shares, needs some room.
-    let is_round = solid.parts.iter().any(Part::is_round);
+    let is_round = solid.parts.iter().any(SolidPart::is_round);
     let other_surfaces = if is_round { 5e-7 * solid.diameter } else { 0.0 };
     let spare = 32.0 * (solid.rounding + 1e-10) + other_surfaces;
     let heights = solid.certain_distances(centres);

@@ -1,8 +1,8 @@
 //! Covers that follow from a formula.
 
 use super::certificate::Certified;
-use super::form::Form;
-use super::solid::{Part, Solid};
+use super::form::SolidForm;
+use super::solid::{Solid, SolidPart};
 use glam::DVec3;
 
 /// Spare of a capsule's radii, in diameters: a proof by polyhedra needs some.
@@ -21,10 +21,10 @@ pub(super) fn closed_form(solid: &Solid, count: usize) -> Option<Certified> {
             overshoot: 0.0,
         });
     }
-    let [Part::Convex(convex)] = &solid.parts[..] else {
+    let [SolidPart::Convex(convex)] = &solid.parts[..] else {
         return None;
     };
-    let Form::Capsule { ends, radius } = convex.form() else {
+    let SolidForm::Capsule { ends, radius } = convex.form() else {
         return None;
     };
     let length = ends[0].distance(ends[1]);

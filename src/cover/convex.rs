@@ -1,6 +1,6 @@
 //! Convex forms: how deep a point lies in them, and polyhedra around them.
 
-use super::form::{Form, Round, across};
+use super::form::{Round, SolidForm, across};
 use super::surface::{HalfSpace, Surface};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -8,17 +8,17 @@ use std::f64::consts::{PI, TAU};
 /// A convex form with what its depth needs.
 #[derive(Clone, Debug)]
 pub(super) struct Convex {
-    form: Form,
+    form: SolidForm,
     /// Half-spaces within which a hull's points are deep in the hull; of no other form.
     faces: Vec<HalfSpace>,
     /// A point inside, and its depth.
     inner: (DVec3, f64),
-    /// How far the form may reach beyond the polygons of a hull, by rounding of their corners.
+    /// The form may reach so far beyond the polygons of a hull, by rounding of their corners.
     pub(super) unevenness: f64,
 }
 
 impl Convex {
-    pub(super) fn new(form: Form) -> Self {
+    pub(super) fn new(form: SolidForm) -> Self {
         let mut convex = Self {
             form,
             faces: Vec::new(),
@@ -26,7 +26,7 @@ impl Convex {
             unevenness: 0.0,
         };
         let inner = match &convex.form {
-            Form::Hull { points, polygons } => {
+            SolidForm::Hull { points, polygons } => {
                 let faces = polygons.iter().filter_map(|polygon| face(points, polygon));
                 (convex.faces, convex.unevenness) = faces.fold(
                     (Vec::new(), 0.0),
@@ -39,21 +39,21 @@ impl Convex {
                 let count = points.len().max(1) as f64;
                 points.iter().sum::<DVec3>() / count
             }
-            Form::Cylinder(round) => round.middle,
+            SolidForm::Cylinder(round) => round.middle,
             // The middle of the largest ball within lies on the axis.
-            Form::Cone(round) => {
+            SolidForm::Cone(round) => {
                 let slant = round.radius.hypot(2.0 * round.half_height);
                 let depth = 2.0 * round.half_height * round.radius / (slant + round.radius);
                 round.middle + round.axis * (depth - round.half_height)
             }
-            Form::Capsule { ends, .. } => ends[0].midpoint(ends[1]),
-            Form::Mesh { .. } => DVec3::ZERO,
+            SolidForm::Capsule { ends, .. } => ends[0].midpoint(ends[1]),
+            SolidForm::Mesh { .. } => DVec3::ZERO,
         };
         convex.inner = (inner, (-convex.height(inner).0).max(0.0));
         convex
     }
 
-    pub(super) const fn form(&self) -> &Form {
+    pub(super) const fn form(&self) -> &SolidForm {
         &self.form
     }
 
@@ -62,13 +62,13 @@ impl Convex {
     fn height(&self, at: DVec3) -> (f64, DVec3) {
         let higher = |a: (f64, DVec3), b: (f64, DVec3)| if b.0 > a.0 { b } else { a };
         match &self.form {
-            Form::Hull { .. } | Form::Mesh { .. } => {
+            SolidForm::Hull { .. } | SolidForm::Mesh { .. } => {
                 let heights = self.faces.iter().map(|face| (face.height(at), face.normal));
                 let from_inner = at - self.inner.0;
                 let flat = (from_inner.length(), from_inner.normalize_or_zero());
                 heights.reduce(higher).unwrap_or(flat)
             }
-            Form::Cylinder(round) => {
+            SolidForm::Cylinder(round) => {
                 let (along, out, away) = round.split(at);
                 let end = along.abs() - round.half_height;
                 higher(
@@ -76,7 +76,7 @@ impl Convex {
                     (end, round.axis * along.signum()),
                 )
             }
-            Form::Cone(round) => {
+            SolidForm::Cone(round) => {
                 let (along, out, away) = round.split(at);
                 let Round {
                     axis,
@@ -92,7 +92,7 @@ impl Convex {
                     (-half_height - along, -axis),
                 )
             }
-            Form::Capsule { ends, radius } => {
+            SolidForm::Capsule { ends, radius } => {
                 let away = at - nearest_on_segment(*ends, at);
                 (away.length() - radius, away.normalize_or_zero())
             }
@@ -103,7 +103,7 @@ impl Convex {
     /// signed distance to rounding.
     pub(super) fn signed_distance(&self, at: DVec3) -> (f64, DVec3) {
         let (height, gradient) = self.height(at);
-        if height <= 0.0 || matches!(self.form, Form::Capsule { .. }) {
+        if height <= 0.0 || matches!(self.form, SolidForm::Capsule { .. }) {
             return (height, gradient);
         }
         // On the way to the inner point the height is convex: it has fallen to 0 by this share.
@@ -116,24 +116,24 @@ impl Convex {
     /// a multiple of 4.
     pub(super) fn polyhedron(&self, around: u32) -> Surface {
         match &self.form {
-            Form::Hull { points, polygons } => {
+            SolidForm::Hull { points, polygons } => {
                 let mut surface = Surface::new(points.clone(), true);
                 for polygon in polygons {
                     surface.push_polygon(polygon.iter().copied());
                 }
                 surface
             }
-            Form::Mesh { .. } => Surface::default(),
-            Form::Cylinder(round) => {
+            SolidForm::Mesh { .. } => Surface::default(),
+            SolidForm::Cylinder(round) => {
                 let profile = [-round.half_height, round.half_height];
                 let profile = profile.map(|along| (along, round.radius));
                 revolve(round.middle, round.axis, &profile, around)
             }
-            Form::Cone(round) => {
+            SolidForm::Cone(round) => {
                 let profile = [(-round.half_height, round.radius), (round.half_height, 0.0)];
                 revolve(round.middle, round.axis, &profile, around)
             }
-            Form::Capsule { ends, radius } => {
+            SolidForm::Capsule { ends, radius } => {
                 let axis = (ends[1] - ends[0]).try_normalize().unwrap_or(DVec3::Z);
                 let half = ends[0].distance(ends[1]) / 2.0;
                 let profile = capsule_profile(half, *radius, around / 4);

@@ -17,12 +17,12 @@ struct Demand {
 
 /// A set of centres, and the overshoot that they lead to.
 #[derive(Clone, Debug)]
-pub(super) struct Candidate {
+pub(super) struct CoverCandidate {
     pub(super) centres: Vec<DVec3>,
     pub(super) overshoot: f64,
 }
 
-/// What the overshoot is measured on.
+/// The points on which an overshoot is measured.
 #[derive(Clone, Debug)]
 pub(super) enum Target<'a> {
     /// Surfaces, exactly: the corners of the balls' shares are found.
@@ -31,7 +31,7 @@ pub(super) enum Target<'a> {
     Samples(&'a Samples),
 }
 
-/// How far and how long centres move.
+/// The steps of a descent: their number and lengths.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Schedule {
     pub(super) steps: u32,
@@ -49,13 +49,13 @@ pub(super) struct DescentScratch {
     balls: Vec<(DVec3, f64)>,
     heights: Vec<(f64, DVec3)>,
     demands: Vec<Demand>,
-    motions: Vec<Motion>,
+    motions: Vec<Moments>,
     nearest: Nearest,
     meetings: Points,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-struct Motion {
+struct Moments {
     gradient: DVec3,
     mean: DVec3,
     square: f64,
@@ -68,11 +68,11 @@ pub(super) fn descend(
     mut centres: Vec<DVec3>,
     schedule: &Schedule,
     scratch: &mut DescentScratch,
-) -> Candidate {
+) -> CoverCandidate {
     scratch.motions.clear();
-    scratch.motions.resize(centres.len(), Motion::default());
+    scratch.motions.resize(centres.len(), Moments::default());
     let mut level = f64::NAN;
-    let mut best = Candidate {
+    let mut best = CoverCandidate {
         centres: centres.clone(),
         overshoot: f64::INFINITY,
     };
@@ -103,7 +103,7 @@ pub(super) fn descend(
     best
 }
 
-impl Motion {
+impl Moments {
     const MEAN: f64 = 0.8;
     const SQUARE: f64 = 0.95;
 

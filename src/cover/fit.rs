@@ -2,7 +2,7 @@
 
 use super::certificate::{Certified, certify, fine_surfaces};
 use super::closed_form::closed_form;
-use super::descent::{Candidate, DescentScratch, Schedule, Target, descend};
+use super::descent::{CoverCandidate, DescentScratch, Schedule, Target, descend};
 use super::points::Samples;
 use super::random::Random;
 use super::search::improve;
@@ -36,7 +36,7 @@ pub(super) struct Fitter<'a> {
     fine: Vec<Surface>,
     /// Empty if the coarse surfaces are used themselves.
     samples: Samples,
-    /// Of more points, for the last descents.
+    /// Samples of more points, for the last descents.
     more_samples: Samples,
     /// Points in the solid, spread evenly, and on the ridges of the depth.
     pool: Vec<DVec3>,
@@ -45,9 +45,9 @@ pub(super) struct Fitter<'a> {
     effort: u32,
 }
 
-/// How much is tried.
+/// The number of chains and rounds of a search.
 #[derive(Clone, Copy, Debug)]
-struct Plan {
+struct SearchEffort {
     chains: u32,
     rounds: u32,
 }
@@ -88,7 +88,7 @@ impl<'a> Fitter<'a> {
 
     /// Returns the number of chains, and of moves of single balls in each. They depend on the
     /// number of balls, on the effort, and on the size of the shape's surfaces.
-    fn plan(&self, count: usize) -> Plan {
+    fn plan(&self, count: usize) -> SearchEffort {
         let rounds = 25;
         let chains = match count {
             ..=8 => 4,
@@ -103,11 +103,11 @@ impl<'a> Fitter<'a> {
             .map(|surface| surface.points.len())
             .sum::<usize>();
         let chains = if heavy > 64 {
-            u32::div_ceil(chains, 2).max(2)
+            u32::div_ceil(2 * chains, 3)
         } else {
             chains
         };
-        Plan {
+        SearchEffort {
             chains: if count == 1 { 2 } else { chains } * self.effort,
             rounds: if (2..=256).contains(&count) {
                 rounds
@@ -143,7 +143,7 @@ impl<'a> Fitter<'a> {
         best.unwrap_or_else(|| self.certify(&found[0]))
     }
 
-    fn certify(&self, candidate: &Candidate) -> Certified {
+    fn certify(&self, candidate: &CoverCandidate) -> Certified {
         certify(
             self.solid,
             &self.fine,
@@ -168,7 +168,7 @@ impl<'a> Fitter<'a> {
         rounds: u32,
         scratch: &mut DescentScratch,
         step: &impl Fn(),
-    ) -> Candidate {
+    ) -> CoverCandidate {
         const FIRST: Schedule = Schedule {
             steps: 300,
             first: 0.1,
@@ -188,9 +188,9 @@ impl<'a> Fitter<'a> {
         if chain == 0 {
             for centres in lattices(self.solid, count) {
                 let overshoot = scratch.measure(self.solid, &target, &centres, f64::NAN);
-                let is_better = |best: &Candidate| overshoot < best.overshoot;
+                let is_better = |best: &CoverCandidate| overshoot < best.overshoot;
                 if best.as_ref().is_none_or(is_better) {
-                    best = Some(Candidate { centres, overshoot });
+                    best = Some(CoverCandidate { centres, overshoot });
                 }
             }
         }
@@ -229,7 +229,7 @@ impl<'a> Fitter<'a> {
     }
 
     /// Descends in small steps, on what a proof demands.
-    fn polish(&self, mut best: Candidate, scratch: &mut DescentScratch) -> Certified {
+    fn polish(&self, mut best: CoverCandidate, scratch: &mut DescentScratch) -> Certified {
         const LAST: Schedule = Schedule {
             steps: 400,
             first: 0.03,

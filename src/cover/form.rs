@@ -38,7 +38,7 @@ pub(super) struct Round {
 }
 
 #[derive(Clone, Debug)]
-pub(super) enum Form {
+pub(super) enum SolidForm {
     /// The convex hull of some points, with the polygons of its surface, seen from outside
     /// anticlockwise.
     Hull {
@@ -63,7 +63,7 @@ pub(super) fn across(axis: DVec3) -> (DVec3, DVec3) {
     axis.any_orthonormal_pair()
 }
 
-impl Form {
+impl SolidForm {
     pub(super) fn cuboid(half_extents: DVec3, placement: &Placement) -> Self {
         let corner = |number: usize| {
             let sign = |bit: usize| if number >> bit & 1 == 1 { 1.0 } else { -1.0 };

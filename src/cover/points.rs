@@ -125,7 +125,7 @@ impl Samples {
     /// taken for the surface. The gradient is a mean over the points that are about as near, so it
     /// vanishes on ridges.
     pub(super) fn signed_distance(&self, at: DVec3) -> (f64, DVec3) {
-        /// What counts as about as near, relative to the distance.
+        /// Distances that differ by less count as equal, relative to the distance.
         const BLUR: f64 = 0.01;
         let least = self.points.least_square(at);
         let most = least * (1.0 + 6.0 * BLUR);

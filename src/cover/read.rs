@@ -1,7 +1,7 @@
 //! Shapes of parry3d, read into forms of f64.
 
 use super::error::CoverError;
-use super::form::{Form, Placement, Round};
+use super::form::{Placement, Round, SolidForm};
 use super::solid::Solid;
 use glam::{DQuat, DVec3};
 use parry3d::math::Pose;
@@ -15,7 +15,11 @@ pub(super) fn read(shape: &dyn Shape) -> Result<Solid, CoverError> {
     Solid::new(forms).ok_or(CoverError::InvalidShape { kind })
 }
 
-fn push(shape: &dyn Shape, placement: &Placement, forms: &mut Vec<Form>) -> Result<(), CoverError> {
+fn push(
+    shape: &dyn Shape,
+    placement: &Placement,
+    forms: &mut Vec<SolidForm>,
+) -> Result<(), CoverError> {
     let typed = shape.as_typed_shape();
     let kind = kind(&typed);
     let length = |length: f32| {
@@ -34,7 +38,7 @@ fn push(shape: &dyn Shape, placement: &Placement, forms: &mut Vec<Form>) -> Resu
         })
     };
     let form = match typed {
-        TypedShape::Ball(ball) => Form::Capsule {
+        TypedShape::Ball(ball) => SolidForm::Capsule {
             ends: [placement.translation; 2],
             radius: length(ball.radius)?,
         },
@@ -43,16 +47,16 @@ fn push(shape: &dyn Shape, placement: &Placement, forms: &mut Vec<Form>) -> Resu
             for extent in half_extents {
                 length(extent)?;
             }
-            Form::cuboid(cuboid.half_extents.as_dvec3(), placement)
+            SolidForm::cuboid(cuboid.half_extents.as_dvec3(), placement)
         }
-        TypedShape::Capsule(capsule) => Form::Capsule {
+        TypedShape::Capsule(capsule) => SolidForm::Capsule {
             ends: [capsule.segment.a, capsule.segment.b].map(|end| placement.point(end.as_dvec3())),
             radius: length(capsule.radius)?,
         },
         TypedShape::Cylinder(cylinder) => {
-            Form::Cylinder(round(cylinder.radius, cylinder.half_height)?)
+            SolidForm::Cylinder(round(cylinder.radius, cylinder.half_height)?)
         }
-        TypedShape::Cone(cone) => Form::Cone(round(cone.radius, cone.half_height)?),
+        TypedShape::Cone(cone) => SolidForm::Cone(round(cone.radius, cone.half_height)?),
         TypedShape::ConvexPolyhedron(hull) => polyhedron(hull, placement),
         TypedShape::TriMesh(mesh) => triangles(mesh, placement),
         TypedShape::Compound(compound) => {
@@ -77,7 +81,7 @@ fn placement_of(pose: &Pose) -> Option<Placement> {
     })
 }
 
-fn polyhedron(hull: &ConvexPolyhedron, placement: &Placement) -> Form {
+fn polyhedron(hull: &ConvexPolyhedron, placement: &Placement) -> SolidForm {
     let corners = hull.vertices_adj_to_face();
     let polygons = hull.faces().iter().map(|face| {
         let first = face.first_vertex_or_edge as usize;
@@ -85,13 +89,13 @@ fn polyhedron(hull: &ConvexPolyhedron, placement: &Placement) -> Form {
         let corners = corners[first..end].iter();
         corners.map(|&corner| corner as usize).collect()
     });
-    Form::Hull {
+    SolidForm::Hull {
         points: points(hull.points(), placement),
         polygons: polygons.collect(),
     }
 }
 
-fn triangles(mesh: &TriMesh, placement: &Placement) -> Form {
+fn triangles(mesh: &TriMesh, placement: &Placement) -> SolidForm {
     let all = points(mesh.vertices(), placement);
     let corners = mesh.indices().iter().flatten();
     let mut used: Vec<usize> = corners.map(|&corner| corner as usize).collect();
@@ -99,7 +103,7 @@ fn triangles(mesh: &TriMesh, placement: &Placement) -> Form {
     used.dedup();
     let place = |corner: u32| used.partition_point(|&other| other < corner as usize);
     let triangle = |corners: &[u32; 3]| corners.map(place);
-    Form::Mesh {
+    SolidForm::Mesh {
         triangles: mesh.indices().iter().map(triangle).collect(),
         points: used.iter().map(|&corner| all[corner]).collect(),
     }

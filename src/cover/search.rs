@@ -1,17 +1,17 @@
 //! Moves of single balls, between descents.
 
-use super::descent::{Candidate, DescentScratch, Schedule, Target, descend};
+use super::descent::{CoverCandidate, DescentScratch, Schedule, Target, descend};
 use super::random::Random;
 use super::solid::Solid;
 use glam::DVec3;
 
-/// Of the balls whose loss costs least, moves one to a worst point, and descends. Keeps the result if
+/// Moves one of the balls whose loss costs least to a worst point, and descends. Keeps the result if
 /// that is better.
 pub(super) fn improve(
     solid: &Solid,
     target: &Target<'_>,
     ridges: &[(DVec3, f64)],
-    best: &mut Candidate,
+    best: &mut CoverCandidate,
     schedule: &Schedule,
     random: &mut Random,
     scratch: &mut DescentScratch,

@@ -1,7 +1,7 @@
 //! A shape as the cover sees it: parts in a unit of their own size.
 
 use super::convex::Convex;
-use super::form::Form;
+use super::form::SolidForm;
 use super::mesh::Mesh;
 use super::surface::Surface;
 use crate::parallel;
@@ -10,8 +10,8 @@ use glam::DVec3;
 /// The parts of a shape, moved and scaled to the order of one.
 #[derive(Clone, Debug)]
 pub(super) struct Solid {
-    pub(super) parts: Vec<Part>,
-    /// What became 0.
+    pub(super) parts: Vec<SolidPart>,
+    /// The point that became 0.
     pub(super) origin: DVec3,
     /// Power of two by which all lengths were divided.
     pub(super) unit: f64,
@@ -25,12 +25,12 @@ pub(super) struct Solid {
 }
 
 #[derive(Clone, Debug)]
-pub(super) enum Part {
+pub(super) enum SolidPart {
     Convex(Convex),
     Mesh(Mesh),
 }
 
-impl Part {
+impl SolidPart {
     pub(super) fn is_volume(&self) -> bool {
         match self {
             Self::Convex(_) => true,
@@ -48,7 +48,7 @@ impl Part {
 
     pub(super) const fn is_round(&self) -> bool {
         match self {
-            Self::Convex(convex) => !matches!(convex.form(), Form::Hull { .. }),
+            Self::Convex(convex) => !matches!(convex.form(), SolidForm::Hull { .. }),
             Self::Mesh(_) => false,
         }
     }
@@ -70,9 +70,9 @@ impl Part {
 
 impl Solid {
     /// Returns `None` if the forms have no points, or points that are not finite.
-    pub(super) fn new(mut forms: Vec<Form>) -> Option<Self> {
+    pub(super) fn new(mut forms: Vec<SolidForm>) -> Option<Self> {
         let join = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
-        let (low, high) = forms.iter().map(Form::corners).reduce(join)?;
+        let (low, high) = forms.iter().map(SolidForm::corners).reduce(join)?;
         if !(low.is_finite() && high.is_finite()) {
             return None;
         }
@@ -89,10 +89,10 @@ impl Solid {
             form.normalise(origin, unit);
         }
         let diameter = diameter(&forms);
-        let parts: Vec<Part> = forms.into_iter().map(part).collect();
+        let parts: Vec<SolidPart> = forms.into_iter().map(part).collect();
         let uneven = parts.iter().map(|part| match part {
-            Part::Convex(convex) => convex.unevenness,
-            Part::Mesh(_) => 0.0,
+            SolidPart::Convex(convex) => convex.unevenness,
+            SolidPart::Mesh(_) => 0.0,
         });
         Some(Self {
             rounding: uneven.fold(0.0, f64::max) + 64.0 * f64::EPSILON * (1.0 + far),
@@ -106,7 +106,7 @@ impl Solid {
     }
 
     pub(super) fn is_volume(&self) -> bool {
-        self.parts.iter().all(Part::is_volume)
+        self.parts.iter().all(SolidPart::is_volume)
     }
 
     /// Returns surfaces that contain the parts. Round ones have `around` sides.
@@ -128,13 +128,13 @@ impl Solid {
         let one = |(): &mut (), place: usize| {
             let at = places[place];
             let distances = self.parts.iter().map(|part| match part {
-                Part::Mesh(mesh) => {
+                SolidPart::Mesh(mesh) => {
                     let distance = mesh.nearest(at).distance(at);
                     // Within rounding of the surface the side does not matter.
                     let inside = mesh.winding(at).abs() >= 0.5;
                     if inside { -distance } else { distance }
                 }
-                Part::Convex(convex) => convex.signed_distance(at).0,
+                SolidPart::Convex(convex) => convex.signed_distance(at).0,
             });
             distances.fold(f64::INFINITY, f64::min) + self.rounding
         };
@@ -142,23 +142,26 @@ impl Solid {
     }
 }
 
-fn part(form: Form) -> Part {
+fn part(form: SolidForm) -> SolidPart {
     match form {
-        Form::Mesh { points, triangles } => Part::Mesh(Mesh::new(points, triangles)),
-        convex => Part::Convex(Convex::new(convex)),
+        SolidForm::Mesh { points, triangles } => SolidPart::Mesh(Mesh::new(points, triangles)),
+        convex => SolidPart::Convex(Convex::new(convex)),
     }
 }
 
 /// Returns the largest distance of two points, or somewhat less.
-fn diameter(forms: &[Form]) -> f64 {
+fn diameter(forms: &[SolidForm]) -> f64 {
     const DIRECTIONS: i32 = 512;
-    let single = forms.iter().filter_map(Form::diameter).fold(0.0, f64::max);
+    let single = forms
+        .iter()
+        .filter_map(SolidForm::diameter)
+        .fold(0.0, f64::max);
     if let [form] = forms
         && let Some(diameter) = form.diameter()
     {
         return diameter;
     }
-    let points: Vec<(DVec3, f64)> = forms.iter().flat_map(Form::extremes).collect();
+    let points: Vec<(DVec3, f64)> = forms.iter().flat_map(SolidForm::extremes).collect();
     let apart = |a: &(DVec3, f64), b: &(DVec3, f64)| a.0.distance(b.0) + a.1 + b.1;
     let farthest = |from: &(DVec3, f64)| {
         let distances = points.iter().map(|point| apart(from, point));

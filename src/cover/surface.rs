@@ -5,7 +5,7 @@ use glam::DVec3;
 /// The half-space `normal . x <= offset`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HalfSpace {
-    /// Of length 1 to rounding.
+    /// The direction outward; its length is 1 to rounding.
     pub(super) normal: DVec3,
     pub(super) offset: f64,
 }
@@ -23,7 +23,7 @@ pub(super) struct Surface {
     pub(super) points: Vec<DVec3>,
     /// The points of all polygons, by number, one polygon after another.
     corners: Vec<usize>,
-    /// Where each polygon ends among the corners.
+    /// The end of each polygon in the list of corners.
     ends: Vec<usize>,
     /// A closed surface bounds a volume, and stays closed when it is clipped.
     closed: bool,

@@ -3,9 +3,9 @@
 use super::cells::CellScratch;
 use super::convex::nearest_on_segment;
 use super::error::CoverError;
-use super::form::{Form, Round};
+use super::form::{Round, SolidForm};
 use super::read::read;
-use super::solid::{Part, Solid};
+use super::solid::{Solid, SolidPart};
 use super::surface::Surface;
 use super::wedge::{Wedge, wedges};
 use crate::hitbox::{Hitbox, Sphere};
@@ -31,7 +31,7 @@ pub enum Coverage {
     },
 }
 
-/// What is not proven at less than this may stay undecided, in diameters.
+/// A verdict may stay undecided within this, in diameters.
 const FINEST: f64 = 1e-7;
 
 /// A point that is outside of all balls by less than this may be in one, in the solid's unit.
@@ -99,7 +99,7 @@ struct Balls {
     rounding: f64,
 }
 
-/// What is found of one share.
+/// The verdict on one share.
 enum Finding {
     Covered,
     /// The point farthest out of its ball.
@@ -151,7 +151,7 @@ impl Balls {
         let mut verdict = Coverage::Covered;
         for part in &solid.parts {
             let of_part = match part {
-                Part::Convex(convex) if part.is_round() => self.of_round(solid, convex.form()),
+                SolidPart::Convex(convex) if part.is_round() => self.of_round(solid, convex.form()),
                 _ => self.of_polyhedron(solid, &part.surface(4)),
             };
             match of_part {
@@ -178,7 +178,7 @@ impl Balls {
         }
     }
 
-    fn of_round(&self, solid: &Solid, form: &Form) -> Coverage {
+    fn of_round(&self, solid: &Solid, form: &SolidForm) -> Coverage {
         if self.balls.iter().any(|ball| contains(ball, form)) {
             return Coverage::Covered;
         }
@@ -268,7 +268,7 @@ fn share_out(surface: &Surface, balls: &[(DVec3, f64)], spare: f64) -> Finding {
 }
 
 /// Returns whether a ball certainly contains a whole round form.
-fn contains(&(centre, radius): &(DVec3, f64), form: &Form) -> bool {
+fn contains(&(centre, radius): &(DVec3, f64), form: &SolidForm) -> bool {
     let farthest = |round: &Round, height: f64| {
         let from = centre - round.middle;
         let along = from.dot(round.axis);
@@ -276,21 +276,21 @@ fn contains(&(centre, radius): &(DVec3, f64), form: &Form) -> bool {
         (away + round.radius).hypot((along - height).abs())
     };
     let beyond = match form {
-        Form::Hull { .. } | Form::Mesh { .. } => return false,
+        SolidForm::Hull { .. } | SolidForm::Mesh { .. } => return false,
         // Exact where the centres are one.
-        Form::Capsule { ends, radius: own } if ends.map(|end| end == centre) == [true; 2] => {
+        SolidForm::Capsule { ends, radius: own } if ends.map(|end| end == centre) == [true; 2] => {
             return *own <= radius;
         }
-        Form::Capsule { ends, radius: own } => {
+        SolidForm::Capsule { ends, radius: own } => {
             ends.map(|end| end.distance(centre))
                 .into_iter()
                 .fold(0.0, f64::max)
                 + own
         }
-        Form::Cylinder(round) => {
+        SolidForm::Cylinder(round) => {
             farthest(round, round.half_height).max(farthest(round, -round.half_height))
         }
-        Form::Cone(round) => {
+        SolidForm::Cone(round) => {
             let apex = round.middle + round.axis * round.half_height;
             farthest(round, -round.half_height).max(apex.distance(centre))
         }
@@ -299,7 +299,7 @@ fn contains(&(centre, radius): &(DVec3, f64), form: &Form) -> bool {
 }
 
 /// Returns a point of a round form near a point.
-fn into(form: &Form, point: DVec3) -> DVec3 {
+fn into(form: &SolidForm, point: DVec3) -> DVec3 {
     // Rounding must not put it outside.
     const INSIDE: f64 = 1.0 - 1e-14;
     let within = |round: &Round, radius_at: &dyn Fn(f64) -> f64| {
@@ -312,13 +312,13 @@ fn into(form: &Form, point: DVec3) -> DVec3 {
         round.middle + round.axis * along + out
     };
     match form {
-        Form::Hull { .. } | Form::Mesh { .. } => point,
-        Form::Capsule { ends, radius } => {
+        SolidForm::Hull { .. } | SolidForm::Mesh { .. } => point,
+        SolidForm::Capsule { ends, radius } => {
             let nearest = nearest_on_segment(*ends, point);
             nearest + (point - nearest).clamp_length_max(radius * INSIDE)
         }
-        Form::Cylinder(round) => within(round, &|_| round.radius),
-        Form::Cone(round) => within(round, &|along| {
+        SolidForm::Cylinder(round) => within(round, &|_| round.radius),
+        SolidForm::Cone(round) => within(round, &|along| {
             round.radius * (round.half_height - along)
                 / (2.0 * round.half_height).max(f64::MIN_POSITIVE)
         }),

@@ -1,6 +1,6 @@
 //! Volumes of unions, by summing over parallel lines.
 
-use super::solid::{Part, Solid};
+use super::solid::{Solid, SolidPart};
 use super::surface::Surface;
 use glam::DVec3;
 
@@ -8,10 +8,10 @@ use glam::DVec3;
 const LINES: usize = 256;
 
 /// The lines through a box, upward.
-struct Lines {
+struct LineGrid {
     low: DVec3,
     step: DVec3,
-    /// What of each line is within: start and end.
+    /// The parts of each line that are within: start and end.
     within: Vec<Vec<(f64, f64)>>,
 }
 
@@ -25,12 +25,12 @@ pub(super) fn ratio(solid: &Solid, balls: &[(DVec3, f64)]) -> Option<f64> {
 fn of_solid(solid: &Solid) -> f64 {
     if let [part] = &solid.parts[..] {
         let formula = match part {
-            Part::Convex(convex) => convex.form().volume(),
-            Part::Mesh(_) => None,
+            SolidPart::Convex(convex) => convex.form().volume(),
+            SolidPart::Mesh(_) => None,
         };
         return formula.unwrap_or_else(|| part.surface(4).volume().abs());
     }
-    let mut lines = Lines::through(solid.low, solid.high);
+    let mut lines = LineGrid::through(solid.low, solid.high);
     for surface in solid.surfaces(64) {
         lines.add_surface(&surface);
     }
@@ -43,7 +43,7 @@ fn of_balls(balls: &[(DVec3, f64)]) -> f64 {
     }
     let low = balls.iter().map(|&(centre, radius)| centre - radius);
     let high = balls.iter().map(|&(centre, radius)| centre + radius);
-    let mut lines = Lines::through(
+    let mut lines = LineGrid::through(
         low.fold(DVec3::INFINITY, DVec3::min),
         high.fold(DVec3::NEG_INFINITY, DVec3::max),
     );
@@ -58,7 +58,7 @@ fn of_balls(balls: &[(DVec3, f64)]) -> f64 {
     lines.volume()
 }
 
-impl Lines {
+impl LineGrid {
     #[allow(clippy::cast_precision_loss, reason = "a small count")]
     fn through(low: DVec3, high: DVec3) -> Self {
         Self {

@@ -1,13 +1,13 @@
 //! Pieces of round forms: from the axis to a part of the surface.
 
-use super::form::{Form, Round, across};
+use super::form::{Round, SolidForm, across};
 use super::surface::Surface;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// One side of a round form's profile.
 #[derive(Clone, Copy, Debug)]
-enum Side {
+enum WedgeSide {
     /// Straight, between two places along the axis, with the radii there.
     Straight([(f64, f64); 2]),
     /// A quarter of a circle around a point of the axis, up (1) or down (-1), between two angles
@@ -25,30 +25,30 @@ enum Side {
 pub(super) struct Wedge {
     middle: DVec3,
     axis: DVec3,
-    side: Side,
+    side: WedgeSide,
     angles: [f64; 2],
 }
 
 /// Returns the pieces of a round form with which a search begins; none for other forms.
-pub(super) fn wedges(form: &Form) -> Vec<Wedge> {
+pub(super) fn wedges(form: &SolidForm) -> Vec<Wedge> {
     let straight = |round: &Round, upper: f64| {
         let lower = (-round.half_height, round.radius);
-        let side = Side::Straight([lower, (round.half_height, upper)]);
+        let side = WedgeSide::Straight([lower, (round.half_height, upper)]);
         (round.middle, round.axis, vec![side])
     };
     let (middle, axis, sides) = match form {
-        Form::Hull { .. } | Form::Mesh { .. } => return Vec::new(),
-        Form::Cylinder(round) => straight(round, round.radius),
-        Form::Cone(round) => straight(round, 0.0),
-        Form::Capsule { ends, radius } => {
+        SolidForm::Hull { .. } | SolidForm::Mesh { .. } => return Vec::new(),
+        SolidForm::Cylinder(round) => straight(round, round.radius),
+        SolidForm::Cone(round) => straight(round, 0.0),
+        SolidForm::Capsule { ends, radius } => {
             let half = ends[0].distance(ends[1]) / 2.0;
-            let cap = |sign: f64| Side::Cap {
+            let cap = |sign: f64| WedgeSide::Cap {
                 middle: sign * half,
                 radius: *radius,
                 sign,
                 angles: [0.0, FRAC_PI_2],
             };
-            let between = Side::Straight([(-half, *radius), (half, *radius)]);
+            let between = WedgeSide::Straight([(-half, *radius), (half, *radius)]);
             let axis = (ends[1] - ends[0]).try_normalize().unwrap_or(DVec3::Z);
             (
                 ends[0].midpoint(ends[1]),
@@ -84,8 +84,8 @@ impl Wedge {
     /// Returns two places along the axis, and radii there: a straight side outside of the piece.
     fn trapezium(&self) -> [(f64, f64); 2] {
         match self.side {
-            Side::Straight(ends) => ends,
-            Side::Cap {
+            WedgeSide::Straight(ends) => ends,
+            WedgeSide::Cap {
                 middle,
                 radius,
                 sign,
@@ -143,21 +143,21 @@ impl Wedge {
 
     fn profile_slack(&self) -> f64 {
         match self.side {
-            Side::Straight(_) => 0.0,
-            Side::Cap { radius, angles, .. } => radius * excess(angles),
+            WedgeSide::Straight(_) => 0.0,
+            WedgeSide::Cap { radius, angles, .. } => radius * excess(angles),
         }
     }
 
     /// Returns the two halves, cut so that the slack falls.
     pub(super) fn halves(&self) -> [Self; 2] {
         match self.side {
-            Side::Cap {
+            WedgeSide::Cap {
                 middle,
                 radius,
                 sign,
                 angles,
             } if self.profile_slack() > self.slack() / 2.0 => halves(angles).map(|angles| Self {
-                side: Side::Cap {
+                side: WedgeSide::Cap {
                     middle,
                     radius,
                     sign,
@@ -165,7 +165,7 @@ impl Wedge {
                 },
                 ..*self
             }),
-            Side::Cap { .. } | Side::Straight(_) => {
+            WedgeSide::Cap { .. } | WedgeSide::Straight(_) => {
                 halves(self.angles).map(|angles| Self { angles, ..*self })
             }
         }

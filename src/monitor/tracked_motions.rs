@@ -31,9 +31,7 @@ impl TrackedMotions {
             }
         }
     }
-}
 
-impl TrackedMotions {
     /// Returns the motion of the body in a slot, if it is turned in place.
     pub(super) fn in_place(&self, slot: usize) -> Option<&TrackedMotion> {
         let motion = self.motions.get(*self.place_of.get(slot)?)?;

@@ -23,7 +23,7 @@ use crate::rounding::one_zero;
 use crate::trajectory::Outside;
 use glam::{DQuat, DVec3};
 use source::Source;
-use turning::Part;
+use turning::OrientationPart;
 
 /// The orientation of a body over time: the rotation from its own axes to those of the world.
 ///
@@ -81,7 +81,10 @@ use turning::Part;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
     feature = "serde",
-    serde(try_from = "serial::Numbers", into = "serial::Numbers")
+    serde(
+        try_from = "serial::OrientationNumbers",
+        into = "serial::OrientationNumbers"
+    )
 )]
 pub struct Orientation {
     /// `None` if the body does not turn.
@@ -204,7 +207,7 @@ impl Orientation {
         let mut first = (!parts.is_empty()).then_some(from);
         for part in next.parts_from(from) {
             let begin = first.take().or(part.from).filter(|_| !parts.is_empty());
-            parts.push(Part {
+            parts.push(OrientationPart {
                 from: begin,
                 source: part.source,
             });
@@ -212,10 +215,10 @@ impl Orientation {
         Self::of_parts(parts, tolerance)
     }
 
-    fn parts(&self) -> Vec<Part> {
+    fn parts(&self) -> Vec<OrientationPart> {
         match &self.turning {
             Some(turning) => turning.parts.clone(),
-            None => vec![Part {
+            None => vec![OrientationPart {
                 from: None,
                 source: Source::Fixed,
             }],
@@ -223,7 +226,7 @@ impl Orientation {
     }
 
     /// Returns the parts that are followed from an instant (s) on.
-    fn parts_from(&self, from: f64) -> Vec<Part> {
+    fn parts_from(&self, from: f64) -> Vec<OrientationPart> {
         let mut parts = self.parts();
         let passed = parts.iter().skip(1).take_while(|part| {
             let begin = part.from.unwrap_or(f64::NEG_INFINITY);
@@ -234,11 +237,11 @@ impl Orientation {
     }
 
     fn of(source: Source) -> Result<Self, Error> {
-        Self::of_parts(vec![Part { from: None, source }], None)
+        Self::of_parts(vec![OrientationPart { from: None, source }], None)
     }
 
     /// Returns the orientation of these parts, cut for this tolerance.
-    fn of_parts(parts: Vec<Part>, tolerance: Option<f64>) -> Result<Self, Error> {
+    fn of_parts(parts: Vec<OrientationPart>, tolerance: Option<f64>) -> Result<Self, Error> {
         let turning = Turning::of(parts, tolerance)?;
         let is_fixed = turning
             .parts

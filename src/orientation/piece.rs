@@ -13,13 +13,13 @@ pub(super) struct Piece {
     /// First and last instant, s; the first and last piece have no beginning and end.
     pub(super) start: f64,
     pub(super) end: f64,
-    motion: Motion,
+    motion: RotationCurve,
     cuts: Cuts,
 }
 
 /// The way of turning.
 #[derive(Clone, Debug)]
-pub(super) enum Motion {
+pub(super) enum RotationCurve {
     Arc(Arc),
     Cubic(Box<QuaternionCubic>),
 }
@@ -57,14 +57,14 @@ impl Piece {
         Self {
             start: f64::NEG_INFINITY,
             end: f64::INFINITY,
-            motion: Motion::Arc(arc),
+            motion: RotationCurve::Arc(arc),
             cuts,
         }
     }
 
     /// Returns a motion between two instants (s), in that many equal parts.
-    pub(super) fn between(ends: (f64, f64), motion: Motion, counts: [u32; 2]) -> Self {
-        let is_held = matches!(&motion, Motion::Arc(arc) if arc.is_held());
+    pub(super) fn between(ends: (f64, f64), motion: RotationCurve, counts: [u32; 2]) -> Self {
+        let is_held = matches!(&motion, RotationCurve::Arc(arc) if arc.is_held());
         Self {
             start: ends.0,
             end: ends.1,
@@ -80,8 +80,8 @@ impl Piece {
     /// Returns the rotation at an instant (s).
     pub(super) fn at(&self, time: f64) -> DQuat {
         match &self.motion {
-            Motion::Arc(arc) => arc.at(time),
-            Motion::Cubic(cubic) => cubic.at(time),
+            RotationCurve::Arc(arc) => arc.at(time),
+            RotationCurve::Cubic(cubic) => cubic.at(time),
         }
     }
 
@@ -102,8 +102,8 @@ impl Piece {
     /// Returns the cubic between two neighbouring cuts (s).
     pub(super) fn bake(&self, ends: (f64, f64), largest: f64) -> BakedRotation {
         match &self.motion {
-            Motion::Arc(arc) => arc.bake(ends, largest),
-            Motion::Cubic(cubic) => {
+            RotationCurve::Arc(arc) => arc.bake(ends, largest),
+            RotationCurve::Cubic(cubic) => {
                 let baked = cubic.bake(ends);
                 if baked.error() <= largest {
                     baked

@@ -1,19 +1,19 @@
 //! Serialised orientations: the numbers as given.
 
 use super::Orientation;
-use super::turning::Part;
+use super::turning::OrientationPart;
 use crate::error::Error;
 use serde::{Deserialize, Serialize};
 
 /// The serialised fields of an orientation; no parts if the body does not turn.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Numbers {
-    parts: Vec<Part>,
+pub(super) struct OrientationNumbers {
+    parts: Vec<OrientationPart>,
     tolerance: Option<f64>,
 }
 
-impl From<Orientation> for Numbers {
+impl From<Orientation> for OrientationNumbers {
     fn from(orientation: Orientation) -> Self {
         match orientation.turning {
             None => Self {
@@ -28,10 +28,12 @@ impl From<Orientation> for Numbers {
     }
 }
 
-impl TryFrom<Numbers> for Orientation {
+impl TryFrom<OrientationNumbers> for Orientation {
     type Error = Error;
 
-    fn try_from(Numbers { parts, tolerance }: Numbers) -> Result<Self, Error> {
+    fn try_from(
+        OrientationNumbers { parts, tolerance }: OrientationNumbers,
+    ) -> Result<Self, Error> {
         let mut before = None;
         for (knot, part) in parts.iter().enumerate() {
             // The first one begins with time, each other one after the one before.

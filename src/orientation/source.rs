@@ -1,7 +1,7 @@
 //! Orientations as they are given, and the checks on them.
 
 use super::arc::{Arc, angle_within};
-use super::piece::{Motion, Piece};
+use super::piece::{Piece, RotationCurve};
 use super::quaternion_cubic::QuaternionCubic;
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
 use crate::rounding::{UNIT_ROUNDOFF, norm, one_zero};
@@ -63,7 +63,7 @@ impl Source {
                 let ends = [arcs.first(), arcs.last()].map(|arc| arc.copied());
                 let turn = arcs.iter().zip(knots.windows(2)).map(|(arc, ends)| {
                     let counts = tolerances.map(|share| parts(arc.angle / angle_within(share)));
-                    Piece::between((ends[0].0, ends[1].0), Motion::Arc(*arc), counts)
+                    Piece::between((ends[0].0, ends[1].0), RotationCurve::Arc(*arc), counts)
                 });
                 Ok(with_ends(
                     turn.collect(),
@@ -84,7 +84,7 @@ impl Source {
                     }
                     Ok(Piece::between(
                         cubic.ends,
-                        Motion::Cubic(Box::new(*cubic)),
+                        RotationCurve::Cubic(Box::new(*cubic)),
                         counts,
                     ))
                 });

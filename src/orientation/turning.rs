@@ -12,7 +12,7 @@ use glam::DQuat;
 #[derive(Clone, Debug)]
 pub(crate) struct Turning {
     /// Orientations as given, in time order; each is followed until the next one begins.
-    pub(super) parts: Vec<Part>,
+    pub(super) parts: Vec<OrientationPart>,
     /// Largest error of the cubics, relative to a point's distance, if set.
     pub(super) tolerance: Option<f64>,
     pieces: Vec<Piece>,
@@ -21,7 +21,7 @@ pub(crate) struct Turning {
 /// An orientation and the time from which on it is followed.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Part {
+pub(super) struct OrientationPart {
     /// First instant, s; none for the first one.
     pub(super) from: Option<f64>,
     pub(super) source: Source,
@@ -45,7 +45,7 @@ impl PartialEq for Turning {
 
 impl Turning {
     /// Returns the motion of these parts.
-    pub(super) fn of(parts: Vec<Part>, tolerance: Option<f64>) -> Result<Self, Error> {
+    pub(super) fn of(parts: Vec<OrientationPart>, tolerance: Option<f64>) -> Result<Self, Error> {
         /// Range of tolerances: what rounding, and a cubic, allow.
         const RANGE: std::ops::RangeInclusive<f64> = 1e-9..=0.1;
         if let Some(value) = tolerance.filter(|value| !RANGE.contains(value)) {
@@ -143,8 +143,12 @@ impl Turning {
 
     /// Returns the parts of a motion that is left at `from` (s) for another one, without those that
     /// end before `since` (s).
-    pub(super) fn parts_until(parts: &[Part], from: f64, since: f64) -> Vec<Part> {
-        let mut kept: Vec<Part> = Vec::new();
+    pub(super) fn parts_until(
+        parts: &[OrientationPart],
+        from: f64,
+        since: f64,
+    ) -> Vec<OrientationPart> {
+        let mut kept: Vec<OrientationPart> = Vec::new();
         for (number, part) in parts.iter().enumerate() {
             let next = parts.get(number + 1).and_then(|next| next.from);
             let end = next.unwrap_or(f64::INFINITY).min(from);

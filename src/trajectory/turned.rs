@@ -153,7 +153,7 @@ impl TurnedMotion {
     }
 }
 
-/// What becomes of the pieces when the motion is turned.
+/// The number of pieces that a turn drops and keeps, and the end of the new one.
 pub(super) struct Room {
     dropped: usize,
     /// Pieces that are left before the new motion.

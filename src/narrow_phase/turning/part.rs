@@ -34,7 +34,7 @@ pub(super) struct PartScratch {
     reaches: [Vec<f64>; 2],
     /// Spheres of b that may be near some of a's, by number.
     near_b: Vec<(u32, SphereWay)>,
-    candidates: Vec<Candidate>,
+    candidates: Vec<SphereCandidate>,
 }
 
 /// A sphere's centre over the part.
@@ -50,7 +50,7 @@ struct SphereWay {
 
 /// Two spheres that may come within the margin.
 #[derive(Clone, Copy, Debug)]
-struct Candidate {
+struct SphereCandidate {
     a: u32,
     b: u32,
     /// Control points of the centres' relative position, in the unit of lengths.
@@ -89,7 +89,7 @@ impl SphereWay {
     }
 }
 
-impl Candidate {
+impl SphereCandidate {
     /// Returns the separation at the start, in the middle and at the end of the part, in the unit
     /// of lengths.
     fn separations(&self) -> [f64; 3] {
@@ -222,7 +222,7 @@ impl<'a> SpheresOverPart<'a> {
                 if lowest > threshold * threshold {
                     continue;
                 }
-                candidates.push(Candidate {
+                candidates.push(SphereCandidate {
                     a: number_a,
                     b: *number_b,
                     points,
