@@ -1,0 +1,170 @@
+//! Measures what speed costs in accuracy, and the other way round:
+//!
+//! ```text
+//! cargo run --release --example tradeoff -- [--quick] [--only pair|stepped|modelled|prices]
+//!     [--json FILE] [--pictures FOLDER] [--bodies N]
+//! ```
+//!
+//! Every line is compared with a certified reference. Times are medians; what is compared runs in turns.
+
+mod modelled;
+mod pair;
+#[allow(dead_code, reason = "the benchmark `kernels` uses more of it")]
+#[path = "../../benches/kernels/peers.rs"]
+mod peers;
+mod picture;
+mod prices;
+#[path = "../scenes/mod.rs"]
+mod scenes;
+mod stepped;
+mod table;
+#[path = "../terminal/mod.rs"]
+mod terminal;
+mod timing;
+#[path = "../../benches/kernels/workloads.rs"]
+mod workloads;
+mod world;
+
+use clap::{Parser, ValueEnum};
+use rayon::ThreadPoolBuilder;
+use serde_json::{Map, Value, json};
+use std::error::Error as StdError;
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use table::Table;
+use terminal::{Product, Progress, StandardOutput};
+use world::World;
+
+type Failure = Box<dyn StdError + Send + Sync>;
+
+/// Speed against accuracy, measured.
+#[derive(Debug, Parser)]
+#[command(name = "tradeoff")]
+struct Arguments {
+    /// Fewer pairs, bodies and turns: under a minute.
+    #[arg(long)]
+    quick: bool,
+    /// One part only.
+    #[arg(long, value_enum)]
+    only: Option<Part>,
+    /// How many bodies are stepped.
+    #[arg(long, value_parser = terminal::bodies(), allow_negative_numbers = true)]
+    bodies: Option<usize>,
+    /// Where all tables go as JSON; a file that is there is replaced.
+    #[arg(long)]
+    json: Option<PathBuf>,
+    /// A folder for the pictures tradeoff-pair.svg and tradeoff-stepped.svg.
+    #[arg(long)]
+    pictures: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Part {
+    /// One pair of cubics: other solvers and ours.
+    Pair,
+    /// A scene stepped by a frame loop, at several rates.
+    Stepped,
+    /// A world modelled more or less finely.
+    Modelled,
+    /// A price list of capabilities.
+    Prices,
+}
+
+/// How much is measured.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Effort {
+    quick: bool,
+}
+
+impl Effort {
+    /// Returns one of two amounts: for all, or for a quick look.
+    pub(crate) fn choose<T>(&self, all: T, quick: T) -> T {
+        if self.quick { quick } else { all }
+    }
+}
+
+fn main() -> ExitCode {
+    terminal::exit_code(run(&terminal::parse()))
+}
+
+fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let json = arguments.json.as_deref().map(Product::at).transpose()?;
+    let mut pictures = Vec::new();
+    for name in ["pair", "stepped"] {
+        let folder = arguments.pictures.as_ref();
+        let path = folder.map(|folder| folder.join(format!("tradeoff-{name}.svg")));
+        pictures.extend(
+            path.map(|path| Product::at(&path).map(|product| (name, product)))
+                .transpose()?,
+        );
+    }
+    let effort = Effort {
+        quick: arguments.quick,
+    };
+    // One thread: what is compared has one as well.
+    let pool = ThreadPoolBuilder::new()
+        .num_threads(1)
+        .use_current_thread()
+        .build()?;
+    let mut out = StandardOutput::new();
+    let mut tables: Vec<Table> = Vec::new();
+    for (part, name) in [
+        (Part::Pair, "one pair"),
+        (Part::Stepped, "a scene stepped"),
+        (Part::Modelled, "a world modelled"),
+        (Part::Prices, "a price list"),
+    ] {
+        if arguments.only.is_some_and(|only| only != part) {
+            continue;
+        }
+        let progress = Progress::new();
+        progress.begin(name.to_owned());
+        let show = |share: f64| progress.show(share);
+        let made = pool.install(|| measure(part, arguments, &effort, &show))?;
+        progress.finish();
+        for table in &made {
+            table.print(&mut out)?;
+        }
+        tables.extend(made);
+    }
+    let found = |key: &str| tables.iter().find(|table| table.key == key);
+    for (name, product) in &pictures {
+        if let Some(table) = found(name) {
+            let drawn = picture::draw(table)?;
+            product.write(|mut file| file.write_all(drawn.as_bytes()))?;
+        }
+    }
+    if let Some(json) = json {
+        let text = document(&tables, &effort).to_string();
+        json.write(|mut file| writeln!(file, "{text}"))?;
+    }
+    Ok(())
+}
+
+fn measure(
+    part: Part,
+    arguments: &Arguments,
+    effort: &Effort,
+    progress: &dyn Fn(f64),
+) -> Result<Vec<Table>, Failure> {
+    Ok(match part {
+        Part::Pair => vec![pair::table(effort, progress)],
+        Part::Stepped => {
+            let bodies = arguments.bodies.unwrap_or(effort.choose(2_000, 300));
+            let world = World::swarm(bodies, 12.0, effort.choose(20.0, 4.0))?;
+            vec![stepped::table(&world, effort, progress)?]
+        }
+        Part::Modelled => modelled::tables(effort, progress)?,
+        Part::Prices => vec![prices::table(effort, progress)?],
+    })
+}
+
+/// All tables as one object: `{"quick": ..., "tables": {key: {"title", "rows", "notes"}}}`.
+fn document(tables: &[Table], effort: &Effort) -> Value {
+    let by_key: Map<String, Value> = tables
+        .iter()
+        .map(|table| (table.key.to_owned(), table.json()))
+        .collect();
+    json!({ "quick": effort.quick, "tables": by_key })
+}

@@ -1,0 +1,345 @@
+//! A scene stepped by a frame loop: what it finds at which rate, and the time it takes.
+
+mod physics;
+mod steppers;
+
+use crate::table::{Cell, Table};
+use crate::timing::{median, timed};
+use crate::world::World;
+use crate::{Effort, Failure};
+use glam::DVec3;
+use nearmiss::{Accuracy, AlertLevel, BodyId, EventKind, Monitor, Query};
+use physics::Sensors;
+use std::collections::BTreeMap;
+use steppers::{Overlaps, ShapeCasts, SweptSpheres};
+
+/// Frames a second.
+const RATES: [u32; 8] = [5, 10, 20, 30, 60, 120, 240, 480];
+const FEW_RATES: [u32; 2] = [10, 60];
+
+/// A contact of two bodies seen in a frame.
+#[derive(Clone, Copy, Debug)]
+struct Contact {
+    a: usize,
+    b: usize,
+    /// Instant of the frame, or within the step that ends there, s.
+    time: f64,
+    /// Separation, m, where it is known.
+    separation: Option<f64>,
+}
+
+/// A frame: where all bodies are, and where they were a step before.
+struct Frame<'a> {
+    time: f64,
+    step: f64,
+    before: &'a [DVec3],
+    now: &'a [DVec3],
+}
+
+/// A way to find contacts frame by frame.
+trait Stepper {
+    /// Adds the contacts of a frame, or of the step that ends with it.
+    fn look(&mut self, frame: &Frame<'_>, found: &mut Vec<Contact>);
+}
+
+/// An encounter as it truly is.
+struct Encounter {
+    enter: f64,
+    exit: f64,
+    separation: f64,
+}
+
+/// All encounters by pair of places.
+type Truth = BTreeMap<(usize, usize), Vec<Encounter>>;
+
+/// What a way to look at a scene found.
+#[derive(Default)]
+struct Score {
+    encounters: usize,
+    missed: usize,
+    /// Contacts of pairs that are not in an encounter at that time.
+    wrong: usize,
+    /// Of the first contact seen against the entry, s.
+    late: Vec<f64>,
+    /// Of the least separation seen, m.
+    off: Vec<f64>,
+}
+
+impl Score {
+    /// Compares contacts with the truth; `step` (s) is the time that a frame may be late.
+    fn of(truth: &Truth, found: &[Contact], step: f64) -> Self {
+        let mut by_pair: BTreeMap<(usize, usize), Vec<Contact>> = BTreeMap::new();
+        for &contact in found {
+            let pair = (contact.a.min(contact.b), contact.a.max(contact.b));
+            by_pair.entry(pair).or_default().push(contact);
+        }
+        let mut score = Self::default();
+        let nothing = Vec::new();
+        for (pair, encounters) in truth {
+            let contacts = by_pair.get(pair).unwrap_or(&nothing);
+            for one in encounters {
+                score.encounters += 1;
+                let near = |contact: &&Contact| {
+                    one.enter - step <= contact.time && contact.time <= one.exit + step
+                };
+                let Some(first) = contacts.iter().find(near) else {
+                    score.missed += 1;
+                    continue;
+                };
+                score.late.push((first.time - one.enter).abs());
+                let seen = contacts
+                    .iter()
+                    .filter(near)
+                    .filter_map(|contact| contact.separation);
+                if let Some(least) = seen.reduce(f64::min) {
+                    score.off.push((least - one.separation).abs());
+                }
+            }
+        }
+        let nobody = Vec::new();
+        for (pair, contacts) in &by_pair {
+            let encounters = truth.get(pair).unwrap_or(&nobody);
+            let is_true = |contact: &Contact| {
+                let near = |one: &Encounter| {
+                    one.enter - step <= contact.time && contact.time <= one.exit + step
+                };
+                encounters.iter().any(near)
+            };
+            // One wrong contact a pair: it may last many frames.
+            score.wrong += usize::from(contacts.iter().any(|contact| !is_true(contact)));
+        }
+        score
+    }
+
+    fn row(
+        self,
+        method: &str,
+        rate: Cell,
+        (total, frames): (f64, Option<f64>),
+        unit: f64,
+    ) -> Vec<Cell> {
+        let worst = |values: &[f64]| values.iter().copied().reduce(f64::max);
+        vec![
+            method.into(),
+            rate,
+            self.encounters.into(),
+            self.missed.into(),
+            self.wrong.into(),
+            Cell::from((!self.late.is_empty()).then(|| 1e3 * median(self.late.clone()))),
+            Cell::from(worst(&self.late).map(|late| 1e3 * late)),
+            Cell::from(worst(&self.off)),
+            (1e3 * total).into(),
+            frames.map(|frames| 1e3 * total / frames).into(),
+            (total / unit).into(),
+        ]
+    }
+}
+
+/// Places of bodies by their id.
+fn places(world: &World) -> BTreeMap<BodyId, usize> {
+    let ids = world.scene.bodies().map(|(id, _)| id);
+    ids.zip(0..).collect()
+}
+
+/// The encounters by a certified screening.
+fn truth(world: &World) -> Result<Truth, Failure> {
+    let places = places(world);
+    let query = Query::new(world.window)
+        .with_margin(world.margin)
+        .with_accuracy(Accuracy::Certified);
+    let mut truth = Truth::new();
+    for conflict in world.scene.screen(&query)?.conflicts {
+        let pair = (places[&conflict.a], places[&conflict.b]);
+        truth
+            .entry((pair.0.min(pair.1), pair.0.max(pair.1)))
+            .or_default()
+            .push(Encounter {
+                enter: conflict.enter,
+                exit: conflict.exit,
+                separation: conflict.closest.separation,
+            });
+    }
+    Ok(truth)
+}
+
+/// Lets a stepper look at all frames. Returns its contacts, the time it took, s, and the frames.
+fn step(world: &World, rate: u32, stepper: &mut dyn Stepper) -> (Vec<Contact>, f64, f64) {
+    let plans = world.plans();
+    let (start, end) = (world.window.start(), world.window.end());
+    let step = 1.0 / f64::from(rate);
+    let (mut before, mut now) = (Vec::new(), Vec::new());
+    let (mut found, mut total, mut frames) = (Vec::new(), 0.0, 0.0);
+    loop {
+        let time = start + frames * step;
+        if time > end {
+            return (found, total, frames);
+        }
+        std::mem::swap(&mut before, &mut now);
+        now.clear();
+        // A body that is not there is where nobody is.
+        now.extend(
+            plans
+                .iter()
+                .map(|plan| plan.position(time).unwrap_or(DVec3::NAN)),
+        );
+        if before.is_empty() {
+            before.clone_from(&now);
+        }
+        let frame = Frame {
+            time,
+            step,
+            before: &before,
+            now: &now,
+        };
+        total += timed(|| stepper.look(&frame, &mut found)).1;
+        frames += 1.0;
+    }
+}
+
+/// A monitor that looks ahead, tick by tick: what it predicts, and the time of all its ticks, s.
+fn monitored(world: &World, rate: u32) -> Result<(Vec<Contact>, f64, f64), Failure> {
+    /// Lookahead, s.
+    const AHEAD: f64 = 2.0;
+    let places = places(world);
+    let (start, end) = (world.window.start(), world.window.end());
+    let mut monitor = Monitor::new(
+        world.scene.clone(),
+        start,
+        AHEAD,
+        &[AlertLevel::at(world.margin)],
+    )?;
+    let (mut events, mut found) = (Vec::new(), Vec::new());
+    let (mut total, mut ticks) = (0.0, 0.0);
+    loop {
+        let now = start + ticks / f64::from(rate);
+        if now > end {
+            return Ok((found, total, ticks));
+        }
+        events.clear();
+        let (done, time) = timed(|| monitor.advance(now, &mut events));
+        done?;
+        total += time;
+        ticks += 1.0;
+        for event in &events {
+            let (EventKind::Predicted(one) | EventKind::Revised(one)) = &event.kind else {
+                continue;
+            };
+            // What is beyond the window is not asked about.
+            if one.enter <= end && !one.open {
+                found.push(Contact {
+                    a: places[&one.a],
+                    b: places[&one.b],
+                    time: one.enter,
+                    separation: Some(one.closest.separation),
+                });
+            }
+        }
+    }
+}
+
+/// What a frame loop finds at which rate, and the time it takes.
+pub(crate) fn table(
+    world: &World,
+    effort: &Effort,
+    progress: &dyn Fn(f64),
+) -> Result<Table, Failure> {
+    let rates = effort.choose(&RATES[..], &FEW_RATES[..]);
+    let truth = truth(world)?;
+    let seconds = world.window.end() - world.window.start();
+    let mut table = Table::new(
+        "stepped",
+        format!(
+            "A scene stepped: {} bodies, {seconds} s, contact within {} m (one thread)",
+            world.scene.len(),
+            world.margin
+        ),
+        &[
+            "method",
+            "Hz",
+            "encounters",
+            "missed",
+            "false",
+            "late ms p50",
+            "late ms max",
+            "separation off m",
+            "ms",
+            "ms/frame",
+            "times nearmiss",
+        ],
+    );
+    let query = Query::new(world.window).with_margin(world.margin);
+    let runs = effort.choose(9, 3);
+    let mut times = Vec::new();
+    let mut answer = None;
+    for _ in 0..runs {
+        let (screening, time) = timed(|| world.scene.screen(&query));
+        times.push(time);
+        answer = Some(screening?);
+    }
+    let unit = median(times);
+    let places = places(world);
+    let found = answer.map_or(Vec::new(), |screening| screening.conflicts);
+    let found: Vec<Contact> = found
+        .iter()
+        .map(|conflict| Contact {
+            a: places[&conflict.a],
+            b: places[&conflict.b],
+            time: conflict.enter,
+            separation: Some(conflict.closest.separation),
+        })
+        .collect();
+    let score = Score::of(&truth, &found, 1e-9);
+    table.row(score.row("nearmiss, screened once", Cell::Nothing, (unit, None), unit));
+    let rate = 60;
+    let (found, total, ticks) = monitored(world, rate)?;
+    let score = Score::of(&truth, &found, 1e-9);
+    table.row(score.row(
+        "nearmiss, monitor 2 s ahead",
+        rate_cell(rate),
+        (total, Some(ticks)),
+        unit,
+    ));
+    let mut complete: BTreeMap<&str, Option<u32>> = BTreeMap::new();
+    let all = rates.len() * 4;
+    for (number, &rate) in rates.iter().enumerate() {
+        let radius = world.radius + 0.5 * world.margin;
+        let mut steppers: [(&str, Box<dyn Stepper>); 4] = [
+            ("overlap at instants", Box::new(Overlaps::new(radius))),
+            ("swept spheres", Box::new(SweptSpheres::new(radius))),
+            (
+                "parry cast_shapes_nonlinear",
+                Box::new(ShapeCasts::new(radius)),
+            ),
+            (
+                "rapier sensors",
+                Box::new(Sensors::new(radius, world.scene.len())),
+            ),
+        ];
+        for (which, (name, stepper)) in steppers.iter_mut().enumerate() {
+            let (found, total, frames) = step(world, rate, stepper.as_mut());
+            let score = Score::of(&truth, &found, 1.0 / f64::from(rate));
+            let first = complete.entry(name).or_default();
+            if score.missed == 0 && first.is_none() {
+                *first = Some(rate);
+            }
+            table.row(score.row(name, rate_cell(rate), (total, Some(frames)), unit));
+            #[allow(clippy::cast_precision_loss, reason = "shown")]
+            progress((4 * number + which + 1) as f64 / all as f64);
+        }
+    }
+    let highest = rates.last().copied().unwrap_or(0);
+    for (name, rate) in complete {
+        table.note(match rate {
+            Some(rate) => format!("{name}: misses nothing from {rate} Hz on"),
+            None => format!("{name}: misses encounters at every rate up to {highest} Hz"),
+        });
+    }
+    table
+        .note("late: the first contact seen, or the entry predicted, against the certified entry.");
+    table.note("The steppers are given all positions; what it costs to evaluate them is left out.");
+    Ok(table)
+}
+
+fn rate_cell(rate: u32) -> Cell {
+    Cell::Count(u64::from(rate))
+}
