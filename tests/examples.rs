@@ -231,3 +231,106 @@ fn what_is_said() {
     let said = String::from_utf8(result.stdout).unwrap();
     assert!(said.starts_with("{\"ticks\":30,"), "{said}");
 }
+
+/// The tables of `tradeoff` have their rows and columns, and what is ours is right.
+#[cfg(all(feature = "parallel", feature = "live", feature = "recording"))]
+#[test]
+fn the_tradeoff_in_short() {
+    use serde_json::Value;
+    let folder = folder("tradeoff");
+    let (json, pictures) = (folder.join("tradeoff.json"), folder.join("pictures"));
+    std::fs::create_dir_all(&pictures).unwrap();
+    let mut command = example("tradeoff");
+    command.arg("--quick").arg("--json").arg(&json);
+    command.arg("--pictures").arg(&pictures);
+    let done = command.output().unwrap();
+    assert!(done.status.success(), "{}", plain(&done.stderr));
+    let text = std::fs::read_to_string(&json).unwrap();
+    let found: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(found["quick"], true);
+    for (key, columns) in [
+        (
+            "pair",
+            &[
+                "pairs",
+                "method",
+                "ns",
+                "times_polycool",
+                "worst_error_size",
+                "wrong_minima",
+            ][..],
+        ),
+        (
+            "stepped",
+            &[
+                "method",
+                "Hz",
+                "encounters",
+                "missed",
+                "false",
+                "ms",
+                "times_nearmiss",
+            ],
+        ),
+        (
+            "told",
+            &["told_s", "encounters", "seen_ahead", "missed", "false"],
+        ),
+        (
+            "spheres",
+            &[
+                "spheres",
+                "overshoot_m",
+                "encounters",
+                "boxes_touch",
+                "false",
+                "ms",
+            ],
+        ),
+        (
+            "baking",
+            &["tolerance_m", "encounters", "certified", "unresolved", "ms"],
+        ),
+        ("prices", &["work", "with", "ms", "times_the_first"]),
+    ] {
+        let rows = found["tables"][key]["rows"].as_array().unwrap();
+        assert!(!rows.is_empty(), "{key}");
+        for row in rows {
+            for column in columns {
+                assert!(row.get(column).is_some(), "{key}: {column} in {row}");
+            }
+        }
+    }
+    let rows = |key: &str, column: &str, part: &str| {
+        let all = found["tables"][key]["rows"].as_array().unwrap();
+        let own = all
+            .iter()
+            .filter(|row| row[column].as_str().is_some_and(|text| text.contains(part)));
+        own.cloned().collect::<Vec<Value>>()
+    };
+    let solved = rows("pair", "method", "nearmiss");
+    assert_eq!(solved.len(), 12);
+    assert!(
+        solved.iter().all(|row| row["wrong_minima"] == 0),
+        "{solved:?}"
+    );
+    let screened = rows("stepped", "method", "nearmiss");
+    let is_right = |row: &Value| row["missed"] == 0 && row["false"] == 0 && row["encounters"] != 0;
+    assert!(
+        screened.len() == 2 && screened.iter().all(is_right),
+        "{screened:?}"
+    );
+    let baked = found["tables"]["baking"]["rows"].as_array().unwrap();
+    assert!(
+        baked
+            .iter()
+            .all(|row| row["encounters"].as_u64() >= row["certified"].as_u64())
+    );
+    for picture in ["tradeoff-pair.svg", "tradeoff-stepped.svg"] {
+        let drawn = std::fs::read_to_string(pictures.join(picture)).unwrap();
+        assert!(
+            drawn.contains("nearmiss") && drawn.ends_with("</svg>\n"),
+            "{picture}"
+        );
+    }
+}

@@ -100,14 +100,16 @@ fn steps(table: &Table) -> (Axes, Vec<Mark>) {
             y: 100.0 * (all - missed) / all.max(1.0),
         })
     });
+    let marks: Vec<Mark> = marks.collect();
+    let least = marks.iter().map(|mark| mark.y).fold(100.0, f64::min);
     let axes = Axes {
         title: "A scene stepped: time against encounters found",
         x: "ms in all",
         y: "encounters found, %",
-        y_range: (0.0, 104.0),
+        y_range: ((least - 10.0).max(0.0), 104.0),
         joined: true,
     };
-    (axes, marks.collect())
+    (axes, marks)
 }
 
 fn page<'a>(
@@ -181,12 +183,8 @@ where
             own.iter()
                 .map(|mark| Circle::new((mark.x, mark.y), 4, colour.filled())),
         )?;
-        let anchor = Pos::new(HPos::Left, VPos::Center);
-        let font = ("sans-serif", 12).into_font().color(&colour).pos(anchor);
-        chart.draw_series(own.iter().map(|mark| {
-            EmptyElement::at((mark.x, mark.y)) + Text::new(mark.name.clone(), (8, 0), font.clone())
-        }))?;
     }
+    names(chart, marks, &colours)?;
     if axes.joined {
         chart
             .configure_series_labels()
@@ -194,6 +192,58 @@ where
             .border_style(INK)
             .label_font(("sans-serif", 13).into_font().color(&INK))
             .draw()?;
+    }
+    Ok(())
+}
+
+/// Writes the names beside the points, where no other name is.
+fn names<X, Y>(
+    chart: &ChartContext<'_, SVGBackend<'_>, Cartesian2d<X, Y>>,
+    marks: &[Mark],
+    colours: &BTreeMap<&str, RGBColor>,
+) -> Result<(), Failure>
+where
+    X: Ranged<ValueType = f64>,
+    Y: Ranged<ValueType = f64>,
+{
+    /// Of a letter and of a line, pixels.
+    const LETTER: i32 = 6;
+    const LINE: i32 = 13;
+    /// Lines up and down that are tried.
+    const TRIES: i32 = 12;
+    let area = chart.plotting_area().strip_coord_spec();
+    let (left, top) = area.get_base_pixel();
+    let (width, height) = area.dim_in_pixel();
+    let (width, height) = (i32::try_from(width)?, i32::try_from(height)?);
+    let mut taken: Vec<(i32, i32, i32)> = Vec::new();
+    for mark in marks {
+        let (x, y) = chart.backend_coord(&(mark.x, mark.y));
+        let (x, y) = (x - left, y - top);
+        let length = LETTER * i32::try_from(mark.name.chars().count())?;
+        let start = if x + 8 + length > width {
+            x - 8 - length
+        } else {
+            x + 8
+        };
+        let is_free = |line: &i32| {
+            (LINE / 2..height).contains(line)
+                && taken.iter().all(|&(from, to, other)| {
+                    start > to || start + length < from || (line - other).abs() >= LINE
+                })
+        };
+        let lines = (0..TRIES).flat_map(|number| [y - number * LINE, y + number * LINE]);
+        let line = lines.into_iter().find(is_free).unwrap_or(y);
+        taken.push((start, start + length, line));
+        let colour = colours.get(mark.series.as_str()).copied().unwrap_or(INK);
+        if line != y {
+            area.draw(&PathElement::new(
+                [(x, y), (start - 2, line)],
+                colour.mix(0.5),
+            ))?;
+        }
+        let anchor = Pos::new(HPos::Left, VPos::Center);
+        let font = ("sans-serif", 12).into_font().color(&colour).pos(anchor);
+        area.draw(&Text::new(mark.name.clone(), (start, line), font))?;
     }
     Ok(())
 }

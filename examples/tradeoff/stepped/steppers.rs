@@ -160,9 +160,14 @@ impl Stepper for ShapeCasts {
         let radius = self.radius;
         let ball = Ball::new(radius as f32);
         let step = frame.step as f32;
+        let rate = if frame.step > 0.0 {
+            1.0 / frame.step
+        } else {
+            0.0
+        };
         let motion = |body: usize| {
             let (from, to) = (frame.before[body], frame.now[body]);
-            let velocity = ((to - from) / frame.step).as_vec3();
+            let velocity = ((to - from) * rate).as_vec3();
             NonlinearRigidMotion::new(
                 Pose::from_translation(from.as_vec3()),
                 Vec3::ZERO,
