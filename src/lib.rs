@@ -94,6 +94,7 @@ mod conflict;
 mod cover;
 mod enclosure;
 mod error;
+pub mod guide;
 mod hitbox;
 mod id;
 #[doc(hidden)]
