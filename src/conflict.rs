@@ -29,6 +29,10 @@ pub struct ClosestApproach {
     pub sphere_a: u32,
     /// Number of the closest sphere of b's hitbox (0 for a single sphere).
     pub sphere_b: u32,
+    /// Sum of both bodies' [model errors](crate::Body::with_model_error), rounded up, m. The least
+    /// separation in the world is within so much of `separation`, which is that of the splines.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub model_error: f64,
 }
 
 /// A maximal interval in which two bodies' separation is at most the margin.

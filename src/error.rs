@@ -186,6 +186,12 @@ pub enum Error {
         /// The radius, m.
         radius: f64,
     },
+    /// A [model error](crate::Body::with_model_error) is negative, NaN, infinite or too large.
+    #[error("model error {metres:?} m is not a number from 0 to 1e300")]
+    ModelError {
+        /// The model error, m.
+        metres: f64,
+    },
     /// A sphere's offset is NaN, infinite or too large.
     #[error("sphere {sphere}: offset component {value:?} m is not a number within ±1e300")]
     Offset {

@@ -5,6 +5,7 @@ mod body;
 mod body_plan;
 mod entry;
 mod ignored;
+mod model_error;
 mod partners;
 mod sample;
 #[cfg(feature = "serde")]
@@ -13,6 +14,7 @@ mod update;
 
 pub(crate) use arena::CubicArena;
 pub use body::Body;
+pub(crate) use body::checked_model_error;
 pub use body_plan::{BodyPlan, BodyPlanRef};
 pub(crate) use entry::SceneEntry;
 pub(crate) use ignored::IgnoredPairs;
@@ -268,9 +270,9 @@ impl Scene {
     ///
     /// [`Error::UnknownBody`].
     pub fn set_hitbox(&mut self, id: BodyId, hitbox: Hitbox) -> Result<Hitbox, Error> {
-        let radius = radius(&hitbox);
-        let old = std::mem::replace(&mut self.entry_mut(id)?.0.body.hitbox, hitbox);
-        self.kinds.add_radius(radius);
+        let body = &mut self.entry_mut(id)?.0.body;
+        let old = std::mem::replace(&mut body.hitbox, hitbox);
+        self.note_shape(id);
         Ok(old)
     }
 
@@ -421,7 +423,7 @@ impl Scene {
         let (Some((id_a, a)), Some((id_b, b))) = (self.in_slot(a), self.in_slot(b)) else {
             return false;
         };
-        let [one, other] = [a, b].map(|one| radius(&one.body.hitbox));
+        let [one, other] = [a, b].map(|one| radius(&one.body));
         a.body.layers.admits(b.body.layers)
             && (margin >= 0.0 || can_reach(one, other, margin))
             && (self.ignored.is_empty() || !self.ignored.contains(id_a, id_b))

@@ -41,7 +41,7 @@ impl Monitor {
             return Err(Error::NoPlanAt { time: self.now }.in_body(body.tag));
         }
         let orientation = orientation.unwrap_or(&body.orientation);
-        let shape = BodyShape::new(&body.hitbox, orientation.turning());
+        let shape = BodyShape::new(&body.hitbox, orientation.turning(), body.model_error());
         let flight = self.terms()?.flight(plan, shape, body.tag)?;
         let own = flight.view(plan, shape);
         let window = (self.now, self.known);

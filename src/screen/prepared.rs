@@ -210,9 +210,7 @@ impl<'a> PlaceAdmission<'a> {
     pub(super) fn new(scene: &'a Scene, prepared: &'a PreparedScene<'_>) -> Self {
         let bodies = || prepared.entries.iter().map(|entry| &entry.body);
         let is_negative = prepared.margin < 0.0;
-        let radii = bodies()
-            .filter(|_| is_negative)
-            .map(|body| radius(&body.hitbox));
+        let radii = bodies().filter(|_| is_negative).map(|body| radius(body));
         Self {
             layers: bodies().map(|body| body.layers).collect(),
             radii: radii.collect(),

@@ -228,5 +228,6 @@ pub(super) fn describe(approach: &Approach, a: &BodyView<'_>, b: &BodyView<'_>) 
         relative_velocity,
         sphere_a: approach.sphere_a,
         sphere_b: approach.sphere_b,
+        model_error: a.model_error_with(b),
     }
 }
