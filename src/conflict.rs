@@ -35,6 +35,14 @@ pub struct ClosestApproach {
     pub model_error: f64,
 }
 
+impl ClosestApproach {
+    /// Returns the position of a relative to b at `time`, m.
+    #[must_use]
+    pub fn relative_position(&self) -> DVec3 {
+        self.position_a - self.position_b
+    }
+}
+
 /// A maximal interval in which two bodies' separation is at most the margin.
 ///
 /// ```

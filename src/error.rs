@@ -326,6 +326,10 @@ pub enum Error {
         /// The contradiction.
         problem: &'static str,
     },
+    /// The caller's progress function ended the screening: see
+    /// [`Scene::screen_with_progress`](crate::Scene::screen_with_progress).
+    #[error("the screening was ended before it was complete")]
+    Cancelled,
     /// The scene holds as many bodies as ids can distinguish (2^32 - 1).
     #[error("the scene is full")]
     SceneFull,

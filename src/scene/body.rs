@@ -5,7 +5,8 @@ use crate::hitbox::{Hitbox, Sphere};
 use crate::layers::Layers;
 use crate::orientation::Orientation;
 use crate::shape::BodyShape;
-use crate::trajectory::Trajectory;
+use crate::trajectory::{Extension, Trajectory};
+use crate::window::Window;
 
 /// A trajectory with a hitbox around it.
 #[derive(Clone, Debug, PartialEq)]
@@ -135,6 +136,28 @@ impl Body {
             ..*sphere
         };
         Some(self.hitbox.spheres().iter().map(turned).collect())
+    }
+
+    /// Returns the pieces that the body follows beyond its knots over a window, if any.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::WindowNotClosed`]; [`Error::InBody`] with those of [`Trajectory::extension`].
+    pub(crate) fn extension(&self, window: Window) -> Result<Option<Extension>, Error> {
+        let Self {
+            trajectory, tag, ..
+        } = self;
+        let is_within = |ends: [f64; 2]| ends[0] < window.start() && window.end() < ends[1];
+        let straight = trajectory.straight();
+        if !trajectory.goes_beyond() || straight.is_some_and(|(_, ends)| is_within(ends)) {
+            return Ok(None);
+        }
+        let followed = trajectory.domain().intersection(window);
+        if followed.is_some_and(|followed| !followed.is_closed()) {
+            return Err(Error::WindowNotClosed { body: *tag });
+        }
+        let extension = trajectory.extension(window);
+        extension.map_err(|error| error.in_body(*tag))
     }
 
     /// Returns the space that the body occupies around its position.
