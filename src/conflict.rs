@@ -11,11 +11,14 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
+#[doc(alias = "tca")]
+#[doc(alias = "cpa")]
+#[doc(alias = "miss distance")]
 pub struct ClosestApproach {
     /// The instant, s; the first one of several, or of a stretch.
     pub time: f64,
-    /// Distance between the hitboxes' surfaces, m; negative where they overlap. It belongs to the
-    /// exact instant, of which `time` is the rounded value. The positions at `time` may differ from
+    /// Distance between the hitboxes' surfaces on the splines, m; negative where they overlap. It
+    /// belongs to the exact instant, of which `time` is the rounded value. The positions at `time` may differ from
     /// it where a body goes far between two neighbouring f64 instants, as between knots an ulp
     /// apart.
     pub separation: f64,
@@ -45,6 +48,10 @@ impl ClosestApproach {
 
 /// A maximal interval in which two bodies' separation is at most the margin.
 ///
+/// Of bodies with [model errors](crate::Body::with_model_error), the separation of the splines is at
+/// most margin + [`model_error`](ClosestApproach::model_error): the bodies may be within the margin in
+/// the world.
+///
 /// ```
 /// use nearmiss::glam::DVec3;
 /// use nearmiss::{Body, Query, Scene, State, Trajectory, Window};
@@ -64,6 +71,8 @@ impl ClosestApproach {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
+#[doc(alias = "conjunction")]
+#[doc(alias = "time of impact")]
 pub struct Conflict {
     /// The body with the smaller id.
     pub a: BodyId,
@@ -77,8 +86,8 @@ pub struct Conflict {
     pub enter: f64,
     /// Last instant within the margin, s; equal to `enter` for a mere touch.
     pub exit: f64,
-    /// The least separation inside the interval. It may exceed the margin by rounding: far [beyond
-    /// the knots](crate::Outside) by 1e-14 of the distance travelled.
+    /// The least separation inside the interval. It may exceed the margin by model errors, and by
+    /// rounding: far [beyond the knots](crate::Outside) by 1e-14 of the distance travelled.
     pub closest: ClosestApproach,
     /// Ends of the interval that the window or the bodies' common domain cuts.
     pub clip: Clip,

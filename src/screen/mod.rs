@@ -61,6 +61,7 @@ impl Scene {
     /// - [`Error::InBody`] with [`Error::OutOfRange`] if an extrapolated cubic leaves the range of
     ///   numbers within the window, or with [`Error::TooFar`].
     /// - [`Error::TooCrowded`] if more spans may hold a conflict than the query has room for.
+    #[doc(alias = "conjunction")]
     pub fn screen(&self, query: &Query) -> Result<Screening, Error> {
         self.screen_with_progress(query, |_| ControlFlow::Continue(()))
     }
@@ -135,6 +136,9 @@ impl Scene {
     ///
     /// [`Error::UnknownBody`], [`Error::SameBody`]; [`Error::WindowNotClosed`] and
     /// [`Error::InBody`] as for [`screen`](Self::screen).
+    #[doc(alias = "tca")]
+    #[doc(alias = "cpa")]
+    #[doc(alias = "miss distance")]
     pub fn closest_approach(
         &self,
         a: BodyId,
@@ -145,7 +149,8 @@ impl Scene {
         pair::closest_approach(a, b, window)
     }
 
-    /// Returns [`closest_approach`](Self::closest_approach) with a proof, which takes longer.
+    /// Returns [`closest_approach`](Self::closest_approach) with a proof, which takes longer: of the
+    /// splines, or with [model errors](Body::with_model_error) of the world.
     ///
     /// ```
     /// # use nearmiss::glam::DVec3;
