@@ -70,7 +70,9 @@ pub(crate) fn map_both<T: Send, U: Send>(
     other.clear();
     one.reserve(count);
     other.reserve(count);
-    for both in (0..count).map(work) {
+    // No iterator over the results: each would be moved once more.
+    for index in 0..count {
+        let both = work(index);
         one.push(both.0);
         other.push(both.1);
     }

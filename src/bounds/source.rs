@@ -92,10 +92,10 @@ impl<'a, C: BoundingCubic> CubicSource<'a, C> {
         (!motions.is_empty() && first <= from && to <= last).then_some(pieces)
     }
 
-    /// Prefetches a cubic.
+    /// Prefetches a cubic, given its number among those of the plan.
     #[inline(always)]
-    pub(crate) fn fetch(&self, number: usize) {
-        if let Some(cubic) = self.cubics.get(number.wrapping_sub(self.knots.before())) {
+    pub(crate) fn fetch(&self, place: usize) {
+        if let Some(cubic) = self.cubics.get(place) {
             prefetch(from_ref(cubic));
         }
     }

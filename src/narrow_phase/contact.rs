@@ -19,11 +19,15 @@ pub(crate) struct SolvedSpan {
     profile: DistanceProfile,
 }
 
-/// Returns the only two spheres of a pair over a span, or `None` if there are more.
+/// Returns the only two spheres of a pair over a span, or `None` if there are more, or one turns.
+#[inline]
 pub(super) fn lone_pair(a: &BodyView<'_>, b: &BodyView<'_>, span: Span) -> Option<SpherePair> {
     let ([sphere_a], [sphere_b]) = (a.spheres, b.spheres) else {
         return None;
     };
+    if a.turning.is_some() || b.turning.is_some() {
+        return None;
+    }
     let [segment_a, segment_b] = &a.segments_in(b, span);
     let offset = sphere_a.offset - sphere_b.offset;
     Some(SpherePair {
@@ -154,33 +158,57 @@ pub(crate) fn contacts(
     let margin = widened(margin, a.model_error_with(b));
     let first = found.len();
     for span in spans {
-        let solve = |pair: &SpherePair, span: Span, found: &mut Vec<Contact>| {
-            if let Some(profile) = DistanceProfile::near(&pair.cubic, pair.radius(margin)) {
-                pair.contacts(&profile, span, margin, clip, found);
-            }
-        };
-        if let Some(turning) = TurningPair::of(a, b, span, Accuracy::Exact) {
-            turning.each_within(margin, clip, |pair, part| solve(pair, part, found));
-            continue;
-        }
         // Lone spheres have been through the test that those of clusters are still to pass.
         if let Some(pair) = lone_pair(a, b, span) {
-            solve(&pair, span, found);
+            solved_contacts(&pair, span, margin, clip, found);
         } else {
-            ClusterPair::of(a, b, span).each_for_contacts(margin, clip, |pair, shown| {
-                let count = found.len();
-                solve(pair, span, found);
-                if let Some(shown) = shown {
-                    shown.extend(found[count..].iter().map(|contact| ProvenContact {
-                        enter: contact.enter,
-                        exit: contact.exit,
-                        separation: contact.closest.separation,
-                    }));
-                }
-            });
+            contacts_of_many(a, b, span, margin, clip, found);
         }
     }
     join(found, first);
+}
+
+/// Appends the contacts of two spheres over a span, solved here.
+#[inline]
+fn solved_contacts(
+    pair: &SpherePair,
+    span: Span,
+    margin: f64,
+    clip: (f64, f64),
+    found: &mut Vec<Contact>,
+) {
+    if let Some(profile) = DistanceProfile::near(&pair.cubic, pair.radius(margin)) {
+        pair.contacts(&profile, span, margin, clip, found);
+    }
+}
+
+/// Appends the contacts of clusters over a span.
+#[inline(never)]
+fn contacts_of_many(
+    a: &BodyView<'_>,
+    b: &BodyView<'_>,
+    span: Span,
+    margin: f64,
+    clip: (f64, f64),
+    found: &mut Vec<Contact>,
+) {
+    if let Some(turning) = TurningPair::of(a, b, span, Accuracy::Exact) {
+        turning.each_within(margin, clip, |pair, part| {
+            solved_contacts(pair, part, margin, clip, found);
+        });
+        return;
+    }
+    ClusterPair::of(a, b, span).each_for_contacts(margin, clip, |pair, shown| {
+        let count = found.len();
+        solved_contacts(pair, span, margin, clip, found);
+        if let Some(shown) = shown {
+            shown.extend(found[count..].iter().map(|contact| ProvenContact {
+                enter: contact.enter,
+                exit: contact.exit,
+                separation: contact.closest.separation,
+            }));
+        }
+    });
 }
 
 /// Appends the contacts from spans of one pair that were solved at this margin or a larger one. The

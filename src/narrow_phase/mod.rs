@@ -88,6 +88,18 @@ impl<'a> BodyView<'a> {
     /// Returns the cubics that two bodies follow in a span.
     #[inline(always)]
     pub(crate) fn segments_in(&self, other: &Self, span: Span) -> [Cow<'a, Segment>; 2] {
+        if self.knots.are_extended() || other.knots.are_extended() {
+            return self.formed_in(other, span);
+        }
+        let (a, b) = (span.a as usize, span.b as usize);
+        [
+            Cow::Borrowed(&self.segments[a]),
+            Cow::Borrowed(&other.segments[b]),
+        ]
+    }
+
+    #[inline(never)]
+    fn formed_in(&self, other: &Self, span: Span) -> [Cow<'a, Segment>; 2] {
         [
             self.segment(span.a as usize),
             other.segment(span.b as usize),

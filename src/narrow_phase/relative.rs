@@ -64,17 +64,13 @@ impl RelativeCubic {
         }
     }
 
-    /// Returns a function that evaluates [`at`](Self::at) for many s.
-    pub(crate) fn motion(&self) -> impl Fn(f64) -> (DVec3, DVec3) {
+    /// Returns the power forms of both ends, which evaluate [`at`](Self::at) for many s.
+    #[inline]
+    pub(crate) fn power_forms(&self) -> PowerForms {
         let [p0, p1, p2, p3] = self.points;
-        let (forth, back) = (PowerForm::of(p0, p1, p2, p3), PowerForm::of(p3, p2, p1, p0));
-        move |s| {
-            if s <= 0.5 {
-                forth.at(s)
-            } else {
-                let (position, rate) = back.at(1.0 - s);
-                (position, -rate)
-            }
+        PowerForms {
+            forth: PowerForm::of(p0, p1, p2, p3),
+            back: PowerForm::of(p3, p2, p1, p0),
         }
     }
 
@@ -167,6 +163,25 @@ fn blur(&[p0, p1, p2, p3]: &[DVec3; 4], (start, end): (f64, f64)) -> f64 {
     if blur.is_nan() { f64::INFINITY } else { blur }
 }
 
+/// A relative cubic in powers of the distance from its nearer end.
+pub(crate) struct PowerForms {
+    forth: PowerForm,
+    back: PowerForm,
+}
+
+impl PowerForms {
+    /// See [`RelativeCubic::at`].
+    #[inline(always)]
+    pub(crate) fn at(&self, s: f64) -> (DVec3, DVec3) {
+        if s <= 0.5 {
+            self.forth.at(s)
+        } else {
+            let (position, rate) = self.back.at(1.0 - s);
+            (position, -rate)
+        }
+    }
+}
+
 /// A cubic in powers of the distance from one of its ends.
 struct PowerForm {
     coefficients: [DVec3; 4],
@@ -187,7 +202,7 @@ impl PowerForm {
     }
 
     /// Returns value and derivative.
-    #[inline]
+    #[inline(always)]
     fn at(&self, s: f64) -> (DVec3, DVec3) {
         let [c0, c1, c2, c3] = self.coefficients;
         (

@@ -85,8 +85,8 @@ fn polish(cubic: &RelativeCubic, start: f64, (low, high): (f64, f64)) -> f64 {
     const MAX_STEPS: usize = 60;
     let power = normalising_power(cubic.size);
     let mut s = start.max(low).min(high);
-    let motion = cubic.motion();
-    let (mut position, mut rate) = motion(s);
+    let motion = cubic.power_forms();
+    let (mut position, mut rate) = motion.at(s);
     let mut distance = (position * power).length_squared();
     for _ in 0..MAX_STEPS {
         let (h, h1, h2) = (position * power, rate * power, cubic.curvature(s) * power);
@@ -96,7 +96,7 @@ fn polish(cubic: &RelativeCubic, start: f64, (low, high): (f64, f64)) -> f64 {
             break;
         }
         let next = (s - slope / bend).max(low).min(high);
-        let (next_position, next_rate) = motion(next);
+        let (next_position, next_rate) = motion.at(next);
         let next_distance = (next_position * power).length_squared();
         if next_distance.is_nan() || next_distance >= distance {
             break;

@@ -90,7 +90,8 @@ impl DistanceProfile {
         profile
     }
 
-    #[inline]
+    // Not inlined: a profile is formed where its caller wants it, instead of moved there.
+    #[inline(never)]
     fn changing(cubic: &RelativeCubic, heights: &SquaredDistance) -> Self {
         let mut profile = Self::from(ProfileNode::at(cubic, 0.0));
         if heights.are_monotonic() {
@@ -173,24 +174,27 @@ impl DistanceProfile {
             distance: cubic.distance(cubic.parameter(time)),
             plateau: self.plateau,
         };
-        let first = if self.plateau > 0.0 || from <= cubic.start {
-            Some(ProfilePoint {
+        let mut closest = None;
+        let mut include = |point: ProfilePoint| {
+            closest = Some(closest.map_or(point, |first: ProfilePoint| first.or_lower(point)));
+        };
+        if self.plateau > 0.0 || from <= cubic.start {
+            include(ProfilePoint {
                 time: from,
                 ..self.instant(&self.nodes[0])
-            })
-        } else {
-            (from <= clip.0).then(|| cut(from))
-        };
-        let inside = self
-            .nodes()
-            .iter()
-            .filter(|node| from <= node.time && node.time <= to)
-            .map(|node| self.instant(node));
-        let last = (to >= clip.1 && to < cubic.end).then(|| cut(to));
-        let instants = first.into_iter().chain(inside).chain(last);
-        instants
-            .reduce(ProfilePoint::or_lower)
-            .unwrap_or_else(|| cut(from))
+            });
+        } else if from <= clip.0 {
+            include(cut(from));
+        }
+        for node in self.nodes() {
+            if from <= node.time && node.time <= to {
+                include(self.instant(node));
+            }
+        }
+        if to >= clip.1 && to < cubic.end {
+            include(cut(to));
+        }
+        closest.unwrap_or_else(|| cut(from))
     }
 
     /// Calls `found` with all stretches within `radius` that overlap `from..=to`, clipped to it, in
@@ -281,9 +285,9 @@ fn crossing(
     let power = normalising_power(cubic.size.max(radius));
     let radius = radius * power;
     let tolerance = cubic.tolerance() * power;
-    let motion = cubic.motion();
+    let motion = cubic.power_forms();
     let excess = |s: f64| {
-        let (position, rate) = motion(s);
+        let (position, rate) = motion.at(s);
         let (h, h1) = (position * power, rate * power);
         (h.length_squared() - radius * radius, 2.0 * h.dot(h1))
     };

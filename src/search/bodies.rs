@@ -135,7 +135,8 @@ impl<C: BoundingCubic + Sync> Bodies for BodyLists<'_, C> {
 
     #[inline]
     fn fetch_cubic(&self, (body, cubic): (u32, u32)) {
-        self.sources[body as usize].fetch(cubic as usize);
+        let source = &self.sources[body as usize];
+        source.fetch((cubic as usize).wrapping_sub(source.knots.before()));
     }
 
     #[inline]

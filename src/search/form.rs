@@ -156,7 +156,7 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
         let first = cubic_before(&source.knots, periods[0].from, *piece);
         *piece = short(first);
         if !goes_in_runs(source, periods) {
-            return Some((source, first));
+            return Some((source, first.wrapping_sub(source.knots.before())));
         }
         if exists(source, periods) {
             fetch_route(source, periods, first);
@@ -265,7 +265,8 @@ struct BodyWalk<'a, C, const MOVES: bool, const EXTENDED: bool> {
     begin: usize,
 }
 
-/// A later body and its first cubic to prefetch: one cubic for each of this body's. None: nothing to prefetch.
+/// A later body and the first of its plan's cubics to prefetch: one for each of this body's.
+/// None: nothing to prefetch.
 type Ahead<'a, C> = Option<(&'a CubicSource<'a, C>, usize)>;
 
 impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
@@ -293,7 +294,7 @@ impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
                 later.fetch(first);
             }
             // One more: it may go through more cubics than this one.
-            later.fetch(first + (number - self.begin) + 1);
+            later.fetch(first.wrapping_add(number - self.begin + 1));
         }
         self.source.piece::<EXTENDED>(number)
     }
