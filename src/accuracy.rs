@@ -7,7 +7,10 @@
 /// | | promise | cost |
 /// |---|---|---|
 /// | [`Exact`](Self::Exact) | f64, good to a few roundings of the local scale; not certified | 1 |
-/// | [`Certified`](Self::Certified) | proven enclosures of separation, enter, exit and closest approach; what f64 cannot decide is marked | 1.0 to 1.4 |
+/// | [`Certified`](Self::Certified) | proven enclosures of separation, enter, exit and closest approach; what cannot be decided is marked | 1.0 to 1.4 |
+///
+/// Both are about the splines through the numbers given. Where bodies have [model
+/// errors](crate::Body::with_model_error), `Certified` is about the world: see [`Certificate`].
 ///
 /// Costs: `screen --accuracy A --threads 1 --stats json`, `screen_ms` over that of `exact`, medians
 /// of nine runs (of the largest set, five) on seven sets of real trajectories. Finding candidates
@@ -33,6 +36,7 @@
 /// | clusters | the bounding sphere is tested first | its radius is rounded outward; then the pairs of spheres that bounds cannot rule out are solved, and the results united |
 /// | turning spheres | between cuts, the way of a centre is a cubic, with an error of at most the [orientation's](crate::Orientation) tolerance; beyond the range of f64's angles the centre is anywhere within its distance | `Exact` adds the error to the radius, `Certified` to the error of the relative cubic; boxes contain every rotation |
 /// | relative cubic | restriction to the span and difference: a bound on its error is computed with it | handed to the solver |
+/// | model errors | known bounds of the distance of splines and world | boxes and bounding spheres contain them; `Exact` adds them to the margin, rounded up; `Certified` is certain inside margin - e and outside margin + e alone |
 /// | threshold | radii and margin are summed exactly | `Certified` takes the two neighbours of the rounded sum where it had to be rounded |
 /// | solver | `Exact` counts as contact what comes within its worst-case rounding of the threshold | `Certified` proves each part of a span inside or outside (`src/enclosure`); undecided parts are reported, and join their neighbours, as unresolved |
 /// | times | the local parameter is exact, its instant is rounded | outward in `Certified`; knots are met exactly |
@@ -45,8 +49,9 @@ pub enum Accuracy {
     #[default]
     Exact,
     /// Every conflict carries a [`Certificate`]: enclosures of its separation and of its times,
-    /// proven for the exact motion through the given numbers. Pairs that are certainly outside are
-    /// not reported; conflicts that f64 cannot decide are marked as unresolved.
+    /// proven for the splines (the exact motion through the given numbers), or for the world where
+    /// bodies have [model errors](crate::Body::with_model_error). Pairs that are certainly outside
+    /// are not reported; conflicts that cannot be decided are marked as unresolved.
     Certified,
 }
 
@@ -60,10 +65,27 @@ pub struct TimeEnclosure {
     pub latest: f64,
 }
 
-/// Proven facts about a conflict, as worst cases over all rounding.
+/// Proven facts about a conflict of the splines, as worst cases over all rounding; of the world, if
+/// the bodies have model errors.
 ///
 /// The facts hold for the motion in real arithmetic through the given `f64` states or polynomials,
 /// with the exact sum of radii and margin. The proof is in `src/enclosure`.
+///
+/// # Of the world
+///
+/// Let e be the sum of both bodies' [model errors](crate::Body::with_model_error), rounded up. The
+/// separation in the world is then within e of the splines' at all times, and nothing else is known
+/// of it. The facts hold for every world like that:
+///
+/// - All times within the margin in the world lie in conflicts that are reported, from
+///   `enter.earliest` to `exit.latest`. A conflict of the world lies in one of them, not in two.
+/// - `resolved`: from `enter.latest` to `exit.earliest` the bodies are within the margin in the world.
+///   So there is a conflict of the world with these instants; it begins within `enter` and ends
+///   within `exit`. Within these enclosures, of which the length grows with e, the world may have
+///   further ones.
+/// - Not `resolved`: the world may have no conflict there, one, or several.
+/// - `closest.separation ± error` contains the least separation in the world, and the instants at
+///   which it is attained lie within `closest`. `error` is somewhat more than e.
 ///
 /// ```
 /// use nearmiss::glam::DVec3;
@@ -91,14 +113,15 @@ pub struct TimeEnclosure {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Certificate {
-    /// The least separation within the conflict lies in `closest.separation ± error` (m).
+    /// The least separation within the conflict lies in `closest.separation ± error` (m), model errors
+    /// included.
     pub error: f64,
     /// True if this is certainly one conflict: within the margin at some instant, and throughout
     /// from `enter.latest` to `exit.earliest`. Within the enclosures of enter and exit it may cross
     /// the margin more than once.
     ///
-    /// False if f64 cannot decide: whether the pair reaches the margin at all, or whether a short
-    /// or narrow gap divides the conflict.
+    /// False if f64, or what the model errors leave open, cannot decide: whether the pair reaches
+    /// the margin at all, or whether a short or narrow gap divides the conflict.
     pub resolved: bool,
     /// Beginning of the conflict.
     pub enter: TimeEnclosure,

@@ -11,11 +11,14 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
+#[doc(alias = "tca")]
+#[doc(alias = "cpa")]
+#[doc(alias = "miss distance")]
 pub struct ClosestApproach {
     /// The instant, s; the first one of several, or of a stretch.
     pub time: f64,
-    /// Distance between the hitboxes' surfaces, m; negative where they overlap. It belongs to the
-    /// exact instant, of which `time` is the rounded value. The positions at `time` may differ from
+    /// Distance between the hitboxes' surfaces on the splines, m; negative where they overlap. It
+    /// belongs to the exact instant, of which `time` is the rounded value. The positions at `time` may differ from
     /// it where a body goes far between two neighbouring f64 instants, as between knots an ulp
     /// apart.
     pub separation: f64,
@@ -29,9 +32,25 @@ pub struct ClosestApproach {
     pub sphere_a: u32,
     /// Number of the closest sphere of b's hitbox (0 for a single sphere).
     pub sphere_b: u32,
+    /// Sum of both bodies' [model errors](crate::Body::with_model_error), rounded up, m. The least
+    /// separation in the world is within so much of `separation`, which is that of the splines.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub model_error: f64,
+}
+
+impl ClosestApproach {
+    /// Returns the position of a relative to b at `time`, m.
+    #[must_use]
+    pub fn relative_position(&self) -> DVec3 {
+        self.position_a - self.position_b
+    }
 }
 
 /// A maximal interval in which two bodies' separation is at most the margin.
+///
+/// Of bodies with [model errors](crate::Body::with_model_error), the separation of the splines is at
+/// most margin + [`model_error`](ClosestApproach::model_error): the bodies may be within the margin in
+/// the world.
 ///
 /// ```
 /// use nearmiss::glam::DVec3;
@@ -52,6 +71,8 @@ pub struct ClosestApproach {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
+#[doc(alias = "conjunction")]
+#[doc(alias = "time of impact")]
 pub struct Conflict {
     /// The body with the smaller id.
     pub a: BodyId,
@@ -65,8 +86,8 @@ pub struct Conflict {
     pub enter: f64,
     /// Last instant within the margin, s; equal to `enter` for a mere touch.
     pub exit: f64,
-    /// The least separation inside the interval. It may exceed the margin by rounding: far [beyond
-    /// the knots](crate::Outside) by 1e-14 of the distance travelled.
+    /// The least separation inside the interval. It may exceed the margin by model errors, and by
+    /// rounding: far [beyond the knots](crate::Outside) by 1e-14 of the distance travelled.
     pub closest: ClosestApproach,
     /// Ends of the interval that the window or the bodies' common domain cuts.
     pub clip: Clip,

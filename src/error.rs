@@ -186,6 +186,12 @@ pub enum Error {
         /// The radius, m.
         radius: f64,
     },
+    /// A [model error](crate::Body::with_model_error) is negative, NaN, infinite or too large.
+    #[error("model error {metres:?} m is not a number from 0 to 1e300")]
+    ModelError {
+        /// The model error, m.
+        metres: f64,
+    },
     /// A sphere's offset is NaN, infinite or too large.
     #[error("sphere {sphere}: offset component {value:?} m is not a number within ±1e300")]
     Offset {
@@ -320,6 +326,10 @@ pub enum Error {
         /// The contradiction.
         problem: &'static str,
     },
+    /// The caller's progress function ended the screening: see
+    /// [`Scene::screen_with_progress`](crate::Scene::screen_with_progress).
+    #[error("the screening was ended before it was complete")]
+    Cancelled,
     /// The scene holds as many bodies as ids can distinguish (2^32 - 1).
     #[error("the scene is full")]
     SceneFull,

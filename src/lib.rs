@@ -53,6 +53,7 @@
 //! | [`BodyPlan`] | a trajectory with an orientation |
 //! | [`Body`] | trajectory, hitbox, orientation, [`Layers`], and your tag |
 //! | separation | distance between hitbox surfaces, m; negative where they overlap |
+//! | model error | how far the world may be from a body's plan, m: [`Body::with_model_error`] |
 //! | margin | a conflict is a maximal interval with separation <= margin |
 //! | [`Window`] | the closed time interval asked about |
 //! | [`Conflict`] | pair, enter, exit, and the [`ClosestApproach`] in between |
@@ -66,6 +67,10 @@
 //! Answers are f64, good to a few roundings of the local scale (the distance of the two bodies'
 //! knots plus the extents of their segments); neither the absolute position nor the absolute time
 //! enters. What comes within that rounding of the margin is reported, so a touch is never lost.
+//!
+//! All answers are about the splines. What is known of how far these are from the world is a body's
+//! model error: answers then cover all that may be in the world, and a certified one is about the world
+//! ([`Certificate`]).
 //!
 //! A body that turns has a tolerance ([`Orientation`]): its spheres follow cubics that differ from the
 //! true way by at most that. The radii are enlarged by the difference, so no contact is lost; with
@@ -141,7 +146,8 @@ pub use orientation::Orientation;
 pub use parry3d;
 pub use query::Query;
 pub use scene::{Body, BodyPlan, BodyPlanRef, BodyState, Scene, Spin};
-pub use screen::{CertifiedApproach, Screening};
+pub use screen::Screening;
+pub use screen::pair::{self, CertifiedApproach};
 pub use stats::Stats;
 pub use trajectory::{Outside, Segment, State, TimeBase, Trajectory};
 pub use window::Window;

@@ -23,6 +23,7 @@
 //! | tolerance before roots, once more | `narrow_phase/stretches` | proof 1 |
 //! | differences of heights; tolerance of stretches | `narrow_phase/hull`, `stretches` | `hull::tests`, `filter::tests` |
 //! | threshold, radii, half-width | `narrow_phase/certified` | `certified::tests` |
+//! | sums with model errors | `shape`, `narrow_phase`, `narrow_phase/certified` | `rounding::tests::sums_are_rounded_up`, `certified::tests` |
 //! | chords: clearance, wherever it is used; parts of clusters | `narrow_phase/clusters` | `clusters::tests` |
 //! | parts of a window | `narrow_phase/clusters` | `clusters::tests::what_instants_are_rounded_by_rules_nothing_out` |
 //! | blurs, gaps, what is reached | `narrow_phase/clusters`, `sphere_pair` | proof 8 |
@@ -104,6 +105,15 @@ pub(crate) const CLEARANCE: f64 = 512.0 * UNIT_ROUNDOFF;
 #[inline]
 pub(crate) const fn one_zero(time: f64) -> f64 {
     time + 0.0
+}
+
+/// Returns the sum of two numbers, rounded up.
+pub(crate) fn sum_above(a: f64, b: f64) -> f64 {
+    let sum = a + b;
+    // The rounding error of the sum (Knuth).
+    let shadow = sum - a;
+    let lost = (a - (sum - shadow)) + (b - shadow);
+    if lost > 0.0 { sum.next_up() } else { sum }
 }
 
 /// Returns the power of two that scales `magnitude` into [1, 2).
@@ -194,6 +204,15 @@ mod tests {
         assert!(norm(DVec3::ZERO).to_bits() == 0);
         // A subnormal is served too; its own precision is that of its few bits.
         assert!(norm(DVec3::new(0.0, 5e-324, 0.0)) > 0.0);
+    }
+
+    #[test]
+    fn sums_are_rounded_up() {
+        let tiny = 1e-20;
+        assert!(sum_above(1.0, tiny) > 1.0 && sum_above(tiny, 1.0) > 1.0);
+        for (a, b, sum) in [(1.0, -tiny, 1.0), (0.5, 0.25, 0.75), (0.1, 0.2, 0.1 + 0.2)] {
+            assert!(sum_above(a, b).to_bits() == f64::to_bits(sum), "{a} {b}");
+        }
     }
 
     #[test]

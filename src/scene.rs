@@ -5,7 +5,9 @@ mod body;
 mod body_plan;
 mod entry;
 mod ignored;
+mod model_error;
 mod partners;
+mod planned;
 mod sample;
 #[cfg(feature = "serde")]
 mod serial;
@@ -13,11 +15,13 @@ mod update;
 
 pub(crate) use arena::CubicArena;
 pub use body::Body;
+pub(crate) use body::checked_model_error;
 pub use body_plan::{BodyPlan, BodyPlanRef};
 pub(crate) use entry::SceneEntry;
 pub(crate) use ignored::IgnoredPairs;
 use partners::{Kinds, Partners};
 pub(crate) use partners::{can_reach, radius};
+pub(crate) use planned::planned;
 pub use update::{BodyState, Spin};
 
 use crate::bounds::DAabb;
@@ -29,7 +33,6 @@ use crate::pool::Pool;
 use crate::search::SearchScratch;
 use crate::simd::prefetch;
 use crate::trajectory::{StraightMotion, Trajectory};
-use crate::window::Window;
 use std::slice::from_ref;
 
 #[derive(Debug, Default)]
@@ -164,26 +167,34 @@ impl Scene {
     ///
     /// [`Error::SceneFull`] after 2^32 - 1 bodies.
     pub fn insert(&mut self, body: Body) -> Result<BodyId, Error> {
-        let slot = if let Some(slot) = self.free.pop() {
-            slot
-        } else {
-            let slot = u32::try_from(self.slots.len())
-                .ok()
-                .filter(|&slot| slot < u32::MAX)
-                .ok_or(Error::SceneFull)?;
+        let id = self.next_id()?;
+        if self.free.pop().is_none() {
             self.slots.push(Slot::default());
-            slot
-        };
+        }
         self.kinds.add(&body);
-        let place = &mut self.slots[slot as usize];
+        let place = &mut self.slots[id.slot as usize];
         place.entry = Some(SceneEntry::new(body, &mut self.arena));
-        let id = BodyId {
-            slot,
-            generation: place.generation,
-        };
         self.len += 1;
         self.tidy();
         Ok(id)
+    }
+
+    /// Returns the id that the next body will have.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::SceneFull`].
+    pub(crate) fn next_id(&self) -> Result<BodyId, Error> {
+        if let Some(&slot) = self.free.last() {
+            let generation = self.slots[slot as usize].generation;
+            return Ok(BodyId { slot, generation });
+        }
+        let slot = u32::try_from(self.slots.len()).ok();
+        let slot = slot.filter(|&slot| slot < u32::MAX);
+        Ok(BodyId {
+            slot: slot.ok_or(Error::SceneFull)?,
+            generation: 0,
+        })
     }
 
     /// Removes a body. Its id, and the pairs ignored with it, become invalid for good.
@@ -268,9 +279,9 @@ impl Scene {
     ///
     /// [`Error::UnknownBody`].
     pub fn set_hitbox(&mut self, id: BodyId, hitbox: Hitbox) -> Result<Hitbox, Error> {
-        let radius = radius(&hitbox);
-        let old = std::mem::replace(&mut self.entry_mut(id)?.0.body.hitbox, hitbox);
-        self.kinds.add_radius(radius);
+        let body = &mut self.entry_mut(id)?.0.body;
+        let old = std::mem::replace(&mut body.hitbox, hitbox);
+        self.note_shape(id);
         Ok(old)
     }
 
@@ -340,38 +351,6 @@ impl Scene {
         })
     }
 
-    /// Returns the time that plans cover, from the earliest first knot to the latest last one. This
-    /// is the window of a [query without one](crate::Query::default). Motion beyond the knots does
-    /// not count.
-    ///
-    /// Bodies [at rest](Trajectory::at_rest) and bodies that [coast](Trajectory::coasting) from a
-    /// single state do not count either. `None` if there are no others.
-    ///
-    /// ```
-    /// use nearmiss::glam::DVec3;
-    /// use nearmiss::{Body, Outside, Query, Scene, State, Trajectory, Window};
-    ///
-    /// let mut scene = Scene::new();
-    /// scene.insert(Body::new(Trajectory::at_rest(DVec3::ONE)?))?;
-    /// assert_eq!(scene.planned(), None);
-    /// let states = [5.0, 9.0].map(|time| State::new(time, time * DVec3::X, DVec3::X));
-    /// let plan = Trajectory::from_states(&states)?.with_outside(Outside::Coast);
-    /// scene.insert(Body::new(plan))?;
-    /// // Both exist at all times; the screening looks at what is planned.
-    /// assert_eq!(scene.planned(), Some(Window::new(5.0, 9.0)?));
-    /// assert_eq!(scene.screen(&Query::default())?.window, Window::new(5.0, 9.0)?);
-    /// # Ok::<(), nearmiss::Error>(())
-    /// ```
-    #[must_use]
-    pub fn planned(&self) -> Option<Window> {
-        let trajectories = self.bodies().map(|(_, body)| &body.trajectory);
-        let planned = trajectories.filter_map(|plan| match plan.knots() {
-            [first, .., last] => Window::new(*first, *last).ok(),
-            _ => None,
-        });
-        planned.reduce(hull)
-    }
-
     /// Returns the approximate extremes of all plans of bodies that may be part of a pair, m.
     pub(crate) fn extremes(&self) -> DAabb {
         let mut extremes = DAabb::NOTHING;
@@ -421,7 +400,7 @@ impl Scene {
         let (Some((id_a, a)), Some((id_b, b))) = (self.in_slot(a), self.in_slot(b)) else {
             return false;
         };
-        let [one, other] = [a, b].map(|one| radius(&one.body.hitbox));
+        let [one, other] = [a, b].map(|one| radius(&one.body));
         a.body.layers.admits(b.body.layers)
             && (margin >= 0.0 || can_reach(one, other, margin))
             && (self.ignored.is_empty() || !self.ignored.contains(id_a, id_b))
@@ -477,10 +456,4 @@ impl Clone for Scene {
             told: Vec::new(),
         }
     }
-}
-
-/// Returns the least window that contains both.
-fn hull(one: Window, other: Window) -> Window {
-    let (start, end) = (one.start().min(other.start()), one.end().max(other.end()));
-    Window::new(start, end).unwrap_or(Window::ALL)
 }

@@ -2,24 +2,33 @@
 
 use crate::hitbox::{Hitbox, Sphere};
 use crate::orientation::Turning;
+use crate::rounding::sum_above;
 use glam::DVec3;
 
-/// A hitbox with the turning motion of its body.
+/// A hitbox with the turning motion of its body, and the body's model error.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BodyShape<'a> {
     hitbox: &'a Hitbox,
     /// `None` if turning changes nothing.
     turning: Option<&'a Turning>,
+    /// See [`Body::with_model_error`](crate::Body::with_model_error), m.
+    model_error: f64,
 }
 
 impl<'a> BodyShape<'a> {
     #[inline]
-    pub(crate) fn new(hitbox: &'a Hitbox, turning: Option<&'a Turning>) -> Self {
+    pub(crate) fn new(hitbox: &'a Hitbox, turning: Option<&'a Turning>, model_error: f64) -> Self {
         Self {
             hitbox,
             // A sphere around the position does not change.
             turning: turning.filter(|_| hitbox.arm() > 0.0),
+            model_error,
         }
+    }
+
+    #[inline]
+    pub(crate) const fn model_error(&self) -> f64 {
+        self.model_error
     }
 
     #[inline]
@@ -34,34 +43,50 @@ impl<'a> BodyShape<'a> {
     }
 
     /// Returns a sphere that contains all others at all times, those of a turning body enlarged by
-    /// the error of their centres.
+    /// the error of their centres, and all by the model error.
     #[inline]
     pub(crate) fn bounding(&self) -> Sphere {
-        match self.turning {
+        let Sphere { offset, radius } = match self.turning {
             None => self.hitbox.bounding(),
             Some(turning) => Sphere {
                 offset: DVec3::ZERO,
                 radius: self.radius_of(turning),
             },
+        };
+        Sphere {
+            offset,
+            radius: self.enlarged(radius),
         }
     }
 
-    /// Returns the corners of the box around all spheres at all times (m).
+    /// Returns the corners of the box around all spheres at all times, enlarged by the model error
+    /// (m).
     pub(crate) fn corners(&self) -> (DVec3, DVec3) {
-        match self.turning {
+        let (low, high) = match self.turning {
             None => self.hitbox.corners(),
             Some(turning) => {
                 let half = DVec3::splat(self.radius_of(turning));
                 (-half, half)
             }
-        }
+        };
+        (low - self.model_error, high + self.model_error)
     }
 
     /// Returns the largest distance of the bounding sphere's points from the body's position, m.
     pub(crate) fn reach(&self) -> f64 {
-        match self.turning {
+        self.enlarged(match self.turning {
             None => self.hitbox.reach(),
             Some(turning) => self.radius_of(turning),
+        })
+    }
+
+    /// Returns a radius enlarged by the model error, rounded up.
+    #[inline]
+    fn enlarged(&self, radius: f64) -> f64 {
+        if self.model_error > 0.0 {
+            sum_above(radius, self.model_error)
+        } else {
+            radius
         }
     }
 
@@ -77,6 +102,6 @@ impl<'a> BodyShape<'a> {
 
 impl<'a> From<&'a Hitbox> for BodyShape<'a> {
     fn from(hitbox: &'a Hitbox) -> Self {
-        Self::new(hitbox, None)
+        Self::new(hitbox, None, 0.0)
     }
 }

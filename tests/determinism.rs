@@ -12,6 +12,7 @@ mod support;
 use nearmiss::internals::InstructionSet;
 use nearmiss::internals::{Method, QueryInternals};
 use nearmiss::{Accuracy, Query, Window};
+use std::ops::ControlFlow;
 use support::{hash, on_threads, scene_of, sliced, swarm};
 
 #[test]
@@ -55,7 +56,10 @@ fn progress_ends_with_one() {
         let scene = scene_of(&bodies[..count]);
         let told = std::sync::Mutex::new(Vec::new());
         let query = Query::default().with_margin(1.0);
-        let tell = |share: f64| told.lock().unwrap().push(share);
+        let tell = |share: f64| {
+            told.lock().unwrap().push(share);
+            ControlFlow::Continue(())
+        };
         scene.screen_with_progress(&query, tell).unwrap();
         let told = told.into_inner().unwrap();
         let (last, before) = told.split_last().unwrap();

@@ -19,6 +19,7 @@ use nearmiss::{Body, Conflict, Error, Hitbox, Query, Scene, Stats, Trajectory};
 use scenes::{Generated, Shape};
 use std::error::Error as StdError;
 use std::io::{self, Write};
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -103,8 +104,12 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         HumanCount(scene.len() as u64)
     ));
     let query = Query::default().with_margin(margin);
-    let screening =
-        pool.install(|| scene.screen_with_progress(&query, |share| progress.show(share)))?;
+    let screening = pool.install(|| {
+        scene.screen_with_progress(&query, |share| {
+            progress.show(share);
+            ControlFlow::Continue(())
+        })
+    })?;
     progress.finish();
     writeln!(
         out,

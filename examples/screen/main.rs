@@ -22,6 +22,7 @@ mod write;
 
 use clap::{Parser, ValueEnum};
 use nearmiss::{Accuracy, Body, Hitbox, Outside, Query, Scene, Window};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use terminal::{Product, Progress, Threads};
@@ -136,7 +137,12 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         .with_accuracy(accuracy);
     progress.begin(format!("screening {} bodies", scene.len()));
     let screening = pool
-        .install(|| scene.screen_with_progress(&query, |share| progress.show(share)))
+        .install(|| {
+            scene.screen_with_progress(&query, |share| {
+                progress.show(share);
+                ControlFlow::Continue(())
+            })
+        })
         .map_err(|error| error.to_string())?;
     progress.finish();
     let table = Table {

@@ -64,7 +64,22 @@ impl Best {
     }
 }
 
+/// Returns the least distance of an exact motion that is a cubic.
 pub(super) fn least_distance(given: &UncertainCubic) -> LeastDistance {
+    least_distance_in(given, |search, hull| search.narrowed(hull))
+}
+
+/// Returns the least distance of any motion within the error: slopes tell nothing.
+pub(super) fn least_distance_of_any_motion(given: &UncertainCubic) -> LeastDistance {
+    least_distance_in(given, |_, hull| hull.unwrap_or(ParameterEnclosure::WHOLE))
+}
+
+/// Returns the least distance; `narrowed` encloses its parameters, given an enclosure by values.
+#[inline]
+fn least_distance_in(
+    given: &UncertainCubic,
+    narrowed: impl Fn(&BranchAndBound<'_>, Option<ParameterEnclosure>) -> ParameterEnclosure,
+) -> LeastDistance {
     let cubic = ScaledCubic::new(&given.points, given.error);
     let mut search = BranchAndBound::new(&cubic, least_point(&cubic.points));
     let (hull, effort) = if search.is_tight() {
@@ -75,7 +90,7 @@ pub(super) fn least_distance(given: &UncertainCubic) -> LeastDistance {
     };
     LeastDistance {
         distance: search.distance(),
-        parameter: search.narrowed(hull),
+        parameter: narrowed(&search, hull),
         guess: search.best.s,
         effort,
     }

@@ -129,7 +129,8 @@
 //! |h'|² + h·h'' is at least its value at the base, less the errors of that, less the reach of the
 //! enclosure times a bound of its derivative 3 h'·h'' + h·h'''; let that be L. If L > 0 the exact
 //! squared distance is strictly convex there, and no minimiser, at the ends of 0..=1 neither, is
-//! farther than G/L from the base. That is of the order of F/|h'|: the square of the first.
+//! farther than G/L from the base. That is of the order of F/|h'|: the square of the first. (Where
+//! the exact motion is no cubic, as that of turning spheres, the first enclosure is the answer.)
 //!
 //! # 6. Stretches
 //!
@@ -232,10 +233,16 @@ impl UncertainCubic {
         Self { points, error }
     }
 
-    /// Returns the least distance from the origin.
+    /// Returns the least distance from the origin, of an exact motion that is a cubic.
     #[must_use]
     pub fn least_distance(&self) -> LeastDistance {
         minimum::least_distance(self)
+    }
+
+    /// Returns the least distance from the origin, of any motion within the error.
+    #[must_use]
+    pub fn least_distance_of_any_motion(&self) -> LeastDistance {
+        minimum::least_distance_of_any_motion(self)
     }
 
     /// Returns the least distance, and a parameter at which it is attained; faster if that is

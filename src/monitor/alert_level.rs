@@ -2,6 +2,9 @@
 
 /// A margin that is watched, and when to let go.
 ///
+/// Of bodies with [model errors](crate::Body::with_model_error), their sum is added to both margins: an
+/// encounter lasts while the bodies may be within the margin in the world.
+///
 /// ```
 /// use nearmiss::glam::DVec3;
 /// use nearmiss::{AlertLevel, Body, Monitor, Scene, Trajectory};

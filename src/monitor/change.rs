@@ -142,6 +142,15 @@ impl Monitor {
         self.apply([Command::SetLayers(id, layers)]).map(drop)
     }
 
+    /// Replaces a body's [model error](Body::with_model_error) (m).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::ModelError`].
+    pub fn set_model_error(&mut self, id: BodyId, metres: f64) -> Result<(), Error> {
+        self.apply([Command::SetModelError(id, metres)]).map(drop)
+    }
+
     /// Lets the body follow `plan` from `from` (s) on; until then it keeps its old plan. See
     /// [`Trajectory::spliced`]. Returns the instant from which `plan` is followed, s: `from`,
     /// unless the plan is late. An orientation in the plan is followed from `from` on in any case,
@@ -318,6 +327,9 @@ impl Monitor {
             }
             if let Some(layers) = revision.layers {
                 self.scene.set_layers(id, layers)?;
+            }
+            if let Some(model_error) = revision.model_error {
+                self.scene.set_model_error(id, model_error)?;
             }
             self.place(id, revision.flight.take());
         }

@@ -8,7 +8,7 @@ use crate::id::BodyId;
 use crate::layers::Layers;
 use crate::orientation::Orientation;
 use crate::parallel;
-use crate::scene::{Body, Scene};
+use crate::scene::{Body, Scene, checked_model_error};
 use crate::shape::BodyShape;
 use crate::trajectory::{StraightMotion, Trajectory};
 use crate::window::Window;
@@ -31,6 +31,8 @@ pub enum Command {
     SetOrientation(BodyId, Orientation),
     /// Replaces layers.
     SetLayers(BodyId, Layers),
+    /// Replaces a model error (m): see [`Body::with_model_error`].
+    SetModelError(BodyId, f64),
     /// Keeps the old plan up to the time (s), then follows the new one: see
     /// [`Monitor::replan`](crate::Monitor::replan).
     Replan(BodyId, f64, Trajectory),
@@ -133,6 +135,7 @@ pub(super) struct PendingChange {
     pub(super) hitbox: Option<Hitbox>,
     pub(super) orientation: Option<Orientation>,
     pub(super) layers: Option<Layers>,
+    pub(super) model_error: Option<f64>,
     /// Numbers of the first and the last command that concern the body.
     first: usize,
     last: usize,
@@ -252,6 +255,7 @@ impl CommandBatch {
             | Command::SetHitbox(id, _)
             | Command::SetOrientation(id, _)
             | Command::SetLayers(id, _)
+            | Command::SetModelError(id, _)
             | Command::Orient(id, ..)
             | Command::Replan(id, ..)
             | Command::Extend(id, _) => id,
@@ -269,6 +273,12 @@ impl CommandBatch {
             Command::SetHitbox(_, hitbox) => revision.hitbox = Some(hitbox),
             Command::SetOrientation(_, orientation) => revision.orientation = Some(orientation),
             Command::SetLayers(_, layers) => revision.layers = Some(layers),
+            Command::SetModelError(_, metres) => {
+                let tag = revision.body(scene)?.tag;
+                let checked = checked_model_error(metres);
+                let checked = checked.map_err(|error| refuse(error.in_body(tag)))?;
+                revision.model_error = Some(checked);
+            }
             Command::Orient(_, from, next) => {
                 let body = revision.body(scene)?;
                 let before = revision.orientation.as_ref().unwrap_or(&body.orientation);
@@ -350,6 +360,7 @@ impl PendingChange {
             hitbox: None,
             orientation: None,
             layers: None,
+            model_error: None,
             first: command,
             last: command,
             flight: None,
@@ -408,7 +419,8 @@ impl PendingChange {
             command: turn.command,
             error: error.in_body(body.tag),
         })?;
-        let keeps_shape = self.hitbox.is_none() && self.orientation.is_none();
+        let keeps_shape =
+            self.hitbox.is_none() && self.orientation.is_none() && self.model_error.is_none();
         let can = keeps_shape && flown.can_turn(from, &turn.motion, terms.window);
         if can {
             self.late = Some(from).filter(|from| turn.from < *from);
@@ -461,7 +473,8 @@ impl PendingChange {
             let trajectory = self.trajectory.as_ref().unwrap_or(&body.trajectory);
             let hitbox = self.hitbox.as_ref().unwrap_or(&body.hitbox);
             let orientation = self.orientation.as_ref().unwrap_or(&body.orientation);
-            let shape = BodyShape::new(hitbox, orientation.turning());
+            let model_error = self.model_error.unwrap_or(body.model_error());
+            let shape = BodyShape::new(hitbox, orientation.turning(), model_error);
             let flight = terms.flight(trajectory, shape, body.tag);
             self.flight = Some(flight.map_err(|error| Rejection {
                 command: self.last,

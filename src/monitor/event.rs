@@ -33,7 +33,8 @@ impl fmt::Display for EncounterId {
     }
 }
 
-/// A conflict followed over time by a monitor, at one alert level. A pair may have several.
+/// A conflict followed over time by a monitor, at one alert level. A pair may have several. Model errors
+/// count as for [`AlertLevel`](crate::AlertLevel).
 ///
 /// An encounter includes its past: when it began, and how close the bodies came. Each tick matches
 /// a pair's known encounters with those that the current plans predict, in time order, by overlap.
@@ -43,6 +44,7 @@ impl fmt::Display for EncounterId {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
+#[doc(alias = "conjunction")]
 pub struct Encounter {
     /// Id, the same from the first event to the last.
     pub id: EncounterId,

@@ -171,6 +171,15 @@ impl MonitoredBodies {
         })
     }
 
+    /// Returns the slots of bodies that are part of no pair.
+    pub(super) fn without_partner(&self) -> impl Iterator<Item = u32> {
+        let flights = (0_u32..).zip(&self.by_slot);
+        flights.filter_map(|(slot, flight)| {
+            let is_alone = flight.as_ref().is_some_and(|flight| !flight.has_partner);
+            is_alone.then_some(slot)
+        })
+    }
+
     /// Returns when each body exists that may be part of a pair, s; never in a slot without one.
     pub(super) fn lives(&self) -> impl Iterator<Item = (f64, f64)> {
         let partner = |flight: &'_ Option<MonitoredBody>| {

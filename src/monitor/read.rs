@@ -88,7 +88,7 @@ impl ReadContext<'_> {
             return;
         };
         let contacts = &mut scratch.contacts;
-        self.search.contacts(slots, alert.margin, always, contacts);
+        self.contacts(slots, alert.margin, always, contacts);
         for conflict in contacts
             .iter()
             .filter_map(|one| self.report(slots, always, one))
@@ -125,7 +125,7 @@ impl ReadContext<'_> {
             return;
         };
         let part = (clip.0.max(lasts.0), clip.1.min(lasts.1));
-        self.search.contacts(slots, margin, part, contacts);
+        self.contacts(slots, margin, part, contacts);
         let report = |contact| self.report(slots, clip, contact);
         conflicts.extend(contacts.iter().filter_map(report));
     }
@@ -142,7 +142,7 @@ impl ReadContext<'_> {
         let window = (tick.before, tick.known);
         if let Some((clip, ends)) = self.clip(slots, window) {
             let contacts = &mut scratch.contacts;
-            self.search.contacts(slots, alert.margin, clip, contacts);
+            self.contacts(slots, alert.margin, clip, contacts);
             let period = (clip, ends);
             self.each_plain(slots, alert, tick, period, scratch, |plain| {
                 plains.push(plain)
@@ -161,14 +161,13 @@ impl ReadContext<'_> {
         scratch: &mut ReadScratch,
         mut visit: impl FnMut(PlannedEncounter),
     ) {
-        let search = self.search;
         let ReadScratch {
             contacts,
             released,
             passed,
         } = scratch;
         if alert.release > alert.margin {
-            search.contacts(slots, alert.release, clip, released);
+            self.contacts(slots, alert.release, clip, released);
         } else {
             released.clone_from(contacts);
         }
@@ -211,13 +210,20 @@ impl ReadContext<'_> {
         if flown.0 > flown.1 {
             return None;
         }
-        self.search.contacts(slots, margin, flown, scratch);
+        self.contacts(slots, margin, flown, scratch);
         let conflicts = scratch
             .iter()
             .filter_map(|contact| self.report(slots, flown, contact));
         conflicts
             .map(|conflict| conflict.closest)
             .reduce(|x, y| if y.separation < x.separation { y } else { x })
+    }
+
+    /// Finds all contacts of a pair within `margin` and the bodies' model errors in `clip`; replaces
+    /// the content of `found`.
+    fn contacts(&self, slots: SlotPair, margin: f64, clip: (f64, f64), found: &mut Vec<Contact>) {
+        let margin = self.scene.widened(slots, margin);
+        self.search.contacts(slots, margin, clip, found);
     }
 
     fn report(&self, (a, b): SlotPair, clip: (f64, f64), contact: &Contact) -> Option<Conflict> {

@@ -1,12 +1,14 @@
 //! Plans that are only thought of: what would they lead into?
 
 use super::{Monitor, SlotAdmission};
+use crate::broad_phase::PairFilter;
 use crate::conflict::Conflict;
 use crate::error::Error;
 use crate::id::BodyId;
-use crate::scene::BodyPlanRef;
+use crate::scene::{Body, BodyPlanRef};
 use crate::screen::conflict;
 use crate::shape::BodyShape;
+use crate::trajectory::Trajectory;
 
 impl Monitor {
     /// Which conflicts at a level the body would have from now to
@@ -14,8 +16,8 @@ impl Monitor {
     /// nothing. The level's margin counts, as for [`conflicts`](Self::conflicts), not its release
     /// margin; so do layers and ignored pairs. A plan that began before now is followed from now on, as one
     /// that is [late](Self::replan) would be. What has changed since the last tick counts; before the
-    /// first tick nothing is known, and nothing found. For a body that is not there yet, put it in at
-    /// rest where nobody comes, ask, and [set its trajectory](Self::set_trajectory) if the answer pleases. For a plan that begins later, ask about what
+    /// first tick nothing is known, and nothing found. For a body that is not there yet:
+    /// [`what_if_body`](Self::what_if_body). For a plan that begins later, ask about what
     /// [`replan`](Self::replan) would make of it: the body's trajectory
     /// [spliced](crate::Trajectory::spliced) with it. Without an orientation in the plan, the body turns as it
     /// does.
@@ -41,27 +43,76 @@ impl Monitor {
             return Err(Error::NoPlanAt { time: self.now }.in_body(body.tag));
         }
         let orientation = orientation.unwrap_or(&body.orientation);
-        let shape = BodyShape::new(&body.hitbox, orientation.turning());
-        let flight = self.terms()?.flight(plan, shape, body.tag)?;
+        let shape = BodyShape::new(&body.hitbox, orientation.turning(), body.model_error());
+        let (margin, _) = self.search.reach();
+        let filter = SlotAdmission::of(&self.scene, margin, None);
+        let admits = |other: u32| filter.admits(id.slot.min(other), id.slot.max(other));
+        self.conflicts_on((id, body.tag), (plan, shape), alert.margin, admits)
+    }
+
+    /// Returns the conflicts at a level, from now to [`complete_until`](Self::complete_until), that a
+    /// body would have which is not there yet. Changes nothing. The answer is that of
+    /// [`conflicts_of`](Self::conflicts_of) once the body is [inserted](Self::insert) and a tick at the
+    /// same clock has looked as far, to the last bit. Its id in the answer is the one that it would
+    /// have. What has changed since the last tick counts; before the first tick nothing is known,
+    /// and nothing found.
+    ///
+    /// ```
+    /// # use nearmiss::glam::DVec3;
+    /// # use nearmiss::{AlertLevel, Body, Monitor, Scene, State, Trajectory};
+    /// let mut monitor = Monitor::new(Scene::new(), 0.0, 10.0, &[AlertLevel::at(2.0)])?;
+    /// let wall = monitor.insert(Body::new(Trajectory::at_rest(9.0 * DVec3::X)?))?;
+    /// monitor.advance(0.0, &mut Vec::new())?;
+    /// let ahead = Trajectory::coasting(State::new(0.0, DVec3::ZERO, DVec3::X))?;
+    /// let conflicts = monitor.what_if_body(&Body::new(ahead), 0)?;
+    /// assert_eq!((conflicts[0].a, conflicts[0].enter), (wall, 7.0));
+    /// assert_eq!(monitor.scene().len(), 1);
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownAlertLevel`]; [`Error::InBody`] and [`Error::SceneFull`] as for
+    /// [`insert`](Self::insert).
+    pub fn what_if_body(&self, body: &Body, level: usize) -> Result<Vec<Conflict>, Error> {
+        let alert = self.levels.get(level);
+        let alert = alert.ok_or(Error::UnknownAlertLevel { level })?;
+        let id = self.scene.next_id()?;
+        let admits = |other: u32| {
+            let other = self.scene.in_slot(other);
+            other.is_some_and(|(_, entry)| entry.body.layers.admits(body.layers))
+        };
+        let own = (&body.trajectory, body.shape());
+        self.conflicts_on((id, body.tag), own, alert.margin, admits)
+    }
+
+    /// Returns the conflicts within a margin (m) of a body of this name, plan and shape with the others
+    /// that `admits` allows, from now on.
+    fn conflicts_on(
+        &self,
+        (id, tag): (BodyId, u64),
+        (plan, shape): (&Trajectory, BodyShape<'_>),
+        margin: f64,
+        admits: impl Fn(u32) -> bool,
+    ) -> Result<Vec<Conflict>, Error> {
+        let flight = self.terms()?.flight(plan, shape, tag)?;
         let own = flight.view(plan, shape);
         let window = (self.now, self.known);
         if window.1 < window.0 {
             return Ok(Vec::new());
         }
-        let (margin, _) = self.search.reach();
-        let filter = SlotAdmission::of(&self.scene, margin, None);
         let mut conflicts = Vec::new();
         self.search.contacts_with(
             &self.scene,
             (id.slot, &flight, &own),
-            alert.margin,
+            margin,
             window,
-            &filter,
+            admits,
             |other, clip, theirs, contact| {
                 let Some((other, entry)) = self.scene.in_slot(other) else {
                     return;
                 };
-                let (own_name, other_name) = ((id, body.tag), (other, entry.body.tag));
+                let (own_name, other_name) = ((id, tag), (other, entry.body.tag));
                 conflicts.push(if id.slot < other.slot {
                     conflict(contact, [own_name, other_name], (&own, theirs), clip)
                 } else {

@@ -5,6 +5,15 @@
 //! undecided. Touching or overlapping parts that are not outside are joined, over all spans and
 //! spheres: a conflict. So no contact is lost, and undecided gaps are bridged and marked.
 //!
+//! # Model errors
+//!
+//! Let e be the sum of both bodies' model errors, s the separation of the splines, and w that of
+//! the world: |s - w| <= e at all times, and nothing else is known of w. A part is certainly inside
+//! where s < margin - e, certainly outside where s > margin + e: the threshold is an interval of
+//! that width. With m the least s of an interval, the least w lies in m ± e. It is attained only
+//! where s <= m + 2 e, which one more partition tells. So filters keep what is within margin + e
+//! for contacts, and what is within m + 2 e for closest approaches.
+//!
 //! The plain solver gives the reported numbers; those outside the enclosures because of its
 //! rounding are moved into them.
 
@@ -13,11 +22,11 @@ use super::contact::{ClosestSearch, each_for_nearest, lone_pair};
 use super::sphere_pair::{Approach, Contact, SpherePair};
 use super::stretches::DistanceProfile;
 use super::turning::TurningPair;
-use super::{BodyView, contact_radius, two_sum};
+use super::{BodyView, contact_radius, two_sum, widened};
 use crate::accuracy::{Accuracy, Certificate, TimeEnclosure};
 use crate::enclosure::{Side, Stretch, Threshold};
 use crate::spans::Span;
-use separation::{SeparationEnclosure, least_separation};
+use separation::{LeastSeparationSearch, SeparationEnclosure};
 use std::iter::once;
 
 mod separation;
@@ -69,8 +78,41 @@ struct MemberSummary {
     is_inside: bool,
 }
 
+/// A margin, and the model error e of a pair of bodies, m.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MarginBand {
+    margin: f64,
+    error: f64,
+    /// Separation of the splines beyond which the bodies are certainly outside.
+    pub(super) outer: f64,
+}
+
+impl MarginBand {
+    pub(super) fn new(margin: f64, error: f64) -> Self {
+        Self {
+            margin,
+            error,
+            outer: widened(margin, error),
+        }
+    }
+
+    /// Returns an outward enclosure of the centre distances at which two spheres may have the margin
+    /// as separation.
+    fn threshold(&self, (a, b): (f64, f64)) -> Threshold {
+        let Threshold { low, high } = threshold(a, b, self.margin);
+        if self.error > 0.0 {
+            Threshold {
+                low: (low - self.error).next_down(),
+                high: (high + self.error).next_up(),
+            }
+        } else {
+            Threshold { low, high }
+        }
+    }
+}
+
 /// Appends the contacts within `margin` and `clip`, in time order, to `found`. Spans missing in
-/// `spans` must be free of contact.
+/// `spans` must be free of contact, also by the bodies' model errors.
 pub(crate) fn certified_contacts(
     a: &BodyView<'_>,
     b: &BodyView<'_>,
@@ -80,31 +122,34 @@ pub(crate) fn certified_contacts(
     workspace: &mut Workspace,
     found: &mut Vec<CertifiedContact>,
 ) {
+    let band = MarginBand::new(margin, a.model_error_with(b));
+    let farthest = 2.0 * band.error;
     workspace.clear();
     for span in spans {
         if let Some(turning) = TurningPair::of(a, b, span, Accuracy::Certified) {
-            turning.each_within(margin, clip, |pair, part| {
-                workspace.solve(pair, part, margin, clip);
+            turning.each_within(band.outer, clip, |pair, part| {
+                workspace.solve(pair, part, &band, clip);
             });
             continue;
         }
         if let Some(pair) = lone_pair(a, b, span) {
-            workspace.solve(&pair, span, margin, clip);
+            workspace.solve(&pair, span, &band, clip);
             continue;
         }
-        ClusterPair::of(a, b, span).each_for_contacts(margin, clip, |pair, shown| {
-            let parts = workspace.solve(pair, span, margin, clip);
+        ClusterPair::of(a, b, span).each_for_contacts(band.outer, clip, |pair, shown| {
+            let parts = workspace.solve(pair, span, &band, clip);
             let Some(shown) = shown else { return };
             // Only what is certain keeps others from being looked at.
             let inside = parts.iter().filter(|part| part.side == Side::Inside);
             shown.extend(inside.map(|part| ProvenContact {
                 enter: part.start,
                 exit: part.end,
-                separation: pair.reaches(span, (part.start, part.end)),
+                // Others that come within the model errors of it may be nearer.
+                separation: widened(pair.reaches(span, (part.start, part.end)), farthest),
             }));
         });
     }
-    workspace.join((a, b), margin, clip, found);
+    workspace.join((a, b), &band, clip, found);
 }
 
 impl Workspace {
@@ -118,11 +163,11 @@ impl Workspace {
         &mut self,
         pair: &SpherePair,
         span: Span,
-        margin: f64,
+        band: &MarginBand,
         clip: (f64, f64),
     ) -> &[VerdictInterval] {
         let count = self.parts.len();
-        push_parts(pair, margin, clip, self.members.len(), &mut self.parts);
+        push_parts(pair, band, clip, self.members.len(), &mut self.parts);
         if self.parts.len() > count {
             self.members.push(UncertainPair { span, pair: *pair });
         }
@@ -133,7 +178,7 @@ impl Workspace {
     pub(super) fn join(
         &mut self,
         views: (&BodyView<'_>, &BodyView<'_>),
-        margin: f64,
+        band: &MarginBand,
         clip: (f64, f64),
         found: &mut Vec<CertifiedContact>,
     ) {
@@ -188,7 +233,7 @@ impl Workspace {
             order.clear();
             order.extend(0..shares.len());
             order.sort_unstable_by_key(|&share| ranks[shares[share].member]);
-            found.extend(group.contact(views, order, margin, clip));
+            found.extend(group.contact(views, order, band, clip));
             first = next;
         }
     }
@@ -203,23 +248,21 @@ pub(crate) fn certified_approach(
     (from, to): (f64, f64),
 ) -> Option<(Approach, f64, TimeEnclosure)> {
     let mut nearest = ClosestSearch::new();
-    let mut found: Vec<SeparationEnclosure> = Vec::new();
-    let mut reached = f64::INFINITY;
+    let mut least = LeastSeparationSearch::new(a.model_error_with(b));
     for span in spans {
         let accuracy = Accuracy::Certified;
-        each_for_nearest((a, b), span, accuracy, (from, to), reached, |pair, span| {
+        let near = least.near();
+        each_for_nearest((a, b), span, accuracy, (from, to), near, |pair, span| {
             let (start, end) = (span.start.max(from), span.end.min(to));
             let is_whole = start <= span.start && end >= span.end;
-            let least = least_separation((a, b), span, pair, is_whole, (start, end));
+            least.add((a, b), span, pair, is_whole, (start, end));
             nearest.push(pair, span, (from, to));
-            reached = reached.min(least.high);
-            found.push(least);
-            reached
+            least.near()
         });
         nearest.settle();
     }
     let closest = nearest.closest;
-    let least = SeparationEnclosure::of_all(&found)?;
+    let least = least.least()?;
     let (approach, error) = least.settle(closest?);
     Some((approach, error, least.time))
 }
@@ -227,12 +270,12 @@ pub(crate) fn certified_approach(
 /// Appends the clipped parts of a span in which a pair of spheres is not certainly apart.
 fn push_parts(
     pair: &SpherePair,
-    margin: f64,
+    band: &MarginBand,
     clip: (f64, f64),
     member: usize,
     parts: &mut Vec<VerdictInterval>,
 ) {
-    let threshold = threshold(pair.radius_a, pair.radius_b, margin);
+    let threshold = band.threshold((pair.radius_a, pair.radius_b));
     let stretches = pair.uncertain().stretches(threshold);
     for &Stretch { first, last, side } in stretches.as_slice() {
         if side == Side::Outside {
@@ -322,7 +365,7 @@ impl MergedConflict<'_> {
         &self,
         views: (&BodyView<'_>, &BodyView<'_>),
         order: &[usize],
-        margin: f64,
+        band: &MarginBand,
         clip: (f64, f64),
     ) -> Option<CertifiedContact> {
         let (enter, exit, resolved) = self.ends();
@@ -338,7 +381,7 @@ impl MergedConflict<'_> {
             let is_nearer = approach.separation < best.separation;
             let nearest = if is_nearer { index } else { nearest };
             closest = Some((best.or_lower(approach), nearest));
-            let radius = contact_radius(pair.radius_a, pair.radius_b, margin);
+            let radius = contact_radius(pair.radius_a, pair.radius_b, band.outer);
             profile.stretches(&pair.cubic, radius.max(0.0), clip, |stretch| {
                 if stretch.exit >= self.start && stretch.enter <= self.end {
                     first = first.min(stretch.enter);
@@ -346,11 +389,11 @@ impl MergedConflict<'_> {
                 }
             });
         }
-        let least = closest.and_then(|(_, nearest)| self.least(views, nearest, clip));
+        let least = closest.and_then(|(_, nearest)| self.least(views, nearest, band.error, clip));
         let (Some(least), Some((closest, _))) = (least, closest) else {
             unreachable!("a group has parts, and each part a member")
         };
-        if !resolved && least.low > margin {
+        if !resolved && least.low > band.margin {
             return None;
         }
         let (closest, error) = least.settle(closest);
@@ -376,24 +419,23 @@ impl MergedConflict<'_> {
         &self,
         (a, b): (&BodyView<'_>, &BodyView<'_>),
         nearest: usize,
+        error: f64,
         clip: (f64, f64),
     ) -> Option<SeparationEnclosure> {
-        let mut found: Vec<SeparationEnclosure> = Vec::new();
-        let mut reached = f64::INFINITY;
+        let mut least = LeastSeparationSearch::new(error);
         let others = (0..self.shares.len()).filter(|&index| index != nearest);
         for index in once(nearest).chain(others) {
             let share = &self.shares[index];
             let UncertainPair { span, pair } = &self.members[share.member];
-            if reached < f64::INFINITY && pair.is_beyond(a, b, *span, reached) {
+            let near = least.near();
+            if near < f64::INFINITY && pair.is_beyond(a, b, *span, near) {
                 continue;
             }
             let is_whole = self.is_all_of(share, span, clip);
             let times = (share.start, share.end);
-            let least = least_separation((a, b), *span, pair, is_whole, times);
-            reached = reached.min(least.high);
-            found.push(least);
+            least.add((a, b), *span, pair, is_whole, times);
         }
-        SeparationEnclosure::of_all(&found)
+        least.least()
     }
 
     /// Returns the beginning, the end, and true if this is certainly one conflict: some part is

@@ -6,7 +6,7 @@ use super::relative::{RelativeCubic, RelativeMotion, filter_threshold, local_sca
 use super::sphere_pair::{Approach, Contact, SpherePair};
 use super::stretches::DistanceProfile;
 use super::turning::TurningPair;
-use super::{BodyView, contact_radius};
+use super::{BodyView, contact_radius, widened};
 use crate::accuracy::Accuracy;
 use crate::spans::Span;
 use glam::DVec3;
@@ -91,7 +91,8 @@ fn near_points(
 }
 
 /// Solves each pair of spheres over a span, and calls `solved` with those that come within `margin`,
-/// and with the interval in which they are solved (s).
+/// and with the interval in which they are solved (s). The bodies' model errors are added to the
+/// margin.
 ///
 /// Where a body turns, only the parts of the span that meet `clip` and do not begin before `after`
 /// (s) are solved: a span may last for ever. Returns the next value of `after`, infinity if all of
@@ -104,6 +105,7 @@ pub(crate) fn solve(
     (clip, after): ((f64, f64), f64),
     mut solved: impl FnMut((f64, f64), SolvedSpan),
 ) -> f64 {
+    let margin = widened(margin, a.model_error_with(b));
     let mut solve = |pair: &SpherePair, span: Span| {
         let radius = pair.radius(margin);
         if radius < 0.0 {
@@ -141,8 +143,8 @@ pub(crate) fn solve(
     f64::INFINITY
 }
 
-/// Appends all maximal intervals of `clip` with separation of at most `margin`, in time order, to
-/// `found`.
+/// Appends all maximal intervals of `clip` with separation of at most `margin` and the bodies' model
+/// errors, in time order, to `found`.
 ///
 /// Spans missing in `spans` must be free of contact.
 pub(crate) fn contacts(
@@ -153,6 +155,7 @@ pub(crate) fn contacts(
     clip: (f64, f64),
     found: &mut Vec<Contact>,
 ) {
+    let margin = widened(margin, a.model_error_with(b));
     let first = found.len();
     for span in spans {
         // Lone spheres have been through the test that those of clusters are still to pass.
@@ -208,7 +211,8 @@ fn contacts_of_many(
     });
 }
 
-/// Appends the contacts from spans of one pair that were solved at this margin or a larger one.
+/// Appends the contacts from spans of one pair that were solved at this margin or a larger one. The
+/// margin includes the bodies' model errors.
 pub(crate) fn contacts_of<'s>(
     solved: impl Iterator<Item = &'s SolvedSpan>,
     margin: f64,

@@ -28,6 +28,7 @@ pub(crate) use sphere_pair::{Approach, Contact};
 use crate::hitbox::Sphere;
 use crate::knots::Knots;
 use crate::orientation::Turning;
+use crate::rounding::sum_above;
 use crate::shape::BodyShape;
 use crate::simd::prefetch;
 use crate::spans::Span;
@@ -44,9 +45,12 @@ pub(crate) struct BodyView<'a> {
     /// Cubics of the plan.
     pub(crate) segments: &'a [Segment],
     pub(crate) spheres: &'a [Sphere],
+    /// Contains all spheres, enlarged by the model error.
     pub(crate) bounding: Sphere,
     /// Turning motion of the spheres, if that changes anything.
     pub(crate) turning: Option<&'a Turning>,
+    /// See [`Body::with_model_error`](crate::Body::with_model_error), m.
+    pub(crate) model_error: f64,
 }
 
 impl<'a> BodyView<'a> {
@@ -59,7 +63,14 @@ impl<'a> BodyView<'a> {
             spheres: shape.spheres(),
             bounding: shape.bounding(),
             turning: shape.turning(),
+            model_error: shape.model_error(),
         }
+    }
+
+    /// Returns the sum of both bodies' model errors, rounded up, m.
+    #[inline]
+    pub(crate) fn model_error_with(&self, other: &Self) -> f64 {
+        pair_error(self.model_error, other.model_error)
     }
 
     /// Returns cubic number `number`.
@@ -115,7 +126,24 @@ impl BodyView<'_> {
             radius: 0.0,
         },
         turning: None,
+        model_error: 0.0,
     };
+}
+
+/// Returns the sum of two bodies' model errors, rounded up, m.
+#[inline]
+pub(crate) fn pair_error(a: f64, b: f64) -> f64 {
+    if a + b > 0.0 { sum_above(a, b) } else { 0.0 }
+}
+
+/// Returns the separation within which two bodies of this model error may be within the margin, m.
+#[inline]
+pub(crate) fn widened(margin: f64, model_error: f64) -> f64 {
+    if model_error > 0.0 {
+        sum_above(margin, model_error)
+    } else {
+        margin
+    }
 }
 
 /// Returns the centre distance (m) at which two spheres have the separation `margin`: the exact sum

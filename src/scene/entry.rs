@@ -3,9 +3,7 @@
 use super::arena::{ArenaRange, CubicArena};
 use super::body::Body;
 use crate::bounds::{CompactTrajectory, CompactView, DAabb, Line};
-use crate::error::Error;
-use crate::trajectory::{Extension, Segment, StraightMotion, Trajectory};
-use crate::window::Window;
+use crate::trajectory::{Segment, StraightMotion, Trajectory};
 use std::sync::OnceLock;
 
 /// The cached data of a motion.
@@ -125,28 +123,6 @@ impl SceneEntry {
             Lines::Shared(range) => arena.at(range),
             Lines::Own(lines) => lines,
         })
-    }
-
-    /// Returns the pieces that the body follows beyond its knots over a window, if any.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::WindowNotClosed`]; [`Error::InBody`] with those of [`Trajectory::extension`].
-    pub(crate) fn extension(&self, window: Window) -> Result<Option<Extension>, Error> {
-        let Body {
-            trajectory, tag, ..
-        } = &self.body;
-        let is_within = |ends: [f64; 2]| ends[0] < window.start() && window.end() < ends[1];
-        let straight = trajectory.straight();
-        if !trajectory.goes_beyond() || straight.is_some_and(|(_, ends)| is_within(ends)) {
-            return Ok(None);
-        }
-        let followed = trajectory.domain().intersection(window);
-        if followed.is_some_and(|followed| !followed.is_closed()) {
-            return Err(Error::WindowNotClosed { body: *tag });
-        }
-        let extension = trajectory.extension(window);
-        extension.map_err(|error| error.in_body(*tag))
     }
 
     /// Replaces the trajectory and returns the old one.

@@ -1,7 +1,6 @@
 //! Bodies that cannot be part of any pair: no boxes are formed for them.
 
 use super::body::Body;
-use crate::hitbox::Hitbox;
 use crate::layers::Layers;
 use crate::rounding::UNIT_ROUNDOFF;
 use std::collections::BTreeMap;
@@ -13,6 +12,8 @@ pub(super) struct Kinds {
     layers: BTreeMap<(u32, u32), (usize, bool)>,
     /// Upper bound of the radii of all bodies so far, m.
     largest: f64,
+    /// True if a body so far had a model error.
+    pub(super) has_model_errors: bool,
     /// Changes when layers get their first partner or lose the last one.
     revision: u64,
 }
@@ -22,12 +23,14 @@ impl Kinds {
     const MANY: usize = 64;
 
     pub(super) fn add(&mut self, body: &Body) {
-        self.add_radius(radius(&body.hitbox));
+        self.add_shape(body);
         self.add_layers(body.layers);
     }
 
-    pub(super) const fn add_radius(&mut self, radius: f64) {
-        self.largest = self.largest.max(radius);
+    /// Includes the hitbox and the model error of a body.
+    pub(super) fn add_shape(&mut self, body: &Body) {
+        self.largest = self.largest.max(radius(body));
+        self.has_model_errors |= body.model_error() > 0.0;
     }
 
     pub(super) fn add_layers(&mut self, layers: Layers) {
@@ -99,7 +102,7 @@ impl<'s> Partners<'s> {
         let key = (body.layers.membership, body.layers.filter);
         let has_partner = || self.kinds.layers.get(&key).is_some_and(|kind| kind.1);
         (self.kinds.layers.len() > Kinds::MANY || has_partner())
-            && can_reach(radius(&body.hitbox), self.kinds.largest, self.margin)
+            && can_reach(radius(body), self.kinds.largest, self.margin)
     }
 
     /// Returns a value that changes if [`has`](Self::has) changes for unchanged bodies.
@@ -108,9 +111,9 @@ impl<'s> Partners<'s> {
     }
 }
 
-/// Returns an upper bound of a hitbox's radii, m.
-pub(crate) const fn radius(hitbox: &Hitbox) -> f64 {
-    hitbox.bounding().radius
+/// Returns an upper bound of the radii of a body's hitbox, the model error included, m; to rounding.
+pub(crate) const fn radius(body: &Body) -> f64 {
+    body.hitbox.bounding().radius + body.model_error()
 }
 
 /// Returns false if two radii and a margin (m) certainly add up to less than zero.

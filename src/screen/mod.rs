@@ -4,32 +4,34 @@
 //! solver works on whole spans of the survivors, each once. The solver knows neither the slice nor
 //! the thread of a survivor. Hence the bits do not depend on the slicing or the number of threads.
 
+mod one;
+pub mod pair;
 mod prepared;
 mod solve;
 mod survey;
 
 pub(crate) use solve::conflict;
 
-use crate::accuracy::TimeEnclosure;
 use crate::bounds::{CompactCubic, CubicSource};
 use crate::broad_phase::{Everyone, Method, PairFilter};
 use crate::conflict::{ClosestApproach, Conflict};
 use crate::error::Error;
 use crate::id::BodyId;
-use crate::narrow_phase::{BodyView, certified_approach, closest_approach};
 use crate::parallel;
 use crate::query::Query;
 use crate::rounding::{seen_from, seen_until};
-use crate::scene::Scene;
+use crate::scene::{Body, Scene};
 use crate::search::{
     BodyLists, BoxedBodies, ListMemory, SceneStatistics, SliceTrials, TimeSlices, WindowSearch,
 };
-use crate::spans::{Spans, spans};
 use crate::stats::Stats;
 use crate::wall_clock::Instant;
 use crate::window::Window;
-use prepared::{BodiesInPlace, Lists, PlaceAdmission, PreparedScene, clip_of, lone_view};
-use solve::{SHARE_OF_SLICES, describe};
+use pair::CertifiedApproach;
+use prepared::{BodiesInPlace, Lists, PlaceAdmission, PreparedScene};
+use solve::SHARE_OF_SLICES;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The answer to a [`Query`].
 #[derive(Clone, Debug, Default)]
@@ -42,19 +44,6 @@ pub struct Screening {
     pub window: Window,
     /// Counts and times of the funnel.
     pub stats: Stats,
-}
-
-/// A closest approach with proven bounds, as in [`Certificate`](crate::Certificate).
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct CertifiedApproach {
-    /// The closest approach.
-    pub approach: ClosestApproach,
-    /// The least separation lies in `approach.separation ± error` (m).
-    pub error: f64,
-    /// All instants of least separation.
-    pub time: TimeEnclosure,
 }
 
 impl Scene {
@@ -72,36 +61,71 @@ impl Scene {
     /// - [`Error::InBody`] with [`Error::OutOfRange`] if an extrapolated cubic leaves the range of
     ///   numbers within the window, or with [`Error::TooFar`].
     /// - [`Error::TooCrowded`] if more spans may hold a conflict than the query has room for.
+    #[doc(alias = "conjunction")]
     pub fn screen(&self, query: &Query) -> Result<Screening, Error> {
-        self.screen_with_progress(query, |_| {})
+        self.screen_with_progress(query, |_| ControlFlow::Continue(()))
     }
 
     /// Returns the answer of [`screen`](Self::screen) and reports its progress. `progress` gets the
     /// share done: time slices up to 0.9, then the pairs solved. Any thread may call it, so values
     /// may come out of order. The last call, with 1, is on this thread.
     ///
+    /// `progress` returns [`ControlFlow::Break`] to end the screening, which then has no answer. It
+    /// ends within some milliseconds of work.
+    ///
+    /// ```
+    /// use nearmiss::{Error, Query, Scene, Window};
+    /// use std::ops::ControlFlow;
+    /// use std::time::{Duration, Instant};
+    ///
+    /// let deadline = Instant::now() + Duration::from_secs(5);
+    /// let screening = Scene::new().screen_with_progress(&Query::default(), |share| {
+    ///     eprint!("\r{:3.0} %", 100.0 * share);
+    ///     if Instant::now() > deadline {
+    ///         return ControlFlow::Break(());
+    ///     }
+    ///     ControlFlow::Continue(())
+    /// });
+    /// assert!(screening?.conflicts.is_empty());
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     ///
-    /// As [`screen`](Self::screen).
+    /// As [`screen`](Self::screen); [`Error::Cancelled`] if `progress` ended it.
     pub fn screen_with_progress(
         &self,
         query: &Query,
-        progress: impl Fn(f64) + Sync,
+        progress: impl Fn(f64) -> ControlFlow<()> + Sync,
     ) -> Result<Screening, Error> {
         let begin = Instant::now();
         let prepared = PreparedScene::new(self, query)?;
-        let mut screening = if self.admits_all(query.margin()) {
-            prepared.screen(query.method, &Everyone, &progress)?
-        } else {
-            prepared.screen(
-                query.method,
-                &PlaceAdmission::new(self, &prepared),
-                &progress,
-            )?
+        let is_cancelled = AtomicBool::new(false);
+        let tell = |share: f64| {
+            if progress(share).is_break() {
+                is_cancelled.store(true, Ordering::Relaxed);
+            }
         };
+        let screened = if self.admits_all(query.margin()) {
+            let filter = Cancellable {
+                filter: &Everyone,
+                is_cancelled: &is_cancelled,
+            };
+            prepared.screen(query.method, &filter, &tell)
+        } else {
+            let filter = Cancellable {
+                filter: &PlaceAdmission::new(self, &prepared),
+                is_cancelled: &is_cancelled,
+            };
+            prepared.screen(query.method, &filter, &tell)
+        };
+        let mut screening = screened?;
         screening.stats.bodies = self.len() as u64;
         screening.stats.total_time = begin.elapsed();
-        progress(1.0);
+        tell(1.0);
+        if is_cancelled.into_inner() {
+            return Err(Error::Cancelled);
+        }
         Ok(screening)
     }
 
@@ -112,19 +136,21 @@ impl Scene {
     ///
     /// [`Error::UnknownBody`], [`Error::SameBody`]; [`Error::WindowNotClosed`] and
     /// [`Error::InBody`] as for [`screen`](Self::screen).
+    #[doc(alias = "tca")]
+    #[doc(alias = "cpa")]
+    #[doc(alias = "miss distance")]
     pub fn closest_approach(
         &self,
         a: BodyId,
         b: BodyId,
         window: Window,
     ) -> Result<Option<ClosestApproach>, Error> {
-        self.with_spans(a, b, window, |view_a, view_b, met, clip| {
-            closest_approach(view_a, view_b, met, clip)
-                .map(|approach| describe(&approach, view_a, view_b))
-        })
+        let (a, b) = self.both(a, b)?;
+        pair::closest_approach(a, b, window)
     }
 
-    /// Returns [`closest_approach`](Self::closest_approach) with a proof, which takes longer.
+    /// Returns [`closest_approach`](Self::closest_approach) with a proof, which takes longer: of the
+    /// splines, or with [model errors](Body::with_model_error) of the world.
     ///
     /// ```
     /// # use nearmiss::glam::DVec3;
@@ -153,14 +179,15 @@ impl Scene {
         b: BodyId,
         window: Window,
     ) -> Result<Option<CertifiedApproach>, Error> {
-        self.with_spans(a, b, window, |view_a, view_b, met, clip| {
-            let (approach, error, time) = certified_approach(view_a, view_b, met, clip)?;
-            Some(CertifiedApproach {
-                approach: describe(&approach, view_a, view_b),
-                error,
-                time,
-            })
-        })
+        let (a, b) = self.both(a, b)?;
+        pair::certified_closest_approach(a, b, window)
+    }
+
+    /// Returns two different bodies.
+    fn both(&self, a: BodyId, b: BodyId) -> Result<(&Body, &Body), Error> {
+        self.pair(a, b)?;
+        let body = |id| self.body(id).ok_or(Error::UnknownBody { id });
+        Ok((body(a)?, body(b)?))
     }
 
     /// Returns the cheapest expected number of slices of the query's window.
@@ -172,25 +199,23 @@ impl Scene {
         let slices = prepared.slices(&prepared.traffic(), |places| prepared.sources(places));
         Ok(slices.count())
     }
+}
 
-    /// Returns the answer from the spans of a pair within a window, if both exist there. The answer
-    /// is about a and b as given, whichever id is smaller.
-    fn with_spans<T>(
-        &self,
-        a: BodyId,
-        b: BodyId,
-        window: Window,
-        answer: impl FnOnce(&BodyView<'_>, &BodyView<'_>, Spans<'_>, (f64, f64)) -> Option<T>,
-    ) -> Result<Option<T>, Error> {
-        self.pair(a, b)?;
-        let entry = |id| self.entry(id).ok_or(Error::UnknownBody { id });
-        let (a, b) = (entry(a)?, entry(b)?);
-        let [view_a, view_b] = [lone_view(a, window)?, lone_view(b, window)?];
-        let Some(clip) = clip_of(&view_a, &view_b, window) else {
-            return Ok(None);
-        };
-        let met = spans(&view_a.knots, &view_b.knots, clip.0, clip.1);
-        Ok(answer(&view_a, &view_b, met, clip))
+/// A filter that gives up once the caller has ended the screening.
+struct Cancellable<'a, F> {
+    filter: &'a F,
+    is_cancelled: &'a AtomicBool,
+}
+
+impl<F: PairFilter> PairFilter for Cancellable<'_, F> {
+    #[inline]
+    fn admits(&self, a: u32, b: u32) -> bool {
+        self.filter.admits(a, b)
+    }
+
+    #[inline]
+    fn gives_up(&self) -> bool {
+        self.is_cancelled.load(Ordering::Relaxed)
     }
 }
 
@@ -339,7 +364,7 @@ impl PreparedScene<'_> {
         let limit = self.limits.spans;
         done.map_err(|_| Error::TooCrowded { limit })?;
         let begin = Instant::now();
-        screening.conflicts = self.solve(bodies, &survivors, progress);
+        screening.conflicts = self.solve(bodies, &survivors, filter, progress);
         stats.narrow_time += begin.elapsed();
         stats.survivors = survivors.len() as u64;
         stats.conflicts = screening.conflicts.len() as u64;

@@ -52,10 +52,7 @@ pub(super) struct PreparedScene<'a> {
 
 impl<'a> PreparedScene<'a> {
     pub(super) fn new(scene: &'a Scene, query: &Query) -> Result<Self, Error> {
-        let margin = query.margin();
-        if margin.is_nan() || margin.abs() > MAX_MAGNITUDE {
-            return Err(Error::Margin { margin });
-        }
+        let margin = checked_margin(query)?;
         // In an empty scene there is nothing to see at any time.
         let nothing = scene.is_empty().then_some(Window::ALL);
         let asked = query.window().or_else(|| scene.planned()).or(nothing);
@@ -66,7 +63,7 @@ impl<'a> PreparedScene<'a> {
         let mut entries = Vec::with_capacity(scene.len());
         let mut extensions = Vec::new();
         for (place, (id, entry)) in scene.entries().enumerate() {
-            let extension = entry.extension(asked)?;
+            let extension = entry.body.extension(asked)?;
             let has_partner = partners.has(&entry.body);
             survey.include(place, (entry, extension.as_ref()), has_partner);
             ids.push(id);
@@ -210,9 +207,7 @@ impl<'a> PlaceAdmission<'a> {
     pub(super) fn new(scene: &'a Scene, prepared: &'a PreparedScene<'_>) -> Self {
         let bodies = || prepared.entries.iter().map(|entry| &entry.body);
         let is_negative = prepared.margin < 0.0;
-        let radii = bodies()
-            .filter(|_| is_negative)
-            .map(|body| radius(&body.hitbox));
+        let radii = bodies().filter(|_| is_negative).map(|body| radius(body));
         Self {
             layers: bodies().map(|body| body.layers).collect(),
             radii: radii.collect(),
@@ -232,15 +227,28 @@ impl PairFilter for PlaceAdmission<'_> {
     }
 }
 
+/// Returns the margin of a query (m), if it is one.
+///
+/// # Errors
+///
+/// [`Error::Margin`].
+pub(super) fn checked_margin(query: &Query) -> Result<f64, Error> {
+    let margin = query.margin();
+    if margin.is_nan() || margin.abs() > MAX_MAGNITUDE {
+        return Err(Error::Margin { margin });
+    }
+    Ok(margin)
+}
+
 /// Returns the view of a body over a window, without computing its summary.
 ///
 /// # Errors
 ///
-/// See [`SceneEntry::extension`].
-pub(super) fn lone_view(entry: &SceneEntry, window: Window) -> Result<BodyView<'_>, Error> {
-    let extension = entry.extension(window)?;
-    let knots = Knots::over(&entry.body.trajectory, extension.as_ref());
-    Ok(view_of(&entry.body, knots))
+/// See [`Body::extension`].
+pub(super) fn lone_view(body: &Body, window: Window) -> Result<BodyView<'_>, Error> {
+    let extension = body.extension(window)?;
+    let knots = Knots::over(&body.trajectory, extension.as_ref());
+    Ok(view_of(body, knots))
 }
 
 fn view_of<'a>(body: &'a Body, knots: Knots<'a>) -> BodyView<'a> {

@@ -2,6 +2,7 @@
 
 use super::prepared::{PreparedScene, clip_of};
 use crate::accuracy::Accuracy;
+use crate::broad_phase::PairFilter;
 use crate::conflict::{Clip, ClosestApproach, Conflict};
 use crate::id::BodyId;
 use crate::narrow_phase::{
@@ -15,10 +16,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Buffers that one thread reuses from pair to pair.
 #[derive(Default)]
-struct SolveScratch {
-    contacts: Vec<Contact>,
-    certified: Vec<CertifiedContact>,
-    workspace: Workspace,
+pub(super) struct SolveScratch {
+    pub(super) contacts: Vec<Contact>,
+    pub(super) certified: Vec<CertifiedContact>,
+    pub(super) workspace: Workspace,
 }
 
 /// Share of the slices in the progress reported.
@@ -31,11 +32,13 @@ const CHUNK: usize = 64;
 type OfPair<'s> = &'s [SpanKey];
 
 impl PreparedScene<'_> {
-    /// Returns the conflicts of the sorted survivors, in the order of reports.
+    /// Returns the conflicts of the sorted survivors, in the order of reports; fewer if the filter gives
+    /// up.
     pub(super) fn solve(
         &self,
         bodies: &impl Bodies,
         survivors: &[SpanKey],
+        filter: &impl PairFilter,
         progress: &(impl Fn(f64) + Sync),
     ) -> Vec<Conflict> {
         let pairs: Vec<OfPair<'_>> = survivors
@@ -45,6 +48,9 @@ impl PreparedScene<'_> {
         let done_chunks = AtomicUsize::new(0);
         let solved = parallel::map(chunks.len(), 1, SolveScratch::default, |scratch, chunk| {
             let mut conflicts = Vec::new();
+            if filter.gives_up() {
+                return conflicts;
+            }
             let chunk = chunks[chunk];
             match self.accuracy {
                 Accuracy::Exact => self.exact(bodies, chunk, scratch, &mut conflicts),
@@ -228,5 +234,6 @@ pub(super) fn describe(approach: &Approach, a: &BodyView<'_>, b: &BodyView<'_>) 
         relative_velocity,
         sphere_a: approach.sphere_a,
         sphere_b: approach.sphere_b,
+        model_error: a.model_error_with(b),
     }
 }

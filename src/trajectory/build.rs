@@ -252,6 +252,7 @@ impl Trajectory {
     ///
     /// [`Error::NotFinite`] and [`Error::OutOfRange`] if the state is not usable, or moves farther
     /// than 1e300 m in 6 s.
+    #[doc(alias = "dead reckoning")]
     pub fn coasting(state: State) -> Result<Self, Error> {
         Ok(Self::of_straight(Self::coasting_motion(&state)?))
     }

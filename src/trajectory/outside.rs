@@ -40,5 +40,6 @@ pub enum Outside {
     Extrapolate,
     /// The body keeps the velocity of its first or last knot (dead reckoning). From a single state:
     /// [`Trajectory::coasting`](super::Trajectory::coasting).
+    #[doc(alias = "dead reckoning")]
     Coast,
 }

@@ -2,7 +2,7 @@
 
 use super::hitbox;
 use super::scenarios::tick;
-use super::support::{bits, rng, vector, wander, with_every_change};
+use super::support::{bits, rng, rng as support_rng, vector, wander, with_every_change};
 use nearmiss::{
     AlertLevel, Body, BodyId, Budget, Layers, Monitor, Outside, Query, Scene, State, Trajectory,
     Window,
@@ -106,6 +106,54 @@ fn ask(monitor: &Monitor, id: BodyId, idea: &Trajectory, level: usize) -> usize 
     would.len()
 }
 
+/// Asks about a body that is not there yet: as many conflicts as a screening with it finds.
+fn ask_about_body(monitor: &Monitor, body: &Body, level: usize) -> usize {
+    let would = monitor.what_if_body(body, level).unwrap();
+    let mut scene = monitor.scene().clone();
+    let id = scene.insert(body.clone()).unwrap();
+    let mut screened = Vec::new();
+    if let Ok(window) = Window::new(monitor.now(), monitor.complete_until()) {
+        let query = Query::new(window).with_margin(monitor.levels()[level].margin);
+        screened = scene.screen(&query).unwrap().conflicts;
+        screened.retain(|one| one.a == id || one.b == id);
+    }
+    assert_eq!(bits(&would), bits(&screened), "{level}");
+    would.len()
+}
+
+/// Bodies that are part of no pair have no boxes; the new one may be their first partner, by its layers
+/// or by its size.
+#[test]
+fn a_new_body_may_be_the_first_partner() {
+    let mut rng = rng(31);
+    let mut found = [0; 3];
+    for round in 0..60 {
+        let kind = round % 3;
+        let count = [20, 20, 1][kind];
+        let level = [
+            AlertLevel::at(40.0),
+            AlertLevel::at(-1.0),
+            AlertLevel::at(40.0),
+        ][kind];
+        let mut scene = Scene::new();
+        for _ in 0..count {
+            let mut one = Body::new(plan(&mut rng, 0.0));
+            if kind == 0 {
+                one = one.with_layers(Layers::new(0b01, 0b10));
+            }
+            scene.insert(one).unwrap();
+        }
+        let mut monitor = Monitor::new(scene, 0.0, 20.0, &[level]).unwrap();
+        tick(&mut monitor, 0.1);
+        let mut new = Body::new(plan(&mut rng, 0.0)).with_layers(Layers::new(0b11, 0b11));
+        if kind == 1 {
+            new = new.with_model_error(50.0).unwrap();
+        }
+        found[kind] += ask_about_body(&monitor, &new, 0);
+    }
+    assert!(found.iter().all(|&found| found > 5), "{found:?}");
+}
+
 /// In many slices of time, each crossed with hardly anybody near: in a fresh lookahead, in one that is
 /// known in part, and after changes, few and many.
 #[test]
@@ -144,6 +192,9 @@ fn what_if_is_as_screened_where_many_slices_are_crossed() {
                 if own.domain().contains(now) && idea.domain().contains(now) {
                     found += ask(&monitor, id, &idea, question % LEVELS.len());
                 }
+                let mut of_body = support_rng(seed * 1_000 + u64::try_from(question).unwrap());
+                let new = body(&mut of_body, now);
+                found += ask_about_body(&monitor, &new, question % LEVELS.len());
                 for _ in 0..[0, 0, 1, 0, 30][question % 5] {
                     change(&mut rng, &mut monitor, &mut ids);
                 }

@@ -7,7 +7,7 @@
 
 use super::request::{Request, Ticket};
 use crate::id::BodyId;
-use crate::scene::{BodyPlan, BodyState};
+use crate::scene::{Body, BodyPlan, BodyState};
 
 use crossbeam_channel::{Sender, TrySendError};
 use std::fmt;
@@ -205,6 +205,18 @@ impl Handle {
         level: usize,
     ) -> Result<Ticket, Unsent> {
         self.send(Request::WhatIf(id, plan.into(), level))
+    }
+
+    /// Asks which conflicts a body that is not there yet would have at an alert level: the answer is the
+    /// [`ReportKind::WhatIf`](super::ReportKind::WhatIf) with this ticket. Never blocks.
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`send`](Self::send). A refusal by
+    /// [`Monitor::what_if_body`](crate::Monitor::what_if_body) comes as
+    /// [`ReportKind::Refused`](super::ReportKind::Refused).
+    pub fn what_if_body(&self, body: Body, level: usize) -> Result<Ticket, Unsent> {
+        self.send(Request::WhatIfBody(Box::new(body), level))
     }
 
     fn try_send(&self, request: Request) -> Result<Ticket, Unsent> {

@@ -96,8 +96,9 @@ pub enum ReportKind {
         /// The bodies, and the instants from which they follow their last plans, s.
         plans: Vec<(BodyId, f64)>,
     },
-    /// The answer to [`Handle::what_if`](super::Handle::what_if), worked out after all requests before it, and as far as the
-    /// last tick had looked ahead.
+    /// The answer to [`Handle::what_if`](super::Handle::what_if) or
+    /// [`Handle::what_if_body`](super::Handle::what_if_body), worked out after all requests before it,
+    /// and as far as the last tick had looked ahead.
     WhatIf {
         /// The request.
         ticket: Ticket,

@@ -2,7 +2,7 @@
 
 use crate::id::BodyId;
 use crate::monitor::Command;
-use crate::scene::{BodyPlan, BodyState};
+use crate::scene::{Body, BodyPlan, BodyState};
 
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, VecDeque};
@@ -39,6 +39,10 @@ pub enum Request {
     /// Changes nothing. The answer is a [`ReportKind::WhatIf`](super::ReportKind::WhatIf). See
     /// [`Monitor::what_if`](crate::Monitor::what_if).
     WhatIf(BodyId, BodyPlan, usize),
+    /// Asks for the conflicts, at an alert level, of a body that is not there yet. Changes nothing. The
+    /// answer is a [`ReportKind::WhatIf`](super::ReportKind::WhatIf). See
+    /// [`Monitor::what_if_body`](crate::Monitor::what_if_body).
+    WhatIfBody(Box<Body>, usize),
     /// Panics, to see what becomes of it.
     #[cfg(test)]
     Panic,
@@ -146,7 +150,13 @@ impl RequestQueue {
                 self.plans.clear();
             }
             // What is asked is about all that was requested before.
-            (Request::Batch(_) | Request::Track(..) | Request::WhatIf(..), _) => self.plans.clear(),
+            (
+                Request::Batch(_)
+                | Request::Track(..)
+                | Request::WhatIf(..)
+                | Request::WhatIfBody(..),
+                _,
+            ) => self.plans.clear(),
             _ => {}
         }
         self.requests.push_back(Some((ticket, request)));

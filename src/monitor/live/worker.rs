@@ -3,6 +3,7 @@
 use super::handle::Shared;
 use super::report::{LiveOptions, Report, ReportKind};
 use super::request::{Request, RequestQueue, Ticket};
+use crate::conflict::Conflict;
 use crate::error::Error;
 use crate::monitor::{Budget, Command, Event, Monitor};
 use crossbeam_channel::{Receiver, Sender, TryRecvError, TrySendError, select};
@@ -178,13 +179,11 @@ impl Worker {
             Request::Clock(now) => self.tick(now).map(|()| None),
             Request::WhatIf(id, plan, level) => {
                 let conflicts = self.monitor.what_if(id, &plan, level);
-                conflicts.map(|conflicts| {
-                    Some(ReportKind::WhatIf {
-                        ticket,
-                        conflicts,
-                        complete_until: self.monitor.complete_until(),
-                    })
-                })
+                conflicts.map(|conflicts| Some(self.what_if(ticket, conflicts)))
+            }
+            Request::WhatIfBody(body, level) => {
+                let conflicts = self.monitor.what_if_body(&body, level);
+                conflicts.map(|conflicts| Some(self.what_if(ticket, conflicts)))
             }
             #[cfg(test)]
             Request::Panic => panic!("requested to"),
@@ -198,6 +197,15 @@ impl Worker {
                 self.shared.refused(1);
                 self.report(ReportKind::Refused { ticket, error });
             }
+        }
+    }
+
+    /// Returns the answer to a question.
+    const fn what_if(&self, ticket: Ticket, conflicts: Vec<Conflict>) -> ReportKind {
+        ReportKind::WhatIf {
+            ticket,
+            conflicts,
+            complete_until: self.monitor.complete_until(),
         }
     }
 

@@ -5,7 +5,6 @@ use super::super::monitored_bodies::MonitoredBody;
 use super::super::slice::{NearBody, QueryScratch};
 use super::LookaheadSearch;
 use crate::bounds::CubicSource;
-use crate::broad_phase::PairFilter;
 use crate::narrow_phase::{BodyView, Contact, contacts, may_touch};
 use crate::rounding::{seen_from, seen_until};
 use crate::scene::Scene;
@@ -16,21 +15,31 @@ impl LookaheadSearch {
     ///
     /// Of another body, only those spans are looked at in which slices say that it may be near: in a
     /// long lookahead with fast traffic, a body crosses the boxes of hundreds, each for a moment.
-    pub(in crate::monitor) fn contacts_with<F: PairFilter>(
+    ///
+    /// The slot is that of the plan's body, which need not be there yet. `admits` tells with which
+    /// slots it may be a pair.
+    pub(in crate::monitor) fn contacts_with(
         &self,
         scene: &Scene,
         (slot, flight, own): (u32, &MonitoredBody, &BodyView<'_>),
         margin: f64,
         (from, to): (f64, f64),
-        filter: &F,
+        admits: impl Fn(u32) -> bool,
         mut visit: impl FnMut(u32, (f64, f64), &BodyView<'_>, &Contact),
     ) {
         let mut neighbours = self.neighbours(scene, (flight, own), (from, to));
+        let have_partners = scene.len() > 1 && scene.admits_all(self.margin);
+        if scene.in_slot(slot).is_none() && !have_partners {
+            // It may be the first partner of bodies that are in no slice.
+            let (from, to) = (seen_from(from), seen_until(to));
+            let alone = self.flights.without_partner();
+            neighbours.extend(alone.map(|slot| NearBody { slot, from, to }));
+        }
         neighbours.sort_unstable_by_key(|neighbour| neighbour.slot);
         let (mut near, mut found) = (Vec::new(), Vec::new());
         for times in neighbours.chunk_by(|one, next| one.slot == next.slot) {
             let other = times[0].slot;
-            let admitted = other != slot && filter.admits(slot.min(other), slot.max(other));
+            let admitted = other != slot && admits(other);
             let Some(view) = self.view(scene, other).filter(|_| admitted) else {
                 continue;
             };

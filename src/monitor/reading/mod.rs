@@ -58,6 +58,7 @@ mod tests {
         relative_velocity: DVec3::ZERO,
         sphere_a: 0,
         sphere_b: 0,
+        model_error: 0.0,
     };
 
     fn ids((a, b): (u32, u32)) -> (BodyId, BodyId) {

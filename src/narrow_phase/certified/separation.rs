@@ -2,8 +2,9 @@
 
 use super::super::relative::RelativeCubic;
 use super::super::sphere_pair::{Approach, SpherePair};
-use super::super::{BodyView, two_sum};
+use super::super::{BodyView, two_sum, widened};
 use crate::accuracy::TimeEnclosure;
+use crate::enclosure::{Side, Threshold};
 use crate::spans::Span;
 
 /// An interval `low..=high` (m) that contains the least separation, attained within `time` only.
@@ -18,14 +19,95 @@ pub(super) struct SeparationEnclosure {
     pub(super) own: TimeEnclosure,
 }
 
-/// Encloses the least separation of two spheres over `start..=end`, within their span.
-pub(super) fn least_separation(
+/// A search for the least separation of two bodies in the world, sphere pair by sphere pair.
+#[derive(Debug)]
+pub(super) struct LeastSeparationSearch {
+    /// The bodies' model error, m.
+    error: f64,
+    /// Upper bound of the least separation in the world, m.
+    reached: f64,
+    found: Vec<SeparationEnclosure>,
+    /// The spheres of each and their motion, if there is a model error.
+    motions: Vec<(SpherePair, RelativeCubic)>,
+}
+
+impl LeastSeparationSearch {
+    pub(super) const fn new(error: f64) -> Self {
+        Self {
+            error,
+            reached: f64::INFINITY,
+            found: Vec::new(),
+            motions: Vec::new(),
+        }
+    }
+
+    /// Returns the separation (m) beyond which spheres on splines are certainly not the nearest in
+    /// the world.
+    pub(super) fn near(&self) -> f64 {
+        widened(self.reached, self.error)
+    }
+
+    /// Adds two spheres over `start..=end`, within their span.
+    pub(super) fn add(
+        &mut self,
+        views: (&BodyView<'_>, &BodyView<'_>),
+        span: Span,
+        pair: &SpherePair,
+        is_whole: bool,
+        times: (f64, f64),
+    ) {
+        let (mut least, cubic) = least_separation(views, span, pair, is_whole, times);
+        if self.error > 0.0 {
+            least.low = (least.low - self.error).next_down();
+            least.high = (least.high + self.error).next_up();
+            self.motions.push((*pair, cubic));
+        }
+        self.reached = self.reached.min(least.high);
+        self.found.push(least);
+    }
+
+    /// Returns the least of all; `None` if there were none.
+    pub(super) fn least(mut self) -> Option<SeparationEnclosure> {
+        let near = self.near();
+        for (least, (pair, cubic)) in self.found.iter_mut().zip(&self.motions) {
+            if let Some(time) = times_within(pair, cubic, near) {
+                least.time = time;
+            }
+        }
+        SeparationEnclosure::of_all(&self.found)
+    }
+}
+
+/// Returns the smallest known interval with all instants at which two spheres on splines are
+/// within `separation` (m).
+fn times_within(
+    pair: &SpherePair,
+    cubic: &RelativeCubic,
+    separation: f64,
+) -> Option<TimeEnclosure> {
+    let distance = pair.radius(separation).next_up();
+    let stretches = pair.enclosed(cubic).stretches(Threshold {
+        low: distance,
+        high: distance,
+    });
+    let stretches = stretches.as_slice().iter();
+    let possible = stretches.filter(|stretch| stretch.side != Side::Outside);
+    let times = possible.map(|stretch| TimeEnclosure {
+        earliest: cubic.earliest(stretch.first),
+        latest: cubic.latest(stretch.last),
+    });
+    times.reduce(TimeEnclosure::hull)
+}
+
+/// Encloses the least separation of two spheres on splines over `start..=end`, within their span;
+/// returns their motion as well.
+fn least_separation(
     (a, b): (&BodyView<'_>, &BodyView<'_>),
     span: Span,
     pair: &SpherePair,
     is_whole: bool,
     (start, end): (f64, f64),
-) -> SeparationEnclosure {
+) -> (SeparationEnclosure, RelativeCubic) {
     let cubic = if is_whole {
         pair.cubic
     } else if pair.baking > 0.0 {
@@ -39,20 +121,27 @@ pub(super) fn least_separation(
             a.spheres[pair.a as usize].offset - b.spheres[pair.b as usize].offset,
         )
     };
-    let least = pair.enclosed(&cubic).least_distance();
+    let enclosed = pair.enclosed(&cubic);
+    let least = if pair.baking > 0.0 {
+        // The way of a turning centre is no cubic.
+        enclosed.least_distance_of_any_motion()
+    } else {
+        enclosed.least_distance()
+    };
     let radii = (pair.radius_a, pair.radius_b);
     let time = TimeEnclosure {
         earliest: cubic.earliest(least.parameter.first),
         latest: cubic.latest(least.parameter.last),
     };
-    SeparationEnclosure {
+    let least = SeparationEnclosure {
         low: minus_radii(least.distance.low, radii, f64::next_down),
         high: minus_radii(least.distance.high, radii, f64::next_up),
         time,
         span,
         spheres: (pair.a, pair.b),
         own: time,
-    }
+    };
+    (least, cubic)
 }
 
 /// Returns a distance minus two radii, rounded outward.
@@ -69,7 +158,7 @@ pub(super) fn minus_radii(distance: f64, (a, b): (f64, f64), outward: fn(f64) ->
 
 impl SeparationEnclosure {
     /// Returns the least of several. Its time is the hull of all that can be the least.
-    pub(super) fn of_all(found: &[Self]) -> Option<Self> {
+    fn of_all(found: &[Self]) -> Option<Self> {
         let low = found.iter().map(|least| least.low).reduce(f64::min)?;
         let lowest = found.iter().min_by(|x, y| x.high.total_cmp(&y.high))?;
         let high = lowest.high;

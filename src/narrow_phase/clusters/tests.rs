@@ -1,13 +1,14 @@
 //! Omitted pairs change no result: against all pairs of spheres, solved one by one.
 
-use super::super::certified::{Workspace, certified_approach, certified_contacts};
+use super::super::certified::{MarginBand, Workspace, certified_approach, certified_contacts};
 use super::super::contact::{ClosestSearch, closest_approach, contacts, contacts_of, join, solve};
 use super::super::stretches::DistanceProfile;
 use super::{ClusterPair, SpherePairBound};
 use crate::hitbox::{Hitbox, Sphere};
 use crate::knots::Knots;
 use crate::narrow_phase::BodyView;
-use crate::narrow_phase::Contact;
+use crate::narrow_phase::{Contact, pair_error};
+use crate::shape::BodyShape;
 use crate::spans::{Span, spans};
 use crate::trajectory::{Outside, Pieces, State, Trajectory};
 use crate::window::Window;
@@ -15,11 +16,14 @@ use glam::DVec3;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 
+mod rods;
+
 /// Two bodies and the time in question.
 struct Case {
     plans: [Pieces; 2],
     hitboxes: [Hitbox; 2],
     margin: f64,
+    model_errors: [f64; 2],
     clip: (f64, f64),
     /// Common domain of both bodies, s.
     start: f64,
@@ -117,6 +121,7 @@ fn case(rng: &mut ChaCha8Rng, kind: usize) -> Case {
         plans,
         hitboxes,
         margin,
+        model_errors: [[0.0, 0.0], [0.0, 0.1 * size], [0.4 * size, size]][kind % 3],
         clip,
         start: begin,
         end: start + 1.0,
@@ -132,13 +137,16 @@ fn case(rng: &mut ChaCha8Rng, kind: usize) -> Case {
 
 impl Case {
     fn views(&self) -> [BodyView<'_>; 2] {
-        [0, 1].map(|number: usize| BodyView {
-            knots: Knots::of(&self.plans[number].knots),
-            segments: &self.plans[number].segments,
-            spheres: self.hitboxes[number].spheres(),
-            bounding: self.hitboxes[number].bounding(),
-            turning: None,
+        [0, 1].map(|number: usize| {
+            let Pieces { knots, segments } = &self.plans[number];
+            let shape = BodyShape::new(&self.hitboxes[number], None, self.model_errors[number]);
+            BodyView::of((Knots::of(knots), segments), shape)
         })
+    }
+
+    fn band(&self) -> MarginBand {
+        let [a, b] = self.model_errors;
+        MarginBand::new(self.margin, pair_error(a, b))
     }
 
     fn spans(&self) -> Vec<Span> {
@@ -205,7 +213,7 @@ fn contacts_are_those_of_all_pairs() {
             expected.clear();
             case.each(|pair, span| {
                 let profile = DistanceProfile::of(&pair.cubic);
-                pair.contacts(&profile, span, case.margin, clip, &mut expected);
+                pair.contacts(&profile, span, case.band().outer, clip, &mut expected);
             });
             join(&mut expected, 0);
             assert_eq!(found, expected, "{kind} {clip:?}");
@@ -233,12 +241,17 @@ fn the_envelope_serves_for_all_margins_and_windows() {
         count += kept.len();
         all += case.spans().len() * a.spheres.len() * b.spheres.len();
         found.clear();
-        contacts_of(kept.iter(), case.margin, (f64::MIN, f64::MAX), &mut found);
+        contacts_of(
+            kept.iter(),
+            case.band().outer,
+            (f64::MIN, f64::MAX),
+            &mut found,
+        );
         let begin = case.start + f64::max(rng.random_range(-0.5..1.0), 0.0);
         let any = (begin, begin + rng.random_range(0.0..1.0));
         for clip in case.windows_at(&found).into_iter().chain([any]) {
             let less = case.margin.abs() * rng.random_range(0.0..1.0);
-            for margin in [case.margin, case.margin - less] {
+            for margin in [case.band().outer, case.margin - less] {
                 found.clear();
                 contacts_of(kept.iter(), margin, clip, &mut found);
                 expected.clear();
@@ -282,9 +295,9 @@ fn proofs_are_those_of_all_pairs() {
             expected.clear();
             all.clear();
             case.each(|pair, span| {
-                all.solve(pair, span, case.margin, clip);
+                all.solve(pair, span, &case.band(), clip);
             });
-            all.join((a, b), case.margin, clip, &mut expected);
+            all.join((a, b), &case.band(), clip, &mut expected);
             assert_eq!(found, expected, "{kind} {clip:?}");
             resolved += found.iter().filter(|one| one.certificate.resolved).count();
             unresolved += found.iter().filter(|one| !one.certificate.resolved).count();
@@ -361,6 +374,7 @@ fn late_case(rng: &mut ChaCha8Rng) -> Case {
         plans,
         hitboxes,
         margin: aside - 2.0 * radius + more,
+        model_errors: [0.0; 2],
         clip: (f64::MIN, f64::MAX),
         start: START,
         end: START + 1.0,
@@ -380,7 +394,7 @@ fn what_instants_are_rounded_by_rules_nothing_out() {
         case.each(|pair, span| {
             let profile = DistanceProfile::of(&pair.cubic);
             let mut found = Vec::new();
-            pair.contacts(&profile, span, case.margin, case.clip, &mut found);
+            pair.contacts(&profile, span, case.band().outer, case.clip, &mut found);
             instants.extend(
                 found
                     .iter()
@@ -415,7 +429,7 @@ fn what_instants_are_rounded_by_rules_nothing_out() {
                 pair.contacts(
                     &DistanceProfile::of(&pair.cubic),
                     span,
-                    case.margin,
+                    case.band().outer,
                     clip,
                     &mut expected,
                 );
@@ -423,7 +437,7 @@ fn what_instants_are_rounded_by_rules_nothing_out() {
             join(&mut expected, 0);
             assert_eq!(found, expected, "{round} {clip:?}");
             found.clear();
-            contacts_of(kept.iter(), case.margin, clip, &mut found);
+            contacts_of(kept.iter(), case.band().outer, clip, &mut found);
             assert_eq!(found, expected, "{round} {clip:?}");
             several += usize::from(!found.is_empty());
             let nearest = closest_approach(a, b, spans(), clip);
@@ -445,51 +459,11 @@ fn what_instants_are_rounded_by_rules_nothing_out() {
             );
             all.clear();
             case.each(|pair, span| {
-                all.solve(pair, span, case.margin, clip);
+                all.solve(pair, span, &case.band(), clip);
             });
-            all.join((a, b), case.margin, clip, &mut expected);
+            all.join((a, b), &case.band(), clip, &mut expected);
             assert_eq!(proven, expected, "{round} {clip:?}");
         }
     }
     assert!(several > 500, "{several}");
-}
-
-/// Many contacts in one span, as of beads on a rod flown along it, and nearly no motion.
-#[test]
-fn rods_and_next_to_no_motion() {
-    let hitbox = |spheres: Vec<(DVec3, f64)>| {
-        let spheres = spheres.into_iter();
-        let spheres = spheres.map(|(offset, radius)| Sphere { offset, radius });
-        Hitbox::cluster(spheres.collect()).unwrap_or_else(|_| unreachable!())
-    };
-    let line = |velocity: DVec3| {
-        let states = [0.0, 1.0].map(|time| State::new(time, velocity * time, velocity));
-        Trajectory::from_states(&states).unwrap_or_else(|_| unreachable!())
-    };
-    let beads = (1..=60).map(|bead| (DVec3::X * (4.0 * f64::from(bead)), 0.5));
-    let pair = vec![(DVec3::ZERO, 0.75), (DVec3::X * -50.0, 0.75)];
-    let other = vec![(DVec3::X, 0.75), (DVec3::X * 51.0, 0.75)];
-    let three = vec![(DVec3::ZERO, 0.2), (DVec3::Y * 9.0, 0.2)];
-    for (hitboxes, velocity, contacts_of_all) in [
-        ([three.clone(), beads.collect()], DVec3::X * 300.0, 60),
-        ([other.clone(), pair.clone()], DVec3::Y * 1e-155, 1),
-        (
-            [[other, three].concat(), [pair.clone(), pair].concat()],
-            DVec3::Y * 1e-155,
-            1,
-        ),
-    ] {
-        let case = Case {
-            plans: [line(velocity), line(DVec3::ZERO)].map(|plan| Pieces::own(&plan)),
-            hitboxes: hitboxes.map(hitbox),
-            margin: 0.0,
-            clip: (0.0, 1.0),
-            start: 0.0,
-            end: 1.0,
-        };
-        let [a, b] = &case.views();
-        let mut found = Vec::new();
-        contacts(a, b, case.spans().into_iter(), 0.0, case.clip, &mut found);
-        assert_eq!(found.len(), contacts_of_all);
-    }
 }

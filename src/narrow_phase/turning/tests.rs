@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failure fails the test")]
 
-use super::super::certified::{Workspace, certified_contacts};
+use super::super::certified::{MarginBand, Workspace, certified_contacts};
 use super::super::contact::{ClosestSearch, closest_approach, contacts, contacts_of, join, solve};
 use super::super::stretches::DistanceProfile;
 use super::cells::Rotations;
@@ -23,6 +23,7 @@ struct Turner {
     plan: Trajectory,
     hitbox: Hitbox,
     orientation: Orientation,
+    model_error: f64,
 }
 
 fn vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
@@ -53,12 +54,13 @@ fn turner(rng: &mut ChaCha8Rng, kind: usize) -> Turner {
         plan: Trajectory::from_states(&states).unwrap(),
         hitbox,
         orientation,
+        model_error: [0.0, 0.0, 0.3][kind / 2 % 3] * size,
     }
 }
 
 impl Turner {
     fn view(&self) -> BodyView<'_> {
-        let shape = BodyShape::new(&self.hitbox, self.orientation.turning());
+        let shape = BodyShape::new(&self.hitbox, self.orientation.turning(), self.model_error);
         BodyView::of((Knots::of(self.plan.knots()), self.plan.segments()), shape)
     }
 }
@@ -116,11 +118,12 @@ fn omitted_pairs_change_nothing() {
         let least = found.unwrap().separation;
         let size = [1.0, 1e-6, 1e6][kind % 3];
         let margin = least + [0.0, rng.random_range(0.0..1.0) * size][kind / 2 % 2];
+        let band = MarginBand::new(margin, a.model_error_with(b));
         let (mut found, mut expected) = (Vec::new(), Vec::new());
         contacts(a, b, all.iter().copied(), margin, clip, &mut found);
         each(&views, &all, Accuracy::Exact, |pair, span| {
             let profile = DistanceProfile::of(&pair.cubic);
-            pair.contacts(&profile, span, margin, clip, &mut expected);
+            pair.contacts(&profile, span, band.outer, clip, &mut expected);
         });
         join(&mut expected, 0);
         assert_eq!(found, expected, "{kind}");
@@ -140,7 +143,7 @@ fn omitted_pairs_change_nothing() {
             });
         }
         found.clear();
-        contacts_of(kept.iter(), margin, clip, &mut found);
+        contacts_of(kept.iter(), band.outer, clip, &mut found);
         assert_eq!(found, expected, "{kind}");
 
         let (mut proven, mut expected) = (Vec::new(), Vec::new());
@@ -148,9 +151,9 @@ fn omitted_pairs_change_nothing() {
         certified_contacts(a, b, over, margin, clip, &mut workspace, &mut proven);
         workspace.clear();
         each(&views, &all, Accuracy::Certified, |pair, span| {
-            workspace.solve(pair, span, margin, clip);
+            workspace.solve(pair, span, &band, clip);
         });
-        workspace.join((a, b), margin, clip, &mut expected);
+        workspace.join((a, b), &band, clip, &mut expected);
         let ends = |one: &super::super::CertifiedContact| {
             let proof = one.certificate;
             (proof.resolved, proof.enter, proof.exit)

@@ -254,3 +254,24 @@ fn bad_numbers_are_refused() {
     }
     assert!(serde_json::from_str::<Hitbox>("[]").is_err());
 }
+
+/// The model error of a body stays with it; one that is none is refused, and older files have none.
+#[test]
+fn model_errors_in_files() {
+    let rest = Trajectory::at_rest(DVec3::ZERO).unwrap();
+    let body = Body::new(rest).with_model_error(0.1).unwrap();
+    let file = serde_json::to_value(&body).unwrap();
+    let back: Body = serde_json::from_value(file.clone()).unwrap();
+    assert_eq!(back, body);
+    let mut bad = file.clone();
+    bad["model_error"] = (-1.0).into();
+    let refused = serde_json::from_value::<Body>(bad).unwrap_err();
+    assert!(
+        refused.to_string().contains("model error -1.0 m"),
+        "{refused}"
+    );
+    let mut old = file;
+    old.as_object_mut().unwrap().remove("model_error");
+    let old: Body = serde_json::from_value(old).unwrap();
+    assert!(old.model_error() == 0.0);
+}

@@ -1,0 +1,44 @@
+//! Beads on rods, and next to no motion.
+
+use super::*;
+
+/// Many contacts in one span, as of beads on a rod flown along it, and nearly no motion.
+#[test]
+fn rods_and_next_to_no_motion() {
+    let hitbox = |spheres: Vec<(DVec3, f64)>| {
+        let spheres = spheres.into_iter();
+        let spheres = spheres.map(|(offset, radius)| Sphere { offset, radius });
+        Hitbox::cluster(spheres.collect()).unwrap_or_else(|_| unreachable!())
+    };
+    let line = |velocity: DVec3| {
+        let states = [0.0, 1.0].map(|time| State::new(time, velocity * time, velocity));
+        Trajectory::from_states(&states).unwrap_or_else(|_| unreachable!())
+    };
+    let beads = (1..=60).map(|bead| (DVec3::X * (4.0 * f64::from(bead)), 0.5));
+    let pair = vec![(DVec3::ZERO, 0.75), (DVec3::X * -50.0, 0.75)];
+    let other = vec![(DVec3::X, 0.75), (DVec3::X * 51.0, 0.75)];
+    let three = vec![(DVec3::ZERO, 0.2), (DVec3::Y * 9.0, 0.2)];
+    for (hitboxes, velocity, contacts_of_all) in [
+        ([three.clone(), beads.collect()], DVec3::X * 300.0, 60),
+        ([other.clone(), pair.clone()], DVec3::Y * 1e-155, 1),
+        (
+            [[other, three].concat(), [pair.clone(), pair].concat()],
+            DVec3::Y * 1e-155,
+            1,
+        ),
+    ] {
+        let case = Case {
+            plans: [line(velocity), line(DVec3::ZERO)].map(|plan| Pieces::own(&plan)),
+            hitboxes: hitboxes.map(hitbox),
+            margin: 0.0,
+            model_errors: [0.0; 2],
+            clip: (0.0, 1.0),
+            start: 0.0,
+            end: 1.0,
+        };
+        let [a, b] = &case.views();
+        let mut found = Vec::new();
+        contacts(a, b, case.spans().into_iter(), 0.0, case.clip, &mut found);
+        assert_eq!(found.len(), contacts_of_all);
+    }
+}

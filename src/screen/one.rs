@@ -1,0 +1,129 @@
+//! One body against all bodies of a scene.
+
+use super::pair::push_conflicts;
+use super::prepared::{checked_margin, lone_view};
+use super::solve::SolveScratch;
+use crate::bounds::DAabb;
+use crate::conflict::Conflict;
+use crate::error::Error;
+use crate::narrow_phase::BodyView;
+use crate::parallel;
+use crate::query::Query;
+use crate::scene::{Body, Scene, SceneEntry, planned};
+use crate::window::Window;
+use std::iter::once;
+
+/// Bodies that one thread examines at a time.
+const CHUNK: usize = 256;
+
+impl Scene {
+    /// Returns all conflicts of a body that is not in the scene with those that are, within the
+    /// query's window and margin, sorted by (enter, a, b): may it fly this? Changes nothing.
+    ///
+    /// The bits are those that a [screening](Self::screen) of the scene with the body
+    /// [inserted](Self::insert) would report of its pairs. Its id in the answer is the one that it
+    /// would have. Without a window in the query, the time that all plans cover counts, its own
+    /// included. Layers count. The query's limit of spans does not: each pair is examined by
+    /// itself. The cost is proportional to the number of bodies.
+    ///
+    /// ```
+    /// use nearmiss::glam::DVec3;
+    /// use nearmiss::{Body, Query, Scene, State, Trajectory};
+    ///
+    /// let mut scene = Scene::new();
+    /// let towers: Vec<_> = [40.0, 70.0]
+    ///     .into_iter()
+    ///     .map(|x| scene.insert(Body::new(Trajectory::at_rest(x * DVec3::X)?)))
+    ///     .collect::<Result<_, _>>()?;
+    /// let fly = [0.0, 9.0].map(|t| State::new(t, t * 5.0 * DVec3::X, 5.0 * DVec3::X));
+    /// let drone = Body::new(Trajectory::from_states(&fly)?);
+    /// let conflicts = scene.conflicts_with(&drone, &Query::default().with_margin(2.0))?;
+    /// // It comes to 45 m: past one tower.
+    /// assert_eq!((conflicts.len(), conflicts[0].a), (1, towers[0]));
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Those of [`screen`](Self::screen), except [`Error::TooCrowded`]; [`Error::SceneFull`].
+    pub fn conflicts_with(&self, body: &Body, query: &Query) -> Result<Vec<Conflict>, Error> {
+        let margin = checked_margin(query)?;
+        let own_id = self.next_id()?;
+        let all = || self.bodies().map(|(_, body)| body).chain(once(body));
+        let asked = query.window().or_else(|| planned(all()));
+        let window = asked.ok_or(Error::NoPlan)?;
+        let own = lone_view(body, window)?;
+        let range = extremes_of(&own, window);
+        let entries: Vec<_> = self.entries().collect();
+        let chunks: Vec<_> = entries.chunks(CHUNK).collect();
+        let found = parallel::map(chunks.len(), 1, SolveScratch::default, |scratch, chunk| {
+            let mut found = Vec::new();
+            for &(id, entry) in chunks[chunk] {
+                let other = &entry.body;
+                // What would make a screening fail does so here.
+                let view = lone_view(other, window)?;
+                let reach = body.shape().reach() + other.shape().reach() + margin;
+                let is_far = || is_apart(&range, &extremes_in(entry, &view, window), reach);
+                if !body.layers.admits(other.layers) || is_far() {
+                    continue;
+                }
+                let (own_name, name) = ((own_id, body.tag), (id, other.tag));
+                let (names, views) = if own_id < id {
+                    ([own_name, name], (&own, &view))
+                } else {
+                    ([name, own_name], (&view, &own))
+                };
+                let asked = (margin, query.accuracy());
+                push_conflicts(names, views, asked, window, (scratch, &mut found));
+            }
+            Ok(found)
+        });
+        let found: Result<Vec<_>, Error> = found.into_iter().collect();
+        let mut conflicts = found?.concat();
+        conflicts.sort_by(Conflict::order);
+        Ok(conflicts)
+    }
+}
+
+/// Returns a box around a body's motion in a window, m; to rounding.
+fn extremes_in(entry: &SceneEntry, view: &BodyView<'_>, window: Window) -> DAabb {
+    if view.knots.are_extended() || !entry.body.trajectory.straight_motions().is_empty() {
+        extremes_of(view, window)
+    } else {
+        // Known: that of the whole plan.
+        entry.summary().extremes
+    }
+}
+
+/// Returns a box around a motion in a window, cubic by cubic, m; to rounding.
+fn extremes_of(view: &BodyView<'_>, window: Window) -> DAabb {
+    let mut extremes = DAabb::NOTHING;
+    for cubic in 0..view.knots.cubics() {
+        let from = view.knots.at(cubic).max(window.start());
+        let to = view.knots.at(cubic + 1).min(window.end());
+        if from > to {
+            continue;
+        }
+        let segment = view.segment(cubic);
+        let part = segment.restrict(from, to);
+        for point in part.points {
+            let point = segment.origin() + point;
+            extremes.include(DAabb {
+                low: point - part.error,
+                high: point + part.error,
+            });
+        }
+    }
+    extremes
+}
+
+/// Returns true if two boxes are certainly farther apart than `reach` (m) on some axis.
+fn is_apart(one: &DAabb, other: &DAabb, reach: f64) -> bool {
+    /// Far above that of the boxes.
+    const ROUNDING: f64 = 1e-12;
+    let size = [one.low, one.high, other.low, other.high].map(|corner| corner.abs().max_element());
+    let size = size.into_iter().fold(reach.abs(), f64::max);
+    let room = reach + ROUNDING * size;
+    let gap = (one.low - other.high).max(other.low - one.high);
+    gap.max_element() > room
+}

@@ -1,0 +1,174 @@
+//! Questions about two bodies, without a scene.
+//!
+//! A scene answers the same about two of its bodies, to the last bit. Layers play no part: whoever
+//! names two bodies means them.
+//!
+//! ```
+//! use nearmiss::glam::DVec3;
+//! use nearmiss::{Body, Query, State, Trajectory, Window, pair};
+//!
+//! let fly = [-9.0, 9.0].map(|t| State::new(t, DVec3::new(t, 3.0, 0.0), DVec3::X));
+//! let drone = Body::new(Trajectory::from_states(&fly)?).with_tag(7);
+//! let tower = Body::new(Trajectory::at_rest(DVec3::ZERO)?);
+//!
+//! let nearest = pair::closest_approach(&drone, &tower, Window::new(-9.0, 9.0)?)?;
+//! assert!(nearest.is_some_and(|nearest| nearest.time == 0.0 && nearest.separation == 3.0));
+//!
+//! let conflicts = pair::conflicts(&drone, &tower, &Query::default().with_margin(5.0))?;
+//! assert_eq!((conflicts.len(), conflicts[0].tag_a), (1, 7));
+//! assert!((conflicts[0].enter + 4.0).abs() < 1e-12);
+//! # Ok::<(), nearmiss::Error>(())
+//! ```
+
+use super::prepared::{checked_margin, clip_of, lone_view};
+use super::solve::{SolveScratch, conflict, describe};
+use crate::accuracy::{Accuracy, TimeEnclosure};
+use crate::conflict::{ClosestApproach, Conflict};
+use crate::error::Error;
+use crate::id::BodyId;
+use crate::narrow_phase::{BodyView, certified_approach, certified_contacts, contacts, may_touch};
+use crate::query::Query;
+use crate::rounding::{seen_from, seen_until};
+use crate::scene::{Body, planned};
+use crate::spans::{Spans, spans};
+use crate::window::Window;
+
+/// A closest approach with proven bounds, as in [`Certificate`](crate::Certificate): of the
+/// splines, or with [model errors](Body::with_model_error) of the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct CertifiedApproach {
+    /// The closest approach of the splines.
+    pub approach: ClosestApproach,
+    /// The least separation lies in `approach.separation ± error` (m), model errors included.
+    pub error: f64,
+    /// All instants of least separation.
+    pub time: TimeEnclosure,
+}
+
+/// Returns the least separation of two bodies within a window, and its time, or `None` if they do
+/// not exist at the same time.
+///
+/// # Errors
+///
+/// [`Error::WindowNotClosed`] and [`Error::InBody`] as for [`Scene::screen`](crate::Scene::screen).
+#[doc(alias = "tca")]
+#[doc(alias = "cpa")]
+#[doc(alias = "miss distance")]
+pub fn closest_approach(
+    a: &Body,
+    b: &Body,
+    window: Window,
+) -> Result<Option<ClosestApproach>, Error> {
+    with_spans(a, b, window, |view_a, view_b, met, clip| {
+        crate::narrow_phase::closest_approach(view_a, view_b, met, clip)
+            .map(|approach| describe(&approach, view_a, view_b))
+    })
+}
+
+/// Returns [`closest_approach`] with a proof, which takes longer.
+///
+/// # Errors
+///
+/// As [`closest_approach`].
+pub fn certified_closest_approach(
+    a: &Body,
+    b: &Body,
+    window: Window,
+) -> Result<Option<CertifiedApproach>, Error> {
+    with_spans(a, b, window, |view_a, view_b, met, clip| {
+        let (approach, error, time) = certified_approach(view_a, view_b, met, clip)?;
+        Some(CertifiedApproach {
+            approach: describe(&approach, view_a, view_b),
+            error,
+            time,
+        })
+    })
+}
+
+/// Returns all conflicts of two bodies within the query's window and margin, in time order. Without
+/// a window in the query, the time that their plans cover.
+///
+/// The ids are those that an empty scene would give to `a` and then to `b`.
+///
+/// # Errors
+///
+/// [`Error::Margin`], [`Error::NoPlan`], [`Error::WindowNotClosed`] and [`Error::InBody`] as for
+/// [`Scene::screen`](crate::Scene::screen).
+#[doc(alias = "contacts")]
+#[doc(alias = "time of impact")]
+pub fn conflicts(a: &Body, b: &Body, query: &Query) -> Result<Vec<Conflict>, Error> {
+    let margin = checked_margin(query)?;
+    let asked = query.window().or_else(|| planned([a, b].into_iter()));
+    let window = asked.ok_or(Error::NoPlan)?;
+    let (view_a, view_b) = (lone_view(a, window)?, lone_view(b, window)?);
+    let id = |slot| BodyId {
+        slot,
+        generation: 0,
+    };
+    let mut found = Vec::new();
+    push_conflicts(
+        [(id(0), a.tag), (id(1), b.tag)],
+        (&view_a, &view_b),
+        (margin, query.accuracy()),
+        window,
+        (&mut SolveScratch::default(), &mut found),
+    );
+    Ok(found)
+}
+
+/// Appends all conflicts of two bodies within a window and a margin (m), in time order.
+pub(super) fn push_conflicts(
+    names: [(BodyId, u64); 2],
+    (a, b): (&BodyView<'_>, &BodyView<'_>),
+    (margin, accuracy): (f64, Accuracy),
+    window: Window,
+    (scratch, found): (&mut SolveScratch, &mut Vec<Conflict>),
+) {
+    let Some(clip) = clip_of(a, b, window) else {
+        return;
+    };
+    // All instants that may be reported in it.
+    let seen = (seen_from(clip.0), seen_until(clip.1));
+    let met = spans(&a.knots, &b.knots, seen.0, seen.1);
+    let near = met.filter(|&span| may_touch(a, b, span, margin, seen));
+    match accuracy {
+        Accuracy::Exact => {
+            let SolveScratch { contacts: list, .. } = scratch;
+            list.clear();
+            contacts(a, b, near, margin, clip, list);
+            let reported = list.iter();
+            found.extend(reported.map(|contact| conflict(contact, names, (a, b), clip)));
+        }
+        Accuracy::Certified => {
+            let SolveScratch {
+                certified,
+                workspace,
+                ..
+            } = scratch;
+            certified.clear();
+            certified_contacts(a, b, near, margin, clip, workspace, certified);
+            found.extend(certified.iter().map(|one| Conflict {
+                certificate: Some(one.certificate),
+                ..conflict(&one.contact, names, (a, b), clip)
+            }));
+        }
+    }
+}
+
+/// Returns the answer from the spans of a pair within a window, if both exist there. The answer is
+/// about a and b as given.
+fn with_spans<T>(
+    a: &Body,
+    b: &Body,
+    window: Window,
+    answer: impl FnOnce(&BodyView<'_>, &BodyView<'_>, Spans<'_>, (f64, f64)) -> Option<T>,
+) -> Result<Option<T>, Error> {
+    let [view_a, view_b] = [lone_view(a, window)?, lone_view(b, window)?];
+    let Some(clip) = clip_of(&view_a, &view_b, window) else {
+        return Ok(None);
+    };
+    let met = spans(&view_a.knots, &view_b.knots, clip.0, clip.1);
+    Ok(answer(&view_a, &view_b, met, clip))
+}

@@ -1,0 +1,225 @@
+//! Which answers model errors change, and that all ways to ask give the same ones.
+
+use crate::support::{bits, hash, on_threads, rng, screen, sliced, swarm};
+use nearmiss::internals::{Method, QueryInternals};
+use nearmiss::{
+    Accuracy, AlertLevel, Body, BodyId, Command, Error, Hitbox, Monitor, Outside, Query, Scene,
+    State, Trajectory, Window, pair,
+};
+use rand::RngExt;
+use rand::rngs::ChaCha8Rng;
+
+fn error(rng: &mut ChaCha8Rng) -> f64 {
+    [0.0, rng.random_range(0.0..0.3), rng.random_range(0.0..2.0)][rng.random_range(0..3)]
+}
+
+/// A swarm with model errors, with those of every third body.
+fn scene(seed: u64, count: usize) -> Scene {
+    let mut rng = rng(seed);
+    let mut scene = Scene::new();
+    for (states, radius) in swarm(seed, count, 30.0) {
+        let body = Body::new(Trajectory::from_states(&states).unwrap())
+            .with_hitbox(Hitbox::sphere(radius).unwrap())
+            .with_model_error(error(&mut rng))
+            .unwrap();
+        scene.insert(body).unwrap();
+    }
+    scene
+}
+
+const BOTH: [Accuracy; 2] = [Accuracy::Exact, Accuracy::Certified];
+
+#[test]
+fn the_bits_depend_on_neither_threads_nor_slices_nor_method() {
+    let scene = scene(1, 60);
+    for margin in [-0.4, 0.0, 1.0] {
+        for accuracy in BOTH {
+            let query = Query::new(Window::new(2.0, 15.0).unwrap());
+            let query = query.with_margin(margin).with_accuracy(accuracy);
+            let expected = scene.screen(&query).unwrap().conflicts;
+            assert!(!expected.is_empty());
+            for method in Method::EVERY {
+                for (threads, slices) in [(1, 1), (3, 7), (2, 200)] {
+                    let query = sliced(query, slices).with_method(method);
+                    let found = on_threads(threads, || scene.screen(&query).unwrap().conflicts);
+                    assert_eq!(
+                        hash(&found),
+                        hash(&expected),
+                        "{margin} {accuracy:?} {method:?}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Each pair by itself, through all its spans.
+#[test]
+fn a_screening_finds_what_all_pairs_have() {
+    for (seed, margin) in [(2, 0.0), (3, -0.5), (4, 1.5)] {
+        let scene = scene(seed, 40);
+        let bodies: Vec<_> = scene.bodies().collect();
+        for accuracy in BOTH {
+            let query = Query::new(Window::ALL)
+                .with_margin(margin)
+                .with_accuracy(accuracy);
+            let mut all = Vec::new();
+            for (number, &(a, body_a)) in bodies.iter().enumerate() {
+                for &(b, body_b) in &bodies[number + 1..] {
+                    let found = pair::conflicts(body_a, body_b, &query).unwrap();
+                    all.extend(found.into_iter().map(|mut conflict| {
+                        (conflict.a, conflict.b) = (a, b);
+                        conflict
+                    }));
+                }
+            }
+            all.sort_by(nearmiss::Conflict::order);
+            let found = scene.screen(&query).unwrap().conflicts;
+            assert_eq!(bits(&found), bits(&all), "{seed} {accuracy:?}");
+        }
+    }
+}
+
+/// A model error of one body changes no bit of what others do.
+#[test]
+fn others_are_as_without() {
+    let mut scene = Scene::new();
+    for (states, radius) in swarm(5, 60, 25.0) {
+        let body = Body::new(Trajectory::from_states(&states).unwrap());
+        scene
+            .insert(body.with_hitbox(Hitbox::sphere(radius).unwrap()))
+            .unwrap();
+    }
+    let ids: Vec<BodyId> = scene.bodies().map(|(id, _)| id).collect();
+    let window = Window::new(0.0, 20.0).unwrap();
+    let before = screen(&scene, window, 0.7);
+    scene.set_model_error(ids[7], 1.5).unwrap();
+    let with = screen(&scene, window, 0.7);
+    let concerns = |conflict: &nearmiss::Conflict| conflict.a == ids[7] || conflict.b == ids[7];
+    let others = |all: &[nearmiss::Conflict]| -> Vec<_> {
+        all.iter()
+            .copied()
+            .filter(|conflict| !concerns(conflict))
+            .collect()
+    };
+    assert_eq!(bits(&others(&with)), bits(&others(&before)));
+    assert!(
+        with.iter().filter(|one| concerns(one)).count()
+            > before.iter().filter(|one| concerns(one)).count()
+    );
+    assert!(
+        with.iter()
+            .filter(|one| concerns(one))
+            .all(|one| one.closest.model_error == 1.5)
+    );
+    assert_eq!(scene.set_model_error(ids[7], 0.0).unwrap(), 1.5);
+    assert_eq!(bits(&screen(&scene, window, 0.7)), bits(&before));
+}
+
+/// Tick by tick, with model errors that change, and plans that are told.
+#[test]
+fn a_monitor_says_what_a_screening_says() {
+    for seed in 0..6 {
+        let mut rng = rng(seed);
+        let mut scene = scene(seed, 40);
+        let ids: Vec<BodyId> = scene.bodies().map(|(id, _)| id).collect();
+        for &id in &ids {
+            let plan = scene.body(id).unwrap().trajectory.clone();
+            let plan = plan.with_outside(Outside::Coast);
+            scene.set_trajectory(id, plan).unwrap();
+        }
+        let levels = [AlertLevel::at(1.5), AlertLevel::at(-0.2)];
+        let mut monitor = Monitor::new(scene, 0.0, 6.0, &levels).unwrap();
+        let (mut events, mut seen) = (Vec::new(), 0);
+        for _ in 0..25 {
+            let now = monitor.now() + rng.random_range(0.0..1.0);
+            for _ in 0..3 {
+                let id = ids[rng.random_range(0..ids.len())];
+                match rng.random_range(0..3) {
+                    0 => monitor.set_model_error(id, error(&mut rng)).unwrap(),
+                    1 => {
+                        // Together with a plan that could turn the old one in place.
+                        let state = state(&mut rng, now);
+                        let plan = Trajectory::coasting(state).unwrap();
+                        let both = [
+                            Command::SetTrajectory(id, plan),
+                            Command::SetModelError(id, error(&mut rng)),
+                        ];
+                        monitor.apply(both).unwrap();
+                    }
+                    _ => {
+                        let before = monitor.scene().body(id).unwrap().model_error();
+                        let told = [(id, state(&mut rng, now))];
+                        monitor.track(now.max(monitor.now()), told).unwrap();
+                        assert!(monitor.scene().body(id).unwrap().model_error() == before);
+                    }
+                }
+            }
+            monitor
+                .advance(now.max(monitor.now()), &mut events)
+                .unwrap();
+            let window = Window::new(monitor.now(), monitor.complete_until()).unwrap();
+            for (level, alert) in levels.iter().enumerate() {
+                let found = monitor.conflicts(level).unwrap();
+                let expected = screen(monitor.scene(), window, alert.margin);
+                assert_eq!(bits(found), bits(&expected), "{seed} {level}");
+                seen += found.len();
+            }
+        }
+        assert!(seen > 200, "{seen}");
+    }
+}
+
+fn state(rng: &mut ChaCha8Rng, time: f64) -> State {
+    State::new(
+        time,
+        crate::support::vector(rng, 15.0),
+        crate::support::vector(rng, 4.0),
+    )
+}
+
+#[test]
+fn what_is_no_model_error_is_refused() {
+    let rest = || Body::new(Trajectory::at_rest(glam::DVec3::ZERO).unwrap()).with_tag(9);
+    let mut scene = Scene::new();
+    let id = scene.insert(rest().with_model_error(0.5).unwrap()).unwrap();
+    let mut monitor = Monitor::new(scene.clone(), 0.0, 9.0, &[AlertLevel::at(1.0)]).unwrap();
+    for bad in [f64::NAN, -1e-300, f64::INFINITY, 1.1e300] {
+        let text = format!("body 9: model error {bad:?} m is not a number from 0 to 1e300");
+        let refused = [
+            rest().with_model_error(bad).map(drop),
+            scene.set_model_error(id, bad).map(drop),
+            monitor.set_model_error(id, bad),
+        ];
+        for error in refused {
+            let error = error.unwrap_err();
+            assert_eq!(error.to_string(), text);
+            let Error::InBody { body: 9, error } = error else {
+                panic!("{error}");
+            };
+            assert!(
+                matches!(*error, Error::ModelError { metres } if metres.to_bits() == bad.to_bits())
+            );
+        }
+        for scene in [&scene, monitor.scene()] {
+            assert!(scene.body(id).unwrap().model_error() == 0.5);
+        }
+    }
+    // The largest is served: two such bodies may be anywhere.
+    let other = rest().with_model_error(1e300).unwrap();
+    let both = [rest().with_model_error(1e300).unwrap(), other];
+    for accuracy in BOTH {
+        let query = Query::new(Window::new(0.0, 1.0).unwrap()).with_accuracy(accuracy);
+        let found = pair::conflicts(&both[0], &both[1], &query.with_margin(1e300)).unwrap();
+        assert_eq!(found.len(), 1);
+        assert!(found[0].certificate.is_none_or(|proof| !proof.resolved));
+    }
+    assert!(
+        rest()
+            .with_model_error(-0.0)
+            .unwrap()
+            .model_error()
+            .to_bits()
+            == 0
+    );
+}

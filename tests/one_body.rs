@@ -1,0 +1,241 @@
+//! Questions about one body or two, against screenings of a scene that has them.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "a scene that cannot be built fails the test"
+)]
+
+mod support;
+
+use glam::{DQuat, DVec3};
+use nearmiss::{
+    Accuracy, Body, Conflict, Error, Hitbox, Layers, Orientation, Outside, Query, Scene, Sphere,
+    State, Trajectory, Window, pair,
+};
+use rand::RngExt;
+use rand::rngs::ChaCha8Rng;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicU32, Ordering};
+use support::{bits, on_threads, rng, scene_of, swarm, vector, wander};
+
+/// Bodies of all kinds in a cube of 12 m.
+fn body(rng: &mut ChaCha8Rng) -> Body {
+    let start = rng.random_range(-3.0..6.0);
+    let trajectory = match rng.random_range(0..6) {
+        0 => Trajectory::at_rest(vector(rng, 6.0)).unwrap(),
+        1 => {
+            let state = State::new(start, vector(rng, 6.0), vector(rng, 3.0));
+            Trajectory::coasting(state).unwrap()
+        }
+        kind => {
+            let states = wander(rng, start, 8, 1.2, 12.0, 4.0);
+            let plan = Trajectory::from_states(&states).unwrap();
+            plan.with_outside(match kind {
+                2 => Outside::Coast,
+                3 => Outside::Extrapolate,
+                _ => Outside::Absent,
+            })
+        }
+    };
+    let hitbox = if rng.random_bool(0.3) {
+        let spheres = (0..3).map(|_| Sphere {
+            offset: vector(rng, 1.0),
+            radius: rng.random_range(0.0..0.5),
+        });
+        Hitbox::cluster(spheres.collect()).unwrap()
+    } else {
+        Hitbox::sphere(rng.random_range(0.0..1.0)).unwrap()
+    };
+    let mut body = Body::new(trajectory)
+        .with_hitbox(hitbox)
+        .with_tag(rng.random());
+    if rng.random_bool(0.3) {
+        let turn = DQuat::from_scaled_axis(vector(rng, 2.0));
+        let spin = Orientation::spin(0.0, turn, vector(rng, 1.0)).unwrap();
+        body = body.with_orientation(spin);
+    }
+    if rng.random_bool(0.3) {
+        body = body.with_layers(Layers::new(0b10, 0b01));
+    }
+    if rng.random_bool(0.2) {
+        body = body.with_model_error(rng.random_range(0.0..0.5)).unwrap();
+    }
+    body
+}
+
+fn queries(rng: &mut ChaCha8Rng) -> Vec<Query> {
+    let from = rng.random_range(-2.0..4.0);
+    let window = Window::new(from, from + rng.random_range(0.0..9.0)).unwrap();
+    let mut all = Vec::new();
+    for query in [Query::default(), Query::new(window)] {
+        for margin in [-0.8, 0.0, 1.5] {
+            for accuracy in [Accuracy::Exact, Accuracy::Certified] {
+                all.push(query.with_margin(margin).with_accuracy(accuracy));
+            }
+        }
+    }
+    all
+}
+
+#[test]
+fn one_body_has_the_conflicts_of_a_screening_with_it() {
+    let mut found = [0; 2];
+    for seed in 0..40 {
+        let mut rng = rng(seed);
+        let mut scene = Scene::new();
+        let count = [0, 1, 20, 60][usize::try_from(seed % 4).unwrap()];
+        let mut ids: Vec<_> = (0..count)
+            .map(|_| scene.insert(body(&mut rng)).unwrap())
+            .collect();
+        // Its slot may be one that was left.
+        for _ in 0..ids.len() / 10 {
+            let id = ids.swap_remove(rng.random_range(0..ids.len()));
+            scene.remove(id).unwrap();
+        }
+        let own = body(&mut rng);
+        let mut with = scene.clone();
+        let id = with.insert(own.clone()).unwrap();
+        for query in queries(&mut rng) {
+            let screened = with.screen(&query).map(|screening| {
+                let all = screening.conflicts.into_iter();
+                all.filter(|one| one.a == id || one.b == id)
+                    .collect::<Vec<Conflict>>()
+            });
+            let threads = 1 + usize::try_from(seed % 3).unwrap();
+            let asked = on_threads(threads, || scene.conflicts_with(&own, &query));
+            match (screened, asked) {
+                (Ok(screened), Ok(asked)) => {
+                    assert_eq!(bits(&asked), bits(&screened), "{seed} {query:?}");
+                    found[usize::from(query.accuracy() == Accuracy::Certified)] += asked.len();
+                }
+                (screened, asked) => {
+                    assert_eq!(
+                        asked.unwrap_err(),
+                        screened.unwrap_err(),
+                        "{seed} {query:?}"
+                    );
+                }
+            }
+        }
+    }
+    assert!(found.iter().all(|&found| found > 100), "{found:?}");
+}
+
+/// Many bodies, most of them far away.
+#[test]
+fn one_body_among_many() {
+    let scene = scene_of(&swarm(3, 3_000, 200.0));
+    let (states, radius) = swarm(8, 1, 200.0).remove(0);
+    let own = Body::new(Trajectory::from_states(&states).unwrap())
+        .with_hitbox(Hitbox::sphere(radius).unwrap());
+    let mut with = scene.clone();
+    let id = with.insert(own.clone()).unwrap();
+    let query = Query::default().with_margin(6.0);
+    let mut screened = with.screen(&query).unwrap().conflicts;
+    screened.retain(|one| one.a == id || one.b == id);
+    let asked = scene.conflicts_with(&own, &query).unwrap();
+    assert!(asked.len() > 5, "{}", asked.len());
+    assert_eq!(bits(&asked), bits(&screened));
+}
+
+#[test]
+fn two_bodies_without_a_scene_are_as_in_one() {
+    let (mut found, mut met) = (0, 0);
+    for seed in 100..300 {
+        let mut rng = rng(seed);
+        let both = [body(&mut rng), body(&mut rng)].map(|body| body.with_layers(Layers::ALL));
+        let mut scene = Scene::new();
+        let [a, b] = both.clone().map(|body| scene.insert(body).unwrap());
+        for query in queries(&mut rng) {
+            let screened = scene.screen(&query).map(|screening| screening.conflicts);
+            let asked = pair::conflicts(&both[0], &both[1], &query);
+            match (screened, asked) {
+                (Ok(screened), Ok(asked)) => {
+                    assert_eq!(bits(&asked), bits(&screened), "{seed} {query:?}");
+                    found += asked.len();
+                }
+                (screened, asked) => assert_eq!(asked.unwrap_err(), screened.unwrap_err()),
+            }
+            let Some(window) = query.window() else {
+                continue;
+            };
+            let (own, other) = (&both[0], &both[1]);
+            let nearest = scene.closest_approach(a, b, window).unwrap();
+            assert_eq!(pair::closest_approach(own, other, window).unwrap(), nearest);
+            let proven = scene.certified_closest_approach(a, b, window).unwrap();
+            assert_eq!(
+                pair::certified_closest_approach(own, other, window).unwrap(),
+                proven
+            );
+            if let Some(nearest) = nearest {
+                met += 1;
+                let relative = nearest.position_a - nearest.position_b;
+                assert_eq!(nearest.relative_position(), relative);
+                let back = pair::closest_approach(other, own, window).unwrap().unwrap();
+                assert!((back.separation - nearest.separation).abs() < 1e-9);
+            }
+        }
+    }
+    assert!(found > 100 && met > 100, "{found} {met}");
+}
+
+#[test]
+fn what_cannot_be_asked_is_refused() {
+    let rest = Body::new(Trajectory::at_rest(DVec3::ZERO).unwrap()).with_tag(3);
+    let scene = Scene::new();
+    for (query, refusal) in [
+        (Query::default(), "no body has a plan"),
+        (Query::new(Window::ALL), "body 3 exists beyond its knots"),
+        (Query::default().with_margin(f64::NAN), "margin NaN m"),
+    ] {
+        for error in [
+            scene.conflicts_with(&rest, &query).unwrap_err(),
+            pair::conflicts(&rest, &rest, &query).unwrap_err(),
+        ] {
+            assert!(error.to_string().starts_with(refusal), "{error}");
+        }
+    }
+}
+
+/// At any share, on any number of threads; afterwards the scene answers as before.
+#[test]
+fn a_screening_can_be_ended() {
+    let scene = scene_of(&swarm(3, 400, 40.0));
+    let query = Query::default().with_margin(1.0);
+    let expected = scene.screen(&query).unwrap().conflicts;
+    for threads in [1, 2] {
+        for most in [0.0, 0.3, 0.9, 0.95, 1.0] {
+            let calls = AtomicU32::new(0);
+            let screened = on_threads(threads, || {
+                scene.screen_with_progress(&query, |share| {
+                    calls.fetch_add(1, Ordering::Relaxed);
+                    if share >= most {
+                        ControlFlow::Break(())
+                    } else {
+                        ControlFlow::Continue(())
+                    }
+                })
+            });
+            assert!(matches!(screened, Err(Error::Cancelled)), "{most}");
+            assert!(calls.into_inner() >= 2);
+        }
+        let again = on_threads(threads, || scene.screen(&query).unwrap().conflicts);
+        assert_eq!(bits(&again), bits(&expected));
+    }
+    // It saves work: after the first share nothing is searched.
+    let (all, few) = [false, true]
+        .map(|ends| {
+            let calls = AtomicU32::new(0);
+            let _ = scene.screen_with_progress(&query, |_| {
+                calls.fetch_add(1, Ordering::Relaxed);
+                if ends {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
+                }
+            });
+            calls.into_inner()
+        })
+        .into();
+    assert!(few < all, "{few} {all}");
+}
