@@ -7,7 +7,11 @@
 
 #[path = "screen/lengths.rs"]
 mod lengths;
-#[path = "../examples/screen/read.rs"]
+#[allow(
+    dead_code,
+    reason = "the example's own module, of which a part is used"
+)]
+#[path = "../examples/screen/read/mod.rs"]
 mod read;
 #[path = "../examples/scenes/mod.rs"]
 mod scenes;
@@ -72,10 +76,10 @@ fn recordings() -> impl Iterator<Item = (&'static str, Scene, Query)> {
     let folder = std::env::var_os("NEARMISS_DATA").map(PathBuf::from);
     folder.into_iter().flat_map(|folder| {
         RECORDINGS.map(|(name, margin)| {
-            let bodies = read::trajectories(&folder.join(format!("{name}.csv.gz")));
+            let file = read::bodies(&folder.join(format!("{name}.csv.gz")));
             let mut scene = Scene::new();
-            for (label, trajectory) in bodies.unwrap_or_else(|error| panic!("{error}")) {
-                let inserted = scene.insert(Body::new(trajectory).with_tag(label));
+            for body in file.unwrap_or_else(|error| panic!("{error}")).bodies {
+                let inserted = scene.insert(Body::new(body.trajectory).with_tag(body.tag));
                 inserted.unwrap_or_else(|error| panic!("{name}: {error}"));
             }
             let query = Query::default().with_margin(margin);

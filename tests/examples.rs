@@ -139,6 +139,12 @@ fn pictures_that_cannot_be() {
     let nowhere = folder.join("no-such-folder").join("picture.svg");
     let parts = ["error: ", "no-such-folder"];
     refuses(1, &mut many_body(&nowhere, &[]), &parts);
+    let states = ["--states", nowhere.to_str().unwrap()];
+    let picture = folder.join("picture.svg");
+    refuses(1, &mut many_body(&picture, &states), &parts);
+    let states = ["--states", picture.to_str().unwrap()];
+    refuses(2, &mut many_body(&picture, &states), &["--picture"]);
+    assert!(!picture.exists());
     let picture = folder.join("picture.png");
     let screenshot = ["--screenshot", picture.to_str().unwrap()];
     refuses(
@@ -175,6 +181,39 @@ fn names_are_escaped() {
     let drawn = many_body(&picture, &[]).output().unwrap();
     assert!(drawn.status.success() && picture.exists());
     assert!(plain(&drawn.stdout).contains(shown));
+}
+
+/// The window's fleet: contacts take place, and each was predicted. Bodies that avoid them have none.
+#[test]
+fn ships_are_predicted() {
+    let run = |options: &[&str]| {
+        let mut command = example("game_loop");
+        let options = ["--headless", "--seconds", "6", "--seed", "2"]
+            .iter()
+            .chain(options);
+        let result = command.args(options).output().unwrap();
+        assert!(result.status.success(), "{}", plain(&result.stderr));
+        let line: serde_json::Value = serde_json::from_slice(&result.stdout).unwrap();
+        line
+    };
+    let careless = run(&["--ships", "--bodies", "300", "--avoid", "off"]);
+    assert!(careless["collisions"].as_u64().unwrap() > 3, "{careless}");
+    assert_eq!(careless["unpredicted"], 0, "{careless}");
+    assert_eq!(careless["lost"], 0, "{careless}");
+    let careful = run(&["--ships", "--avoid", "on"]);
+    assert_eq!(careful["collisions"], 0, "{careful}");
+    assert_eq!(careful["unpredicted"], 0, "{careful}");
+    // The yardstick is what it was, and has other bodies.
+    let spheres = run(&["--bodies", "300"]);
+    assert!(spheres.get("unpredicted").is_none(), "{spheres}");
+    refuses(2, example("game_loop").arg("--ships"), &["--headless"]);
+    let help = example("game_loop").arg("--help").output().unwrap();
+    let help = plain(&help.stdout);
+    let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        help.contains("not those of the window unless --ships"),
+        "{help}"
+    );
 }
 
 /// Whoever runs these tests alone tests what is written now.
@@ -227,6 +266,12 @@ fn what_is_said() {
     let result = many_body(&picture, &["--threads", "0"]).output().unwrap();
     let said = String::from_utf8(result.stdout).unwrap();
     assert!(said.contains(picture.to_str().unwrap()), "{said}");
+    // How well splines describe the world is not known to any of them.
+    assert!(said.contains("of the splines"), "{said}");
+    let result = example("screen").arg("--help").output().unwrap();
+    let said = plain(&result.stdout);
+    let certified = said.split("certified").nth(1).unwrap();
+    assert!(certified.contains("of the spline"), "{said}");
     let result = game_loop(&["--threads", "1024"]).output().unwrap();
     let said = String::from_utf8(result.stdout).unwrap();
     assert!(said.starts_with("{\"ticks\":30,"), "{said}");

@@ -208,9 +208,9 @@ fn broken_files() {
     );
     refuses(
         "label",
-        file("x,0,0,0,0,0,0,0\n"),
+        file(" ,0,0,0,0,0,0,0\n"),
         &[],
-        &["row 2", "column body", "\"x\""],
+        &["row 2, column body: empty", "name"],
     );
 }
 
@@ -235,9 +235,9 @@ fn values_are_escaped() {
         let row = [b"0,1,0,", value, b",0,0,0,0\n"].concat();
         let parts = ["states.csv: row 3, column py: ", shown];
         refuses("value", rows(&row), &[], &parts);
-        let label = [value, b",1,0,0,0,0,0,0\n"].concat();
-        let parts = ["row 3, column body: ", shown];
-        refuses("label", rows(&label), &[], &parts);
+        // A body of this name has one row: what does not print is no name, and the rest is told so.
+        let label = [HEADER.as_bytes(), value, b",1,0,0,0,0,0,0\n"].concat();
+        refuses("label", label, &[], &["row 2, column body: ", shown]);
         let short = [b"0,1,0,", value, b"\n"].concat();
         let parts = ["row 3, column pz: ", "4 values", shown];
         refuses("short", rows(&short), &[], &parts);
@@ -245,8 +245,17 @@ fn values_are_escaped() {
         let missing = [b"body,t,px,py,pz,vx,vy,", value, b"\n"].concat();
         let parts = ["row 1, column vz: missing", "found \"body,t,px", inside];
         refuses("header", missing, &[], &parts);
-        let more = [&HEADER.as_bytes()[..HEADER.len() - 1], b",", value, b"\n"].concat();
-        refuses("header", more, &[], &["row 1: expected", inside]);
+        // A column that is not used.
+        let header = &HEADER.as_bytes()[..HEADER.len() - 1];
+        let rows = "0,0,0,0,0,0,0,0,0\n0,1,0,0,0,0,0,0,0\n".as_bytes();
+        let more = [header, b",", value, b"\n", rows].concat();
+        let (result, _) = screen("header", more, &[]);
+        assert!(result.status.success());
+        let said = plain(&result.stderr);
+        assert!(
+            said.contains(&format!("not used: column {shown}")),
+            "{said}"
+        );
     }
 }
 
@@ -265,8 +274,10 @@ fn long_values_are_shortened() {
         ),
         (format!("body,{long}\n"), "(300005 bytes)"),
         (
-            HEADER.replace('\n', &format!(",{long}\n")),
-            "(300025 bytes)",
+            HEADER
+                .replace("body", "id")
+                .replace('\n', &format!(",{long}\n")),
+            "(300023 bytes)",
         ),
     ] {
         let said = fails(1, "long", content, &[], &["row ", "\u{ef}", part]);

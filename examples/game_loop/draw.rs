@@ -6,14 +6,15 @@
     reason = "pictures are drawn in f32"
 )]
 
+use crate::Failure;
 use crate::fleet::Kind;
 use crate::game::Game;
 use crate::shapes::Shape;
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use macroquad::prelude::{
     Camera, Camera3D, Color, Mat3, Mesh, Vec2, Vec3, clear_background, draw_circle,
-    draw_cube_wires, draw_line_3d, draw_mesh, draw_text, measure_text, screen_height, screen_width,
-    set_camera, set_default_camera, vec2, vec3,
+    draw_cube_wires, draw_line_3d, draw_mesh, screen_height, screen_width, set_camera,
+    set_default_camera, vec2, vec3,
 };
 use nearmiss::{BodyId, Encounter};
 use std::collections::BTreeMap;
@@ -25,8 +26,6 @@ pub(crate) const LEVEL_COLOURS: [Color; 3] = [
     Color::new(1.0, 0.33, 0.36, 1.0),
 ];
 
-/// Labels at most.
-const MAX_LABELS: usize = 16;
 /// Triangles in one draw call.
 const BATCH: usize = 15_000;
 
@@ -39,11 +38,13 @@ pub(crate) struct View {
     stars: Vec<Vec3>,
     shapes: [(Kind, Shape); 3],
     pub(crate) shows_hitboxes: bool,
+    /// The alert levels from this one on are shown.
+    pub(crate) lowest_level: usize,
 }
 
 impl View {
-    /// Of a cube with this half side, m.
-    pub(crate) fn around(half: f64) -> Self {
+    /// Of a cube with this half side, m. The far level is not shown at first.
+    pub(crate) fn around(half: f64) -> Result<Self, Failure> {
         // Evenly over the sphere: the golden angle from pole to pole.
         let stars = (0..900).map(|k| {
             let y = 1.0 - 2.0 * (k as f32 + 0.5) / 900.0;
@@ -51,15 +52,21 @@ impl View {
             let across = (1.0 - y * y).sqrt();
             vec3(cos * across, y, sin * across)
         });
-        Self {
+        let shape = |kind| Ok::<_, Failure>((kind, Shape::of(kind)?));
+        Ok(Self {
             angle: 0.7,
             height: 0.38,
             distance: 2.1 * half as f32,
             half: half as f32,
             stars: stars.collect(),
-            shapes: [Kind::Ship, Kind::Drone, Kind::Asteroid].map(|kind| (kind, Shape::of(kind))),
+            shapes: [
+                shape(Kind::Ship)?,
+                shape(Kind::Drone)?,
+                shape(Kind::Asteroid)?,
+            ],
             shows_hitboxes: true,
-        }
+            lowest_level: 1,
+        })
     }
 
     pub(crate) fn turn(&mut self, across: f32, along: f32) {
@@ -77,7 +84,7 @@ impl View {
         self.angle += 0.03 * seconds as f32;
     }
 
-    fn camera(&self) -> Camera3D {
+    pub(crate) fn camera(&self) -> Camera3D {
         let (sin, cos) = self.angle.sin_cos();
         let (up, flat) = self.height.sin_cos();
         Camera3D {
@@ -91,7 +98,7 @@ impl View {
 }
 
 /// Where a place is on the screen, if it is before the camera.
-fn on_screen(camera: &Camera3D, place: Vec3) -> Option<Vec2> {
+pub(crate) fn on_screen(camera: &Camera3D, place: Vec3) -> Option<Vec2> {
     let clip = camera.matrix() * place.extend(1.0);
     (clip.w > 0.0).then(|| {
         vec2(
@@ -101,7 +108,7 @@ fn on_screen(camera: &Camera3D, place: Vec3) -> Option<Vec2> {
     })
 }
 
-fn vector(v: DVec3) -> Vec3 {
+pub(crate) fn vector(v: DVec3) -> Vec3 {
     vec3(v.x as f32, v.y as f32, v.z as f32)
 }
 
@@ -109,11 +116,21 @@ fn faint(colour: Color, alpha: f32) -> Color {
     Color { a: alpha, ..colour }
 }
 
-pub(crate) fn draw_world(game: &Game, view: &mut View) {
+pub(crate) fn kind_name(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Sphere => "sphere",
+        Kind::Ship => "ship",
+        Kind::Drone => "drone",
+        Kind::Asteroid => "asteroid",
+    }
+}
+
+/// Draws the world; returns the encounters that are shown, the soonest first.
+pub(crate) fn draw_world(game: &Game, view: &View) -> Vec<Encounter> {
     clear_background(Color::new(0.025, 0.03, 0.055, 1.0));
     let camera = view.camera();
     draw_stars(&camera, view);
-    let encounters = worst_first(game);
+    let encounters = worst_first(game, view.lowest_level);
     set_camera(&camera);
     let side = Vec3::splat(2.0 * view.half);
     draw_cube_wires(Vec3::ZERO, side, Color::new(0.3, 0.4, 0.6, 0.35));
@@ -134,13 +151,14 @@ pub(crate) fn draw_world(game: &Game, view: &mut View) {
         draw_encounter(game, encounter);
     }
     set_default_camera();
-    draw_labels(game, &camera, &encounters);
+    encounters
 }
 
 /// One encounter a pair, that of the worst level, the soonest first.
-fn worst_first(game: &Game) -> Vec<Encounter> {
+fn worst_first(game: &Game, lowest_level: usize) -> Vec<Encounter> {
     let mut worst: BTreeMap<(BodyId, BodyId), Encounter> = BTreeMap::new();
-    for encounter in game.fleet.monitor.encounters() {
+    let encounters = game.fleet.monitor.encounters();
+    for encounter in encounters.filter(|encounter| encounter.level >= lowest_level) {
         let kept = worst
             .entry((encounter.a, encounter.b))
             .or_insert(*encounter);
@@ -184,11 +202,11 @@ fn draw_bodies(game: &Game, view: &View) {
         let Some((_, shape)) = view.shapes.iter().find(|(of, _)| *of == kind) else {
             continue;
         };
-        let turn = match kind {
-            Kind::Ship => along(vector(state.velocity)),
-            _ => Mat3::from_rotation_y(index as f32),
+        let Some(body) = game.fleet.monitor.scene().body(id) else {
+            continue;
         };
-        shape.place(turn, vector(state.position), &mut vertices);
+        let rotation = body.orientation.rotation(state.time);
+        shape.place(axes(rotation), vector(state.position), &mut vertices);
     }
     for batch in vertices.chunks(3 * BATCH) {
         draw_mesh(&Mesh {
@@ -199,11 +217,10 @@ fn draw_bodies(game: &Game, view: &View) {
     }
 }
 
-/// Turns x to a direction.
-fn along(direction: Vec3) -> Mat3 {
-    let x = direction.normalize_or(Vec3::X);
-    let z = x.cross(Vec3::Y).normalize_or(Vec3::Z);
-    Mat3::from_cols(x, z.cross(x), z)
+/// A body's axes in the world.
+fn axes(rotation: DQuat) -> Mat3 {
+    let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| vector(rotation * axis));
+    Mat3::from_cols(x, y, z)
 }
 
 /// A ring that faces the camera around each sphere.
@@ -211,15 +228,14 @@ fn draw_hitboxes(game: &Game, camera: &Camera3D, alerts: &BTreeMap<BodyId, usize
     const CORNERS: usize = 20;
     let scene = game.fleet.monitor.scene();
     for &id in &game.fleet.bodies {
-        let (Some(state), Some(body)) = (game.fleet.state(id), scene.body(id)) else {
-            continue;
-        };
+        let Some(body) = scene.body(id) else { continue };
         let colour = match alerts.get(&id) {
             Some(&level) => faint(LEVEL_COLOURS[level], 0.9),
             None => Color::new(0.6, 0.7, 0.85, 0.16),
         };
-        for sphere in body.hitbox.spheres() {
-            let centre = vector(state.position + sphere.offset);
+        let now = game.fleet.monitor.now();
+        for sphere in body.spheres_at(now).unwrap_or_default() {
+            let centre = vector(sphere.offset);
             let forward = (camera.target - camera.position).normalize();
             let right = forward.cross(Vec3::Y).normalize() * sphere.radius as f32;
             let up = right.cross(forward).normalize() * sphere.radius as f32;
@@ -262,36 +278,5 @@ fn draw_encounter(game: &Game, encounter: &Encounter) {
     let middle = (a + b) * 0.5;
     for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
         draw_line_3d(middle - axis * 1.2, middle + axis * 1.2, colour);
-    }
-}
-
-/// A countdown at the place of each encounter.
-fn draw_labels(game: &Game, camera: &Camera3D, encounters: &[Encounter]) {
-    let now = game.fleet.monitor.now();
-    // What can still be avoided, and matters most, before what goes on.
-    let mut urgent: Vec<&Encounter> = encounters.iter().collect();
-    urgent.sort_by_key(|encounter| (encounter.enter <= now, std::cmp::Reverse(encounter.level)));
-    for encounter in urgent.into_iter().take(MAX_LABELS) {
-        let closest = &encounter.closest;
-        let middle = (closest.position_a + closest.position_b) * 0.5;
-        let Some(at) = on_screen(camera, vector(middle)) else {
-            continue;
-        };
-        let ahead = closest.time - now;
-        let text = if encounter.enter <= now {
-            format!("now  {:.1} m", closest.separation)
-        } else {
-            format!("{ahead:.1} s  {:.1} m", closest.separation)
-        };
-        let size = measure_text(&text, None, 18, 1.0);
-        let (x, y) = (at.x + 9.0, at.y - 7.0);
-        macroquad::shapes::draw_rectangle(
-            x - 4.0,
-            y - size.offset_y - 4.0,
-            size.width + 8.0,
-            size.height + 8.0,
-            Color::new(0.02, 0.03, 0.06, 0.72),
-        );
-        draw_text(&text, x, y, 18.0, LEVEL_COLOURS[encounter.level]);
     }
 }

@@ -1,15 +1,18 @@
 //! The bodies of the game: a swarm at constant density whose plans are made up as it flies.
 //!
 //! The same kind of motion as the stress scene `swarm`: 32 cubics over 60 s at irregular knots,
-//! smooth random velocities (Ornstein-Uhlenbeck), 1 m radius.
+//! smooth random velocities (Ornstein-Uhlenbeck), 1 m radius; other settings have bodies that turn.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use nearmiss::{
-    AlertLevel, Body, BodyId, Command, Error, Event, EventKind, Hitbox, Monitor, Scene, Sphere,
-    State, Trajectory,
+    AlertLevel, Body, BodyId, BodyPlan, Command, Error, Event, EventKind, Hitbox, Monitor,
+    Orientation, Scene, State, Trajectory,
 };
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
+use std::error::Error as StdError;
+
+type Failure = Box<dyn StdError + Send + Sync>;
 
 /// Cubics in a plan.
 const SEGMENTS: u32 = 32;
@@ -29,41 +32,32 @@ pub(crate) const LOOKAHEAD: f64 = 10.0;
 pub(crate) struct Setting {
     /// In turns.
     pub(crate) kinds: &'static [Kind],
+    pub(crate) hitbox: fn(Kind) -> Result<Hitbox, Failure>,
     /// Side of the cube for one body, m.
     pub(crate) spacing: f64,
+    /// Bodies do not come nearer than this to others within `BORN_CLEAR`, m, if all keep their first velocities.
+    pub(crate) clearance: f64,
     pub(crate) levels: &'static [AlertLevel],
     /// Places of two of the levels.
     pub(crate) warning: usize,
     pub(crate) contact: usize,
 }
 
+/// Time for which bodies are clear of others when they appear, s.
+const BORN_CLEAR: f64 = 2.5;
+/// Places that are tried for a body that appears.
+const MAX_BIRTHS: u32 = 1_000;
+
 impl Setting {
     /// The stress scene: spheres of 1 m at constant density.
     pub(crate) const STRESS: Self = Self {
         kinds: &[Kind::Sphere],
+        hitbox: |_| Ok(Hitbox::sphere(RADIUS)?),
         spacing: 65.6,
+        clearance: 0.0,
         levels: &[AlertLevel::at(3.0), AlertLevel::at(0.0)],
         warning: 0,
         contact: 1,
-    };
-
-    /// Something to look at: denser, and of three kinds.
-    pub(crate) const SHOW: Self = Self {
-        kinds: &[
-            Kind::Ship,
-            Kind::Drone,
-            Kind::Drone,
-            Kind::Ship,
-            Kind::Asteroid,
-        ],
-        spacing: 26.0,
-        levels: &[
-            AlertLevel::at(8.0),
-            AlertLevel::at(3.0),
-            AlertLevel::at(0.0),
-        ],
-        warning: 1,
-        contact: 2,
     };
 }
 
@@ -77,26 +71,23 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
-    fn hitbox(self) -> Result<Hitbox, Error> {
-        let sphere = |x: f64, y: f64, z: f64, radius: f64| Sphere {
-            offset: DVec3::new(x, y, z),
-            radius,
-        };
+    const fn attitude(self) -> Attitude {
         match self {
-            Self::Sphere => Hitbox::sphere(RADIUS),
-            Self::Drone => Hitbox::sphere(0.8),
-            Self::Ship => Hitbox::cluster(vec![
-                sphere(0.0, 0.0, 0.0, 1.3),
-                sphere(1.4, 0.0, 0.0, 0.8),
-                sphere(-1.4, 0.0, 0.0, 0.8),
-            ]),
-            Self::Asteroid => Hitbox::cluster(vec![
-                sphere(0.0, 0.0, 0.0, 2.4),
-                sphere(1.3, 0.7, -0.4, 1.7),
-                sphere(-1.1, -0.5, 0.9, 1.8),
-            ]),
+            Self::Sphere => Attitude::Fixed,
+            Self::Ship => Attitude::AlongFlight,
+            Self::Drone | Self::Asteroid => Attitude::Spin,
         }
     }
+}
+
+/// How a body turns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Attitude {
+    Fixed,
+    /// Its axis x points where it flies.
+    AlongFlight,
+    /// At a constant angular velocity of its own.
+    Spin,
 }
 
 /// All bodies under one monitor, and the dice that their plans are made with.
@@ -118,19 +109,21 @@ pub(crate) struct Planner {
 
 impl Fleet {
     /// `count` bodies at time 0, each with a plan.
-    pub(crate) fn new(setting: Setting, count: usize, seed: u64) -> Result<Self, Error> {
+    pub(crate) fn new(setting: Setting, count: usize, seed: u64) -> Result<Self, Failure> {
         let number = f64::from(u32::try_from(count).unwrap_or(u32::MAX));
         let mut planner = Planner {
             rng: ChaCha8Rng::seed_from_u64(seed),
             half: setting.spacing * number.cbrt() / 2.0,
         };
         let mut scene = Scene::new();
-        let bodies = (0..count)
-            .map(|index| {
-                let start = planner.start(0.0);
-                scene.insert(planner.body(setting.kind(index), start)?)
-            })
-            .collect::<Result<Vec<_>, _>>()?;
+        let (mut bodies, mut starts) = (Vec::with_capacity(count), Vec::new());
+        for index in 0..count {
+            let start = planner.clear_start(&setting, 0.0, &starts);
+            if setting.clearance > 0.0 {
+                starts.push(start);
+            }
+            bodies.push(scene.insert(planner.body(&setting, index, start)?)?);
+        }
         Ok(Self {
             monitor: Monitor::new(scene, 0.0, LOOKAHEAD, setting.levels)?,
             bodies,
@@ -140,10 +133,15 @@ impl Fleet {
     }
 
     /// Another body, from now on.
-    pub(crate) fn add(&mut self) -> Result<(), Error> {
-        let start = self.planner.start(self.monitor.now());
-        let kind = self.setting.kind(self.bodies.len());
-        let body = self.planner.body(kind, start)?;
+    pub(crate) fn add(&mut self) -> Result<(), Failure> {
+        let now = self.monitor.now();
+        let others: Vec<State> = self
+            .bodies
+            .iter()
+            .filter_map(|&id| self.state(id))
+            .collect();
+        let start = self.planner.clear_start(&self.setting, now, &others);
+        let body = self.planner.body(&self.setting, self.bodies.len(), start)?;
         self.bodies.push(self.monitor.insert(body)?);
         Ok(())
     }
@@ -155,7 +153,7 @@ impl Fleet {
     }
 
     /// New plans from now on for a share of the bodies, picked at random, as a whim would.
-    pub(crate) fn whims(&mut self, share: f64) -> Result<Vec<(BodyId, Trajectory)>, Error> {
+    pub(crate) fn whims(&mut self, share: f64) -> Result<Vec<(BodyId, BodyPlan)>, Error> {
         let expected = share * f64::from(u32::try_from(self.bodies.len()).unwrap_or(u32::MAX));
         let whole = expected.floor();
         let extra = self
@@ -177,11 +175,27 @@ impl Fleet {
     }
 
     /// A new plan from now on for one body.
-    pub(crate) fn fresh_plan(&mut self, id: BodyId) -> Result<Option<(BodyId, Trajectory)>, Error> {
+    pub(crate) fn fresh_plan(&mut self, id: BodyId) -> Result<Option<(BodyId, BodyPlan)>, Error> {
         let Some(state) = self.state(id) else {
             return Ok(None);
         };
-        Ok(Some((id, self.planner.plan(state)?)))
+        let plan = self.planner.plan(state)?;
+        Ok(Some((id, self.turned(id, plan)?)))
+    }
+
+    /// The plan with the way in which the body turns: from its rotation at the monitor's clock on.
+    pub(crate) fn turned(&self, id: BodyId, plan: Trajectory) -> Result<BodyPlan, Error> {
+        let Some(body) = self.monitor.scene().body(id) else {
+            return Ok(plan.into());
+        };
+        // A spin goes on as it is.
+        let kind = self.setting.kind(id.slot() as usize);
+        if kind.attitude() != Attitude::AlongFlight {
+            return Ok(plan.into());
+        }
+        let start = body.orientation.rotation(self.monitor.now());
+        let orientation = along(&plan, start)?;
+        Ok(BodyPlan::new(plan, orientation))
     }
 
     /// The bodies whose plans, as the monitor told, end within the lookahead.
@@ -203,12 +217,14 @@ impl Fleet {
     }
 
     /// The plans as commands that take effect at the monitor's clock.
-    pub(crate) fn commands(&self, plans: Vec<(BodyId, Trajectory)>) -> Vec<Command> {
+    pub(crate) fn commands(&self, plans: Vec<(BodyId, BodyPlan)>) -> Vec<Command> {
         let now = self.monitor.now();
-        plans
-            .into_iter()
-            .map(|(id, plan)| Command::Replan(id, now, plan))
-            .collect()
+        let mut commands = Vec::with_capacity(plans.len());
+        for (id, plan) in plans {
+            commands.push(Command::Replan(id, now, plan.trajectory));
+            commands.extend(plan.orientation.map(|next| Command::Orient(id, now, next)));
+        }
+        commands
     }
 }
 
@@ -219,9 +235,72 @@ impl Setting {
     }
 }
 
+/// The least distance of two bodies that keep their velocities, within `BORN_CLEAR`, m.
+fn nearest(a: &State, b: &State) -> f64 {
+    let (position, velocity) = (a.position - b.position, a.velocity - b.velocity);
+    let time = -position.dot(velocity) / velocity.length_squared().max(1e-12);
+    (position + velocity * time.clamp(0.0, BORN_CLEAR)).length()
+}
+
+/// From a rotation on, the axis x turns after the velocity the shortest way, which does not roll.
+fn along(plan: &Trajectory, start: DQuat) -> Result<Orientation, Error> {
+    /// From knot to knot, s.
+    const STEP: f64 = 0.6;
+    let (Some(&first), Some(&last)) = (plan.knots().first(), plan.knots().last()) else {
+        return Ok(Orientation::FIXED);
+    };
+    let (mut time, mut rotation) = (first, start);
+    let mut knots = vec![(time, rotation)];
+    while time < last {
+        time = (time + STEP).min(last);
+        let heading = rotation * DVec3::X;
+        let velocity = plan.velocity(time).unwrap_or_default();
+        let wanted = velocity.normalize_or(heading);
+        // There is no shortest way to the opposite: it flies backwards for a moment.
+        if heading.dot(wanted) > -0.99 {
+            rotation = (DQuat::from_rotation_arc(heading, wanted) * rotation).normalize();
+        }
+        knots.push((time, rotation));
+    }
+    Orientation::slerp(&knots)
+}
+
 impl Planner {
-    fn body(&mut self, kind: Kind, start: State) -> Result<Body, Error> {
-        Ok(Body::new(self.plan(start)?).with_hitbox(kind.hitbox()?))
+    /// The body with this number.
+    fn body(&mut self, setting: &Setting, index: usize, start: State) -> Result<Body, Failure> {
+        let plan = self.plan(start)?;
+        let kind = setting.kind(index);
+        let orientation = match kind.attitude() {
+            Attitude::Fixed => Orientation::FIXED,
+            Attitude::AlongFlight => {
+                let heading = start.velocity.normalize_or(DVec3::X);
+                along(&plan, DQuat::from_rotation_arc(DVec3::X, heading))?
+            }
+            Attitude::Spin => {
+                let rotation =
+                    DQuat::from_rotation_arc(DVec3::X, self.gust(1.0).normalize_or(DVec3::X));
+                Orientation::spin(start.time, rotation, self.gust(0.6))?
+            }
+        };
+        Ok(Body::new(plan)
+            .with_hitbox((setting.hitbox)(kind)?)
+            .with_orientation(orientation)
+            .with_tag(index as u64))
+    }
+
+    /// A start that keeps clear of others for a while; where it is too crowded, any.
+    fn clear_start(&mut self, setting: &Setting, time: f64, others: &[State]) -> State {
+        let mut start = self.start(time);
+        for _ in 1..MAX_BIRTHS {
+            if others
+                .iter()
+                .all(|other| nearest(&start, other) >= setting.clearance)
+            {
+                break;
+            }
+            start = self.start(time);
+        }
+        start
     }
 
     fn start(&mut self, time: f64) -> State {

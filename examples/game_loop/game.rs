@@ -1,5 +1,6 @@
 //! One tick of the game, with a window or without.
 
+use crate::Failure;
 use crate::fleet::{Fleet, Setting};
 use crate::tally::Tally;
 use nearmiss::{Error, Event};
@@ -21,7 +22,7 @@ pub(crate) struct Game {
 
 impl Game {
     /// At time 0; what lies ahead then is known.
-    pub(crate) fn new(setting: Setting, bodies: usize, seed: u64) -> Result<Self, Error> {
+    pub(crate) fn new(setting: Setting, bodies: usize, seed: u64) -> Result<Self, Failure> {
         let mut game = Self {
             fleet: Fleet::new(setting, bodies, seed)?,
             tally: Tally::default(),

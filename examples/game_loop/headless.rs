@@ -2,6 +2,7 @@
 
 use crate::fleet::{LOOKAHEAD, Setting};
 use crate::game::Game;
+use crate::truth::Truth;
 use crate::{Arguments, Avoid, Failure};
 
 /// Ticks of simulated time a second.
@@ -14,11 +15,19 @@ const CHECK: u32 = 6;
 /// Runs the game and returns its line of JSON.
 pub(crate) fn run(arguments: &Arguments) -> Result<String, Failure> {
     let ticks = ticks(arguments.seconds);
-    let mut game = Game::new(
-        Setting::STRESS,
-        arguments.bodies.unwrap_or(1_000),
-        arguments.seed,
-    )?;
+    let (setting, bodies) = if arguments.ships {
+        (Setting::SHIPS, crate::SHIPS)
+    } else {
+        (Setting::STRESS, 1_000)
+    };
+    let bodies = arguments.bodies.unwrap_or(bodies);
+    let mut game = Game::new(setting, bodies, arguments.seed)?;
+    let mut truth = arguments.ships.then(Truth::default);
+    if let Some(truth) = &mut truth {
+        // Spheres are looked at within ticks that are over.
+        game.fleet.monitor.set_history(2.0 / RATE)?;
+        truth.read(setting.contact, &game.events);
+    }
     game.replan = arguments.replan;
     game.avoids = arguments.avoid == Avoid::On;
     let mut times = Vec::with_capacity(ticks as usize);
@@ -26,7 +35,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<String, Failure> {
     for tick in 1..=ticks {
         let now = f64::from(tick) / RATE;
         times.push(game.tick(now)?.as_secs_f64() * 1e3);
-        if tick % CHECK == 0 {
+        if let Some(truth) = &mut truth {
+            truth.read(setting.contact, &game.events);
+            truth.look(&game.fleet, (f64::from(tick - 1) / RATE, now));
+        } else if tick % CHECK == 0 {
             game.tally.check(&game.fleet)?;
         }
         lag = lag.max(now + LOOKAHEAD - game.fleet.monitor.complete_until());
@@ -44,11 +56,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<String, Failure> {
     tally.read(fleet.setting.contact, &events);
     tally.finish();
     times.sort_unstable_by(f64::total_cmp);
+    let unpredicted = truth.map_or(String::new(), |truth| {
+        format!(",\"unpredicted\":{}", truth.unpredicted)
+    });
     Ok(format!(
         "{{\"ticks\":{ticks},\"tick_ms_p50\":{:.3},\"tick_ms_p99\":{:.3},\"tick_ms_max\":{:.3},\
          \"replans\":{replans},\"conflicts\":{conflicts},\"events\":{{\"predicted\":{},\
          \"revised\":{},\"withdrawn\":{},\"began\":{},\"ended\":{}}},\"collisions\":{},\
-         \"lost\":{},\"lag_s\":{lag}}}",
+         \"lost\":{},\"lag_s\":{lag}{unpredicted}}}",
         percentile(&times, 50),
         percentile(&times, 99),
         percentile(&times, 100),

@@ -9,23 +9,34 @@
 //!
 //! ```text
 //! cargo run --release --example game_loop -- --headless [--seconds S] [--bodies N]
-//!     [--replan FRACTION] [--avoid on|off] [--seed K] [--threads T]
+//!     [--replan FRACTION] [--avoid on|off] [--seed K] [--threads T] [--ships]
 //! ```
 //!
-//! runs the same loop at 60 Hz of simulated time without one, and prints one line of JSON.
-//! `fleet` flies, `steering` steers, `game` is a tick of both under the monitor, `tally` counts,
-//! and checks the monitor against the bodies' plain positions.
+//! runs the same loop at 60 Hz of simulated time without one, and prints one line of JSON. The bodies are another
+//! setting, the yardstick of the monitor: 1,000 spheres of 1 m, farther apart than in the window. With `--ships`
+//! they are the window's: ships along their flight, drones and asteroids that spin, each in spheres fitted to the
+//! shape that is drawn. `unpredicted` then counts the contacts of spheres, seen at sampled instants, that no event
+//! had predicted.
+//!
+//! `fleet` flies, `solids` are the shapes, `steering` steers, `game` is a tick of all under the monitor, `tally`
+//! counts, and checks the monitor against the bodies' plain positions, `truth` against their spheres.
 
+mod captions;
 mod draw;
+mod feed;
 mod fleet;
 mod game;
 mod headless;
+mod hover;
+mod labels;
 mod panel;
 mod shapes;
+mod solids;
 mod steering;
 mod tally;
 #[path = "../terminal/mod.rs"]
 mod terminal;
+mod truth;
 mod window;
 
 use clap::{Parser, ValueEnum};
@@ -36,15 +47,22 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use terminal::{Product, StandardOutput, Threads};
 
+/// Bodies in the window, if no number is given.
+const SHIPS: usize = 300;
+
 type Failure = Box<dyn StdError + Send + Sync>;
 
 /// Hundreds to thousands of bodies under a monitor, sixty times a second.
 #[derive(Clone, Debug, Parser)]
 #[command(name = "game_loop")]
 pub(crate) struct Arguments {
-    /// Run without a window, as fast as it goes, and print one line of JSON.
+    /// Run without a window, as fast as it goes, and print one line of JSON. The bodies are not those of the
+    /// window unless --ships is given: spheres of 1 m, farther apart.
     #[arg(long)]
     headless: bool,
+    /// With --headless: the window's ships, drones and asteroids; counts contacts that were not predicted.
+    #[arg(long)]
+    ships: bool,
     /// Simulated time, s; of a window, before its picture is taken.
     #[arg(
         long,
@@ -53,7 +71,7 @@ pub(crate) struct Arguments {
         allow_hyphen_values = true
     )]
     seconds: f64,
-    /// How many bodies; 1,000 if not given, with a window 300.
+    /// How many bodies; 1,000 if not given, with a window or --ships 300.
     #[arg(long, value_parser = terminal::bodies(), allow_negative_numbers = true)]
     bodies: Option<usize>,
     /// Share of the bodies that get a new plan every tick.
@@ -95,7 +113,11 @@ fn parse_png(name: &str) -> Result<PathBuf, String> {
 }
 
 fn main() -> ExitCode {
-    terminal::exit_code(run(terminal::parse()))
+    let arguments = terminal::parse::<Arguments>();
+    if arguments.ships && !arguments.headless {
+        terminal::refuse::<Arguments>("--ships is for --headless: the window shows them anyway");
+    }
+    terminal::exit_code(run(arguments))
 }
 
 fn run(arguments: Arguments) -> Result<(), Failure> {

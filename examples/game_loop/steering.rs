@@ -2,7 +2,7 @@
 
 use crate::fleet::{Fleet, SPEED};
 use glam::DVec3;
-use nearmiss::{BodyId, Conflict, Error, Trajectory};
+use nearmiss::{BodyId, BodyPlan, Conflict, Error};
 use std::collections::BTreeSet;
 
 /// Plans that a body thinks of before it takes the best of them.
@@ -13,8 +13,8 @@ impl Fleet {
     /// leads into an encounter: each is asked of the monitor before it is flown.
     pub(crate) fn steer(
         &mut self,
-        whims: Vec<(BodyId, Trajectory)>,
-    ) -> Result<Vec<(BodyId, Trajectory)>, Error> {
+        whims: Vec<(BodyId, BodyPlan)>,
+    ) -> Result<Vec<(BodyId, BodyPlan)>, Error> {
         let mut busy: BTreeSet<BodyId> = whims.iter().map(|&(id, _)| id).collect();
         let mut plans = Vec::with_capacity(whims.len());
         for (id, whim) in whims {
@@ -47,12 +47,12 @@ impl Fleet {
     fn clear_plan(
         &mut self,
         id: BodyId,
-        first: Option<Trajectory>,
-    ) -> Result<Option<Trajectory>, Error> {
+        first: Option<BodyPlan>,
+    ) -> Result<Option<BodyPlan>, Error> {
         let Some(state) = self.state(id) else {
             return Ok(None);
         };
-        let mut best: Option<(f64, Trajectory)> = None;
+        let mut best: Option<(f64, BodyPlan)> = None;
         let mut idea = first;
         for attempt in 0..MAX_IDEAS {
             let plan = match idea.take() {
@@ -61,7 +61,8 @@ impl Fleet {
                     // The longer nothing is found, the harder the turn.
                     let strength = SPEED * f64::from(attempt + 1) / f64::from(MAX_IDEAS);
                     let push = self.planner().gust(1.0).normalize_or(DVec3::X) * strength;
-                    self.planner().plan_with(state, push)?
+                    let plan = self.planner().plan_with(state, push)?;
+                    self.turned(id, plan)?
                 }
             };
             let warnings = self.monitor.what_if(id, &plan, self.setting.warning)?;

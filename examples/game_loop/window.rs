@@ -1,9 +1,11 @@
 //! The game in a window: input, the clock, and a picture of each frame.
 
+use crate::captions::draw_captions;
 use crate::draw::{View, draw_world};
 use crate::fleet::Setting;
 use crate::game::Game;
-use crate::panel::{Panel, draw_panel};
+use crate::hover::draw_hovered;
+use crate::panel::{Panel, areas, draw_panel};
 use crate::{Arguments, Avoid, Failure, terminal};
 use macroquad::conf::Conf as Settings;
 use macroquad::miniquad::conf::Conf;
@@ -48,21 +50,25 @@ pub(crate) fn open(arguments: Arguments) -> Result<(), Failure> {
 }
 
 async fn play(arguments: Arguments) -> Result<(), Failure> {
-    let bodies = arguments.bodies.unwrap_or(300);
-    let mut game = Game::new(Setting::SHOW, bodies, arguments.seed)?;
+    let bodies = arguments.bodies.unwrap_or(crate::SHIPS);
+    let mut game = Game::new(Setting::SHIPS, bodies, arguments.seed)?;
     game.replan = arguments.replan;
     game.avoids = arguments.avoid == Avoid::On;
-    let mut view = View::around(game.fleet.half());
+    let mut view = View::around(game.fleet.half())?;
     let mut panel = Panel::default();
     // Simulated time that is due, s, and how fast it goes.
     let (mut due, mut pace, mut is_paused) = (0.0, 1.0, false);
     loop {
+        if is_key_pressed(KeyCode::Q) || is_key_pressed(KeyCode::Escape) {
+            return Ok(());
+        }
         for key in [
             KeyCode::Space,
             KeyCode::S,
             KeyCode::A,
             KeyCode::V,
             KeyCode::H,
+            KeyCode::F,
             KeyCode::R,
         ] {
             if !is_key_pressed(key) {
@@ -74,6 +80,7 @@ async fn play(arguments: Arguments) -> Result<(), Failure> {
                 KeyCode::A => (0..MORE).try_for_each(|_| game.fleet.add())?,
                 KeyCode::V => game.avoids = !game.avoids,
                 KeyCode::H => view.shows_hitboxes = !view.shows_hitboxes,
+                KeyCode::F => view.lowest_level = 1 - view.lowest_level,
                 _ => panel.message = record(&mut game),
             }
         }
@@ -86,7 +93,10 @@ async fn play(arguments: Arguments) -> Result<(), Failure> {
         let frame = if arguments.screenshot.is_some() {
             STEP
         } else {
-            f64::from(get_frame_time()).min(0.1)
+            let took = f64::from(get_frame_time());
+            // Nobody sees times in a picture whose frames are made as they come.
+            panel.note_frame(took);
+            took.min(0.1)
         };
         if !is_paused {
             due += frame * pace;
@@ -96,10 +106,19 @@ async fn play(arguments: Arguments) -> Result<(), Failure> {
             due -= STEP;
             let now = game.fleet.monitor.now() + STEP;
             let took = game.tick(now)?;
-            panel.note(&game, took);
+            panel.note(&game, took, view.lowest_level);
         }
-        draw_world(&game, &mut view);
-        draw_panel(&game, &panel, pace, is_paused);
+        let encounters = draw_world(&game, &view);
+        draw_captions(&game, &view, &encounters, panel.named(), areas());
+        let state = match (is_paused, pace < 1.0) {
+            (true, _) => "paused",
+            (false, true) => "slow",
+            (false, false) => "",
+        };
+        draw_panel(&game, &panel, state, view.lowest_level);
+        if arguments.screenshot.is_none() {
+            draw_hovered(&game, &view);
+        }
         if let Some(path) = &arguments.screenshot
             && game.fleet.monitor.now() >= arguments.seconds
         {

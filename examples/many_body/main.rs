@@ -3,12 +3,15 @@
 //! ```text
 //! cargo run --release --example many_body -- [--scene flocks|drones|satellites|asteroids|swarm]
 //!     [--bodies N] [--seed K] [--margin M] [--threads T] [--picture FILE.svg]
-//!     [--monitor]
+//!     [--states FILE.csv[.gz]] [--monitor]
 //! ```
+//!
+//! With `--states` it writes the scene as a table for the example `screen`.
 
 mod picture;
 #[path = "../scenes/mod.rs"]
 mod scenes;
+mod states;
 #[path = "../terminal/mod.rs"]
 mod terminal;
 mod watch;
@@ -48,6 +51,10 @@ struct Arguments {
     /// Where the picture goes; one that is there is replaced.
     #[arg(long, default_value = "many_body.svg")]
     picture: PathBuf,
+    /// Where the states of all bodies go, as a table for the example screen; packed if the name ends in .gz. A
+    /// file that is there is replaced.
+    #[arg(long)]
+    states: Option<PathBuf>,
     /// Then plays the scene through a monitor and checks its events against the screening.
     #[arg(long)]
     monitor: bool,
@@ -80,11 +87,18 @@ impl Kind {
 }
 
 fn main() -> ExitCode {
-    terminal::exit_code(run(&terminal::parse()))
+    let arguments = terminal::parse::<Arguments>();
+    if arguments.states.as_ref() == Some(&arguments.picture) {
+        terminal::refuse::<Arguments>("--states and --picture are one file; name two");
+    }
+    terminal::exit_code(run(&arguments))
 }
 
 fn run(arguments: &Arguments) -> Result<(), Failure> {
     let picture = Product::at(&arguments.picture)?;
+    let states = arguments.states.as_deref();
+    let states = states.map(|path| Ok::<_, String>((path, Product::at(path)?)));
+    let states = states.transpose()?;
     let mut out = StandardOutput::new();
     let pool = arguments.threads.pool()?;
     let begin = Instant::now();
@@ -97,8 +111,15 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         .map(|state| state.time)
         .fold(f64::INFINITY, f64::min);
     let end = times().map(|state| state.time).fold(start, f64::max);
+    let radius = states::common_radius(&generated.actors);
+    let mut made = begin.elapsed();
+    if let Some((path, product)) = &states {
+        progress.say("writing the states");
+        product.write(|file| states::write(&generated.actors, path, file))?;
+    }
+    let begin = Instant::now();
     let scene = build(generated)?;
-    let made = begin.elapsed().as_secs_f64();
+    made += begin.elapsed();
     progress.begin(format!(
         "screening {} bodies",
         HumanCount(scene.len() as u64)
@@ -113,10 +134,10 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     progress.finish();
     writeln!(
         out,
-        "{:?}: {} bodies, made in {:.2} s; encounters within {margin} m",
+        "{:?}: {} bodies, made in {:.2} s; encounters of the splines within {margin} m",
         arguments.scene,
         HumanCount(scene.len() as u64),
-        made,
+        made.as_secs_f64(),
     )?;
     print_funnel(&mut out, &screening.stats)?;
     print_closest(&mut out, &scene, &screening.conflicts)?;
@@ -125,6 +146,14 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     picture.write(|mut file| file.write_all(drawn.as_bytes()))?;
     let name = terminal::name(&arguments.picture);
     writeln!(out, "\nthe picture is in {name}")?;
+    if let Some((path, _)) = states {
+        let name = terminal::name(path);
+        let radius = radius.map_or(String::new(), |radius| format!(" --radius {radius}"));
+        writeln!(
+            out,
+            "the states are in {name}; to screen them: screen {name}{radius} --margin {margin}"
+        )?;
+    }
     if arguments.monitor {
         let span = (start, end);
         if !pool.install(|| watch::run(&mut out, scene, span, margin, &screening.conflicts))? {

@@ -6,14 +6,20 @@
 //!     [--accuracy exact|certified] [--threads N] [--output OUT.csv] [--stats json]
 //! ```
 //!
-//! `STATES` has the header `body,t,px,py,pz,vx,vy,vz` (bodies are whole numbers from 0 on; SI units; a body's
-//! rows together and in the order of time); `-` is standard input. Writes one row for each maximal interval in which two
-//! bodies' separation is at most the margin: their labels `a` and `b`; `enter`, `exit`, and `tca`, the
-//! time of closest approach (s); `separation` then (m); `clip`: 1 if it is cut off at `enter`, by the
-//! window or since a body begins, 2 at `exit`, 3 at both. With `certified` also `error` (m) and
-//! `resolved` (1, or 0 where f64 cannot tell whether they come within the margin at all), and between
-//! what instants enter, exit and closest approach are certain to be. Bad input: exit code 1, one line that says what and
-//! where, no output. A wrong command line: exit code 2.
+//! `STATES` has the columns `body,t,px,py,pz,vx,vy,vz` in any order, and possibly `radius` (SI units; a body's
+//! rows together and in the order of time); other columns are ignored, which standard error says. The separator is a
+//! comma, a semicolon or a tab. Bodies are whole numbers from 0 on; if one is not, all are names, in the order of their
+//! first appearance. `-` is standard input; gzip is unpacked.
+//!
+//! Writes one row for each maximal interval in which two bodies' separation is at most the margin: their labels `a` and
+//! `b`, the earlier one first; `enter`, `exit`, and `tca`, the time of closest approach (s); `separation` then (m);
+//! `clip`: 1 if it is cut off at `enter`, by the window or since a body begins, 2 at `exit`, 3 at both. With `certified`
+//! also `error`, half the width of the proven enclosure of the separation (m); `resolved` (1, or 0 where f64 cannot tell whether
+//! they come within the margin at all); and between what instants enter, exit and closest approach are certain to be.
+//! All of this is of the spline, the cubics through the states: how far that is from the bodies in the world is no part
+//! of it.
+//!
+//! Bad input: exit code 1, one line that says what and where, no output. A wrong command line: exit code 2.
 
 mod read;
 #[path = "../terminal/mod.rs"]
@@ -22,6 +28,7 @@ mod write;
 
 use clap::{Parser, ValueEnum};
 use nearmiss::{Accuracy, Body, Hitbox, Outside, Query, Scene, Window};
+use read::{Bodies, FileBody, Labels};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -32,18 +39,17 @@ use write::Table;
 #[derive(Debug, Parser)]
 #[command(name = "screen")]
 struct Arguments {
-    /// Header body,t,px,py,pz,vx,vy,vz; bodies are whole numbers from 0 on; SI units; gzip is unpacked; - is
-    /// standard input.
+    /// A table with the columns body,t,px,py,pz,vx,vy,vz, and possibly radius, in any order; SI units; separated
+    /// by commas, semicolons or tabs; gzip is unpacked; - is standard input. Bodies are whole numbers or names.
     states: PathBuf,
-    /// Radius of every body, m.
+    /// Radius of every body, m; 0 if neither this is given nor the file has a column radius.
     #[arg(
         long = "radius",
         value_parser = parse_radius,
-        default_value = "0",
         value_name = "RADIUS",
         allow_hyphen_values = true
     )]
-    hitbox: Hitbox,
+    hitbox: Option<Hitbox>,
     /// A conflict lasts while the separation is at most this, m; may be negative.
     #[arg(
         long,
@@ -59,7 +65,7 @@ struct Arguments {
     #[arg(long, value_enum, default_value_t = OutsideRule::Absent)]
     outside: OutsideRule,
     /// How exact the answer is: exact (f64, good to a few roundings) or certified (with proven
-    /// enclosures, in six more columns).
+    /// enclosures, in six more columns). Both are of the spline: the cubics through the states.
     #[arg(long, value_parser = parse_accuracy, default_value = "exact")]
     accuracy: Accuracy,
     #[command(flatten)]
@@ -131,7 +137,12 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     let pool = arguments.threads.pool()?;
     let progress = Progress::new();
     progress.say("reading");
-    let scene = build_scene(arguments)?;
+    let Bodies {
+        labels,
+        bodies,
+        unused,
+    } = read::bodies(&arguments.states)?;
+    let scene = build_scene(arguments, &labels, bodies)?;
     let query = Query::new(arguments.window)
         .with_margin(arguments.margin)
         .with_accuracy(accuracy);
@@ -143,10 +154,15 @@ fn run(arguments: &Arguments) -> Result<(), String> {
                 ControlFlow::Continue(())
             })
         })
-        .map_err(|error| error.to_string())?;
+        .map_err(|error| labels.explain(&error))?;
     progress.finish();
+    if !unused.is_empty() {
+        let names = unused.join(", ");
+        terminal::complain(format_args!("not used: column {names}"));
+    }
     let table = Table {
         scene: &scene,
+        labels: &labels,
         conflicts: &screening.conflicts,
         accuracy,
     };
@@ -161,28 +177,47 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     Ok(())
 }
 
-fn build_scene(arguments: &Arguments) -> Result<Scene, String> {
+fn build_scene(
+    arguments: &Arguments,
+    labels: &Labels,
+    bodies: Vec<FileBody>,
+) -> Result<Scene, String> {
     let outside = match arguments.outside {
         OutsideRule::Absent => Outside::Absent,
         OutsideRule::Extrapolate => Outside::Extrapolate,
         OutsideRule::Coast => Outside::Coast,
     };
-    let mut bodies = read::trajectories(&arguments.states)?;
-    // Ids in the order of the labels: conflicts then come out with a < b in the file's own terms.
-    bodies.sort_by_key(|&(label, _)| label);
     let mut scene = Scene::new();
-    for (label, trajectory) in bodies {
-        let body = Body::new(trajectory.with_outside(outside))
-            .with_hitbox(arguments.hitbox.clone())
-            .with_tag(label);
-        scene.insert(body).map_err(|error| error.to_string())?;
+    // Ids in the order of the labels: conflicts then come out with a < b in the file's own terms.
+    for body in bodies {
+        let tag = body.tag;
+        let hitbox = hitbox(arguments, body.radius)?;
+        let body = Body::new(body.trajectory.with_outside(outside))
+            .with_hitbox(hitbox)
+            .with_tag(tag);
+        let inserted = scene.insert(body);
+        inserted.map_err(|error| labels.explain(&error.in_body(tag)))?;
     }
     Ok(scene)
 }
 
+/// Returns the hitbox of a body that has this radius in the file.
+fn hitbox(arguments: &Arguments, radius: Option<f64>) -> Result<Hitbox, String> {
+    match (&arguments.hitbox, radius) {
+        (Some(_), Some(_)) => Err(format!(
+            "--radius: {} has a column radius; leave one of the two out",
+            terminal::name(&arguments.states)
+        )),
+        (Some(hitbox), None) => Ok(hitbox.clone()),
+        (None, Some(radius)) => Hitbox::sphere(radius).map_err(|error| error.to_string()),
+        (None, None) => Ok(Hitbox::POINT),
+    }
+}
+
 fn parse_radius(text: &str) -> Result<Hitbox, String> {
-    let radius = text.parse().map_err(|_| "not a number".to_owned())?;
-    Hitbox::sphere(radius).map_err(|error| error.to_string())
+    let radius = terminal::number(text)?;
+    let range = format!("{radius:?} m is not a number from 0 to 1e300");
+    Hitbox::sphere(radius).map_err(|_| range)
 }
 
 fn parse_accuracy(text: &str) -> Result<Accuracy, String> {
@@ -207,10 +242,10 @@ fn parse_window(text: &str) -> Result<Window, String> {
                 .filter(|value| value.is_finite())
                 .ok_or_else(|| {
                     let value = terminal::quoted(number.as_bytes());
-                    format!("{value} is not a time in seconds")
+                    format!("{value} is not a time in seconds; write it like 2.5 or 1e3")
                 }),
         }
     };
     Window::new(bound(start, f64::NEG_INFINITY)?, bound(end, f64::INFINITY)?)
-        .map_err(|error| error.to_string())
+        .map_err(|error| format!("{error}; name the earlier time first"))
 }

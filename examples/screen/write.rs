@@ -1,5 +1,7 @@
 //! Writing conflicts as CSV, and the funnel as JSON.
 
+use crate::read::Labels;
+use crate::terminal::shortest;
 use nearmiss::{Accuracy, BodyId, Conflict, Scene, Stats};
 use std::io::{BufWriter, ErrorKind, Write};
 use std::time::Duration;
@@ -7,8 +9,9 @@ use std::time::Duration;
 const HEADER: &str = "a,b,enter,exit,tca,separation,error,clip,resolved";
 const ENCLOSURES: &str = "enter_lo,enter_hi,exit_lo,exit_hi,tca_lo,tca_hi";
 
-/// What is written: a row for each conflict, with labels from the scene.
+/// What is written: a row for each conflict, with the labels of the file.
 pub(crate) struct Table<'a> {
+    pub(crate) labels: &'a Labels,
     pub(crate) scene: &'a Scene,
     pub(crate) conflicts: &'a [Conflict],
     pub(crate) accuracy: Accuracy,
@@ -29,7 +32,8 @@ impl Table<'_> {
             Accuracy::Certified => writeln!(out, "{HEADER},{ENCLOSURES}")?,
             _ => writeln!(out, "{HEADER}")?,
         }
-        let label = |id: BodyId| self.scene.body(id).map_or(0, |body| body.tag);
+        let tag = |id: BodyId| self.scene.body(id).map_or(0, |body| body.tag);
+        let label = |id| self.labels.value(tag(id));
         for conflict in self.conflicts {
             let (error, resolved) = match conflict.certificate {
                 Some(proof) => (shortest(proof.error), u8::from(proof.resolved).to_string()),
@@ -55,16 +59,6 @@ impl Table<'_> {
             writeln!(out)?;
         }
         out.flush()
-    }
-}
-
-/// The shortest digits that read back as the same number; an exponent where that is shorter.
-fn shortest(value: f64) -> String {
-    let plain = value == 0.0 || (1e-5..1e16).contains(&value.abs());
-    if plain {
-        format!("{value}")
-    } else {
-        format!("{value:e}")
     }
 }
 

@@ -6,13 +6,15 @@
 #![allow(dead_code, unused_imports, reason = "each example uses some of it")]
 
 mod escape;
+mod number;
 mod options;
 mod product;
 mod progress;
 mod speech;
 
 pub(crate) use escape::{name, quoted};
-pub(crate) use options::{Threads, bodies, margin, parse, refuse, within};
+pub(crate) use number::shortest;
+pub(crate) use options::{Threads, bodies, margin, number, parse, refuse, within};
 pub(crate) use product::Product;
 pub(crate) use progress::Progress;
 pub(crate) use speech::{StandardOutput, complain, exit_code};

@@ -79,8 +79,9 @@ pub(crate) fn margin(text: &str) -> Result<f64, String> {
     }
 }
 
-fn number(text: &str) -> Result<f64, String> {
-    text.parse().map_err(|_| "not a number".to_owned())
+pub(crate) fn number(text: &str) -> Result<f64, String> {
+    let number = text.parse();
+    number.map_err(|_| "not a number; write it like 2.5 or 1e3".to_owned())
 }
 
 /// The command line. Ends the process as clap does if it is wrong, or asks for help.

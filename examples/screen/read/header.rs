@@ -1,0 +1,138 @@
+//! The header of a file of states: its separator, and where the columns are.
+
+use crate::terminal::quoted;
+use csv::ByteRecord;
+
+/// Columns that every file has, in the order in which values are read.
+pub(crate) const COLUMNS: [&str; 8] = ["body", "t", "px", "py", "pz", "vx", "vy", "vz"];
+/// Column that a file may have.
+const RADIUS: &str = "radius";
+/// Of several that are as frequent the first is taken.
+const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
+
+/// Returns the separator of a file that begins with these bytes: the most frequent one of its first line.
+pub(crate) fn separator(start: &[u8]) -> u8 {
+    let is_filled = |line: &&[u8]| !line.trim_ascii().is_empty();
+    let mut lines = start.split(|&byte| byte == b'\n');
+    let line = lines.find(is_filled).unwrap_or_default();
+    // What is in quotation marks separates nothing.
+    let outside = || line.split(|&byte| byte == b'"').step_by(2).flatten();
+    let count = |separator: u8| outside().filter(|&&byte| byte == separator).count();
+    let mut best = SEPARATORS[0];
+    for separator in SEPARATORS {
+        if count(separator) > count(best) {
+            best = separator;
+        }
+    }
+    best
+}
+
+/// Places of the columns within a row.
+#[derive(Debug)]
+pub(crate) struct Header {
+    found: ByteRecord,
+    /// Of each of `COLUMNS`.
+    places: [usize; 8],
+    radius: Option<usize>,
+}
+
+impl Header {
+    /// Reads a header. An error begins with the place in the file: row and column.
+    pub(crate) fn read(found: ByteRecord, line: u64) -> Result<Self, String> {
+        let expected = COLUMNS.join(",");
+        if found.iter().all(|name| name.trim_ascii().is_empty()) {
+            return Err(format!(
+                "row {line}: the file is empty; expected the header {expected}"
+            ));
+        }
+        let whole = || quoted(&found.iter().collect::<Vec<_>>().join(&b',')[..]);
+        let mut places = [0; 8];
+        let mut missing = Vec::new();
+        for (column, place) in COLUMNS.iter().zip(&mut places) {
+            match find(&found, column, line)? {
+                Some(index) => *place = index,
+                None => missing.push(*column),
+            }
+        }
+        match missing[..] {
+            [] => {}
+            _ if is_utf_16(&found) => {
+                return Err(format!(
+                    "row {line}: the file is in UTF-16; save it in UTF-8"
+                ));
+            }
+            [_, ..] if missing.len() == COLUMNS.len() => {
+                return Err(format!(
+                    "row {line}: no header; expected the columns {expected} in any order, found {}",
+                    whole()
+                ));
+            }
+            _ => {
+                let plural = if missing.len() > 1 { "s" } else { "" };
+                return Err(format!(
+                    "row {line}, column{plural} {}: missing; expected the columns {expected} in any \
+                     order, found {}",
+                    missing.join(", "),
+                    whole()
+                ));
+            }
+        }
+        let radius = find(&found, RADIUS, line)?;
+        Ok(Self {
+            found,
+            places,
+            radius,
+        })
+    }
+
+    /// Returns the number of values in each row.
+    pub(crate) fn len(&self) -> usize {
+        self.found.len()
+    }
+
+    /// Returns the values of a row in the order of `COLUMNS`.
+    pub(crate) fn values<'r>(&self, row: &'r ByteRecord) -> [&'r [u8]; 8] {
+        self.places.map(|place| row.get(place).unwrap_or_default())
+    }
+
+    /// Returns the radius of a row, if the file has them.
+    pub(crate) fn radius<'r>(&self, row: &'r ByteRecord) -> Option<&'r [u8]> {
+        self.radius.map(|place| row.get(place).unwrap_or_default())
+    }
+
+    /// Returns the name of the column at this place, or of the last one.
+    pub(crate) fn column(&self, place: usize) -> String {
+        let place = place.min(self.found.len() - 1);
+        match self.places.iter().position(|&known| known == place) {
+            Some(index) => COLUMNS[index].to_owned(),
+            None => quoted(&self.found[place]),
+        }
+    }
+
+    /// Returns the names of the columns that nothing is read from.
+    pub(crate) fn unused(&self) -> Vec<String> {
+        let is_unused = |place: &usize| !self.places.contains(place) && self.radius != Some(*place);
+        (0..self.found.len())
+            .filter(is_unused)
+            .map(|place| quoted(self.found[place].trim_ascii()))
+            .collect()
+    }
+}
+
+/// Finds a column by its name, upper or lower case; two of one name are an error.
+fn find(found: &ByteRecord, column: &str, line: u64) -> Result<Option<usize>, String> {
+    let is_it = |name: &[u8]| name.trim_ascii().eq_ignore_ascii_case(column.as_bytes());
+    let mut places = (0..found.len()).filter(|&place| is_it(&found[place]));
+    let first = places.next();
+    match places.next() {
+        None => Ok(first),
+        Some(_) => Err(format!(
+            "row {line}, column {column}: there are two of this name; keep one"
+        )),
+    }
+}
+
+fn is_utf_16(found: &ByteRecord) -> bool {
+    let start = found.get(0).unwrap_or_default();
+    start.starts_with(&[0xff, 0xfe]) || start.starts_with(&[0xfe, 0xff])
+}
