@@ -128,7 +128,9 @@ pub enum Error {
         count: usize,
     },
     /// The length of a rotation's quaternion differs from 1 by more than 1e-9.
-    #[error("knot {knot}: the quaternion of the rotation has the length {length:?}, not 1")]
+    #[error(
+        "knot {knot}: the quaternion of the rotation has the length {length:?}, not 1: normalise it"
+    )]
     RotationLength {
         /// The knot, counted from 0.
         knot: usize,
@@ -144,7 +146,8 @@ pub enum Error {
     },
     /// A cubic of quaternions comes so close to zero that its direction is not known well enough.
     #[error(
-        "knot {knot}: the cubic of quaternions before it comes too close to zero: give a knot in between, or          a larger tolerance"
+        "knot {knot}: the cubic of quaternions before it comes too close to zero: give a knot in between, or \
+         a larger tolerance"
     )]
     RotationVanishes {
         /// The later knot, counted from 0.
@@ -211,7 +214,9 @@ pub enum Error {
     },
     /// A window without any instant: its start is later than its end, either is NaN, or both are
     /// the same infinity.
-    #[error("window {start:?}..{end:?} s: no instant lies between them")]
+    #[error(
+        "window {start:?}..{end:?} s: no instant lies between them; name the earlier time first"
+    )]
     Window {
         /// Start, s.
         start: f64,

@@ -180,7 +180,7 @@ const CALLS: &[(Attempt, &str)] = &[
     (|| done(Orientation::slerp(&[(0.0, DQuat::IDENTITY)])?),
      "an orientation between knots needs at least two rotations, not 1"),
     (|| done(Orientation::spin(0.0, DQuat::from_xyzw(0.0, 0.0, 0.0, 2.0), DVec3::Z)?),
-     "knot 0: the quaternion of the rotation has the length 2.0, not 1"),
+     "knot 0: the quaternion of the rotation has the length 2.0, not 1: normalise it"),
     (|| done(Orientation::slerp(&[(0.0, DQuat::IDENTITY), (1.0, DQuat::from_xyzw(1.0, 0.0, 0.0, 0.0))])?),
      "knot 1: half a turn from the knot before, either way: give a knot in between"),
     (|| done(Orientation::spin(0.0, DQuat::IDENTITY, 1e7 * DVec3::Z)?),
@@ -189,7 +189,7 @@ const CALLS: &[(Attempt, &str)] = &[
      "0 spheres: not a number from 1 to 4096"),
     (|| done(SphereCover::fit(&HalfSpace::new(Vector::Y), &CoverOptions::new(4))?),
      "a half-space cannot be covered with spheres"),
-    (|| done(Window::new(2.0, 1.0)?), "window 2.0..1.0 s: no instant lies between them"),
+    (|| done(Window::new(2.0, 1.0)?), "window 2.0..1.0 s: no instant lies between them; name the earlier time first"),
     (|| done(pair().0.screen(&Query::default().with_margin(f64::NAN))?),
      "margin NaN m is not a number within ±1e300"),
     (|| {

@@ -247,5 +247,5 @@ fn parse_window(text: &str) -> Result<Window, String> {
         }
     };
     Window::new(bound(start, f64::NEG_INFINITY)?, bound(end, f64::INFINITY)?)
-        .map_err(|error| format!("{error}; name the earlier time first"))
+        .map_err(|error| error.to_string())
 }
