@@ -162,8 +162,10 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::SceneFull`] after 2^32 - 1 bodies.
+    /// [`Error::SceneFull`] after 2^32 - 1 bodies; [`Error::InBody`] with
+    /// [`Error::TurningHalfSpace`].
     pub fn insert(&mut self, body: Body) -> Result<BodyId, Error> {
+        Body::check_turning(&body.hitbox, &body.orientation, body.tag)?;
         let slot = if let Some(slot) = self.free.pop() {
             slot
         } else {
@@ -266,10 +268,12 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownBody`].
+    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::TurningHalfSpace`].
     pub fn set_hitbox(&mut self, id: BodyId, hitbox: Hitbox) -> Result<Hitbox, Error> {
         let radius = radius(&hitbox);
-        let old = std::mem::replace(&mut self.entry_mut(id)?.0.body.hitbox, hitbox);
+        let body = &mut self.entry_mut(id)?.0.body;
+        Body::check_turning(&hitbox, &body.orientation, body.tag)?;
+        let old = std::mem::replace(&mut body.hitbox, hitbox);
         self.kinds.add_radius(radius);
         Ok(old)
     }

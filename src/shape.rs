@@ -34,11 +34,11 @@ impl<'a> BodyShape<'a> {
     }
 
     /// Returns a sphere that contains all others at all times, those of a turning body enlarged by
-    /// the error of their centres.
+    /// the error of their centres. Of a half-space its normal, with an infinite radius.
     #[inline]
     pub(crate) fn bounding(&self) -> Sphere {
         match self.turning {
-            None => self.hitbox.bounding(),
+            None => self.hitbox.bounding_or_normal(),
             Some(turning) => Sphere {
                 offset: DVec3::ZERO,
                 radius: self.radius_of(turning),
@@ -68,6 +68,10 @@ impl<'a> BodyShape<'a> {
     /// Returns the smallest radius, m.
     pub(crate) fn smallest_radius(&self) -> f64 {
         self.hitbox.smallest_radius()
+    }
+
+    pub(crate) const fn is_half_space(&self) -> bool {
+        self.hitbox.is_half_space()
     }
 
     fn radius_of(&self, turning: &Turning) -> f64 {

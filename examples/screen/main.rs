@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! cargo run --release --example screen -- STATES.csv[.gz]
-//!     [--radius R] [--margin M] [--window A..B] [--outside absent|extrapolate|coast]
+//!     [--radius R] [--hitboxes FILE] [--margin M] [--window A..B] [--outside absent|extrapolate|coast]
 //!     [--accuracy exact|certified] [--threads N] [--output OUT.csv] [--stats json]
 //! ```
 //!
@@ -15,13 +15,15 @@
 //! what instants enter, exit and closest approach are certain to be. Bad input: exit code 1, one line that says what and
 //! where, no output. A wrong command line: exit code 2.
 
+mod hitboxes;
 mod read;
 #[path = "../terminal/mod.rs"]
 mod terminal;
 mod write;
 
 use clap::{Parser, ValueEnum};
-use nearmiss::{Accuracy, Body, Hitbox, Outside, Query, Scene, Window};
+use hitboxes::Hitboxes;
+use nearmiss::{Accuracy, Body, Hitbox, Orientation, Outside, Query, Scene, Window};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use terminal::{Product, Progress, Threads};
@@ -43,6 +45,8 @@ struct Arguments {
         allow_hyphen_values = true
     )]
     hitbox: Hitbox,
+    #[arg(long, value_name = "FILE", help = "JSON file of hitboxes; its schema: --help", long_help = hitboxes::HELP)]
+    hitboxes: Option<PathBuf>,
     /// A conflict lasts while the separation is at most this, m; may be negative.
     #[arg(
         long,
@@ -164,10 +168,22 @@ fn build_scene(arguments: &Arguments) -> Result<Scene, String> {
     let mut bodies = read::trajectories(&arguments.states)?;
     // Ids in the order of the labels: conflicts then come out with a < b in the file's own terms.
     bodies.sort_by_key(|&(label, _)| label);
+    let hitboxes = arguments
+        .hitboxes
+        .as_deref()
+        .map(Hitboxes::read)
+        .transpose()?;
+    if let Some(hitboxes) = &hitboxes {
+        hitboxes.check(&bodies.iter().map(|&(label, _)| label).collect::<Vec<_>>())?;
+    }
     let mut scene = Scene::new();
     for (label, trajectory) in bodies {
+        let own = hitboxes.as_ref().and_then(|hitboxes| hitboxes.of(label));
+        let (hitbox, orientation) =
+            own.unwrap_or_else(|| (arguments.hitbox.clone(), Orientation::FIXED));
         let body = Body::new(trajectory.with_outside(outside))
-            .with_hitbox(arguments.hitbox.clone())
+            .with_hitbox(hitbox)
+            .with_orientation(orientation)
             .with_tag(label);
         scene.insert(body).map_err(|error| error.to_string())?;
     }

@@ -95,6 +95,7 @@ impl ChangeContext<'_> {
 
     /// Returns the monitored body of a body with its current plan.
     pub(super) fn flight_of(&self, body: &Body) -> Result<MonitoredBody, Error> {
+        Body::check_turning(&body.hitbox, &body.orientation, body.tag)?;
         self.flight(&body.trajectory, body.shape(), body.tag)
     }
 }
@@ -462,6 +463,11 @@ impl PendingChange {
             let hitbox = self.hitbox.as_ref().unwrap_or(&body.hitbox);
             let orientation = self.orientation.as_ref().unwrap_or(&body.orientation);
             let shape = BodyShape::new(hitbox, orientation.turning());
+            let turns = Body::check_turning(hitbox, orientation, body.tag);
+            turns.map_err(|error| Rejection {
+                command: self.last,
+                error,
+            })?;
             let flight = terms.flight(trajectory, shape, body.tag);
             self.flight = Some(flight.map_err(|error| Rejection {
                 command: self.last,

@@ -4,7 +4,7 @@ use super::{Monitor, SlotAdmission};
 use crate::conflict::Conflict;
 use crate::error::Error;
 use crate::id::BodyId;
-use crate::scene::BodyPlanRef;
+use crate::scene::{Body, BodyPlanRef};
 use crate::screen::conflict;
 use crate::shape::BodyShape;
 
@@ -41,6 +41,7 @@ impl Monitor {
             return Err(Error::NoPlanAt { time: self.now }.in_body(body.tag));
         }
         let orientation = orientation.unwrap_or(&body.orientation);
+        Body::check_turning(&body.hitbox, orientation, body.tag)?;
         let shape = BodyShape::new(&body.hitbox, orientation.turning());
         let flight = self.terms()?.flight(plan, shape, body.tag)?;
         let own = flight.view(plan, shape);

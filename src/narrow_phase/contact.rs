@@ -6,7 +6,7 @@ use super::relative::{RelativeCubic, RelativeMotion, filter_threshold, local_sca
 use super::sphere_pair::{Approach, Contact, SpherePair};
 use super::stretches::DistanceProfile;
 use super::turning::TurningPair;
-use super::{BodyView, contact_radius};
+use super::{BodyView, contact_radius, half_space};
 use crate::accuracy::Accuracy;
 use crate::spans::Span;
 use glam::DVec3;
@@ -19,11 +19,12 @@ pub(crate) struct SolvedSpan {
     profile: DistanceProfile,
 }
 
-/// Returns the only two spheres of a pair over a span, or `None` if there are more, or one turns.
+/// Returns the only two spheres of a pair over a span, or `None` if there are more, or one turns. A
+/// half-space has the effect of one sphere, and meets only one of a cluster's.
 #[inline]
 pub(super) fn lone_pair(a: &BodyView<'_>, b: &BodyView<'_>, span: Span) -> Option<SpherePair> {
     let ([sphere_a], [sphere_b]) = (a.spheres, b.spheres) else {
-        return None;
+        return half_space::lone_pair(a, b, span);
     };
     if a.turning.is_some() || b.turning.is_some() {
         return None;

@@ -4,6 +4,7 @@
 //! solver works on whole spans of the survivors, each once. The solver knows neither the slice nor
 //! the thread of a survivor. Hence the bits do not depend on the slicing or the number of threads.
 
+mod half_spaces;
 mod prepared;
 mod solve;
 mod survey;
@@ -106,7 +107,7 @@ impl Scene {
     }
 
     /// Returns the least separation of two bodies within a window, and its time, or `None` if they
-    /// do not exist at the same time. Layers and ignored pairs play no part.
+    /// do not exist at the same time, or both are half-spaces. Layers and ignored pairs play no part.
     ///
     /// # Errors
     ///
@@ -185,6 +186,9 @@ impl Scene {
         self.pair(a, b)?;
         let entry = |id| self.entry(id).ok_or(Error::UnknownBody { id });
         let (a, b) = (entry(a)?, entry(b)?);
+        if [a, b].iter().all(|one| one.body.hitbox.is_half_space()) {
+            return Ok(None);
+        }
         let [view_a, view_b] = [lone_view(a, window)?, lone_view(b, window)?];
         let Some(clip) = clip_of(&view_a, &view_b, window) else {
             return Ok(None);
@@ -339,6 +343,11 @@ impl PreparedScene<'_> {
         let limit = self.limits.spans;
         done.map_err(|_| Error::TooCrowded { limit })?;
         let begin = Instant::now();
+        if !self.half_spaces.is_empty() {
+            stats.spans += self.meet_half_spaces(bodies, filter, &mut survivors);
+            let is_within = self.limits.check(survivors.len());
+            is_within.map_err(|_| Error::TooCrowded { limit })?;
+        }
         screening.conflicts = self.solve(bodies, &survivors, progress);
         stats.narrow_time += begin.elapsed();
         stats.survivors = survivors.len() as u64;

@@ -6,7 +6,7 @@ use super::super::slice::{NearBody, QueryScratch};
 use super::LookaheadSearch;
 use crate::bounds::CubicSource;
 use crate::broad_phase::PairFilter;
-use crate::narrow_phase::{BodyView, Contact, contacts, may_touch};
+use crate::narrow_phase::{BodyView, Contact, contacts, may_touch, may_touch_plane};
 use crate::rounding::{seen_from, seen_until};
 use crate::scene::Scene;
 use crate::spans::{common_domain, spans};
@@ -26,6 +26,7 @@ impl LookaheadSearch {
         mut visit: impl FnMut(u32, (f64, f64), &BodyView<'_>, &Contact),
     ) {
         let mut neighbours = self.neighbours(scene, (flight, own), (from, to));
+        self.add_half_spaces(own, (from, to), &mut neighbours);
         neighbours.sort_unstable_by_key(|neighbour| neighbour.slot);
         let (mut near, mut found) = (Vec::new(), Vec::new());
         for times in neighbours.chunk_by(|one, next| one.slot == next.slot) {
@@ -46,12 +47,17 @@ impl LookaheadSearch {
                 continue;
             };
             let seen = (seen_from(clip.0), seen_until(clip.1));
+            let touches = if a.is_half_space() || b.is_half_space() {
+                may_touch_plane
+            } else {
+                may_touch
+            };
             near.clear();
             for time in times {
                 let part = (time.from.max(seen.0), time.to.min(seen.1));
                 if part.0 <= part.1 {
                     let touching = spans(&a.knots, &b.knots, part.0, part.1)
-                        .filter(|&span| may_touch(a, b, span, margin, part));
+                        .filter(|&span| touches(a, b, span, margin, part));
                     near.extend(touching);
                 }
             }
@@ -63,6 +69,25 @@ impl LookaheadSearch {
             for contact in &found {
                 visit(other, clip, &view, contact);
             }
+        }
+    }
+
+    /// Adds the half-spaces, which slices know nothing of; of a half-space, all other bodies.
+    fn add_half_spaces(
+        &self,
+        own: &BodyView<'_>,
+        (from, to): (f64, f64),
+        neighbours: &mut Vec<NearBody>,
+    ) {
+        let (from, to) = (seen_from(from), seen_until(to));
+        let always = |slot| NearBody { slot, from, to };
+        if own.is_half_space() {
+            neighbours.clear();
+            let all = (0_u32..).take(self.flights.len());
+            neighbours.extend(all.map(always));
+        } else {
+            let planes = self.flights.half_spaces().iter().copied();
+            neighbours.extend(planes.map(always));
         }
     }
 
