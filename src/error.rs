@@ -203,6 +203,15 @@ pub enum Error {
         /// The component, m.
         value: f64,
     },
+    /// The length of a half-space's normal differs from 1 by more than 1e-9.
+    #[error("the normal of the half-space has the length {length:?}, not 1: give a unit vector")]
+    NormalLength {
+        /// The length; NaN if a component is.
+        length: f64,
+    },
+    /// A half-space has an orientation that is not [fixed](crate::Orientation::FIXED).
+    #[error("a half-space cannot turn: leave its orientation fixed, or give the body spheres")]
+    TurningHalfSpace,
     /// A cluster needs at least one sphere.
     #[error("a cluster needs at least one sphere")]
     EmptyCluster,

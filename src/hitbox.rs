@@ -1,11 +1,15 @@
 //! Hitboxes: the space that a body occupies around its position.
 //!
-//! A hitbox is a sphere, or a cluster of spheres fixed in the body's frame. To the narrow phase
-//! it is a list of spheres on the body's cubic segments, with one bounding sphere tried first.
+//! A hitbox is a sphere, a cluster of spheres fixed in the body's frame, or a half-space. To the
+//! narrow phase the former are lists of spheres on the body's cubic segments, with one bounding
+//! sphere tried first. A half-space has no spheres.
 
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::rounding::{UNIT_ROUNDOFF, norm};
 use glam::DVec3;
+
+#[cfg(feature = "serde")]
+mod serial;
 
 /// A sphere in the body's frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -17,7 +21,7 @@ pub struct Sphere {
     pub radius: f64,
 }
 
-/// A sphere, or a cluster of spheres that stand in for another shape.
+/// A sphere, a cluster of spheres that stand in for another shape, or a [half-space](Self::half_space).
 ///
 /// Cost, where two clusters may be near each other: some nanoseconds for each pair of their
 /// spheres, and up to two microseconds where they overlap. Two overlapping bodies of 2,500 spheres
@@ -41,9 +45,10 @@ pub struct Sphere {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
     feature = "serde",
-    serde(try_from = "Vec<Sphere>", into = "Vec<Sphere>")
+    serde(try_from = "serial::HitboxNumbers", into = "serial::HitboxNumbers")
 )]
 pub struct Hitbox {
+    /// Of a half-space: its normal, and an infinite radius.
     bounding: Sphere,
     /// Largest distance from the body's position to the bounding sphere's surface, m.
     reach: f64,
@@ -51,7 +56,7 @@ pub struct Hitbox {
     cluster: Option<Box<Cluster>>,
 }
 
-/// Two spheres or more.
+/// Two spheres or more; none of a half-space.
 #[derive(Clone, Debug, PartialEq)]
 struct Cluster {
     spheres: Vec<Sphere>,
@@ -124,6 +129,78 @@ impl Hitbox {
         })
     }
 
+    /// Returns the half-space behind a plane through the body's position: a floor, a ceiling, a
+    /// wall. `normal` is a unit vector that points out of it, in the world's axes.
+    ///
+    /// The separation of a sphere from a half-space is the distance of its centre from the plane,
+    /// minus its radius. Below the plane it goes on falling: a sphere at depth d has the separation
+    /// -d minus its radius, however thick other walls are. The plane moves with its body, and
+    /// cannot turn: an orientation that is not fixed is refused with the body.
+    ///
+    /// - Half-spaces do not meet each other.
+    /// - Of [`sphere_a`](crate::ClosestApproach::sphere_a) and `sphere_b`, the half-space's is 0.
+    /// - The direction of `normal` is meant, normalised in real arithmetic. What rounding does to
+    ///   it is part of every bound.
+    ///
+    /// Cost: no box contains a half-space. Each other body is compared with each half-space, in
+    /// some nanoseconds where its plan stays clear of the plane. A [`Monitor`](crate::Monitor)
+    /// compares bodies again when they change, and all of them when a half-space does.
+    ///
+    /// ```
+    /// use nearmiss::glam::DVec3;
+    /// use nearmiss::{Body, Hitbox, Query, Scene, State, Trajectory};
+    ///
+    /// let mut scene = Scene::new();
+    /// let floor = Body::new(Trajectory::at_rest(DVec3::ZERO)?);
+    /// scene.insert(floor.with_hitbox(Hitbox::half_space(DVec3::Z)?))?;
+    /// // A ball sinks from 10 m to the floor's height, in 10 s.
+    /// let fall = [0.0, 10.0].map(|t| State::new(t, (10.0 - t) * DVec3::Z, -DVec3::Z));
+    /// let ball = Body::new(Trajectory::from_states(&fall)?);
+    /// scene.insert(ball.with_hitbox(Hitbox::sphere(0.5)?))?;
+    /// let conflict = scene.screen(&Query::default())?.conflicts[0];
+    /// assert_eq!((conflict.enter, conflict.closest.separation), (9.5, -0.5));
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NormalLength`] if the length of the normal differs from 1 by more than 1e-9, or is
+    /// no number.
+    pub fn half_space(normal: impl Into<DVec3>) -> Result<Self, Error> {
+        /// Largest difference of the length from 1.
+        const LARGEST: f64 = 1e-9;
+        let normal = normal.into();
+        let length = norm(normal);
+        if (length - 1.0).abs() <= LARGEST {
+            Ok(Self {
+                bounding: Sphere {
+                    offset: normal,
+                    radius: f64::INFINITY,
+                },
+                reach: f64::INFINITY,
+                cluster: Some(Box::new(Cluster {
+                    spheres: Vec::new(),
+                    low: DVec3::NEG_INFINITY,
+                    high: DVec3::INFINITY,
+                    arm: 0.0,
+                    radius: f64::INFINITY,
+                })),
+            })
+        } else {
+            Err(Error::NormalLength { length })
+        }
+    }
+
+    /// Returns the normal of a half-space as given, or `None` of spheres.
+    #[must_use]
+    pub fn normal(&self) -> Option<DVec3> {
+        self.is_half_space().then_some(self.bounding.offset)
+    }
+
+    pub(crate) const fn is_half_space(&self) -> bool {
+        self.bounding.radius.is_infinite()
+    }
+
     fn single(sphere: Sphere) -> Self {
         Self {
             bounding: sphere,
@@ -132,7 +209,7 @@ impl Hitbox {
         }
     }
 
-    /// Returns the spheres, in the order in which they were given.
+    /// Returns the spheres, in the order in which they were given; none of a half-space.
     #[must_use]
     pub fn spheres(&self) -> &[Sphere] {
         match &self.cluster {
@@ -141,9 +218,22 @@ impl Hitbox {
         }
     }
 
-    /// Returns a sphere that contains all others, rounded outward; not the smallest possible.
+    /// Returns a sphere that contains all others, rounded outward; not the smallest possible. Of a
+    /// half-space, an infinite one around the body's position.
     #[must_use]
     pub const fn bounding(&self) -> Sphere {
+        if self.is_half_space() {
+            return Sphere {
+                offset: DVec3::ZERO,
+                radius: f64::INFINITY,
+            };
+        }
+        self.bounding
+    }
+
+    /// Returns the bounding sphere; of a half-space its normal, with an infinite radius.
+    #[inline]
+    pub(crate) const fn bounding_or_normal(&self) -> Sphere {
         self.bounding
     }
 
@@ -180,22 +270,6 @@ impl Hitbox {
     pub(crate) fn smallest_radius(&self) -> f64 {
         let radii = self.spheres().iter().map(|sphere| sphere.radius);
         radii.fold(f64::INFINITY, f64::min)
-    }
-}
-
-#[cfg(feature = "serde")]
-impl From<Hitbox> for Vec<Sphere> {
-    fn from(hitbox: Hitbox) -> Self {
-        hitbox.spheres().to_vec()
-    }
-}
-
-#[cfg(feature = "serde")]
-impl TryFrom<Vec<Sphere>> for Hitbox {
-    type Error = Error;
-
-    fn try_from(spheres: Vec<Sphere>) -> Result<Self, Error> {
-        Self::cluster(spheres)
     }
 }
 
@@ -283,6 +357,21 @@ mod tests {
         };
         let hitbox = Hitbox::cluster(vec![sphere]);
         assert!(hitbox.is_ok_and(|hitbox| hitbox.spheres() == [sphere]));
+    }
+
+    #[test]
+    fn normals_are_unit_vectors() {
+        for bad in [0.0, 0.5, 1.0 + 2e-9, f64::NAN, f64::INFINITY, 1e300] {
+            let found = Hitbox::half_space(bad * DVec3::Y);
+            assert!(matches!(found, Err(Error::NormalLength { .. })), "{bad}");
+        }
+        let normal = DVec3::new(0.6, 0.0, 0.8) * (1.0 + 0.9e-9);
+        let Ok(floor) = Hitbox::half_space(normal) else {
+            unreachable!("its length is 1, nearly")
+        };
+        assert_eq!(floor.normal(), Some(normal));
+        assert!(floor.spheres().is_empty() && floor.bounding().radius.is_infinite());
+        assert_eq!(Hitbox::POINT.normal(), None);
     }
 
     #[test]

@@ -165,8 +165,10 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::SceneFull`] after 2^32 - 1 bodies.
+    /// [`Error::SceneFull`] after 2^32 - 1 bodies; [`Error::InBody`] with
+    /// [`Error::TurningHalfSpace`].
     pub fn insert(&mut self, body: Body) -> Result<BodyId, Error> {
+        Body::check_turning(&body.hitbox, &body.orientation, body.tag)?;
         let id = self.next_id()?;
         if self.free.pop().is_none() {
             self.slots.push(Slot::default());
@@ -277,9 +279,10 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownBody`].
+    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::TurningHalfSpace`].
     pub fn set_hitbox(&mut self, id: BodyId, hitbox: Hitbox) -> Result<Hitbox, Error> {
         let body = &mut self.entry_mut(id)?.0.body;
+        Body::check_turning(&hitbox, &body.orientation, body.tag)?;
         let old = std::mem::replace(&mut body.hitbox, hitbox);
         self.note_shape(id);
         Ok(old)

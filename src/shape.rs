@@ -43,11 +43,12 @@ impl<'a> BodyShape<'a> {
     }
 
     /// Returns a sphere that contains all others at all times, those of a turning body enlarged by
-    /// the error of their centres, and all by the model error.
+    /// the error of their centres, and all by the model error. Of a half-space its normal, with an
+    /// infinite radius.
     #[inline]
     pub(crate) fn bounding(&self) -> Sphere {
         let Sphere { offset, radius } = match self.turning {
-            None => self.hitbox.bounding(),
+            None => self.hitbox.bounding_or_normal(),
             Some(turning) => Sphere {
                 offset: DVec3::ZERO,
                 radius: self.radius_of(turning),
@@ -93,6 +94,10 @@ impl<'a> BodyShape<'a> {
     /// Returns the smallest radius, m.
     pub(crate) fn smallest_radius(&self) -> f64 {
         self.hitbox.smallest_radius()
+    }
+
+    pub(crate) const fn is_half_space(&self) -> bool {
+        self.hitbox.is_half_space()
     }
 
     fn radius_of(&self, turning: &Turning) -> f64 {

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! cargo run --release --example screen -- STATES.csv[.gz]
-//!     [--radius R] [--margin M] [--window A..B] [--outside absent|extrapolate|coast]
+//!     [--radius R] [--hitboxes FILE] [--margin M] [--window A..B] [--outside absent|extrapolate|coast]
 //!     [--accuracy exact|certified] [--threads N] [--output OUT.csv] [--stats json]
 //! ```
 //!
@@ -21,13 +21,15 @@
 //!
 //! Bad input: exit code 1, one line that says what and where, no output. A wrong command line: exit code 2.
 
+mod hitboxes;
 mod read;
 #[path = "../terminal/mod.rs"]
 mod terminal;
 mod write;
 
 use clap::{Parser, ValueEnum};
-use nearmiss::{Accuracy, Body, Hitbox, Outside, Query, Scene, Window};
+use hitboxes::Hitboxes;
+use nearmiss::{Accuracy, Body, Hitbox, Orientation, Outside, Query, Scene, Window};
 use read::{Bodies, FileBody, Labels};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -50,6 +52,8 @@ struct Arguments {
         allow_hyphen_values = true
     )]
     hitbox: Option<Hitbox>,
+    #[arg(long, value_name = "FILE", help = "JSON file of hitboxes; its schema: --help", long_help = hitboxes::HELP)]
+    hitboxes: Option<PathBuf>,
     /// A conflict lasts while the separation is at most this, m; may be negative.
     #[arg(
         long,
@@ -187,13 +191,26 @@ fn build_scene(
         OutsideRule::Extrapolate => Outside::Extrapolate,
         OutsideRule::Coast => Outside::Coast,
     };
+    let hitboxes = arguments.hitboxes.as_deref().map(Hitboxes::read);
+    let hitboxes = hitboxes.transpose()?;
+    if let Some(hitboxes) = &hitboxes {
+        let tags: Vec<u64> = bodies.iter().map(|body| body.tag).collect();
+        hitboxes.check(labels, &tags)?;
+    }
     let mut scene = Scene::new();
     // Ids in the order of the labels: conflicts then come out with a < b in the file's own terms.
     for body in bodies {
         let tag = body.tag;
-        let hitbox = hitbox(arguments, body.radius)?;
+        let own = hitboxes
+            .as_ref()
+            .and_then(|hitboxes| hitboxes.of(labels, tag));
+        let (hitbox, orientation) = match own {
+            Some(own) => own,
+            None => (hitbox(arguments, body.radius)?, Orientation::FIXED),
+        };
         let body = Body::new(body.trajectory.with_outside(outside))
             .with_hitbox(hitbox)
+            .with_orientation(orientation)
             .with_tag(tag);
         let inserted = scene.insert(body);
         inserted.map_err(|error| labels.explain(&error.in_body(tag)))?;

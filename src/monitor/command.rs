@@ -97,6 +97,7 @@ impl ChangeContext<'_> {
 
     /// Returns the monitored body of a body with its current plan.
     pub(super) fn flight_of(&self, body: &Body) -> Result<MonitoredBody, Error> {
+        Body::check_turning(&body.hitbox, &body.orientation, body.tag)?;
         self.flight(&body.trajectory, body.shape(), body.tag)
     }
 }
@@ -475,6 +476,11 @@ impl PendingChange {
             let orientation = self.orientation.as_ref().unwrap_or(&body.orientation);
             let model_error = self.model_error.unwrap_or(body.model_error());
             let shape = BodyShape::new(hitbox, orientation.turning(), model_error);
+            let turns = Body::check_turning(hitbox, orientation, body.tag);
+            turns.map_err(|error| Rejection {
+                command: self.last,
+                error,
+            })?;
             let flight = terms.flight(trajectory, shape, body.tag);
             self.flight = Some(flight.map_err(|error| Rejection {
                 command: self.last,

@@ -43,6 +43,11 @@ impl DueQueue {
 
     /// A slot that is due by `time` (s), the soonest one; it is no more.
     pub(super) fn next(&mut self, time: f64) -> Option<u32> {
+        self.next_with_time(time).map(|(slot, _)| slot)
+    }
+
+    /// Returns [`next`](Self::next), and when it was due, s.
+    pub(super) fn next_with_time(&mut self, time: f64) -> Option<(u32, f64)> {
         while let Some(&Reverse(entry)) = self.queue.peek()
             && entry.time <= time
         {
@@ -52,8 +57,8 @@ impl DueQueue {
             if entry.time.total_cmp(&self.queued[place]).is_eq() {
                 self.queued[place] = f64::INFINITY;
                 if self.due[place] <= time {
-                    self.due[place] = f64::INFINITY;
-                    return Some(entry.what);
+                    let due = std::mem::replace(&mut self.due[place], f64::INFINITY);
+                    return Some((entry.what, due));
                 }
                 self.enqueue(entry.what);
             }

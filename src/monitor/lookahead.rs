@@ -16,6 +16,7 @@ mod time_grid;
 use super::bodies::{BodyTable, ChangedBounds};
 use super::budget::BudgetMeter;
 use super::grid::Grid;
+use super::half_spaces::HalfSpaceSearch;
 use super::jump::JumpSearch;
 use super::monitored_bodies::{MonitoredBodies, MonitoredBody};
 
@@ -53,6 +54,7 @@ pub(super) struct LookaheadSearch {
     slices: VecDeque<LookaheadSlice>,
     spare: Vec<LookaheadSlice>,
     jump: JumpSearch,
+    half_spaces: HalfSpaceSearch,
     survivors: Vec<SpanKey>,
     sorter: SpanSorter,
     pool: Pool<SliceScratch>,
@@ -91,6 +93,7 @@ impl LookaheadSearch {
             slices: VecDeque::new(),
             spare: Vec::new(),
             jump: JumpSearch::default(),
+            half_spaces: HalfSpaceSearch::default(),
             survivors: Vec::new(),
             sorter: SpanSorter::default(),
             pool: Pool::default(),
@@ -262,12 +265,19 @@ impl LookaheadSearch {
         stats: &mut Stats,
     ) -> Result<f64, LimitExceeded> {
         self.spread_changes();
+        self.half_spaces.note(&self.flights, &self.dirty);
         loop {
             self.survivors.clear();
-            let (reached, is_done) = self.look(scene, (from, to), filter, meter, stats)?;
+            let (mut reached, is_done) = self.look(scene, (from, to), filter, meter, stats)?;
             self.dirty.clear();
             let begin = Instant::now();
             let bodies = BodyTable::of(scene, &self.flights, &self.grid, self.margin);
+            if !self.half_spaces.is_idle() {
+                let times = (from, to, self.laid_out(to));
+                let found = &mut self.survivors;
+                let known = self.half_spaces.look(&bodies, times, filter, meter, found);
+                reached = reached.min(known);
+            }
             self.finds.forget_before(from);
             self.sorter
                 .sort_and_dedup(&mut self.survivors, self.flights.len());

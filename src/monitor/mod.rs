@@ -10,6 +10,7 @@ mod due_queue;
 mod encounters;
 mod event;
 mod grid;
+mod half_spaces;
 mod jump;
 #[cfg(feature = "live")]
 pub(crate) mod live;

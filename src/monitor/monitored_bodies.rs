@@ -25,8 +25,9 @@ pub(super) struct MonitoredBody {
     cubics: u32,
     /// Up to where a plan without end is followed, s; infinite for one that has an end.
     pub(super) until: f64,
-    /// The body may be part of a pair.
+    /// The body may be part of a pair of boxes.
     pub(super) has_partner: bool,
+    is_half_space: bool,
 }
 
 impl MonitoredBody {
@@ -45,6 +46,7 @@ impl MonitoredBody {
             cubics: 0,
             until: f64::INFINITY,
             has_partner: true,
+            is_half_space: shape.is_half_space(),
         };
         flight.replan(trajectory, window)?;
         Ok(flight)
@@ -107,6 +109,8 @@ impl MonitoredBody {
 #[derive(Debug)]
 pub(super) struct MonitoredBodies {
     by_slot: Vec<Option<MonitoredBody>>,
+    /// Slots of half-spaces, ascending.
+    half_spaces: Vec<u32>,
     /// Up to where all those that exist for ever are followed, s.
     until: f64,
 }
@@ -115,6 +119,7 @@ impl Default for MonitoredBodies {
     fn default() -> Self {
         Self {
             by_slot: Vec::new(),
+            half_spaces: Vec::new(),
             until: f64::INFINITY,
         }
     }
@@ -134,7 +139,18 @@ impl MonitoredBodies {
         if let Some(flight) = &flight {
             self.until = self.until.min(flight.until);
         }
+        let is_half_space = flight.as_ref().is_some_and(|flight| flight.is_half_space);
+        match self.half_spaces.binary_search(&slot) {
+            Ok(found) if !is_half_space => drop(self.half_spaces.remove(found)),
+            Err(found) if is_half_space => self.half_spaces.insert(found, slot),
+            _ => {}
+        }
         self.by_slot[place] = flight;
+    }
+
+    /// Returns the slots of half-spaces, ascending.
+    pub(super) fn half_spaces(&self) -> &[u32] {
+        &self.half_spaces
     }
 
     /// Takes another plan of the body in a slot over `window`.

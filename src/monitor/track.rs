@@ -8,7 +8,7 @@ use super::tracked_motions::{TrackedChange, TrackedMotion, TrackedMotions};
 use crate::error::Error;
 use crate::id::BodyId;
 use crate::parallel;
-use crate::scene::BodyState;
+use crate::scene::{Body, BodyState};
 use crate::trajectory::Trajectory;
 
 impl Monitor {
@@ -155,7 +155,9 @@ impl Monitor {
             let both = body
                 .orientation
                 .followed_by(next, tracked.from, terms.forget_before);
-            tracked.orientation = Some(both.map_err(in_body)?);
+            let both = both.map_err(in_body)?;
+            Body::check_turning(&body.hitbox, &both, body.tag)?;
+            tracked.orientation = Some(both);
         }
         tracked.from = from.map_err(in_body)?;
         let from = tracked.from;

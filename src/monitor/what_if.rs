@@ -43,6 +43,7 @@ impl Monitor {
             return Err(Error::NoPlanAt { time: self.now }.in_body(body.tag));
         }
         let orientation = orientation.unwrap_or(&body.orientation);
+        Body::check_turning(&body.hitbox, orientation, body.tag)?;
         let shape = BodyShape::new(&body.hitbox, orientation.turning(), body.model_error());
         let (margin, _) = self.search.reach();
         let filter = SlotAdmission::of(&self.scene, margin, None);
@@ -77,6 +78,7 @@ impl Monitor {
     pub fn what_if_body(&self, body: &Body, level: usize) -> Result<Vec<Conflict>, Error> {
         let alert = self.levels.get(level);
         let alert = alert.ok_or(Error::UnknownAlertLevel { level })?;
+        Body::check_turning(&body.hitbox, &body.orientation, body.tag)?;
         let id = self.scene.next_id()?;
         let admits = |other: u32| {
             let other = self.scene.in_slot(other);

@@ -2,6 +2,7 @@
 
 use super::clusters::{ClusterPair, ProvenContact};
 use super::filter::{certainly_beyond, segments_apart};
+use super::half_space::{self, may_touch_plane};
 use super::relative::{RelativeCubic, RelativeMotion, filter_threshold, local_scale};
 use super::sphere_pair::{Approach, Contact, SpherePair};
 use super::stretches::DistanceProfile;
@@ -19,11 +20,12 @@ pub(crate) struct SolvedSpan {
     profile: DistanceProfile,
 }
 
-/// Returns the only two spheres of a pair over a span, or `None` if there are more, or one turns.
+/// Returns the only two spheres of a pair over a span, or `None` if there are more, or one turns. A
+/// half-space has the effect of one sphere, and meets only one of a cluster's.
 #[inline]
 pub(super) fn lone_pair(a: &BodyView<'_>, b: &BodyView<'_>, span: Span) -> Option<SpherePair> {
     let ([sphere_a], [sphere_b]) = (a.spheres, b.spheres) else {
-        return None;
+        return half_space::lone_pair(a, b, span);
     };
     if a.turning.is_some() || b.turning.is_some() {
         return None;
@@ -49,6 +51,9 @@ pub(crate) fn may_touch(
     margin: f64,
     interval: (f64, f64),
 ) -> bool {
+    if a.is_half_space() || b.is_half_space() {
+        return may_touch_plane(a, b, span, margin, interval);
+    }
     let Some(threshold) = near_threshold(a, b, span, margin) else {
         return false;
     };

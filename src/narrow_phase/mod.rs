@@ -4,7 +4,8 @@
 //! `relative` cubic, applies `filter` or the `hull`'s control heights, and finds `stationary`
 //! points (and the `dips` that the squared distance hides) and `stretches`. `contact` joins these
 //! across spans and spheres, `certified` with certificates. For two clusters, `clusters` selects
-//! the pairs of spheres to solve; where a body turns, `turning` does. [`kernels`] answers many independent pairs at once.
+//! the pairs of spheres to solve; where a body turns, `turning` does. A `half_space` and a sphere are
+//! solved as two spheres on a line. [`kernels`] answers many independent pairs at once.
 
 mod approach;
 mod certified;
@@ -12,6 +13,7 @@ mod clusters;
 mod contact;
 mod dips;
 mod filter;
+mod half_space;
 mod hull;
 pub mod kernels;
 mod relative;
@@ -44,8 +46,10 @@ pub(crate) struct BodyView<'a> {
     pub(crate) knots: Knots<'a>,
     /// Cubics of the plan.
     pub(crate) segments: &'a [Segment],
+    /// None of a half-space.
     pub(crate) spheres: &'a [Sphere],
-    /// Contains all spheres, enlarged by the model error.
+    /// Contains all spheres, enlarged by the model error. Of a half-space: its normal, and an infinite
+    /// radius.
     pub(crate) bounding: Sphere,
     /// Turning motion of the spheres, if that changes anything.
     pub(crate) turning: Option<&'a Turning>,
@@ -104,6 +108,11 @@ impl<'a> BodyView<'a> {
             self.segment(span.a as usize),
             other.segment(span.b as usize),
         ]
+    }
+
+    /// Returns true if the hitbox is a half-space.
+    pub(crate) const fn is_half_space(&self) -> bool {
+        self.bounding.radius.is_infinite()
     }
 
     /// Prefetches a cubic of the plan.

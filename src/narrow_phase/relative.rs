@@ -290,6 +290,34 @@ impl RelativeMotion {
     }
 }
 
+/// Heights of one body's position above a plane that moves with the other, over a span: the control
+/// points of a cubic.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct HeightCubic {
+    pub(super) points: [f64; 4],
+    /// Bound on |computed - exact|, m.
+    pub(super) error: f64,
+}
+
+impl RelativeMotion {
+    /// Returns the heights of body a above a plane through body b, along `normal`, a vector whose
+    /// length is 1 within 1e-9. `scale` is the inverse of that length, good to 4 roundings.
+    pub(super) fn heights(&self, normal: DVec3, scale: f64) -> HeightCubic {
+        let apart = self.apart.dot(normal);
+        let points = self.local.map(|local| (apart + local.dot(normal)) * scale);
+        // Only what lies along the normal counts: of a plane along two axes, one coordinate.
+        let size = |vector: DVec3| vector.abs().dot(normal.abs());
+        let largest = self.local.into_iter().map(size).fold(0.0, f64::max);
+        // One rounding of each difference, three of each product with the normal, one of the sum;
+        // five of the scale and of the product with it.
+        let rounding = 16.0 * UNIT_ROUNDOFF * (size(self.apart) + largest) + 8.0 * UNDERFLOW;
+        HeightCubic {
+            points,
+            error: (self.error + rounding) * (1.0 + 1e-8),
+        }
+    }
+}
+
 /// Returns a bound on the size to which all rounding of a pair over a span is relative: origin
 /// difference, extents of both cubics over it, offsets (m).
 pub(crate) fn local_scale(

@@ -89,7 +89,7 @@ pub(super) struct SpherePair {
     pub(super) radius_a: f64,
     pub(super) radius_b: f64,
     /// Bound on the distance of turning centres from their cubics that the radii do not contain,
-    /// m; 0 if neither body turns.
+    /// m; 0 if neither body turns. More than 0 where the cubic is not that of the two bodies.
     pub(super) baking: f64,
     pub(super) cubic: RelativeCubic,
 }

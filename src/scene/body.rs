@@ -126,7 +126,8 @@ impl Body {
     }
 
     /// Returns the spheres of the hitbox at `time` (s), with their centres in the world as offsets
-    /// (m), or `None` where the body does not exist: for drawing.
+    /// (m), or `None` where the body does not exist: for drawing. None of a half-space, whose plane
+    /// goes through the body's position.
     #[must_use]
     pub fn spheres_at(&self, time: f64) -> Option<Vec<Sphere>> {
         let position = self.trajectory.position(time)?;
@@ -158,6 +159,22 @@ impl Body {
         }
         let extension = trajectory.extension(window);
         extension.map_err(|error| error.in_body(*tag))
+    }
+
+    /// Checks that the hitbox can turn as the orientation does.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InBody`] with [`Error::TurningHalfSpace`].
+    pub(crate) fn check_turning(
+        hitbox: &Hitbox,
+        orientation: &Orientation,
+        tag: u64,
+    ) -> Result<(), Error> {
+        if hitbox.is_half_space() && !orientation.is_fixed() {
+            return Err(Error::TurningHalfSpace.in_body(tag));
+        }
+        Ok(())
     }
 
     /// Returns the space that the body occupies around its position.

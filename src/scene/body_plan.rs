@@ -1,6 +1,6 @@
 //! Plans: how a body moves and turns.
 
-use super::Scene;
+use super::{Body, Scene};
 use crate::error::Error;
 use crate::id::BodyId;
 use crate::orientation::Orientation;
@@ -81,13 +81,14 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownBody`].
+    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::TurningHalfSpace`].
     pub fn set_orientation(
         &mut self,
         id: BodyId,
         orientation: Orientation,
     ) -> Result<Orientation, Error> {
         let (entry, _) = self.entry_mut(id)?;
+        Body::check_turning(&entry.body.hitbox, &orientation, entry.body.tag)?;
         Ok(std::mem::replace(&mut entry.body.orientation, orientation))
     }
 }

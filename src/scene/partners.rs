@@ -97,8 +97,12 @@ impl<'s> Partners<'s> {
         Self { kinds, margin }
     }
 
-    /// Returns false if the body can be part of no pair, by its layers or a very negative margin.
+    /// Returns false if the body can be part of no pair of boxes: by its layers, by a very negative
+    /// margin, or because no box contains a half-space.
     pub(crate) fn has(&self, body: &Body) -> bool {
+        if body.hitbox.is_half_space() {
+            return false;
+        }
         let key = (body.layers.membership, body.layers.filter);
         let has_partner = || self.kinds.layers.get(&key).is_some_and(|kind| kind.1);
         (self.kinds.layers.len() > Kinds::MANY || has_partner())
@@ -112,6 +116,7 @@ impl<'s> Partners<'s> {
 }
 
 /// Returns an upper bound of the radii of a body's hitbox, the model error included, m; to rounding.
+/// Infinite of a half-space.
 pub(crate) const fn radius(body: &Body) -> f64 {
     body.hitbox.bounding().radius + body.model_error()
 }

@@ -36,6 +36,9 @@ impl TryFrom<Parts> for Scene {
         }
         let mut scene = Self::default();
         for (generation, body) in parts.slots {
+            if let Some(body) = &body {
+                Body::check_turning(&body.hitbox, &body.orientation, body.tag)?;
+            }
             scene.len += usize::from(body.is_some());
             body.iter().for_each(|body| scene.kinds.add(body));
             scene.slots.push(Slot {

@@ -1,6 +1,6 @@
 //! Straight motions of many bodies, told in one call.
 
-use super::Scene;
+use super::{Body, Scene};
 use crate::error::Error;
 use crate::id::BodyId;
 use crate::orientation::Orientation;
@@ -110,7 +110,7 @@ impl Scene {
     /// # Errors
     ///
     /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::NotFinite`], [`Error::OutOfRange`],
-    /// [`Error::RotationLength`] or [`Error::AngularSpeed`]. The error of
+    /// [`Error::RotationLength`], [`Error::AngularSpeed`] or [`Error::TurningHalfSpace`]. The error of
     /// the first state that is refused; nothing was changed then.
     pub fn update<S: Into<BodyState>>(
         &mut self,
@@ -123,12 +123,16 @@ impl Scene {
         for (id, state) in states {
             let state: BodyState = state.into();
             let body = self.body(id).ok_or(Error::UnknownBody { id });
-            let both = |tag| {
+            let both = |body: &Body| {
                 let motion = state.motion();
                 let both = motion.and_then(|motion| Ok((motion, state.orientation()?)));
-                both.map_err(|error: Error| error.in_body(tag))
+                let (motion, orientation) = both.map_err(|error: Error| error.in_body(body.tag))?;
+                if let Some(orientation) = &orientation {
+                    Body::check_turning(&body.hitbox, orientation, body.tag)?;
+                }
+                Ok((motion, orientation))
             };
-            match body.and_then(|body| both(body.tag)) {
+            match body.and_then(both) {
                 Ok((motion, orientation)) => {
                     told.push((id, motion));
                     turning.extend(orientation.map(|orientation| (id, orientation)));

@@ -4,6 +4,7 @@
 //! solver works on whole spans of the survivors, each once. The solver knows neither the slice nor
 //! the thread of a survivor. Hence the bits do not depend on the slicing or the number of threads.
 
+mod half_spaces;
 mod one;
 pub mod pair;
 mod prepared;
@@ -130,7 +131,7 @@ impl Scene {
     }
 
     /// Returns the least separation of two bodies within a window, and its time, or `None` if they
-    /// do not exist at the same time. Layers and ignored pairs play no part.
+    /// do not exist at the same time, or both are half-spaces. Layers and ignored pairs play no part.
     ///
     /// # Errors
     ///
@@ -364,6 +365,11 @@ impl PreparedScene<'_> {
         let limit = self.limits.spans;
         done.map_err(|_| Error::TooCrowded { limit })?;
         let begin = Instant::now();
+        if !self.half_spaces.is_empty() {
+            stats.spans += self.meet_half_spaces(bodies, filter, &mut survivors);
+            let is_within = self.limits.check(survivors.len());
+            is_within.map_err(|_| Error::TooCrowded { limit })?;
+        }
         screening.conflicts = self.solve(bodies, &survivors, filter, progress);
         stats.narrow_time += begin.elapsed();
         stats.survivors = survivors.len() as u64;

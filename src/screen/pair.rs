@@ -166,6 +166,9 @@ fn with_spans<T>(
     answer: impl FnOnce(&BodyView<'_>, &BodyView<'_>, Spans<'_>, (f64, f64)) -> Option<T>,
 ) -> Result<Option<T>, Error> {
     let [view_a, view_b] = [lone_view(a, window)?, lone_view(b, window)?];
+    if view_a.is_half_space() && view_b.is_half_space() {
+        return Ok(None);
+    }
     let Some(clip) = clip_of(&view_a, &view_b, window) else {
         return Ok(None);
     };

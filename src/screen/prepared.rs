@@ -47,6 +47,8 @@ pub(super) struct PreparedScene<'a> {
     pub(super) pool: &'a Pool<SearchScratch>,
     arena: &'a CubicArena,
     pub(super) frame: MovingFrame,
+    /// Places of half-spaces, ascending: they have no boxes.
+    pub(super) half_spaces: Vec<u32>,
     pub(super) survey: SceneSurvey,
 }
 
@@ -62,9 +64,13 @@ impl<'a> PreparedScene<'a> {
         let mut ids = Vec::with_capacity(scene.len());
         let mut entries = Vec::with_capacity(scene.len());
         let mut extensions = Vec::new();
+        let mut half_spaces = Vec::new();
         for (place, (id, entry)) in scene.entries().enumerate() {
             let extension = entry.body.extension(asked)?;
             let has_partner = partners.has(&entry.body);
+            if entry.body.hitbox.is_half_space() {
+                half_spaces.extend(u32::try_from(place));
+            }
             survey.include(place, (entry, extension.as_ref()), has_partner);
             ids.push(id);
             entries.push(entry);
@@ -86,6 +92,7 @@ impl<'a> PreparedScene<'a> {
             pool: scene.pool(),
             arena: scene.arena(),
             frame,
+            half_spaces,
             survey,
         };
         let (start, end) = prepared.survey.existence;
@@ -99,6 +106,7 @@ impl<'a> PreparedScene<'a> {
                 prepared.ids.clear();
                 prepared.entries.clear();
                 prepared.extensions.clear();
+                prepared.half_spaces.clear();
                 prepared.survey.cubics = 0;
             }
         }
@@ -132,7 +140,7 @@ impl<'a> PreparedScene<'a> {
     }
 
     #[inline]
-    fn extension(&self, place: usize) -> Option<&Extension> {
+    pub(super) fn extension(&self, place: usize) -> Option<&Extension> {
         let of_place = |(other, _): &(usize, Extension)| other.cmp(&place);
         let extension = self.extensions.binary_search_by(of_place);
         extension.ok().map(|number| &self.extensions[number].1)
@@ -244,8 +252,9 @@ pub(super) fn checked_margin(query: &Query) -> Result<f64, Error> {
 ///
 /// # Errors
 ///
-/// See [`Body::extension`].
+/// See [`Body::extension`] and [`Body::check_turning`].
 pub(super) fn lone_view(body: &Body, window: Window) -> Result<BodyView<'_>, Error> {
+    Body::check_turning(&body.hitbox, &body.orientation, body.tag)?;
     let extension = body.extension(window)?;
     let knots = Knots::over(&body.trajectory, extension.as_ref());
     Ok(view_of(body, knots))

@@ -101,7 +101,8 @@ impl Labels {
         place
     }
 
-    fn name(&self, tag: u64) -> Option<&str> {
+    /// Returns a body's name, or `None` while all labels are numbers.
+    pub(crate) fn name(&self, tag: u64) -> Option<&str> {
         let place = usize::try_from(tag).ok()?;
         self.names.get(place).map(String::as_str)
     }

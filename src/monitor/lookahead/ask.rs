@@ -35,6 +35,7 @@ impl LookaheadSearch {
             let alone = self.flights.without_partner();
             neighbours.extend(alone.map(|slot| NearBody { slot, from, to }));
         }
+        self.add_half_spaces(own, (from, to), &mut neighbours);
         neighbours.sort_unstable_by_key(|neighbour| neighbour.slot);
         let (mut near, mut found) = (Vec::new(), Vec::new());
         for times in neighbours.chunk_by(|one, next| one.slot == next.slot) {
@@ -72,6 +73,25 @@ impl LookaheadSearch {
             for contact in &found {
                 visit(other, clip, &view, contact);
             }
+        }
+    }
+
+    /// Adds the half-spaces, which slices know nothing of; of a half-space, all other bodies.
+    fn add_half_spaces(
+        &self,
+        own: &BodyView<'_>,
+        (from, to): (f64, f64),
+        neighbours: &mut Vec<NearBody>,
+    ) {
+        let (from, to) = (seen_from(from), seen_until(to));
+        let always = |slot| NearBody { slot, from, to };
+        if own.is_half_space() {
+            neighbours.clear();
+            let all = (0_u32..).take(self.flights.len());
+            neighbours.extend(all.map(always));
+        } else {
+            let planes = self.flights.half_spaces().iter().copied();
+            neighbours.extend(planes.map(always));
         }
     }
 

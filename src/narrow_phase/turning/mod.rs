@@ -8,6 +8,7 @@
 //! a margin or a slicing selects parts, and changes no bit of their results.
 
 mod cells;
+mod half_space;
 mod part;
 #[cfg(test)]
 mod tests;
@@ -23,6 +24,7 @@ use crate::rounding::{seen_from, seen_until};
 use crate::spans::Span;
 use cells::{Cell, Cells, Rotations};
 use glam::DVec3;
+use half_space::TurningOverPlane;
 use part::{PartScratch, SpheresOverPart};
 
 /// Two bodies of which at least one turns, over a span.
@@ -99,6 +101,9 @@ impl<'a> TurningPair<'a> {
         mut reached: f64,
         mut solve: impl FnMut(&SpherePair, Span) -> f64,
     ) {
+        if let Some(over_plane) = self.over_plane() {
+            return over_plane.each_for_nearest(clip, reached, solve);
+        }
         let clip = (clip.0.max(self.span.start), clip.1.min(self.span.end));
         if reached < f64::INFINITY
             && self.is_beyond(&self.motion(self.span), reached, self.scale(self.span))
@@ -146,6 +151,9 @@ impl<'a> TurningPair<'a> {
         after: f64,
         mut solve: impl FnMut(&SpherePair, Span),
     ) {
+        if let Some(over_plane) = self.over_plane() {
+            return over_plane.each_near(margin, (from, to), after, solve);
+        }
         let Some(threshold) = self.threshold(margin, self.scale(self.span)) else {
             return;
         };
@@ -183,6 +191,11 @@ impl<'a> TurningPair<'a> {
                 visit(times);
             }
         }
+    }
+
+    /// Returns the pair if one body is a half-space.
+    fn over_plane(&self) -> Option<TurningOverPlane<'a>> {
+        TurningOverPlane::of(self.a, self.b, self.span, self.accuracy)
     }
 
     fn cells(&self, interval: (f64, f64)) -> Cells<'a> {

@@ -1,0 +1,264 @@
+//! Reading a file of hitboxes; every complaint names the file, the entry, the bodies and the value.
+
+use crate::read::Labels;
+use crate::terminal::{self, quoted};
+use nearmiss::glam::{DQuat, DVec3};
+use nearmiss::{Hitbox, Orientation, Sphere};
+use serde_json::{Map, Value};
+use std::ops::RangeInclusive;
+use std::path::Path;
+
+/// The schema, for the help of the option.
+pub(crate) const HELP: &str = "\
+JSON file with a hitbox, and an orientation if wanted, for some bodies; all others keep the radius.
+A list of entries; a later one replaces an earlier one for the same body:
+  [{\"body\": 3, \"half_space\": [0, 0, 1]},
+   {\"bodies\": [10, 19],
+    \"spheres\": [[x, y, z, radius], ...],
+    \"orientation\": {\"knots\": [[t, x, y, z, w], ...], \"kind\": \"slerp\"}}]
+body: a label, a number or a \"name\"; bodies: the first and the last of a range of numbers, which may have gaps.
+half_space: the unit normal out of a half-space behind a plane through the body's position. It cannot turn.
+spheres: centres in the body's axes and radii, m.
+orientation: rotations as unit quaternions at times (s); kind: slerp (default) or normalized_cubic.";
+
+/// The hitboxes of a file, by body.
+pub(crate) struct Hitboxes {
+    name: String,
+    entries: Vec<Entry>,
+}
+
+/// The bodies that an entry is about.
+#[derive(Clone, Debug)]
+enum Bodies {
+    Numbers(RangeInclusive<u64>),
+    Name(String),
+}
+
+struct Entry {
+    bodies: Bodies,
+    hitbox: Hitbox,
+    orientation: Orientation,
+}
+
+impl Hitboxes {
+    pub(crate) fn read(path: &Path) -> Result<Self, String> {
+        let name = terminal::name(path);
+        let text = std::fs::read_to_string(path).map_err(|error| format!("{name}: {error}"))?;
+        let value: Value = serde_json::from_str(&text)
+            .map_err(|error| format!("{name}: not JSON: {error}: give a list of entries"))?;
+        let Value::Array(list) = value else {
+            return Err(format!(
+                "{name}: {} is not a list of entries: give [{{\"body\": ..., ...}}, ...]",
+                shown(&value)
+            ));
+        };
+        let entries = list.iter().enumerate().map(|(number, value)| {
+            let place = format!("{name}: entry {number}");
+            Entry::of(value).map_err(|problem| format!("{place}{problem}"))
+        });
+        let entries = entries.collect::<Result<Vec<Entry>, String>>()?;
+        Ok(Self { name, entries })
+    }
+
+    /// Checks that each entry concerns a body of the file of states, given the tags of all.
+    pub(crate) fn check(&self, labels: &Labels, tags: &[u64]) -> Result<(), String> {
+        for (number, entry) in self.entries.iter().enumerate() {
+            if !tags.iter().any(|&tag| entry.bodies.contain(labels, tag)) {
+                return Err(format!(
+                    "{}: entry {number}, {}: no such body has states: name one that has",
+                    self.name,
+                    entry.bodies.named()
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// The hitbox and the orientation of a body, if the file has them.
+    pub(crate) fn of(&self, labels: &Labels, tag: u64) -> Option<(Hitbox, Orientation)> {
+        let mut entries = self.entries.iter().rev();
+        let entry = entries.find(|entry| entry.bodies.contain(labels, tag))?;
+        Some((entry.hitbox.clone(), entry.orientation.clone()))
+    }
+}
+
+impl Bodies {
+    fn contain(&self, labels: &Labels, tag: u64) -> bool {
+        let name = labels.name(tag);
+        match self {
+            Self::Name(own) => name == Some(own),
+            Self::Numbers(range) => {
+                let number = name.map_or(Some(tag), |name| name.parse().ok());
+                number.is_some_and(|number| range.contains(&number))
+            }
+        }
+    }
+
+    fn named(&self) -> String {
+        match self {
+            Self::Name(name) => format!("body {}", quoted(name.as_bytes())),
+            Self::Numbers(range) if range.start() == range.end() => {
+                format!("body {}", range.start())
+            }
+            Self::Numbers(range) => format!("bodies {} to {}", range.start(), range.end()),
+        }
+    }
+}
+
+impl Entry {
+    /// The entry of a value. A problem begins with a comma or a colon.
+    fn of(value: &Value) -> Result<Self, String> {
+        let Value::Object(members) = value else {
+            let value = shown(value);
+            return Err(format!(
+                ": {value} is no entry: give {{\"body\": ..., ...}}"
+            ));
+        };
+        let bodies = bodies(members).map_err(|problem| format!(": {problem}"))?;
+        let entry = Self::of_bodies(bodies.clone(), members);
+        entry.map_err(|problem| format!(", {}: {problem}", bodies.named()))
+    }
+
+    fn of_bodies(bodies: Bodies, members: &Map<String, Value>) -> Result<Self, String> {
+        const MEMBERS: [&str; 5] = ["body", "bodies", "spheres", "half_space", "orientation"];
+        check_members(members, &MEMBERS)?;
+        let hitbox = match (members.get("spheres"), members.get("half_space")) {
+            (Some(spheres), None) => cluster(spheres)?,
+            (None, Some(normal)) => {
+                let normal = numbers::<3>("half_space", normal, "[x, y, z]")?;
+                let hitbox = Hitbox::half_space(DVec3::from_array(normal));
+                hitbox.map_err(|error| format!("half_space: {error}"))?
+            }
+            _ => return Err("give either spheres or half_space".to_owned()),
+        };
+        let orientation = members.get("orientation");
+        let orientation = orientation.map_or(Ok(Orientation::FIXED), orientation_of)?;
+        if hitbox.normal().is_some() && !orientation.is_fixed() {
+            return Err("orientation: a half-space cannot turn: leave it out".to_owned());
+        }
+        Ok(Self {
+            bodies,
+            hitbox,
+            orientation,
+        })
+    }
+}
+
+fn bodies(members: &Map<String, Value>) -> Result<Bodies, String> {
+    let label = |value: &Value| {
+        value.as_u64().ok_or_else(|| {
+            let value = shown(value);
+            format!("{value} is not a body's label, a whole number from 0 on")
+        })
+    };
+    match (members.get("body"), members.get("bodies")) {
+        (Some(Value::String(name)), None) => Ok(Bodies::Name(name.clone())),
+        (Some(body), None) => label(body).map(|body| Bodies::Numbers(body..=body)),
+        (None, Some(Value::Array(ends))) if ends.len() == 2 => {
+            let (first, last) = (label(&ends[0])?, label(&ends[1])?);
+            if first > last {
+                return Err(format!(
+                    "bodies {first} to {last}: the first label is the larger one: swap them"
+                ));
+            }
+            Ok(Bodies::Numbers(first..=last))
+        }
+        (None, Some(value)) => Err(format!(
+            "bodies: {} is not a range: give [first, last]",
+            shown(value)
+        )),
+        _ => Err("give either body or bodies".to_owned()),
+    }
+}
+
+fn cluster(spheres: &Value) -> Result<Hitbox, String> {
+    const EXPECTED: &str = "[x, y, z, radius]";
+    let Value::Array(list) = spheres else {
+        return Err(format!(
+            "spheres: {} is not a list of {EXPECTED}",
+            shown(spheres)
+        ));
+    };
+    let spheres = list.iter().enumerate().map(|(number, value)| {
+        let [x, y, z, radius] = numbers::<4>(&format!("sphere {number}"), value, EXPECTED)?;
+        Ok(Sphere {
+            offset: DVec3::new(x, y, z),
+            radius,
+        })
+    });
+    let spheres = spheres.collect::<Result<Vec<Sphere>, String>>()?;
+    Hitbox::cluster(spheres).map_err(|error| format!("spheres: {error}"))
+}
+
+fn orientation_of(value: &Value) -> Result<Orientation, String> {
+    let problem = |problem: String| format!("orientation: {problem}");
+    let Value::Object(members) = value else {
+        let value = shown(value);
+        return Err(problem(format!("{value} is none: give {{\"knots\": ...}}")));
+    };
+    check_members(members, &["knots", "kind"]).map_err(problem)?;
+    let Some(Value::Array(list)) = members.get("knots") else {
+        let value = members
+            .get("knots")
+            .map_or_else(|| "nothing".to_owned(), shown);
+        let expected = "a list of [t, x, y, z, w]";
+        return Err(problem(format!("knots: {value} is not {expected}")));
+    };
+    let knots = list.iter().enumerate().map(|(number, value)| {
+        let name = format!("orientation: knot {number}");
+        let [time, x, y, z, w] = numbers::<5>(&name, value, "[t, x, y, z, w]")?;
+        Ok((time, DQuat::from_xyzw(x, y, z, w)))
+    });
+    let knots = knots.collect::<Result<Vec<(f64, DQuat)>, String>>()?;
+    let kind = members.get("kind").map_or(Some("slerp"), Value::as_str);
+    let turn = match kind {
+        Some("slerp") => Orientation::slerp(&knots),
+        Some("normalized_cubic") => Orientation::normalized_cubic(&knots),
+        _ => {
+            let kind = shown(&members["kind"]);
+            let expected = "expected \"slerp\" or \"normalized_cubic\"";
+            return Err(problem(format!("kind: {kind} is unknown: {expected}")));
+        }
+    };
+    turn.map_err(|error| problem(error.to_string()))
+}
+
+/// Refuses members of other names: a slip would go unnoticed.
+fn check_members(members: &Map<String, Value>, known: &[&str]) -> Result<(), String> {
+    let unknown = members.keys().find(|name| !known.contains(&name.as_str()));
+    unknown.map_or(Ok(()), |name| {
+        let name = quoted(name.as_bytes());
+        Err(format!("{name} is unknown: expected {}", known.join(", ")))
+    })
+}
+
+/// Reads a list of so many numbers.
+fn numbers<const COUNT: usize>(
+    name: &str,
+    value: &Value,
+    expected: &str,
+) -> Result<[f64; COUNT], String> {
+    let list = value.as_array().filter(|list| list.len() == COUNT);
+    let Some(list) = list else {
+        let value = shown(value);
+        return Err(format!("{name}: {value} is not {expected}"));
+    };
+    let mut numbers = [0.0; COUNT];
+    for (number, value) in numbers.iter_mut().zip(list) {
+        *number = value.as_f64().ok_or_else(|| {
+            let value = shown(value);
+            format!("{name}: {value} is not a number: give {expected}")
+        })?;
+    }
+    Ok(numbers)
+}
+
+/// A value as it stands in the file, cut if it is long.
+fn shown(value: &Value) -> String {
+    const MOST: usize = 60;
+    let text = value.to_string();
+    match text.char_indices().nth(MOST) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text,
+    }
+}

@@ -1,0 +1,180 @@
+//! Half-spaces against all other bodies of a monitor: no slice has boxes of them.
+//!
+//! A body is compared with the half-spaces when it changes, from the clock to some time ahead, and
+//! again when the lookahead reaches that time. So in most ticks few bodies are compared. When a
+//! half-space changes, all bodies are.
+
+use super::bodies::BodyTable;
+use super::budget::BudgetMeter;
+use super::due_queue::DueQueue;
+use super::monitored_bodies::MonitoredBodies;
+use crate::broad_phase::PairFilter;
+use crate::narrow_phase::{BodyView, may_touch};
+use crate::rounding::{seen_from, seen_until};
+use crate::spans::{SpanKey, spans};
+
+/// See the module.
+#[derive(Debug, Default)]
+pub(super) struct HalfSpaceSearch {
+    /// Slots of half-spaces, ascending, as of the last call of [`note`](Self::note).
+    planes: Vec<u32>,
+    /// Up to when each body is compared, s.
+    due: DueQueue,
+    /// Slots to be compared from the clock on, and where the next one is in this list.
+    changed: Vec<u32>,
+    next: usize,
+}
+
+impl HalfSpaceSearch {
+    /// Returns true if there is no half-space.
+    pub(super) const fn is_idle(&self) -> bool {
+        self.planes.is_empty()
+    }
+
+    /// Notes that bodies have changed.
+    pub(super) fn note(&mut self, bodies: &MonitoredBodies, changed: &[u32]) {
+        let planes = bodies.half_spaces();
+        if planes.is_empty() && self.planes.is_empty() {
+            return;
+        }
+        let is_plane = |slot: &u32| planes.binary_search(slot).is_ok();
+        let all_are = planes != self.planes || changed.iter().any(is_plane);
+        if all_are {
+            self.planes.clear();
+            self.planes.extend_from_slice(planes);
+            self.due = DueQueue::default();
+            self.changed.clear();
+            if !planes.is_empty() {
+                self.changed.extend((0_u32..).take(bodies.len()));
+            }
+        } else {
+            self.changed.drain(..self.next);
+            self.changed.extend_from_slice(changed);
+            self.changed.sort_unstable();
+            self.changed.dedup();
+        }
+        self.next = 0;
+    }
+
+    /// Lists the spans that are not listed yet in which a half-space and another body may be in
+    /// contact from `from` to `to` (s), as far as the meter lets. `ahead` is an instant up to which
+    /// turning bodies are solved (s). Returns the instant up to which all are listed.
+    pub(super) fn look<F: PairFilter>(
+        &mut self,
+        bodies: &BodyTable<'_>,
+        (from, to, ahead): (f64, f64, f64),
+        filter: &F,
+        meter: &mut BudgetMeter,
+        found: &mut Vec<SpanKey>,
+    ) -> f64 {
+        let horizon = seen_until(to);
+        let mut search = PlaneSearch {
+            planes: &self.planes,
+            bodies,
+            ahead,
+            // Looked at less often, and not much farther than is needed.
+            until: to + (to - from),
+            filter,
+            found,
+        };
+        while let Some(&slot) = self.changed.get(self.next) {
+            if meter.is_spent() || filter.gives_up() {
+                return from;
+            }
+            let next = search.list(slot, seen_from(from));
+            self.due.set(slot, next.max(horizon.next_up()));
+            self.next += 1;
+            meter.count(1);
+        }
+        self.changed.clear();
+        self.next = 0;
+        while let Some((slot, since)) = self.due.next_with_time(horizon) {
+            if meter.is_spent() || filter.gives_up() {
+                self.due.set(slot, since);
+                return seen_from(since).next_down().max(from).min(to);
+            }
+            let next = search.list(slot, since);
+            self.due.set(slot, next.max(horizon.next_up()));
+            meter.count(1);
+        }
+        to
+    }
+}
+
+/// The comparison of bodies with half-spaces.
+struct PlaneSearch<'s, F> {
+    planes: &'s [u32],
+    bodies: &'s BodyTable<'s>,
+    ahead: f64,
+    /// Up to here bodies are compared, s, or to the end of the last span that is listed.
+    until: f64,
+    filter: &'s F,
+    found: &'s mut Vec<SpanKey>,
+}
+
+impl<F: PairFilter> PlaneSearch<'_, F> {
+    /// Lists the spans of a body from an instant (s) on. Returns when it is to be compared again:
+    /// infinity if never.
+    fn list(&mut self, slot: u32, since: f64) -> f64 {
+        let body = self.bodies.get(slot).filter(|view| !view.is_half_space());
+        let Some(body) = body else {
+            return f64::INFINITY;
+        };
+        let mut next = f64::INFINITY;
+        for &plane in self.planes {
+            let (first, second) = (slot.min(plane), slot.max(plane));
+            let Some(ground) = self.bodies.get(plane) else {
+                continue;
+            };
+            if !self.filter.admits(first, second) {
+                continue;
+            }
+            let (a, b) = if slot < plane {
+                (&body, &ground)
+            } else {
+                (&ground, &body)
+            };
+            next = next.min(self.list_pair((first, second), (a, b), since));
+        }
+        next
+    }
+
+    /// Lists the spans of a pair from an instant (s) on. Returns when it is to be compared again.
+    fn list_pair(
+        &mut self,
+        (first, second): (u32, u32),
+        (a, b): (&BodyView<'_>, &BodyView<'_>),
+        since: f64,
+    ) -> f64 {
+        let [until_a, until_b] = [first, second].map(|slot| {
+            let flight = self.bodies.flights.get(self.bodies.scene, slot);
+            flight.map_or(f64::INFINITY, |(flight, _)| flight.until)
+        });
+        let turns = a.turning.is_some() || b.turning.is_some();
+        let mut spans = spans(&a.knots, &b.knots, since, f64::INFINITY);
+        loop {
+            let Some(span) = spans.next() else {
+                // Plans without end are followed farther by then.
+                return until_a.min(until_b);
+            };
+            if span.start > self.until {
+                return span.start;
+            }
+            let part = (since, self.until.max(since));
+            if may_touch(a, b, span, self.bodies.margin, part) {
+                self.found.push(SpanKey {
+                    a: first,
+                    b: second,
+                    cubic_a: span.a,
+                    cubic_b: span.b,
+                });
+                if turns && span.end > self.ahead {
+                    // Of a span that may last for ever, a part is solved.
+                    return self.ahead.max(since.next_up());
+                }
+            } else if span.end > self.until {
+                return self.until;
+            }
+        }
+    }
+}

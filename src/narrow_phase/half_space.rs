@@ -1,0 +1,228 @@
+//! Spheres above a half-space.
+//!
+//! The separation of a sphere from a half-space is a cubic in time: n · (p + c - w) - r, with the
+//! normal n, the body's position p, the sphere's centre c, and the half-space's position w. Such a
+//! pair is solved as two spheres on a line: their distance is the height above the plane. Where the
+//! height may be negative, a power of two is added to it, and to the radius that stands for the
+//! half-space. So the roots, the enclosures and their proofs are those of two spheres.
+//!
+//! The height of the body above the plane is formed first: motion along the plane does not enter
+//! its rounding, but for that of the body's own cubic.
+
+use super::relative::{HeightCubic, RelativeCubic, RelativeMotion, filter_threshold, local_scale};
+use super::sphere_pair::SpherePair;
+use super::{BodyView, widened};
+use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, normalising_power};
+use crate::spans::Span;
+use crate::trajectory::Segment;
+use glam::DVec3;
+use std::borrow::Cow;
+
+/// A body with spheres and one with a half-space, over a span.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PlanePair<'a> {
+    pub(super) body: &'a BodyView<'a>,
+    plane: &'a BodyView<'a>,
+    pub(super) span: Span,
+    /// The half-space is body a.
+    is_first: bool,
+    normal: DVec3,
+    /// Inverse of the normal's length, good to 4 roundings.
+    scale: f64,
+}
+
+/// A sphere of the body: the way of its centre along the normal, relative to the body's position.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SphereAlong {
+    pub(super) number: u32,
+    pub(super) radius: f64,
+    /// Control points, m.
+    pub(super) way: [f64; 4],
+    /// Bound on their rounding, m.
+    pub(super) rounding: f64,
+    /// Bound on the distance of a turning centre from its cubic that the radius does not contain, m.
+    pub(super) baking: f64,
+}
+
+/// Returns the pair of a half-space and the sphere that is nearest to it, or `None` if neither body
+/// is a half-space, both are, or one turns. Of a body that does not turn, one sphere is the nearest
+/// at all times.
+#[cold]
+pub(super) fn lone_pair(a: &BodyView<'_>, b: &BodyView<'_>, span: Span) -> Option<SpherePair> {
+    let pair = PlanePair::of(a, b, span)?;
+    if pair.body.turning.is_some() {
+        return None;
+    }
+    let sphere = pair.lowest_sphere();
+    Some(pair.sphere_pair(span, &pair.heights(span), &sphere))
+}
+
+/// Returns true if a cheap test cannot exclude that the spheres of a pair with a half-space come
+/// within the margin in `from..=to`, a part of a span. Of two half-spaces it always can.
+pub(super) fn may_touch_plane(
+    a: &BodyView<'_>,
+    b: &BodyView<'_>,
+    span: Span,
+    margin: f64,
+    (from, to): (f64, f64),
+) -> bool {
+    let Some(pair) = PlanePair::of(a, b, span) else {
+        return false;
+    };
+    // That of the body is part of its bounding sphere.
+    let margin = widened(margin, pair.plane.model_error);
+    let part = Span {
+        start: span.start.max(from),
+        end: span.end.min(to),
+        ..span
+    };
+    let offset = pair.along(pair.body.bounding.offset);
+    let least = lowest(&pair.heights(part).points);
+    least + offset <= pair.bound(margin, part)
+}
+
+impl<'a> PlanePair<'a> {
+    /// Returns the pair, or `None` unless one body is a half-space and the other is not.
+    pub(super) fn of(a: &'a BodyView<'a>, b: &'a BodyView<'a>, span: Span) -> Option<Self> {
+        let is_first = a.is_half_space();
+        if is_first == b.is_half_space() {
+            return None;
+        }
+        let (body, plane) = if is_first { (b, a) } else { (a, b) };
+        let normal = plane.bounding.offset;
+        Some(Self {
+            body,
+            plane,
+            span,
+            is_first,
+            normal,
+            // Its length is 1, nearly: no square underflows that matters.
+            scale: 1.0 / normal.length(),
+        })
+    }
+
+    /// Returns the heights of the body's position above the plane over a part of the span.
+    pub(super) fn heights(&self, part: Span) -> HeightCubic {
+        let [body, plane] = &self.segments();
+        let motion = RelativeMotion::between(body, plane, (part.start, part.end));
+        motion.heights(self.normal, self.scale)
+    }
+
+    /// Returns the cubics of the body and of the plane.
+    fn segments(&self) -> [Cow<'a, Segment>; 2] {
+        let (body, plane) = if self.is_first {
+            (self.span.b, self.span.a)
+        } else {
+            (self.span.a, self.span.b)
+        };
+        [
+            self.body.segment(body as usize),
+            self.plane.segment(plane as usize),
+        ]
+    }
+
+    /// Returns the magnitude to which all rounding over a part of the span is relative, m.
+    pub(super) fn rounding_scale(&self, part: Span) -> f64 {
+        let [body, plane] = &self.segments();
+        let bounding = self.body.bounding;
+        let scale = local_scale(body, plane, (part.start, part.end), bounding.offset);
+        scale + 4.0 * bounding.radius
+    }
+
+    /// Returns the height of the bounding sphere's centre (m) above which the separation certainly
+    /// exceeds `margin` over a part of the span.
+    pub(super) fn bound(&self, margin: f64, part: Span) -> f64 {
+        let scale = self.rounding_scale(part) + margin.abs();
+        filter_threshold(self.body.bounding.radius + margin, scale)
+    }
+
+    /// Returns the coordinate of a vector along the normal, m.
+    pub(super) fn along(&self, vector: DVec3) -> f64 {
+        vector.dot(self.normal) * self.scale
+    }
+
+    /// Returns a bound on the rounding of [`along`](Self::along), m.
+    pub(super) fn rounding_along(&self, vector: DVec3) -> f64 {
+        16.0 * UNIT_ROUNDOFF * vector.abs().dot(self.normal.abs()) + UNDERFLOW
+    }
+
+    /// Returns the sphere that reaches farthest down, of a body that does not turn.
+    fn lowest_sphere(&self) -> SphereAlong {
+        let mut found = SphereAlong {
+            number: 0,
+            radius: 0.0,
+            way: [0.0; 4],
+            rounding: 0.0,
+            baking: 0.0,
+        };
+        let (mut least, mut rounding) = (f64::INFINITY, 0.0_f64);
+        for (number, sphere) in (0..).zip(self.body.spheres) {
+            let along = self.along(sphere.offset);
+            let own = self.rounding_along(sphere.offset);
+            rounding = rounding.max(own + 2.0 * UNIT_ROUNDOFF * (along.abs() + sphere.radius));
+            if along - sphere.radius < least {
+                least = along - sphere.radius;
+                found = SphereAlong {
+                    number,
+                    radius: sphere.radius,
+                    way: [along; 4],
+                    rounding: own,
+                    baking: 0.0,
+                };
+            }
+        }
+        if self.body.spheres.len() > 1 {
+            // Another one may be lower by what rounding hides.
+            found.rounding += 2.0 * rounding;
+        }
+        found
+    }
+
+    /// Returns a sphere and the half-space over a part of the span, as two spheres on a line.
+    pub(super) fn sphere_pair(
+        &self,
+        part: Span,
+        heights: &HeightCubic,
+        sphere: &SphereAlong,
+    ) -> SpherePair {
+        let points = [0, 1, 2, 3].map(|k| heights.points[k] + sphere.way[k]);
+        let largest = largest(&points);
+        let shift = if lowest(&points) >= 0.0 {
+            0.0
+        } else {
+            // A power of two above twice the largest: what is added stays far from zero.
+            4.0 / normalising_power(largest)
+        };
+        let points = points.map(|height| height + shift);
+        let size = points.into_iter().fold(0.0, f64::max);
+        let rounding = sphere.rounding + UNIT_ROUNDOFF * (largest + size);
+        let (a, b, radius_a, radius_b) = if self.is_first {
+            (0, sphere.number, shift, sphere.radius)
+        } else {
+            (sphere.number, 0, sphere.radius, shift)
+        };
+        SpherePair {
+            a,
+            b,
+            radius_a,
+            radius_b,
+            // Not zero: the cubic is not the relative motion of the two bodies.
+            baking: sphere.baking.max(f64::MIN_POSITIVE),
+            cubic: RelativeCubic {
+                start: part.start,
+                end: part.end,
+                points: points.map(|height| DVec3::new(height, 0.0, 0.0)),
+                error: (heights.error + rounding) * (1.0 + 2f64.powi(-40)),
+                size,
+            },
+        }
+    }
+}
+
+pub(super) fn lowest(points: &[f64; 4]) -> f64 {
+    points.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+fn largest(points: &[f64; 4]) -> f64 {
+    points.iter().map(|height| height.abs()).fold(0.0, f64::max)
+}

@@ -1,0 +1,236 @@
+//! A turning cluster above a half-space.
+//!
+//! As with two bodies, the bounding sphere shows when the cluster may be near the plane, and the
+//! span is cut there where the rotation's cubic ends. In each part every sphere's height is a cubic
+//! of its own. A sphere need not be solved while another one is lower, by more than rounding, over
+//! the whole part.
+
+use super::cells::{Cell, Cells, Rotations};
+use super::{BodyView, Span, SpherePair};
+use crate::accuracy::Accuracy;
+use crate::enclosure::{Side, Stretch, Threshold};
+use crate::narrow_phase::half_space::{PlanePair, SphereAlong, lowest};
+use crate::narrow_phase::relative::{HeightCubic, filter_threshold};
+use crate::orientation::BakedRotation;
+use glam::DVec3;
+
+/// A turning body and a half-space over a span.
+pub(super) struct TurningOverPlane<'a> {
+    views: [&'a BodyView<'a>; 2],
+    /// The half-space is body a.
+    is_first: bool,
+    pair: PlanePair<'a>,
+    accuracy: Accuracy,
+}
+
+impl<'a> TurningOverPlane<'a> {
+    /// Returns the pair, or `None` if neither is a half-space.
+    pub(super) fn of(
+        a: &'a BodyView<'a>,
+        b: &'a BodyView<'a>,
+        span: Span,
+        accuracy: Accuracy,
+    ) -> Option<Self> {
+        Some(Self {
+            views: [a, b],
+            is_first: a.is_half_space(),
+            pair: PlanePair::of(a, b, span)?,
+            accuracy,
+        })
+    }
+
+    /// See [`TurningPair::each_near`](super::TurningPair).
+    pub(super) fn each_near(
+        &self,
+        margin: f64,
+        (from, to): (f64, f64),
+        after: f64,
+        mut solve: impl FnMut(&SpherePair, Span),
+    ) {
+        let span = self.pair.span;
+        let (mut rotations, mut ways) = (Rotations::default(), Vec::new());
+        let mut visited = after;
+        let mut visit = |times: (f64, f64)| {
+            for cell in self.cells(times) {
+                if cell.span.start < visited {
+                    continue;
+                }
+                visited = cell.span.end.max(cell.span.start.next_up());
+                let found = self.find_within(&cell, margin, &mut rotations, &mut ways);
+                if let Some(heights) = found {
+                    for sphere in &ways {
+                        solve(
+                            &self.pair.sphere_pair(cell.span, &heights, sphere),
+                            cell.span,
+                        );
+                    }
+                }
+            }
+        };
+        /// With so few parts each is tested by itself.
+        const FEW: usize = 4;
+        let part = (from.max(span.start), to.min(span.end));
+        if self.cells(part).nth(FEW).is_none() {
+            return visit(part);
+        }
+        let whole = self.bounding();
+        let radius = whole.radius(margin);
+        if radius < 0.0 {
+            return;
+        }
+        let scale = self.pair.rounding_scale(span) + whole.cubic.size + margin.abs();
+        let threshold = filter_threshold(radius, scale);
+        let stretches = whole.uncertain().stretches(Threshold {
+            low: threshold,
+            high: threshold,
+        });
+        for &Stretch { first, last, side } in stretches.as_slice() {
+            let times = (
+                whole.cubic.earliest(first).max(part.0),
+                whole.cubic.latest(last).min(part.1),
+            );
+            if side != Side::Outside && times.0 <= times.1 {
+                visit(times);
+            }
+        }
+    }
+
+    /// See [`TurningPair::each_for_nearest`](super::TurningPair).
+    pub(super) fn each_for_nearest(
+        &self,
+        clip: (f64, f64),
+        mut reached: f64,
+        mut solve: impl FnMut(&SpherePair, Span) -> f64,
+    ) {
+        let span = self.pair.span;
+        let clip = (clip.0.max(span.start), clip.1.min(span.end));
+        let whole = self.bounding();
+        let middle = |cell: &Cell| {
+            let ends = (clip.0.max(cell.span.start), clip.1.min(cell.span.end));
+            let middle = whole.cubic.parameter(ends.0 + 0.5 * (ends.1 - ends.0));
+            (ends.0 <= ends.1).then(|| whole.cubic.at(middle).0.x)
+        };
+        let mut cells = self
+            .cells(clip)
+            .filter_map(|cell| middle(&cell).map(|height| (height, cell)));
+        let (mut rotations, mut ways) = (Rotations::default(), Vec::new());
+        loop {
+            // The lowest parts go first: they rule out most others.
+            let block = cells.by_ref().take(super::TurningPair::BLOCK);
+            let mut order: Vec<(f64, Cell)> = block.collect();
+            if order.is_empty() {
+                return;
+            }
+            order.sort_by(|x, y| x.0.total_cmp(&y.0));
+            for (_, cell) in &order {
+                let found = self.find_within(cell, reached, &mut rotations, &mut ways);
+                if let Some(heights) = found {
+                    for sphere in &ways {
+                        let pair = self.pair.sphere_pair(cell.span, &heights, sphere);
+                        reached = reached.min(solve(&pair, cell.span));
+                    }
+                }
+            }
+        }
+    }
+
+    fn cells(&self, interval: (f64, f64)) -> Cells<'a> {
+        let [a, b] = self.views;
+        Cells::of((a, b), self.pair.span, self.accuracy, interval)
+    }
+
+    /// Returns the bounding sphere over the whole span.
+    fn bounding(&self) -> SpherePair {
+        let sphere = SphereAlong {
+            number: 0,
+            radius: self.pair.body.bounding.radius,
+            way: [0.0; 4],
+            rounding: 0.0,
+            baking: 0.0,
+        };
+        let span = self.pair.span;
+        self.pair
+            .sphere_pair(span, &self.pair.heights(span), &sphere)
+    }
+
+    /// Lists the spheres that may come within `margin`, which may be infinite, in a part of the
+    /// span and be the lowest ones then. Returns the heights of the body, or `None` if the bounding
+    /// sphere is certainly above.
+    fn find_within(
+        &self,
+        cell: &Cell,
+        margin: f64,
+        rotations: &mut Rotations,
+        ways: &mut Vec<SphereAlong>,
+    ) -> Option<HeightCubic> {
+        let heights = self.pair.heights(cell.span);
+        let least = lowest(&heights.points);
+        if margin < f64::INFINITY && least > self.pair.bound(margin, cell.span) {
+            return None;
+        }
+        let [of_a, of_b] = rotations.over(self.views, cell, self.accuracy);
+        let rotation = if self.is_first { of_b } else { of_a };
+        let spheres = (0..).zip(self.pair.body.spheres);
+        ways.clear();
+        ways.extend(spheres.map(|(number, sphere)| {
+            self.sphere(number, (sphere.offset, sphere.radius), rotation.as_ref())
+        }));
+        // Those that are lowest at a control point.
+        let mut lowest_ones = [(f64::INFINITY, [0.0; 4]); 4];
+        for sphere in &*ways {
+            let ceiling = sphere.way.map(|way| way - sphere.radius + sphere.baking);
+            for (place, found) in lowest_ones.iter_mut().enumerate() {
+                if ceiling[place] < found.0 {
+                    *found = (ceiling[place], ceiling);
+                }
+            }
+        }
+        let scale = self.pair.rounding_scale(cell.span);
+        let slack = 2.0 * filter_threshold(0.0, scale);
+        let margin = if margin < f64::INFINITY {
+            filter_threshold(margin, scale + margin.abs())
+        } else {
+            margin
+        };
+        ways.retain(|sphere| {
+            let floor = sphere.way.map(|way| way - sphere.radius - sphere.baking);
+            let sum = [0, 1, 2, 3].map(|place| heights.points[place] + floor[place]);
+            let is_above = |(_, other): &(f64, [f64; 4])| {
+                (0..4).all(|place| floor[place] > other[place] + slack)
+            };
+            lowest(&sum) <= margin && !lowest_ones.iter().any(is_above)
+        });
+        Some(heights)
+    }
+
+    /// Returns a sphere of the body over a part of the span.
+    fn sphere(
+        &self,
+        number: u32,
+        (centre, radius): (DVec3, f64),
+        rotation: Option<&BakedRotation>,
+    ) -> SphereAlong {
+        let Some(rotation) = rotation else {
+            return SphereAlong {
+                number,
+                radius,
+                way: [self.pair.along(centre); 4],
+                rounding: self.pair.rounding_along(centre),
+                baking: 0.0,
+            };
+        };
+        let (way, error) = (rotation.way(centre), rotation.error_of(centre));
+        let rounding = way.map(|point| self.pair.rounding_along(point));
+        let (radius, baking) = match self.accuracy {
+            Accuracy::Exact => ((radius + error).next_up(), 0.0),
+            Accuracy::Certified => (radius, error),
+        };
+        SphereAlong {
+            number,
+            radius,
+            way: way.map(|point| self.pair.along(point)),
+            rounding: rounding.into_iter().fold(0.0, f64::max),
+            baking,
+        }
+    }
+}

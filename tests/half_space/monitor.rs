@@ -1,0 +1,209 @@
+//! Monitors with half-spaces against one-shot screening.
+
+use super::invariance::{bodies, body};
+use super::vector;
+use nearmiss::glam::DVec3;
+use nearmiss::{
+    AlertLevel, BodyId, Budget, Command, Conflict, Event, Hitbox, Monitor, Query, Scene, State,
+    Trajectory, Window,
+};
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
+
+const LOOKAHEAD: f64 = 4.0;
+const MARGIN: f64 = 0.3;
+
+fn screened(monitor: &Monitor) -> Vec<Conflict> {
+    let window = Window::new(monitor.now(), monitor.complete_until()).unwrap();
+    let query = Query::new(window).with_margin(MARGIN);
+    monitor.scene().screen(&query).unwrap().conflicts
+}
+
+fn monitor_of(rng: &mut ChaCha8Rng, count: usize) -> (Monitor, Vec<BodyId>) {
+    let mut scene = Scene::new();
+    let ids = bodies(rng, count)
+        .into_iter()
+        .map(|body| scene.insert(body).unwrap())
+        .collect();
+    let levels = [AlertLevel::at(MARGIN)];
+    (Monitor::new(scene, 0.0, LOOKAHEAD, &levels).unwrap(), ids)
+}
+
+fn coasting(rng: &mut ChaCha8Rng, now: f64) -> State {
+    State::new(now, vector(rng, 8.0), vector(rng, 3.0))
+}
+
+/// One of the changes that a game makes, to one or all bodies.
+fn change(monitor: &mut Monitor, ids: &mut Vec<BodyId>, rng: &mut ChaCha8Rng, now: f64) {
+    let place = rng.random_range(0..ids.len());
+    let id = ids[place];
+    match rng.random_range(0..12) {
+        0 => {
+            let states: Vec<(BodyId, State)> =
+                ids.iter().map(|&id| (id, coasting(rng, now))).collect();
+            drop(monitor.track(now, states));
+        }
+        1 => {
+            let plan = Trajectory::coasting(coasting(rng, now)).unwrap();
+            drop(monitor.replan(id, now + 0.5, plan));
+        }
+        2 => ids.push(monitor.insert(body(rng)).unwrap()),
+        3 if ids.len() > 40 => {
+            monitor.remove(ids.swap_remove(place)).unwrap();
+        }
+        4 => {
+            // It may become one, or be one no more.
+            let hitbox = match rng.random_range(0..2) {
+                0 => Hitbox::sphere(0.3).unwrap(),
+                _ => Hitbox::half_space(vector(rng, 1.0).normalize()).unwrap(),
+            };
+            drop(monitor.set_hitbox(id, hitbox));
+        }
+        5 => {
+            let other = ids[rng.random_range(0..ids.len())];
+            let pair = [Command::IgnorePair(id, other)];
+            drop(monitor.apply(pair));
+        }
+        6 => {
+            let other = ids[rng.random_range(0..ids.len())];
+            drop(monitor.unignore_pair(id, other));
+        }
+        // Of a plan that is over, it is refused.
+        _ => drop(monitor.track(now, [(id, coasting(rng, now))])),
+    }
+}
+
+/// After each tick the monitor has the conflicts of a screening, bit for bit, and answers questions
+/// alike, of spheres and of half-spaces.
+#[test]
+fn monitors_say_what_screenings_say() {
+    let mut rng = ChaCha8Rng::seed_from_u64(9);
+    let rng = &mut rng;
+    let (mut monitor, mut ids) = monitor_of(rng, 60);
+    let (mut events, mut found, mut asked, mut now) = (Vec::new(), 0, 0, 0.0);
+    for tick in 0..150 {
+        // A far jump now and then.
+        now += match tick % 25 {
+            24 => 9.0,
+            5 | 15 => 0.0,
+            _ => rng.random_range(0.01..0.3),
+        };
+        for _ in 0..rng.random_range(0..3) {
+            change(&mut monitor, &mut ids, rng, now);
+        }
+        monitor.advance(now, &mut events).unwrap();
+        let expected = screened(&monitor);
+        assert_eq!(monitor.conflicts(0).unwrap(), expected, "{tick} {now}");
+        let is_plane = |one: &&Conflict| {
+            let scene = monitor.scene();
+            [one.a, one.b]
+                .iter()
+                .any(|&id| scene.body(id).unwrap().hitbox.normal().is_some())
+        };
+        found += expected.iter().filter(is_plane).count();
+        // The body's own plan again: what is foreseen of it anyway.
+        let id = ids[rng.random_range(0..ids.len())];
+        let plan = monitor.scene().body(id).unwrap().trajectory.clone();
+        if plan.domain().contains(now) && plan.outside_after() != nearmiss::Outside::Absent {
+            let answer = monitor.what_if(id, &plan, 0).unwrap();
+            let own: Vec<Conflict> = expected
+                .iter()
+                .filter(|one| one.a == id || one.b == id)
+                .copied()
+                .collect();
+            assert_eq!(answer, own, "{tick} {now}");
+            asked += own.len();
+        }
+    }
+    assert!(found > 5_000 && asked > 200, "{found} {asked}");
+}
+
+/// With budgets, whatever is known is right, and in the end all is; any number of threads does the
+/// same.
+#[test]
+fn budgets_keep_what_is_known_right() {
+    let mut rng = ChaCha8Rng::seed_from_u64(10);
+    let rng = &mut rng;
+    let (mut monitor, mut ids) = monitor_of(rng, 300);
+    let mut events = Vec::new();
+    let mut partial = 0;
+    for tick in 0..120 {
+        let now = 0.02 * f64::from(tick);
+        if tick % 10 == 0 {
+            change(&mut monitor, &mut ids, rng, now);
+        }
+        let budget = Budget::Work(rng.random_range(1..400));
+        monitor.advance_within(now, budget, &mut events).unwrap();
+        partial += usize::from(!monitor.is_caught_up());
+        if monitor.complete_until() > monitor.now() {
+            assert_eq!(monitor.conflicts(0).unwrap(), screened(&monitor), "{tick}");
+        }
+    }
+    assert!(partial > 10, "{partial}");
+    for _ in 0..2_000 {
+        if monitor.is_caught_up() {
+            break;
+        }
+        let now = monitor.now();
+        monitor
+            .advance_within(now, Budget::Work(500), &mut events)
+            .unwrap();
+    }
+    assert!(monitor.is_caught_up());
+    assert_eq!(monitor.conflicts(0).unwrap(), screened(&monitor));
+}
+
+/// A snapshot goes on as the monitor itself; each ball's bounce is told when it comes.
+#[test]
+fn snapshots_go_on_alike() {
+    let mut rng = ChaCha8Rng::seed_from_u64(11);
+    let rng = &mut rng;
+    let (mut monitor, ids) = monitor_of(rng, 80);
+    let mut before = Vec::new();
+    for tick in 0..40 {
+        monitor
+            .advance(0.05 * f64::from(tick), &mut before)
+            .unwrap();
+    }
+    let mut copy = Monitor::restore(monitor.snapshot()).unwrap();
+    let (mut events, mut again): (Vec<Event>, Vec<Event>) = (Vec::new(), Vec::new());
+    for tick in 40..120 {
+        let now = 0.05 * f64::from(tick);
+        let told = [(ids[tick as usize % ids.len()], coasting(rng, now))];
+        monitor.track(now, told).unwrap();
+        copy.track(now, told).unwrap();
+        monitor.advance(now, &mut events).unwrap();
+        copy.advance(now, &mut again).unwrap();
+        assert_eq!(monitor.conflicts(0).unwrap(), copy.conflicts(0).unwrap());
+    }
+    assert_eq!(events, again);
+    assert!(events.len() > 100);
+}
+
+/// A body that falls for a thousand lookaheads is foreseen when its time has come, and not lost.
+#[test]
+fn what_lies_far_ahead_is_met_in_time() {
+    let mut scene = Scene::new();
+    let floor = nearmiss::Body::new(Trajectory::at_rest(DVec3::ZERO).unwrap());
+    scene
+        .insert(floor.with_hitbox(Hitbox::half_space(DVec3::Z).unwrap()))
+        .unwrap();
+    let fall = State::new(0.0, 20_000.0 * DVec3::Z, -DVec3::Z);
+    let ball = nearmiss::Body::new(Trajectory::coasting(fall).unwrap());
+    scene.insert(ball).unwrap();
+    let levels = [AlertLevel::at(0.0)];
+    let mut monitor = Monitor::new(scene, 0.0, LOOKAHEAD, &levels).unwrap();
+    let mut events = Vec::new();
+    let mut now = 0.0;
+    while now < 19_990.0 {
+        monitor.advance(now, &mut events).unwrap();
+        assert!(events.is_empty(), "{now}");
+        now += 3.7;
+    }
+    while now < 20_010.0 {
+        monitor.advance(now, &mut events).unwrap();
+        now += 1.0;
+    }
+    assert!(events.len() > 2, "{events:?}");
+    assert!(events[0].time < 20_000.0 && (events[1].time - 20_000.0).abs() < 1e-6);
+}
