@@ -1,4 +1,4 @@
-//! The examples `many_body`, `game_loop` and `cover` as programs: what they refuse, and how.
+//! The examples `many_body`, `game_loop`, `cover` and `physics` as programs: what they refuse, and how.
 
 #![allow(
     clippy::unwrap_used,
@@ -51,11 +51,22 @@ fn options_out_of_range() {
         let options = ["--threads", threads];
         refuses(2, &mut many_body(&picture, &options), &options);
         refuses(2, &mut game_loop(&options), &options);
+        refuses(2, example("physics").args(options), &options);
     }
     for bodies in ["-1", "0", "18446744073709551615"] {
         let options = ["--bodies", bodies];
         refuses(2, example("many_body").args(options), &options);
         refuses(2, example("game_loop").args(options), &options);
+        refuses(2, example("physics").args(options), &options);
+    }
+    for options in [
+        ["--frames", "0"],
+        ["--frames", "1e3"],
+        ["--boxes", "-1"],
+        ["--boxes", "1000001"],
+        ["--seed", "-1"],
+    ] {
+        refuses(2, example("physics").args(options), &options);
     }
     for margin in ["nan", "1e301", "wide"] {
         let options = ["--margin", margin];
@@ -133,6 +144,53 @@ fn covers_that_cannot_be() {
     assert!(line["seconds"].as_f64().unwrap() > 0.0);
 }
 
+/// Of the contacts that the engine has, each is predicted that no deflection makes unpredictable.
+#[test]
+fn contacts_of_physics_are_predicted() {
+    let result = example("physics")
+        .args(["--frames", "120", "--bodies", "600", "--boxes", "60"])
+        .args(["--seed", "7", "--threads", "2", "--json"])
+        .output()
+        .unwrap();
+    let (said, refused) = (plain(&result.stdout), plain(&result.stderr));
+    assert!(result.status.success() && refused.is_empty(), "{refused}");
+    let line: serde_json::Value = serde_json::from_str(said.lines().last().unwrap()).unwrap();
+    for (field, value) in [("frames", 120), ("bodies", 600), ("boxes", 60), ("seed", 7)] {
+        assert_eq!(line[field], value, "{field}");
+    }
+    let positive = |of: &serde_json::Value, field: &str| of[field].as_f64().unwrap() > 0.0;
+    for of in ["physics", "nearmiss"] {
+        for field in [format!("{of}_ms_p50"), format!("{of}_ms_p99")] {
+            assert!(positive(&line, &field), "{field}");
+        }
+    }
+    assert!(positive(&line, "overshoot_m") && positive(&line, "overshoot_percent"));
+    assert!(positive(&line, "wall_contacts"));
+    for (name, least) in [("ball_ball", 100), ("ball_box", 20), ("box_box", 1)] {
+        let pair = &line["pairs"][name];
+        let count = |field: &str| pair[field].as_u64().unwrap();
+        let sum = |fields: &[&str]| fields.iter().map(|field| count(field)).sum::<u64>();
+        assert!(count("free") >= least, "{pair}");
+        assert!(count("free") <= count("contacts"), "{pair}");
+        assert_eq!(count("unpredicted"), 0, "{pair}");
+        assert_eq!(count("predicted"), count("free"), "{pair}");
+        let judged = ["deflected", "came_true", "between_frames", "failed"];
+        assert_eq!(
+            count("predictions"),
+            sum(&judged) + count("ahead"),
+            "{pair}"
+        );
+        assert!(positive(pair, "error_ms_p50") && positive(pair, "error_ms_p99"));
+        assert!(positive(pair, "warning_s_p50"));
+    }
+    // A ball is the sphere that the monitor has for it: no prediction fails, and instants differ by
+    // f32 rounding alone.
+    let balls = &line["pairs"]["ball_ball"];
+    assert_eq!(balls["failed"], 0, "{balls}");
+    assert_eq!(balls["came_true"], balls["free"], "{balls}");
+    assert!(balls["error_ms_p50"].as_f64().unwrap() < 0.1, "{balls}");
+}
+
 #[test]
 fn pictures_that_cannot_be() {
     let folder = folder("pictures");
@@ -180,7 +238,7 @@ fn names_are_escaped() {
 /// Whoever runs these tests alone tests what is written now.
 #[test]
 fn examples_are_built_of_their_sources() {
-    for name in ["screen", "many_body", "game_loop"] {
+    for name in ["screen", "many_body", "game_loop", "physics"] {
         let written = |path: &Path| path.metadata().unwrap().modified().unwrap();
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
         let sources = written(&folder.join(name).join("main.rs"));
