@@ -14,8 +14,10 @@ const PAIRS: [(&str, &str); 3] = [
     ("two boxes", "box_box"),
 ];
 
-/// The rows of the table of counts.
-const ROWS: [(&str, fn(&Counts) -> u64); 10] = [
+/// A row of the table of counts: its name, and what is counted.
+type Row = (&'static str, fn(&Counts) -> u64);
+
+const ROWS: [Row; 10] = [
     ("contacts in rapier", |counts| counts.contacts),
     ("  free: neither body just deflected", |counts| counts.free),
     ("    predicted", |counts| counts.predicted),
@@ -75,7 +77,11 @@ impl Report {
         self.print_counts(out, "    median time of warning, s", |counts| {
             shown(percentile(&counts.warnings, 50))
         })?;
-        writeln!(out)?;
+        writeln!(
+            out,
+            "\na prediction holds for straight flight: another body or a wall that deflects one of the \
+             two ends it\n"
+        )?;
         print_row(out, "ms per frame", &["median", "99 % below"])?;
         let threads = self.threads;
         let plural = if threads == 1 { "" } else { "s" };

@@ -1,11 +1,12 @@
 //! Predictions and contacts, compared.
 //!
-//! A body is deflected in a frame if its velocity or angular velocity is not that of the frame before:
-//! another body or a wall changed it.
+//! A body is deflected in a frame if it did not fly there freely from the frame before: another body or a
+//! wall changed its velocity or angular velocity, or pushed it.
 //!
 //! - A contact is free if neither body was deflected in the frame in which it begins: the frame before
 //!   already showed both as they fly when they touch, so that the contact could be predicted. It is
-//!   predicted if the monitor had told of it by then.
+//!   predicted if it falls into an encounter of which the monitor had told by then. (Covers of boxes
+//!   overlap before the boxes touch, and may do so while these touch twice.)
 //! - A prediction is made when the monitor first tells of an encounter ahead. It is deflected once one of
 //!   the two bodies is, and made anew then if the encounter still lies ahead. It came true if rapier had
 //!   the contact, and failed if the encounter passed without one. It passed between frames if no frame
@@ -160,10 +161,12 @@ impl Tally {
             }
             let known = self.pending.range_mut(keys_of(pair));
             let known = known.map(|(_, pending)| pending);
-            let known: Vec<_> = known.filter(|known| known.told < frame).collect();
+            let is_under_way =
+                |known: &&mut Pending| known.told < frame && known.now.enter <= instant(frame);
+            let known: Vec<_> = known.filter(is_under_way).collect();
             let is_predicted = !known.is_empty();
-            let ahead = known.into_iter().filter(|known| known.prediction.is_some());
-            let first = ahead.min_by(|x, y| x.now.enter.total_cmp(&y.now.enter));
+            let judged = known.into_iter().filter(|known| known.prediction.is_some());
+            let first = judged.min_by(|x, y| x.now.enter.total_cmp(&y.now.enter));
             let came_true = first.and_then(|first| first.prediction.take());
             let [a, b] = pair.map(|body| self.states[body]);
             let counts = self.counts(pair);
@@ -237,9 +240,10 @@ fn numbers(encounter: &Encounter) -> Option<Pair> {
     Some([a.min(b), a.max(b)])
 }
 
-/// Returns true if the instant of a frame lies in the interval (s).
+/// Returns true if a frame falls into an interval (s), not right at its end: an encounter that ends in a
+/// frame ends because the states of that frame are apart.
 fn holds_a_frame(enter: f64, exit: f64) -> bool {
-    (enter / instant(1)).ceil() * instant(1) <= exit
+    (enter / instant(1)).ceil() * instant(1) < exit
 }
 
 /// Returns the keys of all encounters of a pair.

@@ -4,8 +4,8 @@ use crate::Failure;
 use crate::world::{HALF_SIDES, Kind, Motion, RADIUS, instant};
 use nearmiss::parry3d::shape::Cuboid;
 use nearmiss::{
-    AlertLevel, Body, BodyId, BodyState, CoverOptions, Event, Hitbox, Monitor, Orientation, Scene,
-    SphereCover, State, Trajectory,
+    AlertLevel, Body, BodyId, BodyState, CoverOptions, Event, Hitbox, Monitor, Scene, SphereCover,
+    State, Trajectory,
 };
 
 /// How far ahead the monitor looks, s.
@@ -26,22 +26,19 @@ pub(crate) struct Watch {
 }
 
 impl Watch {
+    /// Bodies do not turn before the first frame is told.
     pub(crate) fn new(states: &[Motion]) -> Result<Self, Failure> {
         let cover = SphereCover::fit(&Cuboid::new(HALF_SIDES), &CoverOptions::new(SPHERES))?;
         let ball = Hitbox::sphere(f64::from(RADIUS))?;
         let cluster = Hitbox::from(cover.clone());
         let mut scene = Scene::new();
         let bodies = (0..).zip(states).map(|(number, motion)| {
-            let BodyState { state, spin, .. } = told(0, motion);
-            let body = Body::new(Trajectory::coasting(state)?).with_tag(number);
-            scene.insert(match spin {
-                None => body.with_hitbox(ball.clone()),
-                Some(spin) => {
-                    let turns =
-                        Orientation::spin(state.time, spin.rotation, spin.angular_velocity)?;
-                    body.with_hitbox(cluster.clone()).with_orientation(turns)
-                }
-            })
+            let hitbox = match motion.kind {
+                Kind::Ball => &ball,
+                Kind::Box => &cluster,
+            };
+            let body = Body::new(Trajectory::coasting(told(0, motion).state)?);
+            scene.insert(body.with_hitbox(hitbox.clone()).with_tag(number))
         });
         let ids = bodies.collect::<Result<_, nearmiss::Error>>()?;
         Ok(Self {

@@ -14,6 +14,7 @@ use rapier3d::prelude::{
     PhysicsWorld, Pose, Real, RigidBodyBuilder, RigidBodyHandle, RigidBodySet, SharedShape,
     SoftBodySet, SoftBodyTearEvent,
 };
+use std::f32::consts::PI;
 use std::sync::{Mutex, PoisonError};
 
 /// Time of a frame, s.
@@ -28,9 +29,9 @@ const SPACING: f32 = 4.0;
 const SPEED: f32 = 6.0;
 /// Largest angular velocity about an axis, rad/s.
 const SPIN: f32 = 3.0;
-/// Half the thickness of a wall, m: more than a body moves in some frames.
+/// Half the thickness of a wall, m: more than a body moves in a frame, by far.
 const WALL: f32 = 4.0;
-/// What the engine keeps for a wall where a body has its number.
+/// Stands for a wall where a body has its number.
 const NO_BODY: u128 = u128::MAX;
 
 /// The instant of a frame, s.
@@ -38,7 +39,7 @@ pub(crate) fn instant(frame: u32) -> f64 {
     f64::from(frame) * f64::from(STEP)
 }
 
-/// What moves.
+/// A kind of body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     Ball,
@@ -60,9 +61,31 @@ pub(crate) struct Motion {
 }
 
 impl Motion {
-    /// Returns true if a contact came between this state and a later one.
-    pub(crate) fn is_deflected(&self, later: &Self) -> bool {
-        self.velocity != later.velocity || self.angular_velocity != later.angular_velocity
+    fn random(kind: Kind, position: Vec3, rng: &mut ChaCha8Rng) -> Self {
+        let velocity = cube(rng, SPEED);
+        let (turn, angular_velocity) = match kind {
+            Kind::Ball => (Vec3::ZERO, Vec3::ZERO),
+            Kind::Box => (cube(rng, PI), cube(rng, SPIN)),
+        };
+        Self {
+            kind,
+            position,
+            velocity,
+            rotation: Quat::from_scaled_axis(turn),
+            angular_velocity,
+        }
+    }
+
+    /// Returns true if a contact changed the motion between this frame and the next one. rapier changes
+    /// velocities, and pushes bodies that overlap out of each other.
+    pub(crate) fn is_deflected(&self, next: &Self) -> bool {
+        /// A push is larger than rounding, which is up to 3e-7 of the coordinates.
+        const ROUNDING: f32 = 1e-6;
+        let flown = self.position + self.velocity * STEP;
+        let pushed = flown.distance(next.position);
+        self.velocity != next.velocity
+            || self.angular_velocity != next.angular_velocity
+            || pushed > ROUNDING * (1.0 + flown.length())
     }
 
     /// Returns the pose that free flight leads to after some seconds.
@@ -97,41 +120,23 @@ pub(crate) struct World {
 
 impl World {
     pub(crate) fn new(balls: usize, boxes: usize, seed: u64) -> Self {
-        let mut physics = PhysicsWorld::default();
-        physics.gravity = Vec3::ZERO;
+        let mut physics = PhysicsWorld {
+            gravity: Vec3::ZERO,
+            ..PhysicsWorld::default()
+        };
         let parameters = &mut physics.integration_parameters;
         parameters.dt = STEP;
         parameters.normalized_prediction_distance = 0.0;
-        // Contacts that are not worked out anew may end late.
+        // Recycled contacts may end late.
         parameters.contact_recycling = false;
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let kinds = std::iter::repeat_n(Kind::Ball, balls);
         let kinds: Vec<Kind> = kinds.chain(std::iter::repeat_n(Kind::Box, boxes)).collect();
-        let side = (1..).find(|side: &usize| side.pow(3) >= kinds.len());
-        let side = side.unwrap_or(1);
-        let mut cells: Vec<usize> = (0..side.pow(3)).collect();
-        cells.shuffle(&mut rng);
-        let half = length(side) * SPACING / 2.0;
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let (places, half) = scatter(kinds.len(), &mut rng);
         build_walls(&mut physics, half);
-        let place = |cell: usize, rng: &mut ChaCha8Rng| {
-            let corner = [cell % side, cell / side % side, cell / side.pow(2)].map(length);
-            // Inside of the cell, however it is turned.
-            let room = SPACING / 2.0 - HALF_SIDES.length();
-            (Vec3::from(corner) + 0.5) * SPACING - half + cube(rng, room)
-        };
-        let bodies = kinds.iter().zip(cells).enumerate();
-        let bodies = bodies.map(|(number, (&kind, cell))| {
-            let mut motion = Motion {
-                kind,
-                position: place(cell, &mut rng),
-                velocity: cube(&mut rng, SPEED),
-                rotation: Quat::IDENTITY,
-                angular_velocity: Vec3::ZERO,
-            };
-            if kind == Kind::Box {
-                motion.rotation = Quat::from_scaled_axis(cube(&mut rng, SPIN));
-                motion.angular_velocity = cube(&mut rng, SPIN);
-            }
+        let bodies = kinds.iter().zip(places).enumerate();
+        let bodies = bodies.map(|(number, (&kind, place))| {
+            let motion = Motion::random(kind, place, &mut rng);
             let body = RigidBodyBuilder::dynamic()
                 .pose(motion.pose_after(0.0))
                 .linvel(motion.velocity)
@@ -194,6 +199,23 @@ pub(crate) fn time_since_contact(a: &Motion, b: &Motion) -> f64 {
         }
     }
     f64::from(overlapping)
+}
+
+/// Returns places for so many bodies, however they are turned, in a cube around the origin; and half the
+/// cube's side, m.
+fn scatter(bodies: usize, rng: &mut ChaCha8Rng) -> (Vec<Vec3>, f32) {
+    let side = (1..).find(|side: &usize| side.pow(3) >= bodies);
+    let side = side.unwrap_or(1);
+    let half = length(side) * SPACING / 2.0;
+    let mut cells: Vec<usize> = (0..side.pow(3)).collect();
+    cells.shuffle(rng);
+    cells.truncate(bodies);
+    let room = SPACING / 2.0 - HALF_SIDES.length().max(RADIUS);
+    let places = cells.into_iter().map(|cell| {
+        let cell = [cell % side, cell / side % side, cell / side.pow(2)].map(length);
+        (Vec3::from(cell) + 0.5) * SPACING - half + cube(rng, room)
+    });
+    (places.collect(), half)
 }
 
 fn elastic(collider: ColliderBuilder) -> ColliderBuilder {

@@ -45,11 +45,11 @@ mod tests {
     fn sizes_are_as_documented() {
         assert_eq!(size_of::<Segment>(), 128);
         assert_eq!(size_of::<CompactCubic>(), 64);
-        assert_eq!(size_of::<SceneEntry>(), 176);
+        assert_eq!(size_of::<SceneEntry>(), 184);
         assert_eq!(size_of::<CubicRun>(), 64);
         let line = size_of::<BodyView<'_>>() + size_of::<CubicSource<'_, CompactCubic>>();
         let line = line + size_of::<(f64, f64)>();
-        assert_eq!(line, 312);
+        assert_eq!(line, 320);
         let boxed = size_of::<BodyBox>() + size_of::<FatLine>() + size_of::<u32>();
         assert_eq!(boxed, 64);
         assert_eq!(size_of::<Candidate>(), 8);
