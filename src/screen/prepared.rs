@@ -207,7 +207,7 @@ impl<'a> PlaceAdmission<'a> {
     pub(super) fn new(scene: &'a Scene, prepared: &'a PreparedScene<'_>) -> Self {
         let bodies = || prepared.entries.iter().map(|entry| &entry.body);
         let is_negative = prepared.margin < 0.0;
-        let radii = bodies().filter(|_| is_negative).map(|body| radius(body));
+        let radii = bodies().filter(|_| is_negative).map(radius);
         Self {
             layers: bodies().map(|body| body.layers).collect(),
             radii: radii.collect(),
