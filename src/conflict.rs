@@ -1,6 +1,6 @@
 //! Conflicts, as a screening reports them, and their total order.
 
-use crate::accuracy::Certificate;
+use crate::accuracy::{Certificate, TimeEnclosure};
 use crate::id::BodyId;
 use crate::readable::Readable;
 use glam::DVec3;
@@ -36,6 +36,20 @@ pub struct ClosestApproach {
     /// separation in the world is within so much of `separation`, which is that of the splines.
     #[cfg_attr(feature = "serde", serde(default))]
     pub model_error: f64,
+}
+
+/// A closest approach with proven bounds, as in [`Certificate`](crate::Certificate): of the
+/// splines, or with [model errors](crate::Body::with_model_error) of the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct CertifiedApproach {
+    /// The closest approach of the splines.
+    pub approach: ClosestApproach,
+    /// The least separation lies in `approach.separation ± error` (m), model errors included.
+    pub error: f64,
+    /// All instants of least separation.
+    pub time: TimeEnclosure,
 }
 
 impl ClosestApproach {

@@ -130,7 +130,7 @@ mod wall_clock;
 mod window;
 
 pub use accuracy::{Accuracy, Certificate, TimeEnclosure};
-pub use conflict::{Clip, ClosestApproach, Conflict};
+pub use conflict::{CertifiedApproach, Clip, ClosestApproach, Conflict};
 pub use cover::{CoverError, CoverOptions, Coverage, Extent, SphereCover, verify_cover};
 pub use error::{Error, MAX_MAGNITUDE, Quantity};
 pub use glam;
@@ -146,8 +146,7 @@ pub use orientation::Orientation;
 pub use parry3d;
 pub use query::Query;
 pub use scene::{Body, BodyPlan, BodyPlanRef, BodyState, Scene, Spin};
-pub use screen::Screening;
-pub use screen::pair::{self, CertifiedApproach};
+pub use screen::{Screening, pair};
 pub use stats::Stats;
 pub use trajectory::{Outside, Segment, State, TimeBase, Trajectory};
 pub use window::Window;

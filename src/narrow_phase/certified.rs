@@ -12,7 +12,8 @@
 //! where s < margin - e, certainly outside where s > margin + e: the threshold is an interval of
 //! that width. With m the least s of an interval, the least w lies in m ± e. It is attained only
 //! where s <= m + 2 e, which one more partition tells. So filters keep what is within margin + e
-//! for contacts, and what is within m + 2 e for closest approaches.
+//! for contacts, and what is within m + 2 e for closest approaches. (A pair of spheres that is behind
+//! another one at all times adds nothing, whatever e.)
 //!
 //! The plain solver gives the reported numbers; those outside the enclosures because of its
 //! rounding are moved into them.

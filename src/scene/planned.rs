@@ -8,7 +8,7 @@ impl Scene {
     /// is the window of a [query without one](crate::Query::default). Motion beyond the knots does
     /// not count.
     ///
-    /// Bodies [at rest](Trajectory::at_rest) and bodies that [coast](Trajectory::coasting) from a
+    /// Bodies [at rest](crate::Trajectory::at_rest) and bodies that [coast](crate::Trajectory::coasting) from a
     /// single state do not count either. `None` if there are no others.
     ///
     /// ```

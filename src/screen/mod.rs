@@ -15,7 +15,7 @@ pub(crate) use solve::conflict;
 
 use crate::bounds::{CompactCubic, CubicSource};
 use crate::broad_phase::{Everyone, Method, PairFilter};
-use crate::conflict::{ClosestApproach, Conflict};
+use crate::conflict::{CertifiedApproach, ClosestApproach, Conflict};
 use crate::error::Error;
 use crate::id::BodyId;
 use crate::parallel;
@@ -28,7 +28,6 @@ use crate::search::{
 use crate::stats::Stats;
 use crate::wall_clock::Instant;
 use crate::window::Window;
-use pair::CertifiedApproach;
 use prepared::{BodiesInPlace, Lists, PlaceAdmission, PreparedScene};
 use solve::SHARE_OF_SLICES;
 use std::ops::ControlFlow;

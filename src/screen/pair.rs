@@ -22,8 +22,8 @@
 
 use super::prepared::{checked_margin, clip_of, lone_view};
 use super::solve::{SolveScratch, conflict, describe};
-use crate::accuracy::{Accuracy, TimeEnclosure};
-use crate::conflict::{ClosestApproach, Conflict};
+use crate::accuracy::Accuracy;
+use crate::conflict::{CertifiedApproach, ClosestApproach, Conflict};
 use crate::error::Error;
 use crate::id::BodyId;
 use crate::narrow_phase::{BodyView, certified_approach, certified_contacts, contacts, may_touch};
@@ -32,20 +32,6 @@ use crate::rounding::{seen_from, seen_until};
 use crate::scene::{Body, planned};
 use crate::spans::{Spans, spans};
 use crate::window::Window;
-
-/// A closest approach with proven bounds, as in [`Certificate`](crate::Certificate): of the
-/// splines, or with [model errors](Body::with_model_error) of the world.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct CertifiedApproach {
-    /// The closest approach of the splines.
-    pub approach: ClosestApproach,
-    /// The least separation lies in `approach.separation ± error` (m), model errors included.
-    pub error: f64,
-    /// All instants of least separation.
-    pub time: TimeEnclosure,
-}
 
 /// Returns the least separation of two bodies within a window, and its time, or `None` if they do
 /// not exist at the same time.

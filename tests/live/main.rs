@@ -360,7 +360,10 @@ fn a_question_is_answered_in_its_turn() {
                 conflicts,
                 complete_until,
             } => {
-                assert_eq!(complete_until, embedded.complete_until());
+                assert_eq!(
+                    complete_until.to_bits(),
+                    embedded.complete_until().to_bits()
+                );
                 answered += 1;
                 if ticket == about_new {
                     let before = embedded.scene().body(ids[1]).unwrap().trajectory.clone();

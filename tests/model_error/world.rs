@@ -73,7 +73,9 @@ impl Circle {
     fn fitted(&self, end: f64, step: f64) -> (Trajectory, f64) {
         let count = (end / step).ceil();
         let step = end / count;
-        let states = (0..=count as u32).map(|k| self.state(f64::from(k) * step));
+        let numbers = (0_u32..).map(f64::from);
+        let numbers = numbers.take_while(|k| *k <= count);
+        let states = numbers.map(|k| self.state(k * step));
         let states: Vec<State> = states.collect();
         let bend = self.axes[0].length() * self.speed.powi(4);
         let error = bend * step.powi(4) / 384.0 * (1.0 + 1e-9) + 1e-12;

@@ -163,23 +163,13 @@ impl<'a> SpheresOverPart<'a> {
             }
         }
         let power = normalising_power(self.scale);
-        let slack = (2.0 * filter_threshold(0.0, self.scale) + self.doubt()) * power;
+        let slack = 2.0 * filter_threshold(0.0, self.scale) * power;
         for candidate in candidates {
             let is_behind =
                 |&(_, near): &(f64, usize)| candidate.is_behind(&candidates[near], slack);
             if !nearest.iter().any(is_behind) {
                 visit(&self.pair((candidate.a, candidate.b)));
             }
-        }
-    }
-
-    /// Returns the difference of two separations up to which the model errors leave open which is
-    /// the smaller one in the world, m. `Exact` asks for the splines' own.
-    fn doubt(&self) -> f64 {
-        let [a, b] = self.views;
-        match self.accuracy {
-            Accuracy::Exact => 0.0,
-            Accuracy::Certified => 2.0 * a.model_error_with(b),
         }
     }
 

@@ -111,9 +111,9 @@ fn lines_out_of_order_are_told() {
             check(&changed, place, &what);
         }
         // The beginning of another file is one: that the rest does not belong to it is told with the rest.
-        if place > 1 {
+        if let (2.., Some(line)) = (place, foreign.get(place)) {
             let mut changed = written.clone();
-            changed[place] = foreign[place];
+            changed[place] = line;
             check(&changed, place, &format!("line {place} is of another file"));
         }
     }
