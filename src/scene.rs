@@ -62,7 +62,7 @@ impl Slot {
 ///
 /// | per body | bytes |
 /// |---|---|
-/// | record of the body | 180 |
+/// | record of the body | 190 |
 /// | summary of its plan | 150 |
 /// | end motions before and after its plan | 260 |
 /// | room for two more segments in front, for a monitor's splices | 270 |
@@ -80,7 +80,7 @@ impl Slot {
 /// MiB), live data is moved to new memory and the rest is returned to the system. A monitor's
 /// replans copy nothing. Apart from those, at most five times the bodies' need and 3 MiB are
 /// written at any time. The last allocation has an unwritten end, as large as the data in use, up
-/// to 32 MiB. An empty scene holds none. Slots of 180 bytes, for the largest number of bodies so
+/// to 32 MiB. An empty scene holds none. Slots of 190 bytes, for the largest number of bodies so
 /// far, are reused and freed with the scene.
 ///
 /// A screening adds some 300 bytes a body where more than one body in eight has a plan, else 30. For each thread it adds at most 64 MiB of boxes (64
