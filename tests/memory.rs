@@ -131,7 +131,7 @@ fn figures_are_as_documented() {
             of_screening(segments, Outside::Coast) - of_screening(segments, Outside::Absent);
         assert!(beyond.abs() <= 50.0, "{beyond}");
     }
-    is("a body of one state", of_straight(), 180.0);
+    is("a body of one state", of_straight(), 190.0);
     is("monitored", of_monitor(8, Outside::Absent), 1100.0);
     let coasting = of_monitor(8, Outside::Coast);
     is("monitored and coasting", coasting, 1100.0);
