@@ -20,7 +20,7 @@ pub enum Quantity {
     Velocity(usize),
     /// A coefficient of a polynomial, by power and component.
     Coefficient {
-        /// Power of time that it multiplies, 0 to 3.
+        /// Power of time that it multiplies, 0 to 7.
         power: usize,
         /// 0, 1, 2 for x, y, z.
         axis: usize,
@@ -164,6 +164,79 @@ pub enum Error {
     Tolerance {
         /// The tolerance, relative to a sphere's distance from the body's position.
         value: f64,
+    },
+    /// The tolerance of a [fit](crate::Trajectory::fit) is not a positive number up to 1e300.
+    #[error("tolerance {metres:?} m is not a positive number up to 1e300")]
+    FitTolerance {
+        /// The tolerance, m.
+        metres: f64,
+    },
+    /// The window of a [fit](crate::Trajectory::fit) is a single instant, is open, or exceeds ±1e300 s.
+    #[error(
+        "a motion cannot be fitted over {start:?}..{end:?} s: give a window with two different, finite ends"
+    )]
+    FitWindow {
+        /// Start, s.
+        start: f64,
+        /// End, s.
+        end: f64,
+    },
+    /// An [option](crate::FitOptions) of a fit is negative, NaN or infinite.
+    #[error("fit: the {option} is {value:?}, not a finite number of at least 0")]
+    FitOption {
+        /// The option.
+        option: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// The motion to be [fitted](crate::Trajectory::fit) has a value that is no number within ±1e300.
+    #[error("the motion at {time:?} s: {quantity} is {value:?}, not a number within ±1e300")]
+    Motion {
+        /// The time asked for, s.
+        time: f64,
+        /// The number's meaning.
+        quantity: Quantity,
+        /// Its value.
+        value: f64,
+    },
+    /// No cubic from this time on stays within the tolerance of the motion, however short: the tolerance is below
+    /// the rounding, or the position jumps.
+    #[error(
+        "from {time:?} s on no cubic follows the motion within {tolerance:e} m, only within {reached:e} m: the \
+         tolerance is below the rounding, or the position jumps"
+    )]
+    FitUnreachable {
+        /// The time up to which the motion was fitted, s.
+        time: f64,
+        /// The tolerance, m.
+        tolerance: f64,
+        /// The least error that was found, m.
+        reached: f64,
+    },
+    /// The fit of a motion needs more knots than allowed.
+    #[error(
+        "{limit} knots reach {time:?} s only: allow more knots or a larger tolerance, and check that the \
+         velocity is the derivative of the position"
+    )]
+    FitKnots {
+        /// Largest number of knots allowed.
+        limit: usize,
+        /// The time up to which the motion was fitted, s.
+        time: f64,
+    },
+    /// A motion contradicts the [bound](crate::FitOptions::with_fourth_derivative) of its fourth derivative, or its
+    /// velocity is not the derivative of its position.
+    #[error(
+        "the motion at {time:?} s is {deviation:e} m from its cubic, beyond the {bound:e} m that its fourth \
+         derivative allows: check the bound, and the velocity"
+    )]
+    FitBound {
+        /// The time, s.
+        time: f64,
+        /// Its distance from the cubic, m.
+        deviation: f64,
+        /// The largest distance by the bound, m.
+        bound: f64,
     },
     /// The rows of one body are not together.
     #[error("row {row}: the body appeared before, and others since: its rows must be together")]

@@ -5,6 +5,7 @@ mod build;
 mod cuts;
 mod double_double;
 mod extension;
+mod fit;
 mod outside;
 mod plan;
 mod reach;
@@ -24,6 +25,7 @@ pub(crate) use double_double::DoubleDouble;
 pub(crate) use extension::Extension;
 #[cfg(test)]
 pub(crate) use extension::Pieces;
+pub use fit::{Fit, FitOptions};
 pub use outside::Outside;
 pub(crate) use segment::Restriction;
 pub use segment::Segment;

@@ -1,0 +1,22 @@
+//! Motions of any kind, approximated by cubics with a known error.
+//!
+//! | file | content |
+//! |---|---|
+//! | `result` | the trajectory with its error |
+//! | `options` | options of a fit |
+//! | `place` | knots, as far apart as a tolerance allows |
+//! | `motion` | functions of time |
+//! | `deviation` | error of one cubic between two states of a motion |
+//! | `polynomials` | polynomials up to degree 7 |
+//! | `reduction` | one cubic in place of a part of a polynomial, with the proven remainder |
+
+mod deviation;
+mod motion;
+mod options;
+mod place;
+mod polynomials;
+mod reduction;
+mod result;
+
+pub use options::FitOptions;
+pub use result::Fit;

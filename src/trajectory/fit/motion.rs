@@ -1,0 +1,244 @@
+//! Functions of time, approximated by cubics.
+
+use super::deviation::Piece;
+use super::options::FitOptions;
+use super::place::{checked_tolerance, place_knots};
+use super::result::Fit;
+use crate::error::{Error, MAX_MAGNITUDE, Quantity};
+use crate::rounding::norm;
+use crate::trajectory::{State, Trajectory};
+use crate::window::Window;
+use glam::DVec3;
+
+/// Factor between the largest deviation seen and the error that is reported.
+const SAFETY: f64 = 1.25;
+
+/// Shares of a piece at which a motion is examined first. They are uneven, so that no oscillation looks the same at
+/// all of them. A smooth motion deviates most in the middle.
+const SHARES: [f64; 11] = [0.5, 0.03, 0.11, 0.2, 0.29, 0.4, 0.61, 0.7, 0.81, 0.88, 0.97];
+
+/// Distance from the place of the largest deviation at which it is looked for once more, on both sides.
+const BESIDE: f64 = 0.035;
+
+/// Least number of instants at which a motion is examined over the whole window.
+const INSTANTS: f64 = 1024.0;
+
+/// Fractional part of the golden ratio: its multiples fill an interval evenly.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+impl Trajectory {
+    /// Approximates a motion over a window by cubics, with knots where it needs them. `motion` returns position and
+    /// velocity (m, m/s) at a time of the window (s). The result differs from it by at most `tolerance` (m).
+    ///
+    /// The error of the result is an estimate: 1.25 times the largest deviation seen, and rounding. Each piece is
+    /// examined at eleven instants or more, and the window at 1024 or more, evenly spread. Not seen: events so short
+    /// that they pass between these instants and end where the motion would have been without them.
+    /// [`fit_with`](Self::fit_with) proves the error, if the fourth derivative is bounded.
+    ///
+    /// Positions may have jumps in acceleration, and in velocity. The velocity must be the derivative of the
+    /// position: otherwise the fit needs very many knots, and fails. A tolerance ten thousand times smaller needs
+    /// ten times as many knots.
+    ///
+    /// ```
+    /// use nearmiss::glam::DVec3;
+    /// use nearmiss::{Body, Trajectory, Window};
+    ///
+    /// // A circle of 100 m at 20 m/s, for a minute, to a centimetre.
+    /// let circle = |time: f64| {
+    ///     let (sin, cos) = (0.2 * time).sin_cos();
+    ///     (DVec3::new(100.0 * cos, 100.0 * sin, 0.0), DVec3::new(-20.0 * sin, 20.0 * cos, 0.0))
+    /// };
+    /// let fit = Trajectory::fit(circle, Window::new(0.0, 60.0)?, 0.01)?;
+    /// assert!(fit.error() <= 0.01 && fit.knot_count() < 40);
+    ///
+    /// // Answers about this body cover the circle.
+    /// let body = Body::new(fit.trajectory.clone()).with_model_error(fit.error())?;
+    /// # assert_eq!(body.model_error(), fit.error());
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::FitTolerance`]; [`Error::FitWindow`]; [`Error::Motion`] where the motion has no usable value;
+    /// [`Error::FitUnreachable`] where the tolerance is below the rounding, or the position jumps;
+    /// [`Error::FitKnots`] where the motion needs more than a million knots.
+    #[doc(alias = "approximate")]
+    #[doc(alias = "sample")]
+    pub fn fit<P: Into<DVec3>, V: Into<DVec3>>(
+        motion: impl FnMut(f64) -> (P, V),
+        window: Window,
+        tolerance: f64,
+    ) -> Result<Fit, Error> {
+        Self::fit_with(motion, window, tolerance, &FitOptions::default())
+    }
+
+    /// Approximates a motion like [`fit`](Self::fit), with options. With a
+    /// [bound of the fourth derivative](FitOptions::with_fourth_derivative) M the error is proven.
+    ///
+    /// The proven error is M h⁴/384 for the longest time h between knots, the rounding of the motion's values, and
+    /// that of the cubics. One bound serves the whole window, so the knots are evenly spaced. The middle of each
+    /// piece is examined: a motion that contradicts its bound there is refused.
+    ///
+    /// ```
+    /// use nearmiss::{FitOptions, Trajectory, Window};
+    ///
+    /// // An oscillation of 1 m at 1 rad/s: no derivative exceeds 1.
+    /// let motion = |time: f64| ([time.sin(), 0.0, 0.0], [time.cos(), 0.0, 0.0]);
+    /// let bounded = FitOptions::default().with_fourth_derivative(1.0);
+    /// let fit = Trajectory::fit_with(motion, Window::new(0.0, 10.0)?, 1e-3, &bounded)?;
+    /// assert!(fit.is_proven() && fit.error() <= 1e-3);
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`fit`](Self::fit); [`Error::FitOption`]; [`Error::FitBound`] if the motion contradicts the bound.
+    pub fn fit_with<P: Into<DVec3>, V: Into<DVec3>>(
+        motion: impl FnMut(f64) -> (P, V),
+        window: Window,
+        tolerance: f64,
+        options: &FitOptions,
+    ) -> Result<Fit, Error> {
+        let tolerance = checked_tolerance(tolerance)?;
+        let options = options.checked()?;
+        let ends = [window.start(), window.end()];
+        if ends[0] >= ends[1] || ends.iter().any(|end| end.abs() > MAX_MAGNITUDE) {
+            let [start, end] = ends;
+            return Err(Error::FitWindow { start, end });
+        }
+        let mut examined = Examined {
+            motion,
+            tolerance,
+            ulps: options.ulps,
+            interval: (ends[1] - ends[0]) / INSTANTS,
+            known: [None; 2],
+        };
+        let max_knots = options.max_knots;
+        let placed = match options.fourth_derivative {
+            Some(bound) => place_knots(ends, tolerance, max_knots, |from, to| {
+                let piece = examined.piece(from, to)?;
+                Ok(piece.map_or(f64::INFINITY, |piece| piece.bound(bound)))
+            }),
+            None => place_knots(ends, tolerance, max_knots, |from, to| {
+                examined.estimate(from, to)
+            }),
+        }?;
+        if let Some(bound) = options.fourth_derivative {
+            for pair in placed.knots.windows(2) {
+                examined.check(pair[0], pair[1], bound)?;
+            }
+        }
+        let states = placed.knots.iter().map(|&time| examined.state(time));
+        let trajectory = Self::from_states(&states.collect::<Result<Vec<_>, _>>()?)?;
+        Ok(if options.fourth_derivative.is_some() {
+            Fit::proven(trajectory, placed.error)
+        } else {
+            Fit::estimated(trajectory, placed.error)
+        })
+    }
+}
+
+/// A motion under examination.
+struct Examined<F> {
+    motion: F,
+    /// Tolerance, m.
+    tolerance: f64,
+    /// Rounding of the motion's values, in units of the last place.
+    ulps: f64,
+    /// Longest time between instants of the examination, s.
+    interval: f64,
+    /// The last two states that began and ended a piece.
+    known: [Option<State>; 2],
+}
+
+impl<P: Into<DVec3>, V: Into<DVec3>, F: FnMut(f64) -> (P, V)> Examined<F> {
+    /// Returns the state at a time.
+    fn state(&mut self, time: f64) -> Result<State, Error> {
+        let (position, velocity) = (self.motion)(time);
+        let state = State::new(time, position, velocity);
+        for axis in 0..3 {
+            for (quantity, value) in [
+                (Quantity::Position(axis), state.position[axis]),
+                (Quantity::Velocity(axis), state.velocity[axis]),
+            ] {
+                if value.is_nan() || value.abs() > MAX_MAGNITUDE {
+                    return Err(Error::Motion {
+                        time,
+                        quantity,
+                        value,
+                    });
+                }
+            }
+        }
+        Ok(state)
+    }
+
+    /// Returns the cubic between two instants, or `None` if it leaves the range of f64.
+    fn piece(&mut self, from: f64, to: f64) -> Result<Option<Piece>, Error> {
+        let mut ends = [State::default(); 2];
+        for (time, end) in [from, to].into_iter().zip(&mut ends) {
+            let mut known = self.known.into_iter().flatten();
+            let found = known.find(|state| state.time.to_bits() == time.to_bits());
+            *end = match found {
+                Some(state) => state,
+                None => self.state(time)?,
+            };
+        }
+        self.known = ends.map(Some);
+        Ok(Piece::between(&ends[0], &ends[1], self.ulps))
+    }
+
+    /// Returns the distance between a cubic and the motion at a share of its duration (m).
+    fn deviation(&mut self, piece: &Piece, share: f64) -> Result<(f64, f64), Error> {
+        let (start, end) = (piece.segment.start(), piece.segment.end());
+        let time = (start + share * (end - start)).clamp(start, end);
+        let position = self.state(time)?.position;
+        Ok((norm(piece.segment.motion_at(time).0 - position), share))
+    }
+
+    /// Returns an estimate of the error between two instants (m).
+    fn estimate(&mut self, from: f64, to: f64) -> Result<f64, Error> {
+        let Some(piece) = self.piece(from, to)? else {
+            return Ok(f64::INFINITY);
+        };
+        let mut largest = (0.0, 0.5);
+        let larger = |a: (f64, f64), b: (f64, f64)| if b.0 > a.0 { b } else { a };
+        for share in SHARES {
+            largest = larger(largest, self.deviation(&piece, share)?);
+        }
+        // Values seen and not seen may be off in opposite directions.
+        let error = |seen: f64| SAFETY * seen + 2.0 * piece.rounding;
+        if error(largest.0) > self.tolerance {
+            return Ok(error(largest.0));
+        }
+        let mut spread = GOLDEN;
+        let mut covered = self.interval;
+        while covered < to - from && error(largest.0) <= self.tolerance {
+            largest = larger(largest, self.deviation(&piece, spread)?);
+            spread = (spread + GOLDEN).fract();
+            covered += self.interval;
+        }
+        for share in [largest.1 - BESIDE, largest.1 + BESIDE] {
+            largest = larger(largest, self.deviation(&piece, share)?);
+        }
+        Ok(error(largest.0))
+    }
+
+    /// Returns an error if the motion contradicts a bound of its fourth derivative in the middle of a piece.
+    fn check(&mut self, from: f64, to: f64, fourth_derivative: f64) -> Result<(), Error> {
+        let Some(piece) = self.piece(from, to)? else {
+            return Ok(());
+        };
+        let deviation = self.deviation(&piece, 0.5)?.0;
+        // The value in the middle is rounded, too.
+        let bound = piece.bound(fourth_derivative) + piece.rounding;
+        if deviation > bound {
+            return Err(Error::FitBound {
+                time: from + 0.5 * (to - from),
+                deviation,
+                bound,
+            });
+        }
+        Ok(())
+    }
+}

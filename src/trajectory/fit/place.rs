@@ -1,0 +1,197 @@
+//! Knots as far apart as a tolerance allows.
+//!
+//! From each knot the longest step within the tolerance leads to the next one. No other choice needs fewer knots,
+//! if longer pieces have larger errors. Then all knots move a little, so that the last piece is not a short one.
+
+use crate::error::{Error, MAX_MAGNITUDE};
+
+/// Share of the tolerance that a step aims at.
+const AIM: f64 = 0.95;
+
+/// Share of the tolerance from which on a step is long enough.
+const LONG_ENOUGH: f64 = 0.9;
+
+/// Precision to which a step's length is searched for where the error is no power of it.
+const STEP_PRECISION: f64 = 0.01;
+
+/// Shortest step, in units of the last place of the time. Instants between its ends are still told apart: a motion
+/// that jumps is never within the tolerance across its jump.
+const LEAST_STEP: f64 = 64.0;
+
+/// Most trials for one step: enough to halve and double it across the whole range of f64.
+const MOST_TRIALS: u32 = 8_192;
+
+/// Knots of a fit.
+#[derive(Debug)]
+pub(super) struct Placed {
+    /// Times of the knots, s.
+    pub(super) knots: Vec<f64>,
+    /// Largest error of a piece, m.
+    pub(super) error: f64,
+}
+
+/// Returns a tolerance (m), if it is one.
+///
+/// # Errors
+///
+/// [`Error::FitTolerance`].
+pub(super) fn checked_tolerance(metres: f64) -> Result<f64, Error> {
+    if metres > 0.0 && metres <= MAX_MAGNITUDE {
+        Ok(metres)
+    } else {
+        Err(Error::FitTolerance { metres })
+    }
+}
+
+/// Places knots from `start` to `end` (s) such that no piece has an error above the tolerance (m). The error of the
+/// piece between two instants is what `error_of` returns (m).
+///
+/// # Errors
+///
+/// Those of `error_of`; [`Error::FitUnreachable`]; [`Error::FitKnots`].
+pub(super) fn place_knots(
+    [start, end]: [f64; 2],
+    tolerance: f64,
+    max_knots: usize,
+    mut error_of: impl FnMut(f64, f64) -> Result<f64, Error>,
+) -> Result<Placed, Error> {
+    let (mut knots, mut from) = (vec![start], start);
+    let (mut step, mut error, mut last_error) = ((end - start) / 8.0, 0.0_f64, 0.0);
+    while from < end {
+        if knots.len() >= max_knots {
+            return Err(Error::FitKnots {
+                limit: max_knots,
+                time: from,
+            });
+        }
+        let to;
+        (to, last_error) = longest_step([from, end], step, tolerance, &mut error_of)?;
+        error = error.max(last_error);
+        knots.push(to);
+        (step, from) = (to - from, to);
+    }
+    for balanced in [
+        evenly_shortened(&knots, last_error / tolerance),
+        last_two_halved(&knots),
+    ] {
+        if let Some(error) = error_within(&balanced, tolerance, &mut error_of)? {
+            let knots = balanced;
+            return Ok(Placed { knots, error });
+        }
+    }
+    Ok(Placed { knots, error })
+}
+
+/// Returns the farthest instant that a piece from `from` reaches within the tolerance, at most `end`, and its error.
+fn longest_step(
+    [from, end]: [f64; 2],
+    first: f64,
+    tolerance: f64,
+    error_of: &mut impl FnMut(f64, f64) -> Result<f64, Error>,
+) -> Result<(f64, f64), Error> {
+    let least = LEAST_STEP * f64::EPSILON * from.abs().max(f64::MIN_POSITIVE);
+    let (mut good, mut bad, mut reached) = (None, None, f64::INFINITY);
+    let mut to = (from + first.max(least)).min(end);
+    for trial in 0..MOST_TRIALS {
+        let (length, error) = (to - from, error_of(from, to)?);
+        reached = error.min(reached);
+        // The error of a cubic grows with the fourth power of its duration.
+        let factor = (AIM * tolerance / error).sqrt().sqrt();
+        let hurry = trial > 8;
+        let proposal = if error <= tolerance {
+            if to >= end || error >= LONG_ENOUGH * tolerance {
+                return Ok((to, error));
+            }
+            good = Some((to, error));
+            from + length * factor.clamp(if hurry { 2.0 } else { 1.01 }, 4.0)
+        } else {
+            bad = Some(to);
+            // What is not a number shrinks as well.
+            let factor = if factor >= 0.1 { factor } else { 0.1 };
+            from + length * factor.min(if hurry { 0.5 } else { 0.95 })
+        };
+        to = match (good, bad) {
+            (None, _) if proposal - from < least => break,
+            (None, _) => proposal,
+            (Some((good, _)), None) if proposal > good => proposal.min(end),
+            (Some((good, _)), Some(bad)) if bad - good > STEP_PRECISION * (good - from) => {
+                let inset = 0.1 * (bad - good);
+                let inside = good + inset..bad - inset;
+                let between = good + 0.5 * (bad - good);
+                let power_law = trial < 6 && inside.contains(&proposal);
+                if power_law { proposal } else { between }
+            }
+            (Some(_), _) => break,
+        };
+    }
+    good.ok_or(Error::FitUnreachable {
+        time: from,
+        tolerance,
+        reached,
+    })
+}
+
+/// Returns the knots with all pieces shortened by one factor, and the last one lengthened in turn. `share` is the
+/// error of the last piece in units of the tolerance.
+fn evenly_shortened(knots: &[f64], share: f64) -> Vec<f64> {
+    let Some(pieces) = knots.len().checked_sub(2) else {
+        return Vec::new();
+    };
+    // Length of the last piece, in units of the longest one that would do.
+    let last = share.sqrt().sqrt().clamp(1e-3, 1.0);
+    let ratio = (as_number(pieces) + last) / as_number(pieces + 1);
+    let mut balanced = knots.to_vec();
+    for (number, knot) in balanced.iter_mut().enumerate().take(pieces + 1).skip(1) {
+        // A shorter piece before each: the knot lies in the piece before it, or in an earlier one.
+        let place = as_number(number) * ratio;
+        let mut piece = number - 1;
+        while as_number(piece) > place {
+            piece -= 1;
+        }
+        let inside = place - as_number(piece);
+        *knot = knots[piece] + (knots[piece + 1] - knots[piece]) * inside;
+    }
+    balanced
+}
+
+/// Returns the knots with the last but one in the middle of its neighbours.
+fn last_two_halved(knots: &[f64]) -> Vec<f64> {
+    let mut balanced = knots.to_vec();
+    if let [.., before, knot, after] = &mut balanced[..] {
+        *knot = *before + 0.5 * (*after - *before);
+        balanced
+    } else {
+        Vec::new()
+    }
+}
+
+/// Returns the largest error of the pieces between knots, or `None` if one exceeds the tolerance, or there is none.
+fn error_within(
+    knots: &[f64],
+    tolerance: f64,
+    error_of: &mut impl FnMut(f64, f64) -> Result<f64, Error>,
+) -> Result<Option<f64>, Error> {
+    let mut largest = None;
+    for pair in knots.windows(2) {
+        let is_short = pair[1] - pair[0] < LEAST_STEP * f64::EPSILON * pair[0].abs();
+        let error = if is_short {
+            f64::INFINITY
+        } else {
+            error_of(pair[0], pair[1])?
+        };
+        if error.is_nan() || error > tolerance {
+            return Ok(None);
+        }
+        largest = Some(error.max(largest.unwrap_or(0.0)));
+    }
+    Ok(largest)
+}
+
+/// Returns a count as f64. Counts of knots are far below 2^53.
+#[allow(
+    clippy::cast_precision_loss,
+    reason = "the memory for 2^53 knots does not exist"
+)]
+const fn as_number(count: usize) -> f64 {
+    count as f64
+}

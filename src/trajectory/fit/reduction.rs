@@ -1,0 +1,144 @@
+//! One cubic in place of a part of a polynomial of degree 7, with a proven bound of the remainder.
+
+use super::deviation::{EVALUATION, SPARE};
+use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, norm};
+use crate::trajectory::double_double::DoubleDouble;
+use glam::DVec3;
+
+/// Number of coefficients of a polynomial of degree 7.
+pub(super) const COEFFICIENTS: usize = 8;
+
+/// Number of equal parts of a piece in which its remainder is bounded.
+const PARTS: u32 = 8;
+
+/// Error of all double-double arithmetic, relative to the sum of the terms: each chain has fewer than 100 operations,
+/// with 2^-102 each, and no factor exceeds 10.
+const DOUBLE_DOUBLE: f64 = 1.0 / (1u128 << 90) as f64;
+
+/// A polynomial of degree 7 whose variable begins at `origin` (s). Coefficients in increasing order of powers.
+pub(super) struct Polynomial {
+    coefficients: [DVec3; COEFFICIENTS],
+    origin: f64,
+}
+
+/// A cubic in place of a part of a polynomial.
+pub(super) struct Reduced {
+    /// Coefficients of t³, t², t, 1, with the time since the start of the part (m, s).
+    pub(super) cubic: [DVec3; 4],
+    /// Largest distance (m) between the polynomial and positions of a trajectory of the cubic.
+    pub(super) error: f64,
+}
+
+impl Polynomial {
+    pub(super) const fn new(coefficients: [DVec3; COEFFICIENTS], origin: f64) -> Self {
+        Self {
+            coefficients,
+            origin,
+        }
+    }
+
+    /// Returns a bound of the sum of the terms' absolute values at all times up to `reach` (s) from the origin (m).
+    pub(super) fn size(&self, reach: f64) -> f64 {
+        let sizes = self.coefficients.iter().rev().copied().map(norm);
+        sizes.fold(0.0, |sum, size| sum * reach + size) * SPARE
+    }
+
+    /// Returns the cubic that agrees with the polynomial in position and velocity at both ends of a part (s).
+    ///
+    /// In s = (t - start) / duration, the powers from the fourth on are
+    /// s^k = (k-3) s³ - (k-4) s² + s² (1-s)² Q(s), with Q = 1, s + 2, s² + 2s + 3, s³ + 2s² + 3s + 4.
+    /// So the remainder is s² (1-s)² times a cubic.
+    pub(super) fn reduced(&self, start: f64, end: f64) -> Reduced {
+        let duration = DoubleDouble::difference(end, start);
+        let shift = DoubleDouble::difference(start, self.origin);
+        let mut cubic = [DVec3::ZERO; 4];
+        let mut high = [DVec3::ZERO; 4];
+        for axis in 0..3 {
+            let around = self.around(shift, axis);
+            let [constant, linear, quadratic, third, c4, c5, c6, c7] = around;
+            let number = DoubleDouble::from;
+            let to_third = number(2.0) * c4
+                + duration
+                    * (number(3.0) * c5
+                        + duration * (number(4.0) * c6 + duration * number(5.0) * c7));
+            let to_second = c4
+                + duration
+                    * (number(2.0) * c5
+                        + duration * (number(3.0) * c6 + duration * number(4.0) * c7));
+            let square = duration * duration;
+            let powers = [
+                third + duration * to_third,
+                quadratic + number(-1.0) * square * to_second,
+                linear,
+                constant,
+            ];
+            let fourth = square * square;
+            let mut factor = fourth;
+            for (coefficient, high) in [c4, c5, c6, c7].into_iter().zip(&mut high) {
+                high[axis] = (coefficient * factor).rounded();
+                factor = factor * duration;
+            }
+            for (power, cubic) in powers.into_iter().zip(&mut cubic) {
+                cubic[axis] = power.rounded();
+            }
+        }
+        let duration = duration.rounded();
+        let reach = (start - self.origin).abs() + duration;
+        let [third, second, first, constant] = cubic.map(norm);
+        let extent = duration * (first + duration * (second + duration * third));
+        // The coefficients are rounded, then the points of the segment, then what is returned of it.
+        let rounding = UNIT_ROUNDOFF * (3.0 * constant + 16.0 * extent)
+            + EVALUATION * extent
+            + DOUBLE_DOUBLE * self.size(reach)
+            + UNDERFLOW * 64.0 * reach.max(1.0).powi(7);
+        let error = (remainder(high) + rounding) * SPARE;
+        Reduced { cubic, error }
+    }
+
+    /// Returns one axis's coefficients around another instant.
+    fn around(&self, shift: DoubleDouble, axis: usize) -> [DoubleDouble; COEFFICIENTS] {
+        let axis_of = |coefficient: DVec3| DoubleDouble::from(coefficient[axis]);
+        let mut around = self.coefficients.map(axis_of);
+        for first in 0..COEFFICIENTS - 1 {
+            for power in (first..COEFFICIENTS - 1).rev() {
+                around[power] = around[power] + around[power + 1] * shift;
+            }
+        }
+        around
+    }
+}
+
+/// Returns a bound of the remainder by the coefficients of s⁴ to s⁷ (m).
+fn remainder([c4, c5, c6, c7]: [DVec3; 4]) -> f64 {
+    let quotient = [
+        c4 + 2.0 * c5 + 3.0 * c6 + 4.0 * c7,
+        c5 + 2.0 * c6 + 3.0 * c7,
+        c6 + 2.0 * c7,
+        c7,
+    ];
+    let size: f64 = [c4, c5, c6, c7].into_iter().map(norm).sum();
+    let step = 1.0 / f64::from(PARTS);
+    let parts = (0..PARTS).map(|part| {
+        let (from, to) = (f64::from(part) * step, f64::from(part + 1) * step);
+        // The weight s² (1-s)² is largest in the middle.
+        let nearest = if part < PARTS / 2 { to } else { from };
+        let weight = (nearest * (1.0 - nearest)).powi(2);
+        weight * largest_of_cubic(quotient, from, step)
+    });
+    parts.fold(0.0, f64::max) + 64.0 * UNIT_ROUNDOFF * size
+}
+
+/// Returns a bound of a cubic over a part of its domain: the norm of its largest control point.
+fn largest_of_cubic([q0, q1, q2, q3]: [DVec3; 4], from: f64, step: f64) -> f64 {
+    let constant = q0 + from * (q1 + from * (q2 + from * q3));
+    let linear = step * (q1 + from * (2.0 * q2 + from * 3.0 * q3));
+    let quadratic = step * step * (q2 + from * 3.0 * q3);
+    let cubic = step * step * step * q3;
+    let points = [
+        constant,
+        constant + linear / 3.0,
+        constant + (2.0 * linear + quadratic) / 3.0,
+        constant + linear + quadratic + cubic,
+    ];
+    points.into_iter().map(norm).fold(0.0, f64::max)
+}
