@@ -423,6 +423,11 @@ fn the_tradeoff_in_short() {
         screened.len() == 2 && screened.iter().all(is_right),
         "{screened:?}"
     );
+    let knots = found["tables"]["knots"]["rows"].as_array().unwrap();
+    assert!(
+        knots.iter().all(|row| row["missed_with_error"] == 0),
+        "{knots:?}"
+    );
     let baked = found["tables"]["baking"]["rows"].as_array().unwrap();
     assert!(
         baked

@@ -1,6 +1,7 @@
 //! A world modelled more or less finely: what that costs, and which answers it changes.
 
 mod baking;
+mod knots;
 mod spheres;
 mod told;
 
@@ -10,13 +11,13 @@ use crate::{Effort, Failure};
 /// All tables of models.
 pub(crate) fn tables(effort: &Effort, progress: &dyn Fn(f64)) -> Result<Vec<Table>, Failure> {
     let mut tables = Vec::new();
-    for (number, table) in [told::table, spheres::table, baking::table]
+    for (number, table) in [knots::table, told::table, spheres::table, baking::table]
         .into_iter()
         .enumerate()
     {
         tables.push(table(effort)?);
         #[allow(clippy::cast_precision_loss, reason = "shown")]
-        progress((number + 1) as f64 / 3.0);
+        progress((number + 1) as f64 / 4.0);
     }
     Ok(tables)
 }
