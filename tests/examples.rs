@@ -335,6 +335,64 @@ fn what_is_said() {
     assert!(said.starts_with("{\"ticks\":30,"), "{said}");
 }
 
+/// Tables of `tradeoff` by key, with columns that they have.
+#[cfg(all(feature = "parallel", feature = "live", feature = "recording"))]
+const TABLES: [(&str, &[&str]); 7] = [
+    (
+        "pair",
+        &[
+            "pairs",
+            "method",
+            "ns",
+            "times_polycool",
+            "worst_error_size",
+            "wrong_minima",
+        ],
+    ),
+    (
+        "stepped",
+        &[
+            "method",
+            "Hz",
+            "encounters",
+            "missed",
+            "false",
+            "ms",
+            "times_nearmiss",
+        ],
+    ),
+    (
+        "knots",
+        &[
+            "motion",
+            "tolerance_m",
+            "knots_body",
+            "missed",
+            "missed_with_error",
+        ],
+    ),
+    (
+        "told",
+        &["told_s", "encounters", "seen_ahead", "missed", "false"],
+    ),
+    (
+        "spheres",
+        &[
+            "spheres",
+            "overshoot_m",
+            "encounters",
+            "boxes_touch",
+            "false",
+            "ms",
+        ],
+    ),
+    (
+        "baking",
+        &["tolerance_m", "encounters", "certified", "unresolved", "ms"],
+    ),
+    ("prices", &["work", "with", "ms", "times_the_first"]),
+];
+
 /// The tables of `tradeoff` have their rows and columns, and what is ours is right.
 #[cfg(all(feature = "parallel", feature = "live", feature = "recording"))]
 #[test]
@@ -351,51 +409,7 @@ fn the_tradeoff_in_short() {
     let text = std::fs::read_to_string(&json).unwrap();
     let found: Value = serde_json::from_str(&text).unwrap();
     assert_eq!(found["quick"], true);
-    for (key, columns) in [
-        (
-            "pair",
-            &[
-                "pairs",
-                "method",
-                "ns",
-                "times_polycool",
-                "worst_error_size",
-                "wrong_minima",
-            ][..],
-        ),
-        (
-            "stepped",
-            &[
-                "method",
-                "Hz",
-                "encounters",
-                "missed",
-                "false",
-                "ms",
-                "times_nearmiss",
-            ],
-        ),
-        (
-            "told",
-            &["told_s", "encounters", "seen_ahead", "missed", "false"],
-        ),
-        (
-            "spheres",
-            &[
-                "spheres",
-                "overshoot_m",
-                "encounters",
-                "boxes_touch",
-                "false",
-                "ms",
-            ],
-        ),
-        (
-            "baking",
-            &["tolerance_m", "encounters", "certified", "unresolved", "ms"],
-        ),
-        ("prices", &["work", "with", "ms", "times_the_first"]),
-    ] {
+    for (key, columns) in TABLES {
         let rows = found["tables"][key]["rows"].as_array().unwrap();
         assert!(!rows.is_empty(), "{key}");
         for row in rows {

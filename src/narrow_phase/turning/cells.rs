@@ -28,6 +28,9 @@ pub(super) struct Cells<'a> {
 }
 
 impl<'a> Cells<'a> {
+    /// Parts of a span that are put in order at a time: a span may have any number.
+    pub(super) const BLOCK: usize = 1024;
+
     /// Returns the walk through the parts of a span that meet an interval (s).
     pub(super) fn of(
         (a, b): (&BodyView<'a>, &BodyView<'a>),

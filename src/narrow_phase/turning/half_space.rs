@@ -6,12 +6,14 @@
 //! the whole part.
 
 use super::cells::{Cell, Cells, Rotations};
-use super::{BodyView, Span, SpherePair};
 use crate::accuracy::Accuracy;
 use crate::enclosure::{Side, Stretch, Threshold};
+use crate::narrow_phase::BodyView;
 use crate::narrow_phase::half_space::{PlanePair, SphereAlong, lowest};
 use crate::narrow_phase::relative::{HeightCubic, filter_threshold};
+use crate::narrow_phase::sphere_pair::SpherePair;
 use crate::orientation::BakedRotation;
+use crate::spans::Span;
 use glam::DVec3;
 
 /// A turning body and a half-space over a span.
@@ -39,7 +41,7 @@ impl<'a> TurningOverPlane<'a> {
         })
     }
 
-    /// See [`TurningPair::each_near`](super::TurningPair).
+    /// See `TurningPair::each_near`.
     pub(super) fn each_near(
         &self,
         margin: f64,
@@ -95,7 +97,7 @@ impl<'a> TurningOverPlane<'a> {
         }
     }
 
-    /// See [`TurningPair::each_for_nearest`](super::TurningPair).
+    /// See `TurningPair::each_for_nearest`.
     pub(super) fn each_for_nearest(
         &self,
         clip: (f64, f64),
@@ -116,7 +118,7 @@ impl<'a> TurningOverPlane<'a> {
         let (mut rotations, mut ways) = (Rotations::default(), Vec::new());
         loop {
             // The lowest parts go first: they rule out most others.
-            let block = cells.by_ref().take(super::TurningPair::BLOCK);
+            let block = cells.by_ref().take(Cells::BLOCK);
             let mut order: Vec<(f64, Cell)> = block.collect();
             if order.is_empty() {
                 return;

@@ -38,9 +38,6 @@ pub(super) struct TurningPair<'a> {
 }
 
 impl<'a> TurningPair<'a> {
-    /// Parts of a span that are put in order at a time: a span may have any number.
-    const BLOCK: usize = 1024;
-
     /// Returns the pair, or `None` if neither body turns.
     #[inline(always)]
     pub(super) fn of(
@@ -119,7 +116,7 @@ impl<'a> TurningPair<'a> {
         let (mut rotations, mut scratch) = (Rotations::default(), PartScratch::default());
         loop {
             // The parts in which the bodies come nearest go first: they rule out most others.
-            let mut order: Vec<(f64, Cell)> = cells.by_ref().take(Self::BLOCK).collect();
+            let mut order: Vec<(f64, Cell)> = cells.by_ref().take(Cells::BLOCK).collect();
             if order.is_empty() {
                 return;
             }
