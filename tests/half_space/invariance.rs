@@ -1,7 +1,6 @@
 //! The same conflicts whatever the window, the slices, the threads, the order of bodies, and where
 //! the world is.
 
-#[allow(dead_code, reason = "each test file uses some of it")]
 #[path = "../support/mod.rs"]
 mod support;
 

@@ -236,7 +236,7 @@ fn filters_apply() {
     scene.set_layers(a, Layers::new(2, 2)).unwrap();
     assert_eq!(scene.screen(&query).unwrap().conflicts.len(), 1);
     // With only a margin that no radius could reach between spheres.
-    let deep = scene.screen(&query.clone().with_margin(-0.9)).unwrap();
+    let deep = scene.screen(&query.with_margin(-0.9)).unwrap();
     assert_eq!(deep.conflicts.len(), 1);
     scene.remove(a).unwrap();
     assert!(scene.screen(&query).unwrap().conflicts.is_empty());

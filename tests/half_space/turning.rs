@@ -64,7 +64,7 @@ fn turning_clusters_meet_planes_where_samples_say() {
         let b = scene.insert(floor.clone()).unwrap();
         let query = Query::new(Window::new(start, end).unwrap()).with_margin(margin);
         let plain = scene.screen(&query).unwrap().conflicts;
-        let certified = query.clone().with_accuracy(Accuracy::Certified);
+        let certified = query.with_accuracy(Accuracy::Certified);
         let certified = scene.screen(&certified).unwrap().conflicts;
         conflicts += plain.len();
         // Baked with 1e-3 of the largest arm, 2.6 m, twice.
