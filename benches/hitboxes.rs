@@ -7,6 +7,7 @@
 //!   one thread, with 8 spheres within 2 m around each body; each body turns once in 12 s.
 //! - `scene/swarm_10k_100balls`, `scene/swarm_10k_100turning`: points, and 100 more bodies: balls of 2 m, or
 //!   turning clusters of that reach.
+//! - `scene/swarm_10k`, `scene/swarm_10k_floor`: points, and a floor below all but a few of them.
 //! - `closest_approach/polycool/random`: solves of the benchmark `kernels`, the unit of the ratios.
 
 #![allow(
@@ -164,6 +165,15 @@ enum Kind {
     Ball,
     Cluster,
     Turning,
+    /// A floor at rest, which some of the swarm sink into.
+    Floor,
+}
+
+/// Returns a height (m) below which one in a thousand of the swarm's states lies.
+fn ground(states: impl Iterator<Item = State>) -> f64 {
+    let mut heights: Vec<f64> = states.map(|state| state.position.z).collect();
+    heights.sort_unstable_by(f64::total_cmp);
+    heights[heights.len() / 1_000]
 }
 
 /// Returns the swarm with bodies of a kind, and some more.
@@ -173,10 +183,14 @@ fn scene_of(all: Kind, more: Option<(usize, Kind)>) -> (Scene, Query) {
     const REVOLUTION: f64 = 12.0;
     let (generated, others) = (swarm(10_000, Shape::Cube, 1), swarm(10_000, Shape::Cube, 2));
     let mut rng = generator(3);
+    let states = generated.actors.iter().flat_map(|actor| &actor.states);
+    let ground = ground(states.copied());
     let mut scene = Scene::new();
     let mut insert = |states: &[State], kind: Kind| {
         let body = Body::new(Trajectory::from_states(states).unwrap());
         let body = match kind {
+            Kind::Floor => Body::new(Trajectory::at_rest(ground * DVec3::Z).unwrap())
+                .with_hitbox(Hitbox::half_space(DVec3::Z).unwrap()),
             Kind::Point => body,
             Kind::Ball => body.with_hitbox(Hitbox::sphere(REACH).unwrap()),
             Kind::Cluster => body.with_hitbox(cluster(&mut rng, 8, REACH)),
@@ -208,6 +222,8 @@ fn scenes(c: &mut Criterion) {
         .warm_up_time(Duration::from_secs(1))
         .measurement_time(Duration::from_secs(5));
     for (name, all, more) in [
+        ("swarm_10k", Kind::Point, None),
+        ("swarm_10k_floor", Kind::Point, Some((1, Kind::Floor))),
         ("swarm_10k_fixed8", Kind::Cluster, None),
         ("swarm_10k_turning8", Kind::Turning, None),
         ("swarm_10k_100balls", Kind::Point, Some((100, Kind::Ball))),

@@ -48,7 +48,7 @@
 //! | [`Trajectory`] | the segments of one body; [`Outside`] says what it does before and after |
 //! | plan | the trajectory that a body follows until it is given another one |
 //! | span | a common interval of one cubic of each of two bodies |
-//! | [`Hitbox`] | a sphere, or a cluster of spheres fixed in the body's frame |
+//! | [`Hitbox`] | a sphere, a cluster of spheres fixed in the body's frame, or a half-space |
 //! | [`Orientation`] | the rotation of a body's frame over time, in which its hitbox is fixed |
 //! | [`BodyPlan`] | a trajectory with an orientation |
 //! | [`Body`] | trajectory, hitbox, orientation, [`Layers`], and your tag |

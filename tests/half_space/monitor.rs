@@ -167,12 +167,9 @@ fn snapshots_go_on_alike() {
     }
     let mut copy = Monitor::restore(monitor.snapshot()).unwrap();
     let (mut events, mut again): (Vec<Event>, Vec<Event>) = (Vec::new(), Vec::new());
-    for tick in 40..120 {
+    for tick in 40..120_u8 {
         let now = 0.05 * f64::from(tick);
-        let told = [(
-            ids[usize::try_from(tick).unwrap() % ids.len()],
-            coasting(rng, now),
-        )];
+        let told = [(ids[usize::from(tick) % ids.len()], coasting(rng, now))];
         monitor.track(now, told).unwrap();
         copy.track(now, told).unwrap();
         monitor.advance(now, &mut events).unwrap();

@@ -7,6 +7,7 @@
 )]
 
 mod damage;
+mod half_spaces;
 mod snapshots;
 #[path = "../../../support/mod.rs"]
 mod support;
