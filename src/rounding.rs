@@ -60,6 +60,9 @@
 //! | places of a hull test | `bounds/apart` | `apart::tests` |
 //! | instants of a screening's edges and of a budget's | `monitor/lookahead`, `search/slice_length` | `tests/monitor` `budgets` |
 //! | instants of a question, of a jump | `monitor/lookahead/ask`, `jump` | `tests/monitor` `instants` |
+//! | values of a motion, remainder by a fourth derivative | `trajectory/fit/deviation` | `tests/fit` `proven` |
+//! | remainder of a polynomial, rounding of its coefficients | `trajectory/fit/reduction` | `tests/fit` `polynomials` |
+//! | rounding of positions that are returned | `trajectory/fit/deviation` | proof 9 |
 //!
 //! 1. Dropped once, the heights' own 64 roundings cover it. The solver's error is 48 roundings of
 //!    the size in the worst case; two or three in tests.
@@ -80,6 +83,8 @@
 //!    off by the motion in one rounding. Another pair of spheres that is nearer by less, or touches
 //!    within one rounding outside a contact, may be the one to report. The terms are that motion
 //!    and the solver's tolerance; a test would need a tie within, but not exactly at, them.
+//! 9. At most 80 roundings of the extent by their count. Two or three in tests, where the error of the control points
+//!    covers them.
 //!
 //! Squares that meet F of the enclosures need no term against underflow. In the cubic's unit the
 //! factor 1 + 2^-40 adds more than 1e-43 to F, and what underflows is below 1e-124.

@@ -133,12 +133,17 @@ fn longest_step(
 
 /// Returns the knots with all pieces shortened by one factor, and the last one lengthened in turn. `share` is the
 /// error of the last piece in units of the tolerance.
+///
+/// The last piece could have been longer: as long as the piece before it, or as its error says, where rounding is
+/// no large part of that.
 fn evenly_shortened(knots: &[f64], share: f64) -> Vec<f64> {
-    let Some(pieces) = knots.len().checked_sub(2) else {
+    let [.., before, from, end] = knots else {
         return Vec::new();
     };
+    let pieces = knots.len() - 2;
     // Length of the last piece, in units of the longest one that would do.
-    let last = share.sqrt().sqrt().clamp(1e-3, 1.0);
+    let last = share.sqrt().sqrt().min((end - from) / (from - before));
+    let last = last.clamp(1e-3, 1.0);
     let ratio = (as_number(pieces) + last) / as_number(pieces + 1);
     let mut balanced = knots.to_vec();
     for (number, knot) in balanced.iter_mut().enumerate().take(pieces + 1).skip(1) {
