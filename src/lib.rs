@@ -149,7 +149,9 @@ pub use scene::{Body, BodyPlan, BodyPlanRef, BodyState, Scene, Spin};
 pub use screen::Screening;
 pub use screen::pair::{self, CertifiedApproach};
 pub use stats::Stats;
-pub use trajectory::{Outside, Segment, State, TimeBase, Trajectory};
+pub use trajectory::{
+    Fit, Keyframe, Outside, PositionOptions, Segment, State, TimeBase, Trajectory,
+};
 pub use window::Window;
 
 /// A monitor on a thread of its own, behind bounded channels.

@@ -2,9 +2,11 @@
 
 mod bend;
 mod build;
+mod curves;
 mod cuts;
 mod double_double;
 mod extension;
+mod fit;
 mod outside;
 mod plan;
 mod reach;
@@ -13,17 +15,20 @@ mod rows;
 mod segment;
 #[cfg(feature = "serde")]
 mod serial;
+mod simplified;
 mod splice;
 mod state;
 mod straight;
 mod turned;
 
 pub use build::TimeBase;
+pub use curves::{Keyframe, PositionOptions};
 #[cfg(test)]
 pub(crate) use double_double::DoubleDouble;
 pub(crate) use extension::Extension;
 #[cfg(test)]
 pub(crate) use extension::Pieces;
+pub use fit::Fit;
 pub use outside::Outside;
 pub(crate) use segment::Restriction;
 pub use segment::Segment;
