@@ -25,6 +25,13 @@ pub enum Quantity {
         /// 0, 1, 2 for x, y, z.
         axis: usize,
     },
+    /// A control point, by number and component.
+    ControlPoint {
+        /// The control point, counted from 0: of its piece, or of the whole B-spline.
+        point: usize,
+        /// 0, 1, 2 for x, y, z.
+        axis: usize,
+    },
     /// Component x, y, z or w (0, 1, 2, 3) of a rotation's quaternion.
     Rotation(usize),
     /// Component x, y or z (0, 1, 2) of an angular velocity, rad/s.
@@ -46,6 +53,9 @@ impl fmt::Display for Quantity {
             Self::Velocity(axis) => write!(f, "velocity {}", AXES[axis]),
             Self::Coefficient { power, axis } => {
                 write!(f, "coefficient of t^{power} in {}", AXES[axis])
+            }
+            Self::ControlPoint { point, axis } => {
+                write!(f, "control point {point} in {}", AXES[axis])
             }
             Self::Rotation(axis) => write!(f, "rotation {}", AXES[axis]),
             Self::AngularVelocity(axis) => write!(f, "angular velocity {}", AXES[axis]),
@@ -75,6 +85,31 @@ pub enum Error {
         knots: usize,
         /// Number of segments.
         segments: usize,
+    },
+    /// A cubic B-spline has fewer than four control points.
+    #[error("a cubic B-spline needs at least four control points, not {count}")]
+    TooFewControlPoints {
+        /// Number of control points.
+        count: usize,
+    },
+    /// The numbers of knots and control points of a cubic B-spline do not match.
+    #[error("a cubic B-spline of {control_points} control points needs {} knots, not {knots}", control_points + 4)]
+    KnotCount {
+        /// Number of knots.
+        knots: usize,
+        /// Number of control points.
+        control_points: usize,
+    },
+    /// A curve is broken: one piece of it ends elsewhere than the next one begins.
+    #[error(
+        "knot {knot}: the curve before it ends {distance:?} m from where the curve after it begins: give both \
+         the same point"
+    )]
+    Discontinuous {
+        /// The knot, counted from 0.
+        knot: usize,
+        /// The distance, m.
+        distance: f64,
     },
     /// The time of a knot is not later than that of the knot before it.
     #[error("knot {knot}: time {time:?} s is not later than the knot before it, {previous:?} s")]
@@ -165,7 +200,8 @@ pub enum Error {
         /// The tolerance, relative to a sphere's distance from the body's position.
         value: f64,
     },
-    /// The tolerance of a [fit](crate::Trajectory::fit) is not a positive number up to 1e300.
+    /// The tolerance of a [fit](crate::Trajectory::fit), or of a
+    /// [simplification](crate::Trajectory::simplified), is not a positive number up to 1e300.
     #[error("tolerance {metres:?} m is not a positive number up to 1e300")]
     FitTolerance {
         /// The tolerance, m.

@@ -148,7 +148,9 @@ pub use query::Query;
 pub use scene::{Body, BodyPlan, BodyPlanRef, BodyState, Scene, Spin};
 pub use screen::{Screening, pair};
 pub use stats::Stats;
-pub use trajectory::{Fit, FitOptions, Outside, Segment, State, TimeBase, Trajectory};
+pub use trajectory::{
+    Fit, FitOptions, Keyframe, Outside, PositionOptions, Segment, State, TimeBase, Trajectory,
+};
 pub use window::Window;
 
 /// A monitor on a thread of its own, behind bounded channels.

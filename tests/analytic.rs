@@ -12,6 +12,7 @@ use glam::DVec3;
 use nearmiss::{
     Body, Conflict, Hitbox, Outside, Query, Scene, Sphere, State, TimeBase, Trajectory, Window,
 };
+use rand::RngExt;
 use support::{line, screen};
 
 /// A few roundings of numbers of size 10.
@@ -352,6 +353,55 @@ fn positions_only_follow_a_parabola_exactly() {
         let time = f64::from(step) * 0.1;
         let off = trajectory.position(time).unwrap() - at(time).1;
         assert!(off.length() < 1e-12, "{time}: {off}");
+    }
+}
+
+/// Straight legs, exactly so and as cubics with the same velocities at both ends.
+#[test]
+fn legs_meet_as_cubics_do() {
+    use nearmiss::{Accuracy, Keyframe};
+    let mut rng = support::rng(31);
+    let (mut legs, mut cubics) = (Scene::new(), Scene::new());
+    for _ in 0..60 {
+        let mut time = 0.0;
+        let waypoints: Vec<(f64, DVec3)> = (0..8)
+            .map(|_| {
+                time += rng.random_range(0.5..4.0);
+                (time, support::vector(&mut rng, 20.0))
+            })
+            .collect();
+        let leg = |k: usize| {
+            let ((from, p), (to, q)) = (waypoints[k], waypoints[k + 1]);
+            (q - p) / (to - from)
+        };
+        let frame = |k: usize| {
+            let (arrive, leave) = (leg(k.max(1) - 1), leg(k.min(6)));
+            Keyframe::new(waypoints[k].0, arrive, waypoints[k].1, leave)
+        };
+        let frames: Vec<Keyframe> = (0..8).map(frame).collect();
+        let hitbox = Hitbox::sphere(0.5).unwrap();
+        for (scene, plan) in [
+            (&mut legs, Trajectory::from_waypoints(&waypoints)),
+            (&mut cubics, Trajectory::from_keyframes(&frames)),
+        ] {
+            let plan = plan.unwrap().with_outside(Outside::Coast);
+            scene
+                .insert(Body::new(plan).with_hitbox(hitbox.clone()))
+                .unwrap();
+        }
+    }
+    let query = Query::new(Window::new(0.0, 40.0).unwrap()).with_margin(1.0);
+    for accuracy in [Accuracy::Exact, Accuracy::Certified] {
+        let query = query.with_accuracy(accuracy);
+        let [one, other] = [&legs, &cubics].map(|scene| scene.screen(&query).unwrap().conflicts);
+        assert!(one.len() > 100, "{}", one.len());
+        assert_eq!(one.len(), other.len());
+        for (one, other) in one.iter().zip(&other) {
+            assert_eq!((one.a, one.b), (other.a, other.b));
+            assert!((one.enter - other.enter).abs() < 1e-9);
+            assert!((one.exit - other.exit).abs() < 1e-9);
+            assert!((one.closest.separation - other.closest.separation).abs() < 1e-12);
+        }
     }
 }
 

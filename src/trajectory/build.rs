@@ -42,85 +42,11 @@ impl Trajectory {
         for (index, pair) in states.windows(2).enumerate() {
             segments.push(Segment::hermite(&pair[0], &pair[1], index + 1)?);
         }
-        let last_knot = states.len() - 1;
-        let (before, after) = (
-            states[1].time - first.time,
-            last.time - states[last_knot - 1].time,
-        );
-        let leaving = bend::of_states(first, &states[1]);
-        let arriving = match last_knot {
-            1 => leaving,
-            _ => bend::of_states(&states[last_knot - 1], last),
-        };
-        let lines = [
-            Segment::line(first, before, 0.0, 0)?,
-            Segment::line(last, after, 0.0, last_knot)?,
-        ];
-        segments.put_beside(0, lines[0].with_bend(leaving[0], before));
-        segments.put_beside(1, lines[1].with_bend(arriving[1], after));
+        let last_pair = &states[states.len() - 2..];
+        let ends = hermite_ends([first, &states[1]], [&last_pair[0], last], states.len() - 1)?;
+        segments.put_beside(0, ends[0]);
+        segments.put_beside(1, ends[1]);
         Ok(Self::absent_outside(knots, segments))
-    }
-
-    /// Builds cubic Hermite segments through positions only, `(time, position)`; velocities follow
-    /// the non-uniform Catmull-Rom rule.
-    ///
-    /// Inside: the velocity of the parabola through a position and its two neighbours. At the ends:
-    /// of the parabola through the three positions there; with two positions, the chord's.
-    ///
-    /// # Errors
-    ///
-    /// As [`from_states`](Self::from_states).
-    pub fn from_positions(positions: &[(f64, DVec3)]) -> Result<Self, Error> {
-        let at_rest: Vec<State> = positions
-            .iter()
-            .map(|&(time, position)| State::new(time, position, DVec3::ZERO))
-            .collect();
-        if at_rest.len() < 2 {
-            return Err(Error::TooFewStates {
-                count: at_rest.len(),
-            });
-        }
-        check_states(&at_rest)?;
-        let chords: Vec<(f64, DVec3)> = at_rest
-            .windows(2)
-            .map(|pair| {
-                let duration = pair[1].time - pair[0].time;
-                (duration, (pair[1].position - pair[0].position) / duration)
-            })
-            .collect();
-        let inner = |k: usize| {
-            let ((before, arriving), (after, leaving)) = (chords[k - 1], chords[k]);
-            let share = before / (before + after);
-            arriving * (1.0 - share) + leaving * share
-        };
-        let last = at_rest.len() - 1;
-        let states: Vec<State> = at_rest
-            .iter()
-            .enumerate()
-            .map(|(k, state)| {
-                let velocity = match k {
-                    _ if last == 1 => chords[0].1,
-                    0 => 2.0 * chords[0].1 - inner(1),
-                    _ if k == last => 2.0 * chords[last - 1].1 - inner(last - 1),
-                    _ => inner(k),
-                };
-                State { velocity, ..*state }
-            })
-            .collect();
-        for (knot, state) in states.iter().enumerate() {
-            let value = state.velocity.abs().max_element();
-            // Nobody gave this velocity: it follows from the positions.
-            if state.velocity.is_nan() || value > MAX_MAGNITUDE {
-                let value = if value.is_nan() { f64::INFINITY } else { value };
-                let quantity = Quantity::Speed;
-                return Err(Error::OutOfRange {
-                    knot,
-                    quantity,
-                    value,
-                });
-            }
-        }
-        Self::from_states(&states)
     }
 
     /// Builds one segment per polynomial, `a t³ + b t² + c t + d` as `[a, b, c, d]`, between
@@ -158,17 +84,7 @@ impl Trajectory {
         coefficients: &[[DVec3; 4]],
         base: TimeBase,
     ) -> Result<Self, Error> {
-        if knots.len() < 2 {
-            return Err(Error::TooFewStates { count: knots.len() });
-        }
-        if knots.len() != coefficients.len() + 1 {
-            return Err(Error::SegmentCount {
-                knots: knots.len(),
-                segments: coefficients.len(),
-            });
-        }
-        check_times(knots.iter().copied())?;
-        let knots: Vec<f64> = knots.iter().copied().map(one_zero).collect();
+        let knots = checked_knots(knots, coefficients.len())?;
         let segments = coefficients
             .iter()
             .enumerate()
@@ -192,9 +108,28 @@ impl Trajectory {
             Ok(line.with_bend([quadratic, cubic], 1.0))
         };
         let last = segments.len() - 1;
-        let coast = [end_line(0, 0)?, end_line(last, last + 1)?];
-        let (knots, segments) = (Roomy::new(&knots, &[]), Roomy::new(&segments, &coast));
-        Ok(Self::absent_outside(knots, segments))
+        let ends = [end_line(0, 0)?, end_line(last, last + 1)?];
+        Ok(Self::of_cubics(&knots, &segments, &ends))
+    }
+
+    /// Returns the motion along cubics between knots, which ends at the first and the last one. `ends` are the end
+    /// motions from there, for another [rule](Outside).
+    pub(super) fn of_cubics(knots: &[f64], segments: &[Segment], ends: &[Segment; 2]) -> Self {
+        Self::absent_outside(Roomy::new(knots, &[]), Roomy::new(segments, ends))
+    }
+
+    /// Returns this motion with other cubics between its first and its last knot. Beyond them it is the same.
+    pub(super) fn with_cubics(&self, knots: &[f64], segments: &[Segment]) -> Self {
+        let ends = [self.carrier_before(), self.carrier_after()];
+        Self {
+            form: Form::Plan(Plan {
+                knots: Roomy::new(knots, &[]),
+                segments: Roomy::new(segments, &ends),
+                before: self.outside_before(),
+                after: self.outside_after(),
+                has_piece_after: false,
+            }),
+        }
     }
 
     const fn absent_outside(knots: Roomy<f64>, segments: Roomy<Segment, 2>) -> Self {
@@ -324,7 +259,45 @@ pub(super) fn check_times(times: impl Iterator<Item = f64>) -> Result<(), Error>
     Ok(())
 }
 
-fn check_states(states: &[State]) -> Result<(), Error> {
+/// Returns the knots of a number of cubics, checked, with one zero.
+///
+/// # Errors
+///
+/// [`Error::TooFewStates`], [`Error::SegmentCount`], and those of [`check_times`].
+pub(super) fn checked_knots(knots: &[f64], segments: usize) -> Result<Vec<f64>, Error> {
+    if knots.len() < 2 {
+        return Err(Error::TooFewStates { count: knots.len() });
+    }
+    if knots.len() != segments + 1 {
+        return Err(Error::SegmentCount {
+            knots: knots.len(),
+            segments,
+        });
+    }
+    check_times(knots.iter().copied())?;
+    Ok(knots.iter().copied().map(one_zero).collect())
+}
+
+/// Returns the end motions of Hermite cubics, by the first and the last two states; `last_knot` is the last one's
+/// number.
+pub(super) fn hermite_ends(
+    first: [&State; 2],
+    last: [&State; 2],
+    last_knot: usize,
+) -> Result<[Segment; 2], Error> {
+    let [before, after] = [first, last].map(|[from, to]| to.time - from.time);
+    let leaving = bend::of_states(first[0], first[1]);
+    let arriving = match last_knot {
+        1 => leaving,
+        _ => bend::of_states(last[0], last[1]),
+    };
+    Ok([
+        Segment::line(first[0], before, 0.0, 0)?.with_bend(leaving[0], before),
+        Segment::line(last[1], after, 0.0, last_knot)?.with_bend(arriving[1], after),
+    ])
+}
+
+pub(super) fn check_states(states: &[State]) -> Result<(), Error> {
     check_times(states.iter().map(|state| state.time))?;
     for (knot, state) in states.iter().enumerate() {
         for axis in 0..3 {

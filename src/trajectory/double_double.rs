@@ -45,6 +45,21 @@ impl DoubleDouble {
         Self { high, low }
     }
 
+    /// Returns the quotient, to 2^-100 of itself.
+    pub(super) fn quotient(self, other: Self) -> Self {
+        let high = self.high / other.high;
+        let rest = self + (other * Self::from(high)).negated();
+        Self::renormalised(high, rest.high / other.high)
+    }
+
+    /// Returns this number with the other sign, exactly.
+    pub(super) fn negated(self) -> Self {
+        Self {
+            high: -self.high,
+            low: -self.low,
+        }
+    }
+
     /// Returns the two f64 whose sum this is.
     pub(super) const fn parts(self) -> [f64; 2] {
         [self.high, self.low]
@@ -135,6 +150,12 @@ impl Expansion {
 impl From<f64> for Expansion {
     fn from(value: f64) -> Self {
         Self(vec![value])
+    }
+}
+
+impl From<DoubleDouble> for Expansion {
+    fn from(value: DoubleDouble) -> Self {
+        Self::from(value.low) + Self::from(value.high)
     }
 }
 

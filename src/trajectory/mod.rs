@@ -2,6 +2,7 @@
 
 mod bend;
 mod build;
+mod curves;
 mod cuts;
 mod double_double;
 mod extension;
@@ -14,12 +15,14 @@ mod rows;
 mod segment;
 #[cfg(feature = "serde")]
 mod serial;
+mod simplified;
 mod splice;
 mod state;
 mod straight;
 mod turned;
 
 pub use build::TimeBase;
+pub use curves::{Keyframe, PositionOptions};
 #[cfg(test)]
 pub(crate) use double_double::DoubleDouble;
 pub(crate) use extension::Extension;

@@ -54,6 +54,30 @@ impl Segment {
         .checked(knot)
     }
 
+    /// Builds the straight segment of constant velocity between two instants and positions (s, m); `knot` is the
+    /// second one's number. What is kept is exactly straight, and of exactly constant velocity.
+    ///
+    /// The numbers must be finite and the times increase.
+    pub(super) fn leg(
+        first: (f64, DVec3),
+        second: (f64, DVec3),
+        knot: usize,
+    ) -> Result<Self, Error> {
+        // Three times the third of a number is that number again (W. Kahan): the last point is as good as the way.
+        let step = (second.1 - first.1) / 3.0;
+        let extent = norm(3.0 * step) * (1.0 + 8.0 * UNIT_ROUNDOFF);
+        Self {
+            start: first.0,
+            end: second.0,
+            origin: first.1,
+            control_points: [step, DVec3::ZERO, DVec3::ZERO],
+            extent,
+            // A rounding of the way, one of the step; underflow of the step, three times.
+            error: -(2.0 * UNIT_ROUNDOFF * extent + UNDERFLOW),
+        }
+        .checked(knot)
+    }
+
     /// Builds straight motion through `state`, in both directions of time: `Coast` and rest.
     ///
     /// `duration` (s) is only the unit of its parameter, rounded to three times a power of two. All

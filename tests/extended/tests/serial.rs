@@ -279,7 +279,7 @@ fn model_errors_in_files() {
 /// A half-space is its normal, in people's formats and in binary ones; a bad one is refused.
 #[test]
 fn half_spaces_in_files() {
-    let normal = glam::DVec3::new(0.6, 0.0, 0.8);
+    let normal = DVec3::new(0.6, 0.0, 0.8);
     let hitbox = Hitbox::half_space(normal).unwrap();
     let text = serde_json::to_string(&hitbox).unwrap();
     assert_eq!(text, r#"{"half_space":[0.6,0.0,0.8]}"#);
@@ -291,15 +291,15 @@ fn half_spaces_in_files() {
     for bad in [r#"{"half_space":[0,0,2]}"#, r#"{"half_space":[0,0]}"#, "{}"] {
         assert!(serde_json::from_str::<Hitbox>(bad).is_err(), "{bad}");
     }
-    let spin = nearmiss::Orientation::spin(0.0, glam::DQuat::IDENTITY, glam::DVec3::Z).unwrap();
-    let mut body = Body::new(Trajectory::at_rest(glam::DVec3::ZERO).unwrap());
+    let spin = Orientation::spin(0.0, DQuat::IDENTITY, DVec3::Z).unwrap();
+    let mut body = Body::new(Trajectory::at_rest(DVec3::ZERO).unwrap());
     body.orientation = spin;
-    let mut scene = nearmiss::Scene::new();
+    let mut scene = Scene::new();
     scene.insert(body).unwrap();
     let text = serde_json::to_string(&scene).unwrap();
-    assert!(serde_json::from_str::<nearmiss::Scene>(&text).is_ok());
+    assert!(serde_json::from_str::<Scene>(&text).is_ok());
     let point = r#"[{"offset":[0.0,0.0,0.0],"radius":0.0}]"#;
     assert!(text.contains(point), "{text}");
     let turning = text.replace(point, r#"{"half_space":[0.0,0.0,1.0]}"#);
-    assert!(serde_json::from_str::<nearmiss::Scene>(&turning).is_err());
+    assert!(serde_json::from_str::<Scene>(&turning).is_err());
 }

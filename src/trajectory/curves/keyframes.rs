@@ -1,0 +1,118 @@
+//! Keyframes: Hermite cubics whose velocity may jump at the knots.
+
+use crate::error::Error;
+use crate::rounding::one_zero;
+use crate::trajectory::build::{check_states, hermite_ends};
+use crate::trajectory::{Segment, State, Trajectory};
+use glam::DVec3;
+
+/// Time, position, and the velocities before and after, of a body at one instant (s, m, m/s).
+///
+/// It is a keyframe of glTF's `CUBICSPLINE` interpolation, in its order: in-tangent, value, out-tangent.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[doc(alias("glTF", "CUBICSPLINE", "tangent"))]
+pub struct Keyframe {
+    /// Seconds.
+    pub time: f64,
+    /// Velocity with which the body arrives, m/s.
+    pub in_tangent: DVec3,
+    /// Metres.
+    pub position: DVec3,
+    /// Velocity with which the body leaves, m/s.
+    pub out_tangent: DVec3,
+}
+
+impl Keyframe {
+    /// Returns a keyframe from its parts; building a trajectory from it validates it.
+    ///
+    /// Vectors can be of f64 or f32, arrays or tuples, as in [`State::new`].
+    #[must_use]
+    pub fn new(
+        time: f64,
+        in_tangent: impl Into<DVec3>,
+        position: impl Into<DVec3>,
+        out_tangent: impl Into<DVec3>,
+    ) -> Self {
+        Self {
+            time,
+            in_tangent: in_tangent.into(),
+            position: position.into(),
+            out_tangent: out_tangent.into(),
+        }
+    }
+
+    const fn arriving(&self) -> State {
+        State {
+            time: self.time,
+            position: self.position,
+            velocity: self.in_tangent,
+        }
+    }
+
+    const fn leaving(&self) -> State {
+        State {
+            velocity: self.out_tangent,
+            ..self.arriving()
+        }
+    }
+}
+
+impl Trajectory {
+    /// Builds cubic Hermite segments through keyframes at irregular, increasing times. The velocity with which a
+    /// body leaves a keyframe may differ from the one with which it arrives.
+    ///
+    /// The first in-tangent and the last out-tangent shape no segment. Beyond the first and last keyframe, if
+    /// [`Outside`](crate::Outside) says so, the body goes on from the first out-tangent and the last in-tangent.
+    ///
+    /// # glTF and other formats
+    ///
+    /// A tangent here is a velocity, in m/s. glTF 2.0 keeps the tangents of `CUBICSPLINE` per second, and multiplies
+    /// them by the duration of the segment when it interpolates. So its numbers are taken as they are; each f32 is an
+    /// f64. Where a format keeps tangents per segment (its parameter runs from 0 to 1), divide the out-tangent by
+    /// the duration of the segment after the keyframe, and the in-tangent by that of the segment before.
+    ///
+    /// ```
+    /// use nearmiss::{Keyframe, Trajectory};
+    ///
+    /// // It falls for a second, and bounces.
+    /// let still = [0.0; 3];
+    /// let bounce = Trajectory::from_keyframes(&[
+    ///     Keyframe::new(0.0, still, [0.0, 0.0, 5.0], still),
+    ///     Keyframe::new(1.0, [0.0, 0.0, -10.0], still, [0.0, 0.0, 8.0]),
+    ///     Keyframe::new(1.8, still, [0.0, 0.0, 3.2], still),
+    /// ])?;
+    /// let velocity = |time| bounce.velocity(time).map_or(f64::NAN, |velocity| velocity.z);
+    /// assert!((velocity(0.5) + 5.0).abs() < 1e-14 && (velocity(1.0) - 8.0).abs() < 1e-14);
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`from_states`](Self::from_states). Also the tangents that shape no segment must be finite.
+    #[doc(alias("glTF", "CUBICSPLINE", "from_tangents", "Hermite"))]
+    pub fn from_keyframes(keyframes: &[Keyframe]) -> Result<Self, Error> {
+        let [first, .., last] = keyframes else {
+            return Err(Error::TooFewStates {
+                count: keyframes.len(),
+            });
+        };
+        let arriving: Vec<State> = keyframes.iter().map(Keyframe::arriving).collect();
+        let leaving: Vec<State> = keyframes.iter().map(Keyframe::leaving).collect();
+        check_states(&arriving)?;
+        check_states(&leaving)?;
+        let pairs = leaving.iter().zip(&arriving[1..]);
+        let segments = (1..)
+            .zip(pairs)
+            .map(|(knot, (from, to))| Segment::hermite(from, to, knot))
+            .collect::<Result<Vec<_>, _>>()?;
+        let last_knot = segments.len();
+        let ends = hermite_ends(
+            [&first.leaving(), &arriving[1]],
+            [&leaving[last_knot - 1], &last.arriving()],
+            last_knot,
+        )?;
+        let knots: Vec<f64> = keyframes.iter().map(|it| one_zero(it.time)).collect();
+        Ok(Self::of_cubics(&knots, &segments, &ends))
+    }
+}

@@ -1,0 +1,77 @@
+//! Waypoints: straight legs of constant velocity.
+
+use crate::error::{Error, Quantity};
+use crate::rounding::one_zero;
+use crate::trajectory::build::{check_number, check_times};
+use crate::trajectory::{Segment, State, Trajectory};
+use glam::DVec3;
+
+impl Trajectory {
+    /// Builds straight legs of constant velocity between waypoints, `(time, position)` (s, m).
+    ///
+    /// The velocity jumps at the waypoints. To stop at one, name its position twice, with the times of arrival and
+    /// departure. Beyond the first and last waypoint, if [`Outside`](crate::Outside) says so, the body keeps the
+    /// velocity of the leg there.
+    ///
+    /// Each leg is straight, without any rounding across it or in its velocity. A position on a leg is good to a few
+    /// roundings of the leg's length, and of the position itself.
+    ///
+    /// ```
+    /// use nearmiss::Trajectory;
+    /// use nearmiss::glam::DVec3;
+    ///
+    /// // A delivery: there in 10 s, 5 s to set down the parcel, and on around a corner.
+    /// let corner = 100.0 * DVec3::X;
+    /// let legs = [(0.0, DVec3::ZERO), (10.0, corner), (15.0, corner), (20.0, corner + 50.0 * DVec3::Y)];
+    /// let plan = Trajectory::from_waypoints(&legs)?;
+    /// assert_eq!(plan.position(4.0), Some(40.0 * DVec3::X));
+    /// assert_eq!(plan.position(12.0), Some(corner));
+    /// assert_eq!(plan.velocity(15.0), Some(10.0 * DVec3::Y)); // from then on
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooFewStates`] below two waypoints; [`Error::TimeNotIncreasing`], [`Error::NotFinite`] and
+    /// [`Error::OutOfRange`], each with the waypoint (as `knot`) and the value.
+    #[doc(alias("polyline", "piecewise linear", "route", "mission", "path"))]
+    pub fn from_waypoints(waypoints: &[(f64, DVec3)]) -> Result<Self, Error> {
+        let count = waypoints.len();
+        if count < 2 {
+            return Err(Error::TooFewStates { count });
+        }
+        check_positions(waypoints)?;
+        let knots: Vec<f64> = waypoints.iter().map(|&(time, _)| one_zero(time)).collect();
+        let legs = (1..).zip(waypoints.windows(2));
+        let legs = legs
+            .map(|(knot, ends)| Segment::leg(ends[0], ends[1], knot))
+            .collect::<Result<Vec<_>, _>>()?;
+        let end_motion = |leg: &Segment, waypoint: usize| {
+            let (time, position) = waypoints[waypoint];
+            let state = State::new(time, position, leg.motion_at(time).1);
+            let duration = leg.end() - leg.start();
+            // The velocity is rounded, as the leg is, and once more.
+            Segment::line(&state, duration, 4.0 * leg.error(), waypoint)
+        };
+        let ends = [
+            end_motion(&legs[0], 0)?,
+            end_motion(&legs[count - 2], count - 1)?,
+        ];
+        Ok(Self::of_cubics(&knots, &legs, &ends))
+    }
+}
+
+/// Checks that times increase, and that positions can be used.
+///
+/// # Errors
+///
+/// Those of [`check_times`] and [`check_number`].
+pub(super) fn check_positions(positions: &[(f64, DVec3)]) -> Result<(), Error> {
+    check_times(positions.iter().map(|&(time, _)| time))?;
+    for (knot, (_, position)) in positions.iter().enumerate() {
+        for axis in 0..3 {
+            check_number(knot, Quantity::Position(axis), position[axis])?;
+        }
+    }
+    Ok(())
+}

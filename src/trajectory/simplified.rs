@@ -1,0 +1,176 @@
+//! Fewer cubics for the same motion, within a proven distance.
+//!
+//! A run of cubics becomes one: the Hermite cubic with the position and velocity at which the run begins and ends. On
+//! each cubic of the run the difference of both is a cubic again, and nowhere larger than its largest Bézier point.
+//! Both are restricted to that interval; the bounds of their errors, and the roundings of the difference, are added.
+
+use super::{Fit, Outside, Segment, State, Trajectory};
+use crate::error::{Error, MAX_MAGNITUDE};
+use crate::rounding::{UNIT_ROUNDOFF, norm};
+
+impl Trajectory {
+    /// Returns this motion with fewer cubics, proven to stay within `tolerance` (m) of it at every time.
+    ///
+    /// Consecutive cubics are merged into one, which has position and velocity of this motion where it begins and
+    /// ends. The knots that are left are some of the present ones, with the first and the last. Cubics that are not
+    /// merged keep their bits. Jumps of the velocity stay where they matter: they are merged over only within the
+    /// tolerance. The motion before the first and after the last knot stays the same, by the same rule.
+    ///
+    /// Knots are chosen one after another, each run as long as repeated doubling and halving find it. So there may be
+    /// a plan of fewer cubics. A body at rest, or one that only
+    /// coasts, is returned as it is.
+    ///
+    /// [`Fit::error`] is the largest distance that the proof leaves, at most `tolerance`; 0 if nothing was merged. It
+    /// holds between the exact cubics: of this trajectory, with the rounding of its construction, and of the returned
+    /// one.
+    ///
+    /// ```
+    /// use nearmiss::{Body, State, Trajectory};
+    ///
+    /// // A circle of 100 m, told ten times a second for a minute.
+    /// let state = |step: u16| {
+    ///     let time = f64::from(step) / 10.0;
+    ///     let (sin, cos) = (time / 10.0).sin_cos();
+    ///     State::new(time, [100.0 * cos, 100.0 * sin, 0.0], [-10.0 * sin, 10.0 * cos, 0.0])
+    /// };
+    /// let told = Trajectory::from_states(&(0..=600).map(state).collect::<Vec<_>>())?;
+    /// let simple = told.simplified(0.01)?;
+    /// assert!(simple.trajectory.segments().len() < 20);
+    /// assert!(simple.error() <= 0.01 && simple.is_proven());
+    /// let error = simple.error();
+    /// let body = Body::new(simple.trajectory).with_model_error(error)?;
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::FitTolerance`] if the tolerance is not a positive number up to 1e300.
+    #[doc(alias("decimate", "reduce", "resample", "compress"))]
+    pub fn simplified(&self, tolerance: f64) -> Result<Fit, Error> {
+        if !(tolerance > 0.0 && tolerance <= MAX_MAGNITUDE) {
+            return Err(Error::FitTolerance { metres: tolerance });
+        }
+        let pieces = self.pieces();
+        let mut knots = Vec::new();
+        let mut segments = Vec::new();
+        let mut error = 0.0_f64;
+        let mut first = 0;
+        while let Some(piece) = pieces.get(first) {
+            let rest = &pieces[first..];
+            let (count, merged) = if first == 0 && self.shapes_what_was_before() {
+                (1, None)
+            } else {
+                longest_run(rest, tolerance)
+            };
+            knots.push(piece.from);
+            if let Some((segment, distance)) = merged {
+                segments.push(segment);
+                error = error.max(distance);
+            } else {
+                segments.push(*piece.segment);
+            }
+            first += count;
+        }
+        if segments.len() == pieces.len() {
+            return Ok(Fit::proven(self.clone(), 0.0));
+        }
+        knots.extend(pieces.last().map(|piece| piece.to));
+        Ok(Fit::proven(self.with_cubics(&knots, &segments), error))
+    }
+
+    fn pieces(&self) -> Vec<Piece<'_>> {
+        let intervals = self.knots().windows(2);
+        let piece = |(segment, ends): (_, &[f64])| Piece {
+            segment,
+            from: ends[0],
+            to: ends[1],
+        };
+        self.segments().iter().zip(intervals).map(piece).collect()
+    }
+
+    /// Returns true if the first cubic is followed before the first knot as well: where a plan lost its beginning, it
+    /// is extrapolated by that.
+    fn shapes_what_was_before(&self) -> bool {
+        self.outside_before() == Outside::Extrapolate
+            && self
+                .knots()
+                .first()
+                .is_some_and(|&knot| self.carrier_before().start() < knot)
+    }
+}
+
+/// A cubic over the part that is followed.
+struct Piece<'a> {
+    segment: &'a Segment,
+    from: f64,
+    to: f64,
+}
+
+/// Returns the number of pieces at the front that are replaced by one cubic; that cubic, and its distance from them
+/// (m), if there are several.
+fn longest_run(pieces: &[Piece<'_>], tolerance: f64) -> (usize, Option<(Segment, f64)>) {
+    let (mut count, mut best, mut step) = (1, None, 1);
+    // The length of a run that is too long.
+    let mut limit = pieces.len() + 1;
+    while count < pieces.len() && limit > pieces.len() {
+        let tried = (count + step).min(pieces.len());
+        match merged(&pieces[..tried], tolerance) {
+            None => limit = tried,
+            found => (count, best, step) = (tried, found, 2 * step),
+        }
+    }
+    while limit - count > 1 {
+        let tried = count + (limit - count) / 2;
+        match merged(&pieces[..tried], tolerance) {
+            None => limit = tried,
+            found => (count, best) = (tried, found),
+        }
+    }
+    (count, best)
+}
+
+/// Returns one cubic for consecutive pieces, and its distance from them (m), if that is within the tolerance.
+fn merged(pieces: &[Piece<'_>], tolerance: f64) -> Option<(Segment, f64)> {
+    let [first, .., last] = pieces else {
+        return None;
+    };
+    let state = |piece: &Piece<'_>, time: f64| {
+        let (position, velocity, _) = piece.segment.motion_at(time);
+        State::new(time, position, velocity)
+    };
+    let (begin, end) = (state(first, first.from), state(last, last.to));
+    let is_finite = [begin, end]
+        .iter()
+        .all(|state| state.position.is_finite() && state.velocity.is_finite());
+    if !is_finite {
+        return None;
+    }
+    let segment = Segment::hermite(&begin, &end, 0).ok()?;
+    let mut largest = 0.0_f64;
+    for piece in pieces {
+        let distance = distance(&segment, piece);
+        // What is no number is not within it.
+        if distance.is_nan() || distance > tolerance {
+            return None;
+        }
+        largest = largest.max(distance);
+    }
+    Some((segment, largest))
+}
+
+/// Returns a bound on the distance between two cubics over a piece of one of them, m.
+fn distance(segment: &Segment, piece: &Piece<'_>) -> f64 {
+    let own = segment.restrict(piece.from, piece.to);
+    let other = piece.segment.restrict(piece.from, piece.to);
+    let between = segment.origin() - piece.segment.origin();
+    let mut largest = 0.0_f64;
+    for (a, b) in own.points.into_iter().zip(other.points) {
+        // The difference of the origins is rounded, that of the points, and the sum.
+        let rounding = 2.0 * UNIT_ROUNDOFF * (norm(between) + norm(a) + norm(b));
+        largest = largest.max(norm(between + (a - b)) + rounding);
+    }
+    (largest + own.error + other.error) * (1.0 + 16.0 * UNIT_ROUNDOFF)
+}
+
+#[cfg(test)]
+mod tests;
