@@ -162,6 +162,20 @@ fn oscillations_with_jumps() -> Motion {
     })
 }
 
+/// Returns straight legs, with a jump in velocity between them.
+fn legs() -> Motion {
+    let corners = [0.0, 3.1, -1.7, 4.9, 4.2, 0.3, 2.8].map(|y| DVec3::new(0.0, y, 2.0 * y));
+    Box::new(move |time| {
+        let leg = (time / 7.3).floor().clamp(0.0, 5.0);
+        let first = (0..6)
+            .find(|&leg_number| leg <= f64::from(leg_number))
+            .unwrap_or(5);
+        let first = usize::try_from(first).unwrap();
+        let velocity = (corners[first + 1] - corners[first]) / 7.3;
+        (corners[first] + (time - 7.3 * leg) * velocity, velocity)
+    })
+}
+
 /// Returns a polynomial of degree 7 from rest to rest in 8 s, with no acceleration and no jerk at its ends.
 fn minimum_snap() -> Motion {
     Box::new(|time| {
@@ -221,6 +235,7 @@ pub(crate) fn all() -> Vec<Case> {
             [0.0, 95.0],
             [0.05, 1e-4],
         ),
+        case("legs", legs(), [0.0, 43.8], [0.1, 1e-4]),
         case("minimum snap", minimum_snap(), [0.0, 8.0], [0.1, 1e-5]),
         case("excursion", short_excursion(), [0.0, 3600.0], [0.1, 1e-3]),
         case(

@@ -31,13 +31,14 @@ impl Trajectory {
     /// velocity (m, m/s) at a time of the window (s). The result differs from it by at most `tolerance` (m).
     ///
     /// The error of the result is an estimate: 1.25 times the largest deviation seen, and rounding. Each piece is
-    /// examined at eleven instants or more, and the window at 1024 or more, evenly spread. Not seen: events so short
-    /// that they pass between these instants and end where the motion would have been without them.
+    /// examined at thirteen instants or more, and the window at 1024 or more, evenly spread. An event shorter than a
+    /// 300th of the window can pass unseen, if it ends where the motion would have been without it.
     /// [`fit_with`](Self::fit_with) proves the error, if the fourth derivative is bounded.
     ///
     /// Positions may have jumps in acceleration, and in velocity. The velocity must be the derivative of the
     /// position: otherwise the fit needs very many knots, and fails. A tolerance ten thousand times smaller needs
-    /// ten times as many knots.
+    /// ten times as many knots. Rounding takes its part of the tolerance: 2e-15 of the distance from the origin, or
+    /// 14 nm at 7000 km.
     ///
     /// ```
     /// use nearmiss::glam::DVec3;
