@@ -164,8 +164,8 @@ fn the_ends_stay() {
 #[test]
 fn what_was_before_stays() {
     let states = flight(20, 0.0, 0.0);
-    let plan = made(Trajectory::from_states(&states)).with_outside(Outside::Extrapolate);
-    let trimmed = plan.trimmed_before(10.01);
+    let trimmed = made(Trajectory::from_states(&states)).trimmed_before(10.01);
+    let trimmed = trimmed.with_outside(Outside::Extrapolate);
     let simple = made(trimmed.simplified(0.1)).trajectory;
     assert!(simple.segments().len() * 5 < trimmed.segments().len());
     for step in 0..200 {
@@ -232,6 +232,15 @@ fn jumps_stay_where_they_matter() {
     assert_eq!(fit.trajectory.knots(), [0.0, 2.0, 4.0]);
     assert_eq!(fit.trajectory.position(2.0), Some(5.0 * DVec3::X));
     assert!(fit.error() < 1e-12);
+    // Merged over, the place before the jump is the farthest: 5 m (3 s² - 2 s³) at s = 2/3.
+    let plan = Trajectory::from_coefficients(&knots[..4], &stairs[..3], TimeBase::SegmentLocal);
+    let fit = made(made(plan).simplified(4.0));
+    assert_eq!(fit.trajectory.knots(), [0.0, 3.0]);
+    assert!(
+        (fit.error() - 100.0 / 27.0).abs() < 1e-12,
+        "{}",
+        fit.error()
+    );
 }
 
 #[test]
