@@ -10,6 +10,11 @@
 //! | points of states, lines, polynomials: error, extent, underflow | `trajectory/segment`, `build` | `segment/tests.rs` |
 //! | 2^-100 of what cancels in a polynomial | `trajectory/build` | `segment::tests::points_of_polynomials_that_vanish` |
 //! | errors of a line where a polynomial ends: position, velocity | `trajectory/build` | `segment::tests::lines_at_the_ends_of_polynomials` |
+//! | points of legs | `trajectory/segment` | `curves::tests::legs_are_straight` |
+//! | points of curves: origin, ways | `trajectory/curves/control_points` | `curves::tests` |
+//! | velocities of end motions of curves | `trajectory/curves` | proof 9 |
+//! | errors of both cubics where several become one | `trajectory/simplified` | `simplified::tests::the_errors_of_both_count` |
+//! | rounding of their difference | `trajectory/simplified` | proof 10 |
 //! | parts: own error, whole (the last point of a line), inside, underflow | `trajectory/segment` | `segment::tests::{points_of_lines, points_of_parts}` |
 //! | origins, offsets, local parts, last sum | `narrow_phase/relative` | `relative::tests::sums_are_within_the_error` |
 //! | errors of both bodies | `narrow_phase/relative` | `relative::tests::errors_of_both_bodies_add_up` |
@@ -62,7 +67,7 @@
 //! | instants of a question, of a jump | `monitor/lookahead/ask`, `jump` | `tests/monitor` `instants` |
 //! | values of a motion, remainder by a fourth derivative | `trajectory/fit/deviation` | `tests/fit` `proven` |
 //! | remainder of a polynomial, rounding of its coefficients | `trajectory/fit/reduction` | `tests/fit` `polynomials` |
-//! | rounding of positions that are returned | `trajectory/fit/deviation` | proof 9 |
+//! | rounding of positions that are returned | `trajectory/fit/deviation` | proof 11 |
 //!
 //! 1. Dropped once, the heights' own 64 roundings cover it. The solver's error is 48 roundings of
 //!    the size in the worst case; two or three in tests.
@@ -83,8 +88,12 @@
 //!    off by the motion in one rounding. Another pair of spheres that is nearer by less, or touches
 //!    within one rounding outside a contact, may be the one to report. The terms are that motion
 //!    and the solver's tolerance; a test would need a tie within, but not exactly at, them.
-//! 9. At most 80 roundings of the extent by their count. Two or three in tests, where the error of the control points
-//!    covers them.
+//! 9. A line with an error takes 20 roundings of its length for its velocity. The term makes the
+//!    error positive where nothing else does, so that these count.
+//! 10. The difference is largest at a Bézier point only where a cubic ends. Elsewhere the point
+//!    exceeds it by far more than three roundings of the lengths that are subtracted.
+//! 11. At most 80 roundings of the extent by their count. Two or three in tests, where the error of the control points
+//!     covers them.
 //!
 //! Squares that meet F of the enclosures need no term against underflow. In the cubic's unit the
 //! factor 1 + 2^-40 adds more than 1e-43 to F, and what underflows is below 1e-124.

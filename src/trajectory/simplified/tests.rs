@@ -1,8 +1,9 @@
 //! Simplified trajectories against exact arithmetic.
 
+use super::{Piece, distance};
 use crate::error::Error;
 use crate::rounding::exact::{Exact, number};
-use crate::trajectory::{Fit, Outside, State, TimeBase, Trajectory};
+use crate::trajectory::{Fit, Outside, Segment, State, TimeBase, Trajectory};
 use dashu::rational::RBig;
 use glam::DVec3;
 use rand::rngs::ChaCha8Rng;
@@ -107,6 +108,27 @@ fn the_error_holds_for_rounding() {
         assert!(is_within(&fit, &states, 1.0), "{states:?}");
     }
     assert!(merged > 300, "{merged}");
+}
+
+/// Two cubics that are kept alike may mean different ones, by the error of each.
+#[test]
+fn the_errors_of_both_count() {
+    let with_error = |error: f64| {
+        let points = [DVec3::X, DVec3::Y, DVec3::Z];
+        made(Segment::from_control_points(
+            (0.0, 4.0),
+            DVec3::ONE,
+            points,
+            error,
+            1,
+        ))
+    };
+    let (one, other) = (with_error(0.25), with_error(0.5));
+    for (from, to) in [(0.0, 4.0), (1.0, 2.0)] {
+        let segment = &other;
+        let found = distance(&one, &Piece { segment, from, to });
+        assert!((0.75..0.75 + 1e-12).contains(&found), "{found}");
+    }
 }
 
 /// A hundred states a second, where a few would do.

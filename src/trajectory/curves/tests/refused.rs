@@ -94,6 +94,13 @@ fn b_splines_that_are_refused() {
         matches!(found, Error::TimeNotIncreasing { knot: 4, .. }),
         "{found}"
     );
+    // Five times, and a control point would count for nothing.
+    let five = [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0];
+    let found = refused(spline(&five, &[&piece[..], &[DVec3::ONE]].concat()));
+    assert!(
+        matches!(found, Error::TimeNotIncreasing { knot: 4, .. }),
+        "{found}"
+    );
     // A knot that occurs four times parts the curve, if its points differ.
     let broken = [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0];
     let mut eight = [piece, piece.map(|point| point + 2.0 * DVec3::Z)].concat();
