@@ -91,7 +91,7 @@
 //! 9. A line with an error takes 20 roundings of its length for its velocity. The term makes the
 //!    error positive where nothing else does, so that these count.
 //! 10. The difference is largest at a Bézier point only where a cubic ends. Elsewhere the point
-//!    exceeds it by far more than three roundings of the lengths that are subtracted.
+//!     exceeds it by far more than three roundings of the lengths that are subtracted.
 //! 11. At most 80 roundings of the extent by their count. Two or three in tests, where the error of the control points
 //!     covers them.
 //!

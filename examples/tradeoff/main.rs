@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! cargo run --release --example tradeoff -- [--quick] [--only pair|stepped|modelled|prices]
-//!     [--json FILE] [--pictures FOLDER] [--bodies N]
+//!     [--json FILE] [--pictures FOLDER] [--bodies N | --states FILE --radius R --margin M]
 //! ```
 //!
 //! Every line is compared with a certified reference. Times are medians; what is compared runs in turns.
@@ -14,6 +14,9 @@ mod pair;
 mod peers;
 mod picture;
 mod prices;
+#[allow(dead_code, reason = "the example `screen` uses more of it")]
+#[path = "../screen/read/mod.rs"]
+mod read;
 #[path = "../scenes/mod.rs"]
 mod scenes;
 mod stepped;
@@ -48,9 +51,30 @@ struct Arguments {
     /// One part only.
     #[arg(long, value_enum)]
     only: Option<Part>,
-    /// How many bodies are stepped.
-    #[arg(long, value_parser = terminal::bodies(), allow_negative_numbers = true)]
+    /// How many bodies of a generated scene are stepped.
+    #[arg(long, value_parser = terminal::bodies(), allow_negative_numbers = true, conflicts_with = "states")]
     bodies: Option<usize>,
+    /// A file of states, as `screen` takes it, that is stepped in place of a generated scene.
+    #[arg(long)]
+    states: Option<PathBuf>,
+    /// Radius of every body of the file, m.
+    #[arg(
+        long,
+        default_value = "0.5",
+        value_parser = terminal::within(0.0..=1e9),
+        allow_hyphen_values = true,
+        requires = "states"
+    )]
+    radius: f64,
+    /// Separation that counts as contact in the file, m.
+    #[arg(
+        long,
+        default_value = "0",
+        value_parser = terminal::margin,
+        allow_hyphen_values = true,
+        requires = "states"
+    )]
+    margin: f64,
     /// Where all tables go as JSON; a file that is there is replaced.
     #[arg(long)]
     json: Option<PathBuf>,
@@ -152,7 +176,10 @@ fn measure(
         Part::Pair => vec![pair::table(effort, progress)],
         Part::Stepped => {
             let bodies = arguments.bodies.unwrap_or(effort.choose(2_000, 300));
-            let world = World::swarm(bodies, 12.0, effort.choose(20.0, 4.0))?;
+            let world = match &arguments.states {
+                Some(file) => World::of_file(file, arguments.radius, arguments.margin)?,
+                None => World::swarm(bodies, 12.0, effort.choose(20.0, 4.0))?,
+            };
             vec![stepped::table(&world, effort, progress)?]
         }
         Part::Modelled => modelled::tables(effort, progress)?,

@@ -1,8 +1,9 @@
 //! Scenes that are looked at: bodies in a cube, or those of a file.
 
-use crate::Failure;
 use crate::scenes::{Shape, swarm};
+use crate::{Failure, read};
 use nearmiss::{Body, Hitbox, Scene, State, Trajectory, Window};
+use std::path::Path;
 
 /// Bodies with their scene, and the time in which they are looked at.
 pub(crate) struct World {
@@ -34,6 +35,27 @@ impl World {
             radius: RADIUS,
             margin: 0.0,
             window: Window::new(0.0, duration)?,
+        })
+    }
+
+    /// The bodies of a file of states, all with one radius (m).
+    pub(crate) fn of_file(file: &Path, radius: f64, margin: f64) -> Result<Self, Failure> {
+        let found = read::bodies(file)?;
+        let mut scene = Scene::new();
+        for body in found.bodies {
+            let tag = body.tag;
+            let hitbox = Hitbox::sphere(radius)?;
+            scene.insert(Body::new(body.trajectory).with_hitbox(hitbox).with_tag(tag))?;
+        }
+        let knots = scene.bodies().map(|(_, body)| body.trajectory.domain());
+        let ends = knots.fold((f64::INFINITY, f64::NEG_INFINITY), |(from, to), own| {
+            (from.min(own.start()), to.max(own.end()))
+        });
+        Ok(Self {
+            scene,
+            radius,
+            margin,
+            window: Window::new(ends.0, ends.1)?,
         })
     }
 

@@ -17,6 +17,9 @@ use steppers::{Overlaps, ShapeCasts, SweptSpheres};
 const RATES: [u32; 8] = [5, 10, 20, 30, 60, 120, 240, 480];
 const FEW_RATES: [u32; 2] = [10, 60];
 
+/// Largest product of bodies and frames of one rate: some seconds.
+const MAX_STEPS: f64 = 1e8;
+
 /// A contact of two bodies seen in a frame.
 #[derive(Clone, Copy, Debug)]
 struct Contact {
@@ -250,6 +253,11 @@ pub(crate) fn table(
     let rates = effort.choose(&RATES[..], &FEW_RATES[..]);
     let truth = truth(world)?;
     let seconds = world.window.end() - world.window.start();
+    #[allow(clippy::cast_precision_loss, reason = "an estimate")]
+    let bodies = world.scene.len() as f64;
+    let fits = |rate: &&u32| bodies * seconds * f64::from(**rate) <= MAX_STEPS;
+    let count = rates.iter().take_while(fits).count();
+    let (rates, left_out) = rates.split_at(count);
     let mut table = Table::new(
         "stepped",
         format!(
@@ -320,7 +328,11 @@ pub(crate) fn table(
             ),
         ];
         for (which, (name, stepper)) in steppers.iter_mut().enumerate() {
-            let (found, total, frames) = step(world, rate, stepper.as_mut());
+            let (mut found, total, frames) = step(world, rate, stepper.as_mut());
+            // Its balls contain half of the margin each.
+            for contact in &mut found {
+                contact.separation = contact.separation.map(|distance| distance + world.margin);
+            }
             let score = Score::of(&truth, &found, 1.0 / f64::from(rate));
             let first = complete.entry(name).or_default();
             if score.missed == 0 && first.is_none() {
@@ -331,6 +343,20 @@ pub(crate) fn table(
             progress((4 * number + which + 1) as f64 / all as f64);
         }
     }
+    add_notes(&mut table, complete, (rates, left_out));
+    Ok(table)
+}
+
+fn rate_cell(rate: u32) -> Cell {
+    Cell::Count(u64::from(rate))
+}
+
+/// Says at which rate each stepper misses nothing, and what was measured.
+fn add_notes(
+    table: &mut Table,
+    complete: BTreeMap<&str, Option<u32>>,
+    (rates, left_out): (&[u32], &[u32]),
+) {
     let highest = rates.last().copied().unwrap_or(0);
     for (name, rate) in complete {
         table.note(match rate {
@@ -342,9 +368,9 @@ pub(crate) fn table(
         .note("late: the first contact seen, or the entry predicted, against the certified entry.");
     table.note("The first three sort boxes along x, and keep the order from frame to frame.");
     table.note("The steppers are given all positions; what it costs to evaluate them is left out.");
-    Ok(table)
-}
-
-fn rate_cell(rate: u32) -> Cell {
-    Cell::Count(u64::from(rate))
+    if let Some(rate) = left_out.first() {
+        table.note(format!(
+            "From {rate} Hz on there are more than {MAX_STEPS:.0e} steps of bodies: left out."
+        ));
+    }
 }

@@ -1,6 +1,7 @@
 //! rapier's sensors: balls that it finds overlapping at the instants of the frames.
 
 use super::{Contact, Frame, Stepper};
+use glam::Vec3;
 use rapier3d::prelude::{
     ActiveCollisionTypes, ColliderBuilder, ColliderHandle, ColliderSet, CollisionPipeline,
     DefaultBroadPhase, IntegrationParameters, IslandManager, NarrowPhase, RigidBodyBuilder,
@@ -50,8 +51,16 @@ impl Sensors {
 
 impl Stepper for Sensors {
     fn look(&mut self, frame: &Frame<'_>, found: &mut Vec<Contact>) {
-        for (&handle, position) in self.handles.iter().zip(frame.now) {
-            self.bodies[handle].set_translation(position.as_vec3(), true);
+        for (place, (&handle, position)) in self.handles.iter().zip(frame.now).enumerate() {
+            // A body that is not there is where nobody else is.
+            #[allow(clippy::cast_precision_loss, reason = "far away")]
+            let away = Vec3::new(1e9 + 1e6 * place as f32, 0.0, 0.0);
+            let position = if position.is_nan() {
+                away
+            } else {
+                position.as_vec3()
+            };
+            self.bodies[handle].set_translation(position, true);
         }
         self.pipeline.step(
             IntegrationParameters::default().prediction_distance(),

@@ -78,9 +78,15 @@ impl Stepper for Overlaps {
     }
 }
 
+/// Returns the ends of a body's step: of one that was not there before, an instant.
+fn way(frame: &Frame<'_>, body: usize) -> (DVec3, DVec3) {
+    let (from, to) = (frame.before[body], frame.now[body]);
+    if from.is_nan() { (to, to) } else { (from, to) }
+}
+
 /// Returns the box that contains a ball all through a straight step.
 fn swept(frame: &Frame<'_>, radius: f64, body: usize) -> (DVec3, DVec3) {
-    let (from, to) = (frame.before[body], frame.now[body]);
+    let (from, to) = way(frame, body);
     (from.min(to) - radius, from.max(to) + radius)
 }
 
@@ -101,13 +107,14 @@ impl SweptSpheres {
 
 impl Stepper for SweptSpheres {
     fn look(&mut self, frame: &Frame<'_>, found: &mut Vec<Contact>) {
-        let (radius, before, now) = (self.radius, frame.before, frame.now);
+        let (radius, now) = (self.radius, frame.now);
         self.sweep.each(
             |body| swept(frame, radius, body),
             now.len(),
             |a, b| {
-                let start = before[a] - before[b];
-                let way = (now[a] - now[b]) - start;
+                let ((from_a, to_a), (from_b, to_b)) = (way(frame, a), way(frame, b));
+                let start = from_a - from_b;
+                let way = (to_a - to_b) - start;
                 let square = way.length_squared();
                 let nearest = if square > 0.0 {
                     (-start.dot(way) / square).clamp(0.0, 1.0)
@@ -166,7 +173,7 @@ impl Stepper for ShapeCasts {
             0.0
         };
         let motion = |body: usize| {
-            let (from, to) = (frame.before[body], frame.now[body]);
+            let (from, to) = way(frame, body);
             let velocity = ((to - from) * rate).as_vec3();
             NonlinearRigidMotion::new(
                 Pose::from_translation(from.as_vec3()),
