@@ -1,4 +1,4 @@
-//! The README's example: two drones on crossing plans.
+//! The example of the README, with more output: two drones on crossing plans.
 
 use glam::DVec3;
 use nearmiss::{Body, Error, Hitbox, Query, Scene, State, Trajectory};
