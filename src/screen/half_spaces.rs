@@ -178,7 +178,8 @@ impl PreparedScene<'_> {
         let is_extended = self.extension(place).is_some();
         let heights = HeightRange::of(entry, is_extended, self.window, plane.normal);
         heights.is_some_and(|heights| {
-            let reach = entry.body.shape().reach();
+            // The reach contains the model error of the body, not that of the half-space.
+            let reach = entry.body.shape().reach() + plane.view.model_error;
             let size = heights.size + ground.size + reach + self.margin.abs();
             // The normal's length is 1 within 1e-9, and the heights within their size.
             heights.low - ground.high > reach + self.margin + 4.0 * CLEARANCE * size

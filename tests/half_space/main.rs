@@ -5,6 +5,7 @@
 mod invariance;
 mod monitor;
 mod oracle;
+mod together;
 mod turning;
 
 use nearmiss::glam::{DQuat, DVec3};
