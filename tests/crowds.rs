@@ -14,8 +14,8 @@ mod support;
 
 use nearmiss::glam::DVec3;
 use nearmiss::{
-    AlertLevel, Body, BodyId, Error, EventKind, Hitbox, Layers, Monitor, Query, Scene, Stats,
-    Trajectory,
+    AlertLevel, Body, BodyId, Error, EventKind, Hitbox, Layers, Monitor, Query, Scene, State,
+    Stats, Trajectory,
 };
 use rand::RngExt;
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -187,6 +187,38 @@ fn one_place_is_refused_in_little_memory() {
     }
     let peak = PEAK.load(Ordering::Relaxed);
     assert!(peak < GIB, "{peak}");
+}
+
+/// Bodies behind many walls, each a contact in each cubic: an error, in little memory.
+#[test]
+fn many_walls_are_refused_in_little_memory() {
+    let _one = alone();
+    let mut scene = Scene::new();
+    for number in 0..400 {
+        let place = DVec3::new(f64::from(number), 0.0, -5.0);
+        let states = (0..=200).map(|time| State::new(f64::from(time), place, DVec3::ZERO));
+        let plan = Trajectory::from_states(&states.collect::<Vec<_>>()).unwrap();
+        let layers = Layers::new(1, 2);
+        scene.insert(Body::new(plan).with_layers(layers)).unwrap();
+    }
+    for _ in 0..100 {
+        let wall = Body::new(Trajectory::at_rest(DVec3::ZERO).unwrap());
+        let wall = wall.with_hitbox(Hitbox::half_space(DVec3::Z).unwrap());
+        scene.insert(wall.with_layers(Layers::new(2, 1))).unwrap();
+    }
+    let limit = 100_000;
+    let query = Query::default().with_max_spans(limit);
+    assert_eq!(
+        scene.screen(&query).unwrap_err(),
+        Error::TooCrowded { limit }
+    );
+    let mut monitor = Monitor::new(scene, 0.0, 200.0, &[AlertLevel::at(0.0)]).unwrap();
+    monitor.set_max_spans(limit);
+    let done = monitor.advance(0.0, &mut Vec::new());
+    assert_eq!(done, Err(Error::TooCrowded { limit }));
+    // All spans would take 128 MiB.
+    let peak = PEAK.load(Ordering::Relaxed);
+    assert!(peak < GIB / 16, "{peak}");
 }
 
 /// Each sees the next kind, which does not see it.

@@ -43,7 +43,7 @@ pub(crate) struct View {
 }
 
 impl View {
-    /// Of a cube with this half side, m. The far level is not shown at first.
+    /// Returns the view of a cube with this half side, m. The far level is not shown at first.
     pub(crate) fn around(half: f64) -> Result<Self, Failure> {
         // Evenly over the sphere: the golden angle from pole to pole.
         let stars = (0..900).map(|k| {

@@ -80,7 +80,7 @@ impl Kind {
     }
 }
 
-/// How a body turns.
+/// The rotation of a body over its plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Attitude {
     Fixed,

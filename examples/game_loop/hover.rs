@@ -9,7 +9,7 @@ use macroquad::prelude::{
 };
 use nearmiss::{BodyId, Encounter};
 
-/// How far from a body the mouse may be, pixels.
+/// Largest distance of the mouse from a body that it points at, pixels.
 const REACH: f32 = 22.0;
 /// Encounters named.
 const MAX_NAMED: usize = 6;

@@ -71,7 +71,7 @@ pub(crate) struct Arguments {
         allow_hyphen_values = true
     )]
     seconds: f64,
-    /// How many bodies; 1,000 if not given, with a window or --ships 300.
+    /// Number of bodies; 1,000 if not given, with a window or --ships 300.
     #[arg(long, value_parser = terminal::bodies(), allow_negative_numbers = true)]
     bodies: Option<usize>,
     /// Share of the bodies that get a new plan every tick.

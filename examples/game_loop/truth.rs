@@ -12,7 +12,7 @@ const ROUNDING: f64 = 1e-9;
 /// Changes of a predicted instant that are not told, with room, s.
 const REVISION: f64 = 1e-6;
 
-/// What was told of contacts, and which ones were seen without having been told.
+/// The contacts that were told, and those that were seen without having been told.
 #[derive(Debug, Default)]
 pub(crate) struct Truth {
     /// Contacts that lie ahead or are under way.

@@ -8,7 +8,7 @@ use nearmiss::{
     State, Trajectory,
 };
 
-/// How far ahead the monitor looks, s.
+/// Time ahead that the monitor looks at, s.
 pub(crate) const LOOKAHEAD: f64 = 2.0;
 
 /// Largest number of spheres that stand in for a box.

@@ -6,7 +6,7 @@ use crate::table::{Cell, Table};
 use crate::timing::in_turns;
 use crate::workloads::Workload;
 use nearmiss::kernels::{
-    ControlPoints, CubicBatch, Enclosure, InstructionSet, closest_approach, enclose, scalar,
+    ControlPoints, CubicBatch, Enclosure, InstructionSet, Real, closest_approach, enclose, scalar,
 };
 use std::hint::black_box;
 use std::rc::Rc;
@@ -43,13 +43,25 @@ impl<F: Fn(&ControlPoints<f64>) -> f64> Method for Single<F> {
     }
 }
 
-struct BatchF64 {
-    cubics: CubicBatch<f64>,
-    times: Vec<f64>,
-    found: Vec<f64>,
+/// The batch kernel in one precision.
+struct Batch<R> {
+    cubics: CubicBatch<R>,
+    times: Vec<R>,
+    found: Vec<R>,
 }
 
-impl Method for BatchF64 {
+impl<R: Real + Default> Batch<R> {
+    fn new(cubics: CubicBatch<R>, count: usize) -> Self {
+        let zeros = vec![R::default(); count];
+        Self {
+            cubics,
+            times: zeros.clone(),
+            found: zeros,
+        }
+    }
+}
+
+impl<R: Real + Into<f64>> Method for Batch<R> {
     fn run(&mut self) {
         let lanes = black_box(&self.cubics).lanes();
         closest_approach(
@@ -62,30 +74,7 @@ impl Method for BatchF64 {
     }
 
     fn distances(&self) -> Vec<f64> {
-        self.found.clone()
-    }
-}
-
-struct BatchF32 {
-    cubics: CubicBatch<f32>,
-    times: Vec<f32>,
-    found: Vec<f32>,
-}
-
-impl Method for BatchF32 {
-    fn run(&mut self) {
-        let lanes = black_box(&self.cubics).lanes();
-        closest_approach(
-            InstructionSet::best(),
-            &lanes,
-            &mut self.times,
-            &mut self.found,
-        );
-        black_box(&self.found);
-    }
-
-    fn distances(&self) -> Vec<f64> {
-        self.found.iter().map(|&found| f64::from(found)).collect()
+        self.found.iter().map(|&found| found.into()).collect()
     }
 }
 
@@ -233,19 +222,9 @@ fn methods(pairs: &Rc<[ControlPoints<f64>]>) -> Vec<(String, Box<dyn Method>)> {
     }
     let ours = single(pairs, |pair| scalar::closest_approach(pair).1);
     methods.push(("nearmiss, one by one".to_owned(), ours));
-    let (times, found) = (vec![0.0; count], vec![0.0; count]);
-    let batch_f64 = BatchF64 {
-        cubics: batch(pairs),
-        times,
-        found,
-    };
+    let batch_f64 = Batch::new(batch(pairs), count);
     methods.push(("nearmiss, batch f64".to_owned(), Box::new(batch_f64)));
-    let (times, found) = (vec![0.0; count], vec![0.0; count]);
-    let batch_f32 = BatchF32 {
-        cubics: batch_f32(pairs),
-        times,
-        found,
-    };
+    let batch_f32 = Batch::new(batch_f32(pairs), count);
     methods.push(("nearmiss, batch f32".to_owned(), Box::new(batch_f32)));
     let certified = Box::new(Certified::new(pairs));
     methods.push(("nearmiss, certified batch".to_owned(), certified));

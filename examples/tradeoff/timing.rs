@@ -37,3 +37,19 @@ pub(crate) fn in_turns<W: FnMut()>(turns: usize, works: &mut [W]) -> Vec<(f64, f
         .collect();
     times.into_iter().map(median).zip(ratios).collect()
 }
+
+/// Does some work a few times. Returns its last result and the median time, s.
+pub(crate) fn repeated<T, E>(
+    runs: usize,
+    mut work: impl FnMut() -> Result<T, E>,
+) -> Result<(T, f64), E> {
+    let (mut last, time) = timed(&mut work);
+    let mut times = vec![time];
+    for _ in 1..runs {
+        let (result, time) = timed(&mut work);
+        last?;
+        last = result;
+        times.push(time);
+    }
+    Ok((last?, median(times)))
+}

@@ -15,14 +15,14 @@ pub(super) enum HitboxNumbers {
 /// The form of people's formats: spheres are a plain list.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]
-enum Readable {
+enum TextForm {
     Spheres(Vec<Sphere>),
-    HalfSpace(HalfSpace),
+    HalfSpace(NormalEntry),
 }
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct HalfSpace {
+struct NormalEntry {
     /// Unit vector out of it.
     half_space: DVec3,
 }
@@ -38,9 +38,9 @@ impl Serialize for HitboxNumbers {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let is_readable = serializer.is_human_readable();
         match (self.clone(), is_readable) {
-            (Self::Spheres(spheres), true) => Readable::Spheres(spheres).serialize(serializer),
+            (Self::Spheres(spheres), true) => TextForm::Spheres(spheres).serialize(serializer),
             (Self::HalfSpace(half_space), true) => {
-                Readable::HalfSpace(HalfSpace { half_space }).serialize(serializer)
+                TextForm::HalfSpace(NormalEntry { half_space }).serialize(serializer)
             }
             (Self::Spheres(spheres), false) => Tagged::Spheres(spheres).serialize(serializer),
             (Self::HalfSpace(normal), false) => Tagged::HalfSpace(normal).serialize(serializer),
@@ -51,9 +51,9 @@ impl Serialize for HitboxNumbers {
 impl<'de> Deserialize<'de> for HitboxNumbers {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         if deserializer.is_human_readable() {
-            Ok(match Readable::deserialize(deserializer)? {
-                Readable::Spheres(spheres) => Self::Spheres(spheres),
-                Readable::HalfSpace(HalfSpace { half_space }) => Self::HalfSpace(half_space),
+            Ok(match TextForm::deserialize(deserializer)? {
+                TextForm::Spheres(spheres) => Self::Spheres(spheres),
+                TextForm::HalfSpace(NormalEntry { half_space }) => Self::HalfSpace(half_space),
             })
         } else {
             Ok(match Tagged::deserialize(deserializer)? {

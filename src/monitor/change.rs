@@ -374,14 +374,12 @@ impl Monitor {
     fn unignore(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
         self.scene.unignore_pair(a, b)?;
         // Either will do: the one that costs less to look for.
-        let spheres = |id| {
+        let cost = |id| {
             let hitbox = self.scene.body(id).map(|body| &body.hitbox);
-            let many = hitbox.filter(|hitbox| hitbox.is_half_space());
-            many.map_or(hitbox.map(|hitbox| hitbox.spheres().len()), |_| {
-                Some(usize::MAX)
-            })
+            // For a half-space all bodies are looked at.
+            hitbox.map(|hitbox| (hitbox.is_half_space(), hitbox.spheres().len()))
         };
-        let simpler = if spheres(a) <= spheres(b) { a } else { b };
+        let simpler = if cost(a) <= cost(b) { a } else { b };
         self.search.forget(simpler.slot);
         Ok(())
     }

@@ -11,6 +11,7 @@ use super::monitored_bodies::MonitoredBodies;
 use crate::broad_phase::PairFilter;
 use crate::narrow_phase::{BodyView, may_touch};
 use crate::rounding::{seen_from, seen_until};
+use crate::search::LimitExceeded;
 use crate::spans::{SpanKey, spans};
 
 /// See the module.
@@ -65,8 +66,9 @@ impl HalfSpaceSearch {
         (from, to, ahead): (f64, f64, f64),
         filter: &F,
         meter: &mut BudgetMeter,
-        found: &mut Vec<SpanKey>,
-    ) -> f64 {
+        (found, most): (&mut Vec<SpanKey>, usize),
+    ) -> Result<f64, LimitExceeded> {
+        let most = found.len().saturating_add(most);
         let horizon = seen_until(to);
         let mut search = PlaneSearch {
             planes: &self.planes,
@@ -76,12 +78,13 @@ impl HalfSpaceSearch {
             until: to + (to - from),
             filter,
             found,
+            most,
         };
         while let Some(&slot) = self.changed.get(self.next) {
             if meter.is_spent() || filter.gives_up() {
-                return from;
+                return Ok(from);
             }
-            let next = search.list(slot, seen_from(from));
+            let next = search.list(slot, seen_from(from))?;
             self.due.set(slot, next.max(horizon.next_up()));
             self.next += 1;
             meter.count(1);
@@ -91,13 +94,13 @@ impl HalfSpaceSearch {
         while let Some((slot, since)) = self.due.next_with_time(horizon) {
             if meter.is_spent() || filter.gives_up() {
                 self.due.set(slot, since);
-                return seen_from(since).next_down().max(from).min(to);
+                return Ok(seen_from(since).next_down().max(from).min(to));
             }
-            let next = search.list(slot, since);
+            let next = search.list(slot, since)?;
             self.due.set(slot, next.max(horizon.next_up()));
             meter.count(1);
         }
-        to
+        Ok(to)
     }
 }
 
@@ -110,15 +113,17 @@ struct PlaneSearch<'s, F> {
     until: f64,
     filter: &'s F,
     found: &'s mut Vec<SpanKey>,
+    /// Largest length of the list.
+    most: usize,
 }
 
 impl<F: PairFilter> PlaneSearch<'_, F> {
     /// Lists the spans of a body from an instant (s) on. Returns when it is to be compared again:
     /// infinity if never.
-    fn list(&mut self, slot: u32, since: f64) -> f64 {
+    fn list(&mut self, slot: u32, since: f64) -> Result<f64, LimitExceeded> {
         let body = self.bodies.get(slot).filter(|view| !view.is_half_space());
         let Some(body) = body else {
-            return f64::INFINITY;
+            return Ok(f64::INFINITY);
         };
         let mut next = f64::INFINITY;
         for &plane in self.planes {
@@ -135,8 +140,11 @@ impl<F: PairFilter> PlaneSearch<'_, F> {
                 (&ground, &body)
             };
             next = next.min(self.list_pair((first, second), (a, b), since));
+            if self.found.len() > self.most {
+                return Err(LimitExceeded);
+            }
         }
-        next
+        Ok(next)
     }
 
     /// Lists the spans of a pair from an instant (s) on. Returns when it is to be compared again.

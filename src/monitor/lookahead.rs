@@ -274,9 +274,9 @@ impl LookaheadSearch {
             let bodies = BodyTable::of(scene, &self.flights, &self.grid, self.margin);
             if !self.half_spaces.is_idle() {
                 let times = (from, to, self.laid_out(to));
-                let found = &mut self.survivors;
+                let found = (&mut self.survivors, self.max_spans);
                 let known = self.half_spaces.look(&bodies, times, filter, meter, found);
-                reached = reached.min(known);
+                reached = reached.min(known?);
             }
             self.finds.forget_before(from);
             self.sorter

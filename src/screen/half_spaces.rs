@@ -9,10 +9,11 @@ use crate::narrow_phase::{BodyView, may_touch};
 use crate::parallel;
 use crate::rounding::{seen_from, seen_until};
 use crate::scene::SceneEntry;
-use crate::search::Bodies;
+use crate::search::{Bodies, LimitExceeded};
 use crate::spans::{SpanKey, common_domain, spans};
 use crate::window::Window;
 use glam::DVec3;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A half-space of a scene.
 #[derive(Debug)]
@@ -68,35 +69,56 @@ impl HeightRange {
 impl PreparedScene<'_> {
     /// Appends every span in which a half-space and another body may be in contact to `found`;
     /// returns the number of spans examined. The list is sorted afterwards.
+    ///
+    /// # Errors
+    ///
+    /// If there are more spans in the list than the limit allows.
     pub(super) fn meet_half_spaces<F: PairFilter>(
         &self,
         bodies: &impl Bodies,
         filter: &F,
         found: &mut Vec<SpanKey>,
-    ) -> u64 {
+    ) -> Result<u64, LimitExceeded> {
         /// Bodies that one thread compares at a time.
-        const CHUNK: usize = 1024;
+        const CHUNK: u32 = 1024;
         let planes: Vec<Plane<'_>> = self.planes(bodies).collect();
-        if planes.is_empty() {
-            return 0;
-        }
-        let chunks = self.entries.len().div_ceil(CHUNK);
-        let compared = parallel::map(chunks, 1, Vec::new, |near: &mut Vec<SpanKey>, chunk| {
-            near.clear();
-            let last = self.entries.len().min((chunk + 1) * CHUNK);
-            let mut looked_at = 0;
-            for place in chunk * CHUNK..last {
-                looked_at += self.meet_planes(place, &planes, bodies, filter, near);
-            }
-            (near.clone(), looked_at)
-        });
+        // Places are counted in 32 bits.
+        let bodies_in_all = u32::try_from(self.entries.len()).unwrap_or(u32::MAX);
+        let chunks = bodies_in_all.div_ceil(CHUNK);
+        // Spans of all threads: an endless list would take all memory.
+        let count = AtomicUsize::new(found.len());
+        let compared = parallel::map(
+            chunks,
+            1,
+            || (),
+            |(), chunk| {
+                let (mut near, mut looked_at) = (Vec::new(), 0);
+                let first = chunk * CHUNK;
+                for body in first..bodies_in_all.min(first.saturating_add(CHUNK)) {
+                    for plane in &planes {
+                        if filter.gives_up() {
+                            return Ok((near, looked_at));
+                        }
+                        let before = near.len();
+                        looked_at += self.meet_plane(body, plane, bodies, filter, &mut near);
+                        let more = near.len() - before;
+                        if more > 0 {
+                            self.limits
+                                .check(count.fetch_add(more, Ordering::Relaxed) + more)?;
+                        }
+                    }
+                }
+                Ok((near, looked_at))
+            },
+        );
         let mut looked_at = 0;
-        for (near, count) in compared {
+        for of_chunk in compared {
+            let (near, count) = of_chunk?;
             found.extend(near);
             looked_at += count;
         }
         found.sort_unstable();
-        looked_at
+        Ok(looked_at)
     }
 
     fn planes<'p>(&'p self, bodies: &'p impl Bodies) -> impl Iterator<Item = Plane<'p>> {
@@ -113,55 +135,46 @@ impl PreparedScene<'_> {
         })
     }
 
-    /// Lists the spans of the body at a place with all half-spaces.
-    fn meet_planes<F: PairFilter>(
+    /// Lists the spans of the body at a place with a half-space. Returns the number of spans
+    /// examined.
+    fn meet_plane<F: PairFilter>(
         &self,
-        place: usize,
-        planes: &[Plane<'_>],
+        body: u32,
+        plane: &Plane<'_>,
         bodies: &impl Bodies,
         filter: &F,
         near: &mut Vec<SpanKey>,
     ) -> u64 {
-        let entry = self.entries[place];
-        let hitbox = &entry.body.hitbox;
-        let Ok(body) = u32::try_from(place) else {
-            return 0;
-        };
-        if hitbox.is_half_space() {
+        let place = body as usize;
+        let (first, second) = (body.min(plane.place), body.max(plane.place));
+        if self.entries[place].body.hitbox.is_half_space()
+            || self.is_clear(place, plane)
+            || !filter.admits(first, second)
+        {
             return 0;
         }
+        let view = bodies.view(body);
+        let (a, b) = if body == first {
+            (&view, &plane.view)
+        } else {
+            (&plane.view, &view)
+        };
+        let Some((start, end)) = common_domain(&a.knots, &b.knots) else {
+            return 0;
+        };
+        // Instants are rounded: what is reported in the window may lie just outside.
+        let from = start.max(seen_from(self.window.start()));
+        let to = end.min(seen_until(self.window.end()));
         let mut looked_at = 0;
-        for plane in planes {
-            if self.is_clear(place, plane)
-                || !filter.admits(body.min(plane.place), body.max(plane.place))
-            {
-                continue;
-            }
-            let view = bodies.view(body);
-            let (a, b) = if body < plane.place {
-                (&view, &plane.view)
-            } else {
-                (&plane.view, &view)
-            };
-            let Some((start, end)) = common_domain(&a.knots, &b.knots) else {
-                continue;
-            };
-            // Instants are rounded: what is reported in the window may lie just outside.
-            let from = start.max(seen_from(self.window.start()));
-            let to = end.min(seen_until(self.window.end()));
-            if from > to {
-                continue;
-            }
-            for span in spans(&a.knots, &b.knots, from, to) {
-                looked_at += 1;
-                if may_touch(a, b, span, self.margin, (from, to)) {
-                    near.push(SpanKey {
-                        a: body.min(plane.place),
-                        b: body.max(plane.place),
-                        cubic_a: span.a,
-                        cubic_b: span.b,
-                    });
-                }
+        for span in spans(&a.knots, &b.knots, from, to) {
+            looked_at += 1;
+            if may_touch(a, b, span, self.margin, (from, to)) {
+                near.push(SpanKey {
+                    a: first,
+                    b: second,
+                    cubic_a: span.a,
+                    cubic_b: span.b,
+                });
             }
         }
         looked_at

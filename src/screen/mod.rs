@@ -365,9 +365,8 @@ impl PreparedScene<'_> {
         done.map_err(|_| Error::TooCrowded { limit })?;
         let begin = Instant::now();
         if !self.half_spaces.is_empty() {
-            stats.spans += self.meet_half_spaces(bodies, filter, &mut survivors);
-            let is_within = self.limits.check(survivors.len());
-            is_within.map_err(|_| Error::TooCrowded { limit })?;
+            let met = self.meet_half_spaces(bodies, filter, &mut survivors);
+            stats.spans += met.map_err(|_| Error::TooCrowded { limit })?;
         }
         screening.conflicts = self.solve(bodies, &survivors, filter, progress);
         stats.narrow_time += begin.elapsed();

@@ -78,9 +78,9 @@ impl Trajectory {
         Ok(Fit::proven(self.with_cubics(&knots, &segments), error))
     }
 
-    fn pieces(&self) -> Vec<Piece<'_>> {
+    fn pieces(&self) -> Vec<OriginalPiece<'_>> {
         let intervals = self.knots().windows(2);
-        let piece = |(segment, ends): (_, &[f64])| Piece {
+        let piece = |(segment, ends): (_, &[f64])| OriginalPiece {
             segment,
             from: ends[0],
             to: ends[1],
@@ -100,7 +100,7 @@ impl Trajectory {
 }
 
 /// A cubic over the part that is followed.
-struct Piece<'a> {
+struct OriginalPiece<'a> {
     segment: &'a Segment,
     from: f64,
     to: f64,
@@ -108,7 +108,7 @@ struct Piece<'a> {
 
 /// Returns the number of pieces at the front that are replaced by one cubic; that cubic, and its distance from them
 /// (m), if there are several.
-fn longest_run(pieces: &[Piece<'_>], tolerance: f64) -> (usize, Option<(Segment, f64)>) {
+fn longest_run(pieces: &[OriginalPiece<'_>], tolerance: f64) -> (usize, Option<(Segment, f64)>) {
     let (mut count, mut best, mut step) = (1, None, 1);
     // The length of a run that is too long.
     let mut limit = pieces.len() + 1;
@@ -130,11 +130,11 @@ fn longest_run(pieces: &[Piece<'_>], tolerance: f64) -> (usize, Option<(Segment,
 }
 
 /// Returns one cubic for consecutive pieces, and its distance from them (m), if that is within the tolerance.
-fn merged(pieces: &[Piece<'_>], tolerance: f64) -> Option<(Segment, f64)> {
+fn merged(pieces: &[OriginalPiece<'_>], tolerance: f64) -> Option<(Segment, f64)> {
     let [first, .., last] = pieces else {
         return None;
     };
-    let state = |piece: &Piece<'_>, time: f64| {
+    let state = |piece: &OriginalPiece<'_>, time: f64| {
         let (position, velocity, _) = piece.segment.motion_at(time);
         State::new(time, position, velocity)
     };
@@ -159,7 +159,7 @@ fn merged(pieces: &[Piece<'_>], tolerance: f64) -> Option<(Segment, f64)> {
 }
 
 /// Returns a bound on the distance between two cubics over a piece of one of them, m.
-fn distance(segment: &Segment, piece: &Piece<'_>) -> f64 {
+fn distance(segment: &Segment, piece: &OriginalPiece<'_>) -> f64 {
     let own = segment.restrict(piece.from, piece.to);
     let other = piece.segment.restrict(piece.from, piece.to);
     let between = segment.origin() - piece.segment.origin();

@@ -2,7 +2,7 @@
 
 use crate::scenes::{generator, normal_vector, uniform_vector};
 use crate::table::Table;
-use crate::timing::{median, timed};
+use crate::timing::repeated;
 use crate::{Effort, Failure};
 use glam::DVec3;
 use nearmiss::{Body, BodyId, Conflict, Hitbox, Query, Scene, Trajectory, Window};
@@ -217,13 +217,8 @@ pub(super) fn table(effort: &Effort) -> Result<Table, Failure> {
         let truth = by_pair(scene.screen(&query)?.conflicts);
         for &tolerance in effort.choose(&[10.0, 1.0, 0.1, 0.01, 0.001][..], &[1.0, 0.01][..]) {
             let (scene, knots, error) = fitted(known, tolerance, false)?;
-            let mut times = Vec::new();
-            let mut found = ByPair::new();
-            for _ in 0..runs {
-                let (screening, time) = timed(|| scene.screen(&query));
-                times.push(time);
-                found = by_pair(screening?.conflicts);
-            }
+            let (screening, time) = repeated(runs, || scene.screen(&query))?;
+            let found = by_pair(screening.conflicts);
             let (scene, ..) = fitted(known, tolerance, true)?;
             let careful = by_pair(scene.screen(&query)?.conflicts);
             let (off, late) = differences(&found, &truth);
@@ -238,7 +233,7 @@ pub(super) fn table(effort: &Effort) -> Result<Table, Failure> {
                 without_partner(&truth, &careful).into(),
                 off.into(),
                 (1e3 * late).into(),
-                (1e3 * median(times)).into(),
+                (1e3 * time).into(),
             ]);
         }
     }

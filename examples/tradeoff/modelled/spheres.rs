@@ -2,7 +2,7 @@
 
 use crate::scenes::{generator, normal_vector, uniform_vector};
 use crate::table::Table;
-use crate::timing::{median, timed};
+use crate::timing::repeated;
 use crate::{Effort, Failure};
 use glam::{DQuat, DVec3};
 use nearmiss::{
@@ -104,13 +104,8 @@ pub(super) fn table(effort: &Effort) -> Result<Table, Failure> {
             (Hitbox::from(cover), overshoot)
         };
         let scene = boxes(count, &hitbox)?;
-        let mut times = Vec::new();
-        let mut conflicts = Vec::new();
-        for _ in 0..runs {
-            let (screening, time) = timed(|| scene.screen(&query));
-            times.push(time);
-            conflicts = screening?.conflicts;
-        }
+        let (screening, time) = repeated(runs, || scene.screen(&query))?;
+        let conflicts = screening.conflicts;
         let touching = conflicts
             .iter()
             .filter(|conflict| boxes_touch(&scene, conflict, &shape))
@@ -121,7 +116,7 @@ pub(super) fn table(effort: &Effort) -> Result<Table, Failure> {
             conflicts.len().into(),
             touching.into(),
             (conflicts.len() - touching).into(),
-            (1e3 * median(times)).into(),
+            (1e3 * time).into(),
         ]);
     }
     table.note(format!(

@@ -4,7 +4,7 @@ mod physics;
 mod steppers;
 
 use crate::table::{Cell, Table};
-use crate::timing::{median, timed};
+use crate::timing::{median, repeated, timed};
 use crate::world::World;
 use crate::{Effort, Failure};
 use glam::DVec3;
@@ -281,17 +281,10 @@ pub(crate) fn table(
     );
     let query = Query::new(world.window).with_margin(world.margin);
     let runs = effort.choose(9, 3);
-    let mut times = Vec::new();
-    let mut answer = None;
-    for _ in 0..runs {
-        let (screening, time) = timed(|| world.scene.screen(&query));
-        times.push(time);
-        answer = Some(screening?);
-    }
-    let unit = median(times);
+    let (screening, unit) = repeated(runs, || world.scene.screen(&query))?;
     let places = places(world);
-    let found = answer.map_or(Vec::new(), |screening| screening.conflicts);
-    let found: Vec<Contact> = found
+    let found: Vec<Contact> = screening
+        .conflicts
         .iter()
         .map(|conflict| Contact {
             a: places[&conflict.a],

@@ -1,7 +1,9 @@
 //! The parts of a span in which both rotations are cubics.
 
 use crate::accuracy::Accuracy;
+use crate::enclosure::{Side, Stretch, Threshold, UncertainCubic};
 use crate::narrow_phase::BodyView;
+use crate::narrow_phase::relative::RelativeCubic;
 use crate::orientation::{BakedRotation, Turning, TurningCell};
 use crate::spans::Span;
 
@@ -11,6 +13,26 @@ pub(super) struct Cell {
     pub(super) span: Span,
     /// Cells of the rotations; `None` for a body that does not turn.
     turns: [Option<TurningCell>; 2],
+}
+
+/// Calls `visit` with each time (s) within an interval at which a motion may be within a distance
+/// (m). `enclosed` is the motion with its errors.
+pub(super) fn each_time_within(
+    (cubic, enclosed): (&RelativeCubic, &UncertainCubic),
+    distance: f64,
+    (from, to): (f64, f64),
+    mut visit: impl FnMut((f64, f64)),
+) {
+    let stretches = enclosed.stretches(Threshold {
+        low: distance,
+        high: distance,
+    });
+    for &Stretch { first, last, side } in stretches.as_slice() {
+        let times = (cubic.earliest(first).max(from), cubic.latest(last).min(to));
+        if side != Side::Outside && times.0 <= times.1 {
+            visit(times);
+        }
+    }
 }
 
 /// Iterator over the parts of a span between cuts of either body's rotation, in time order: those
@@ -30,6 +52,8 @@ pub(super) struct Cells<'a> {
 impl<'a> Cells<'a> {
     /// Parts of a span that are put in order at a time: a span may have any number.
     pub(super) const BLOCK: usize = 1024;
+    /// With so few parts each is tested by itself.
+    pub(super) const FEW: usize = 4;
 
     /// Returns the walk through the parts of a span that meet an interval (s).
     pub(super) fn of(

@@ -5,9 +5,8 @@
 //! of its own. A sphere need not be solved while another one is lower, by more than rounding, over
 //! the whole part.
 
-use super::cells::{Cell, Cells, Rotations};
+use super::cells::{Cell, Cells, Rotations, each_time_within};
 use crate::accuracy::Accuracy;
-use crate::enclosure::{Side, Stretch, Threshold};
 use crate::narrow_phase::BodyView;
 use crate::narrow_phase::half_space::{PlanePair, SphereAlong, lowest};
 use crate::narrow_phase::relative::{HeightCubic, filter_threshold};
@@ -69,10 +68,8 @@ impl<'a> TurningOverPlane<'a> {
                 }
             }
         };
-        /// With so few parts each is tested by itself.
-        const FEW: usize = 4;
         let part = (from.max(span.start), to.min(span.end));
-        if self.cells(part).nth(FEW).is_none() {
+        if self.cells(part).nth(Cells::FEW).is_none() {
             return visit(part);
         }
         let whole = self.bounding();
@@ -82,19 +79,7 @@ impl<'a> TurningOverPlane<'a> {
         }
         let scale = self.pair.rounding_scale(span) + whole.cubic.size + margin.abs();
         let threshold = filter_threshold(radius, scale);
-        let stretches = whole.uncertain().stretches(Threshold {
-            low: threshold,
-            high: threshold,
-        });
-        for &Stretch { first, last, side } in stretches.as_slice() {
-            let times = (
-                whole.cubic.earliest(first).max(part.0),
-                whole.cubic.latest(last).min(part.1),
-            );
-            if side != Side::Outside && times.0 <= times.1 {
-                visit(times);
-            }
-        }
+        each_time_within((&whole.cubic, &whole.uncertain()), threshold, part, visit);
     }
 
     /// See `TurningPair::each_for_nearest`.

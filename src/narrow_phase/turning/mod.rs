@@ -19,10 +19,9 @@ use super::filter::certainly_beyond;
 use super::relative::{RelativeCubic, RelativeMotion, filter_threshold, local_scale};
 use super::sphere_pair::SpherePair;
 use crate::accuracy::Accuracy;
-use crate::enclosure::{Side, Stretch, Threshold};
 use crate::rounding::{seen_from, seen_until};
 use crate::spans::Span;
-use cells::{Cell, Cells, Rotations};
+use cells::{Cell, Cells, Rotations, each_time_within};
 use glam::DVec3;
 use half_space::TurningOverPlane;
 use part::{PartScratch, SpheresOverPart};
@@ -168,26 +167,12 @@ impl<'a> TurningPair<'a> {
                 }
             }
         };
-        /// With so few parts each is tested by itself.
-        const FEW: usize = 4;
         let part = (from.max(self.span.start), to.min(self.span.end));
-        if self.cells(part).nth(FEW).is_none() {
+        if self.cells(part).nth(Cells::FEW).is_none() {
             return visit(part);
         }
         let cubic = self.cubic();
-        let stretches = cubic.uncertain().stretches(Threshold {
-            low: threshold,
-            high: threshold,
-        });
-        for &Stretch { first, last, side } in stretches.as_slice() {
-            let times = (
-                cubic.earliest(first).max(part.0),
-                cubic.latest(last).min(part.1),
-            );
-            if side != Side::Outside && times.0 <= times.1 {
-                visit(times);
-            }
-        }
+        each_time_within((&cubic, &cubic.uncertain()), threshold, part, visit);
     }
 
     /// Returns the pair if one body is a half-space.

@@ -11,13 +11,13 @@ pub(super) const EVALUATION: f64 = 128.0 * UNIT_ROUNDOFF;
 pub(super) const SPARE: f64 = 1.0 + 1e-12;
 
 /// A cubic between two states of a motion.
-pub(super) struct Piece {
+pub(super) struct FittedPiece {
     pub(super) segment: Segment,
     /// Largest distance (m) between positions of the trajectory and of the motion that follows from rounding alone.
     pub(super) rounding: f64,
 }
 
-impl Piece {
+impl FittedPiece {
     /// Returns the cubic between two states, or `None` if it leaves the range of f64. Values of the motion are good
     /// to `ulps`.
     pub(super) fn between(first: &State, second: &State, ulps: f64) -> Option<Self> {

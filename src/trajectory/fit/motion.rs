@@ -1,6 +1,6 @@
 //! Functions of time, approximated by cubics.
 
-use super::deviation::Piece;
+use super::deviation::FittedPiece;
 use super::options::FitOptions;
 use super::place::{checked_tolerance, place_knots};
 use super::result::Fit;
@@ -175,7 +175,7 @@ impl<P: Into<DVec3>, V: Into<DVec3>, F: FnMut(f64) -> (P, V)> Examined<F> {
     }
 
     /// Returns the cubic between two instants, or `None` if it leaves the range of f64.
-    fn piece(&mut self, from: f64, to: f64) -> Result<Option<Piece>, Error> {
+    fn piece(&mut self, from: f64, to: f64) -> Result<Option<FittedPiece>, Error> {
         let mut ends = [State::default(); 2];
         for (time, end) in [from, to].into_iter().zip(&mut ends) {
             let mut known = self.known.into_iter().flatten();
@@ -186,11 +186,11 @@ impl<P: Into<DVec3>, V: Into<DVec3>, F: FnMut(f64) -> (P, V)> Examined<F> {
             };
         }
         self.known = ends.map(Some);
-        Ok(Piece::between(&ends[0], &ends[1], self.ulps))
+        Ok(FittedPiece::between(&ends[0], &ends[1], self.ulps))
     }
 
     /// Returns the distance between a cubic and the motion at a share of its duration (m).
-    fn deviation(&mut self, piece: &Piece, share: f64) -> Result<(f64, f64), Error> {
+    fn deviation(&mut self, piece: &FittedPiece, share: f64) -> Result<(f64, f64), Error> {
         let (start, end) = (piece.segment.start(), piece.segment.end());
         let time = (start + share * (end - start)).clamp(start, end);
         let position = self.state(time)?.position;

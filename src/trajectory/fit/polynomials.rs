@@ -2,7 +2,7 @@
 
 use super::options::FitOptions;
 use super::place::{checked_tolerance, place_knots};
-use super::reduction::{COEFFICIENTS, Polynomial};
+use super::reduction::{COEFFICIENTS, PositionPolynomial};
 use super::result::Fit;
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
 use crate::trajectory::build::{check_number, check_times};
@@ -91,7 +91,7 @@ fn checked_polynomial(
     base: TimeBase,
     [start, end]: [f64; 2],
     knot: usize,
-) -> Result<Polynomial, Error> {
+) -> Result<PositionPolynomial, Error> {
     let mut coefficients = [DVec3::ZERO; COEFFICIENTS];
     for (power, (&from, to)) in given.iter().rev().zip(&mut coefficients).enumerate() {
         for axis in 0..3 {
@@ -103,7 +103,7 @@ fn checked_polynomial(
         TimeBase::Absolute => 0.0,
         TimeBase::SegmentLocal => start,
     };
-    let polynomial = Polynomial::new(coefficients, origin);
+    let polynomial = PositionPolynomial::new(coefficients, origin);
     let value = polynomial.size((start - origin).abs() + (end - start));
     if value.is_nan() || value > MAX_MAGNITUDE {
         return Err(Error::OutOfRange {

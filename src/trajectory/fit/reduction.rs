@@ -16,7 +16,7 @@ const PARTS: u32 = 8;
 const DOUBLE_DOUBLE: f64 = 1.0 / (1u128 << 90) as f64;
 
 /// A polynomial of degree 7 whose variable begins at `origin` (s). Coefficients in increasing order of powers.
-pub(super) struct Polynomial {
+pub(super) struct PositionPolynomial {
     coefficients: [DVec3; COEFFICIENTS],
     origin: f64,
 }
@@ -29,7 +29,7 @@ pub(super) struct Reduced {
     pub(super) error: f64,
 }
 
-impl Polynomial {
+impl PositionPolynomial {
     pub(super) const fn new(coefficients: [DVec3; COEFFICIENTS], origin: f64) -> Self {
         Self {
             coefficients,
