@@ -1,7 +1,6 @@
 //! Changes of the bodies whose states are given in one call.
 
 use super::monitored_bodies::MonitoredBody;
-use crate::error::Error;
 use crate::id::BodyId;
 use crate::orientation::Orientation;
 use crate::trajectory::{StraightMotion, Trajectory};
@@ -13,57 +12,80 @@ pub(super) struct TrackedMotions {
     pub(super) motions: Vec<TrackedMotion>,
     /// By slot: the place of its motion in `motions`, if that is of this slot.
     place_of: Vec<usize>,
+    /// Orientations that were given, with the place of the body's motion.
+    pub(super) orientations: Vec<(usize, Orientation)>,
 }
 
 impl TrackedMotions {
-    /// Takes a motion in. It replaces that of the same body, if there is one.
-    pub(super) fn put(&mut self, motion: TrackedMotion) {
-        let slot = motion.id.slot as usize;
+    pub(super) fn clear(&mut self) {
+        self.motions.clear();
+        self.orientations.clear();
+    }
+
+    /// Takes a motion in, and an orientation if it was given. They replace those of the same body, if there are any.
+    #[inline]
+    pub(super) fn put(
+        &mut self,
+        (id, motion): (BodyId, StraightMotion),
+        orientation: Option<Orientation>,
+    ) {
+        let slot = id.slot as usize;
         if self.place_of.len() <= slot {
             self.place_of.resize(slot + 1, 0);
         }
+        let motion = TrackedMotion {
+            id,
+            motion,
+            turns_in_place: false,
+        };
         let place = &mut self.place_of[slot];
         match self.motions.get_mut(*place) {
-            Some(known) if known.id == motion.id => *known = motion,
+            Some(known) if known.id == id => {
+                *known = motion;
+                self.orientations.retain(|(other, _)| other != place);
+            }
             _ => {
                 *place = self.motions.len();
                 self.motions.push(motion);
             }
         }
+        self.orientations
+            .extend(orientation.map(|orientation| (*place, orientation)));
     }
 
     /// Returns the motion of the body in a slot, if it is turned in place.
     pub(super) fn in_place(&self, slot: usize) -> Option<&TrackedMotion> {
         let motion = self.motions.get(*self.place_of.get(slot)?)?;
-        let is_in_place = matches!(motion.change, TrackedChange::TurnInPlace);
-        (motion.id.slot as usize == slot && is_in_place).then_some(motion)
+        (motion.id.slot as usize == slot && motion.turns_in_place).then_some(motion)
     }
 }
 
-/// The change of one body.
-#[derive(Debug)]
+/// The straight motion that a body is to follow.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct TrackedMotion {
     pub(super) id: BodyId,
-    /// From when on, s.
-    pub(super) from: f64,
-    /// Straight motion from then on.
     pub(super) motion: StraightMotion,
-    /// Orientation from then on, if it was given; then that of all time.
+    /// The few straight motions that the body follows are turned in place, from the time of the call on: so it usually
+    /// is.
+    pub(super) turns_in_place: bool,
+}
+
+/// A change of another kind.
+#[derive(Debug)]
+pub(super) struct TrackedChange {
+    pub(super) id: BodyId,
+    pub(super) motion: TrackedPlan,
+    /// Orientation of all time, if it changes.
     pub(super) orientation: Option<Orientation>,
-    pub(super) change: TrackedChange,
 }
 
 /// The way in which a body comes to follow a straight motion.
 #[derive(Debug)]
-pub(super) enum TrackedChange {
-    /// None: it follows it already.
+pub(super) enum TrackedPlan {
+    /// It follows it already.
     Same,
-    /// Its plan is turned.
-    Turn,
-    /// The few straight motions that it follows are turned in place: several threads can share that.
-    TurnInPlace,
+    /// Its plan is turned at an instant (s).
+    Turn(f64, StraightMotion),
     /// The body takes another plan.
     Replan(Box<(Trajectory, MonitoredBody)>),
-    /// None: it is refused.
-    Refused(Box<Error>),
 }
