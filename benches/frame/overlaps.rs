@@ -11,12 +11,14 @@ use rapier3d::prelude::{
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-/// Radius of a body and half the margin, m.
-const BALL: f32 = 0.5 + 2.5;
+/// Radius of a body, m.
+const BALL: f32 = 0.5;
 
-/// Kinematic bodies, each with a ball as its sensor. Two balls overlap while their bodies are within the margin.
+/// Kinematic bodies, each with a ball as its sensor.
 pub(crate) struct Overlaps {
     world: World,
+    /// Factor of all positions.
+    scale: f32,
     handles: Vec<RigidBodyHandle>,
     positions: Vec<Vec3>,
     bodies: RigidBodySet,
@@ -29,21 +31,34 @@ pub(crate) struct Overlaps {
 }
 
 impl Overlaps {
+    /// Returns the game, after checking that a crowded one finds the overlaps that brute force finds.
     pub(crate) fn new(count: u32) -> Self {
+        let mut crowd = Self::of(2_000, 1.0 / 32.0);
+        for _ in 0..5 {
+            crowd.frame();
+            let overlaps = crowd.brute_force();
+            assert!(overlaps > 100, "{overlaps} overlaps check little");
+            assert_eq!(crowd.counts[1], overlaps, "rapier and brute force differ");
+        }
+        Self::of(count, 1.0)
+    }
+
+    fn of(count: u32, scale: f32) -> Self {
         let (world, _) = World::new(count);
         let (mut bodies, mut colliders) = (RigidBodySet::new(), ColliderSet::new());
         let handles = world.states.iter().map(|(_, state)| {
             let body = RigidBodyBuilder::kinematic_position_based();
-            let handle = bodies.insert(body.translation(state.position.as_vec3()));
+            let handle = bodies.insert(body.translation(scale * state.position.as_vec3()));
             let sensor = ColliderBuilder::ball(BALL)
                 .sensor(true)
-                .active_collision_types(ActiveCollisionTypes::KINEMATIC_KINEMATIC);
+                .active_collision_types(ActiveCollisionTypes::all());
             colliders.insert_with_parent(sensor, handle, &mut bodies);
             handle
         });
         let handles = handles.collect();
         Self {
             world,
+            scale,
             handles,
             positions: Vec::new(),
             bodies,
@@ -55,6 +70,18 @@ impl Overlaps {
             counts: [0; 2],
         }
     }
+
+    /// Returns the number of balls that overlap where they were last told.
+    fn brute_force(&self) -> u64 {
+        let others = |number: usize| &self.positions[number + 1..];
+        let overlaps = self.positions.iter().enumerate().map(|(number, one)| {
+            let met = others(number)
+                .iter()
+                .filter(|other| one.distance(**other) <= 2.0 * BALL);
+            met.count() as u64
+        });
+        overlaps.sum()
+    }
 }
 
 impl Game for Overlaps {
@@ -63,7 +90,7 @@ impl Game for Overlaps {
         let states = self.world.states.iter();
         self.positions.clear();
         self.positions
-            .extend(states.map(|(_, state)| state.position.as_vec3()));
+            .extend(states.map(|(_, state)| self.scale * state.position.as_vec3()));
         let begin = Instant::now();
         for (&handle, &position) in self.handles.iter().zip(&self.positions) {
             self.bodies[handle].set_translation(position, true);
