@@ -71,24 +71,21 @@ impl Monitor {
     ) -> Result<(), Error> {
         let mut tracked = std::mem::take(&mut self.tracked);
         tracked.clear();
-        let changes = self.list_changes(now, states, &mut tracked);
-        let done = changes.and_then(|changes| {
-            self.turn_in_place(now, &tracked)?;
-            changes
-                .into_iter()
-                .try_for_each(|change| self.take_change(change))
-        });
+        let listed = self.list_changes(now, states, &mut tracked);
+        let done = listed.and_then(|()| self.take_changes(now, &mut tracked));
         self.tracked = tracked;
         done
     }
 
-    /// Lists the motions of all bodies; returns the changes of those that do not turn in place.
+    /// Works out what becomes of each body.
     fn list_changes(
         &self,
         now: f64,
         states: impl Iterator<Item = (BodyId, BodyState)>,
         tracked: &mut TrackedMotions,
-    ) -> Result<Vec<TrackedChange>, Error> {
+    ) -> Result<(), Error> {
+        /// Bodies that one thread looks at together.
+        const CHUNK: usize = 64;
         let mut refused = Ok(());
         for (id, state) in states {
             let is_known = (id.slot as usize) < self.scene.slots();
@@ -106,29 +103,23 @@ impl Monitor {
             }
         }
         let terms = self.terms()?;
-        let (motions, orientations) = (&mut tracked.motions, &mut tracked.orientations);
-        orientations.sort_unstable_by_key(|(place, _)| *place);
-        self.find_usual(now, motions, &terms);
-        for (place, _) in &*orientations {
-            motions[*place].turns_in_place = false;
+        self.find_usual(now, &mut tracked.motions, &terms);
+        tracked.list_others();
+        let others = &mut tracked.others;
+        let few = (others.len(), CommandBatch::FEW);
+        parallel::for_each_chunk(others, CHUNK, few, |some| {
+            for other in some {
+                if let Err(error) = self.work_out_change(now, other, &terms) {
+                    other.plan = TrackedPlan::Refused(Box::new(error));
+                }
+            }
+        });
+        let is_refused = |one: &&mut TrackedChange| matches!(one.plan, TrackedPlan::Refused(_));
+        let first = others.iter_mut().find(is_refused);
+        match first.map(|one| std::mem::replace(&mut one.plan, TrackedPlan::Same)) {
+            Some(TrackedPlan::Refused(error)) => Err(*error),
+            _ => refused,
         }
-        let numbered = motions.iter().enumerate();
-        let others = numbered.filter(|(_, one)| !one.turns_in_place);
-        let others: Vec<(usize, TrackedMotion)> =
-            others.map(|(place, one)| (place, *one)).collect();
-        let changes = parallel::map(
-            others.len(),
-            CommandBatch::FEW,
-            || (),
-            |(), number| {
-                let (place, motion) = &others[number];
-                let given = orientations.binary_search_by_key(place, |(place, _)| *place);
-                let orientation = given.ok().map(|given| &orientations[given].1);
-                self.work_out_change((now, motion), orientation, &terms)
-            },
-        );
-        let changes = changes.into_iter().collect::<Result<_, _>>()?;
-        refused.map(|()| changes)
     }
 
     /// Lists the motion, and maybe the orientation, of one body.
@@ -185,31 +176,28 @@ impl Monitor {
     /// Works out what becomes of a body that is told a motion, and maybe an orientation, at an instant (s).
     fn work_out_change(
         &self,
-        (now, tracked): (f64, &TrackedMotion),
-        orientation: Option<&Orientation>,
+        now: f64,
+        change: &mut TrackedChange,
         terms: &ChangeContext<'_>,
-    ) -> Result<TrackedChange, Error> {
-        let id = tracked.id;
+    ) -> Result<(), Error> {
+        let id = change.id;
         let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
-        let (flown, motion) = (&body.trajectory, tracked.motion);
+        let (flown, motion) = (&body.trajectory, change.motion);
         let in_body = |error: Error| error.in_body(body.tag);
         let plan = || Trajectory::of_straight(motion);
         let from = terms.follows_from(flown, &plan(), now);
-        let orientation = match orientation {
-            Some(next) => {
-                let since = terms.forget_before;
-                let both = body.orientation.followed_by(next, now, since);
-                let both = both.map_err(in_body)?;
-                Body::check_turning(&body.hitbox, &both, body.tag)?;
-                Some(both)
-            }
-            None => None,
-        };
+        if let Some(next) = &change.orientation {
+            let since = terms.forget_before;
+            let both = body.orientation.followed_by(next, now, since);
+            let both = both.map_err(in_body)?;
+            Body::check_turning(&body.hitbox, &both, body.tag)?;
+            change.orientation = Some(both);
+        }
         let from = from.map_err(in_body)?;
-        let motion = if flown.follows(&motion, from) {
+        change.plan = if flown.follows(&motion, from) {
             TrackedPlan::Same
         } else if flown.can_turn(from, &motion, terms.window) {
-            TrackedPlan::Turn(from, motion)
+            TrackedPlan::Turn(from)
         } else {
             let mut plan = plan();
             let done = plan.precede_by(flown, from, terms.forget_before);
@@ -217,30 +205,34 @@ impl Monitor {
             let flight = terms.flight(&plan, body.shape(), body.tag)?;
             TrackedPlan::Replan(Box::new((plan, flight)))
         };
-        Ok(TrackedChange {
-            id,
-            motion,
-            orientation,
-        })
+        Ok(())
     }
 
-    /// Lets a change take effect. Nothing is refused.
-    fn take_change(&mut self, change: TrackedChange) -> Result<(), Error> {
-        let id = change.id;
-        match change.motion {
-            TrackedPlan::Same => {}
-            TrackedPlan::Turn(from, motion) => self.turn(id, (from, &motion))?,
-            TrackedPlan::Replan(replanned) => {
-                let (mut plan, flight) = *replanned;
-                self.scene.swap_trajectory(id, &mut plan)?;
-                self.place(id, Some(flight));
-                self.plan_ends.set(id.slot, f64::INFINITY);
+    /// Lets all take effect. Nothing is refused.
+    fn take_changes(&mut self, now: f64, tracked: &mut TrackedMotions) -> Result<(), Error> {
+        self.turn_in_place(now, tracked)?;
+        for change in tracked.others.drain(..) {
+            let id = change.id;
+            match change.plan {
+                TrackedPlan::Same | TrackedPlan::Refused(_) => {}
+                TrackedPlan::Turn(from) => self.turn(id, (from, &change.motion))?,
+                TrackedPlan::Replan(replanned) => {
+                    let (mut plan, flight) = *replanned;
+                    self.scene.swap_trajectory(id, &mut plan)?;
+                    self.place(id, Some(flight));
+                    self.plan_ends.set(id.slot, f64::INFINITY);
+                }
+            }
+            // Last: what the body takes with another plan was worked out for the old one.
+            if let Some(orientation) = change.orientation {
+                self.take_orientation(id, orientation)?;
             }
         }
-        // Last: what the body takes with another plan was worked out for the old one.
-        let Some(orientation) = change.orientation else {
-            return Ok(());
-        };
+        Ok(())
+    }
+
+    /// Gives a body its new orientation, if that is another one.
+    fn take_orientation(&mut self, id: BodyId, orientation: Orientation) -> Result<(), Error> {
         let before = self.scene.set_orientation(id, orientation)?;
         let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
         if before != body.orientation {

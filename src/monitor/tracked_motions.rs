@@ -1,6 +1,7 @@
 //! Changes of the bodies whose states are given in one call.
 
 use super::monitored_bodies::MonitoredBody;
+use crate::error::Error;
 use crate::id::BodyId;
 use crate::orientation::Orientation;
 use crate::trajectory::{StraightMotion, Trajectory};
@@ -13,13 +14,35 @@ pub(super) struct TrackedMotions {
     /// By slot: the place of its motion in `motions`, if that is of this slot.
     place_of: Vec<usize>,
     /// Orientations that were given, with the place of the body's motion.
-    pub(super) orientations: Vec<(usize, Orientation)>,
+    orientations: Vec<(usize, Orientation)>,
+    /// Changes of bodies whose motion is not turned in place, or to which an orientation was given.
+    pub(super) others: Vec<TrackedChange>,
 }
 
 impl TrackedMotions {
     pub(super) fn clear(&mut self) {
         self.motions.clear();
         self.orientations.clear();
+        self.others.clear();
+    }
+
+    /// Lists the other changes, once it is known which motions turn in place.
+    pub(super) fn list_others(&mut self) {
+        for (place, _) in &self.orientations {
+            self.motions[*place].turns_in_place = false;
+        }
+        self.orientations.sort_unstable_by_key(|(place, _)| *place);
+        let mut orientations = self.orientations.drain(..).peekable();
+        let motions = self.motions.iter().enumerate();
+        for (place, one) in motions.filter(|(_, one)| !one.turns_in_place) {
+            let given = orientations.next_if(|(other, _)| *other == place);
+            self.others.push(TrackedChange {
+                id: one.id,
+                motion: one.motion,
+                orientation: given.map(|(_, orientation)| orientation),
+                plan: TrackedPlan::Same,
+            });
+        }
     }
 
     /// Takes a motion in, and an orientation if it was given. They replace those of the same body, if there are any.
@@ -74,9 +97,10 @@ pub(super) struct TrackedMotion {
 #[derive(Debug)]
 pub(super) struct TrackedChange {
     pub(super) id: BodyId,
-    pub(super) motion: TrackedPlan,
-    /// Orientation of all time, if it changes.
+    pub(super) motion: StraightMotion,
+    /// Orientation that was given; then that of all time.
     pub(super) orientation: Option<Orientation>,
+    pub(super) plan: TrackedPlan,
 }
 
 /// The way in which a body comes to follow a straight motion.
@@ -85,7 +109,9 @@ pub(super) enum TrackedPlan {
     /// It follows it already.
     Same,
     /// Its plan is turned at an instant (s).
-    Turn(f64, StraightMotion),
+    Turn(f64),
     /// The body takes another plan.
     Replan(Box<(Trajectory, MonitoredBody)>),
+    /// None: it is refused.
+    Refused(Box<Error>),
 }
