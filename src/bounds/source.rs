@@ -33,16 +33,6 @@ pub(crate) struct CubicSource<'a, C> {
     pub(crate) placement: FramePlacement,
 }
 
-impl<C> CubicSource<'_, C> {
-    /// The source of a body that never exists.
-    pub(crate) const NONE: Self = Self {
-        knots: Knots::NONE,
-        cubics: &[],
-        runs: &[],
-        placement: FramePlacement::NONE,
-    };
-}
-
 impl<'a, C: BoundingCubic> CubicSource<'a, C> {
     /// Returns a whole cubic, of an extended motion or of one without extension.
     #[inline(always)]

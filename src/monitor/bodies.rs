@@ -8,24 +8,12 @@ use crate::narrow_phase::BodyView;
 use crate::parallel;
 use crate::scene::Scene;
 use crate::search::{
-    Bodies, BoxedBodies, FEW_BOXES, FormBounds, SliceBlock, SlicesToForm, SourcesInPlace,
+    Bodies, BoxedBodies, FEW_BOXES, FormBounds, FormInPlace, SliceBlock, SlicesToForm,
+    SourcesInPlace,
 };
 use crate::simd::InstructionSet;
 use crate::trajectory::Segment;
-
-/// Bodies whose boxes are formed at a time: their sources stay in the caches.
-const BATCH: usize = 64;
-
-/// Their places: 0, 1, and so on.
-const PLACES: [u32; BATCH] = {
-    let mut places = [0; BATCH];
-    let mut place = 1;
-    while place < BATCH {
-        places[place] = places[place - 1] + 1;
-        place += 1;
-    }
-    places
-};
+use std::slice::from_ref;
 
 /// The bodies of a monitor, by slot.
 #[derive(Clone, Copy, Debug)]
@@ -88,11 +76,6 @@ impl<'m> BodyTable<'m> {
         }
     }
 
-    /// Number of bodies by which they are fetched ahead.
-    const AHEAD: usize = 4;
-    /// Knots that are fetched: two lines.
-    const KNOTS: usize = 16;
-
     /// Returns the body in a slot.
     pub(super) fn get(&self, slot: u32) -> Option<BodyView<'m>> {
         self.flights.view(self.scene, slot)
@@ -113,72 +96,37 @@ impl<'m> BodyTable<'m> {
     }
 
     /// Calls `visit` with the box and the fat line of each body in each slice in which it exists,
-    /// slices numbered from 0; in each slice in the order of `slots`. `ends`: see [`FormBounds`].
+    /// slices numbered from 0; in each slice in the order of `slots`. `ends`: see [`FormInPlace`].
     pub(super) fn boxes(
         &self,
-        slots: impl Iterator<Item = u32>,
+        slots: impl Iterator<Item = u32> + Clone,
         ends: &[f64],
-        block: &mut SliceBlock,
         mut visit: impl FnMut(usize, BodyBox, &FatLine),
     ) {
-        let mut batch = [0; BATCH];
-        let mut views = [BodyView::NONE; BATCH];
-        let mut sources = [CubicSource::NONE; BATCH];
-        let mut slots = slots.peekable();
-        while slots.peek().is_some() {
-            let mut listed = 0;
-            for (place, slot) in batch.iter_mut().zip(slots.by_ref()) {
-                *place = slot;
-                listed += 1;
-            }
-            let mut paddings = [&Padding::NONE; BATCH];
-            let mut count = 0;
-            for place in 0..listed {
-                // What each loop reads lies anywhere in memory, and was fetched by the one before.
-                if let Some(&later) = batch[..listed].get(place + Self::AHEAD) {
-                    self.scene.prefetch(later);
-                    self.flights.prefetch(later);
-                }
-                let slot = batch[place];
-                let flight = self.flights.get(self.scene, slot);
-                let Some((flight, view)) = flight.filter(|(flight, _)| flight.has_partner) else {
-                    continue;
-                };
-                view.prefetch(view.knots.before());
-                view.knots.prefetch(0, Self::KNOTS);
-                batch[count] = slot;
-                views[count] = view;
-                paddings[count] = &flight.padding;
-                count += 1;
-            }
-            let known = views[..count].iter().zip(paddings);
-            for (source, (view, padding)) in sources.iter_mut().zip(known) {
-                *source = CubicSource::plain((view.knots, view.segments), padding, self.frame);
-            }
-            form(self.frame, &sources[..count], ends, block);
-            for (number, slice) in block.slices[..ends.len() - 1].iter().enumerate() {
-                let boxes = slice.boxes.iter().zip(&slice.fat_lines);
-                for ((boxed, fat_line), &place) in boxes.zip(&slice.bodies) {
-                    let body = batch[place as usize];
-                    visit(number, BodyBox { body, ..*boxed }, fat_line);
-                }
-            }
-        }
+        InstructionSet::best().run(FormInPlace {
+            frame: self.frame,
+            bodies: self,
+            present: slots,
+            ends,
+            put: |(_, body), slice, (fat_line, aabb)| {
+                visit(slice, BodyBox { aabb, body }, &fat_line);
+            },
+        });
     }
 }
 
-/// Forms the boxes of bodies in the first slices of `block`.
+/// Forms the boxes of one body in the first slices of `block`.
 pub(super) fn form(
     frame: &MovingFrame,
-    sources: &[CubicSource<'_, Segment>],
+    source: &CubicSource<'_, Segment>,
     ends: &[f64],
     block: &mut SliceBlock,
 ) {
     InstructionSet::best().run(FormBounds {
         block,
         frame,
-        sources,
-        present: &PLACES[..sources.len()],
+        sources: from_ref(source),
+        present: &[0],
         ends,
     });
 }
@@ -199,11 +147,10 @@ struct ChangedBatch {
     first: usize,
     /// By slice.
     boxes: Vec<Vec<(BodyBox, FatLine)>>,
-    block: SliceBlock,
 }
 
 impl ChangedBounds {
-    const CHUNK: usize = BATCH;
+    const CHUNK: usize = 64;
 
     /// Forms those of these bodies in all slices.
     pub(super) fn form(&mut self, bodies: &BodyTable<'_>, slots: &[u32], ends: &[f64]) {
@@ -249,7 +196,7 @@ impl ChangedBatch {
         for first in (0..slices).step_by(most) {
             let ends = &ends[first..=slices.min(first + most)];
             let (slots, boxes) = (slots.iter().copied(), &mut self.boxes[first..]);
-            bodies.boxes(slots, ends, &mut self.block, |slice, boxed, fat_line| {
+            bodies.boxes(slots, ends, |slice, boxed, fat_line| {
                 boxes[slice].push((boxed, *fat_line));
             });
         }

@@ -1,5 +1,6 @@
 //! Boxes and fat lines of bodies in lists, or of each body from where it lies.
 
+use super::bodies::Bodies;
 use super::form::{FormBounds, SliceBlock, SliceBounds, cubic_before, periods_of, short, walk};
 use crate::bounds::{BoundingCubic, CubicSource, FatLine, MovingFrame, SliceInterval};
 use crate::broad_phase::BodyBox;
@@ -9,13 +10,13 @@ use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
 
 /// Bodies whose boxes are formed from where they lie.
-pub(crate) trait SourcesInPlace: Sync {
+pub(crate) trait SourcesInPlace: Bodies {
     type Cubic: BoundingCubic;
 
     /// Returns the source of a body's boxes.
     fn source(&self, body: u32) -> CubicSource<'_, Self::Cubic>;
 
-    /// Prefetches what [`source`](Self::source) reads.
+    /// Prefetches what [`source`](Self::source) reads beside the [record](Bodies::fetch).
     fn fetch_motion(&self, _: u32) {}
 }
 
@@ -60,7 +61,7 @@ impl SlicesToForm<'_> {
         self.instructions.run(FormInPlace {
             frame: self.frame,
             bodies,
-            present: self.present,
+            present: self.present.iter().copied(),
             ends: self.ends,
             put: |(_, body), slice: usize, bounds| slices[slice].push(body, bounds),
         });
@@ -92,7 +93,7 @@ impl SlicesToForm<'_> {
                 instructions.run(FormInPlace {
                     frame,
                     bodies,
-                    present: &present[first..first + boxes.len()],
+                    present: present[first..first + boxes.len()].iter().copied(),
                     ends,
                     put: |(number, _), _, (fat_line, aabb)| {
                         let body = short(first + number);
@@ -109,19 +110,22 @@ impl SlicesToForm<'_> {
     }
 }
 
-/// Forms the bounds of bodies from where they lie.
-struct FormInPlace<'a, B, P> {
-    frame: &'a MovingFrame,
-    bodies: &'a B,
-    present: &'a [u32],
+/// Forms the bounds of bodies from where they lie, in at most [`SliceBlock::SLICES`] slices.
+pub(crate) struct FormInPlace<'a, B, I, P> {
+    pub(crate) frame: &'a MovingFrame,
+    pub(crate) bodies: &'a B,
+    pub(crate) present: I,
     /// Ends of the slices, s: one more than there are slices.
-    ends: &'a [f64],
+    pub(crate) ends: &'a [f64],
     /// Takes the bounds of a body, given by number and name, in a slice.
-    put: P,
+    pub(crate) put: P,
 }
 
-impl<B: SourcesInPlace, P: FnMut((usize, u32), usize, (FatLine, Aabb))> Task
-    for FormInPlace<'_, B, P>
+impl<B, I, P> Task for FormInPlace<'_, B, I, P>
+where
+    B: SourcesInPlace,
+    I: Iterator<Item = u32> + Clone,
+    P: FnMut((usize, u32), usize, (FatLine, Aabb)),
 {
     type Output = ();
 
@@ -136,15 +140,31 @@ impl<B: SourcesInPlace, P: FnMut((usize, u32), usize, (FatLine, Aabb))> Task
     }
 }
 
-impl<B: SourcesInPlace, P: FnMut((usize, u32), usize, (FatLine, Aabb))> FormInPlace<'_, B, P> {
+impl<B, I, P> FormInPlace<'_, B, I, P>
+where
+    B: SourcesInPlace,
+    I: Iterator<Item = u32> + Clone,
+    P: FnMut((usize, u32), usize, (FatLine, Aabb)),
+{
     /// Prefetch distance in bodies.
     const AHEAD: usize = 4;
 
     #[inline(always)]
     fn form<const MOVES: bool>(mut self, period: impl Fn(f64, f64) -> SliceInterval<MOVES>) {
         let periods = &periods_of(self.ends, period)[..self.ends.len() - 1];
-        for (number, &body) in self.present.iter().enumerate() {
-            if let Some(&later) = self.present.get(number + Self::AHEAD) {
+        let mut motions = self.present.clone();
+        let mut records = self.present.clone();
+        for body in records.by_ref().take(2 * Self::AHEAD) {
+            self.bodies.fetch(body);
+        }
+        for body in motions.by_ref().take(Self::AHEAD) {
+            self.bodies.fetch_motion(body);
+        }
+        for (number, body) in self.present.enumerate() {
+            if let Some(later) = records.next() {
+                self.bodies.fetch(later);
+            }
+            if let Some(later) = motions.next() {
                 self.bodies.fetch_motion(later);
             }
             let source = self.bodies.source(body);

@@ -111,7 +111,7 @@ impl LookaheadSearch {
             // What slices know of these is out of date, wherever it is.
             let mut met = Vec::new();
             let ends = [window.0, window.1];
-            form(&self.grid.frame, &[source], &ends, &mut answer.block);
+            form(&self.grid.frame, &source, &ends, &mut answer.block);
             for own in &answer.block.slices[0].boxes {
                 self.recent.meeting(&bodies, window, &own.aabb, &mut met);
             }
