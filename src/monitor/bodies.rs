@@ -8,7 +8,7 @@ use crate::narrow_phase::BodyView;
 use crate::parallel;
 use crate::scene::Scene;
 use crate::search::{
-    Bodies, BoxedBodies, FEW_BOXES, FormBounds, FormInPlace, SliceBlock, SlicesToForm,
+    Bodies, BoxedBodies, FEW_BOXES, FormBounds, FormInPlace, MAX_SLICES, SliceBlock, SlicesToForm,
     SourcesInPlace,
 };
 use crate::simd::InstructionSet;
@@ -50,6 +50,10 @@ impl SourcesInPlace for BodyTable<'_> {
     #[inline(always)]
     fn source(&self, body: u32) -> CubicSource<'_, Segment> {
         self.source_of(body)
+    }
+
+    fn fetch_record(&self, body: u32) {
+        self.fetch(body);
     }
 
     fn fetch_motion(&self, body: u32) {
@@ -192,7 +196,7 @@ impl ChangedBatch {
             self.boxes.resize_with(slices, Vec::new);
         }
         self.boxes.iter_mut().for_each(Vec::clear);
-        let most = SliceBlock::SLICES;
+        let most = MAX_SLICES;
         for first in (0..slices).step_by(most) {
             let ends = &ends[first..=slices.min(first + most)];
             let (slots, boxes) = (slots.iter().copied(), &mut self.boxes[first..]);

@@ -1,7 +1,7 @@
 //! Boxes and fat lines of bodies in lists, or of each body from where it lies.
 
-use super::bodies::Bodies;
-use super::form::{FormBounds, SliceBlock, SliceBounds, cubic_before, periods_of, short, walk};
+use super::body_walk::{cubic_before, periods_of, short, walk};
+use super::form::{FormBounds, SliceBlock, SliceBounds};
 use crate::bounds::{BoundingCubic, CubicSource, FatLine, MovingFrame, SliceInterval};
 use crate::broad_phase::BodyBox;
 use crate::parallel;
@@ -10,13 +10,16 @@ use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
 
 /// Bodies whose boxes are formed from where they lie.
-pub(crate) trait SourcesInPlace: Bodies {
+pub(crate) trait SourcesInPlace: Sync {
     type Cubic: BoundingCubic;
 
     /// Returns the source of a body's boxes.
     fn source(&self, body: u32) -> CubicSource<'_, Self::Cubic>;
 
-    /// Prefetches what [`source`](Self::source) reads beside the [record](Bodies::fetch).
+    /// Prefetches the record of a body.
+    fn fetch_record(&self, _: u32) {}
+
+    /// Prefetches what [`source`](Self::source) reads beside the record.
     fn fetch_motion(&self, _: u32) {}
 }
 
@@ -110,7 +113,7 @@ impl SlicesToForm<'_> {
     }
 }
 
-/// Forms the bounds of bodies from where they lie, in at most [`SliceBlock::SLICES`] slices.
+/// Forms the bounds of bodies from where they lie, in at most [`MAX_SLICES`](super::MAX_SLICES) slices.
 pub(crate) struct FormInPlace<'a, B, I, P> {
     pub(crate) frame: &'a MovingFrame,
     pub(crate) bodies: &'a B,
@@ -155,14 +158,14 @@ where
         let mut motions = self.present.clone();
         let mut records = self.present.clone();
         for body in records.by_ref().take(2 * Self::AHEAD) {
-            self.bodies.fetch(body);
+            self.bodies.fetch_record(body);
         }
         for body in motions.by_ref().take(Self::AHEAD) {
             self.bodies.fetch_motion(body);
         }
         for (number, body) in self.present.enumerate() {
             if let Some(later) = records.next() {
-                self.bodies.fetch(later);
+                self.bodies.fetch_record(later);
             }
             if let Some(later) = motions.next() {
                 self.bodies.fetch_motion(later);

@@ -6,6 +6,7 @@
 //! which a monitor also uses for the few changed pairs of a slice.
 
 mod bodies;
+mod body_walk;
 mod form;
 mod form_slices;
 mod limits;
@@ -18,6 +19,7 @@ mod sort;
 mod window;
 
 pub(crate) use bodies::{Bodies, BodyLists, BoxedBodies, ListMemory};
+pub(crate) use body_walk::MAX_SLICES;
 #[cfg(test)]
 pub(crate) use form::SliceBounds;
 pub(crate) use form::{FormBounds, SliceBlock};

@@ -1,6 +1,7 @@
 //! Search of a whole window: boxes, candidates, and the spans that cheap tests leave.
 
-use super::form::{SliceBlock, SliceBounds, short};
+use super::body_walk::{MAX_SLICES, short};
+use super::form::{SliceBlock, SliceBounds};
 use super::form_slices::SlicesToForm;
 use super::{
     BoxedBodies, Lifetimes, LimitExceeded, Limits, RefineContext, SceneStatistics, SearchScratch,
@@ -376,7 +377,7 @@ impl SliceBlocks {
         let slices = slices.count();
         let cached = (Self::CACHED_BOXES / present) as usize;
         let few = Self::FEW_SLICES[usize::from(cubics >= 1.0)];
-        let fit = cached.clamp(few, SliceBlock::SLICES);
+        let fit = cached.clamp(few, MAX_SLICES);
         let most = (Self::MAX_BOXES / bodies.max(1)).clamp(1, fit);
         let count = slices.div_ceil(u32::try_from(most).unwrap_or(u32::MAX));
         let threads = u32::try_from(threads).unwrap_or(u32::MAX);
