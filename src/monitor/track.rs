@@ -7,8 +7,9 @@ use super::recording::Record;
 use super::tracked_motions::{TrackedChange, TrackedMotion, TrackedMotions};
 use crate::error::Error;
 use crate::id::BodyId;
+use crate::orientation::{Orientation, TrackedSpin};
 use crate::parallel;
-use crate::scene::{Body, BodyState};
+use crate::scene::BodyState;
 use crate::trajectory::Trajectory;
 
 impl Monitor {
@@ -17,9 +18,9 @@ impl Monitor {
     /// in one call: what a physics engine or a network tells of all bodies, each frame.
     ///
     /// A state with a [spin](BodyState::with_spin) sets the orientation as well, from `now` on; without one the
-    /// body goes on turning as it does. A body that is left out keeps its course. One that already follows that very motion, from a state of that
-    /// very time, is not changed: leave out bodies that sleep. Of a body that is named twice the last state
-    /// counts. In steady state nothing is allocated.
+    /// body goes on turning as it does. A body that is left out keeps its course. One that already follows that very
+    /// motion, from a state of that very time, is not changed: leave out bodies that sleep. Of a body that is named
+    /// twice the last state counts. In steady state nothing is allocated.
     ///
     /// ```
     /// use nearmiss::glam::DVec3;
@@ -69,8 +70,9 @@ impl Monitor {
     ) -> Result<(), Error> {
         let mut tracked = std::mem::take(&mut self.tracked);
         tracked.motions.clear();
+        tracked.spins.clear();
         let done = self.list_motions(now, states, &mut tracked);
-        let done = done.and_then(|()| self.take_motions(&mut tracked));
+        let done = done.and_then(|()| self.take_motions(now, &mut tracked));
         self.tracked = tracked;
         done
     }
@@ -87,14 +89,14 @@ impl Monitor {
         let mut refused = Ok(());
         for (id, state) in states {
             let motion = state.motion();
-            let motion = motion.and_then(|motion| Ok((motion, state.orientation()?)));
+            let motion = motion.and_then(|motion| Ok((motion, tracked.add_spin(&state)?)));
             let is_known = (id.slot as usize) < self.scene.slots();
             match motion {
-                Ok((motion, orientation)) if is_known => tracked.put(TrackedMotion {
+                Ok((motion, spin)) if is_known => tracked.put(TrackedMotion {
                     id,
                     from: now,
                     motion,
-                    orientation,
+                    spin,
                     change: TrackedChange::Turn,
                 }),
                 motion => {
@@ -151,13 +153,11 @@ impl Monitor {
         let in_body = |error: Error| error.in_body(body.tag);
         let plan = || Trajectory::of_straight(motion);
         let from = terms.follows_from(flown, &plan(), tracked.from);
-        if let Some(next) = &tracked.orientation {
-            let both = body
-                .orientation
-                .followed_by(next, tracked.from, terms.forget_before);
-            let both = both.map_err(in_body)?;
-            Body::check_turning(&body.hitbox, &both, body.tag)?;
-            tracked.orientation = Some(both);
+        if tracked.spin.is_some() {
+            Orientation::checked_start(tracked.from).map_err(in_body)?;
+            if body.hitbox.is_half_space() {
+                return Err(in_body(Error::TurningHalfSpace));
+            }
         }
         tracked.from = from.map_err(in_body)?;
         let from = tracked.from;
@@ -177,14 +177,15 @@ impl Monitor {
         Ok(())
     }
 
-    /// Gives the body its new orientation, if that is another one.
-    fn take_orientation(&mut self, tracked: &mut TrackedMotion) -> Result<(), Error> {
-        let (id, Some(orientation)) = (tracked.id, tracked.orientation.take()) else {
-            return Ok(());
-        };
-        let before = self.scene.set_orientation(id, orientation)?;
-        let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
-        if before != body.orientation {
+    /// Lets the body follow a spin from an instant (s) on, and forgets what ends before another one.
+    fn take_spin(
+        &mut self,
+        id: BodyId,
+        spin: &TrackedSpin,
+        (from, since): (f64, f64),
+    ) -> Result<(), Error> {
+        if self.scene.follow_spin(id, spin, (from, since))? {
+            let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
             self.search.reshape(id.slot, body.shape());
             self.count_change();
         }
@@ -192,17 +193,18 @@ impl Monitor {
     }
 
     /// Lets it take effect. Nothing is refused.
-    fn take_motions(&mut self, tracked: &mut TrackedMotions) -> Result<(), Error> {
+    fn take_motions(&mut self, now: f64, tracked: &mut TrackedMotions) -> Result<(), Error> {
         let is_shared = parallel::threads() > 1 && 2 * tracked.motions.len() > self.scene.slots();
         if is_shared {
             self.turn_in_place(tracked)?;
         }
-        let tracked = &mut tracked.motions;
-        for place in 0..tracked.len() {
+        let since = self.terms()?.forget_before;
+        let (motions, spins) = (&mut tracked.motions, &tracked.spins);
+        for place in 0..motions.len() {
             if !is_shared {
-                self.prefetch_motion(tracked, place);
+                self.prefetch_motion(motions, place);
             }
-            let tracked = &mut tracked[place];
+            let tracked = &mut motions[place];
             let (id, motion) = (tracked.id, (tracked.from, &tracked.motion));
             match std::mem::replace(&mut tracked.change, TrackedChange::Same) {
                 TrackedChange::TurnInPlace if is_shared => {
@@ -218,8 +220,10 @@ impl Monitor {
                 }
                 TrackedChange::Same | TrackedChange::Refused(_) => {}
             }
-            // Last: what the body takes with another plan was worked out for the old one.
-            self.take_orientation(tracked)?;
+            // Last: what the body takes with another plan was worked out for the old shape.
+            if let Some(spin) = tracked.spin.map(|place| &spins[place]) {
+                self.take_spin(id, spin, (now, since))?;
+            }
         }
         Ok(())
     }

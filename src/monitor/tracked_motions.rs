@@ -3,7 +3,8 @@
 use super::monitored_bodies::MonitoredBody;
 use crate::error::Error;
 use crate::id::BodyId;
-use crate::orientation::Orientation;
+use crate::orientation::TrackedSpin;
+use crate::scene::BodyState;
 use crate::trajectory::{StraightMotion, Trajectory};
 
 /// Changes of the bodies of one call. Their memory is reused.
@@ -11,6 +12,8 @@ use crate::trajectory::{StraightMotion, Trajectory};
 pub(super) struct TrackedMotions {
     /// One for each body.
     pub(super) motions: Vec<TrackedMotion>,
+    /// Spins of some of them.
+    pub(super) spins: Vec<TrackedSpin>,
     /// By slot: the place of its motion in `motions`, if that is of this slot.
     place_of: Vec<usize>,
 }
@@ -32,6 +35,21 @@ impl TrackedMotions {
         }
     }
 
+    /// Takes the spin of a state in, and returns its place in the list; `None` if there is no spin.
+    ///
+    /// # Errors
+    ///
+    /// As [`Orientation::spin`](crate::Orientation::spin).
+    pub(super) fn add_spin(&mut self, state: &BodyState) -> Result<Option<usize>, Error> {
+        let Some(spin) = &state.spin else {
+            return Ok(None);
+        };
+        let (time, place) = (state.state.time, self.spins.len());
+        let spin = TrackedSpin::new(time, spin.rotation, spin.angular_velocity)?;
+        self.spins.push(spin);
+        Ok(Some(place))
+    }
+
     /// Returns the motion of the body in a slot, if it is turned in place.
     pub(super) fn in_place(&self, slot: usize) -> Option<&TrackedMotion> {
         let motion = self.motions.get(*self.place_of.get(slot)?)?;
@@ -48,8 +66,8 @@ pub(super) struct TrackedMotion {
     pub(super) from: f64,
     /// Straight motion from then on.
     pub(super) motion: StraightMotion,
-    /// Orientation from then on, if it was given; then that of all time.
-    pub(super) orientation: Option<Orientation>,
+    /// The place of its spin in the list of spins, if it was given one.
+    pub(super) spin: Option<usize>,
     pub(super) change: TrackedChange,
 }
 
