@@ -31,6 +31,9 @@ mod games;
 mod overlaps;
 #[path = "told/ratios.rs"]
 mod ratios;
+#[cfg(feature = "rapier")]
+#[path = "../examples/tradeoff/stepped/sensors.rs"]
+mod sensors;
 #[path = "told/world.rs"]
 mod world;
 
