@@ -331,21 +331,21 @@ impl BestOfBlock {
         const SPARE: f64 = 1e-12;
         let mut squares = [0.0; BLOCK];
         let mut is_near = false;
-        for i in 0..BLOCK {
+        for (i, square) in squares.iter_mut().enumerate() {
             let (dx, dy, dz) = (
                 self.x[i] - centre.x,
                 self.y[i] - centre.y,
                 self.z[i] - centre.z,
             );
-            squares[i] = dx * dx + dy * dy + dz * dz;
+            *square = dx * dx + dy * dy + dz * dz;
             let most = (self.first[i] - height + SPARE).max(0.0);
-            is_near |= squares[i] <= most * most;
+            is_near |= *square <= most * most;
         }
         if !is_near {
             return;
         }
-        for i in 0..BLOCK {
-            let overshoot = squares[i].sqrt() + height;
+        for (i, square) in squares.into_iter().enumerate() {
+            let overshoot = square.sqrt() + height;
             let is_best =
                 overshoot < self.first[i] || (overshoot <= self.first[i] && ball < self.best[i]);
             self.best[i] = if is_best { ball } else { self.best[i] };
