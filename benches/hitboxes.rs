@@ -10,7 +10,7 @@
 //! - `scene/swarm_10k`, `scene/swarm_10k_floor`: points, and a floor below all but a few of them.
 //! - `monitor/1k_balls`, `monitor/1k_turning8`: a frame of a monitor of 1,000 bodies that is told of all of them:
 //!   balls of 2 m, or 8 spheres of that reach, which turn once in 12 s and are told with their spin. The world is
-//!   that of the benchmark `told`; stepping it is not timed.
+//!   that of the benchmark `frame`; stepping it is not timed.
 //! - `closest_approach/polycool/random`: solves of the benchmark `kernels`, the unit of the ratios.
 
 #![allow(
@@ -29,7 +29,7 @@ mod tracked;
 #[allow(dead_code, reason = "the benchmark `kernels` uses more of it")]
 #[path = "kernels/workloads.rs"]
 mod workloads;
-#[path = "told/world.rs"]
+#[path = "frame/world.rs"]
 mod world;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};

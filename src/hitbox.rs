@@ -238,6 +238,7 @@ impl Hitbox {
     }
 
     /// Returns the corners of the box around all spheres, in the body's frame (m).
+    #[inline]
     pub(crate) fn corners(&self) -> (DVec3, DVec3) {
         let Sphere { offset, radius } = self.bounding;
         match &self.cluster {

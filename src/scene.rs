@@ -42,7 +42,7 @@ pub(crate) struct Slot {
 }
 
 impl Slot {
-    /// Turns the motion of the body, if there is one, which must [turn in place](Trajectory::turns_in_place).
+    /// Turns the motion of the body, if there is one, which must turn in place.
     pub(crate) fn turn_in_place(
         &mut self,
         (from, motion, since): (f64, &StraightMotion, f64),
@@ -141,7 +141,7 @@ impl Scene {
     }
 
     /// Returns the test whether a body may be part of a pair with a margin (m).
-    pub(crate) const fn partners(&self, margin: f64) -> Partners<'_> {
+    pub(crate) fn partners(&self, margin: f64) -> Partners<'_> {
         Partners::of(&self.kinds, margin)
     }
 

@@ -8,10 +8,24 @@ use crate::narrow_phase::BodyView;
 use crate::parallel;
 use crate::scene::Scene;
 use crate::search::{
-    BATCH, Bodies, BoxedBodies, FEW_BOXES, FormBounds, PLACES, SliceBlock, SlicesToForm,
+    Bodies, BoxedBodies, FEW_BOXES, FormBounds, SliceBlock, SlicesToForm, SourcesInPlace,
 };
 use crate::simd::InstructionSet;
 use crate::trajectory::Segment;
+
+/// Bodies whose boxes are formed at a time: their sources stay in the caches.
+const BATCH: usize = 64;
+
+/// Their places: 0, 1, and so on.
+const PLACES: [u32; BATCH] = {
+    let mut places = [0; BATCH];
+    let mut place = 1;
+    while place < BATCH {
+        places[place] = places[place - 1] + 1;
+        place += 1;
+    }
+    places
+};
 
 /// The bodies of a monitor, by slot.
 #[derive(Clone, Copy, Debug)]
@@ -38,7 +52,22 @@ impl Bodies for BodyTable<'_> {
 
 impl BoxedBodies for BodyTable<'_> {
     fn form(&self, slices: SlicesToForm<'_>) {
-        slices.form_in_place(|body| self.fetch_motion(body), |body| self.source(body));
+        slices.form_in_place(self);
+    }
+}
+
+impl SourcesInPlace for BodyTable<'_> {
+    type Cubic = Segment;
+
+    #[inline(always)]
+    fn source(&self, body: u32) -> CubicSource<'_, Segment> {
+        self.source_of(body)
+    }
+
+    fn fetch_motion(&self, body: u32) {
+        if let Some((_, entry)) = self.scene.in_slot(body) {
+            entry.body.trajectory.prefetch();
+        }
     }
 }
 
@@ -70,21 +99,16 @@ impl<'m> BodyTable<'m> {
     }
 
     /// Returns the source of a body's boxes; that of one that never exists if it is part of no pair.
-    pub(super) fn source(&self, slot: u32) -> CubicSource<'m, Segment> {
-        let body = self.flights.get(self.scene, slot);
-        match body.filter(|(flight, _)| flight.has_partner) {
-            Some((flight, view)) => {
-                let cubics = (view.knots, view.segments);
+    #[inline(always)]
+    pub(super) fn source_of(&self, slot: u32) -> CubicSource<'m, Segment> {
+        let known = self.flights.known(self.scene, slot);
+        match known.filter(|(flight, _)| flight.has_partner) {
+            Some((flight, body)) => {
+                let plan = &body.trajectory;
+                let cubics = (flight.knots(plan), plan.cubics());
                 CubicSource::plain(cubics, &flight.padding, self.frame)
             }
             None => CubicSource::plain((BodyView::NONE.knots, &[]), &Padding::NONE, self.frame),
-        }
-    }
-
-    /// Prefetches the motion of a body.
-    fn fetch_motion(&self, slot: u32) {
-        if let Some((_, entry)) = self.scene.in_slot(slot) {
-            entry.body.trajectory.prefetch();
         }
     }
 

@@ -89,24 +89,35 @@ impl Kinds {
 pub(crate) struct Partners<'s> {
     kinds: &'s Kinds,
     margin: f64,
+    /// The answer for all bodies, by their layers, if these are the same.
+    all: Option<bool>,
 }
 
 impl<'s> Partners<'s> {
     /// Returns the test for bodies of these kinds and a margin (m).
-    pub(super) const fn of(kinds: &'s Kinds, margin: f64) -> Self {
-        Self { kinds, margin }
+    pub(super) fn of(kinds: &'s Kinds, margin: f64) -> Self {
+        let mut layers = kinds.layers.values();
+        let all = match (layers.next(), layers.next()) {
+            (Some(&(_, has_partner)), None) => Some(has_partner),
+            _ => None,
+        };
+        Self { kinds, margin, all }
     }
 
     /// Returns false if the body can be part of no pair of boxes: by its layers, by a very negative
     /// margin, or because no box contains a half-space.
+    #[inline]
     pub(crate) fn has(&self, body: &Body) -> bool {
         if body.hitbox.is_half_space() {
             return false;
         }
-        let key = (body.layers.membership, body.layers.filter);
-        let has_partner = || self.kinds.layers.get(&key).is_some_and(|kind| kind.1);
-        (self.kinds.layers.len() > Kinds::MANY || has_partner())
-            && can_reach(radius(body), self.kinds.largest, self.margin)
+        let of_layers = || {
+            let key = (body.layers.membership, body.layers.filter);
+            let is_partner = || self.kinds.layers.get(&key).is_some_and(|kind| kind.1);
+            self.kinds.layers.len() > Kinds::MANY || is_partner()
+        };
+        self.all.unwrap_or_else(of_layers)
+            && (self.margin >= 0.0 || can_reach(radius(body), self.kinds.largest, self.margin))
     }
 
     /// Returns a value that changes if [`has`](Self::has) changes for unchanged bodies.

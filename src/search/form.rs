@@ -21,7 +21,7 @@ pub(crate) struct SliceBounds {
 
 impl SliceBounds {
     #[inline(always)]
-    fn push(&mut self, body: u32, (fat_line, aabb): (FatLine, Aabb)) {
+    pub(super) fn push(&mut self, body: u32, (fat_line, aabb): (FatLine, Aabb)) {
         let place = short(self.bodies.len());
         self.boxes.push(BodyBox { aabb, body: place });
         self.fat_lines.push(fat_line);
@@ -95,11 +95,7 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
         let Self { ends, present, .. } = self;
         let count = ends.len() - 1;
         self.block.clear(count, present.len());
-        let mut periods = [period(0.0, 0.0); SliceBlock::SLICES];
-        for (place, ends) in periods.iter_mut().zip(ends.windows(2)) {
-            *place = period(ends[0], ends[1]);
-        }
-        let periods = &periods[..count];
+        let periods = &periods_of(ends, period)[..count];
         self.block.pieces.resize(self.sources.len(), 0);
         for number in 0..Self::AHEAD {
             self.look_up(number, periods);
@@ -109,26 +105,12 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
             let ahead = self.look_up(number + Self::AHEAD, periods);
             let body = place as usize;
             let source = &self.sources[body];
-            if !exists(source, periods) {
-                continue;
+            let SliceBlock { slices, pieces } = &mut *self.block;
+            let first = || pieces[body] as usize;
+            let put = |slice: usize, bounds| slices[slice].push(place, bounds);
+            if let Some(last) = walk(source, periods, (ahead, first), put) {
+                pieces[body] = short(last);
             }
-            let piece = self.block.pieces[body] as usize;
-            let slices = &mut self.block.slices[..count];
-            if let Some(pieces) = source.straight_over(ends_of(periods)) {
-                for (slice, period) in slices.iter_mut().zip(periods) {
-                    let (bounds, first) = pieces.bounds(period);
-                    slice.push(place, bounds.finish(&source.placement, short(first)));
-                }
-                continue;
-            }
-            let end = if source.knots.are_extended() {
-                let walk = BodyWalk::<_, _, true>::new(source, periods, ahead, piece);
-                walk.through_extended(piece, place, slices)
-            } else {
-                let walk = BodyWalk::<_, _, false>::new(source, periods, ahead, piece);
-                walk.through(piece, place, slices)
-            };
-            self.block.pieces[body] = short(end);
         }
     }
 
@@ -163,6 +145,46 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
         }
         None
     }
+}
+
+/// Returns the intervals of some slices, given their ends (s): the first ones of an array.
+#[inline(always)]
+pub(super) fn periods_of<const MOVES: bool>(
+    ends: &[f64],
+    period: impl Fn(f64, f64) -> SliceInterval<MOVES>,
+) -> [SliceInterval<MOVES>; SliceBlock::SLICES] {
+    let mut periods = [period(0.0, 0.0); SliceBlock::SLICES];
+    for (place, ends) in periods.iter_mut().zip(ends.windows(2)) {
+        *place = period(ends[0], ends[1]);
+    }
+    periods
+}
+
+/// Calls `put` with each slice in which a body exists, by number, and the bounds there. Returns the body's last cubic
+/// there, or `None` if it was not looked for. `first` returns the first one.
+#[inline(always)]
+pub(super) fn walk<'a, C: BoundingCubic, const MOVES: bool>(
+    source: &'a CubicSource<'a, C>,
+    periods: &'a [SliceInterval<MOVES>],
+    (ahead, first): (Ahead<'a, C>, impl FnOnce() -> usize),
+    mut put: impl FnMut(usize, (FatLine, Aabb)),
+) -> Option<usize> {
+    if !exists(source, periods) {
+        return None;
+    }
+    if let Some(pieces) = source.straight_over(ends_of(periods)) {
+        for (slice, period) in periods.iter().enumerate() {
+            let (bounds, first) = pieces.bounds(period);
+            put(slice, bounds.finish(&source.placement, short(first)));
+        }
+        return None;
+    }
+    let first = first();
+    Some(if source.knots.are_extended() {
+        BodyWalk::<_, _, true>::new(source, periods, ahead, first).through_extended(&mut put)
+    } else {
+        BodyWalk::<_, _, false>::new(source, periods, ahead, first).through(&mut put)
+    })
 }
 
 /// Returns the beginning and end of a block, s.
@@ -217,7 +239,7 @@ fn fetch_route<C: BoundingCubic, const MOVES: bool>(
 
 /// Returns the last cubic that begins before `time` (or the first), searched from a guess.
 #[inline(always)]
-fn cubic_before(knots: &Knots<'_>, time: f64, guess: u32) -> usize {
+pub(super) fn cubic_before(knots: &Knots<'_>, time: f64, guess: u32) -> usize {
     /// Linear steps before the search halves the rest.
     const STEPS: usize = 8;
     let guess = guess as usize;
@@ -267,7 +289,7 @@ struct BodyWalk<'a, C, const MOVES: bool, const EXTENDED: bool> {
 
 /// A later body and the first of its plan's cubics to prefetch: one for each of this body's.
 /// None: nothing to prefetch.
-type Ahead<'a, C> = Option<(&'a CubicSource<'a, C>, usize)>;
+pub(super) type Ahead<'a, C> = Option<(&'a CubicSource<'a, C>, usize)>;
 
 impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
     BodyWalk<'a, C, MOVES, EXTENDED>
@@ -313,15 +335,18 @@ impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
     }
 
     #[inline(never)]
-    fn through_extended(&self, number: usize, body: u32, slices: &mut [SliceBounds]) -> usize {
-        self.through(number, body, slices)
+    fn through_extended(&self, put: &mut impl FnMut(usize, (FatLine, Aabb))) -> usize {
+        self.through(put)
     }
 
-    /// Appends box and fat line to each slice in which the body exists; returns its last cubic.
+    /// Calls `put` with each slice in which the body exists, and the bounds there; returns its last cubic.
     #[inline(always)]
-    fn through(&self, mut number: usize, body: u32, slices: &mut [SliceBounds]) -> usize {
+    fn through(&self, put: &mut impl FnMut(usize, (FatLine, Aabb))) -> usize {
         let Self {
-            source, periods, ..
+            source,
+            periods,
+            begin: mut number,
+            ..
         } = *self;
         let knots = &source.knots;
         let (first, last) = knots.ends();
@@ -329,7 +354,7 @@ impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
         if knots.at(number) < periods[0].from {
             rest = rest.split(periods[0].from).1;
         }
-        for (slice, period) in slices.iter_mut().zip(periods) {
+        for (slice, period) in periods.iter().enumerate() {
             if first > period.to || last < period.from {
                 continue;
             }
@@ -353,7 +378,7 @@ impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
                 builder.follow_from_start(&tail);
                 builder
             };
-            slice.push(body, builder.finish(&source.placement, short(begin)));
+            put(slice, builder.finish(&source.placement, short(begin)));
         }
         number
     }

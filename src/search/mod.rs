@@ -21,7 +21,7 @@ pub(crate) use bodies::{Bodies, BodyLists, BoxedBodies, ListMemory};
 #[cfg(test)]
 pub(crate) use form::SliceBounds;
 pub(crate) use form::{FormBounds, SliceBlock};
-pub(crate) use form_slices::{BATCH, PLACES, SlicesToForm};
+pub(crate) use form_slices::{SlicesToForm, SourcesInPlace};
 pub(crate) use limits::{LimitExceeded, Limits};
 pub(crate) use presence::Lifetimes;
 pub(crate) use refine::{CandidateRefiner, RefineContext};

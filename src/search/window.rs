@@ -115,7 +115,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
             .list((ends[0], ends[ends.len() - 1]), &mut scratch.present);
         // Taken out meanwhile, so that the method can be borrowed beside them.
         let mut block = std::mem::take(&mut scratch.block);
-        self.form(&ends, &scratch.present, (&mut block, &mut scratch.batches));
+        self.form(&ends, &scratch.present, &mut block);
         scratch.ends = ends;
         stats.bounds_time += begin.elapsed();
         let mut candidates = std::mem::take(&mut scratch.candidates);
@@ -166,15 +166,9 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         Ok(stats)
     }
 
-    fn form(
-        &self,
-        ends: &[f64],
-        present: &[u32],
-        (block, batches): (&mut SliceBlock, &mut Vec<SliceBlock>),
-    ) {
+    fn form(&self, ends: &[f64], present: &[u32], block: &mut SliceBlock) {
         self.bodies.form(SlicesToForm {
             block,
-            batches,
             frame: self.frame,
             present,
             ends,
@@ -250,8 +244,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         let middle = 0.5 * from + 0.5 * to;
         let mut halves = SliceBlock::default();
         if from < middle && middle < to {
-            let memory = (&mut halves, &mut scratch.batches);
-            self.form(&[from, middle, to], &slice.bodies, memory);
+            self.form(&[from, middle, to], &slice.bodies, &mut halves);
         }
         let whole = Size::of(slice);
         let sizes = halves.slices.iter().map(Size::of);

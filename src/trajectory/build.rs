@@ -198,8 +198,8 @@ impl Trajectory {
     ///
     /// As [`coasting`](Self::coasting).
     pub(crate) fn coasting_motion(state: &State) -> Result<StraightMotion, Error> {
-        if let Some(motion) = StraightMotion::through_ordinary(state) {
-            return Ok(motion);
+        if StraightMotion::is_ordinary(state) {
+            return Ok(StraightMotion::through_ordinary(state));
         }
         check_states(from_ref(state))?;
         StraightMotion::through(state, StraightMotion::DURATION)

@@ -28,7 +28,7 @@ impl Sensors {
             let handle = bodies.insert(RigidBodyBuilder::kinematic_position_based());
             let sensor = ColliderBuilder::ball(radius)
                 .sensor(true)
-                .active_collision_types(ActiveCollisionTypes::KINEMATIC_KINEMATIC)
+                .active_collision_types(ActiveCollisionTypes::all())
                 .user_data(number as u128);
             colliders.insert_with_parent(sensor, handle, &mut bodies);
             handle
