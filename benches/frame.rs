@@ -30,6 +30,8 @@ mod games;
 mod overlaps;
 #[path = "frame/ratios.rs"]
 mod ratios;
+#[path = "../examples/tradeoff/stepped/sensors.rs"]
+mod sensors;
 #[path = "frame/world.rs"]
 mod world;
 

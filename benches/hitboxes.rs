@@ -8,6 +8,9 @@
 //! - `scene/swarm_10k_100balls`, `scene/swarm_10k_100turning`: points, and 100 more bodies: balls of 2 m, or
 //!   turning clusters of that reach.
 //! - `scene/swarm_10k`, `scene/swarm_10k_floor`: points, and a floor below all but a few of them.
+//! - `monitor/1k_balls`, `monitor/1k_turning8`: a frame of a monitor of 1,000 bodies that is told of all of them:
+//!   balls of 2 m, or 8 spheres of that reach, which turn once in 12 s and are told with their spin. The world is
+//!   that of the benchmark `frame`; stepping it is not timed.
 //! - `closest_approach/polycool/random`: solves of the benchmark `kernels`, the unit of the ratios.
 
 #![allow(
@@ -21,9 +24,13 @@
 mod peers;
 #[path = "../examples/scenes/mod.rs"]
 mod scenes;
+#[path = "hitboxes/tracked.rs"]
+mod tracked;
 #[allow(dead_code, reason = "the benchmark `kernels` uses more of it")]
 #[path = "kernels/workloads.rs"]
 mod workloads;
+#[path = "frame/world.rs"]
+mod world;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use nearmiss::glam::{DQuat, DVec3};
@@ -36,6 +43,7 @@ use scenes::{Shape, generator, normal_vector, swarm};
 use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::time::Duration;
+use tracked::{Tracked, Turn};
 use workloads::Workload;
 
 const PAIRS: usize = 1_024;
@@ -242,5 +250,40 @@ fn scenes(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, pairs, scenes);
+fn monitors(c: &mut Criterion) {
+    const BODIES: u32 = 1_000;
+    const REACH: f64 = 2.0;
+    /// s.
+    const REVOLUTION: f64 = 12.0;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build()
+        .unwrap();
+    let mut group = c.benchmark_group("hitboxes");
+    for (name, turns) in [("1k_balls", false), ("1k_turning8", true)] {
+        let mut made = None;
+        group.bench_function(BenchmarkId::new("monitor", name), |bencher| {
+            let tracked = made.get_or_insert_with(|| {
+                let mut rng = generator(4);
+                let turning = |rng: &mut ChaCha8Rng| Turn {
+                    rotation: DQuat::from_scaled_axis(direction(rng) * rng.random_range(0.0..3.0)),
+                    angular_velocity: direction(rng) * (TAU / REVOLUTION),
+                };
+                Tracked::new(BODIES, || {
+                    if turns {
+                        (cluster(&mut rng, 8, REACH), Some(turning(&mut rng)))
+                    } else {
+                        (Hitbox::sphere(REACH).unwrap(), None)
+                    }
+                })
+            });
+            pool.install(|| {
+                bencher.iter_custom(|frames| (0..frames).map(|_| tracked.frame()).sum());
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, pairs, scenes, monitors);
 criterion_main!(benches);

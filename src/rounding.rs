@@ -19,6 +19,13 @@
 //! | origins, offsets, local parts, last sum | `narrow_phase/relative` | `relative::tests::sums_are_within_the_error` |
 //! | errors of both bodies | `narrow_phase/relative` | `relative::tests::errors_of_both_bodies_add_up` |
 //! | 1 + 2^-40 on these: terms of second order | `narrow_phase/relative` | `relative::tests::sums_are_within_the_error_to_second_order` |
+//! | heights above a plane: origins, ways, underflow | `narrow_phase/relative` | `relative::tests::heights_are_within_the_error` |
+//! | a sphere's way along a normal | `narrow_phase/half_space` | `half_space::tests::lines_are_within_their_error_of_the_heights` |
+//! | error of heights, clearance of the first comparison | `narrow_phase/half_space` | `tests/half_space` |
+//! | model errors above a plane | `narrow_phase/half_space`, `screen/half_spaces` | `tests/half_space` `together` |
+//! | errors of turning centres, in radii and in enclosures | `narrow_phase/turning` | `tests/half_space` `turning`, `tests/turning` |
+//! | interpolation of rotations | `orientation/arc`, `quaternion_cubic` | `orientation::tests::cubics_stay_within_their_error` |
+//! | rounding of a spin that grows with time | `orientation/arc` | `orientation::tests::what_rounding_hides_is_unknown` |
 //! | tolerance: error, evaluation | `narrow_phase/relative` | `relative::tests::distances_are_within_the_tolerance` |
 //! | instants: step, sum | `narrow_phase/relative` | `relative::tests::instants_are_enclosed` |
 //! | clearance of filters, and of chords: scale, underflow | `narrow_phase/relative` | `relative::tests::filters_keep_clear_of_the_tolerance` |

@@ -1,32 +1,22 @@
 //! rapier's collision pipeline, told where all bodies are: their present overlaps, nothing ahead.
 
 use super::games::Game;
+use super::sensors::Sensors;
 use super::world::World;
 use nearmiss::glam::Vec3;
-use rapier3d::prelude::{
-    ActiveCollisionTypes, ColliderBuilder, ColliderSet, CollisionPipeline, DefaultBroadPhase,
-    IntegrationParameters, IslandManager, NarrowPhase, RigidBodyBuilder, RigidBodyHandle,
-    RigidBodySet,
-};
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 /// Radius of a body, m.
 const BALL: f32 = 0.5;
 
-/// Kinematic bodies, each with a ball as its sensor.
+/// Sensors that overlap while their bodies do.
 pub(crate) struct Overlaps {
     world: World,
     /// Factor of all positions.
     scale: f32,
-    handles: Vec<RigidBodyHandle>,
     positions: Vec<Vec3>,
-    bodies: RigidBodySet,
-    colliders: ColliderSet,
-    islands: IslandManager,
-    broad_phase: DefaultBroadPhase,
-    narrow_phase: NarrowPhase,
-    pipeline: CollisionPipeline,
+    sensors: Sensors,
     counts: [u64; 2],
 }
 
@@ -45,28 +35,11 @@ impl Overlaps {
 
     fn of(count: u32, scale: f32) -> Self {
         let (world, _) = World::new(count);
-        let (mut bodies, mut colliders) = (RigidBodySet::new(), ColliderSet::new());
-        let handles = world.states.iter().map(|(_, state)| {
-            let body = RigidBodyBuilder::kinematic_position_based();
-            let handle = bodies.insert(body.translation(scale * state.position.as_vec3()));
-            let sensor = ColliderBuilder::ball(BALL)
-                .sensor(true)
-                .active_collision_types(ActiveCollisionTypes::all());
-            colliders.insert_with_parent(sensor, handle, &mut bodies);
-            handle
-        });
-        let handles = handles.collect();
         Self {
-            world,
             scale,
-            handles,
             positions: Vec::new(),
-            bodies,
-            colliders,
-            islands: IslandManager::new(),
-            broad_phase: DefaultBroadPhase::new(),
-            narrow_phase: NarrowPhase::new(),
-            pipeline: CollisionPipeline::new(),
+            sensors: Sensors::new(f64::from(BALL), world.states.len()),
+            world,
             counts: [0; 2],
         }
     }
@@ -92,21 +65,9 @@ impl Game for Overlaps {
         self.positions
             .extend(states.map(|(_, state)| self.scale * state.position.as_vec3()));
         let begin = Instant::now();
-        for (&handle, &position) in self.handles.iter().zip(&self.positions) {
-            self.bodies[handle].set_translation(position, true);
-        }
-        self.pipeline.step(
-            IntegrationParameters::default().prediction_distance(),
-            &mut self.islands,
-            &mut self.broad_phase,
-            &mut self.narrow_phase,
-            &mut self.bodies,
-            &mut self.colliders,
-            &(),
-            &(),
-        );
+        self.sensors.step(self.positions.iter().copied());
         let mut counts = [0; 2];
-        for (_, _, overlap) in self.narrow_phase.intersection_pairs() {
+        for (_, overlap) in self.sensors.pairs() {
             counts[0] += 1;
             counts[1] += u64::from(overlap);
         }

@@ -154,6 +154,9 @@ impl Surface {
         let heights = &scratch.heights;
         scratch.crossings.clear();
         for polygon in self.polygons() {
+            if side(polygon, heights) != Side::Both {
+                continue;
+            }
             for (from, to) in edges(polygon) {
                 match (heights[from] <= 0.0, heights[to] <= 0.0) {
                     (true, false) => scratch.crossings.push((from, to)),
@@ -184,6 +187,16 @@ impl Surface {
             |edge: (usize, usize)| first_new + crossings.partition_point(|&other| other < edge);
         cut.clear();
         for polygon in self.polygons() {
+            match side(polygon, heights) {
+                Side::Outside => continue,
+                Side::Inside => {
+                    let kept = polygon.iter().map(|&corner| numbers[corner]);
+                    result.corners.extend(kept);
+                    result.ends.push(result.corners.len());
+                    continue;
+                }
+                Side::Both => {}
+            }
             let begin = result.corners.len();
             // The last exit, and the first entrance if it comes before any exit.
             let (mut exit, mut first_entrance) = (None, None);
@@ -233,6 +246,28 @@ impl ClipScratch {
             }
             result.ends.push(result.corners.len());
         }
+    }
+}
+
+/// Where a polygon lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Side {
+    Inside,
+    Outside,
+    Both,
+}
+
+fn side(polygon: &[usize], heights: &[f64]) -> Side {
+    let (mut some_in, mut some_out) = (false, false);
+    for &corner in polygon {
+        let is_in = heights[corner] <= 0.0;
+        some_in |= is_in;
+        some_out |= !is_in;
+    }
+    match (some_in, some_out) {
+        (true, true) => Side::Both,
+        (true, false) => Side::Inside,
+        (false, _) => Side::Outside,
     }
 }
 

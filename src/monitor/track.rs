@@ -7,9 +7,9 @@ use super::recording::Record;
 use super::tracked_motions::{TrackedChange, TrackedMotion, TrackedMotions, TrackedPlan};
 use crate::error::Error;
 use crate::id::BodyId;
-use crate::orientation::Orientation;
+use crate::orientation::{Orientation, TrackedSpin};
 use crate::parallel;
-use crate::scene::{Body, BodyState};
+use crate::scene::BodyState;
 use crate::trajectory::Trajectory;
 use crate::window::Window;
 
@@ -19,9 +19,9 @@ impl Monitor {
     /// in one call: what a physics engine or a network tells of all bodies, each frame.
     ///
     /// A state with a [spin](BodyState::with_spin) sets the orientation as well, from `now` on; without one the
-    /// body goes on turning as it does. A body that is left out keeps its course. One that already follows that very motion, from a state of that
-    /// very time, is not changed: leave out bodies that sleep. Of a body that is named twice the last state
-    /// counts. In steady state nothing is allocated.
+    /// body goes on turning as it does. A body that is left out keeps its course. One that already follows that very
+    /// motion, from a state of that very time, is not changed: leave out bodies that sleep. Of a body that is named
+    /// twice the last state counts. In steady state nothing is allocated.
     ///
     /// ```
     /// use nearmiss::glam::DVec3;
@@ -138,7 +138,7 @@ impl Monitor {
             return Err(Error::UnknownBody { id });
         }
         let motion = state.motion().map_err(in_body)?;
-        tracked.put((id, motion), state.orientation().map_err(in_body)?);
+        tracked.put((id, motion), state.tracked_spin().map_err(in_body)?);
         Ok(())
     }
 
@@ -186,12 +186,11 @@ impl Monitor {
         let in_body = |error: Error| error.in_body(body.tag);
         let plan = || Trajectory::of_straight(motion);
         let from = terms.follows_from(flown, &plan(), now);
-        if let Some(next) = &change.orientation {
-            let since = terms.forget_before;
-            let both = body.orientation.followed_by(next, now, since);
-            let both = both.map_err(in_body)?;
-            Body::check_turning(&body.hitbox, &both, body.tag)?;
-            change.orientation = Some(both);
+        if change.spin.is_some() {
+            Orientation::checked_start(now).map_err(in_body)?;
+            if body.hitbox.is_half_space() {
+                return Err(in_body(Error::TurningHalfSpace));
+            }
         }
         let from = from.map_err(in_body)?;
         change.plan = if flown.follows(&motion, from) {
@@ -211,6 +210,7 @@ impl Monitor {
     /// Lets all take effect. Nothing is refused.
     fn take_changes(&mut self, now: f64, tracked: &mut TrackedMotions) -> Result<(), Error> {
         self.turn_in_place(now, tracked)?;
+        let since = self.terms()?.forget_before;
         for change in tracked.others.drain(..) {
             let id = change.id;
             match change.plan {
@@ -223,19 +223,23 @@ impl Monitor {
                     self.plan_ends.set(id.slot, f64::INFINITY);
                 }
             }
-            // Last: what the body takes with another plan was worked out for the old one.
-            if let Some(orientation) = change.orientation {
-                self.take_orientation(id, orientation)?;
+            // Last: what the body takes with another plan was worked out for the old shape.
+            if let Some(spin) = &change.spin {
+                self.take_spin(id, spin, (now, since))?;
             }
         }
         Ok(())
     }
 
-    /// Gives a body its new orientation, if that is another one.
-    fn take_orientation(&mut self, id: BodyId, orientation: Orientation) -> Result<(), Error> {
-        let before = self.scene.set_orientation(id, orientation)?;
-        let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
-        if before != body.orientation {
+    /// Lets a body follow a spin from an instant (s) on, and forgets what ends before another one.
+    fn take_spin(
+        &mut self,
+        id: BodyId,
+        spin: &TrackedSpin,
+        (from, since): (f64, f64),
+    ) -> Result<(), Error> {
+        if self.scene.follow_spin(id, spin, (from, since))? {
+            let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
             self.search.reshape(id.slot, body.shape());
             self.count_change();
         }

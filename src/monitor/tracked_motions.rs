@@ -3,7 +3,7 @@
 use super::monitored_bodies::MonitoredBody;
 use crate::error::Error;
 use crate::id::BodyId;
-use crate::orientation::Orientation;
+use crate::orientation::TrackedSpin;
 use crate::trajectory::{StraightMotion, Trajectory};
 
 /// Changes of the bodies of one call. Their memory is reused.
@@ -13,44 +13,44 @@ pub(super) struct TrackedMotions {
     pub(super) motions: Vec<TrackedMotion>,
     /// By slot: the place of its motion in `motions`, if that is of this slot.
     place_of: Vec<usize>,
-    /// Orientations that were given, with the place of the body's motion.
-    orientations: Vec<(usize, Orientation)>,
-    /// Changes of bodies whose motion is not turned in place, or to which an orientation was given.
+    /// Spins that were given, with the place of the body's motion.
+    spins: Vec<(usize, TrackedSpin)>,
+    /// Changes of bodies whose motion is not turned in place, or to which a spin was given.
     pub(super) others: Vec<TrackedChange>,
 }
 
 impl TrackedMotions {
     pub(super) fn clear(&mut self) {
         self.motions.clear();
-        self.orientations.clear();
+        self.spins.clear();
         self.others.clear();
     }
 
     /// Lists the other changes, once it is known which motions turn in place.
     pub(super) fn list_others(&mut self) {
-        for (place, _) in &self.orientations {
+        for (place, _) in &self.spins {
             self.motions[*place].turns_in_place = false;
         }
-        self.orientations.sort_unstable_by_key(|(place, _)| *place);
-        let mut orientations = self.orientations.drain(..).peekable();
+        self.spins.sort_unstable_by_key(|(place, _)| *place);
+        let mut spins = self.spins.drain(..).peekable();
         let motions = self.motions.iter().enumerate();
         for (place, one) in motions.filter(|(_, one)| !one.turns_in_place) {
-            let given = orientations.next_if(|(other, _)| *other == place);
+            let given = spins.next_if(|(other, _)| *other == place);
             self.others.push(TrackedChange {
                 id: one.id,
                 motion: one.motion,
-                orientation: given.map(|(_, orientation)| orientation),
+                spin: given.map(|(_, spin)| spin),
                 plan: TrackedPlan::Same,
             });
         }
     }
 
-    /// Takes a motion in, and an orientation if it was given. They replace those of the same body, if there are any.
+    /// Takes a motion in, and a spin if it was given. They replace those of the same body, if there are any.
     #[inline]
     pub(super) fn put(
         &mut self,
         (id, motion): (BodyId, StraightMotion),
-        orientation: Option<Orientation>,
+        spin: Option<TrackedSpin>,
     ) {
         let slot = id.slot as usize;
         if self.place_of.len() <= slot {
@@ -65,15 +65,14 @@ impl TrackedMotions {
         match self.motions.get_mut(*place) {
             Some(known) if known.id == id => {
                 *known = motion;
-                self.orientations.retain(|(other, _)| other != place);
+                self.spins.retain(|(other, _)| other != place);
             }
             _ => {
                 *place = self.motions.len();
                 self.motions.push(motion);
             }
         }
-        self.orientations
-            .extend(orientation.map(|orientation| (*place, orientation)));
+        self.spins.extend(spin.map(|spin| (*place, spin)));
     }
 
     /// Returns the motion of the body in a slot, if it is turned in place.
@@ -98,8 +97,8 @@ pub(super) struct TrackedMotion {
 pub(super) struct TrackedChange {
     pub(super) id: BodyId,
     pub(super) motion: StraightMotion,
-    /// Orientation that was given; then that of all time.
-    pub(super) orientation: Option<Orientation>,
+    /// Spin that was given.
+    pub(super) spin: Option<TrackedSpin>,
     pub(super) plan: TrackedPlan,
 }
 

@@ -49,8 +49,7 @@ impl Source {
                 rotation,
                 angular_velocity,
             } => {
-                let rotation = checked(0, *time, *rotation)?;
-                let arc = Arc::spin(one_zero(*time), rotation, checked_speed(*angular_velocity)?);
+                let arc = spin_arc(*time, *rotation, *angular_velocity)?;
                 Ok(vec![Piece::forever(arc, tolerances)])
             }
             Self::Slerp { knots, outside } => {
@@ -97,6 +96,13 @@ impl Source {
             }
         }
     }
+}
+
+/// Returns the motion of a spin.
+pub(super) fn spin_arc(time: f64, rotation: DQuat, angular_velocity: DVec3) -> Result<Arc, Error> {
+    let rotation = checked(0, time, rotation)?;
+    let velocity = checked_speed(angular_velocity)?;
+    Ok(Arc::spin(one_zero(time), rotation, velocity))
 }
 
 /// Returns the motion that goes on from the first (0) or last (1) knot of a cubic.

@@ -29,6 +29,28 @@ impl Exact {
         Self(self.0.each_ref().map(|x| x * factor))
     }
 
+    pub(crate) fn dot(&self, other: &Self) -> RBig {
+        let products = self.0.iter().zip(&other.0).map(|(x, y)| x * y);
+        products.fold(RBig::ZERO, |sum, product| sum + product)
+    }
+
+    /// Returns true if the coordinate along a normal of any length is within `error` of `found`.
+    pub(crate) fn is_at_height(&self, normal: DVec3, found: &RBig, error: f64) -> bool {
+        let normal = Self::of(normal);
+        let (height, square) = (self.dot(&normal), normal.dot(&normal));
+        // low <= height / length: by squares, where the signs are the same.
+        let is_below = |low: RBig, height: RBig| {
+            let (a, b) = (&low * &low * &square, &height * &height);
+            match (low >= RBig::ZERO, height >= RBig::ZERO) {
+                (true, true) => a <= b,
+                (false, false) => a >= b,
+                (is_positive, _) => !is_positive,
+            }
+        };
+        let error = number(error);
+        is_below(found - &error, height.clone()) && is_below(-(found + &error), -height)
+    }
+
     /// Returns true if the vector is at most as long as `length`, compared without rounding.
     pub(crate) fn is_within(&self, length: f64) -> bool {
         self.is_within_exactly(&number(length))

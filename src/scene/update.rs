@@ -3,7 +3,7 @@
 use super::{Body, Scene};
 use crate::error::Error;
 use crate::id::BodyId;
-use crate::orientation::Orientation;
+use crate::orientation::{Orientation, TrackedSpin};
 use crate::trajectory::{State, StraightMotion, Trajectory};
 use glam::{DQuat, DVec3};
 
@@ -76,6 +76,19 @@ impl BodyState {
         is_ordinary.then(|| StraightMotion::through_ordinary(&self.state))
     }
 
+    /// Returns the spin, checked, if there is one.
+    ///
+    /// # Errors
+    ///
+    /// As [`Orientation::spin`].
+    pub(crate) fn tracked_spin(&self) -> Result<Option<TrackedSpin>, Error> {
+        let time = self.state.time;
+        let spin = self
+            .spin
+            .map(|spin| TrackedSpin::new(time, spin.rotation, spin.angular_velocity));
+        spin.transpose()
+    }
+
     /// Returns the straight motion through the state.
     ///
     /// # Errors
@@ -135,7 +148,7 @@ impl Scene {
                 told.push((id, motion));
                 continue;
             }
-            let taken = self.check_state(id, told_state, (&mut told, &mut turning));
+            let taken = self.check_state(id, told_state, &mut told, &mut turning);
             if taken.is_err() {
                 checked = taken;
                 break;
@@ -166,10 +179,8 @@ impl Scene {
         &self,
         id: BodyId,
         state: BodyState,
-        (told, turning): (
-            &mut Vec<(BodyId, StraightMotion)>,
-            &mut Vec<(BodyId, Orientation)>,
-        ),
+        told: &mut Vec<(BodyId, StraightMotion)>,
+        turning: &mut Vec<(BodyId, Orientation)>,
     ) -> Result<(), Error> {
         let body = self.body(id).ok_or(Error::UnknownBody { id })?;
         let motion = state.motion().map_err(|error| error.in_body(body.tag))?;

@@ -4,6 +4,7 @@
 
 mod invariance;
 mod monitor;
+mod turned_world;
 
 use nearmiss::glam::{DQuat, DVec3};
 use nearmiss::{
