@@ -161,6 +161,13 @@ fn conflicts_and_stats_in_a_line() -> Result<(), Error> {
         "body 0v0 and body 1v0 from 6.000 s to 12.000 s, closest 3.000 m at 10.000 s, cut off at exit"
     );
     assert!(format!("{conflict:.1}").contains("closest 3.0 m at 10.0 s"));
+    let mut tagged = conflict;
+    tagged.tag_a = 7;
+    assert!(
+        tagged
+            .to_string()
+            .starts_with("body 0v0 (tag 7) and body 1v0 from")
+    );
     let line = screening.stats.to_string();
     assert!(line.starts_with("2 bodies, 0 changed, "), "{line}");
     assert!(

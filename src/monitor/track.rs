@@ -5,7 +5,7 @@ use super::command::{ChangeContext, CommandBatch};
 #[cfg(feature = "recording")]
 use super::recording::Record;
 use super::tracked_motions::{TrackedChange, TrackedMotion, TrackedMotions};
-use crate::error::Error;
+use crate::error::{Error, MAX_MAGNITUDE};
 use crate::id::BodyId;
 use crate::parallel;
 use crate::scene::{Body, BodyState};
@@ -17,9 +17,12 @@ impl Monitor {
     /// in one call: what a physics engine or a network tells of all bodies, each frame.
     ///
     /// A state with a [spin](BodyState::with_spin) sets the orientation as well, from `now` on; without one the
-    /// body goes on turning as it does. A body that is left out keeps its course. One that already follows that very motion, from a state of that
-    /// very time, is not changed: leave out bodies that sleep. Of a body that is named twice the last state
-    /// counts. In steady state nothing is allocated.
+    /// body goes on turning as it does. A body that is left out keeps its course. One that already follows that very
+    /// motion, from a state of that very time, is not changed: leave out bodies that sleep. Of a body that is named
+    /// twice the last state counts. In steady state nothing is allocated.
+    ///
+    /// States that came through `f32` are off by a different rounding each frame. Two bodies that stay at a margin
+    /// then seem to cross it again and again: give the level a [release](crate::AlertLevel::release) above its margin.
     ///
     /// ```
     /// use nearmiss::glam::DVec3;
@@ -42,10 +45,10 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::NotFinite`], [`Error::OutOfRange`],
+    /// [`Error::Clock`]; [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::NotFinite`], [`Error::OutOfRange`],
     /// [`Error::TooFar`], [`Error::NoPlanAt`], [`Error::RotationLength`] or [`Error::AngularSpeed`], as for
-    /// [`replan`](Self::replan) and [`Orientation::spin`](crate::Orientation::spin). The error of the first state
-    /// that is refused; nothing was changed then.
+    /// [`replan`](Self::replan) and [`Orientation::spin`](crate::Orientation::spin). The error is that of the first
+    /// state that is refused; nothing was changed then.
     pub fn track<S: Into<BodyState>>(
         &mut self,
         now: f64,
@@ -67,6 +70,9 @@ impl Monitor {
         now: f64,
         states: impl Iterator<Item = (BodyId, BodyState)>,
     ) -> Result<(), Error> {
+        if now.is_nan() || now.abs() > MAX_MAGNITUDE {
+            return Err(Error::Clock { time: now });
+        }
         let mut tracked = std::mem::take(&mut self.tracked);
         tracked.motions.clear();
         let done = self.list_motions(now, states, &mut tracked);
