@@ -36,7 +36,7 @@ impl Trajectory {
     /// [`fit_with`](Self::fit_with) proves the error, if the fourth derivative is bounded.
     ///
     /// Positions may have jumps in acceleration, and in velocity. The velocity must be the derivative of the
-    /// position: otherwise the fit needs very many knots, and fails. A tolerance ten thousand times smaller needs
+    /// position: otherwise the fit needs very many knots, or fails. See [`Fit::knot_count`]. A tolerance ten thousand times smaller needs
     /// ten times as many knots. Rounding takes its part of the tolerance: 2e-15 of the distance from the origin, or
     /// 14 nm at 7000 km.
     ///
