@@ -5,7 +5,7 @@ use super::command::{ChangeContext, CommandBatch};
 #[cfg(feature = "recording")]
 use super::recording::Record;
 use super::tracked_motions::{TrackedChange, TrackedMotion, TrackedMotions, TrackedPlan};
-use crate::error::Error;
+use crate::error::{Error, MAX_MAGNITUDE};
 use crate::id::BodyId;
 use crate::orientation::{Orientation, TrackedSpin};
 use crate::parallel;
@@ -22,6 +22,9 @@ impl Monitor {
     /// body goes on turning as it does. A body that is left out keeps its course. One that already follows that very
     /// motion, from a state of that very time, is not changed: leave out bodies that sleep. Of a body that is named
     /// twice the last state counts. In steady state nothing is allocated.
+    ///
+    /// States that came through `f32` are off by a different rounding each frame. Two bodies that stay at a margin
+    /// then seem to cross it again and again: give the level a [release](crate::AlertLevel::release) above its margin.
     ///
     /// ```
     /// use nearmiss::glam::DVec3;
@@ -44,10 +47,10 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::NotFinite`], [`Error::OutOfRange`],
+    /// [`Error::Clock`]; [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::NotFinite`], [`Error::OutOfRange`],
     /// [`Error::TooFar`], [`Error::NoPlanAt`], [`Error::RotationLength`] or [`Error::AngularSpeed`], as for
-    /// [`replan`](Self::replan) and [`Orientation::spin`](crate::Orientation::spin). The error of the first state
-    /// that is refused; nothing was changed then.
+    /// [`replan`](Self::replan) and [`Orientation::spin`](crate::Orientation::spin). The error is that of the first
+    /// state that is refused; nothing was changed then.
     pub fn track<S: Into<BodyState>>(
         &mut self,
         now: f64,
@@ -69,6 +72,9 @@ impl Monitor {
         now: f64,
         states: impl Iterator<Item = (BodyId, BodyState)>,
     ) -> Result<(), Error> {
+        if now.is_nan() || now.abs() > MAX_MAGNITUDE {
+            return Err(Error::Clock { time: now });
+        }
         let mut tracked = std::mem::take(&mut self.tracked);
         tracked.clear();
         let listed = self.list_changes(now, states, &mut tracked);
