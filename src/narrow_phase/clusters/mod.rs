@@ -16,6 +16,7 @@
 
 mod chords;
 mod envelope;
+mod groups;
 mod known;
 mod sphere_pairs;
 #[cfg(test)]
@@ -24,6 +25,7 @@ mod tests;
 use super::sphere_pair::SpherePair;
 use chords::PiecewiseLinearBound;
 use envelope::Envelope;
+use groups::SphereGroups;
 use known::ProvenIntervals;
 pub(super) use sphere_pairs::{ClusterPair, ProvenContact};
 use sphere_pairs::{SpherePairBound, short};
@@ -66,8 +68,9 @@ impl ClusterPair<'_> {
                 known.learn(&shown, self.offset(candidate));
             }
         };
+        let groups = SphereGroups::of(self, &chords, margin);
         for spheres in self.batches() {
-            let candidates = chords.candidates(self, spheres, margin);
+            let candidates = groups.candidates(self, &chords, spheres, margin);
             let mut next = nearest(&candidates);
             if let Some(nearest) = next {
                 known.look(chords.nearest_point(self.offset(nearest)));
@@ -98,8 +101,9 @@ impl ClusterPair<'_> {
     ) {
         let chords = PiecewiseLinearBound::of(self, self.part(clip), 0.0);
         let mut seen = SolvedOffsets::default();
+        let groups = SphereGroups::of(self, &chords, reached);
         for spheres in self.batches() {
-            let candidates = chords.candidates(self, spheres, reached);
+            let candidates = groups.candidates(self, &chords, spheres, reached);
             for candidate in nearest(&candidates).into_iter().chain(&candidates) {
                 let near = reached + chords.slack;
                 if candidate.low > near || seen.holds(self, candidate) {
@@ -119,16 +123,22 @@ impl ClusterPair<'_> {
     /// Solves the pairs of spheres that may come within `margin` and be their bodies' nearest ones
     /// then. These suffice for this and all smaller margins, in any window.
     pub(super) fn each_on_envelope(&self, margin: f64, mut solve: impl FnMut(&SpherePair)) {
-        let count = self.a.spheres.len() * self.b.spheres.len();
-        if self.are_few() || count > Self::BATCH {
+        if self.are_few() {
             return self.each_within(margin, solve);
         }
-        let chords = PiecewiseLinearBound::of(self, (self.span.start, self.span.end), margin);
-        let candidates = chords.candidates(self, 0..self.a.spheres.len(), margin);
-        let envelope = Envelope::of(self, &chords, &candidates);
+        let whole = (self.span.start, self.span.end);
+        let chords = PiecewiseLinearBound::of(self, whole, margin);
+        let near = margin.min(chords.most(self));
+        let groups = SphereGroups::of(self, &chords, near);
+        let mut candidates = Vec::new();
+        for spheres in self.batches() {
+            candidates.extend(groups.candidates(self, &chords, spheres, near));
+            let envelope = Envelope::of(self, &chords, &candidates);
+            candidates.retain(|candidate| !envelope.is_above(candidate));
+        }
         let mut seen = SolvedOffsets::default();
         for candidate in &candidates {
-            if envelope.is_above(candidate) || seen.holds(self, candidate) {
+            if seen.holds(self, candidate) {
                 continue;
             }
             let pair = self.pair(candidate);

@@ -52,6 +52,8 @@ pub(super) struct Cells<'a> {
 impl<'a> Cells<'a> {
     /// Parts of a span that are put in order at a time: a span may have any number.
     pub(super) const BLOCK: usize = 1024;
+    /// Room for those of one revolution of each body, and more.
+    pub(super) const USUAL: usize = 24;
     /// With so few parts each is tested by itself.
     pub(super) const FEW: usize = 4;
 

@@ -115,7 +115,8 @@ impl<'a> TurningPair<'a> {
         let (mut rotations, mut scratch) = (Rotations::default(), PartScratch::default());
         loop {
             // The parts in which the bodies come nearest go first: they rule out most others.
-            let mut order: Vec<(f64, Cell)> = cells.by_ref().take(Cells::BLOCK).collect();
+            let mut order: Vec<(f64, Cell)> = Vec::with_capacity(Cells::USUAL);
+            order.extend(cells.by_ref().take(Cells::BLOCK));
             if order.is_empty() {
                 return;
             }
@@ -124,16 +125,8 @@ impl<'a> TurningPair<'a> {
                 let Some(part) = self.part(cell, reached, &mut rotations) else {
                     continue;
                 };
-                // Compared with one of the nearest pairs of spheres, few others are near.
-                let first = reached.is_infinite().then(|| part.facing(&mut scratch));
-                if let Some(pair) = first {
-                    reached = reached.min(solve(&part.pair(pair), cell.span));
-                }
-                part.each_within(reached, &mut scratch, |pair| {
-                    if first != Some((pair.a, pair.b)) {
-                        reached = reached.min(solve(pair, cell.span));
-                    }
-                });
+                reached =
+                    part.each_for_nearest(reached, &mut scratch, |pair| solve(pair, cell.span));
             }
         }
     }
