@@ -18,6 +18,8 @@ impl<'a> SphereGroups<'a> {
     const FEW: usize = 32;
     /// Largest number of spheres in a group.
     const SIZE: usize = 8;
+    /// Number of pairs from which on a list is full, after all pairs of a sphere of a.
+    const FULL: usize = 1 << 16;
 
     /// Returns the groups of a pair's body b.
     pub(super) fn of(
@@ -43,14 +45,16 @@ impl<'a> SphereGroups<'a> {
         Self { groups, spheres }
     }
 
-    /// Returns the pairs with some of a's spheres that may come within `margin`, in numerical order.
-    pub(super) fn candidates(
+    /// Lists the pairs that may come within `margin`, in numerical order, from number `next` of a's
+    /// spheres on. Ends before the end of these when the list is [full](Self::FULL); sets `next` to
+    /// the first one that is left. Replaces the content of `found`.
+    pub(super) fn list(
         &self,
-        clusters: &ClusterPair<'_>,
-        chords: &PiecewiseLinearBound,
-        spheres_a: Range<usize>,
+        (clusters, chords): (&ClusterPair<'_>, &PiecewiseLinearBound),
         margin: f64,
-    ) -> Vec<SpherePairBound> {
+        next: &mut usize,
+        found: &mut Vec<SpherePairBound>,
+    ) {
         let bound = margin + chords.slack;
         let is_near = |one: &Sphere, other: &Sphere| {
             let offset = one.offset - other.offset;
@@ -58,29 +62,30 @@ impl<'a> SphereGroups<'a> {
                 .low(offset, one.radius + other.radius, bound)
                 .is_some()
         };
-        let (whole, mut candidates) = (&clusters.b.bounding, Vec::new());
-        for (a, sphere_a) in (short(spheres_a.start)..).zip(&clusters.a.spheres[spheres_a]) {
-            if !is_near(sphere_a, whole) {
+        found.clear();
+        while *next < clusters.a.spheres.len() && found.len() < Self::FULL {
+            let (a, sphere_a) = (short(*next), &clusters.a.spheres[*next]);
+            *next += 1;
+            if !is_near(sphere_a, &clusters.b.bounding) {
                 continue;
             }
-            let (mut start, first) = (0, candidates.len());
+            let (mut start, first) = (0, found.len());
             for (group, end) in &self.groups {
                 let spheres = &self.spheres[start..*end];
                 start = *end;
                 if self.groups.len() > 1 && !is_near(sphere_a, group) {
                     continue;
                 }
-                candidates.extend(spheres.iter().filter_map(|&(b, sphere_b)| {
+                found.extend(spheres.iter().filter_map(|&(b, sphere_b)| {
                     let radii = sphere_a.radius + sphere_b.radius;
                     let low = chords.low(sphere_a.offset - sphere_b.offset, radii, bound)?;
                     Some(SpherePairBound { a, b, low })
                 }));
             }
             if self.groups.len() > 1 {
-                candidates[first..].sort_unstable_by_key(|candidate| candidate.b);
+                found[first..].sort_unstable_by_key(|candidate| candidate.b);
             }
         }
-        candidates
     }
 }
 

@@ -30,13 +30,10 @@ use known::ProvenIntervals;
 pub(super) use sphere_pairs::{ClusterPair, ProvenContact};
 use sphere_pairs::{SpherePairBound, short};
 use std::collections::HashMap;
-use std::ops::Range;
 
 impl ClusterPair<'_> {
     /// Up to this number all pairs of spheres are solved: nothing else would be faster.
     const FEW: usize = 9;
-    /// Pairs of spheres listed at a time: at least one sphere of a with all of b.
-    const BATCH: usize = 1 << 16;
 
     /// Solves the pairs of spheres that matter for contacts within `margin` in `clip`. If asked to,
     /// `solve` returns the contacts of each.
@@ -69,8 +66,9 @@ impl ClusterPair<'_> {
             }
         };
         let groups = SphereGroups::of(self, &chords, margin);
-        for spheres in self.batches() {
-            let candidates = groups.candidates(self, &chords, spheres, margin);
+        let (mut listed, mut candidates) = (0, Vec::new());
+        while listed < self.a.spheres.len() {
+            groups.list((self, &chords), margin, &mut listed, &mut candidates);
             let mut next = nearest(&candidates);
             if let Some(nearest) = next {
                 known.look(chords.nearest_point(self.offset(nearest)));
@@ -102,8 +100,9 @@ impl ClusterPair<'_> {
         let chords = PiecewiseLinearBound::of(self, self.part(clip), 0.0);
         let mut seen = SolvedOffsets::default();
         let groups = SphereGroups::of(self, &chords, reached);
-        for spheres in self.batches() {
-            let candidates = groups.candidates(self, &chords, spheres, reached);
+        let (mut listed, mut candidates) = (0, Vec::new());
+        while listed < self.a.spheres.len() {
+            groups.list((self, &chords), reached, &mut listed, &mut candidates);
             for candidate in nearest(&candidates).into_iter().chain(&candidates) {
                 let near = reached + chords.slack;
                 if candidate.low > near || seen.holds(self, candidate) {
@@ -130,9 +129,10 @@ impl ClusterPair<'_> {
         let chords = PiecewiseLinearBound::of(self, whole, margin);
         let near = margin.min(chords.most(self));
         let groups = SphereGroups::of(self, &chords, near);
-        let mut candidates = Vec::new();
-        for spheres in self.batches() {
-            candidates.extend(groups.candidates(self, &chords, spheres, near));
+        let (mut listed, mut some, mut candidates) = (0, Vec::new(), Vec::new());
+        while listed < self.a.spheres.len() {
+            groups.list((self, &chords), near, &mut listed, &mut some);
+            candidates.append(&mut some);
             let envelope = Envelope::of(self, &chords, &candidates);
             candidates.retain(|candidate| !envelope.is_above(candidate));
         }
@@ -151,14 +151,6 @@ impl ClusterPair<'_> {
 
     fn are_few(&self) -> bool {
         self.a.spheres.len() * self.b.spheres.len() <= Self::FEW
-    }
-
-    /// Returns the numbers of a's spheres, in batches.
-    fn batches(&self) -> impl Iterator<Item = Range<usize>> + use<> {
-        let count = self.a.spheres.len();
-        let size = (Self::BATCH / self.b.spheres.len().max(1)).max(1);
-        let firsts = (0..count).step_by(size);
-        firsts.map(move |first| first..(first + size).min(count))
     }
 
     fn each_within(&self, margin: f64, mut solve: impl FnMut(&SpherePair)) {
