@@ -2,6 +2,7 @@
 
 use super::chords::{PiecewiseLinearBound, pieces_of};
 use super::{ClusterPair, SpherePairBound};
+use crate::narrow_phase::sphere_pair::difference_of_squares;
 use glam::DVec3;
 
 /// Pieces of a span, each with the nearest pairs of spheres at its ends.
@@ -101,10 +102,8 @@ fn near(clusters: &ClusterPair<'_>, candidate: &SpherePairBound, power: f64) -> 
 
 impl EnvelopePart {
     /// Returns true if the pair `near`, whose centres are within a distance, has a smaller separation
-    /// than the pair `far`, by `slack`, along the whole piece.
-    ///
-    /// With f and n the distances of the centres and e the excess of the radii and the slack, f > n + e
-    /// follows from f² - n² > e (2 n + e). The difference of the squares is linear in the motion.
+    /// than the pair `far`, by `slack`, along the whole piece. The difference of the squared distances is
+    /// linear in the motion.
     fn is_nearer(
         &self,
         &(near, distance): &(SphereOffset, f64),
@@ -114,7 +113,7 @@ impl EnvelopePart {
         let across = far.offset - near.offset;
         let middle = 0.5 * (far.offset + near.offset);
         let excess = (far.radii - near.radii).max(0.0) + slack;
-        let least = 0.5 * excess * (2.0 * distance + excess);
+        let least = 0.5 * difference_of_squares(distance, excess);
         let points = self.points.iter();
         points
             .map(|&point| point + middle)

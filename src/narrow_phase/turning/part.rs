@@ -10,7 +10,7 @@ use crate::hitbox::Sphere;
 use crate::narrow_phase::BodyView;
 use crate::narrow_phase::contact_radius;
 use crate::narrow_phase::relative::{RelativeMotion, filter_threshold};
-use crate::narrow_phase::sphere_pair::SpherePair;
+use crate::narrow_phase::sphere_pair::{SpherePair, difference_of_squares};
 use crate::orientation::BakedRotation;
 use crate::rounding::{norm, normalising_power};
 use glam::DVec3;
@@ -118,14 +118,11 @@ impl SphereCandidate {
     }
 
     /// Returns true if another pair is nearer by more than `slack` over the whole part.
-    ///
-    /// With f and n the centre distances and e the excess of the own radii plus slack, f > n + e
-    /// follows from f² - n² > e (2 n + e).
     fn is_behind(&self, near: &Self, slack: f64) -> bool {
         let excess = (self.radii - near.radii).max(0.0) + slack + (self.error + near.error);
         let squares = near.points.map(DVec3::length_squared);
         let reach = squares.into_iter().fold(0.0, f64::max).sqrt();
-        let least = excess * (2.0 * reach + excess);
+        let least = difference_of_squares(reach, excess);
         let mut heights = self.heights.iter().zip(&near.heights);
         heights.all(|(far, near)| far - near > least)
     }
