@@ -106,20 +106,33 @@ impl PiecewiseLinearBound {
     }
 
     /// Returns an upper bound of the bodies' separation over the part, up to the slack, m.
-    ///
-    /// Two spheres that reach far towards each other at a chord's middle are among the nearest there.
     pub(super) fn most(&self, clusters: &ClusterPair<'_>) -> f64 {
+        /// Spheres of a, of all those in the list, that are compared with all of b.
+        const SAMPLES: usize = 8;
         let ClusterPair { a, b, .. } = *clusters;
+        let step = a.spheres.len().div_ceil(SAMPLES).max(1);
         let apart = (a.bounding.offset - b.bounding.offset) * self.power;
         let separation = |line: &Chord| {
-            let toward = (line.start + 0.5 * line.change + apart).normalize_or_zero();
-            let along = |sphere: &Sphere| sphere.offset.dot(toward);
-            let near_a = farthest(a.spheres, |sphere| sphere.radius - along(sphere));
-            let near_b = farthest(b.spheres, |sphere| sphere.radius + along(sphere));
-            let (near_a, near_b) = (&a.spheres[near_a as usize], &b.spheres[near_b as usize]);
-            let start = line.start + (near_a.offset - near_b.offset) * self.power;
+            // Any two spheres bound it: those near each other at the chord's middle. Unless the bodies
+            // overlap, the sphere that reaches farthest towards the other body has one nearby.
+            let middle = line.start + 0.5 * line.change;
+            let toward = (middle + apart).normalize_or_zero();
+            let behind = |sphere: &Sphere| sphere.radius - sphere.offset.dot(toward);
+            let facing = &a.spheres[farthest(a.spheres, behind) as usize];
+            let mut nearest = (f64::INFINITY, facing, &b.spheres[0]);
+            for one in a.spheres.iter().step_by(step).chain([facing]) {
+                for other in b.spheres {
+                    let place = middle + (one.offset - other.offset) * self.power;
+                    let found = place.length() - (one.radius + other.radius) * self.power;
+                    if found < nearest.0 {
+                        nearest = (found, one, other);
+                    }
+                }
+            }
+            let (_, one, other) = nearest;
+            let start = line.start + (one.offset - other.offset) * self.power;
             let farther = start.length().max((start + line.change).length());
-            (farther + self.bend) * self.unit - (near_a.radius + near_b.radius)
+            (farther + self.bend) * self.unit - (one.radius + other.radius)
         };
         let separations = self.lines.iter().map(separation);
         // A window may begin between an instant and what that is rounded to.

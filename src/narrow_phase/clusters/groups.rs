@@ -45,8 +45,8 @@ impl<'a> SphereGroups<'a> {
         Self { groups, spheres }
     }
 
-    /// Lists the pairs that may come within `margin`, in numerical order, from number `next` of a's
-    /// spheres on. Ends before the end of these when the list is [full](Self::FULL); sets `next` to
+    /// Lists the pairs that may come within `margin`, in the order of a's spheres, from number `next` of
+    /// these on. Ends before the last one when the list is [full](Self::FULL); sets `next` to
     /// the first one that is left. Replaces the content of `found`.
     pub(super) fn list(
         &self,
@@ -69,7 +69,7 @@ impl<'a> SphereGroups<'a> {
             if !is_near(sphere_a, &clusters.b.bounding) {
                 continue;
             }
-            let (mut start, first) = (0, found.len());
+            let mut start = 0;
             for (group, end) in &self.groups {
                 let spheres = &self.spheres[start..*end];
                 start = *end;
@@ -81,9 +81,6 @@ impl<'a> SphereGroups<'a> {
                     let low = chords.low(sphere_a.offset - sphere_b.offset, radii, bound)?;
                     Some(SpherePairBound { a, b, low })
                 }));
-            }
-            if self.groups.len() > 1 {
-                found[first..].sort_unstable_by_key(|candidate| candidate.b);
             }
         }
     }

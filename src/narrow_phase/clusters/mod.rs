@@ -77,11 +77,9 @@ impl ClusterPair<'_> {
             while let Some(candidate) = next {
                 solve(candidate, &mut known, &mut seen);
                 while let Some(support) = known.support() {
-                    let order = |other: &SpherePairBound| (other.a, other.b);
-                    if let Ok(place) = candidates.binary_search_by_key(&support, order)
-                        && !seen.holds(self, &candidates[place])
-                    {
-                        solve(&candidates[place], &mut known, &mut seen);
+                    let found = candidates.iter().find(|one| (one.a, one.b) == support);
+                    if let Some(candidate) = found.filter(|one| !seen.holds(self, one)) {
+                        solve(candidate, &mut known, &mut seen);
                     }
                 }
                 next = others.find(|other| known.may_matter(other) && !seen.holds(self, other));
