@@ -186,3 +186,11 @@ pub(super) fn spheres_beyond(
     // Below zero no distance is small enough, whatever the rounding.
     radius < 0.0 || certainly_beyond(points, filter_threshold(radius, scale))
 }
+
+/// Returns the difference of squared distances above which one distance exceeds another one by more
+/// than `excess`, where that other one is at most `near`.
+///
+/// With f and n the distances and e the excess, f > n + e follows from f² - n² > e (2 n + e).
+pub(super) fn difference_of_squares(near: f64, excess: f64) -> f64 {
+    excess * (2.0 * near + excess)
+}

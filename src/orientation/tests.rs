@@ -387,6 +387,27 @@ fn cubics_per_revolution() {
     assert_eq!(cells(&slerp, (0.0, 2.0 - 1e-9), Accuracy::Exact).len(), 8);
 }
 
+/// Most bodies that turn at the same rate, to rounding, are cut at the same instants.
+#[test]
+fn rates_that_differ_by_rounding_have_the_same_cuts() {
+    let mut rng = ChaCha8Rng::seed_from_u64(12);
+    for accuracy in [Accuracy::Exact, Accuracy::Certified] {
+        let ends = (0..100).map(|_| {
+            let axis = vector(&mut rng, 1.0).normalize();
+            let spin = Orientation::spin(0.0, rotation(&mut rng), axis * TAU).unwrap();
+            let cells = cells(&spin, (0.0, 3.0), accuracy);
+            cells
+                .iter()
+                .map(|cell| cell.end.to_bits())
+                .collect::<Vec<u64>>()
+        });
+        let mut ends: Vec<Vec<u64>> = ends.collect();
+        ends.sort();
+        ends.dedup();
+        assert_eq!(ends.len(), 1, "{accuracy:?}");
+    }
+}
+
 #[test]
 fn cuts_do_not_depend_on_where_the_walk_begins() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
