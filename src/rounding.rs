@@ -121,12 +121,17 @@ pub(crate) const fn one_zero(time: f64) -> f64 {
     time + 0.0
 }
 
+/// Returns the rounded sum of two numbers and its rounding error (Knuth).
+#[inline]
+pub(crate) fn two_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    let shadow = sum - a;
+    (sum, (a - (sum - shadow)) + (b - shadow))
+}
+
 /// Returns the sum of two numbers, rounded up.
 pub(crate) fn sum_above(a: f64, b: f64) -> f64 {
-    let sum = a + b;
-    // The rounding error of the sum (Knuth).
-    let shadow = sum - a;
-    let lost = (a - (sum - shadow)) + (b - shadow);
+    let (sum, lost) = two_sum(a, b);
     if lost > 0.0 { sum.next_up() } else { sum }
 }
 

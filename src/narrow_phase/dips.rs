@@ -8,19 +8,12 @@
 
 use super::hull::SquaredDistance;
 use super::relative::RelativeCubic;
-use super::stationary::{MAX_STATIONARY, stationary_points};
+use super::stationary::{MAX_STATIONARY, ProfileNode, stationary_points};
 use crate::enclosure::part;
 use crate::rounding::largest_norm;
 
 /// Share of the size of a part: beyond this distance the squared distance shows all minima.
 const NEAR: f64 = 1.0 / 256.0;
-
-/// A local parameter of a span, and the distance there (m).
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Extremum {
-    pub(super) s: f64,
-    pub(super) distance: f64,
-}
 
 /// Returns true if minima of a span may be lost, given the least distance at the nodes found (m).
 pub(super) fn may_be_hidden(cubic: &RelativeCubic, least: f64) -> bool {
@@ -41,7 +34,7 @@ fn is_swift(cubic: &RelativeCubic) -> bool {
 /// The local extrema of the distance, in order, and both ends of the span.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DistanceExtrema {
-    places: [Extremum; Self::ROOM],
+    places: [ProfileNode; Self::ROOM],
     count: usize,
 }
 
@@ -54,7 +47,7 @@ impl DistanceExtrema {
     #[cold]
     pub(super) fn of(cubic: &RelativeCubic) -> Self {
         let mut turns = Self {
-            places: [Extremum::default(); Self::ROOM],
+            places: [ProfileNode::default(); Self::ROOM],
             count: 0,
         };
         turns.push(cubic, 0.0);
@@ -65,7 +58,7 @@ impl DistanceExtrema {
         turns
     }
 
-    pub(super) fn as_slice(&self) -> &[Extremum] {
+    pub(super) fn as_slice(&self) -> &[ProfileNode] {
         &self.places[..self.count]
     }
 
@@ -77,7 +70,7 @@ impl DistanceExtrema {
         let is_rounding = part.size <= cubic.tolerance() || halvings == MAX_HALVINGS;
         if !is_rounding && !SquaredDistance::of(&part).are_monotonic() {
             let found = stationary_points(&part);
-            let inside = found.as_slice().iter().map(|s| from + s * (to - from));
+            let inside = found.iter().map(|s| from + s * (to - from));
             let all = inside.clone().chain([from, to]);
             let least = all.map(|s| cubic.distance(s)).fold(f64::INFINITY, f64::min);
             if may_be_hidden(&part, least) {
@@ -95,10 +88,7 @@ impl DistanceExtrema {
 
     /// Appends an extremum; replaces the previous one if the distance only continues its course.
     fn push(&mut self, cubic: &RelativeCubic, s: f64) {
-        let new = Extremum {
-            s,
-            distance: cubic.distance(s),
-        };
+        let new = ProfileNode::at(cubic, s);
         if let [.., before, last] = self.as_slice() {
             let (rose, rises) = (
                 last.distance >= before.distance,
@@ -142,7 +132,7 @@ fn part_of(cubic: &RelativeCubic, (from, to): (f64, f64)) -> RelativeCubic {
 
 #[cfg(test)]
 mod tests {
-    use super::{DistanceExtrema, Extremum};
+    use super::{DistanceExtrema, ProfileNode};
 
     /// Surplus extrema go where the distance changes least, except for the ends.
     #[test]
@@ -161,12 +151,16 @@ mod tests {
             5.0,
         ];
         let mut turns = DistanceExtrema {
-            places: [Extremum::default(); DistanceExtrema::ROOM],
+            places: [ProfileNode::default(); DistanceExtrema::ROOM],
             count: distances.len(),
         };
         for (place, (s, distance)) in turns.places.iter_mut().zip((0_u8..).zip(distances)) {
             let s = f64::from(s);
-            *place = Extremum { s, distance };
+            *place = ProfileNode {
+                s,
+                distance,
+                ..ProfileNode::default()
+            };
         }
         turns.reduce(DistanceExtrema::MAX);
         let left: Vec<f64> = turns.as_slice().iter().map(|place| place.s).collect();

@@ -8,7 +8,7 @@
 use super::dips::{DistanceExtrema, may_be_hidden};
 use super::hull::SquaredDistance;
 use super::relative::RelativeCubic;
-use super::stationary::{MAX_STATIONARY, stationary_points};
+use super::stationary::{MAX_STATIONARY, ProfileNode, stationary_points};
 use crate::rounding::normalising_power;
 
 /// An instant of a span with its centre distance.
@@ -21,14 +21,6 @@ pub(crate) struct ProfilePoint {
     pub(crate) plateau: f64,
 }
 
-/// A maximal part of a span within the threshold, with the instant of least distance.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct WithinInterval {
-    pub(crate) enter: f64,
-    pub(crate) exit: f64,
-    pub(crate) closest: ProfilePoint,
-}
-
 /// The distance at a span's ends and stationary points; monotonic in between.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DistanceProfile {
@@ -36,23 +28,6 @@ pub(crate) struct DistanceProfile {
     count: usize,
     /// See [`ProfilePoint::plateau`].
     plateau: f64,
-}
-
-#[derive(Clone, Copy, Debug, Default)]
-struct ProfileNode {
-    s: f64,
-    time: f64,
-    distance: f64,
-}
-
-impl ProfileNode {
-    fn at(cubic: &RelativeCubic, s: f64) -> Self {
-        Self {
-            s,
-            time: cubic.time(s),
-            distance: cubic.distance(s),
-        }
-    }
 }
 
 impl DistanceProfile {
@@ -98,28 +73,18 @@ impl DistanceProfile {
             profile.push(ProfileNode::at(cubic, 1.0));
             return profile;
         }
-        for &s in stationary_points(cubic).as_slice() {
+        for &s in &stationary_points(cubic) {
             profile.push(ProfileNode::at(cubic, s));
         }
         profile.push(ProfileNode::at(cubic, 1.0));
         let distances = profile.nodes().iter().map(|node| node.distance);
         if may_be_hidden(cubic, distances.fold(f64::INFINITY, f64::min)) {
-            profile.turn_at(cubic, &DistanceExtrema::of(cubic));
+            profile.count = 0;
+            for &extremum in DistanceExtrema::of(cubic).as_slice() {
+                profile.push(extremum);
+            }
         }
         profile
-    }
-
-    /// Replaces the nodes by the extrema found.
-    #[cold]
-    fn turn_at(&mut self, cubic: &RelativeCubic, turns: &DistanceExtrema) {
-        self.count = 0;
-        for place in turns.as_slice() {
-            self.push(ProfileNode {
-                s: place.s,
-                time: cubic.time(place.s),
-                distance: place.distance,
-            });
-        }
     }
 
     const fn from(first: ProfileNode) -> Self {
@@ -197,14 +162,15 @@ impl DistanceProfile {
         closest.unwrap_or_else(|| cut(from))
     }
 
-    /// Calls `found` with all stretches within `radius` that overlap `from..=to`, clipped to it, in
-    /// time order. Distances within rounding of the radius count.
+    /// Calls `found` with the ends (s) and the instant of least distance of each stretch: a maximal
+    /// interval within `radius` that overlaps `from..=to`, clipped to it. They come in time order.
+    /// Distances within rounding of the radius count.
     pub(crate) fn stretches(
         &self,
         cubic: &RelativeCubic,
         radius: f64,
         (from, to): (f64, f64),
-        mut found: impl FnMut(WithinInterval),
+        mut found: impl FnMut((f64, f64), ProfilePoint),
     ) {
         let threshold = radius + cubic.tolerance();
         let nodes = self.nodes();
@@ -241,11 +207,8 @@ impl DistanceProfile {
             };
             let (enter, exit) = (enter.max(from), exit.min(to));
             if enter <= exit {
-                found(WithinInterval {
-                    enter,
-                    exit,
-                    closest: self.closest_in(cubic, (enter, exit), (from, to)),
-                });
+                let closest = self.closest_in(cubic, (enter, exit), (from, to));
+                found((enter, exit), closest);
             }
         }
     }
