@@ -22,22 +22,13 @@ pub(super) fn improve(
     let losses = scratch.losses(solid, target, &centres, best.overshoot);
     let mut order: Vec<usize> = (0..losses.len()).collect();
     order.sort_by(|&a, &b| losses[a].total_cmp(&losses[b]).then(a.cmp(&b)));
-    // Balls without any use move together.
-    let bound = best.overshoot * (1.0 + 1e-9);
-    let useless = losses.iter().filter(|&&loss| loss <= bound).count();
-    let moved = if useless < FEW {
-        vec![order[random.below(FEW.min(order.len()))]]
-    } else {
-        order[..useless.div_ceil(3)].to_vec()
-    };
+    let moved = order[random.below(FEW.min(order.len()))];
     scratch.measure(solid, target, &centres, best.overshoot);
-    for ball in moved {
-        if let Some((point, centre)) = scratch.one_of_the_worst(&best.centres, random) {
-            let between = point.lerp(centre, 0.2 + 0.6 * random.unit());
-            let share = random.unit();
-            let large = largest(ridges, point, share * best.overshoot);
-            centres[ball] = large.filter(|_| share > 0.5).unwrap_or(between);
-        }
+    if let Some((point, centre)) = scratch.one_of_the_worst(&best.centres, random) {
+        let between = point.lerp(centre, 0.2 + 0.6 * random.unit());
+        let share = random.unit();
+        let large = largest(ridges, point, share * best.overshoot);
+        centres[moved] = large.filter(|_| share > 0.5).unwrap_or(between);
     }
     let found = descend(solid, target, centres, schedule, scratch);
     if found.overshoot < best.overshoot {

@@ -166,7 +166,7 @@ impl Trajectory {
         }
     }
 
-    /// Returns what follows from the first state: straight motion before it.
+    /// Returns the end motion before the first knot.
     fn carrier_before(&self) -> Segment {
         match &self.form {
             Form::Straight(motion, _) => motion.segment(),
@@ -175,7 +175,7 @@ impl Trajectory {
         }
     }
 
-    /// Returns what follows from the last state: straight motion after it.
+    /// Returns the end motion after the last knot.
     fn carrier_after(&self) -> Segment {
         match &self.form {
             Form::Straight(motion, _) => motion.segment(),

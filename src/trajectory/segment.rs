@@ -333,7 +333,7 @@ impl Segment {
         size + error / (16.0 * UNIT_ROUNDOFF)
     }
 
-    /// Returns how far an interval reaches from the start, in durations of the segment.
+    /// Returns the distance that an interval reaches from the start, in durations of the segment.
     pub(crate) fn lengths_to(&self, from: f64, to: f64) -> f64 {
         let duration = self.end - self.start;
         ((from - self.start).abs().max((to - self.start).abs())) / duration
