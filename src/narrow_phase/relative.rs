@@ -264,6 +264,7 @@ impl RelativeMotion {
     }
 
     /// Returns the cubic of points that were summed from terms of these sizes, each rounded once (m).
+    #[inline(always)]
     fn rounded(&self, points: [DVec3; 4], sizes: f64) -> RelativeCubic {
         let size = largest_norm(&points);
         // And one rounding of the last sum. Second-order terms are covered by the 2^-40. Sums do not

@@ -22,6 +22,7 @@ pub(super) struct ProfileNode {
 }
 
 impl ProfileNode {
+    #[inline]
     pub(super) fn at(cubic: &RelativeCubic, s: f64) -> Self {
         Self {
             s,

@@ -79,12 +79,16 @@ impl DistanceProfile {
         profile.push(ProfileNode::at(cubic, 1.0));
         let distances = profile.nodes().iter().map(|node| node.distance);
         if may_be_hidden(cubic, distances.fold(f64::INFINITY, f64::min)) {
-            profile.count = 0;
-            for &extremum in DistanceExtrema::of(cubic).as_slice() {
-                profile.push(extremum);
-            }
+            profile.turn_at(&DistanceExtrema::of(cubic));
         }
         profile
+    }
+
+    /// Replaces the nodes by the extrema found.
+    #[cold]
+    fn turn_at(&mut self, extrema: &DistanceExtrema) {
+        self.count = 0;
+        extrema.as_slice().iter().for_each(|node| self.push(*node));
     }
 
     const fn from(first: ProfileNode) -> Self {

@@ -227,7 +227,7 @@ impl Trajectory {
 /// # Errors
 ///
 /// [`Error::NotFinite`], [`Error::OutOfRange`].
-pub(super) fn check_number(knot: usize, quantity: Quantity, value: f64) -> Result<(), Error> {
+pub(crate) fn check_number(knot: usize, quantity: Quantity, value: f64) -> Result<(), Error> {
     if !value.is_finite() {
         return Err(Error::NotFinite {
             knot,
@@ -250,7 +250,7 @@ pub(super) fn check_number(knot: usize, quantity: Quantity, value: f64) -> Resul
 /// # Errors
 ///
 /// The first time that is not usable, or not later than the previous one.
-pub(super) fn check_times(times: impl Iterator<Item = f64>) -> Result<(), Error> {
+pub(crate) fn check_times(times: impl Iterator<Item = f64>) -> Result<(), Error> {
     let mut previous = f64::NEG_INFINITY;
     for (knot, time) in times.enumerate() {
         check_number(knot, Quantity::Time, time)?;

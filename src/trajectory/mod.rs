@@ -22,6 +22,7 @@ mod straight;
 mod turned;
 
 pub use build::TimeBase;
+pub(crate) use build::{check_number, check_times};
 pub use curves::{Keyframe, PositionOptions};
 #[cfg(test)]
 pub(crate) use double_double::DoubleDouble;

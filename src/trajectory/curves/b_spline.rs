@@ -3,7 +3,7 @@
 //! L. Ramshaw, "Blossoms are polar forms", 1989: the Bézier points of a cubic between u and w are its blossom at
 //! (u, u, u), (u, u, w), (u, w, w) and (w, w, w). De Boor's algorithm finds each of them from four control points.
 
-use super::control_points::ControlPoints;
+use super::bezier_points::BezierPoints;
 use crate::error::{Error, Quantity};
 use crate::rounding::{norm, one_zero};
 use crate::trajectory::Trajectory;
@@ -169,7 +169,7 @@ fn check_knot_vector(knots: &[f64], control_points: &[DVec3]) -> Result<(), Erro
 /// Returns the cubic of four control points between the third and the fourth of six knots.
 ///
 /// Each of three levels loses less than 2^-100 of the largest coordinate on an axis.
-fn piece(points: &[DVec3], knots: &[f64]) -> ControlPoints {
+fn piece(points: &[DVec3], knots: &[f64]) -> BezierPoints {
     let [u, w] = [knots[2], knots[3]];
     let instants = [[u, u, u], [u, u, w], [u, w, w], [w, w, w]];
     let of_axis = |axis: usize| {
@@ -178,7 +178,7 @@ fn piece(points: &[DVec3], knots: &[f64]) -> ControlPoints {
     };
     let sizes = points.iter().map(|point| point.abs());
     let lost = 2f64.powi(-96) * norm(sizes.fold(DVec3::ZERO, DVec3::max));
-    ControlPoints::new([0, 1, 2].map(of_axis), lost)
+    BezierPoints::new([0, 1, 2].map(of_axis), lost)
 }
 
 /// Returns the blossom, at three instants, of the cubic between the third and the fourth of six knots.
