@@ -5,8 +5,7 @@ use super::random::Random;
 use super::solid::Solid;
 use glam::DVec3;
 
-/// Moves one of the balls whose loss costs least to a worst point, and descends. Keeps the result if
-/// that is better.
+/// Moves one of the balls to a worst point, and descends. Keeps the result if that is better.
 pub(super) fn improve(
     solid: &Solid,
     target: &Target<'_>,
@@ -16,13 +15,8 @@ pub(super) fn improve(
     random: &mut Random,
     scratch: &mut DescentScratch,
 ) {
-    /// Losses are alike, and the least one need not lead farthest.
-    const FEW: usize = 3;
     let mut centres = best.centres.clone();
-    let losses = scratch.losses(solid, target, &centres, best.overshoot);
-    let mut order: Vec<usize> = (0..losses.len()).collect();
-    order.sort_by(|&a, &b| losses[a].total_cmp(&losses[b]).then(a.cmp(&b)));
-    let moved = order[random.below(FEW.min(order.len()))];
+    let moved = random.below(centres.len());
     scratch.measure(solid, target, &centres, best.overshoot);
     if let Some((point, centre)) = scratch.one_of_the_worst(&best.centres, random) {
         let between = point.lerp(centre, 0.2 + 0.6 * random.unit());
