@@ -17,6 +17,8 @@ pub(super) struct CellScratch {
     /// The part of the surface that lies in the cell.
     pub(super) share: Surface,
     clip: ClipScratch,
+    /// The balls whose radical planes cut the share.
+    pub(super) cut_by: Vec<usize>,
     /// Other balls by the distance of the radical plane.
     order: Vec<(f64, usize)>,
 }
@@ -25,12 +27,24 @@ impl CellScratch {
     /// Forms the share of one of the balls of a surface. The share contains all points of the surface,
     /// and of the volume that it bounds, whose power with respect to this ball is the least.
     pub(super) fn form(&mut self, surface: &Surface, own: usize, balls: &[(DVec3, f64)]) {
+        self.form_without(surface, own, balls, None);
+    }
+
+    /// Forms the share as if one of the other balls were not there.
+    pub(super) fn form_without(
+        &mut self,
+        surface: &Surface,
+        own: usize,
+        balls: &[(DVec3, f64)],
+        absent: Option<usize>,
+    ) {
         self.share.copy_from(surface);
+        self.cut_by.clear();
         let (centre, radius) = balls[own];
         self.order.clear();
         for (number, &(other, other_radius)) in balls.iter().enumerate() {
             let apart = other.distance(centre);
-            if number == own || apart < ONE_PLACE {
+            if number == own || apart < ONE_PLACE || absent == Some(number) {
                 continue;
             }
             let squares = (radius - other_radius) * (radius + other_radius);
@@ -51,6 +65,7 @@ impl CellScratch {
             };
             if self.share.clip(&half_space, &mut self.clip) {
                 reach = self.share.farthest(centre);
+                self.cut_by.push(other);
             }
         }
     }

@@ -159,6 +159,61 @@ impl DescentScratch {
         }
     }
 
+    /// Returns the overshoot without each of the balls, as if the others stayed. `level` is about the
+    /// overshoot with all.
+    pub(super) fn losses(
+        &mut self,
+        solid: &Solid,
+        target: &Target<'_>,
+        centres: &[DVec3],
+        level: f64,
+    ) -> Vec<f64> {
+        self.place_balls(solid, target, centres, level);
+        match target {
+            Target::Surfaces(surfaces) => self.losses_of_surfaces(surfaces),
+            Target::Samples(samples) => {
+                self.nearest
+                    .find(&samples.points, &self.balls, &self.heights);
+                self.nearest.losses(self.balls.len())
+            }
+        }
+    }
+
+    fn reach(&self, ball: usize) -> f64 {
+        self.cell.share.farthest(self.balls[ball].0) + self.heights[ball].0
+    }
+
+    fn losses_of_surfaces(&mut self, surfaces: &[Surface]) -> Vec<f64> {
+        let count = self.balls.len();
+        let mut losses = vec![0.0_f64; count];
+        for surface in surfaces {
+            // The overshoot of each ball, and whose loss would change that.
+            let mut own = vec![f64::NEG_INFINITY; count];
+            let mut cut_by = vec![Vec::new(); count];
+            for ball in 0..count {
+                self.cell.form(surface, ball, &self.balls);
+                if !self.cell.share.points.is_empty() {
+                    own[ball] = self.reach(ball);
+                }
+                cut_by[ball].clone_from(&self.cell.cut_by);
+            }
+            for (lost, loss) in losses.iter_mut().enumerate() {
+                for ball in (0..count).filter(|&ball| ball != lost) {
+                    let mut overshoot = own[ball];
+                    if cut_by[ball].contains(&lost) {
+                        self.cell
+                            .form_without(surface, ball, &self.balls, Some(lost));
+                        if !self.cell.share.points.is_empty() {
+                            overshoot = self.reach(ball);
+                        }
+                    }
+                    *loss = loss.max(overshoot);
+                }
+            }
+        }
+        losses
+    }
+
     /// Returns one of the points that reach out nearly farthest, and the centre of its ball.
     pub(super) fn one_of_the_worst(
         &self,

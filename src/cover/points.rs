@@ -30,7 +30,9 @@ pub(super) struct Samples {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Nearest {
     pub(super) balls: Vec<usize>,
-    overshoots: Vec<f64>,
+    /// The least overshoot, and the second.
+    first: Vec<f64>,
+    second: Vec<f64>,
 }
 
 impl Extend<DVec3> for Points {
@@ -214,18 +216,38 @@ impl Nearest {
         let count = points.x.len();
         self.balls.clear();
         self.balls.resize(count, 0);
-        self.overshoots.clear();
-        self.overshoots.resize(count, f64::INFINITY);
+        self.first.clear();
+        self.first.resize(count, f64::INFINITY);
+        self.second.clear();
+        self.second.resize(count, f64::INFINITY);
         let (x, y, z) = (&points.x[..count], &points.y[..count], &points.z[..count]);
-        let (best, least) = (&mut self.balls[..count], &mut self.overshoots[..count]);
+        let (best, first) = (&mut self.balls[..count], &mut self.first[..count]);
+        let second = &mut self.second[..count];
         for (ball, (&(centre, _), &(height, _))) in balls.iter().zip(heights).enumerate() {
             for i in 0..count {
                 let (dx, dy, dz) = (x[i] - centre.x, y[i] - centre.y, z[i] - centre.z);
                 let overshoot = (dx * dx + dy * dy + dz * dz).sqrt() + height;
-                let is_best = overshoot < least[i];
+                let is_best = overshoot < first[i];
+                let other = if is_best { first[i] } else { overshoot };
+                second[i] = if other < second[i] { other } else { second[i] };
                 best[i] = if is_best { ball } else { best[i] };
-                least[i] = if is_best { overshoot } else { least[i] };
+                first[i] = if is_best { overshoot } else { first[i] };
             }
         }
+    }
+
+    /// Returns the largest overshoot without each of the balls.
+    pub(super) fn losses(&self, count: usize) -> Vec<f64> {
+        let mut losses = vec![0.0_f64; count];
+        let mut own = vec![0.0_f64; count];
+        for ((&ball, &first), &second) in self.balls.iter().zip(&self.first).zip(&self.second) {
+            own[ball] = own[ball].max(first);
+            losses[ball] = losses[ball].max(second);
+        }
+        for (ball, loss) in losses.iter_mut().enumerate() {
+            let others = own.iter().enumerate().filter(|&(other, _)| other != ball);
+            *loss = others.map(|(_, &own)| own).fold(*loss, f64::max);
+        }
+        losses
     }
 }

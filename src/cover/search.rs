@@ -5,7 +5,8 @@ use super::random::Random;
 use super::solid::Solid;
 use glam::DVec3;
 
-/// Moves one of the balls to a worst point, and descends. Keeps the result if that is better.
+/// Moves one of the balls whose loss costs least to a worst point, and descends. Keeps the result if
+/// that is better.
 pub(super) fn improve(
     solid: &Solid,
     target: &Target<'_>,
@@ -15,14 +16,28 @@ pub(super) fn improve(
     random: &mut Random,
     scratch: &mut DescentScratch,
 ) {
+    /// Losses are alike, and the least one need not lead farthest.
+    const FEW: usize = 3;
     let mut centres = best.centres.clone();
-    let moved = random.below(centres.len());
+    let losses = scratch.losses(solid, target, &centres, best.overshoot);
+    let mut order: Vec<usize> = (0..losses.len()).collect();
+    order.sort_by(|&a, &b| losses[a].total_cmp(&losses[b]).then(a.cmp(&b)));
+    // Balls without any use move together.
+    let bound = best.overshoot * (1.0 + 1e-9);
+    let useless = losses.iter().filter(|&&loss| loss <= bound).count();
+    let moved = if useless < FEW {
+        vec![order[random.below(FEW.min(order.len()))]]
+    } else {
+        order[..useless.div_ceil(3)].to_vec()
+    };
     scratch.measure(solid, target, &centres, best.overshoot);
-    if let Some((point, centre)) = scratch.one_of_the_worst(&best.centres, random) {
-        let between = point.lerp(centre, 0.2 + 0.6 * random.unit());
-        let share = random.unit();
-        let large = largest(ridges, point, share * best.overshoot);
-        centres[moved] = large.filter(|_| share > 0.5).unwrap_or(between);
+    for ball in moved {
+        if let Some((point, centre)) = scratch.one_of_the_worst(&best.centres, random) {
+            let between = point.lerp(centre, 0.2 + 0.6 * random.unit());
+            let share = random.unit();
+            let large = largest(ridges, point, share * best.overshoot);
+            centres[ball] = large.filter(|_| share > 0.5).unwrap_or(between);
+        }
     }
     let found = descend(solid, target, centres, schedule, scratch);
     if found.overshoot < best.overshoot {
