@@ -71,7 +71,11 @@ impl<R: Real, const EXTRAS: usize> RetryQueue<R, EXTRAS> {
 
     #[inline]
     pub(super) fn control_points(&self, i: usize) -> ControlPoints<R> {
-        self.lanes().control_points(i)
+        let at = |point: usize| {
+            let [x, y, z] = &self.coordinates;
+            [x[point][i], y[point][i], z[point][i]]
+        };
+        [at(0), at(1), at(2), at(3)]
     }
 
     /// Returns the number of lanes: that of the pairs, rounded up to whole vectors of 64 bytes so
