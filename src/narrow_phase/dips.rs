@@ -8,12 +8,19 @@
 
 use super::hull::SquaredDistance;
 use super::relative::RelativeCubic;
-use super::stationary::{MAX_STATIONARY, ProfileNode, stationary_points};
+use super::stationary::{MAX_STATIONARY, stationary_points};
 use crate::enclosure::part;
 use crate::rounding::largest_norm;
 
 /// Share of the size of a part: beyond this distance the squared distance shows all minima.
 const NEAR: f64 = 1.0 / 256.0;
+
+/// A local parameter of a span, and the distance there (m).
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Extremum {
+    pub(super) s: f64,
+    pub(super) distance: f64,
+}
 
 /// Returns true if minima of a span may be lost, given the least distance at the nodes found (m).
 pub(super) fn may_be_hidden(cubic: &RelativeCubic, least: f64) -> bool {
@@ -34,7 +41,7 @@ fn is_swift(cubic: &RelativeCubic) -> bool {
 /// The local extrema of the distance, in order, and both ends of the span.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DistanceExtrema {
-    places: [ProfileNode; Self::ROOM],
+    places: [Extremum; Self::ROOM],
     count: usize,
 }
 
@@ -47,7 +54,7 @@ impl DistanceExtrema {
     #[cold]
     pub(super) fn of(cubic: &RelativeCubic) -> Self {
         let mut turns = Self {
-            places: [ProfileNode::default(); Self::ROOM],
+            places: [Extremum::default(); Self::ROOM],
             count: 0,
         };
         turns.push(cubic, 0.0);
@@ -58,7 +65,7 @@ impl DistanceExtrema {
         turns
     }
 
-    pub(super) fn as_slice(&self) -> &[ProfileNode] {
+    pub(super) fn as_slice(&self) -> &[Extremum] {
         &self.places[..self.count]
     }
 
@@ -70,7 +77,7 @@ impl DistanceExtrema {
         let is_rounding = part.size <= cubic.tolerance() || halvings == MAX_HALVINGS;
         if !is_rounding && !SquaredDistance::of(&part).are_monotonic() {
             let found = stationary_points(&part);
-            let inside = found.iter().map(|s| from + s * (to - from));
+            let inside = found.as_slice().iter().map(|s| from + s * (to - from));
             let all = inside.clone().chain([from, to]);
             let least = all.map(|s| cubic.distance(s)).fold(f64::INFINITY, f64::min);
             if may_be_hidden(&part, least) {
@@ -88,7 +95,10 @@ impl DistanceExtrema {
 
     /// Appends an extremum; replaces the previous one if the distance only continues its course.
     fn push(&mut self, cubic: &RelativeCubic, s: f64) {
-        let new = ProfileNode::at(cubic, s);
+        let new = Extremum {
+            s,
+            distance: cubic.distance(s),
+        };
         if let [.., before, last] = self.as_slice() {
             let (rose, rises) = (
                 last.distance >= before.distance,
@@ -132,7 +142,7 @@ fn part_of(cubic: &RelativeCubic, (from, to): (f64, f64)) -> RelativeCubic {
 
 #[cfg(test)]
 mod tests {
-    use super::{DistanceExtrema, ProfileNode};
+    use super::{DistanceExtrema, Extremum};
 
     /// Surplus extrema go where the distance changes least, except for the ends.
     #[test]
@@ -151,16 +161,12 @@ mod tests {
             5.0,
         ];
         let mut turns = DistanceExtrema {
-            places: [ProfileNode::default(); DistanceExtrema::ROOM],
+            places: [Extremum::default(); DistanceExtrema::ROOM],
             count: distances.len(),
         };
         for (place, (s, distance)) in turns.places.iter_mut().zip((0_u8..).zip(distances)) {
             let s = f64::from(s);
-            *place = ProfileNode {
-                s,
-                distance,
-                ..ProfileNode::default()
-            };
+            *place = Extremum { s, distance };
         }
         turns.reduce(DistanceExtrema::MAX);
         let left: Vec<f64> = turns.as_slice().iter().map(|place| place.s).collect();

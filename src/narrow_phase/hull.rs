@@ -125,7 +125,7 @@ mod tests {
                 _ => [0.0, 1.0, 2.0, 3.0].map(|step| place + step * speed.cross(place) / size),
             };
             let stationary = stationary_points(&cubic(points));
-            if let Some(&last) = stationary.last()
+            if let Some(&last) = stationary.as_slice().last()
                 && round % 8 < 4
             {
                 points = rest(points, last);
@@ -135,11 +135,11 @@ mod tests {
             let cubic = cubic(points);
             let found = stationary_points(&cubic);
             if SquaredDistance::of(&cubic).are_monotonic() {
-                assert!(found.is_empty(), "{round} {points:?}");
+                assert!(found.as_slice().is_empty(), "{round} {points:?}");
                 monotonic += 1;
                 beside += u32::from(share < 1e-3);
             } else {
-                others += u32::from(found.is_empty());
+                others += u32::from(found.as_slice().is_empty());
             }
         }
         // Enough of each kind; what is not proven is little more than what cannot be.

@@ -57,9 +57,9 @@ impl RelativeCubic {
     pub(crate) fn at(&self, s: f64) -> (DVec3, DVec3) {
         let [p0, p1, p2, p3] = self.points;
         if s <= 0.5 {
-            value(&powers(self.points), s)
+            PowerForm::of(p0, p1, p2, p3).at(s)
         } else {
-            let (position, rate) = value(&powers([p3, p2, p1, p0]), 1.0 - s);
+            let (position, rate) = PowerForm::of(p3, p2, p1, p0).at(1.0 - s);
             (position, -rate)
         }
     }
@@ -69,8 +69,8 @@ impl RelativeCubic {
     pub(crate) fn power_forms(&self) -> PowerForms {
         let [p0, p1, p2, p3] = self.points;
         PowerForms {
-            forth: powers(self.points),
-            back: powers([p3, p2, p1, p0]),
+            forth: PowerForm::of(p0, p1, p2, p3),
+            back: PowerForm::of(p3, p2, p1, p0),
         }
     }
 
@@ -163,10 +163,10 @@ fn blur(&[p0, p1, p2, p3]: &[DVec3; 4], (start, end): (f64, f64)) -> f64 {
     if blur.is_nan() { f64::INFINITY } else { blur }
 }
 
-/// A relative cubic in powers of the distance from its nearer end: the coefficients from either end on.
+/// A relative cubic in powers of the distance from its nearer end.
 pub(crate) struct PowerForms {
-    forth: [DVec3; 4],
-    back: [DVec3; 4],
+    forth: PowerForm,
+    back: PowerForm,
 }
 
 impl PowerForms {
@@ -174,32 +174,42 @@ impl PowerForms {
     #[inline(always)]
     pub(crate) fn at(&self, s: f64) -> (DVec3, DVec3) {
         if s <= 0.5 {
-            value(&self.forth, s)
+            self.forth.at(s)
         } else {
-            let (position, rate) = value(&self.back, 1.0 - s);
+            let (position, rate) = self.back.at(1.0 - s);
             (position, -rate)
         }
     }
 }
 
-/// Returns the power coefficients of a cubic from the first of its control points on.
-#[inline]
-fn powers([p0, p1, p2, p3]: [DVec3; 4]) -> [DVec3; 4] {
-    [
-        p0,
-        3.0 * (p1 - p0),
-        3.0 * ((p2 - p1) - (p1 - p0)),
-        (p3 - p0) - 3.0 * (p2 - p1),
-    ]
+/// A cubic in powers of the distance from one of its ends.
+struct PowerForm {
+    coefficients: [DVec3; 4],
 }
 
-/// Returns value and derivative of a cubic in powers.
-#[inline(always)]
-fn value(&[c0, c1, c2, c3]: &[DVec3; 4], s: f64) -> (DVec3, DVec3) {
-    (
-        c0 + s * (c1 + s * (c2 + s * c3)),
-        c1 + s * (2.0 * c2 + s * (3.0 * c3)),
-    )
+impl PowerForm {
+    /// Returns the power form of control points from the chosen end on.
+    #[inline]
+    fn of(p0: DVec3, p1: DVec3, p2: DVec3, p3: DVec3) -> Self {
+        Self {
+            coefficients: [
+                p0,
+                3.0 * (p1 - p0),
+                3.0 * ((p2 - p1) - (p1 - p0)),
+                (p3 - p0) - 3.0 * (p2 - p1),
+            ],
+        }
+    }
+
+    /// Returns value and derivative.
+    #[inline(always)]
+    fn at(&self, s: f64) -> (DVec3, DVec3) {
+        let [c0, c1, c2, c3] = self.coefficients;
+        (
+            c0 + s * (c1 + s * (c2 + s * c3)),
+            c1 + s * (2.0 * c2 + s * (3.0 * c3)),
+        )
+    }
 }
 
 /// The motion of one body relative to another over a span, common to all pairs of their spheres.
@@ -246,30 +256,31 @@ impl RelativeMotion {
     /// [`points`](Self::points).
     pub(super) fn of_spheres(&self, offset: DVec3) -> RelativeCubic {
         let apart = self.apart + offset;
-        let spread = largest_norm(&self.local);
-        // One rounding each of the origins' difference, of the offset's (and the sum with it), and of
-        // the local difference.
-        let sizes = 2.0 * norm(apart) + 2.0 * norm(offset) + spread;
-        self.rounded(self.points(offset), sizes)
+        let points = self.points(offset);
+        let (size, spread) = (largest_norm(&points), largest_norm(&self.local));
+        // One rounding each of the origins' difference, of the offset's (and the sum with it), of
+        // the local difference and of the last sum. Second-order terms are covered by the 2^-40. Sums do
+        // not underflow, and what does in the bound is in both parts' errors.
+        let roundings = 2.0 * norm(apart) + 2.0 * norm(offset) + spread + size;
+        let error = (self.error + UNIT_ROUNDOFF * roundings) * (1.0 + 2f64.powi(-40));
+        RelativeCubic {
+            start: self.start,
+            end: self.end,
+            points,
+            error,
+            size,
+        }
     }
 
-    /// Returns the relative cubic of two points of the bodies, with its error. `ways` are the control points of
-    /// a's point minus those of b's, each relative to its body's position, m. Their own error is not included.
+    /// Returns the relative cubic of two points of the bodies, with its error. `ways` are the
+    /// control points of a's point minus those of b's, each relative to its body's position, m. Their own
+    /// error is not included.
     pub(super) fn along(&self, ways: &[DVec3; 4]) -> RelativeCubic {
         let points = [0, 1, 2, 3].map(|k| (self.apart + self.local[k]) + ways[k]);
-        // As of spheres; the sum of apart and local is rounded as well.
-        let spread = largest_norm(&self.local);
-        let sizes = 2.0 * norm(self.apart) + 2.0 * spread + 2.0 * largest_norm(ways);
-        self.rounded(points, sizes)
-    }
-
-    /// Returns the cubic of points that were summed from terms of these sizes, each rounded once (m).
-    #[inline(always)]
-    fn rounded(&self, points: [DVec3; 4], sizes: f64) -> RelativeCubic {
-        let size = largest_norm(&points);
-        // And one rounding of the last sum. Second-order terms are covered by the 2^-40. Sums do not
-        // underflow, and what does in the bound is in both parts' errors.
-        let error = (self.error + UNIT_ROUNDOFF * (sizes + size)) * (1.0 + 2f64.powi(-40));
+        let (size, spread) = (largest_norm(&points), largest_norm(&self.local));
+        // As `of_spheres`; the sum of apart and local is rounded as well.
+        let roundings = 2.0 * norm(self.apart) + 2.0 * spread + 2.0 * largest_norm(ways) + size;
+        let error = (self.error + UNIT_ROUNDOFF * roundings) * (1.0 + 2f64.powi(-40));
         RelativeCubic {
             start: self.start,
             end: self.end,

@@ -6,47 +6,45 @@
 //! where the distance is small.
 
 use super::relative::RelativeCubic;
-use crate::polynomial::{Polynomial, RootList, Roots};
+use crate::polynomial::{Polynomial, Roots};
 use crate::rounding::normalising_power;
 use glam::DVec3;
 
 /// Largest number of stationary points inside a span.
 pub(crate) const MAX_STATIONARY: usize = 5;
 
-/// A local parameter of a span, its instant (s), and the distance then (m).
+/// Local parameters of the stationary points inside a span, increasing.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct ProfileNode {
-    pub(super) s: f64,
-    pub(super) time: f64,
-    pub(super) distance: f64,
+pub(crate) struct StationaryPoints {
+    points: [f64; MAX_STATIONARY],
+    count: usize,
 }
 
-impl ProfileNode {
-    #[inline]
-    pub(super) fn at(cubic: &RelativeCubic, s: f64) -> Self {
-        Self {
-            s,
-            time: cubic.time(s),
-            distance: cubic.distance(s),
+impl StationaryPoints {
+    pub(crate) fn as_slice(&self) -> &[f64] {
+        &self.points[..self.count]
+    }
+
+    fn push(&mut self, s: f64) {
+        let distinct = self.count == 0 || s > self.points[self.count - 1];
+        if distinct && self.count < MAX_STATIONARY && s > 0.0 && s < 1.0 {
+            self.points[self.count] = s;
+            self.count += 1;
         }
     }
 }
 
-/// Returns the local parameters of the stationary points inside the span, increasing, each minimum
-/// polished; [`MAX_STATIONARY`] at most.
-pub(crate) fn stationary_points(cubic: &RelativeCubic) -> RootList {
-    let mut found = RootList::default();
+/// Returns the stationary points of the distance inside the span, each minimum polished.
+pub(crate) fn stationary_points(cubic: &RelativeCubic) -> StationaryPoints {
+    let mut found = StationaryPoints::default();
     let derivative = squared_distance(cubic).derivative();
     if let Roots::At(roots) = derivative.roots_in(-1.0, 1.0, 0.0) {
         let roots = &roots[..];
         for (k, &u) in roots.iter().enumerate() {
             // Polishing never passes a neighbour: the order of minima and maxima stays.
-            let low = found.last().copied().unwrap_or(0.0);
+            let low = found.as_slice().last().copied().unwrap_or(0.0);
             let high = roots.get(k + 1).map_or(1.0, |next| 0.5 + 0.5 * next);
-            let s = polish(cubic, 0.5 + 0.5 * u, (low, high));
-            if s > low && s < 1.0 && found.len() < MAX_STATIONARY {
-                found.push(s);
-            }
+            found.push(polish(cubic, 0.5 + 0.5 * u, (low, high)));
         }
     }
     found

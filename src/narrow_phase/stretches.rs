@@ -8,7 +8,7 @@
 use super::dips::{DistanceExtrema, may_be_hidden};
 use super::hull::SquaredDistance;
 use super::relative::RelativeCubic;
-use super::stationary::{MAX_STATIONARY, ProfileNode, stationary_points};
+use super::stationary::{MAX_STATIONARY, stationary_points};
 use crate::rounding::normalising_power;
 
 /// An instant of a span with its centre distance.
@@ -28,6 +28,23 @@ pub(crate) struct DistanceProfile {
     count: usize,
     /// See [`ProfilePoint::plateau`].
     plateau: f64,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct ProfileNode {
+    s: f64,
+    time: f64,
+    distance: f64,
+}
+
+impl ProfileNode {
+    fn at(cubic: &RelativeCubic, s: f64) -> Self {
+        Self {
+            s,
+            time: cubic.time(s),
+            distance: cubic.distance(s),
+        }
+    }
 }
 
 impl DistanceProfile {
@@ -73,22 +90,28 @@ impl DistanceProfile {
             profile.push(ProfileNode::at(cubic, 1.0));
             return profile;
         }
-        for &s in &stationary_points(cubic) {
+        for &s in stationary_points(cubic).as_slice() {
             profile.push(ProfileNode::at(cubic, s));
         }
         profile.push(ProfileNode::at(cubic, 1.0));
         let distances = profile.nodes().iter().map(|node| node.distance);
         if may_be_hidden(cubic, distances.fold(f64::INFINITY, f64::min)) {
-            profile.turn_at(&DistanceExtrema::of(cubic));
+            profile.turn_at(cubic, &DistanceExtrema::of(cubic));
         }
         profile
     }
 
     /// Replaces the nodes by the extrema found.
     #[cold]
-    fn turn_at(&mut self, extrema: &DistanceExtrema) {
+    fn turn_at(&mut self, cubic: &RelativeCubic, turns: &DistanceExtrema) {
         self.count = 0;
-        extrema.as_slice().iter().for_each(|node| self.push(*node));
+        for place in turns.as_slice() {
+            self.push(ProfileNode {
+                s: place.s,
+                time: cubic.time(place.s),
+                distance: place.distance,
+            });
+        }
     }
 
     const fn from(first: ProfileNode) -> Self {

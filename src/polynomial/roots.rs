@@ -58,7 +58,7 @@ impl fmt::Debug for RootList {
 impl RootList {
     /// Appends a root that is not smaller than the previous ones.
     #[inline]
-    pub(crate) fn push(&mut self, root: f64) {
+    pub(super) fn push(&mut self, root: f64) {
         debug_assert!(
             self.last().is_none_or(|&last| last <= root),
             "roots come sorted"
