@@ -53,7 +53,7 @@ impl RelativeCubic {
 
     /// Returns relative position and its derivative by s (m), formed from the nearer end so that
     /// constant motion stays exactly constant.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn at(&self, s: f64) -> (DVec3, DVec3) {
         let [p0, p1, p2, p3] = self.points;
         if s <= 0.5 {
