@@ -11,7 +11,7 @@
 //! | 2^-100 of what cancels in a polynomial | `trajectory/build` | `segment::tests::points_of_polynomials_that_vanish` |
 //! | errors of a line where a polynomial ends: position, velocity | `trajectory/build` | `segment::tests::lines_at_the_ends_of_polynomials` |
 //! | points of legs | `trajectory/segment` | `curves::tests::legs_are_straight` |
-//! | points of curves: origin, ways | `trajectory/curves/control_points` | `curves::tests` |
+//! | points of curves: origin, ways | `trajectory/curves/bezier_points` | `curves::tests` |
 //! | velocities of end motions of curves | `trajectory/curves` | proof 9 |
 //! | errors of both cubics where several become one | `trajectory/simplified` | `simplified::tests::the_errors_of_both_count` |
 //! | rounding of their difference | `trajectory/simplified` | proof 10 |
@@ -128,12 +128,17 @@ pub(crate) const fn one_zero(time: f64) -> f64 {
     time + 0.0
 }
 
+/// Returns the rounded sum of two numbers and its rounding error (Knuth).
+#[inline]
+pub(crate) fn two_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    let shadow = sum - a;
+    (sum, (a - (sum - shadow)) + (b - shadow))
+}
+
 /// Returns the sum of two numbers, rounded up.
 pub(crate) fn sum_above(a: f64, b: f64) -> f64 {
-    let sum = a + b;
-    // The rounding error of the sum (Knuth).
-    let shadow = sum - a;
-    let lost = (a - (sum - shadow)) + (b - shadow);
+    let (sum, lost) = two_sum(a, b);
     if lost > 0.0 { sum.next_up() } else { sum }
 }
 

@@ -11,7 +11,7 @@ pub(super) struct HalfSpace {
 }
 
 impl HalfSpace {
-    /// Returns how far a point lies outside; negative inside.
+    /// Returns the distance by which a point lies outside; negative inside.
     pub(super) fn height(&self, point: DVec3) -> f64 {
         self.normal.dot(point) - self.offset
     }
@@ -119,7 +119,7 @@ impl Surface {
     }
 
     /// Removes what lies outside a half-space. A closed surface is closed again along the plane.
-    /// Returns whether anything was removed.
+    /// Returns true if anything was removed.
     pub(super) fn clip(&mut self, half_space: &HalfSpace, scratch: &mut ClipScratch) -> bool {
         let heights = &mut scratch.heights;
         heights.clear();

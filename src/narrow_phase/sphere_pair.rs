@@ -123,11 +123,11 @@ impl SpherePair {
         if radius < 0.0 {
             return;
         }
-        profile.stretches(&self.cubic, radius, clip, |stretch| {
+        profile.stretches(&self.cubic, radius, clip, |(enter, exit), closest| {
             found.push(Contact {
-                enter: stretch.enter,
-                exit: stretch.exit,
-                closest: self.approach(span, stretch.closest),
+                enter,
+                exit,
+                closest: self.approach(span, closest),
             });
         });
     }

@@ -2,6 +2,8 @@
 
 use dashu::rational::RBig;
 use glam::DVec3;
+use rand::RngExt;
+use rand::rngs::ChaCha8Rng;
 
 /// A vector without rounding.
 #[derive(Clone, Debug)]
@@ -10,6 +12,11 @@ pub(crate) struct Exact([RBig; 3]);
 /// Returns a finite number without rounding.
 pub(crate) fn number(x: f64) -> RBig {
     RBig::try_from(x).unwrap_or_else(|_| unreachable!("{x} is finite"))
+}
+
+/// Returns a vector with coordinates up to `half` in absolute value.
+pub(crate) fn vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
+    DVec3::from_array([0; 3].map(|_| half * rng.random_range(-1.0..1.0)))
 }
 
 impl Exact {

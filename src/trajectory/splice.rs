@@ -227,13 +227,11 @@ impl Trajectory {
     /// Returns the plan that this is made of, or would be.
     pub(super) fn as_plan(&mut self) -> &mut Plan {
         let other = match &self.form {
-            Form::Straight(motion, _) => Some(Plan {
-                knots: Roomy::new(from_ref(motion.start_ref()), &[]),
-                segments: Roomy::new(&[], &[motion.segment(); 2]),
-                before: Outside::Coast,
-                after: Outside::Coast,
-                has_piece_after: false,
-            }),
+            Form::Straight(motion, _) => Some(Plan::new(
+                Roomy::new(from_ref(motion.start_ref()), &[]),
+                Roomy::new(&[], &[motion.segment(); 2]),
+                [Outside::Coast; 2],
+            )),
             Form::Turned(turned) => Some(turned.to_plan()),
             Form::Plan(_) => None,
         };

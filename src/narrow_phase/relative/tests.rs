@@ -1,16 +1,12 @@
 //! Error terms of a relative motion against exact arithmetic, each where it dominates.
 
 use super::*;
-use crate::rounding::exact::{Exact, number};
+use crate::rounding::exact::{Exact, number, vector};
 use crate::trajectory::{State, TimeBase, Trajectory};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 
 const ROUNDS: u32 = 3_000;
-
-fn vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
-    DVec3::from_array([0; 3].map(|_| half * rng.random_range(-1.0..1.0)))
-}
 
 /// Returns a motion with these exact control points.
 fn motion(apart: DVec3, local: [DVec3; 4], error: f64) -> RelativeMotion {
