@@ -4,7 +4,7 @@ use crate::bounds::FatLine;
 use crate::broad_phase::{BodyBox, Candidate, Sweep};
 use crate::monitor::boxes::{BoxTree, TreeSearch};
 use crate::pool::Pool;
-use crate::search::{CandidateRefiner, SliceBlock};
+use crate::search::CandidateRefiner;
 use crate::spans::SpanKey;
 use crate::stats::Stats;
 use std::sync::OnceLock;
@@ -54,7 +54,6 @@ pub(super) struct Index {
 pub(in crate::monitor) struct SliceScratch {
     /// Boxes of some bodies.
     pub(super) listed: Vec<BodyBox>,
-    pub(super) block: SliceBlock,
     pub(super) search: TreeSearch,
     pub(super) refiner: CandidateRefiner,
     /// Memory of searches from nothing.
