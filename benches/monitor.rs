@@ -114,7 +114,7 @@ enum Ground {
 
 /// Ticks of bodies above a floor, of which few get a new plan.
 fn floors(criterion: &mut Criterion) {
-    /// How far below the cube that the bodies keep to, m.
+    /// Depth of the floor below the cube that the bodies keep to, m.
     const BELOW: f64 = 150.0;
     let mut group = criterion.benchmark_group("monitor");
     group

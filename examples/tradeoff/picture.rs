@@ -113,7 +113,7 @@ fn steps(table: &Table) -> (Axes, Vec<Mark>) {
     (axes, marks)
 }
 
-/// Where a series finds all, its first and its last point have names: those between would cover each other.
+/// Keeps the names of the first and the last point at which a series finds all: those between would cover each other.
 fn leave_out_names(marks: &mut [Mark]) {
     let is_full = |mark: &Mark| mark.y >= 100.0;
     let last_of = |series: &str| marks.iter().rposition(|mark| mark.series == series);
@@ -235,7 +235,7 @@ where
     let (left, top) = area.get_base_pixel();
     let (width, height) = area.dim_in_pixel();
     let (width, height) = (i32::try_from(width)?, i32::try_from(height)?);
-    /// Of a point.
+    /// Radius of a point, pixels.
     const RADIUS: i32 = 5;
     let point = |mark: &Mark| {
         let (x, y) = chart.backend_coord(&(mark.x, mark.y));

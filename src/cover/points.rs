@@ -324,7 +324,7 @@ impl BestOfBlock {
         }
     }
 
-    /// Of balls that are equally good the first one is the best.
+    /// Compares a ball with the best one so far; of equally good ones the first stays.
     #[inline(always)]
     fn try_ball(&mut self, ball: usize, centre: DVec3, height: f64) {
         /// More than all rounding: lengths are of the order of one.

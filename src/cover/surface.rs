@@ -154,7 +154,7 @@ impl Surface {
         let heights = &scratch.heights;
         scratch.crossings.clear();
         for polygon in self.polygons() {
-            if side(polygon, heights) != Side::Both {
+            if side(polygon, heights) != PolygonSide::Both {
                 continue;
             }
             for (from, to) in edges(polygon) {
@@ -188,14 +188,14 @@ impl Surface {
         cut.clear();
         for polygon in self.polygons() {
             match side(polygon, heights) {
-                Side::Outside => continue,
-                Side::Inside => {
+                PolygonSide::Outside => continue,
+                PolygonSide::Inside => {
                     let kept = polygon.iter().map(|&corner| numbers[corner]);
                     result.corners.extend(kept);
                     result.ends.push(result.corners.len());
                     continue;
                 }
-                Side::Both => {}
+                PolygonSide::Both => {}
             }
             let begin = result.corners.len();
             // The last exit, and the first entrance if it comes before any exit.
@@ -249,15 +249,15 @@ impl ClipScratch {
     }
 }
 
-/// Where a polygon lies.
+/// The side of a surface on which a polygon lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Side {
+enum PolygonSide {
     Inside,
     Outside,
     Both,
 }
 
-fn side(polygon: &[usize], heights: &[f64]) -> Side {
+fn side(polygon: &[usize], heights: &[f64]) -> PolygonSide {
     let (mut some_in, mut some_out) = (false, false);
     for &corner in polygon {
         let is_in = heights[corner] <= 0.0;
@@ -265,9 +265,9 @@ fn side(polygon: &[usize], heights: &[f64]) -> Side {
         some_out |= !is_in;
     }
     match (some_in, some_out) {
-        (true, true) => Side::Both,
-        (true, false) => Side::Inside,
-        (false, _) => Side::Outside,
+        (true, true) => PolygonSide::Both,
+        (true, false) => PolygonSide::Inside,
+        (false, _) => PolygonSide::Outside,
     }
 }
 

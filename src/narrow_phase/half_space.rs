@@ -130,7 +130,7 @@ impl<'a> PlanePair<'a> {
         /// Far more than all rounding, and than the normal's length is off, relative to the coordinates.
         const CLEARANCE: f64 = 4e-9;
         let [body, plane] = &self.segments();
-        let range = |segment| HeightRange::of(segment, (part.start, part.end), self.normal);
+        let range = |segment| SegmentHeights::of(segment, (part.start, part.end), self.normal);
         let (Some(body), Some(plane)) = (range(body), range(plane)) else {
             return false;
         };
@@ -241,14 +241,14 @@ impl<'a> PlanePair<'a> {
 
 /// Bounds of a segment's coordinate along a normal, rounding apart, m.
 #[derive(Clone, Copy, Debug)]
-struct HeightRange {
+struct SegmentHeights {
     low: f64,
     high: f64,
     /// Magnitude to which its rounding is relative, m.
     size: f64,
 }
 
-impl HeightRange {
+impl SegmentHeights {
     /// Returns the bounds over an interval (s), if they are found quickly.
     fn of(segment: &Segment, (from, to): (f64, f64), normal: DVec3) -> Option<Self> {
         let origin = segment.origin();
