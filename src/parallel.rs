@@ -49,33 +49,24 @@ where
         .collect()
 }
 
-/// Replaces the content of two lists by the two results of `work(index)` for each index below
-/// `count`. Up to `few` are computed on this thread.
-pub(crate) fn map_both<T: Send, U: Send>(
+/// Replaces the content of a list by `work(index)` for each index below `count`. Up to `few` are
+/// computed on this thread.
+pub(crate) fn map_into<T: Send>(
     count: usize,
     few: usize,
-    (one, other): (&mut Vec<T>, &mut Vec<U>),
-    work: impl Fn(usize) -> (T, U) + Sync + Send,
+    list: &mut Vec<T>,
+    work: impl Fn(usize) -> T + Sync + Send,
 ) {
     #[cfg(feature = "parallel")]
     if count > few {
         use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
-        let both = (0..count).into_par_iter().map(work);
-        both.unzip_into_vecs(one, other);
+        (0..count).into_par_iter().map(work).collect_into_vec(list);
         return;
     }
     #[cfg(not(feature = "parallel"))]
     let _ = few;
-    one.clear();
-    other.clear();
-    one.reserve(count);
-    other.reserve(count);
-    // No iterator over the results: each would be moved once more.
-    for index in 0..count {
-        let both = work(index);
-        one.push(both.0);
-        other.push(both.1);
-    }
+    list.clear();
+    list.extend((0..count).map(work));
 }
 
 /// Returns the number of threads that share work.

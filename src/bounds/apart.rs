@@ -1,13 +1,14 @@
 //! Hull test of two bodies that each follow one cubic: in f32, from their compact trajectories.
 
 use super::ROUNDING;
-use super::source::{BoundingCubic, CubicSource};
+use super::compact_cubic::CompactCubic;
+use super::source::CubicSource;
 use glam::Vec3A;
 
 /// One body on one of its cubics.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct BodyCubic<'a, C> {
-    pub(crate) source: &'a CubicSource<'a, C>,
+pub(crate) struct BodyCubic<'a> {
+    pub(crate) source: &'a CubicSource<'a, CompactCubic>,
     pub(crate) cubic: usize,
 }
 
@@ -23,28 +24,24 @@ pub(crate) enum HullTest {
 
 /// Tests two bodies from `from` to `to` (s), within one cubic of each. They are apart if all
 /// control points of the relative motion lie beyond the margin on an axis or along their sum.
-pub(crate) fn hull_test<C: BoundingCubic>(
-    a: &BodyCubic<'_, C>,
-    b: &BodyCubic<'_, C>,
-    interval: (f64, f64),
-) -> HullTest {
+pub(crate) fn hull_test(a: &BodyCubic<'_>, b: &BodyCubic<'_>, interval: (f64, f64)) -> HullTest {
     if a.source.knots.are_extended() || b.source.knots.are_extended() {
-        see::<C, true>(a, b, interval)
+        see::<true>(a, b, interval)
     } else {
-        see::<C, false>(a, b, interval)
+        see::<false>(a, b, interval)
     }
 }
 
 #[inline(always)]
-fn see<C: BoundingCubic, const EXTENDED: bool>(
-    a: &BodyCubic<'_, C>,
-    b: &BodyCubic<'_, C>,
+fn see<const EXTENDED: bool>(
+    a: &BodyCubic<'_>,
+    b: &BodyCubic<'_>,
     (from, to): (f64, f64),
 ) -> HullTest {
     /// Largest rounding, as a share of the distance in question, for which `Near` is told from
     /// `Blurred`.
     const BLUR: f32 = 0.25;
-    let part = |body: &BodyCubic<'_, C>| {
+    let part = |body: &BodyCubic<'_>| {
         let piece = body.source.piece::<EXTENDED>(body.cubic);
         let placement = &body.source.placement;
         let piece = piece.part(from, to);

@@ -15,9 +15,6 @@ use std::slice::from_ref;
 
 /// A cubic from which bounds are formed.
 pub(crate) trait BoundingCubic {
-    /// True if it is cheap enough to read for comparing two bodies.
-    const IS_COMPACT: bool;
-
     /// Returns the whole cubic between two knots, relative to the body's place (frame's unit).
     fn piece(&self, knots: (f64, f64), placement: &FramePlacement) -> SubCubic;
 }
@@ -202,8 +199,6 @@ impl<'a> CubicSource<'a, Segment> {
 }
 
 impl BoundingCubic for CompactCubic {
-    const IS_COMPACT: bool = true;
-
     #[inline(always)]
     fn piece(&self, knots: (f64, f64), placement: &FramePlacement) -> SubCubic {
         SubCubic::whole(self, knots, placement.factor)
@@ -211,8 +206,6 @@ impl BoundingCubic for CompactCubic {
 }
 
 impl BoundingCubic for Segment {
-    const IS_COMPACT: bool = false;
-
     #[inline(always)]
     fn piece(&self, knots: (f64, f64), placement: &FramePlacement) -> SubCubic {
         match CompactCubic::of(self, knots, &placement.anchor) {

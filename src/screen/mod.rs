@@ -23,12 +23,12 @@ use crate::query::Query;
 use crate::rounding::{seen_from, seen_until};
 use crate::scene::{Body, Scene};
 use crate::search::{
-    BodyLists, BoxedBodies, ListMemory, SceneStatistics, SliceTrials, TimeSlices, WindowSearch,
+    BoxedBodies, SceneStatistics, SliceTrials, SourceMemory, TimeSlices, WindowSearch,
 };
 use crate::stats::Stats;
 use crate::wall_clock::Instant;
 use crate::window::Window;
-use prepared::{BodiesInPlace, Lists, PlaceAdmission, PreparedScene};
+use prepared::{BodiesInPlace, ListedBodies, PlaceAdmission, PreparedScene, SourceList};
 use solve::SHARE_OF_SLICES;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -244,25 +244,25 @@ impl PreparedScene<'_> {
         trials.cheapest(slices, traffic, sources)
     }
 
-    /// Returns all bodies in lists and the slices; computed in parallel if there are many bodies.
+    /// Returns the box sources of all bodies and the slices; computed in parallel if there are many bodies.
     fn laid_out(
         &self,
         traffic: &SceneStatistics,
-        memory: &mut ListMemory<CompactCubic>,
-    ) -> (Lists<'_>, TimeSlices) {
+        memory: &mut SourceMemory,
+    ) -> (SourceList<'_>, TimeSlices) {
         /// Fewer are prepared before another thread wakes up.
         const FEW: usize = 1024;
         if parallel::threads() > 1 && self.ids.len() > FEW {
             let slices = || self.slices(traffic, |places| self.sources(places));
-            let (slices, lists) =
-                parallel::join(self.ids.len(), FEW, slices, || self.views(memory));
-            return (lists, slices);
+            let sources = || self.all_sources(memory);
+            let (slices, sources) = parallel::join(self.ids.len(), FEW, slices, sources);
+            return (sources, slices);
         }
         // Then it is cheaper to copy some than to look at their bodies again.
-        let (views, sources) = self.views(memory);
+        let sources = self.all_sources(memory);
         let some = |places: &[usize]| places.iter().map(|&place| sources[place]).collect();
         let slices = self.slices(traffic, some);
-        ((views, sources), slices)
+        (sources, slices)
     }
 
     fn screen<F: PairFilter>(
@@ -296,19 +296,19 @@ impl PreparedScene<'_> {
             return Ok(screening);
         }
         let mut memory = self.pool.take();
-        let ((views, sources), slices) = self.laid_out(&traffic, &mut memory.lists);
-        let lists = BodyLists {
-            views: &views,
+        let (sources, slices) = self.laid_out(&traffic, &mut memory.sources);
+        let bodies = ListedBodies {
+            prepared: self,
             sources: &sources,
         };
         self.search(
-            &lists,
+            &bodies,
             (&slices, &traffic),
             (method, filter),
             progress,
             &mut screening,
         )?;
-        memory.lists.put_back((views, sources));
+        memory.sources.put_back(sources);
         Ok(screening)
     }
 

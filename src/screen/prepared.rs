@@ -2,7 +2,9 @@
 
 use super::survey::SceneSurvey;
 use crate::accuracy::Accuracy;
-use crate::bounds::{CompactCubic, CubicSource, Frame, MovingFrame, Padding};
+use crate::bounds::{
+    BodyCubic, CompactCubic, CubicSource, Frame, HullTest, MovingFrame, Padding, hull_test,
+};
 use crate::broad_phase::{InstructionSet, PairFilter};
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::id::BodyId;
@@ -14,8 +16,8 @@ use crate::pool::Pool;
 use crate::query::Query;
 use crate::scene::{Body, CubicArena, IgnoredPairs, Scene, SceneEntry, can_reach, radius};
 use crate::search::{
-    Bodies, BoxedBodies, Lifetimes, Limits, ListMemory, SceneStatistics, SearchScratch,
-    SlicesToForm, SourcesInPlace,
+    Bodies, BoxedBodies, Lifetimes, Limits, SceneStatistics, SearchScratch, SlicesToForm,
+    SourceMemory, SourcesInPlace,
 };
 use crate::simd::prefetch;
 use crate::spans::common_domain;
@@ -24,8 +26,8 @@ use crate::window::Window;
 use std::num::NonZeroU32;
 use std::slice::from_ref;
 
-/// Views and box sources of all bodies, by place.
-pub(super) type Lists<'a> = (Vec<BodyView<'a>>, Vec<CubicSource<'a, CompactCubic>>);
+/// Box sources of all bodies, by place.
+pub(super) type SourceList<'a> = Vec<CubicSource<'a, CompactCubic>>;
 
 /// All bodies of a scene, prepared for one query and indexed densely ("place") in id order.
 pub(super) struct PreparedScene<'a> {
@@ -113,18 +115,15 @@ impl<'a> PreparedScene<'a> {
         Ok(prepared)
     }
 
-    /// Returns views and box sources of all bodies, by place, in a common frame.
-    pub(super) fn views(&self, memory: &mut ListMemory<CompactCubic>) -> Lists<'_> {
+    /// Returns the box sources of all bodies, by place, in a common frame.
+    pub(super) fn all_sources(&self, memory: &mut SourceMemory) -> SourceList<'_> {
         /// Fewer are prepared on this thread.
         const FEW: usize = 4096;
-        let count = self.entries.len();
-        let (mut views, mut sources) = memory.take();
-        let lists = (&mut views, &mut sources);
-        parallel::map_both(count, FEW, lists, |place| {
-            let source = self.source(place);
-            (view_of(&self.entries[place].body, source.knots), source)
+        let mut sources = memory.take();
+        parallel::map_into(self.entries.len(), FEW, &mut sources, |place| {
+            self.source(place)
         });
-        (views, sources)
+        sources
     }
 
     /// Returns true if most bodies are looked at where they lie: there is hardly anything to lay out.
@@ -211,6 +210,74 @@ impl SourcesInPlace for BodiesInPlace<'_> {
     #[inline(always)]
     fn source(&self, body: u32) -> CubicSource<'_, CompactCubic> {
         self.0.source(body as usize)
+    }
+}
+
+/// Bodies by place, with their box sources in a list.
+#[derive(Clone, Copy)]
+pub(super) struct ListedBodies<'a> {
+    pub(super) prepared: &'a PreparedScene<'a>,
+    pub(super) sources: &'a [CubicSource<'a, CompactCubic>],
+}
+
+impl Bodies for ListedBodies<'_> {
+    #[inline]
+    fn view(&self, body: u32) -> BodyView<'_> {
+        let place = body as usize;
+        view_of(
+            &self.prepared.entries[place].body,
+            self.sources[place].knots,
+        )
+    }
+
+    /// Reads the list that boxes are formed from: it is cached.
+    #[inline]
+    fn knots(&self, body: u32) -> Knots<'_> {
+        self.sources[body as usize].knots
+    }
+
+    #[inline]
+    fn hull_test(&self, cubics: [(u32, u32); 2], part: (f64, f64)) -> HullTest {
+        let [a, b] = cubics.map(|(body, cubic)| BodyCubic {
+            source: &self.sources[body as usize],
+            cubic: cubic as usize,
+        });
+        hull_test(&a, &b, part)
+    }
+
+    #[inline]
+    fn fetch(&self, body: u32) {
+        prefetch(from_ref(&self.sources[body as usize]));
+    }
+
+    #[inline]
+    fn fetch_view(&self, body: u32) {
+        prefetch(from_ref(self.prepared.entries[body as usize]));
+    }
+
+    #[inline]
+    fn fetch_knots(&self, (body, first): (u32, u32)) {
+        /// Two cache lines.
+        const KNOTS: usize = 16;
+        let knots = &self.sources[body as usize].knots;
+        knots.prefetch(first as usize, KNOTS);
+    }
+
+    #[inline]
+    fn fetch_cubic(&self, (body, cubic): (u32, u32)) {
+        let source = &self.sources[body as usize];
+        source.fetch((cubic as usize).wrapping_sub(source.knots.before()));
+    }
+
+    #[inline]
+    fn fetch_segment(&self, (body, cubic): (u32, u32)) {
+        self.view(body).prefetch(cubic as usize);
+    }
+}
+
+impl BoxedBodies for ListedBodies<'_> {
+    fn form(&self, slices: SlicesToForm<'_>) {
+        slices.form_listed(self.sources);
     }
 }
 

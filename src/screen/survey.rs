@@ -17,10 +17,10 @@ pub(super) struct SceneSurvey {
     /// that are part of no pair.
     pub(super) lives: Vec<(f64, f64)>,
     pub(super) existence: (f64, f64),
-    /// Approximate extremes of the motion of bodies that exist in the window, m.
-    pub(super) extremes: DAabb,
-    /// Approximate extremes of the plans alone, m.
+    /// Approximate extremes of the plans of bodies that exist in the window, m.
     plans: DAabb,
+    /// Approximate extremes of their motion beyond the plans, m.
+    beyond: DAabb,
     traffic: SceneStatistics,
     /// Largest relevant distance from a body's position, m.
     pub(super) size: f64,
@@ -38,8 +38,8 @@ impl SceneSurvey {
             margin,
             lives: vec![(0.0, 0.0); count],
             existence: (f64::INFINITY, f64::NEG_INFINITY),
-            extremes: DAabb::NOTHING,
             plans: DAabb::NOTHING,
+            beyond: DAabb::NOTHING,
             traffic: SceneStatistics {
                 body_time: 0.0,
                 path: 0.0,
@@ -89,7 +89,6 @@ impl SceneSurvey {
         }
         if motions.is_empty() {
             let plan = entry.summary();
-            self.extremes.include(plan.extremes);
             self.plans.include(plan.extremes);
             self.count(own, (plan.path, body.trajectory.cubics().len()));
         }
@@ -129,14 +128,14 @@ impl SceneSurvey {
                 self.traffic.segments += 1.0;
             }
         }
-        self.extremes.include(extremes);
+        self.beyond.include(extremes);
     }
 
     /// Adds the motion beyond the knots between two instants (s), in `pieces` pieces.
     fn count_beyond(&mut self, segment: &Segment, (from, to): (f64, f64), pieces: u32) {
         let [begin, end] = [from, to].map(|time| segment.motion_at(time).0);
         for position in [begin, end] {
-            self.extremes.include(DAabb {
+            self.beyond.include(DAabb {
                 low: position,
                 high: position,
             });
@@ -167,7 +166,9 @@ impl SceneSurvey {
         let some = scene.sample(window);
         let mut places: Vec<DVec3> = some.map(|one| one.extremes().middle()).collect();
         let most = DAabb::of_middle_half(&mut places);
-        Frame::amid(self.extremes, most, self.size).moving(scene.common_velocity(window))
+        let mut extremes = self.plans;
+        extremes.include(self.beyond);
+        Frame::amid(extremes, most, self.size).moving(scene.common_velocity(window))
     }
 
     /// Returns the statistics of motion in the window.

@@ -18,7 +18,7 @@ mod slices;
 mod sort;
 mod window;
 
-pub(crate) use bodies::{Bodies, BodyLists, BoxedBodies, ListMemory};
+pub(crate) use bodies::{Bodies, BoxedBodies};
 pub(crate) use body_walk::MAX_SLICES;
 #[cfg(test)]
 pub(crate) use form::SliceBounds;
@@ -28,6 +28,7 @@ pub(crate) use limits::{LimitExceeded, Limits};
 pub(crate) use presence::Lifetimes;
 pub(crate) use refine::{CandidateRefiner, RefineContext};
 pub(crate) use scratch::SearchScratch;
+pub(crate) use scratch::SourceMemory;
 pub(crate) use slice_length::SliceTrials;
 pub(crate) use slices::{SceneStatistics, TimeSlices};
 pub(crate) use sort::SpanSorter;

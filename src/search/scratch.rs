@@ -1,7 +1,7 @@
 //! Buffers that one screening leaves to the next.
 
-use super::{CandidateRefiner, ListMemory, SliceBlock, SpanSorter};
-use crate::bounds::CompactCubic;
+use super::{CandidateRefiner, SliceBlock, SpanSorter};
+use crate::bounds::{CompactCubic, CubicSource};
 use crate::broad_phase::{BruteForce, Candidate, Sweep, Tree};
 use crate::spans::SpanKey;
 
@@ -11,8 +11,7 @@ use crate::spans::SpanKey;
 /// take 40 to 130 bytes a box of one slice.
 #[derive(Debug, Default)]
 pub(crate) struct SearchScratch {
-    /// The bodies of a screening.
-    pub(crate) lists: ListMemory<CompactCubic>,
+    pub(crate) sources: SourceMemory,
     pub(crate) brute_force: BruteForce,
     pub(crate) tree: Tree,
     pub(crate) sweep: Sweep,
@@ -29,11 +28,32 @@ pub(crate) struct SearchScratch {
     pub(crate) sorter: SpanSorter,
 }
 
+/// Memory of the box sources of a screening's bodies.
+#[derive(Debug, Default)]
+pub(crate) struct SourceMemory(Vec<CubicSource<'static, CompactCubic>>);
+
+impl SourceMemory {
+    /// Returns an empty list in this memory.
+    pub(crate) fn take<'a>(&mut self) -> Vec<CubicSource<'a, CompactCubic>> {
+        recycled(std::mem::take(&mut self.0))
+    }
+
+    /// Takes the memory of a list back.
+    pub(crate) fn put_back(&mut self, sources: Vec<CubicSource<'_, CompactCubic>>) {
+        self.0 = recycled(sources);
+    }
+}
+
+/// Returns the memory of a list for values of another lifetime.
+fn recycled<T, U>(mut list: Vec<T>) -> Vec<U> {
+    list.clear();
+    list.into_iter().filter_map(|_| None).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use crate::bounds::{CompactCubic, CubicRun, CubicSource, FatLine};
     use crate::broad_phase::{BodyBox, Candidate};
-    use crate::narrow_phase::BodyView;
     use crate::scene::SceneEntry;
     use crate::spans::SpanKey;
     use crate::trajectory::Segment;
@@ -45,9 +65,8 @@ mod tests {
         assert_eq!(size_of::<CompactCubic>(), 64);
         assert_eq!(size_of::<SceneEntry>(), 184);
         assert_eq!(size_of::<CubicRun>(), 64);
-        let line = size_of::<BodyView<'_>>() + size_of::<CubicSource<'_, CompactCubic>>();
-        let line = line + size_of::<(f64, f64)>();
-        assert_eq!(line, 320);
+        let line = size_of::<CubicSource<'_, CompactCubic>>() + size_of::<(f64, f64)>();
+        assert_eq!(line, 168);
         let boxed = size_of::<BodyBox>() + size_of::<FatLine>() + size_of::<u32>();
         assert_eq!(boxed, 64);
         assert_eq!(size_of::<Candidate>(), 8);
