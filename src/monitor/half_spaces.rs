@@ -6,7 +6,7 @@
 
 use super::bodies::BodyTable;
 use super::budget::BudgetMeter;
-use super::due_queue::DueQueue;
+use super::due_times::DueTimes;
 use super::monitored_bodies::MonitoredBodies;
 use crate::broad_phase::PairFilter;
 use crate::narrow_phase::{BodyView, may_touch};
@@ -20,7 +20,9 @@ pub(super) struct HalfSpaceSearch {
     /// Slots of half-spaces, ascending, as of the last call of [`note`](Self::note).
     planes: Vec<u32>,
     /// Up to when each body is compared, s.
-    due: DueQueue,
+    due: DueTimes,
+    /// Slots to be compared again, and the instants up to which they are compared, s.
+    taken: Vec<(f64, u32)>,
     /// Slots to be compared from the clock on, and where the next one is in this list.
     changed: Vec<u32>,
     next: usize,
@@ -43,7 +45,7 @@ impl HalfSpaceSearch {
         if all_are {
             self.planes.clear();
             self.planes.extend_from_slice(planes);
-            self.due = DueQueue::default();
+            self.due = DueTimes::default();
             self.changed.clear();
             if !planes.is_empty() {
                 self.changed.extend((0_u32..).take(bodies.len()));
@@ -91,16 +93,23 @@ impl HalfSpaceSearch {
         }
         self.changed.clear();
         self.next = 0;
-        while let Some((slot, since)) = self.due.next_with_time(horizon) {
-            if meter.is_spent() || filter.gives_up() {
+        let taken = &mut self.taken;
+        taken.clear();
+        self.due
+            .take(horizon, |slot, since| taken.push((since, slot)));
+        taken.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
+        let mut known = to;
+        for &(since, slot) in &*taken {
+            if known < to || meter.is_spent() || filter.gives_up() {
+                known = known.min(seen_from(since).next_down().max(from));
                 self.due.set(slot, since);
-                return Ok(seen_from(since).next_down().max(from).min(to));
+                continue;
             }
             let next = search.list(slot, since)?;
             self.due.set(slot, next.max(horizon.next_up()));
             meter.count(1);
         }
-        Ok(to)
+        Ok(known)
     }
 }
 

@@ -6,7 +6,7 @@ mod boxes;
 mod budget;
 mod change;
 mod command;
-mod due_queue;
+mod due_times;
 mod encounters;
 mod event;
 mod grid;
@@ -29,7 +29,6 @@ mod snapshot;
 mod solved_spans;
 mod sorted_slab;
 mod tick;
-mod time_key;
 mod track;
 mod tracked_motions;
 mod what_if;
@@ -49,7 +48,7 @@ use crate::rounding::one_zero;
 use crate::scene::Scene;
 use crate::stats::Stats;
 use command::CommandBatch;
-use due_queue::DueQueue;
+use due_times::DueTimes;
 use encounters::EncounterTracker;
 use grid::{Grid, RescheduleTrigger, can_tell_apart};
 use lookahead::LookaheadSearch;
@@ -146,7 +145,7 @@ pub struct Monitor {
     /// Slots of bodies that were taken out since.
     removed: Vec<u32>,
     /// Ends of plans that are still to be reported.
-    plan_ends: DueQueue,
+    plan_ends: DueTimes,
     stats: Stats,
     changed_bodies: u64,
     review: RescheduleTrigger,
@@ -250,7 +249,7 @@ impl Monitor {
             next_id: 0,
             waiting: Vec::new(),
             removed: Vec::new(),
-            plan_ends: DueQueue::default(),
+            plan_ends: DueTimes::default(),
             stats: Stats::default(),
             changed_bodies: 0,
             review: RescheduleTrigger::made(scene.len(), now),

@@ -223,7 +223,7 @@ impl ReadContext<'_> {
     /// the content of `found`.
     fn contacts(&self, slots: SlotPair, margin: f64, clip: (f64, f64), found: &mut Vec<Contact>) {
         let margin = self.scene.widened(slots, margin);
-        self.search.contacts(slots, margin, clip, found);
+        self.search.finds.contacts(slots, margin, clip, found);
     }
 
     fn report(&self, (a, b): SlotPair, clip: (f64, f64), contact: &Contact) -> Option<Conflict> {

@@ -132,7 +132,7 @@ impl Monitor {
         const AHEAD: usize = CommandBatch::AHEAD;
         if let Some(later) = some.get(place + 2 * AHEAD) {
             self.scene.prefetch(later.id.slot);
-            self.search.prefetch(later.id.slot);
+            self.search.flights.prefetch(later.id.slot);
         }
         let later = some.get(place + AHEAD);
         if let Some(later) = later.and_then(|later| self.scene.body(later.id)) {
@@ -231,7 +231,7 @@ impl Monitor {
         let terms = self.terms()?;
         let (window, since) = (terms.window, terms.forget_before);
         let slots = self.scene.slots_mut();
-        let (flights, until) = self.search.bodies_mut().by_slot_mut();
+        let (flights, until) = self.search.flights.by_slot_mut();
         let count = slots.len().min(flights.len());
         let mut ends = vec![Ok(f64::INFINITY); count.div_ceil(SHARE)];
         let lists = (&mut slots[..count], &mut flights[..count]);

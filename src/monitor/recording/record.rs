@@ -3,28 +3,24 @@
 use crate::error::Error;
 use crate::id::BodyId;
 use crate::monitor::{Command, RevisionThreshold, Snapshot};
-use crate::scene::{Body, BodyState};
+use crate::scene::BodyState;
 use serde::{Deserialize, Serialize};
 use std::io;
 
 /// The first line; the number is the version of the format.
-pub(super) const TITLE: &str = "nearmiss recording 2\n";
+pub(super) const TITLE: &str = "nearmiss recording 3\n";
 
 /// Length and checksum, and the spaces after them.
 pub(super) const PREFIX: usize = 18;
 
-/// See the module.
+/// One change of a monitor, or the beginning or the end of a recording.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(in crate::monitor) enum Record {
-    /// It holds a scene: the others are small.
+    /// The monitor at the beginning. Boxed: the others are small.
     Begin(Box<Snapshot>),
     Apply(Vec<Command>),
     Track(f64, Vec<(BodyId, BodyState)>),
-    Insert(Body),
-    Remove(BodyId),
-    Ignore(BodyId, BodyId),
-    Unignore(BodyId, BodyId),
     RevisionThreshold(RevisionThreshold),
     /// s.
     History(#[serde(with = "crate::json_number")] f64),
