@@ -59,7 +59,6 @@ impl<'a> PreparedScene<'a> {
         let nothing = scene.is_empty().then_some(Window::ALL);
         let asked = query.window().or_else(|| scene.planned()).or(nothing);
         let asked = asked.ok_or(Error::NoPlan)?;
-        let partners = scene.partners(margin);
         let mut survey = SceneSurvey::of(scene.len(), asked, margin);
         let mut ids = Vec::with_capacity(scene.len());
         let mut entries = Vec::with_capacity(scene.len());
@@ -67,7 +66,7 @@ impl<'a> PreparedScene<'a> {
         let mut half_spaces = Vec::new();
         for (place, (id, entry)) in scene.entries().enumerate() {
             let extension = entry.body.extension(asked)?;
-            let has_partner = partners.has(&entry.body);
+            let has_partner = scene.has_partner(&entry.body, margin);
             if entry.body.hitbox.is_half_space() {
                 half_spaces.extend(u32::try_from(place));
             }

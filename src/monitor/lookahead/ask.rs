@@ -2,7 +2,7 @@
 
 use super::super::bodies::form;
 use super::super::monitored_bodies::MonitoredBody;
-use super::super::slice::{NearBody, QueryScratch};
+use super::super::slice::NearBody;
 use super::LookaheadSearch;
 use crate::bounds::CubicSource;
 use crate::narrow_phase::{BodyView, Contact, contacts, may_touch};
@@ -95,7 +95,8 @@ impl LookaheadSearch {
         }
     }
 
-    /// Who may be near a plan, and when, within `from..=to` (s); itself maybe, and in any order.
+    /// Returns the bodies that may be near a plan within `from..=to` (s), and when; perhaps its own, in any
+    /// order.
     fn neighbours(
         &self,
         scene: &Scene,
@@ -105,25 +106,25 @@ impl LookaheadSearch {
         let window = (seen_from(from), seen_until(to));
         let knots = (own.knots, own.segments);
         let source = CubicSource::plain(knots, &flight.padding, &self.grid.frame);
-        let mut answer = QueryScratch::default();
+        let (mut scratch, mut neighbours) = (self.pool.take(), Vec::new());
         let bodies = self.bodies(scene);
         if self.recent.len() > 0 {
             // What slices know of these is out of date, wherever it is.
             let mut met = Vec::new();
             let ends = [window.0, window.1];
-            form(&self.grid.frame, &[source], &ends, &mut answer.block);
-            for own in &answer.block.slices[0].boxes {
+            form(&self.grid.frame, &[source], &ends, &mut scratch.block);
+            for own in &scratch.block.slices[0].boxes {
                 self.recent.meeting(&bodies, window, &own.aabb, &mut met);
             }
             let (from, to) = window;
             let always = |slot| NearBody { slot, from, to };
-            answer.neighbours.extend(met.into_iter().map(always));
+            neighbours.extend(met.into_iter().map(always));
         }
         for slice in &self.slices {
             if slice.covers_some_of(window) {
-                slice.neighbours(&bodies, &source, &mut answer);
+                slice.neighbours(&bodies, &source, &mut scratch, &mut neighbours);
             }
         }
-        answer.neighbours
+        neighbours
     }
 }

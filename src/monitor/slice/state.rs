@@ -54,9 +54,11 @@ pub(super) struct Index {
 pub(in crate::monitor) struct SliceScratch {
     /// Boxes of some bodies.
     pub(super) listed: Vec<BodyBox>,
-    pub(super) block: SliceBlock,
+    pub(in crate::monitor) block: SliceBlock,
     pub(super) search: TreeSearch,
     pub(super) refiner: CandidateRefiner,
+    /// Slots whose boxes overlap one.
+    pub(super) met: Vec<u32>,
     /// Memory of searches from nothing.
     pub(super) pool: Pool<crate::search::SearchScratch>,
     pub(super) sweep: Sweep,
