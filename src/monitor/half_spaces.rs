@@ -14,7 +14,7 @@ use crate::rounding::{seen_from, seen_until};
 use crate::search::LimitExceeded;
 use crate::spans::{SpanKey, spans};
 
-/// See the module.
+/// The comparison of half-spaces with all other bodies.
 #[derive(Debug, Default)]
 pub(super) struct HalfSpaceSearch {
     /// Slots of half-spaces, ascending, as of the last call of [`note`](Self::note).

@@ -43,7 +43,7 @@ use std::collections::VecDeque;
 use std::sync::atomic::AtomicUsize;
 use std::sync::atomic::Ordering::Relaxed;
 
-/// See the module.
+/// All spans of the lookahead in which a pair may come within the largest margin.
 #[derive(Debug)]
 pub(super) struct LookaheadSearch {
     pub(super) flights: MonitoredBodies,

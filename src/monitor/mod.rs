@@ -194,8 +194,7 @@ impl PairFilter for SlotAdmission<'_> {
 
 impl Monitor {
     /// Room for spans that may hold an encounter, if [nothing else is said](Self::set_max_spans): 2^20.
-    /// What is known of them takes up to 4 GiB with one alert level, and 2.5 GiB more with each further
-    /// one.
+    /// They take up to 4 GiB with one alert level, and 2.5 GiB more with each further one.
     pub const MAX_SPANS: usize = 1 << 20;
 
     /// A monitor of `scene` whose clock shows `now` (s) and that looks `lookahead` seconds ahead. Lookahead
@@ -293,7 +292,7 @@ impl Monitor {
 
     /// Keeps plans this many seconds back, from the clock of the last tick, when bodies are
     /// [replanned](Self::replan) or [extended](Self::extend); 0 at first, and infinity keeps all.
-    /// What is older is forgotten then, but for the cubic that holds at that instant. What is kept is
+    /// Older cubics are forgotten then, but for the one that holds at that instant. Kept ones are
     /// copied with each such call, a tenth of a microsecond a knot, and ticks look at it again: half as much
     /// again where 50 of 2,000 bodies are replanned each tick.
     ///
@@ -378,7 +377,7 @@ impl Monitor {
         self.known >= self.now + self.lookahead
     }
 
-    /// All conflicts of a level from now to [`complete_until`](Self::complete_until), as of the
+    /// Returns all conflicts of a level from now to [`complete_until`](Self::complete_until), as of the
     /// last tick, sorted by (enter, a, b). None while nothing after now is known.
     ///
     /// # Errors

@@ -120,7 +120,7 @@ impl Monitor {
 }
 
 impl Live {
-    /// A handle to send requests with; cheap to clone, usable from any thread.
+    /// Returns a handle to send requests with; cheap to clone, usable from any thread.
     #[must_use]
     pub fn handle(&self) -> Handle {
         self.handle.clone()

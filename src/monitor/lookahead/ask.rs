@@ -11,10 +11,11 @@ use crate::scene::Scene;
 use crate::spans::{common_domain, spans};
 
 impl LookaheadSearch {
-    /// Contacts of one plan that is not in place with all others, within `from..=to`.
+    /// Calls `visit` with each contact of a plan that is not in place with another body, within
+    /// `from..=to` (s).
     ///
-    /// Of another body, only those spans are looked at in which slices say that it may be near: in a
-    /// long lookahead with fast traffic, a body crosses the boxes of hundreds, each for a moment.
+    /// Only spans in which slices report the other body near are examined: in a long lookahead with fast
+    /// traffic, a body crosses the boxes of hundreds, each for a moment.
     ///
     /// The slot is that of the plan's body, which need not be there yet. `admits` tells with which
     /// slots it may be a pair.

@@ -1,4 +1,5 @@
-//! What pairs have at one alert level, whatever the window, and which of it lies in one.
+//! Caches of one alert level: conflicts and planned encounters of all pairs whatever the window, and a list
+//! of those in a window.
 
 mod conflicts;
 mod plains;

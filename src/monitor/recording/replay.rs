@@ -124,7 +124,7 @@ impl<R: BufRead> Replay<R> {
         &self.monitor
     }
 
-    /// The monitor, to go on with.
+    /// Returns the monitor, to go on with.
     pub fn into_monitor(self) -> Monitor {
         self.monitor
     }
@@ -237,7 +237,7 @@ fn read(
     Ok((record, checksum, PREFIX as u64 + wanted))
 }
 
-/// Length and checksum: eight hexadecimal digits and a space, twice.
+/// Returns length and checksum: eight hexadecimal digits and a space, twice.
 fn numbers(prefix: &[u8]) -> Option<(u32, u32)> {
     let text = std::str::from_utf8(prefix).ok()?;
     let number = |digits: &str| {

@@ -9,7 +9,7 @@ use crate::simd::prefetch;
 use crate::trajectory::Segment;
 use std::slice::from_ref;
 
-/// Another body, and when it may be near (s).
+/// Another body, and the time in which it may be near (s).
 #[derive(Clone, Copy, Debug)]
 pub(in crate::monitor) struct NearBody {
     pub(in crate::monitor) slot: u32,
