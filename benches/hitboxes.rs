@@ -8,6 +8,12 @@
 //! - `scene/swarm_10k_100balls`, `scene/swarm_10k_100turning`: points, and 100 more bodies: balls of 2 m, or
 //!   turning clusters of that reach.
 //! - `scene/swarm_10k`, `scene/swarm_10k_floor`: points, and a floor below all but a few of them.
+//! - `monitor/1k_balls`, `monitor/1k_turning8`: a frame of a monitor of 1,000 bodies that is told of all of them:
+//!   balls of 2 m, or 8 spheres of that reach, which turn once in 12 s and are told with their spin. The world is
+//!   that of the benchmark `frame`; stepping it is not timed.
+//! - `dense_clusters/screening`, `dense_clusters/monitor`: two bodies of 2,000 spheres each, which stay near each
+//!   other for 200 segments: a screening of all that time on one thread, and a monitor with that time as
+//!   lookahead, from its first tick.
 //! - `closest_approach/polycool/random`: solves of the benchmark `kernels`, the unit of the ratios.
 
 #![allow(
@@ -21,14 +27,19 @@
 mod peers;
 #[path = "../examples/scenes/mod.rs"]
 mod scenes;
+#[path = "hitboxes/tracked.rs"]
+mod tracked;
 #[allow(dead_code, reason = "the benchmark `kernels` uses more of it")]
 #[path = "kernels/workloads.rs"]
 mod workloads;
+#[path = "frame/world.rs"]
+mod world;
 
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use nearmiss::glam::{DQuat, DVec3};
 use nearmiss::{
-    Body, BodyId, Hitbox, Orientation, Query, Scene, Sphere, State, Trajectory, Window,
+    AlertLevel, Body, BodyId, Hitbox, Monitor, Orientation, Query, Scene, Sphere, State,
+    Trajectory, Window,
 };
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
@@ -36,6 +47,7 @@ use scenes::{Shape, generator, normal_vector, swarm};
 use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::time::Duration;
+use tracked::{Tracked, Turn};
 use workloads::Workload;
 
 const PAIRS: usize = 1_024;
@@ -211,11 +223,59 @@ fn scene_of(all: Kind, more: Option<(usize, Kind)>) -> (Scene, Query) {
     (scene, Query::new(window).with_margin(generated.margin))
 }
 
+/// Returns a pool of one thread.
+fn one_thread() -> rayon::ThreadPool {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
+    pool.build().unwrap()
+}
+
+/// Returns two balls of small spheres whose surfaces stay close, over so many seconds.
+fn dense(duration: u32) -> Scene {
+    const SPHERES: usize = 2_000;
+    let mut rng = generator(5);
+    let rng = &mut rng;
+    let mut scene = Scene::new();
+    for place in [DVec3::ZERO, 2.0 * DVec3::X] {
+        let states = (0..=duration).map(|time| {
+            let place = place + normal_vector(rng, 0.1);
+            State::new(f64::from(time), place, normal_vector(rng, 0.2))
+        });
+        let plan = Trajectory::from_states(&states.collect::<Vec<State>>()).unwrap();
+        let spheres = (0..SPHERES).map(|_| Sphere {
+            offset: direction(rng) * rng.random_range(0.3..1.0),
+            radius: rng.random_range(0.02..0.1),
+        });
+        let hitbox = Hitbox::cluster(spheres.collect()).unwrap();
+        scene.insert(Body::new(plan).with_hitbox(hitbox)).unwrap();
+    }
+    scene
+}
+
+fn dense_clusters(c: &mut Criterion) {
+    const SEGMENTS: u32 = 200;
+    const MARGIN: f64 = 0.3;
+    let (pool, scene) = (one_thread(), dense(SEGMENTS));
+    let end = f64::from(SEGMENTS);
+    let query = Query::new(Window::new(0.0, end).unwrap()).with_margin(MARGIN);
+    let mut group = c.benchmark_group("hitboxes");
+    group.sample_size(10);
+    group.bench_function(BenchmarkId::new("dense_clusters", "screening"), |bencher| {
+        pool.install(|| bencher.iter(|| scene.screen(&query).unwrap()));
+    });
+    group.bench_function(BenchmarkId::new("dense_clusters", "monitor"), |bencher| {
+        let watch = |scene: Scene| {
+            let mut events = Vec::new();
+            let mut monitor = Monitor::new(scene, 0.0, end, &[AlertLevel::at(MARGIN)]).unwrap();
+            monitor.advance(0.0, &mut events).unwrap();
+            (monitor, events)
+        };
+        pool.install(|| bencher.iter_batched(|| scene.clone(), watch, BatchSize::PerIteration));
+    });
+    group.finish();
+}
+
 fn scenes(c: &mut Criterion) {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(1)
-        .build()
-        .unwrap();
+    let pool = one_thread();
     let mut group = c.benchmark_group("hitboxes");
     group
         .sample_size(10)
@@ -242,5 +302,40 @@ fn scenes(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, pairs, scenes);
+fn monitors(c: &mut Criterion) {
+    const BODIES: u32 = 1_000;
+    const REACH: f64 = 2.0;
+    /// s.
+    const REVOLUTION: f64 = 12.0;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build()
+        .unwrap();
+    let mut group = c.benchmark_group("hitboxes");
+    for (name, turns) in [("1k_balls", false), ("1k_turning8", true)] {
+        let mut made = None;
+        group.bench_function(BenchmarkId::new("monitor", name), |bencher| {
+            let tracked = made.get_or_insert_with(|| {
+                let mut rng = generator(4);
+                let turning = |rng: &mut ChaCha8Rng| Turn {
+                    rotation: DQuat::from_scaled_axis(direction(rng) * rng.random_range(0.0..3.0)),
+                    angular_velocity: direction(rng) * (TAU / REVOLUTION),
+                };
+                Tracked::new(BODIES, || {
+                    if turns {
+                        (cluster(&mut rng, 8, REACH), Some(turning(&mut rng)))
+                    } else {
+                        (Hitbox::sphere(REACH).unwrap(), None)
+                    }
+                })
+            });
+            pool.install(|| {
+                bencher.iter_custom(|frames| (0..frames).map(|_| tracked.frame()).sum());
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, pairs, scenes, dense_clusters, monitors);
 criterion_main!(benches);

@@ -6,6 +6,9 @@
 //! For a fair comparison at high shares, `replan_and_rescreen` adds the time in which a scene takes
 //! the plans over: then both end with the plans in place and the old ones dropped. Making the plans
 //! is not timed.
+//!
+//! `floor_10k` is `advance` at 1 % with a floor below: `untold`, told each tick that it is `resting` or `rising`,
+//! or with `none`.
 
 #![allow(
     missing_docs,
@@ -19,10 +22,14 @@
 )]
 #[path = "../examples/game_loop/fleet.rs"]
 mod fleet;
+#[allow(dead_code, reason = "as above")]
+#[path = "../examples/game_loop/floor.rs"]
+mod floor;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use fleet::{Fleet, LOOKAHEAD, Setting};
-use nearmiss::{BodyId, Command, Event, Query, Scene, Trajectory, Window};
+use nearmiss::glam::DVec3;
+use nearmiss::{BodyId, Command, Event, Query, Scene, State, Trajectory, Window};
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
@@ -94,6 +101,65 @@ fn rescreen(
     [planned - begin, planned.elapsed()]
 }
 
+/// A floor below all but a few bodies, and how it is told each tick.
+#[derive(Clone, Copy)]
+enum Ground {
+    /// Not at all.
+    Untold,
+    /// That it rests where it is.
+    Resting,
+    /// That it rises, slowly.
+    Rising,
+}
+
+/// Ticks of bodies above a floor, of which few get a new plan.
+fn floors(criterion: &mut Criterion) {
+    /// Depth of the floor below the cube that the bodies keep to, m.
+    const BELOW: f64 = 150.0;
+    let mut group = criterion.benchmark_group("monitor");
+    group
+        .sample_size(20)
+        .measurement_time(Duration::from_secs(4));
+    for (name, ground) in [
+        ("none", None),
+        ("untold", Some(Ground::Untold)),
+        ("resting", Some(Ground::Resting)),
+        ("rising", Some(Ground::Rising)),
+    ] {
+        let mut own = fleet();
+        let height = -own.half() - BELOW;
+        let floor = own.monitor.insert(floor::Floor::body(height).unwrap());
+        let floor = floor.unwrap();
+        if ground.is_none() {
+            own.monitor.remove(floor).unwrap();
+        }
+        let mut events = Vec::new();
+        group.bench_function(BenchmarkId::new("floor_10k", name), |bencher| {
+            bencher.iter_custom(|ticks| {
+                run(&mut own, (0.01, ticks), |fleet, commands, now| {
+                    events.clear();
+                    let speed = match ground {
+                        None | Some(Ground::Untold) => None,
+                        Some(Ground::Resting) => Some(0.0),
+                        Some(Ground::Rising) => Some(1e-3),
+                    };
+                    let before = fleet.monitor.now();
+                    let told = speed.map(|speed| {
+                        let place = (height + speed * before) * DVec3::Y;
+                        (floor, State::new(before, place, speed * DVec3::Y))
+                    });
+                    let begin = Instant::now();
+                    fleet.monitor.apply(commands).unwrap();
+                    fleet.monitor.track(before, told).unwrap();
+                    fleet.monitor.advance(now, &mut events).unwrap();
+                    begin.elapsed()
+                })
+            });
+        });
+    }
+    group.finish();
+}
+
 fn ticks(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("monitor");
     group
@@ -130,5 +196,5 @@ fn ticks(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, ticks);
+criterion_group!(benches, ticks, floors);
 criterion_main!(benches);

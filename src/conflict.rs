@@ -1,7 +1,7 @@
 //! Conflicts, as a screening reports them, and their total order.
 
 use crate::accuracy::{Certificate, TimeEnclosure};
-use crate::id::BodyId;
+use crate::id::{BodyId, TaggedBody};
 use crate::readable::Readable;
 use glam::DVec3;
 use std::cmp::Ordering;
@@ -139,14 +139,23 @@ impl Conflict {
 }
 
 impl fmt::Display for Conflict {
-    /// Writes one line: the bodies, the interval, the closest approach, and the clipped ends. A
-    /// precision (`{:.6}`) sets the number of decimals.
+    /// Writes one line: the bodies, with tags that are not 0, the interval, the closest approach, the proven error
+    /// of its separation, and the clipped ends. A precision (`{:.6}`) sets the number of decimals.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} and {} ", self.a, self.b)?;
+        let (a, b) = (
+            TaggedBody(self.a, self.tag_a),
+            TaggedBody(self.b, self.tag_b),
+        );
+        write!(f, "{a} and {b} ")?;
         write_course(f, (self.enter, self.exit), &self.closest)?;
-        let certificate = self.certificate.as_ref();
-        if certificate.is_some_and(|certificate| !certificate.resolved) {
-            f.write_str(", unresolved")?;
+        if let Some(certificate) = &self.certificate {
+            let decimals = f.precision().unwrap_or(3);
+            write!(f, ", ±{:.decimals$} m", Readable(certificate.error))?;
+            f.write_str(if certificate.resolved {
+                ""
+            } else {
+                ", unresolved"
+            })?;
         }
         f.write_str(match (self.clip.at_enter, self.clip.at_exit) {
             (false, false) => "",

@@ -238,7 +238,7 @@ pub enum Error {
     /// No cubic from this time on stays within the tolerance of the motion, however short: the tolerance is below
     /// the rounding, or the position jumps.
     #[error(
-        "from {time:?} s on no cubic follows the motion within {tolerance:e} m, only within {reached:e} m: the \
+        "from {time:?} s on no cubic follows the motion within {tolerance:?} m, only within {reached:?} m: the \
          tolerance is below the rounding, or the position jumps"
     )]
     FitUnreachable {
@@ -425,8 +425,10 @@ pub enum Error {
         level: usize,
     },
     /// A duration or length among a monitor's settings is negative or NaN.
-    #[error("{value:?} is not a number of at least 0")]
+    #[error("{setting}: {value:?} is not a number of at least 0")]
     Setting {
+        /// The setting.
+        setting: &'static str,
         /// The value, s or m.
         value: f64,
     },

@@ -64,3 +64,15 @@ impl fmt::Display for BodyId {
         write!(f, "body {}v{}", self.slot, self.generation)
     }
 }
+
+/// A body as answers name it: by its id, and by its tag where it has one.
+pub(crate) struct TaggedBody(pub(crate) BodyId, pub(crate) u64);
+
+impl fmt::Display for TaggedBody {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self(id, 0) => id.fmt(f),
+            Self(id, tag) => write!(f, "{id} (tag {tag})"),
+        }
+    }
+}

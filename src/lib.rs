@@ -93,6 +93,7 @@
 //! `live`; the clock that times work and keeps a [`Budget::Time`] is the browser's.
 
 mod accuracy;
+mod blossom;
 mod bounds;
 mod broad_phase;
 mod conflict;

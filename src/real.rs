@@ -95,7 +95,11 @@ pub trait Real:
 }
 
 macro_rules! implement_real {
-    ($float:ident, $narrow:expr, $to_f32:expr, $steps:expr, $settled:expr, $underflow:expr, $most:expr) => {
+    ($float:ident, $steps:expr, $settled:expr, $underflow:expr, $most:expr) => {
+        #[allow(
+            clippy::cast_possible_truncation,
+            reason = "rounding to the nearest f32 is what is wanted"
+        )]
         impl Real for $float {
             const ROUNDING: Self = 0.5 * $float::EPSILON;
             const SETTLED: Self = $settled;
@@ -107,7 +111,7 @@ macro_rules! implement_real {
 
             #[inline(always)]
             fn from_f64(value: f64) -> Self {
-                $narrow(value)
+                value as Self
             }
 
             #[inline]
@@ -127,7 +131,7 @@ macro_rules! implement_real {
 
             #[inline(always)]
             fn to_f32(self) -> f32 {
-                $to_f32(self)
+                self as f32
             }
 
             #[inline(always)]
@@ -148,22 +152,8 @@ macro_rules! implement_real {
     };
 }
 
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "rounding to the nearest f32 is what is wanted"
-)]
-#[inline(always)]
-fn narrow(value: f64) -> f32 {
-    value as f32
-}
-
-#[inline(always)]
-fn keep<T>(value: T) -> T {
-    value
-}
-
-implement_real!(f32, narrow, keep, 1, 3e-3, 1e-28, 8e18);
-implement_real!(f64, keep, narrow, 2, 5e-6, 1e-270, f32::MAX / 1024.0);
+implement_real!(f32, 1, 3e-3, 1e-28, 8e18);
+implement_real!(f64, 2, 5e-6, 1e-270, f32::MAX / 1024.0);
 
 #[cfg(test)]
 mod tests {

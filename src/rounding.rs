@@ -11,7 +11,7 @@
 //! | 2^-100 of what cancels in a polynomial | `trajectory/build` | `segment::tests::points_of_polynomials_that_vanish` |
 //! | errors of a line where a polynomial ends: position, velocity | `trajectory/build` | `segment::tests::lines_at_the_ends_of_polynomials` |
 //! | points of legs | `trajectory/segment` | `curves::tests::legs_are_straight` |
-//! | points of curves: origin, ways | `trajectory/curves/control_points` | `curves::tests` |
+//! | points of curves: origin, ways | `trajectory/curves/bezier_points` | `curves::tests` |
 //! | velocities of end motions of curves | `trajectory/curves` | proof 9 |
 //! | errors of both cubics where several become one | `trajectory/simplified` | `simplified::tests::the_errors_of_both_count` |
 //! | rounding of their difference | `trajectory/simplified` | proof 10 |
@@ -19,6 +19,13 @@
 //! | origins, offsets, local parts, last sum | `narrow_phase/relative` | `relative::tests::sums_are_within_the_error` |
 //! | errors of both bodies | `narrow_phase/relative` | `relative::tests::errors_of_both_bodies_add_up` |
 //! | 1 + 2^-40 on these: terms of second order | `narrow_phase/relative` | `relative::tests::sums_are_within_the_error_to_second_order` |
+//! | heights above a plane: origins, ways, underflow | `narrow_phase/relative` | `relative::tests::heights_are_within_the_error` |
+//! | a sphere's way along a normal | `narrow_phase/half_space` | `half_space::tests::lines_are_within_their_error_of_the_heights` |
+//! | error of heights, clearance of the first comparison | `narrow_phase/half_space` | `tests/half_space` |
+//! | model errors above a plane | `narrow_phase/half_space`, `screen/half_spaces` | `tests/half_space` `together` |
+//! | errors of turning centres, in radii and in enclosures | `narrow_phase/turning` | `tests/half_space` `turning`, `tests/turning` |
+//! | interpolation of rotations | `orientation/arc`, `quaternion_cubic` | `orientation::tests::cubics_stay_within_their_error` |
+//! | rounding of a spin that grows with time | `orientation/arc` | `orientation::tests::what_rounding_hides_is_unknown` |
 //! | tolerance: error, evaluation | `narrow_phase/relative` | `relative::tests::distances_are_within_the_tolerance` |
 //! | instants: step, sum | `narrow_phase/relative` | `relative::tests::instants_are_enclosed` |
 //! | clearance of filters, and of chords: scale, underflow | `narrow_phase/relative` | `relative::tests::filters_keep_clear_of_the_tolerance` |
@@ -121,12 +128,17 @@ pub(crate) const fn one_zero(time: f64) -> f64 {
     time + 0.0
 }
 
+/// Returns the rounded sum of two numbers and its rounding error (Knuth).
+#[inline]
+pub(crate) fn two_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    let shadow = sum - a;
+    (sum, (a - (sum - shadow)) + (b - shadow))
+}
+
 /// Returns the sum of two numbers, rounded up.
 pub(crate) fn sum_above(a: f64, b: f64) -> f64 {
-    let sum = a + b;
-    // The rounding error of the sum (Knuth).
-    let shadow = sum - a;
-    let lost = (a - (sum - shadow)) + (b - shadow);
+    let (sum, lost) = two_sum(a, b);
     if lost > 0.0 { sum.next_up() } else { sum }
 }
 

@@ -19,7 +19,7 @@ pub(crate) use body::checked_model_error;
 pub use body_plan::{BodyPlan, BodyPlanRef};
 pub(crate) use entry::SceneEntry;
 pub(crate) use ignored::IgnoredPairs;
-use partners::Kinds;
+use partners::{Kinds, Partners};
 pub(crate) use partners::{can_reach, radius};
 pub(crate) use planned::planned;
 pub use update::{BodyState, Spin};
@@ -42,7 +42,7 @@ pub(crate) struct Slot {
 }
 
 impl Slot {
-    /// Turns the motion of the body, if there is one, which must [turn in place](Trajectory::turns_in_place).
+    /// Turns the motion of the body, if there is one, which must turn in place.
     pub(crate) fn turn_in_place(
         &mut self,
         (from, motion, since): (f64, &StraightMotion, f64),
@@ -140,14 +140,9 @@ impl Scene {
         &self.pool
     }
 
-    /// Returns true if a body may be part of a pair of boxes with a margin (m).
-    pub(crate) fn has_partner(&self, body: &Body, margin: f64) -> bool {
-        self.kinds.has_partner(body, margin)
-    }
-
-    /// Returns a value that changes if [`has_partner`](Self::has_partner) changes for unchanged bodies.
-    pub(crate) const fn partners_revision(&self) -> (u64, u64) {
-        self.kinds.revision()
+    /// Returns the test whether a body may be part of a pair with a margin (m).
+    pub(crate) fn partners(&self, margin: f64) -> Partners<'_> {
+        Partners::of(&self.kinds, margin)
     }
 
     pub(crate) const fn arena(&self) -> &CubicArena {
@@ -363,7 +358,7 @@ impl Scene {
     pub(crate) fn extremes(&self) -> DAabb {
         let mut extremes = DAabb::NOTHING;
         for (_, entry) in self.entries() {
-            if self.has_partner(&entry.body, 0.0) {
+            if self.partners(0.0).has(&entry.body) {
                 extremes.include(entry.extremes());
             }
         }

@@ -62,6 +62,7 @@ impl<'a> BodyShape<'a> {
 
     /// Returns the corners of the box around all spheres at all times, enlarged by the model error
     /// (m).
+    #[inline]
     pub(crate) fn corners(&self) -> (DVec3, DVec3) {
         let (low, high) = match self.turning {
             None => self.hitbox.corners(),
@@ -74,6 +75,7 @@ impl<'a> BodyShape<'a> {
     }
 
     /// Returns the largest distance of the bounding sphere's points from the body's position, m.
+    #[inline]
     pub(crate) fn reach(&self) -> f64 {
         self.enlarged(match self.turning {
             None => self.hitbox.reach(),
@@ -92,6 +94,7 @@ impl<'a> BodyShape<'a> {
     }
 
     /// Returns the smallest radius, m.
+    #[inline]
     pub(crate) fn smallest_radius(&self) -> f64 {
         self.hitbox.smallest_radius()
     }

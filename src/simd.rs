@@ -127,7 +127,7 @@ pub(crate) fn prefetch<T>(values: &[T]) {
     let _ = values;
 }
 
-/// Compiles a loop of a module `loops` in scope for each instruction set, under the same name.
+/// Compiles a function with a loop for each instruction set; the set becomes its first parameter.
 ///
 /// The loop is inlined into functions that may use the set, where the compiler vectorises it. The
 /// outputs are separate parameters, so that the compiler knows that they do not overlap the inputs;
@@ -135,7 +135,8 @@ pub(crate) fn prefetch<T>(values: &[T]) {
 macro_rules! for_each_instruction_set {
     (
         $(#[$documentation:meta])*
-        $name:ident $(<$R:ident: $bound:ident>)? ($($argument:ident: $type:ty),* $(,)?) $(-> $output:ty)?
+        fn $name:ident $(<$R:ident: $bound:ident>)? ($($argument:ident: $type:ty),* $(,)?) $(-> $output:ty)?
+        $body:block
     ) => {
         $(#[$documentation])*
         #[allow(
@@ -143,20 +144,23 @@ macro_rules! for_each_instruction_set {
             reason = "an `InstructionSet` of a set is only made where the processor has the set"
         )]
         pub(super) fn $name $(<$R: $bound>)? (instructions: InstructionSet, $($argument: $type),*) $(-> $output)? {
+            #[inline(always)]
+            fn portable $(<$R: $bound>)? ($($argument: $type),*) $(-> $output)? $body
+
             #[cfg(target_arch = "x86_64")]
             #[target_feature(enable = "avx2")]
             fn avx2 $(<$R: $bound>)? ($($argument: $type),*) $(-> $output)? {
-                loops::$name($($argument),*)
+                portable($($argument),*)
             }
 
             #[cfg(target_arch = "x86_64")]
             #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl")]
             fn avx512 $(<$R: $bound>)? ($($argument: $type),*) $(-> $output)? {
-                loops::$name($($argument),*)
+                portable($($argument),*)
             }
 
             match instructions.set() {
-                $crate::simd::Set::Portable => loops::$name($($argument),*),
+                $crate::simd::Set::Portable => portable($($argument),*),
                 #[cfg(target_arch = "x86_64")]
                 // SAFETY: a `InstructionSet` of this set is only made where the processor has AVX2.
                 $crate::simd::Set::Avx2 => unsafe { avx2($($argument),*) },

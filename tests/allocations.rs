@@ -11,9 +11,11 @@
 
 mod support;
 
+use nearmiss::glam::{DQuat, DVec3};
 use nearmiss::internals::{Method, QueryInternals};
 use nearmiss::{
-    AlertLevel, BodyId, Command, Monitor, Outside, Query, Scene, State, Trajectory, Window,
+    AlertLevel, BodyId, BodyState, Command, Monitor, Outside, Query, Scene, State, Trajectory,
+    Window,
 };
 use rand::RngExt;
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -269,6 +271,43 @@ fn a_tick_with_states_told_in_one_call_allocates_nothing() {
         };
         assert_eq!(allocations_of_ticks(course), 0, "{replanned}");
     }
+}
+
+/// A spin replaces the one before in its memory, and what is over is forgotten.
+#[test]
+fn spins_told_in_one_call_allocate_nothing() {
+    support::on_threads(1, || {
+        let mut rng = support::rng(9);
+        let mut scene = Scene::new();
+        let arm = nearmiss::Sphere {
+            offset: support::vector(&mut rng, 1.0),
+            radius: 0.5,
+        };
+        let hitbox = nearmiss::Hitbox::cluster(vec![arm, nearmiss::Sphere::default()]).unwrap();
+        let orbits: Vec<(BodyId, Trajectory)> = (0..BODIES)
+            .map(|_| {
+                let flown = circling(Outside::Absent, &mut rng);
+                let body = nearmiss::Body::new(flown.clone()).with_hitbox(hitbox.clone());
+                (scene.insert(body).unwrap(), flown)
+            })
+            .collect();
+        let mut monitor = Monitor::new(scene, 0.0, 2.0, &[AlertLevel::at(1.0)]).unwrap();
+        let (mut during, mut events) = (0, Vec::new());
+        for tick in 0..600_u32 {
+            let now = f64::from(tick) / 60.0;
+            let told = orbits.iter().map(|(id, flown)| {
+                let turn = DQuat::from_rotation_z(now);
+                let state = BodyState::from(state_at(flown, now));
+                (*id, state.with_spin(turn, DVec3::Z + now * DVec3::X))
+            });
+            let before = allocations();
+            monitor.track(now, told).unwrap();
+            during += if tick < 60 { 0 } else { allocations() - before };
+            monitor.advance(now, &mut events).unwrap();
+        }
+        assert!(events.len() > 50, "{}", events.len());
+        assert_eq!(during, 0);
+    });
 }
 
 /// Each frame, by the same orbits.

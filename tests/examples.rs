@@ -241,7 +241,7 @@ fn names_are_escaped() {
     assert!(plain(&drawn.stdout).contains(shown));
 }
 
-/// The window's fleet: contacts take place, and each was predicted. Bodies that avoid them have none.
+/// The window's fleet: contacts take place, with the floor as well, and each was predicted. Bodies that avoid them have none.
 #[test]
 fn ships_are_predicted() {
     let run = |options: &[&str]| {
@@ -256,10 +256,12 @@ fn ships_are_predicted() {
     };
     let careless = run(&["--ships", "--bodies", "300", "--avoid", "off"]);
     assert!(careless["collisions"].as_u64().unwrap() > 3, "{careless}");
+    assert!(careless["grounded"].as_u64().unwrap() > 0, "{careless}");
     assert_eq!(careless["unpredicted"], 0, "{careless}");
     assert_eq!(careless["lost"], 0, "{careless}");
     let careful = run(&["--ships", "--avoid", "on"]);
     assert_eq!(careful["collisions"], 0, "{careful}");
+    assert_eq!(careful["grounded"], 0, "{careful}");
     assert_eq!(careful["unpredicted"], 0, "{careful}");
     // The yardstick is what it was, and has other bodies.
     let spheres = run(&["--bodies", "300"]);

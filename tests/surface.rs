@@ -10,8 +10,8 @@ mod support;
 
 use nearmiss::glam::{DVec3, Vec3};
 use nearmiss::{
-    AlertLevel, Body, BodyId, EncounterId, Error, Event, EventKind, Monitor, Outside, Query,
-    RevisionThreshold, Scene, State, Stats, Trajectory, Window,
+    Accuracy, AlertLevel, Body, BodyId, EncounterId, Error, Event, EventKind, Monitor, Outside,
+    Query, RevisionThreshold, Scene, State, Stats, Trajectory, Window,
 };
 use std::error::Error as _;
 
@@ -161,6 +161,20 @@ fn conflicts_and_stats_in_a_line() -> Result<(), Error> {
         "body 0v0 and body 1v0 from 6.000 s to 12.000 s, closest 3.000 m at 10.000 s, cut off at exit"
     );
     assert!(format!("{conflict:.1}").contains("closest 3.0 m at 10.0 s"));
+    let certified = Query::default().with_accuracy(Accuracy::Certified);
+    let certified = passing()?.screen(&certified.with_margin(5.0))?.conflicts[0].to_string();
+    let parts = certified.split_once("closest 3.000 m at 10.000 s, ±");
+    assert!(
+        parts.is_some_and(|(_, error)| error.ends_with(" m, cut off at exit")),
+        "{certified}"
+    );
+    let mut tagged = conflict;
+    tagged.tag_a = 7;
+    assert!(
+        tagged
+            .to_string()
+            .starts_with("body 0v0 (tag 7) and body 1v0 from")
+    );
     let line = screening.stats.to_string();
     assert!(line.starts_with("2 bodies, 0 changed, "), "{line}");
     assert!(

@@ -73,6 +73,9 @@ const FILES: &[(&str, &str)] = &[
     ("+a,0,0,0,0,0,0,0\nb,0,0,0,0,0,0,0\na,1,0,0,0,0,0,0\nb,1,0,0,0,0,0,0\n",
      "row 4, column body: body \"a\" has rows from row 2 on, and others since; a body's rows must be together: sort \
       the file by body, then by t"),
+    ("body t px py pz vx vy vz\n0 0 0 0 0 0 0 0\n",
+     "row 1: columns are separated by spaces; use commas, semicolons or tabs"),
+    ("PK\u{3}\u{4}states.xml", "row 1: the file is packed (a zip, or a spreadsheet); save it as CSV in UTF-8"),
     ("radius,body,t,px,py,pz,vx,vy,vz\n-1,a,0,0,0,0,0,0,0\n",
      "row 2, column radius: \"-1\" is not a number from 0 to 1e300; give metres"),
     ("radius,body,t,px,py,pz,vx,vy,vz\n1,a,0,0,0,0,0,0,0\n2,a,1,0,0,0,0,0,0\n",
@@ -280,4 +283,26 @@ fn calls() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// A window in another count of time than the file's: nothing is found, and somebody has to say why.
+#[test]
+fn a_window_in_which_no_body_exists() {
+    let folder = folder("wrong-window");
+    let states = format!("{HEADER}0,0,0,0,0,0,0,0\n0,9,0,0,0,0,0,0\n");
+    std::fs::write(folder.join("states.csv"), states).unwrap();
+    for (window, expected) in [
+        (
+            "--window=100..200",
+            "note: the window is 100.000..200.000 s, and no body exists then; the states cover 0.000..9.000 s\n",
+        ),
+        ("--window=9..200", ""),
+    ] {
+        let mut command = example("screen");
+        let arguments = ["states.csv", window];
+        let result = command.args(arguments).current_dir(&folder).output();
+        let result = result.unwrap();
+        assert!(result.status.success());
+        assert_eq!(plain(&result.stderr), expected);
+    }
 }

@@ -27,7 +27,8 @@ pub(crate) fn draw_captions(
     urgent.sort_by_key(|encounter| (encounter.enter <= now, std::cmp::Reverse(encounter.level)));
     for encounter in urgent.into_iter().take(MAX_COUNTDOWNS) {
         let closest = &encounter.closest;
-        let middle = (closest.position_a + closest.position_b) * 0.5;
+        let [a, b] = game.fleet.closest_places(encounter);
+        let middle = (a + b) * 0.5;
         let Some(at) = on_screen(&camera, vector(middle)) else {
             continue;
         };
@@ -41,10 +42,13 @@ pub(crate) fn draw_captions(
         named.extend([encounter.a, encounter.b]);
     }
     for id in named {
+        if game.fleet.is_floor(id) {
+            continue;
+        }
         let place = game.fleet.state(id);
         let place = place.and_then(|state| on_screen(&camera, vector(state.position)));
         if let Some(at) = place {
-            caption(&format!("#{}", id.slot()), 15, at, NUMBER, &mut areas);
+            caption(&game.fleet.name(id), 15, at, NUMBER, &mut areas);
         }
     }
 }

@@ -13,7 +13,7 @@ use crate::shapes::Shape;
 use glam::{DQuat, DVec3};
 use macroquad::prelude::{
     Camera, Camera3D, Color, Mat3, Mesh, Vec2, Vec3, clear_background, draw_circle,
-    draw_cube_wires, draw_line_3d, draw_mesh, screen_height, screen_width, set_camera,
+    draw_cube_wires, draw_line_3d, draw_mesh, draw_plane, screen_height, screen_width, set_camera,
     set_default_camera, vec2, vec3,
 };
 use nearmiss::{BodyId, Encounter};
@@ -134,7 +134,7 @@ pub(crate) fn draw_world(game: &Game, view: &View) -> Vec<Encounter> {
     set_camera(&camera);
     let side = Vec3::splat(2.0 * view.half);
     draw_cube_wires(Vec3::ZERO, side, Color::new(0.3, 0.4, 0.6, 0.35));
-    draw_floor(view.half);
+    draw_floor(view.half, camera.position);
     draw_bodies(game, view);
     // The worst alert of each body.
     let mut alerts: BTreeMap<BodyId, usize> = BTreeMap::new();
@@ -181,10 +181,16 @@ fn draw_stars(camera: &Camera3D, view: &View) {
     }
 }
 
-/// A grid below, for depth.
-fn draw_floor(half: f32) {
+/// The floor: a grid on a surface, which hides nothing from below.
+fn draw_floor(half: f32, from: Vec3) {
     const LINES: i32 = 8;
-    let colour = Color::new(0.3, 0.4, 0.6, 0.16);
+    if from.y > -half {
+        // A little below the lines, which it would hide.
+        let middle = vec3(0.0, -half - 0.1, 0.0);
+        let surface = Color::new(0.16, 0.24, 0.40, 0.35);
+        draw_plane(middle, vec2(half, half), None, surface);
+    }
+    let colour = Color::new(0.35, 0.5, 0.75, 0.32);
     for k in -LINES..=LINES {
         let x = half * k as f32 / LINES as f32;
         draw_line_3d(vec3(x, -half, -half), vec3(x, -half, half), colour);
@@ -257,7 +263,8 @@ fn draw_encounter(game: &Game, encounter: &Encounter) {
     let now = game.fleet.monitor.now();
     let ahead = encounter.closest.time - now;
     let scene = game.fleet.monitor.scene();
-    for id in [encounter.a, encounter.b] {
+    let fly = [encounter.a, encounter.b].into_iter();
+    for id in fly.filter(|&id| !game.fleet.is_floor(id)) {
         let Some(body) = scene.body(id) else { continue };
         let way: Vec<Vec3> = (0..=STEPS)
             .filter_map(|k| {
@@ -270,10 +277,7 @@ fn draw_encounter(game: &Game, encounter: &Encounter) {
             draw_line_3d(pair[0], pair[1], faint(colour, alpha));
         }
     }
-    let (a, b) = (
-        vector(encounter.closest.position_a),
-        vector(encounter.closest.position_b),
-    );
+    let [a, b] = game.fleet.closest_places(encounter).map(vector);
     draw_line_3d(a, b, colour);
     let middle = (a + b) * 0.5;
     for axis in [Vec3::X, Vec3::Y, Vec3::Z] {

@@ -3,10 +3,11 @@
 //! The same kind of motion as the stress scene `swarm`: 32 cubics over 60 s at irregular knots,
 //! smooth random velocities (Ornstein-Uhlenbeck), 1 m radius; other settings have bodies that turn.
 
+use crate::floor::Floor;
 use glam::{DQuat, DVec3};
 use nearmiss::{
-    AlertLevel, Body, BodyId, BodyPlan, Command, Error, Event, EventKind, Hitbox, Monitor,
-    Orientation, Scene, State, Trajectory,
+    AlertLevel, Body, BodyId, BodyPlan, Command, Encounter, Error, Event, EventKind, Hitbox,
+    Monitor, Orientation, Scene, State, Trajectory,
 };
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -37,6 +38,8 @@ pub(crate) struct Setting {
     pub(crate) spacing: f64,
     /// Bodies do not come nearer than this to others within `BORN_CLEAR`, m, if all keep their first velocities.
     pub(crate) clearance: f64,
+    /// Height above the floor, the bottom of the cube, that bodies come back to, m; without a floor, none.
+    pub(crate) headroom: Option<f64>,
     pub(crate) levels: &'static [AlertLevel],
     /// Places of two of the levels.
     pub(crate) warning: usize,
@@ -55,6 +58,7 @@ impl Setting {
         hitbox: |_| Ok(Hitbox::sphere(RADIUS)?),
         spacing: 65.6,
         clearance: 0.0,
+        headroom: None,
         levels: &[AlertLevel::at(3.0), AlertLevel::at(0.0)],
         warning: 0,
         contact: 1,
@@ -95,6 +99,7 @@ enum Attitude {
 pub(crate) struct Fleet {
     pub(crate) monitor: Monitor,
     pub(crate) bodies: Vec<BodyId>,
+    pub(crate) floor: Option<Floor>,
     pub(crate) setting: Setting,
     planner: Planner,
 }
@@ -105,15 +110,19 @@ pub(crate) struct Planner {
     rng: ChaCha8Rng,
     /// Half the side of the cube that the bodies keep to, m.
     half: f64,
+    /// Height that they keep above, m.
+    bottom: f64,
 }
 
 impl Fleet {
     /// `count` bodies at time 0, each with a plan.
     pub(crate) fn new(setting: Setting, count: usize, seed: u64) -> Result<Self, Failure> {
         let number = f64::from(u32::try_from(count).unwrap_or(u32::MAX));
+        let half = setting.spacing * number.cbrt() / 2.0;
         let mut planner = Planner {
             rng: ChaCha8Rng::seed_from_u64(seed),
-            half: setting.spacing * number.cbrt() / 2.0,
+            half,
+            bottom: setting.headroom.unwrap_or_default() - half,
         };
         let mut scene = Scene::new();
         let (mut bodies, mut starts) = (Vec::with_capacity(count), Vec::new());
@@ -124,9 +133,17 @@ impl Fleet {
             }
             bodies.push(scene.insert(planner.body(&setting, index, start)?)?);
         }
+        let floor = match setting.headroom {
+            Some(_) => Some(Floor {
+                id: scene.insert(Floor::body(-half)?)?,
+                height: -half,
+            }),
+            None => None,
+        };
         Ok(Self {
             monitor: Monitor::new(scene, 0.0, LOOKAHEAD, setting.levels)?,
             bodies,
+            floor,
             setting,
             planner,
         })
@@ -150,6 +167,35 @@ impl Fleet {
     pub(crate) fn state(&self, id: BodyId) -> Option<State> {
         let body = self.monitor.scene().body(id)?;
         body.trajectory.state(self.monitor.now())
+    }
+
+    /// The kind of a body that flies.
+    pub(crate) fn kind(&self, id: BodyId) -> Kind {
+        let tag = self.monitor.scene().body(id).map_or(0, |body| body.tag);
+        self.setting.kind(usize::try_from(tag).unwrap_or_default())
+    }
+
+    pub(crate) fn is_floor(&self, id: BodyId) -> bool {
+        self.floor.is_some_and(|floor| floor.id == id)
+    }
+
+    /// The number of a body as it is shown.
+    pub(crate) fn name(&self, id: BodyId) -> String {
+        if self.is_floor(id) {
+            "floor".to_owned()
+        } else {
+            format!("#{}", id.slot())
+        }
+    }
+
+    /// Both places of a closest approach, m: of a floor, the point below the other body.
+    pub(crate) fn closest_places(&self, encounter: &Encounter) -> [DVec3; 2] {
+        let (a, b) = (encounter.closest.position_a, encounter.closest.position_b);
+        match self.floor {
+            Some(floor) if floor.id == encounter.a => [floor.foot(b), b],
+            Some(floor) if floor.id == encounter.b => [a, floor.foot(a)],
+            _ => [a, b],
+        }
     }
 
     /// New plans from now on for a share of the bodies, picked at random, as a whim would.
@@ -189,8 +235,7 @@ impl Fleet {
             return Ok(plan.into());
         };
         // A spin goes on as it is.
-        let kind = self.setting.kind(id.slot() as usize);
-        if kind.attitude() != Attitude::AlongFlight {
+        if self.kind(id).attitude() != Attitude::AlongFlight {
             return Ok(plan.into());
         }
         let start = body.orientation.rotation(self.monitor.now());
@@ -240,6 +285,11 @@ fn nearest(a: &State, b: &State) -> f64 {
     let (position, velocity) = (a.position - b.position, a.velocity - b.velocity);
     let time = -position.dot(velocity) / velocity.length_squared().max(1e-12);
     (position + velocity * time.clamp(0.0, BORN_CLEAR)).length()
+}
+
+/// The least height of a body that keeps its velocity, within `BORN_CLEAR`, m.
+fn lowest(state: &State) -> f64 {
+    state.position.y + BORN_CLEAR * state.velocity.y.min(0.0)
 }
 
 /// From a rotation on, the axis x turns after the velocity the shortest way, which does not roll.
@@ -292,10 +342,9 @@ impl Planner {
     fn clear_start(&mut self, setting: &Setting, time: f64, others: &[State]) -> State {
         let mut start = self.start(time);
         for _ in 1..MAX_BIRTHS {
-            if others
-                .iter()
-                .all(|other| nearest(&start, other) >= setting.clearance)
-            {
+            let is_high = setting.headroom.is_none() || lowest(&start) >= self.bottom;
+            let is_apart = |other| nearest(&start, other) >= setting.clearance;
+            if is_high && others.iter().all(is_apart) {
                 break;
             }
             start = self.start(time);
@@ -330,10 +379,8 @@ impl Planner {
                 velocity += push;
             }
             // Back into the cube, at the pace at which velocities are forgotten.
-            let overshoot = state.position
-                - state
-                    .position
-                    .clamp(DVec3::splat(-self.half), DVec3::splat(self.half));
+            let low = DVec3::new(-self.half, self.bottom, -self.half);
+            let overshoot = state.position - state.position.clamp(low, DVec3::splat(self.half));
             velocity -= overshoot / MEMORY * (1.0 - kept);
             let position = state.position + (state.velocity + velocity) * (gap / 2.0);
             state = State::new(state.time + gap, position, velocity);

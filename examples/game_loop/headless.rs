@@ -57,7 +57,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<String, Failure> {
     tally.finish();
     times.sort_unstable_by(f64::total_cmp);
     let unpredicted = truth.map_or(String::new(), |truth| {
-        format!(",\"unpredicted\":{}", truth.unpredicted)
+        let Truth {
+            grounded,
+            unpredicted,
+            ..
+        } = truth;
+        format!(",\"grounded\":{grounded},\"unpredicted\":{unpredicted}")
     });
     Ok(format!(
         "{{\"ticks\":{ticks},\"tick_ms_p50\":{:.3},\"tick_ms_p99\":{:.3},\"tick_ms_max\":{:.3},\

@@ -47,8 +47,9 @@ pub(crate) fn draw_hovered(game: &Game, view: &View) {
         .fleet
         .state(id)
         .map_or(0.0, |state| state.velocity.length());
-    let kind = kind_name(game.fleet.setting.kind(id.slot() as usize));
-    line(&format!("#{} {kind}  {speed:.1} m/s", id.slot()), BRIGHT);
+    let kind = kind_name(game.fleet.kind(id));
+    let name = game.fleet.name(id);
+    line(&format!("{name} {kind}  {speed:.1} m/s"), BRIGHT);
     if met.is_empty() {
         line(&format!("meets nobody within {LOOKAHEAD} s"), BRIGHT);
     }
@@ -66,8 +67,8 @@ pub(crate) fn draw_hovered(game: &Game, view: &View) {
         };
         let so_far = if encounter.open { " so far" } else { "" };
         let text = format!(
-            "{when}  #{}  {:.1} m{so_far}",
-            other.slot(),
+            "{when}  {}  {:.1} m{so_far}",
+            game.fleet.name(other),
             encounter.closest.separation
         );
         line(&text, LEVEL_COLOURS[encounter.level]);

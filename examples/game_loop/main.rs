@@ -15,16 +15,18 @@
 //! runs the same loop at 60 Hz of simulated time without one, and prints one line of JSON. The bodies are another
 //! setting, the yardstick of the monitor: 1,000 spheres of 1 m, farther apart than in the window. With `--ships`
 //! they are the window's: ships along their flight, drones and asteroids that spin, each in spheres fitted to the
-//! shape that is drawn. `unpredicted` then counts the contacts of spheres, seen at sampled instants, that no event
-//! had predicted.
+//! shape that is drawn, over a floor. `unpredicted` then counts the contacts of spheres with each other and with the
+//! floor, seen at sampled instants, that no event had predicted; `grounded` counts those
+//! with the floor, predicted or not.
 //!
-//! `fleet` flies, `solids` are the shapes, `steering` steers, `game` is a tick of all under the monitor, `tally`
-//! counts, and checks the monitor against the bodies' plain positions, `truth` against their spheres.
+//! `fleet` flies over the `floor`, `solids` are the shapes, `steering` steers, `game` is a tick of all under the
+//! monitor, `tally` counts, and checks the monitor against the bodies' plain positions, `truth` against their spheres.
 
 mod captions;
 mod draw;
 mod feed;
 mod fleet;
+mod floor;
 mod game;
 mod headless;
 mod hover;
@@ -60,7 +62,8 @@ pub(crate) struct Arguments {
     /// window unless --ships is given: spheres of 1 m, farther apart.
     #[arg(long)]
     headless: bool,
-    /// With --headless: the window's ships, drones and asteroids; counts contacts that were not predicted.
+    /// With --headless: the window's ships, drones and asteroids, over a floor; counts contacts that were not
+    /// predicted.
     #[arg(long)]
     ships: bool,
     /// Simulated time, s; of a window, before its picture is taken.

@@ -163,24 +163,24 @@ pub(crate) fn draw_panel(game: &Game, panel: &Panel, state: &str, lowest_level: 
         draw_text(&text, x, 214.0, 17.0, colour);
     }
     draw_text(&panel.message, 26.0, 238.0, 17.0, DIM);
-    draw_events(panel);
+    draw_events(game, panel);
     let keys = "space pause   S slow   A add 25   V avoidance   H hitboxes   F far level   R record   Q quit   \
                 drag, wheel, hover";
     draw_text(keys, 20.0, screen_height() - 18.0, 18.0, DIM);
 }
 
-fn draw_events(panel: &Panel) {
+fn draw_events(game: &Game, panel: &Panel) {
     let area = right();
     back(&area);
     let mut y = 36.0;
     for line in panel.feed.lines().iter().take(EVENTS) {
         let told = &line.shown;
         let text = format!(
-            "{:7.2}  {:<9}  #{:<4} and #{:<4}  {:5.1} m",
+            "{:7.2}  {:<9}  {:<5} and {:<5}  {:5.1} m",
             told.time,
             told.word,
-            told.encounter.a.slot(),
-            told.encounter.b.slot(),
+            game.fleet.name(told.encounter.a),
+            game.fleet.name(told.encounter.b),
             told.encounter.closest.separation
         );
         let colour = LEVEL_COLOURS[told.encounter.level];

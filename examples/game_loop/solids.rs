@@ -20,6 +20,7 @@ impl Setting {
         hitbox: |kind| Ok(Solid::of(kind)?.hitbox.clone()),
         spacing: 26.0,
         clearance: 12.0,
+        headroom: Some(20.0),
         levels: &[
             AlertLevel::at(8.0),
             AlertLevel::at(3.0),

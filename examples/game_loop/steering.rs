@@ -35,9 +35,10 @@ impl Fleet {
             if busy.contains(&a) || busy.contains(&b) {
                 continue;
             }
-            busy.insert(a);
-            if let Some(plan) = self.clear_plan(a, None)? {
-                plans.push((a, plan));
+            let id = if self.is_floor(a) { b } else { a };
+            busy.insert(id);
+            if let Some(plan) = self.clear_plan(id, None)? {
+                plans.push((id, plan));
             }
         }
         Ok(plans)

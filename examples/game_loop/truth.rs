@@ -19,10 +19,13 @@ pub(crate) struct Truth {
     told: BTreeMap<EncounterId, Encounter>,
     /// Contacts that ended in the last tick.
     ended: Vec<Encounter>,
-    /// Pairs in contact at the last instant, and not told.
+    /// Pairs in contact at the last instant, and those of them that were not told.
+    touching: BTreeSet<(BodyId, BodyId)>,
     missed: BTreeSet<(BodyId, BodyId)>,
     /// Contacts seen that no event had predicted.
     pub(crate) unpredicted: u64,
+    /// Contacts seen with the floor, predicted or not.
+    pub(crate) grounded: u64,
 }
 
 impl Truth {
@@ -67,6 +70,10 @@ impl Truth {
             let missed: BTreeSet<_> = touching.difference(&told).copied().collect();
             self.unpredicted += missed.difference(&self.missed).count() as u64;
             self.missed = missed;
+            let begun = touching.difference(&self.touching);
+            let grounded = begun.filter(|(a, b)| fleet.is_floor(*a) || fleet.is_floor(*b));
+            self.grounded += grounded.count() as u64;
+            self.touching = touching;
         }
     }
 }
@@ -80,7 +87,8 @@ struct Sample<'f> {
     reach: f64,
 }
 
-/// All pairs of bodies with spheres that overlap, by their positions and rotations alone.
+/// All pairs of bodies with spheres that overlap, by their positions and rotations alone; and all bodies with
+/// spheres that reach into the floor.
 fn contacts(fleet: &Fleet, time: f64) -> BTreeSet<(BodyId, BodyId)> {
     let scene = fleet.monitor.scene();
     let ids = fleet.bodies.iter();
@@ -102,6 +110,14 @@ fn contacts(fleet: &Fleet, time: f64) -> BTreeSet<(BodyId, BodyId)> {
         .map(|sample| sample.reach)
         .fold(0.0, f64::max);
     let mut touching = BTreeSet::new();
+    if let Some(floor) = fleet.floor {
+        let reaches_it = |sample: &&Sample<'_>| {
+            let is_near = sample.position.y - sample.reach <= floor.height;
+            is_near && reaches_below(sample.body, floor.height, time)
+        };
+        let low = samples.iter().filter(reaches_it).map(|sample| sample.id);
+        touching.extend(low.map(|id| (id.min(floor.id), id.max(floor.id))));
+    }
     for (index, one) in samples.iter().enumerate() {
         let limit = one.position.x + one.reach + widest;
         let rest = samples[index + 1..].iter();
@@ -113,6 +129,12 @@ fn contacts(fleet: &Fleet, time: f64) -> BTreeSet<(BodyId, BodyId)> {
         }
     }
     touching
+}
+
+fn reaches_below(body: &Body, height: f64, time: f64) -> bool {
+    let spheres = body.spheres_at(time).unwrap_or_default();
+    let low = |sphere: &Sphere| sphere.offset.y - sphere.radius;
+    spheres.iter().any(|sphere| low(sphere) + ROUNDING < height)
 }
 
 fn overlap(a: &Body, b: &Body, time: f64) -> bool {

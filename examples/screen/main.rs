@@ -164,6 +164,12 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         let names = unused.join(", ");
         terminal::complain(format_args!("not used: column {names}"));
     }
+    if let Some(states) = states_elsewhere(&scene, arguments.window) {
+        terminal::complain(format_args!(
+            "note: the window is {}, and no body exists then; the states cover {states}",
+            arguments.window
+        ));
+    }
     let table = Table {
         scene: &scene,
         labels: &labels,
@@ -179,6 +185,17 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         terminal::complain(write::stats_line(&screening.stats, threads));
     }
     Ok(())
+}
+
+/// Returns the time from the first to the last state if no body exists in a window.
+fn states_elsewhere(scene: &Scene, window: Window) -> Option<Window> {
+    let domains = || scene.bodies().map(|(_, body)| body.trajectory.domain());
+    if domains().any(|domain| domain.intersection(window).is_some()) {
+        return None;
+    }
+    let start = domains().map(|domain| domain.start()).reduce(f64::min)?;
+    let end = domains().map(|domain| domain.end()).reduce(f64::max)?;
+    Window::new(start, end).ok()
 }
 
 fn build_scene(

@@ -100,16 +100,35 @@ fn steps(table: &Table) -> (Axes, Vec<Mark>) {
             y: 100.0 * (all - missed) / all.max(1.0),
         })
     });
-    let marks: Vec<Mark> = marks.collect();
+    let mut marks: Vec<Mark> = marks.collect();
+    leave_out_names(&mut marks);
     let least = marks.iter().map(|mark| mark.y).fold(100.0, f64::min);
     let axes = Axes {
         title: "A scene stepped: time against encounters found",
         x: "ms in all",
         y: "encounters found, %",
-        y_range: ((least - 10.0).max(0.0), 104.0),
+        y_range: ((least - 10.0).max(0.0), 104.9),
         joined: true,
     };
     (axes, marks)
+}
+
+/// Keeps the names of the first and the last point at which a series finds all: those between would cover each other.
+fn leave_out_names(marks: &mut [Mark]) {
+    let is_full = |mark: &Mark| mark.y >= 100.0;
+    let last_of = |series: &str| marks.iter().rposition(|mark| mark.series == series);
+    let without: Vec<usize> = (0..marks.len())
+        .filter(|&place| {
+            let mark = &marks[place];
+            let before = marks[..place]
+                .iter()
+                .any(|other| other.series == mark.series && is_full(other));
+            is_full(mark) && before && last_of(&mark.series) != Some(place)
+        })
+        .collect();
+    for place in without {
+        marks[place].name.clear();
+    }
 }
 
 fn page<'a>(
@@ -140,6 +159,7 @@ fn page<'a>(
                 .axis_desc_style(style.clone())
                 .x_desc(axes.x)
                 .y_desc(axes.y)
+                .x_label_formatter(&|x| x.to_string())
                 .y_label_formatter(&$format)
                 .draw()?;
             series(&mut chart, axes, marks)?;
@@ -215,8 +235,14 @@ where
     let (left, top) = area.get_base_pixel();
     let (width, height) = area.dim_in_pixel();
     let (width, height) = (i32::try_from(width)?, i32::try_from(height)?);
-    let mut taken: Vec<(i32, i32, i32)> = Vec::new();
-    for mark in marks {
+    /// Radius of a point, pixels.
+    const RADIUS: i32 = 5;
+    let point = |mark: &Mark| {
+        let (x, y) = chart.backend_coord(&(mark.x, mark.y));
+        (x - left - RADIUS, x - left + RADIUS, y - top)
+    };
+    let mut taken: Vec<(i32, i32, i32)> = marks.iter().map(point).collect();
+    for mark in marks.iter().filter(|mark| !mark.name.is_empty()) {
         let (x, y) = chart.backend_coord(&(mark.x, mark.y));
         let (x, y) = (x - left, y - top);
         let length = LETTER * i32::try_from(mark.name.chars().count())?;

@@ -64,9 +64,10 @@ impl DAabb {
         high: DVec3::NEG_INFINITY,
     };
 
+    #[inline]
     pub(crate) fn include(&mut self, other: Self) {
-        self.low = self.low.min(other.low);
-        self.high = self.high.max(other.high);
+        self.low = smaller(self.low, other.low);
+        self.high = larger(self.high, other.high);
     }
 
     /// Returns the range of the middle half of `places` on each axis, which ignores outliers.
@@ -99,6 +100,30 @@ impl DAabb {
             high: place + reach,
         }
     }
+}
+
+/// Returns the smaller coordinates; the first ones where the others are NaN.
+#[inline(always)]
+fn smaller(one: DVec3, other: DVec3) -> DVec3 {
+    let smaller = |one: f64, other: f64| if other < one { other } else { one };
+    DVec3::new(
+        smaller(one.x, other.x),
+        smaller(one.y, other.y),
+        smaller(one.z, other.z),
+    )
+}
+
+/// Returns the larger coordinates; the first ones where the others are NaN.
+///
+/// The minimum and maximum of f64 take four instructions where this takes one.
+#[inline(always)]
+pub(super) fn larger(one: DVec3, other: DVec3) -> DVec3 {
+    let larger = |one: f64, other: f64| if other > one { other } else { one };
+    DVec3::new(
+        larger(one.x, other.x),
+        larger(one.y, other.y),
+        larger(one.z, other.z),
+    )
 }
 
 impl Frame {
@@ -190,6 +215,7 @@ impl Padding {
     };
 
     /// Returns the padding by a body's shape and half a margin (m), in a frame's unit.
+    #[inline]
     pub(crate) fn of<'a>(shape: impl Into<BodyShape<'a>>, margin: f64, frame: &Frame) -> Self {
         let shape = shape.into();
         let mut half = 0.5 * margin;
@@ -209,6 +235,7 @@ impl Padding {
     }
 
     /// Returns a bound on the padding, m, that is not reduced by cancellation.
+    #[inline]
     pub(crate) fn size<'a>(shape: impl Into<BodyShape<'a>>, margin: f64) -> f64 {
         shape.into().reach() + margin.abs()
     }

@@ -33,16 +33,6 @@ pub(crate) struct CubicSource<'a, C> {
     pub(crate) placement: FramePlacement,
 }
 
-impl<C> CubicSource<'_, C> {
-    /// The source of a body that never exists.
-    pub(crate) const NONE: Self = Self {
-        knots: Knots::NONE,
-        cubics: &[],
-        runs: &[],
-        placement: FramePlacement::NONE,
-    };
-}
-
 impl<'a, C: BoundingCubic> CubicSource<'a, C> {
     /// Returns a whole cubic, of an extended motion or of one without extension.
     #[inline(always)]
@@ -165,6 +155,7 @@ impl<'a> CubicSource<'a, CompactCubic> {
 
 impl<'a, C> CubicSource<'a, C> {
     /// Returns the source of a body of straight motions, with these knots.
+    #[inline(always)]
     pub(crate) fn straight(knots: Knots<'a>, padding: &Padding, frame: &Frame) -> Self {
         Self {
             knots,
@@ -178,6 +169,7 @@ impl<'a, C> CubicSource<'a, C> {
 
 impl<'a> CubicSource<'a, Segment> {
     /// Returns the source of a body without a compact trajectory, for a few boxes.
+    #[inline(always)]
     pub(crate) fn plain(
         (knots, segments): (Knots<'a>, &'a [Segment]),
         padding: &Padding,
@@ -186,6 +178,15 @@ impl<'a> CubicSource<'a, Segment> {
         if !knots.straight_motions().is_empty() {
             return Self::straight(knots, padding, frame);
         }
+        Self::of_plan((knots, segments), padding, frame)
+    }
+
+    #[inline(never)]
+    fn of_plan(
+        (knots, segments): (Knots<'a>, &'a [Segment]),
+        padding: &Padding,
+        frame: &Frame,
+    ) -> Self {
         let origin = segments.first().map(Segment::origin);
         let anchor = Frame {
             origin: origin.or_else(|| knots.origin()).unwrap_or(frame.origin),

@@ -1,6 +1,6 @@
 //! Parts of straight motions.
 
-use super::frame::Frame;
+use super::frame::{Frame, larger};
 use super::{FAR, ROUNDING, nearest};
 use crate::rounding::UNIT_ROUNDOFF;
 use crate::trajectory::StraightMotion;
@@ -25,19 +25,25 @@ impl StraightPart {
         let offset = motion.origin() - frame.origin;
         // A box is larger by four roundings of `near`. Each way has two roundings, and two where it cancels with the
         // offset. The solver's error, of at most 36, is held more than twice, as that of any cubic is.
-        let error = first.abs().max(last.abs()) * (24.0 * UNIT_ROUNDOFF / f64::from(ROUNDING));
+        const ERROR: f64 = 24.0 * UNIT_ROUNDOFF / ROUNDING as f64;
+        let error = larger(first.abs(), last.abs()) * ERROR;
         let near = ((last - first).abs() + error).element_sum() * frame.power;
         let [start, end] = [first, last].map(|way| (offset + way) * frame.power);
+        let size = start.abs() + near;
+        if !(size.x < FAR && size.y < FAR && size.z < FAR) {
+            return Self {
+                first: Vec4::ZERO,
+                last: Vec4::ZERO,
+                near: f32::INFINITY,
+                from,
+                to,
+            };
+        }
         let lanes = |DVec3 { x, y, z }: DVec3| Vec4::new(nearest(x), nearest(y), nearest(z), 0.0);
-        let is_served = start.abs().max_element() + near < FAR;
         Self {
-            first: if is_served { lanes(start) } else { Vec4::ZERO },
-            last: if is_served { lanes(end) } else { Vec4::ZERO },
-            near: if is_served {
-                nearest(near)
-            } else {
-                f32::INFINITY
-            },
+            first: lanes(start),
+            last: lanes(end),
+            near: nearest(near),
             from,
             to,
         }

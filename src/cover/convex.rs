@@ -39,12 +39,16 @@ impl Convex {
                 let count = points.len().max(1) as f64;
                 points.iter().sum::<DVec3>() / count
             }
-            SolidForm::Cylinder(round) => round.middle,
-            // The middle of the largest ball within lies on the axis.
-            SolidForm::Cone(round) => {
-                let slant = round.radius.hypot(2.0 * round.half_height);
-                let depth = 2.0 * round.half_height * round.radius / (slant + round.radius);
-                round.middle + round.axis * (depth - round.half_height)
+            SolidForm::Round(round) => {
+                // The middle of the largest ball within lies on the axis: of a cone, it touches the lower end.
+                let (outward, upward) = round.slope();
+                let depth = round.radii[0] * outward / (1.0 + upward);
+                let along = if upward > 0.0 {
+                    depth - round.half_height
+                } else {
+                    0.0
+                };
+                round.middle + round.axis * along
             }
             SolidForm::Capsule { ends, .. } => ends[0].midpoint(ends[1]),
             SolidForm::Mesh { .. } => DVec3::ZERO,
@@ -68,29 +72,15 @@ impl Convex {
                 let flat = (from_inner.length(), from_inner.normalize_or_zero());
                 heights.reduce(higher).unwrap_or(flat)
             }
-            SolidForm::Cylinder(round) => {
+            SolidForm::Round(round) => {
                 let (along, out, away) = round.split(at);
-                let end = along.abs() - round.half_height;
-                higher(
-                    (away - round.radius, out),
-                    (end, round.axis * along.signum()),
-                )
-            }
-            SolidForm::Cone(round) => {
-                let (along, out, away) = round.split(at);
+                let (outward, upward) = round.slope();
                 let Round {
-                    axis,
-                    radius,
-                    half_height,
-                    ..
+                    axis, half_height, ..
                 } = *round;
-                let slant = radius.hypot(2.0 * half_height).max(f64::MIN_POSITIVE);
-                let (outward, upward) = (2.0 * half_height / slant, radius / slant);
-                let side = away * outward + (along - half_height) * upward;
-                higher(
-                    (side, out * outward + axis * upward),
-                    (-half_height - along, -axis),
-                )
+                let side = (away - round.radii[1]) * outward + (along - half_height) * upward;
+                let ends = higher((-half_height - along, -axis), (along - half_height, axis));
+                higher((side, out * outward + axis * upward), ends)
             }
             SolidForm::Capsule { ends, radius } => {
                 let away = at - nearest_on_segment(*ends, at);
@@ -124,15 +114,7 @@ impl Convex {
                 surface
             }
             SolidForm::Mesh { .. } => Surface::default(),
-            SolidForm::Cylinder(round) => {
-                let profile = [-round.half_height, round.half_height];
-                let profile = profile.map(|along| (along, round.radius));
-                revolve(round.middle, round.axis, &profile, around)
-            }
-            SolidForm::Cone(round) => {
-                let profile = [(-round.half_height, round.radius), (round.half_height, 0.0)];
-                revolve(round.middle, round.axis, &profile, around)
-            }
+            SolidForm::Round(round) => revolve(round.middle, round.axis, &round.ends(), around),
             SolidForm::Capsule { ends, radius } => {
                 let axis = (ends[1] - ends[0]).try_normalize().unwrap_or(DVec3::Z);
                 let half = ends[0].distance(ends[1]) / 2.0;
@@ -144,8 +126,19 @@ impl Convex {
 }
 
 impl Round {
+    /// Returns the parts of the side's normal away from the axis and along it.
+    fn slope(&self) -> (f64, f64) {
+        let (up, inward) = (2.0 * self.half_height, self.radii[0] - self.radii[1]);
+        let slant = inward.hypot(up);
+        if slant > 0.0 {
+            (up / slant, inward / slant)
+        } else {
+            (1.0, 0.0)
+        }
+    }
+
     /// Returns the place along the axis, the unit vector away from it, and the distance from it.
-    fn split(&self, at: DVec3) -> (f64, DVec3, f64) {
+    pub(super) fn split(&self, at: DVec3) -> (f64, DVec3, f64) {
         let from_middle = at - self.middle;
         let along = from_middle.dot(self.axis);
         let out = from_middle - self.axis * along;

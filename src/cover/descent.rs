@@ -173,7 +173,7 @@ impl DescentScratch {
             Target::Surfaces(surfaces) => self.losses_of_surfaces(surfaces),
             Target::Samples(samples) => {
                 self.nearest
-                    .find(&samples.points, &self.balls, &self.heights);
+                    .find_two(&samples.points, &self.balls, &self.heights);
                 self.nearest.losses(self.balls.len())
             }
         }

@@ -7,7 +7,7 @@ use super::points::Samples;
 use super::random::Random;
 use super::search::improve;
 use super::solid::Solid;
-use super::starts::{deepest, even_out, farthest, lattices, pool, spread};
+use super::starts::{deepest, lattices, pool, spread};
 use super::surface::Surface;
 use crate::parallel;
 use glam::DVec3;
@@ -43,13 +43,6 @@ pub(super) struct Fitter<'a> {
     ridges: Vec<(DVec3, f64)>,
     seed: u64,
     effort: u32,
-}
-
-/// The number of chains and rounds of a search.
-#[derive(Clone, Copy, Debug)]
-struct SearchEffort {
-    chains: u32,
-    rounds: u32,
 }
 
 impl<'a> Fitter<'a> {
@@ -88,8 +81,7 @@ impl<'a> Fitter<'a> {
 
     /// Returns the number of chains, and of moves of single balls in each. They depend on the
     /// number of balls, on the effort, and on the size of the shape's surfaces.
-    fn plan(&self, count: usize) -> SearchEffort {
-        let rounds = 25;
+    fn chains_and_rounds(&self, count: usize) -> (u32, u32) {
         let chains = match count {
             ..=8 => 4,
             9..=24 => 6,
@@ -97,24 +89,15 @@ impl<'a> Fitter<'a> {
             49..=96 => 3,
             _ => 1,
         };
-        let heavy = self
-            .coarse
-            .iter()
-            .map(|surface| surface.points.len())
-            .sum::<usize>();
-        let chains = if heavy > 64 {
+        let points: usize = self.coarse.iter().map(|one| one.points.len()).sum();
+        let chains = if points > 64 {
             u32::div_ceil(2 * chains, 3)
         } else {
             chains
         };
-        SearchEffort {
-            chains: if count == 1 { 2 } else { chains } * self.effort,
-            rounds: if (2..=256).contains(&count) {
-                rounds
-            } else {
-                0
-            },
-        }
+        let chains = if count == 1 { 2 } else { chains } * self.effort;
+        let rounds = if (2..=256).contains(&count) { 25 } else { 0 };
+        (chains, rounds)
     }
 
     /// Returns the best cover found with at most `count` balls. `progress` gets the share done,
@@ -123,23 +106,22 @@ impl<'a> Fitter<'a> {
         if let Some(certified) = closed_form(self.solid, count) {
             return certified;
         }
-        let plan = self.plan(count);
+        let (chains, rounds) = self.chains_and_rounds(count);
         let done = AtomicU32::new(0);
-        let steps = f64::from(plan.chains * (plan.rounds + 1) + 2);
+        let steps = f64::from(chains * (rounds + 1) + 2);
         let step = || progress(f64::from(done.fetch_add(1, Ordering::Relaxed) + 1) / steps);
         let work = |scratch: &mut DescentScratch, chain: u32| {
-            self.chain(count, chain, plan.rounds, scratch, &step)
+            self.chain(count, chain, rounds, scratch, &step)
         };
-        let mut found = parallel::map(plan.chains, 1, DescentScratch::default, work);
+        let mut found = parallel::map(chains, 1, DescentScratch::default, work);
         // Of equal ones the first: a stable sort.
         found.sort_by(|a, b| a.overshoot.total_cmp(&b.overshoot));
         found.truncate(3);
         let polished = parallel::map(found.len(), 1, DescentScratch::default, |scratch, place| {
             self.polish(found[place].clone(), scratch)
         });
-        let best = polished
-            .into_iter()
-            .min_by(|a, b| a.overshoot.total_cmp(&b.overshoot));
+        let by_overshoot = |a: &Certified, b: &Certified| a.overshoot.total_cmp(&b.overshoot);
+        let best = polished.into_iter().min_by(by_overshoot);
         best.unwrap_or_else(|| self.certify(&found[0]))
     }
 
@@ -196,11 +178,6 @@ impl<'a> Fitter<'a> {
         }
         let centres = match &best {
             Some(best) => best.centres.clone(),
-            None if chain % 2 == 1 => {
-                let mut centres = farthest(&self.ridges, count, &mut random);
-                even_out(&self.ridges, &mut centres);
-                centres
-            }
             None => spread(&self.pool, count, &mut random),
         };
         let found = descend(self.solid, &target, centres, &FIRST, scratch);
@@ -244,10 +221,11 @@ impl<'a> Fitter<'a> {
             Target::Samples(&self.more_samples)
         };
         best = descend(self.solid, &target, best.centres, &LAST, scratch);
-        better(certified, self.certify(&best))
+        let polished = self.certify(&best);
+        if polished.overshoot < certified.overshoot {
+            polished
+        } else {
+            certified
+        }
     }
-}
-
-fn better(a: Certified, b: Certified) -> Certified {
-    if b.overshoot < a.overshoot { b } else { a }
 }

@@ -27,14 +27,23 @@ impl Placement {
     }
 }
 
-/// A convex body of revolution with straight sides.
+/// A convex body of revolution with a straight side: a cylinder, or a cone whose upper radius is 0.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Round {
     pub(super) middle: DVec3,
-    /// Unit vector; a cone's apex lies this way.
+    /// Unit vector, upward.
     pub(super) axis: DVec3,
-    pub(super) radius: f64,
+    /// Lower and upper radius; the lower one is not the smaller.
+    pub(super) radii: [f64; 2],
     pub(super) half_height: f64,
+}
+
+impl Round {
+    /// Returns both ends: places along the axis, and the radii there.
+    pub(super) fn ends(&self) -> [(f64, f64); 2] {
+        let [lower, upper] = self.radii;
+        [(-self.half_height, lower), (self.half_height, upper)]
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -45,8 +54,7 @@ pub(super) enum SolidForm {
         points: Vec<DVec3>,
         polygons: Vec<Vec<usize>>,
     },
-    Cylinder(Round),
-    Cone(Round),
+    Round(Round),
     /// A capsule; a ball where both ends are one point.
     Capsule {
         ends: [DVec3; 2],
@@ -88,10 +96,9 @@ impl SolidForm {
     /// does in every direction, except for arcs between the points of a circle.
     pub(super) fn extremes(&self) -> Vec<(DVec3, f64)> {
         const AROUND: i32 = 64;
-        let circle = |round: &Round, height: f64| {
+        let circle = |round: &Round, (height, radius): (f64, f64)| {
             let (right, up) = across(round.axis);
             let middle = round.middle + round.axis * height;
-            let radius = round.radius;
             (0..AROUND).map(move |step| {
                 let (sin, cos) =
                     (std::f64::consts::TAU * f64::from(step) / f64::from(AROUND)).sin_cos();
@@ -102,12 +109,10 @@ impl SolidForm {
             Self::Hull { points, .. } | Self::Mesh { points, .. } => {
                 points.iter().map(|&point| (point, 0.0)).collect()
             }
-            Self::Cylinder(round) => circle(round, round.half_height)
-                .chain(circle(round, -round.half_height))
-                .collect(),
-            Self::Cone(round) => circle(round, -round.half_height)
-                .chain([(round.middle + round.axis * round.half_height, 0.0)])
-                .collect(),
+            Self::Round(round) => {
+                let circles = round.ends().map(|end| circle(round, end));
+                circles.into_iter().flatten().collect()
+            }
             Self::Capsule { ends, radius } => ends.map(|end| (end, *radius)).to_vec(),
         }
     }
@@ -116,10 +121,10 @@ impl SolidForm {
     pub(super) fn diameter(&self) -> Option<f64> {
         match self {
             Self::Hull { .. } | Self::Mesh { .. } => None,
-            Self::Cylinder(round) => Some(2.0 * round.radius.hypot(round.half_height)),
-            Self::Cone(round) => {
-                let slant = round.radius.hypot(2.0 * round.half_height);
-                Some(slant.max(2.0 * round.radius))
+            Self::Round(round) => {
+                let [lower, upper] = round.radii;
+                let across = (lower + upper).hypot(2.0 * round.half_height);
+                Some(across.max(2.0 * lower))
             }
             Self::Capsule { ends, radius } => Some(ends[0].distance(ends[1]) + 2.0 * radius),
         }
@@ -134,10 +139,10 @@ impl SolidForm {
                 let each = points.iter().map(|&point| (point, point));
                 each.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), join)
             }
-            Self::Cylinder(round) | Self::Cone(round) => {
+            Self::Round(round) => {
                 let sideways = (DVec3::ONE - round.axis * round.axis).max(DVec3::ZERO);
                 let reach = round.axis.abs() * round.half_height
-                    + DVec3::from_array(sideways.to_array().map(f64::sqrt)) * round.radius;
+                    + DVec3::from_array(sideways.to_array().map(f64::sqrt)) * round.radii[0];
                 around(round.middle, reach)
             }
             Self::Capsule { ends, radius } => {
@@ -154,9 +159,9 @@ impl SolidForm {
             Self::Hull { points, .. } | Self::Mesh { points, .. } => {
                 points.iter_mut().for_each(place);
             }
-            Self::Cylinder(round) | Self::Cone(round) => {
+            Self::Round(round) => {
                 place(&mut round.middle);
-                round.radius /= unit;
+                round.radii = round.radii.map(|radius| radius / unit);
                 round.half_height /= unit;
             }
             Self::Capsule { ends, radius } => {
@@ -171,8 +176,11 @@ impl SolidForm {
         use std::f64::consts::PI;
         match self {
             Self::Hull { .. } | Self::Mesh { .. } => None,
-            Self::Cylinder(round) => Some(2.0 * PI * round.radius.powi(2) * round.half_height),
-            Self::Cone(round) => Some(2.0 / 3.0 * PI * round.radius.powi(2) * round.half_height),
+            Self::Round(round) => {
+                let [lower, upper] = round.radii;
+                let squares = lower * lower + lower * upper + upper * upper;
+                Some(2.0 / 3.0 * PI * squares * round.half_height)
+            }
             Self::Capsule { ends, radius } => {
                 Some(PI * radius.powi(2) * (ends[0].distance(ends[1]) + 4.0 / 3.0 * radius))
             }

@@ -139,7 +139,7 @@ impl Mesh {
         nearest
     }
 
-    /// Returns how often the surface winds around a point, 0 for a mesh that is not closed.
+    /// Returns the number of times that the surface winds around a point, 0 for a mesh that is not closed.
     /// Within rounding of the surface the number may be that of the other side.
     ///
     /// A. Van Oosterom and J. Strackee: The solid angle of a plane triangle, IEEE Transactions on
@@ -161,8 +161,8 @@ impl Mesh {
         (total / (4.0 * std::f64::consts::PI)).round()
     }
 
-    /// Returns how often the surface is crossed outward, less inward, on the way up from a point.
-    /// That is the winding number, except for points below an edge.
+    /// Returns the number of outward crossings of the surface, less the inward ones, on the way up from a point.
+    /// The result is the winding number, except for points below an edge.
     pub(super) fn crossings(&self, at: DVec3) -> i32 {
         let mut crossings = 0;
         let mut number = 0;
@@ -214,7 +214,7 @@ fn weld(points: &[DVec3], triangles: &mut [[usize; 3]]) {
     }
 }
 
-/// Returns whether each edge is passed as often one way as the other.
+/// Returns true if each edge is passed as often one way as the other.
 fn is_closed(triangles: &[[usize; 3]]) -> bool {
     let of_triangle = |&[a, b, c]: &[usize; 3]| [(a, b), (b, c), (c, a)];
     let mut edges: Vec<_> = triangles.iter().flat_map(of_triangle).collect();

@@ -1,4 +1,4 @@
-//! What is asked of a cover.
+//! Options of a cover.
 
 /// Options of [`SphereCover::fit`](crate::SphereCover::fit).
 ///

@@ -4,8 +4,10 @@
 //! All of this is for the search alone: proofs look at the surface itself.
 
 use super::surface::Surface;
+use crate::simd::{InstructionSet, Task};
 use glam::DVec3;
 use std::collections::HashMap;
+use std::ops::Range;
 
 /// Points, each coordinate in a list of its own: loops over them are vectorised.
 #[derive(Clone, Debug, Default)]
@@ -58,15 +60,87 @@ impl Points {
 
     /// Returns the largest number below which no square of a distance from a place lies.
     fn least_square(&self, at: DVec3) -> f64 {
-        let count = self.x.len();
-        let (x, y, z) = (&self.x[..count], &self.y[..count], &self.z[..count]);
-        let mut least = f64::INFINITY;
-        for i in 0..count {
+        InstructionSet::best().run(LeastSquare { points: self, at })
+    }
+}
+
+/// The work of [`Points::least_square`].
+struct LeastSquare<'a> {
+    points: &'a Points,
+    at: DVec3,
+}
+
+impl Task for LeastSquare<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run(self) -> f64 {
+        let (Points { x, y, z }, at) = (self.points, self.at);
+        let count = x.len();
+        let (x, y, z) = (&x[..count], &y[..count], &z[..count]);
+        // One for each lane: the minimum does not depend on the order.
+        let mut least = [f64::INFINITY; BLOCK];
+        let square = |i: usize| {
             let (dx, dy, dz) = (x[i] - at.x, y[i] - at.y, z[i] - at.z);
-            let square = dx * dx + dy * dy + dz * dz;
-            least = if square < least { square } else { least };
+            dx * dx + dy * dy + dz * dz
+        };
+        let whole = count - count % BLOCK;
+        for start in (0..whole).step_by(BLOCK) {
+            for (lane, least) in least.iter_mut().enumerate() {
+                let square = square(start + lane);
+                *least = if square < *least { square } else { *least };
+            }
         }
-        least
+        let rest = (whole..count).map(square);
+        rest.chain(least).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// The work of [`Samples::signed_distance`]: adds up what is within the largest square.
+struct WeighNearest<'a> {
+    samples: &'a Samples,
+    at: DVec3,
+    least: f64,
+    most: f64,
+    /// Twice the variance of the weights.
+    blur: f64,
+}
+
+impl Task for WeighNearest<'_> {
+    type Output = (f64, DVec3, f64);
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let (Points { x, y, z }, at) = (&self.samples.points, self.at);
+        let (mut plane, mut slope, mut total) = (0.0, DVec3::ZERO, 0.0);
+        let count = x.len();
+        let (x, y, z) = (&x[..count], &y[..count], &z[..count]);
+        for start in (0..count).step_by(BLOCK) {
+            let end = count.min(start + BLOCK);
+            let mut has_some = false;
+            for i in start..end {
+                let (dx, dy, dz) = (x[i] - at.x, y[i] - at.y, z[i] - at.z);
+                has_some |= dx * dx + dy * dy + dz * dz <= self.most;
+            }
+            if !has_some {
+                continue;
+            }
+            for number in start..end {
+                let way = at - self.samples.points.at(number);
+                let square = way.length_squared();
+                if square > self.most {
+                    continue;
+                }
+                let normal = self.samples.normals[number];
+                if square <= self.least {
+                    plane = normal.dot(way);
+                }
+                let weight = (-(square - self.least) / self.blur).exp();
+                slope += normal * weight;
+                total += weight;
+            }
+        }
+        (plane, slope, total)
     }
 }
 
@@ -128,21 +202,13 @@ impl Samples {
         /// Distances that differ by less count as equal, relative to the distance.
         const BLUR: f64 = 0.01;
         let least = self.points.least_square(at);
-        let most = least * (1.0 + 6.0 * BLUR);
-        let (mut plane, mut slope, mut total) = (0.0, DVec3::ZERO, 0.0);
-        for (number, &normal) in self.normals.iter().enumerate() {
-            let way = at - self.points.at(number);
-            let square = way.length_squared();
-            if square > most {
-                continue;
-            }
-            if square <= least {
-                plane = normal.dot(way);
-            }
-            let weight = (-(square - least) / (2.0 * BLUR * least).max(f64::MIN_POSITIVE)).exp();
-            slope += normal * weight;
-            total += weight;
-        }
+        let (plane, slope, total) = InstructionSet::best().run(WeighNearest {
+            samples: self,
+            at,
+            least,
+            most: least * (1.0 + 6.0 * BLUR),
+            blur: (2.0 * BLUR * least).max(f64::MIN_POSITIVE),
+        });
         let side = if self.is_volume || plane >= 0.0 {
             1.0
         } else {
@@ -195,6 +261,99 @@ impl Samples {
     }
 }
 
+/// Points that are looked at together.
+const BLOCK: usize = 16;
+
+/// The work of [`Nearest::find`].
+///
+/// A ball is tried on a block of points by squares first: most are farther from all of them than the
+/// best one so far. That of the block before is the first to be tried.
+struct FindBest<'a> {
+    points: &'a Points,
+    balls: &'a [(DVec3, f64)],
+    heights: &'a [(f64, DVec3)],
+    best: &'a mut [usize],
+}
+
+impl Task for FindBest<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let mut guess = 0;
+        let count = self.best.len();
+        for start in (0..count).step_by(BLOCK) {
+            let end = count.min(start + BLOCK);
+            let mut block = BestOfBlock::new(self.points, start..end);
+            block.try_ball(guess, self.balls[guess].0, self.heights[guess].0);
+            let each = self.balls.iter().zip(self.heights).enumerate();
+            for (ball, (&(centre, _), &(height, _))) in each {
+                if ball != guess {
+                    block.try_ball(ball, centre, height);
+                }
+            }
+            self.best[start..end].copy_from_slice(&block.best[..end - start]);
+            guess = block.best[0];
+        }
+    }
+}
+
+/// A few points, and the best ball so far for each. Those beyond the number of points are never read.
+struct BestOfBlock {
+    x: [f64; BLOCK],
+    y: [f64; BLOCK],
+    z: [f64; BLOCK],
+    best: [usize; BLOCK],
+    first: [f64; BLOCK],
+}
+
+impl BestOfBlock {
+    #[inline(always)]
+    fn new(points: &Points, range: Range<usize>) -> Self {
+        let some = |values: &[f64]| {
+            let mut block = [0.0; BLOCK];
+            block[..range.len()].copy_from_slice(&values[range.clone()]);
+            block
+        };
+        Self {
+            x: some(&points.x),
+            y: some(&points.y),
+            z: some(&points.z),
+            best: [0; BLOCK],
+            first: [f64::INFINITY; BLOCK],
+        }
+    }
+
+    /// Compares a ball with the best one so far; of equally good ones the first stays.
+    #[inline(always)]
+    fn try_ball(&mut self, ball: usize, centre: DVec3, height: f64) {
+        /// More than all rounding: lengths are of the order of one.
+        const SPARE: f64 = 1e-12;
+        let mut squares = [0.0; BLOCK];
+        let mut is_near = false;
+        for (i, square) in squares.iter_mut().enumerate() {
+            let (dx, dy, dz) = (
+                self.x[i] - centre.x,
+                self.y[i] - centre.y,
+                self.z[i] - centre.z,
+            );
+            *square = dx * dx + dy * dy + dz * dz;
+            let most = (self.first[i] - height + SPARE).max(0.0);
+            is_near |= *square <= most * most;
+        }
+        if !is_near {
+            return;
+        }
+        for (i, square) in squares.into_iter().enumerate() {
+            let overshoot = square.sqrt() + height;
+            let is_best =
+                overshoot < self.first[i] || (overshoot <= self.first[i] && ball < self.best[i]);
+            self.best[i] = if is_best { ball } else { self.best[i] };
+            self.first[i] = if is_best { overshoot } else { self.first[i] };
+        }
+    }
+}
+
 /// Returns the point of a triangle where two linear functions, given at its corners, vanish.
 fn zero_of([a, b, c]: [DVec3; 3], values: [(f64, f64); 3]) -> Option<DVec3> {
     let [(f0, g0), (f1, g1), (f2, g2)] = values;
@@ -208,6 +367,23 @@ fn zero_of([a, b, c]: [DVec3; 3], values: [(f64, f64); 3]) -> Option<DVec3> {
 impl Nearest {
     /// Finds the best ball for each point, given the height of each centre.
     pub(super) fn find(
+        &mut self,
+        points: &Points,
+        balls: &[(DVec3, f64)],
+        heights: &[(f64, DVec3)],
+    ) {
+        self.balls.clear();
+        self.balls.resize(points.x.len(), 0);
+        InstructionSet::best().run(FindBest {
+            points,
+            balls,
+            heights,
+            best: &mut self.balls,
+        });
+    }
+
+    /// Finds the least overshoot at each point, and the second, given the height of each centre.
+    pub(super) fn find_two(
         &mut self,
         points: &Points,
         balls: &[(DVec3, f64)],

@@ -29,13 +29,13 @@ fn push(
             .then_some(length)
             .ok_or(CoverError::InvalidShape { kind })
     };
-    let round = |radius: f32, half_height: f32| {
-        Ok::<_, CoverError>(Round {
+    let round = |radius: f32, upper: f32, half_height: f32| {
+        Ok::<_, CoverError>(SolidForm::Round(Round {
             middle: placement.translation,
             axis: (placement.rotation * DVec3::Y).normalize(),
-            radius: length(radius)?,
+            radii: [length(radius)?, length(upper)?],
             half_height: length(half_height)?,
-        })
+        }))
     };
     let form = match typed {
         TypedShape::Ball(ball) => SolidForm::Capsule {
@@ -54,9 +54,9 @@ fn push(
             radius: length(capsule.radius)?,
         },
         TypedShape::Cylinder(cylinder) => {
-            SolidForm::Cylinder(round(cylinder.radius, cylinder.half_height)?)
+            round(cylinder.radius, cylinder.radius, cylinder.half_height)?
         }
-        TypedShape::Cone(cone) => SolidForm::Cone(round(cone.radius, cone.half_height)?),
+        TypedShape::Cone(cone) => round(cone.radius, 0.0, cone.half_height)?,
         TypedShape::ConvexPolyhedron(hull) => polyhedron(hull, placement),
         TypedShape::TriMesh(mesh) => triangles(mesh, placement),
         TypedShape::Compound(compound) => {

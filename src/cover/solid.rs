@@ -73,7 +73,9 @@ impl Solid {
     pub(super) fn new(mut forms: Vec<SolidForm>) -> Option<Self> {
         let join = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
         let (low, high) = forms.iter().map(SolidForm::corners).reduce(join)?;
-        if !(low.is_finite() && high.is_finite()) {
+        // Corners are the least and largest of numbers: no NaN is among them.
+        let points = || forms.iter().flat_map(SolidForm::extremes);
+        if !(low.is_finite() && high.is_finite()) || points().any(|(point, _)| point.is_nan()) {
             return None;
         }
         let origin = low.midpoint(high);

@@ -61,7 +61,7 @@ impl SphereCover {
     /// it is that in one of its parts: parts that overlap well lead to better bounds. The interior of
     /// a mesh is where its surface winds around.
     ///
-    /// The same shape and options lead to the same bits on any number of threads.
+    /// A shape and options lead to the same bits on any number of threads.
     ///
     /// # Errors
     ///
@@ -158,13 +158,13 @@ impl SphereCover {
         self.volume_ratio
     }
 
-    /// Returns which part of the shape the spheres contain.
+    /// Returns the part of the shape that the spheres contain.
     #[must_use]
     pub const fn extent(&self) -> Extent {
         self.extent
     }
 
-    /// Returns whether the spheres contain a shape, as [`verify_cover`] finds it.
+    /// Returns the verdict of [`verify_cover`] on the spheres and a shape.
     ///
     /// # Errors
     ///

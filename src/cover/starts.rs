@@ -1,4 +1,4 @@
-//! Where a search for centres begins.
+//! Centres from which a search begins.
 
 use super::random::Random;
 use super::solid::Solid;
@@ -27,8 +27,8 @@ pub(super) fn pool(solid: &Solid, count: usize, random: &mut Random) -> Vec<DVec
     pool
 }
 
-/// Chooses centres from a pool: the first at random, each further one with a probability that
-/// grows with its distance from those before it.
+/// Chooses centres from a pool: the first at random, each further one as the farthest of a few from those
+/// before it.
 pub(super) fn spread(pool: &[DVec3], count: usize, random: &mut Random) -> Vec<DVec3> {
     let mut centres = vec![pool[random.below(pool.len())]];
     let mut squares = vec![f64::INFINITY; pool.len()];
@@ -37,7 +37,7 @@ pub(super) fn spread(pool: &[DVec3], count: usize, random: &mut Random) -> Vec<D
         for (square, point) in squares.iter_mut().zip(pool) {
             *square = square.min(point.distance_squared(last));
         }
-        // The farthest of a few: neither an outlier each time nor a point by chance.
+        // Neither an outlier each time nor a point by chance.
         let few = (0..4).map(|_| random.below(pool.len()));
         let next = few.max_by(|&a, &b| squares[a].total_cmp(&squares[b]));
         centres.push(pool[next.unwrap_or(0)]);
@@ -45,8 +45,8 @@ pub(super) fn spread(pool: &[DVec3], count: usize, random: &mut Random) -> Vec<D
     centres
 }
 
-/// Moves points, and returns them with their signed distances, to where the depth is locally greatest, or to a ridge of it: balls around such points
-/// contain much and reach out little.
+/// Moves points to where the depth is locally greatest, or to a ridge of it, and returns them with their
+/// signed distances. Balls around such points contain much and reach out little.
 pub(super) fn deepest(
     pool: &[DVec3],
     signed_distance: &(impl Fn(DVec3) -> (f64, DVec3) + Sync),
@@ -72,49 +72,6 @@ pub(super) fn deepest(
             (at, height)
         },
     )
-}
-
-/// Chooses centres from a pool: the first at random, each further one the farthest from those
-/// before it.
-pub(super) fn farthest(pool: &[(DVec3, f64)], count: usize, random: &mut Random) -> Vec<DVec3> {
-    let mut squares = vec![f64::INFINITY; pool.len()];
-    let mut centres = vec![pool[random.below(pool.len())].0];
-    while centres.len() < count {
-        let last = centres[centres.len() - 1];
-        for (square, (point, _)) in squares.iter_mut().zip(pool) {
-            *square = square.min(point.distance_squared(last));
-        }
-        let next = (0..pool.len()).max_by(|&a, &b| squares[a].total_cmp(&squares[b]));
-        centres.push(pool[next.unwrap_or(0)].0);
-    }
-    centres
-}
-
-/// Moves centres to points of a pool that divide it evenly: the point nearest to the mean of each share.
-pub(super) fn even_out(pool: &[(DVec3, f64)], centres: &mut [DVec3]) {
-    const ROUNDS: u32 = 12;
-    let mut sums = vec![(DVec3::ZERO, 0.0); centres.len()];
-    for _ in 0..ROUNDS {
-        sums.fill((DVec3::ZERO, 0.0));
-        for &(point, _) in pool {
-            let distances = centres.iter().map(|centre| centre.distance_squared(point));
-            let nearest = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
-            if let Some((centre, _)) = nearest {
-                sums[centre].0 += point;
-                sums[centre].1 += 1.0;
-            }
-        }
-        for (centre, &(sum, count)) in centres.iter_mut().zip(&sums) {
-            if count > 0.0 {
-                let mean = sum / count;
-                let distance = |point: &&(DVec3, f64)| point.0.distance_squared(mean);
-                let nearest = pool
-                    .iter()
-                    .min_by(|a, b| distance(a).total_cmp(&distance(b)));
-                *centre = nearest.map_or(mean, |&(point, _)| point);
-            }
-        }
-    }
 }
 
 /// Returns the centres of lattices in the box around a solid, with at most `count` points, as far

@@ -11,7 +11,7 @@ pub(super) struct HalfSpace {
 }
 
 impl HalfSpace {
-    /// Returns how far a point lies outside; negative inside.
+    /// Returns the distance by which a point lies outside; negative inside.
     pub(super) fn height(&self, point: DVec3) -> f64 {
         self.normal.dot(point) - self.offset
     }
@@ -119,7 +119,7 @@ impl Surface {
     }
 
     /// Removes what lies outside a half-space. A closed surface is closed again along the plane.
-    /// Returns whether anything was removed.
+    /// Returns true if anything was removed.
     pub(super) fn clip(&mut self, half_space: &HalfSpace, scratch: &mut ClipScratch) -> bool {
         let heights = &mut scratch.heights;
         heights.clear();
@@ -154,6 +154,9 @@ impl Surface {
         let heights = &scratch.heights;
         scratch.crossings.clear();
         for polygon in self.polygons() {
+            if side(polygon, heights) != PolygonSide::Both {
+                continue;
+            }
             for (from, to) in edges(polygon) {
                 match (heights[from] <= 0.0, heights[to] <= 0.0) {
                     (true, false) => scratch.crossings.push((from, to)),
@@ -184,6 +187,16 @@ impl Surface {
             |edge: (usize, usize)| first_new + crossings.partition_point(|&other| other < edge);
         cut.clear();
         for polygon in self.polygons() {
+            match side(polygon, heights) {
+                PolygonSide::Outside => continue,
+                PolygonSide::Inside => {
+                    let kept = polygon.iter().map(|&corner| numbers[corner]);
+                    result.corners.extend(kept);
+                    result.ends.push(result.corners.len());
+                    continue;
+                }
+                PolygonSide::Both => {}
+            }
             let begin = result.corners.len();
             // The last exit, and the first entrance if it comes before any exit.
             let (mut exit, mut first_entrance) = (None, None);
@@ -233,6 +246,28 @@ impl ClipScratch {
             }
             result.ends.push(result.corners.len());
         }
+    }
+}
+
+/// The side of a surface on which a polygon lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum PolygonSide {
+    Inside,
+    Outside,
+    Both,
+}
+
+fn side(polygon: &[usize], heights: &[f64]) -> PolygonSide {
+    let (mut some_in, mut some_out) = (false, false);
+    for &corner in polygon {
+        let is_in = heights[corner] <= 0.0;
+        some_in |= is_in;
+        some_out |= !is_in;
+    }
+    match (some_in, some_out) {
+        (true, true) => PolygonSide::Both,
+        (true, false) => PolygonSide::Inside,
+        (false, _) => PolygonSide::Outside,
     }
 }
 

@@ -1,9 +1,9 @@
-//! Whether given spheres contain a shape.
+//! A verdict on given spheres: do they contain a shape?
 
 use super::cells::CellScratch;
 use super::convex::nearest_on_segment;
 use super::error::CoverError;
-use super::form::{Round, SolidForm};
+use super::form::SolidForm;
 use super::read::read;
 use super::solid::{Solid, SolidPart};
 use super::surface::Surface;
@@ -43,7 +43,7 @@ const MAX_PIECES: usize = 1 << 18;
 /// Spheres this many times larger than the shape have too few digits for a verdict.
 const TOO_LARGE: f64 = 1e4;
 
-/// Returns whether some spheres contain a shape: a user's own, or another tool's.
+/// Returns a verdict on spheres that should contain a shape: a user's own, or another tool's.
 ///
 /// Shapes without interior are asked for their surface.
 ///
@@ -97,13 +97,6 @@ struct Balls {
     contain_all: bool,
     /// Roundings of the balls.
     rounding: f64,
-}
-
-/// The verdict on one share.
-enum Finding {
-    Covered,
-    /// The point farthest out of its ball.
-    NotProven(DVec3),
 }
 
 impl Balls {
@@ -163,7 +156,7 @@ impl Balls {
         verdict
     }
 
-    /// Returns whether a point is certainly outside of all balls.
+    /// Returns true if a point is certainly outside of all balls.
     fn are_left_out(&self, point: DVec3) -> bool {
         let mut balls = self.balls.iter();
         balls.all(|&(centre, radius)| point.distance(centre) > radius + CERTAIN + self.rounding)
@@ -171,10 +164,10 @@ impl Balls {
 
     fn of_polyhedron(&self, solid: &Solid, surface: &Surface) -> Coverage {
         let spare = solid.rounding + self.rounding;
-        match share_out(surface, &self.balls, spare) {
-            Finding::Covered => Coverage::Covered,
-            Finding::NotProven(point) if self.are_left_out(point) => Coverage::Uncovered { point },
-            Finding::NotProven(point) => Coverage::Undecided { point },
+        match farthest_out(surface, &self.balls, spare) {
+            None => Coverage::Covered,
+            Some(point) if self.are_left_out(point) => Coverage::Uncovered { point },
+            Some(point) => Coverage::Undecided { point },
         }
     }
 
@@ -195,7 +188,7 @@ impl Balls {
                 let surface = piece.polyhedron();
                 let balls = self.relevant(&surface, &balls);
                 let few: Vec<_> = balls.iter().map(|&ball| self.balls[ball]).collect();
-                let Finding::NotProven(point) = share_out(&surface, &few, spare) else {
+                let Some(point) = farthest_out(&surface, &few, spare) else {
                     continue;
                 };
                 let point = into(form, point);
@@ -213,7 +206,7 @@ impl Balls {
         undecided.map_or(Coverage::Covered, |point| Coverage::Undecided { point })
     }
 
-    /// Returns which of some balls may have the least power anywhere in a polyhedron.
+    /// Returns those of some balls that may have the least power somewhere in a polyhedron.
     fn relevant(&self, surface: &Surface, among: &[usize]) -> Vec<usize> {
         #[allow(clippy::cast_precision_loss, reason = "a mean of few points")]
         let middle = surface.points.iter().sum::<DVec3>() / surface.points.len() as f64;
@@ -238,20 +231,19 @@ impl Balls {
     }
 }
 
-/// Returns whether each ball contains its share of a closed surface, with some spare.
-fn share_out(surface: &Surface, balls: &[(DVec3, f64)], spare: f64) -> Finding {
+/// Returns `None` if each ball contains its share of a closed surface, with some spare; else the point of
+/// a share that is farthest out of its ball.
+fn farthest_out(surface: &Surface, balls: &[(DVec3, f64)], spare: f64) -> Option<DVec3> {
     // Shares are rounded outward by less.
     const SHARES: f64 = 5e-11;
-    let Some(&first) = surface.points.first() else {
-        return Finding::Covered;
-    };
+    let &first = surface.points.first()?;
     let contains_all =
         |&(centre, radius): &(DVec3, f64)| surface.farthest(centre) + spare + SHARES <= radius;
     if balls.iter().any(contains_all) {
-        return Finding::Covered;
+        return None;
     }
     if balls.is_empty() {
-        return Finding::NotProven(first);
+        return Some(first);
     }
     let mut scratch = CellScratch::default();
     let mut worst = (0.0, None);
@@ -264,17 +256,11 @@ fn share_out(surface: &Surface, balls: &[(DVec3, f64)], spare: f64) -> Finding {
             }
         }
     }
-    worst.1.map_or(Finding::Covered, Finding::NotProven)
+    worst.1
 }
 
-/// Returns whether a ball certainly contains a whole round form.
+/// Returns true if a ball certainly contains a whole round form.
 fn contains(&(centre, radius): &(DVec3, f64), form: &SolidForm) -> bool {
-    let farthest = |round: &Round, height: f64| {
-        let from = centre - round.middle;
-        let along = from.dot(round.axis);
-        let away = (from - round.axis * along).length();
-        (away + round.radius).hypot((along - height).abs())
-    };
     let beyond = match form {
         SolidForm::Hull { .. } | SolidForm::Mesh { .. } => return false,
         // Exact where the centres are one.
@@ -287,12 +273,11 @@ fn contains(&(centre, radius): &(DVec3, f64), form: &SolidForm) -> bool {
                 .fold(0.0, f64::max)
                 + own
         }
-        SolidForm::Cylinder(round) => {
-            farthest(round, round.half_height).max(farthest(round, -round.half_height))
-        }
-        SolidForm::Cone(round) => {
-            let apex = round.middle + round.axis * round.half_height;
-            farthest(round, -round.half_height).max(apex.distance(centre))
+        SolidForm::Round(round) => {
+            let (along, _, away) = round.split(centre);
+            let farthest = |(height, own): (f64, f64)| (away + own).hypot((along - height).abs());
+            let [lower, upper] = round.ends().map(farthest);
+            lower.max(upper)
         }
     };
     beyond * (1.0 + 1e-14) + 1e-14 <= radius
@@ -302,25 +287,21 @@ fn contains(&(centre, radius): &(DVec3, f64), form: &SolidForm) -> bool {
 fn into(form: &SolidForm, point: DVec3) -> DVec3 {
     // Rounding must not put it outside.
     const INSIDE: f64 = 1.0 - 1e-14;
-    let within = |round: &Round, radius_at: &dyn Fn(f64) -> f64| {
-        let from = point - round.middle;
-        let half_height = round.half_height * INSIDE;
-        let along = from.dot(round.axis);
-        let out = from - round.axis * along;
-        let along = along.clamp(-half_height, half_height);
-        let out = out.clamp_length_max(radius_at(along).max(0.0) * INSIDE);
-        round.middle + round.axis * along + out
-    };
     match form {
         SolidForm::Hull { .. } | SolidForm::Mesh { .. } => point,
         SolidForm::Capsule { ends, radius } => {
             let nearest = nearest_on_segment(*ends, point);
             nearest + (point - nearest).clamp_length_max(radius * INSIDE)
         }
-        SolidForm::Cylinder(round) => within(round, &|_| round.radius),
-        SolidForm::Cone(round) => within(round, &|along| {
-            round.radius * (round.half_height - along)
-                / (2.0 * round.half_height).max(f64::MIN_POSITIVE)
-        }),
+        SolidForm::Round(round) => {
+            let half_height = round.half_height * INSIDE;
+            let (along, out, away) = round.split(point);
+            let along = along.clamp(-half_height, half_height);
+            let share = (along + round.half_height) / (2.0 * round.half_height);
+            let [lower, upper] = round.radii;
+            let radius = lower + (upper - lower) * if share > 0.0 { share } else { 0.0 };
+            let out = out * away.min(radius.max(0.0) * INSIDE);
+            round.middle + round.axis * along + out
+        }
     }
 }

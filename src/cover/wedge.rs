@@ -1,6 +1,6 @@
 //! Pieces of round forms: from the axis to a part of the surface.
 
-use super::form::{Round, SolidForm, across};
+use super::form::{SolidForm, across};
 use super::surface::Surface;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -31,15 +31,12 @@ pub(super) struct Wedge {
 
 /// Returns the pieces of a round form with which a search begins; none for other forms.
 pub(super) fn wedges(form: &SolidForm) -> Vec<Wedge> {
-    let straight = |round: &Round, upper: f64| {
-        let lower = (-round.half_height, round.radius);
-        let side = WedgeSide::Straight([lower, (round.half_height, upper)]);
-        (round.middle, round.axis, vec![side])
-    };
     let (middle, axis, sides) = match form {
         SolidForm::Hull { .. } | SolidForm::Mesh { .. } => return Vec::new(),
-        SolidForm::Cylinder(round) => straight(round, round.radius),
-        SolidForm::Cone(round) => straight(round, 0.0),
+        SolidForm::Round(round) => {
+            let side = WedgeSide::Straight(round.ends());
+            (round.middle, round.axis, vec![side])
+        }
         SolidForm::Capsule { ends, radius } => {
             let half = ends[0].distance(ends[1]) / 2.0;
             let cap = |sign: f64| WedgeSide::Cap {

@@ -17,8 +17,8 @@ const MAX_WORK: u32 = 256;
 /// Parts shorter than this are a few roundings long.
 const SHORTEST: f64 = 16.0 * f64::EPSILON;
 
-/// The computed cubic and the threshold in its unit.
-struct ThresholdQuery {
+/// A search for the partition: the computed cubic, and the threshold in its unit.
+struct PartitionSearch {
     cubic: ScaledCubic,
     low: f64,
     high: f64,
@@ -28,6 +28,8 @@ struct ThresholdQuery {
     computed: SquaredThresholds,
     /// Thresholds a few errors farther apart: between them a division gains nothing.
     blurred: SquaredThresholds,
+    found: Stretches,
+    work: u32,
 }
 
 /// The sign pattern of a part's Bernstein coefficients against both levels.
@@ -80,29 +82,26 @@ pub(super) fn stretches(given: &UncertainCubic, threshold: Threshold) -> Stretch
     // What is compared with `own` has passed `computed` before: the four roundings more cover those
     // of forming the levels themselves.
     let error = cubic.part_error() + 4.0 * UNIT_ROUNDOFF * low.abs().or_more(high.abs());
-    let question = ThresholdQuery {
+    let mut search = PartitionSearch {
         cubic,
         low,
         high,
         own: SquaredThresholds::new(low, high, cubic.error),
         computed: SquaredThresholds::new(low, high, error),
         blurred: SquaredThresholds::new(low, high, 4.0 * error),
-    };
-    if let PartPattern::Uniform(side) = question.pattern(&cubic.points, 0.0) {
-        return Stretches::all(side);
-    }
-    let mut search = PartitionSearch {
-        question,
         found: Stretches::NONE,
         work: 0,
     };
+    if let PartPattern::Uniform(side) = search.pattern(&cubic.points, 0.0) {
+        return Stretches::all(side);
+    }
     let s = least_point(&cubic.points);
     search.examine(0.0, s, 0);
     search.examine(s, 1.0, 0);
     search.found
 }
 
-impl ThresholdQuery {
+impl PartitionSearch {
     /// Returns the pattern of the squared distance over a part whose control points have an error
     /// of at most `rounding`.
     #[inline]
@@ -214,15 +213,7 @@ impl ThresholdQuery {
         }
         (last_inside, first_outside)
     }
-}
 
-struct PartitionSearch {
-    question: ThresholdQuery,
-    found: Stretches,
-    work: u32,
-}
-
-impl PartitionSearch {
     /// Appends the stretches of `start..end`, from left to right.
     fn examine(&mut self, start: f64, end: f64, turn: u32) {
         self.work += 1;
@@ -231,28 +222,24 @@ impl PartitionSearch {
             self.found.append(end, Side::Undecided);
             return;
         }
-        let cubic = &self.question.cubic;
-        let points = part(&cubic.points, start, end);
-        match self
-            .question
-            .pattern(&points, 9.0 * UNIT_ROUNDOFF * cubic.size)
-        {
+        let points = part(&self.cubic.points, start, end);
+        match self.pattern(&points, 9.0 * UNIT_ROUNDOFF * self.cubic.size) {
             PartPattern::Uniform(side) => self.found.append(end, side),
             PartPattern::Rising(crossed) => {
-                let (inside, outside) = self.question.crossing(&points, (start, end), crossed);
+                let (inside, outside) = self.crossing(&points, (start, end), crossed);
                 self.found.append(inside, Side::Inside);
                 self.found.append(outside, Side::Undecided);
                 self.found.append(end, Side::Outside);
             }
             PartPattern::Falling(crossed) => {
                 let points = reversed(points);
-                let (inside, outside) = self.question.crossing(&points, (end, start), crossed);
+                let (inside, outside) = self.crossing(&points, (end, start), crossed);
                 self.found.append(outside, Side::Outside);
                 self.found.append(inside, Side::Undecided);
                 self.found.append(end, Side::Inside);
             }
             PartPattern::Mixed(mixed) => {
-                if end - start < SHORTEST || self.question.is_undecidable(&mixed) {
+                if end - start < SHORTEST || self.is_undecidable(&mixed) {
                     self.found.append(end, Side::Undecided);
                 } else {
                     self.divide(start, end, &points, &mixed, turn);
@@ -271,14 +258,14 @@ impl PartitionSearch {
         };
         match (mixed.start == Side::Outside, mixed.end == Side::Outside) {
             (true, true) => {
-                if Minorant::of(&inner).lower() > self.question.computed.outside {
+                if Minorant::of(&inner).lower() > self.computed.outside {
                     self.found.append(end, Side::Outside);
                     return;
                 }
             }
             (false, false) => {}
             _ => {
-                let cut = self.question.cut(&inner, mixed.least);
+                let cut = self.cut(&inner, mixed.least);
                 if self.cut_off((start, end), is_falling, &cut, turn) {
                     return;
                 }

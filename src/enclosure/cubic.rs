@@ -1,5 +1,6 @@
 //! Cubics with an error bound, and certified facts about their distance from the origin.
 
+use crate::real::Real;
 use glam::DVec3;
 
 /// A cubic with a bound on its distance from the exact relative motion.
@@ -107,4 +108,11 @@ impl ParameterEnclosure {
         first: 0.0,
         last: 1.0,
     };
+
+    pub(super) fn hull(self, other: Self) -> Self {
+        Self {
+            first: self.first.or_less(other.first),
+            last: self.last.or_more(other.last),
+        }
+    }
 }

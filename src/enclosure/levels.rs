@@ -61,7 +61,7 @@ impl SignPattern {
     pub(super) fn of(coefficients: &[f64; 7], error: f64, level: f64) -> Self {
         let (low, high) = (level - error, level + error);
         let first = coefficients[0];
-        let mut fat_line = if first < low {
+        let mut pattern = if first < low {
             Self::Below
         } else if first > high {
             Self::Above
@@ -70,14 +70,14 @@ impl SignPattern {
         };
         let mut is_doubtful = false;
         for &c in &coefficients[1..] {
-            fat_line = match fat_line {
+            pattern = match pattern {
                 Self::Below if c > high => Self::Rising,
                 Self::Above if c < low => Self::Falling,
                 Self::Below if c < low && !is_doubtful => continue,
                 Self::Above if c > high && !is_doubtful => continue,
                 Self::Rising if c > high => continue,
                 Self::Falling if c < low => continue,
-                // Neither: once, right before the course changes.
+                // Neither: once, right before the side changes.
                 Self::Below | Self::Above if !is_doubtful && low <= c && c <= high => {
                     is_doubtful = true;
                     continue;
@@ -86,7 +86,7 @@ impl SignPattern {
             };
             is_doubtful = false;
         }
-        if is_doubtful { Self::Unclear } else { fat_line }
+        if is_doubtful { Self::Unclear } else { pattern }
     }
 }
 
@@ -97,29 +97,29 @@ mod tests {
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 
-    fn fat_line(coefficients: [f64; 7]) -> SignPattern {
+    fn pattern(coefficients: [f64; 7]) -> SignPattern {
         SignPattern::of(&coefficients, 0.5, 10.0)
     }
 
     #[test]
     fn only_what_is_certain_counts() {
-        assert_eq!(fat_line([1.0; 7]), SignPattern::Below);
-        assert_eq!(fat_line([20.0; 7]), SignPattern::Above);
+        assert_eq!(pattern([1.0; 7]), SignPattern::Below);
+        assert_eq!(pattern([20.0; 7]), SignPattern::Above);
         assert_eq!(
-            fat_line([1.0, 1.0, 1.0, 20.0, 20.0, 20.0, 20.0]),
+            pattern([1.0, 1.0, 1.0, 20.0, 20.0, 20.0, 20.0]),
             SignPattern::Rising
         );
         assert_eq!(
-            fat_line([20.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]),
+            pattern([20.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]),
             SignPattern::Falling
         );
-        // One uncertain coefficient where the course changes, and nowhere else.
+        // One uncertain coefficient where the side changes, and nowhere else.
         assert_eq!(
-            fat_line([1.0, 1.0, 10.2, 20.0, 20.0, 20.0, 20.0]),
+            pattern([1.0, 1.0, 10.2, 20.0, 20.0, 20.0, 20.0]),
             SignPattern::Rising
         );
         assert_eq!(
-            fat_line([20.0, 10.0, 1.0, 1.0, 1.0, 1.0, 1.0]),
+            pattern([20.0, 10.0, 1.0, 1.0, 1.0, 1.0, 1.0]),
             SignPattern::Falling
         );
         for unclear in [
@@ -135,7 +135,7 @@ mod tests {
             [f64::NAN, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0],
             [1.0, f64::NAN, 1.0, 1.0, 1.0, 1.0, 1.0],
         ] {
-            assert_eq!(fat_line(unclear), SignPattern::Unclear, "{unclear:?}");
+            assert_eq!(pattern(unclear), SignPattern::Unclear, "{unclear:?}");
         }
     }
 

@@ -48,22 +48,6 @@ fn outward(s: f64, direction: f64) -> f64 {
     s + direction * (4.0 * UNIT_ROUNDOFF * s.abs())
 }
 
-/// The best point found so far.
-#[derive(Clone, Copy, Debug)]
-struct Best {
-    s: f64,
-    square: f64,
-}
-
-impl Best {
-    #[inline]
-    fn offer(&mut self, s: f64, square: f64) {
-        if square < self.square {
-            *self = Self { s, square };
-        }
-    }
-}
-
 /// Returns the least distance of an exact motion that is a cubic.
 pub(super) fn least_distance(given: &UncertainCubic) -> LeastDistance {
     least_distance_in(given, |search, hull| search.narrowed(hull))
@@ -91,7 +75,7 @@ fn least_distance_in(
     LeastDistance {
         distance: search.distance(),
         parameter: narrowed(&search, hull),
-        guess: search.best.s,
+        guess: search.best,
         effort,
     }
 }
@@ -104,7 +88,7 @@ pub(super) fn nearest(given: &UncertainCubic, guess: Option<f64>) -> (DistanceEn
     if !search.is_tight() {
         search.branch();
     }
-    (search.distance(), search.best.s)
+    (search.distance(), search.best)
 }
 
 pub(super) fn distance_at(given: &UncertainCubic, s: f64) -> DistanceEnclosure {
@@ -155,25 +139,14 @@ fn root_above(square: f64) -> f64 {
     square.sqrt() * (1.0 + 4.0 * UNIT_ROUNDOFF) + TINY
 }
 
-fn union(
-    a: Option<ParameterEnclosure>,
-    b: Option<ParameterEnclosure>,
-) -> Option<ParameterEnclosure> {
-    match (a, b) {
-        (Some(a), Some(b)) => Some(ParameterEnclosure {
-            first: a.first.or_less(b.first),
-            last: a.last.or_more(b.last),
-        }),
-        (one, None) | (None, one) => one,
-    }
-}
-
 /// A search for the least distance, in the unit of the scaled cubic.
 struct BranchAndBound<'c> {
     cubic: &'c ScaledCubic,
     /// Bound on the error of parts.
     error: f64,
-    best: Best,
+    /// Parameter of the best point found so far, and the squared distance there.
+    best: f64,
+    square: f64,
     /// Lower bound of the squared distance.
     lower: f64,
     /// The initial guess, and the minorants before and after it.
@@ -189,10 +162,8 @@ impl<'c> BranchAndBound<'c> {
         Self {
             cubic,
             error: cubic.part_error(),
-            best: Best {
-                s: guess,
-                square: minorants[0].base,
-            },
+            best: guess,
+            square: minorants[0].base,
             lower: minorants[0].lower().or_less(minorants[1].lower()),
             guess,
             minorants,
@@ -201,29 +172,29 @@ impl<'c> BranchAndBound<'c> {
 
     #[inline]
     fn is_tight(&self) -> bool {
-        self.lower >= target(self.cubic.size, self.error, self.best.square)
+        self.lower >= target(self.cubic.size, self.error, self.square)
     }
 
     fn distance(&self) -> DistanceEnclosure {
         self.cubic
-            .restore(enclosure(self.lower, self.best.square, self.error))
+            .restore(enclosure(self.lower, self.square, self.error))
     }
 
     /// Returns an interval of all parameters at which the minimum can be, from both sides of the
     /// guess; `None` only if rounding contradicts itself.
     fn hull(&self) -> Option<ParameterEnclosure> {
-        let level = level(self.error, self.best.square);
+        let level = level(self.error, self.square);
         let [before, after] = &self.minorants;
-        union(
-            can_reach(before, level, self.guess, 0.0),
-            can_reach(after, level, self.guess, 1.0),
-        )
+        let sides = [(before, 0.0), (after, 1.0)];
+        let reached = sides.map(|(minorant, tip)| can_reach(minorant, level, self.guess, tip));
+        let reached = reached.into_iter().flatten();
+        reached.reduce(ParameterEnclosure::hull)
     }
 
     /// Returns the hull, narrowed by the slope at the best point if the distance is convex there.
     fn narrowed(&self, hull: Option<ParameterEnclosure>) -> ParameterEnclosure {
         const WIDEST: f64 = 0.125;
-        let s = self.best.s;
+        let s = self.best;
         let Some(hull) = hull else {
             return ParameterEnclosure::WHOLE;
         };
@@ -268,7 +239,7 @@ impl<'c> BranchAndBound<'c> {
             if self.is_tight() {
                 return (parts, Effort::Tight);
             }
-            let s = dividing_point(self.cubic, &divided, self.best.s);
+            let s = dividing_point(self.cubic, &divided, self.best);
             if parts.len() == MAX_PARTS || s <= start || s >= end {
                 return (parts, Effort::Limited);
             }
@@ -276,8 +247,11 @@ impl<'c> BranchAndBound<'c> {
             let (before, first, _) = minorant_between(points, start, s);
             let (after, second, _) = minorant_between(points, s, end);
             let (lower_before, lower_after) = (before.lower(), after.lower());
-            self.best.offer(first, before.base);
-            self.best.offer(second, after.base);
+            for (base, square) in [(first, before.base), (second, after.base)] {
+                if square < self.square {
+                    (self.best, self.square) = (base, square);
+                }
+            }
             let is_cut = !divided.is_cut;
             parts[least] = part(start, s, lower_before, is_cut);
             parts.push(part(s, end, lower_after, is_cut));
@@ -286,12 +260,13 @@ impl<'c> BranchAndBound<'c> {
 
     /// Returns an interval of all parameters at which the minimum can be, from the remaining parts.
     fn hull_of(&self, parts: &[BoundedPart]) -> Option<ParameterEnclosure> {
-        let level = level(self.error, self.best.square);
+        let level = level(self.error, self.square);
         let possible = parts.iter().filter(|part| part.lower <= level);
-        possible.fold(None, |hull, part| {
+        let reached = possible.filter_map(|part| {
             let (minorant, base, tip) = minorant_between(&self.cubic.points, part.start, part.end);
-            union(hull, can_reach(&minorant, level, base, tip))
-        })
+            can_reach(&minorant, level, base, tip)
+        });
+        reached.reduce(ParameterEnclosure::hull)
     }
 }
 

@@ -4,6 +4,7 @@
 //! given, however short the part: three levels with at most three roundings per term (weight,
 //! product, sum), and weights that are not negative and sum to one.
 
+use crate::blossom::restrict;
 use glam::DVec3;
 
 /// Control points of a cubic or of a part of one, from the end that bounds are formed around.
@@ -22,21 +23,7 @@ pub(crate) fn split(points: &ControlPolygon, s: f64) -> [ControlPolygon; 2] {
 /// Returns the part from `start` to `end`, counted from `start` (blossoms).
 #[inline(always)]
 pub(crate) fn part(points: &ControlPolygon, start: f64, end: f64) -> ControlPolygon {
-    let [h0, h1, h2, h3] = *points;
-    let (a0, a1, a2) = (
-        lerp(h0, h1, start),
-        lerp(h1, h2, start),
-        lerp(h2, h3, start),
-    );
-    let (aa0, aa1) = (lerp(a0, a1, start), lerp(a1, a2, start));
-    let (b0, b1, b2) = (lerp(h0, h1, end), lerp(h1, h2, end), lerp(h2, h3, end));
-    let (bb0, bb1) = (lerp(b0, b1, end), lerp(b1, b2, end));
-    [
-        lerp(aa0, aa1, start),
-        lerp(aa0, aa1, end),
-        lerp(bb0, bb1, start),
-        lerp(bb0, bb1, end),
-    ]
+    restrict(points, |p, q| lerp(p, q, start), |p, q| lerp(p, q, end))
 }
 
 /// Returns the part counted from its other end.

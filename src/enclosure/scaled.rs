@@ -100,17 +100,13 @@ pub(super) fn norm_above(vector: DVec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rounding::exact::{Exact, number};
+    use crate::rounding::exact::{Exact, number, vector};
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 
     /// Returns a size from the smallest to the largest numbers.
     fn size_of(rng: &mut ChaCha8Rng) -> f64 {
         10f64.powf(rng.random_range(-322.0..300.0))
-    }
-
-    fn vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
-        DVec3::from_array([0; 3].map(|_| half * rng.random_range(-1.0..1.0)))
     }
 
     #[test]

@@ -30,7 +30,10 @@ pub struct AlertLevel {
 }
 
 impl AlertLevel {
-    /// A level that lets go where it begins.
+    /// Returns a level that lets go where it begins.
+    ///
+    /// States that are [told](crate::Monitor::track) in `f32` are off by another rounding each time. Two bodies that
+    /// stay at the margin then begin and end encounters again and again: set `release` above the margin there.
     #[must_use]
     pub const fn at(margin: f64) -> Self {
         Self {

@@ -8,10 +8,12 @@ use crate::narrow_phase::BodyView;
 use crate::parallel;
 use crate::scene::Scene;
 use crate::search::{
-    BATCH, Bodies, BoxedBodies, FEW_BOXES, FormBounds, PLACES, SliceBlock, SlicesToForm,
+    Bodies, BoxedBodies, FEW_BOXES, FormBounds, FormInPlace, MAX_SLICES, SliceBlock, SlicesToForm,
+    SourcesInPlace,
 };
 use crate::simd::InstructionSet;
 use crate::trajectory::Segment;
+use std::slice::from_ref;
 
 /// The bodies of a monitor, by slot.
 #[derive(Clone, Copy, Debug)]
@@ -38,7 +40,26 @@ impl Bodies for BodyTable<'_> {
 
 impl BoxedBodies for BodyTable<'_> {
     fn form(&self, slices: SlicesToForm<'_>) {
-        slices.form_in_place(|body| self.fetch_motion(body), |body| self.source(body));
+        slices.form_in_place(self);
+    }
+}
+
+impl SourcesInPlace for BodyTable<'_> {
+    type Cubic = Segment;
+
+    #[inline(always)]
+    fn source(&self, body: u32) -> CubicSource<'_, Segment> {
+        self.source_of(body)
+    }
+
+    fn fetch_record(&self, body: u32) {
+        self.fetch(body);
+    }
+
+    fn fetch_motion(&self, body: u32) {
+        if let Some((_, entry)) = self.scene.in_slot(body) {
+            entry.body.trajectory.prefetch();
+        }
     }
 }
 
@@ -59,102 +80,57 @@ impl<'m> BodyTable<'m> {
         }
     }
 
-    /// Number of bodies by which they are fetched ahead.
-    const AHEAD: usize = 4;
-    /// Knots that are fetched: two lines.
-    const KNOTS: usize = 16;
-
     /// Returns the body in a slot.
     pub(super) fn get(&self, slot: u32) -> Option<BodyView<'m>> {
         self.flights.view(self.scene, slot)
     }
 
     /// Returns the source of a body's boxes; that of one that never exists if it is part of no pair.
-    pub(super) fn source(&self, slot: u32) -> CubicSource<'m, Segment> {
-        let body = self.flights.get(self.scene, slot);
-        match body.filter(|(flight, _)| flight.has_partner) {
-            Some((flight, view)) => {
-                let cubics = (view.knots, view.segments);
+    #[inline(always)]
+    pub(super) fn source_of(&self, slot: u32) -> CubicSource<'m, Segment> {
+        let known = self.flights.known(self.scene, slot);
+        match known.filter(|(flight, _)| flight.has_partner) {
+            Some((flight, body)) => {
+                let plan = &body.trajectory;
+                let cubics = (flight.knots(plan), plan.cubics());
                 CubicSource::plain(cubics, &flight.padding, self.frame)
             }
             None => CubicSource::plain((BodyView::NONE.knots, &[]), &Padding::NONE, self.frame),
         }
     }
 
-    /// Prefetches the motion of a body.
-    fn fetch_motion(&self, slot: u32) {
-        if let Some((_, entry)) = self.scene.in_slot(slot) {
-            entry.body.trajectory.prefetch();
-        }
-    }
-
     /// Calls `visit` with the box and the fat line of each body in each slice in which it exists,
-    /// slices numbered from 0; in each slice in the order of `slots`. `ends`: see [`FormBounds`].
+    /// slices numbered from 0; in each slice in the order of `slots`. `ends`: see [`FormInPlace`].
     pub(super) fn boxes(
         &self,
-        slots: impl Iterator<Item = u32>,
+        slots: impl Iterator<Item = u32> + Clone,
         ends: &[f64],
-        block: &mut SliceBlock,
         mut visit: impl FnMut(usize, BodyBox, &FatLine),
     ) {
-        let mut batch = [0; BATCH];
-        let mut views = [BodyView::NONE; BATCH];
-        let mut sources = [CubicSource::NONE; BATCH];
-        let mut slots = slots.peekable();
-        while slots.peek().is_some() {
-            let mut listed = 0;
-            for (place, slot) in batch.iter_mut().zip(slots.by_ref()) {
-                *place = slot;
-                listed += 1;
-            }
-            let mut paddings = [&Padding::NONE; BATCH];
-            let mut count = 0;
-            for place in 0..listed {
-                // What each loop reads lies anywhere in memory, and was fetched by the one before.
-                if let Some(&later) = batch[..listed].get(place + Self::AHEAD) {
-                    self.scene.prefetch(later);
-                    self.flights.prefetch(later);
-                }
-                let slot = batch[place];
-                let flight = self.flights.get(self.scene, slot);
-                let Some((flight, view)) = flight.filter(|(flight, _)| flight.has_partner) else {
-                    continue;
-                };
-                view.prefetch(view.knots.before());
-                view.knots.prefetch(0, Self::KNOTS);
-                batch[count] = slot;
-                views[count] = view;
-                paddings[count] = &flight.padding;
-                count += 1;
-            }
-            let known = views[..count].iter().zip(paddings);
-            for (source, (view, padding)) in sources.iter_mut().zip(known) {
-                *source = CubicSource::plain((view.knots, view.segments), padding, self.frame);
-            }
-            form(self.frame, &sources[..count], ends, block);
-            for (number, slice) in block.slices[..ends.len() - 1].iter().enumerate() {
-                let boxes = slice.boxes.iter().zip(&slice.fat_lines);
-                for ((boxed, fat_line), &place) in boxes.zip(&slice.bodies) {
-                    let body = batch[place as usize];
-                    visit(number, BodyBox { body, ..*boxed }, fat_line);
-                }
-            }
-        }
+        InstructionSet::best().run(FormInPlace {
+            frame: self.frame,
+            bodies: self,
+            present: slots,
+            ends,
+            put: |(_, body), slice, (fat_line, aabb)| {
+                visit(slice, BodyBox { aabb, body }, &fat_line);
+            },
+        });
     }
 }
 
-/// Forms the boxes of bodies in the first slices of `block`.
+/// Forms the boxes of one body in the first slices of `block`.
 pub(super) fn form(
     frame: &MovingFrame,
-    sources: &[CubicSource<'_, Segment>],
+    source: &CubicSource<'_, Segment>,
     ends: &[f64],
     block: &mut SliceBlock,
 ) {
     InstructionSet::best().run(FormBounds {
         block,
         frame,
-        sources,
-        present: &PLACES[..sources.len()],
+        sources: from_ref(source),
+        present: &[0],
         ends,
     });
 }
@@ -175,11 +151,10 @@ struct ChangedBatch {
     first: usize,
     /// By slice.
     boxes: Vec<Vec<(BodyBox, FatLine)>>,
-    block: SliceBlock,
 }
 
 impl ChangedBounds {
-    const CHUNK: usize = BATCH;
+    const CHUNK: usize = 64;
 
     /// Forms those of these bodies in all slices.
     pub(super) fn form(&mut self, bodies: &BodyTable<'_>, slots: &[u32], ends: &[f64]) {
@@ -221,11 +196,11 @@ impl ChangedBatch {
             self.boxes.resize_with(slices, Vec::new);
         }
         self.boxes.iter_mut().for_each(Vec::clear);
-        let most = SliceBlock::SLICES;
+        let most = MAX_SLICES;
         for first in (0..slices).step_by(most) {
             let ends = &ends[first..=slices.min(first + most)];
             let (slots, boxes) = (slots.iter().copied(), &mut self.boxes[first..]);
-            bodies.boxes(slots, ends, &mut self.block, |slice, boxed, fat_line| {
+            bodies.boxes(slots, ends, |slice, boxed, fat_line| {
                 boxes[slice].push((boxed, *fat_line));
             });
         }

@@ -180,7 +180,7 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::OutOfRange`], [`Error::TooFar`] or
+    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::Clock`], [`Error::OutOfRange`], [`Error::TooFar`] or
     /// [`Error::NoPlanAt`]:
     ///
     /// - One of the two plans does not exist at that instant, or the new one ends there.

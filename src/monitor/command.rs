@@ -78,14 +78,17 @@ impl ChangeContext<'_> {
     ///
     /// # Errors
     ///
-    /// [`Error::NoPlanAt`] if a plan for the past is over, and the body is not.
+    /// [`Error::Clock`]; [`Error::NoPlanAt`] if a plan for the past is over, and the body is not.
     pub(super) fn follows_from(
         &self,
         flown: &Trajectory,
         plan: &Trajectory,
         from: f64,
     ) -> Result<f64, Error> {
-        if !from.is_finite() || from > self.now {
+        if !from.is_finite() {
+            return Err(Error::Clock { time: from });
+        }
+        if from > self.now {
             return Ok(from);
         }
         if flown.domain().contains(self.now) && !plan.goes_on_from(self.now) {

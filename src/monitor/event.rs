@@ -1,7 +1,7 @@
 //! Events of a monitor, and the encounters they are about.
 
 use crate::conflict::{ClosestApproach, write_course};
-use crate::id::BodyId;
+use crate::id::{BodyId, TaggedBody};
 use crate::readable::Readable;
 use std::cmp::Ordering;
 use std::fmt;
@@ -76,11 +76,11 @@ pub struct Encounter {
 impl fmt::Display for Encounter {
     /// Formats one line: id, level, bodies, interval, closest approach. `{:.6}` sets the decimals.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "{}, level {}: {} and {} ",
-            self.id, self.level, self.a, self.b
-        )?;
+        let (a, b) = (
+            TaggedBody(self.a, self.tag_a),
+            TaggedBody(self.b, self.tag_b),
+        );
+        write!(f, "{}, level {}: {a} and {b} ", self.id, self.level)?;
         write_course(f, (self.enter, self.exit), &self.closest)?;
         f.write_str(if self.open { " so far" } else { "" })
     }
@@ -236,7 +236,9 @@ impl fmt::Display for EventKind {
                 write!(f, "ended ({reason}): ")?;
                 return encounter.fmt(f);
             }
-            Self::PlanEnds { body, .. } => return write!(f, "the plan of {body} ends"),
+            &Self::PlanEnds { body, tag } => {
+                return write!(f, "the plan of {} ends", TaggedBody(body, tag));
+            }
         };
         write!(f, "{what}: ")?;
         encounter.fmt(f)

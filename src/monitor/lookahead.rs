@@ -160,12 +160,12 @@ impl LookaheadSearch {
 
     /// Finds which bodies may be part of a pair: of the one in a slot, and of all if that may have changed.
     pub(super) fn find_partners(&mut self, scene: &Scene, slot: Option<u32>) {
-        let revision = Some(scene.partners_revision());
-        let margin = self.margin;
+        let partners = scene.partners(self.margin);
+        let revision = Some(partners.revision());
         let has = |slot: u32| {
             scene
                 .in_slot(slot)
-                .is_some_and(|(_, one)| scene.has_partner(&one.body, margin))
+                .is_some_and(|(_, one)| partners.has(&one.body))
         };
         if std::mem::replace(&mut self.partners, revision) == revision {
             if let Some(slot) = slot {

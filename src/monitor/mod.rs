@@ -274,9 +274,7 @@ impl Monitor {
         &mut self,
         revision_threshold: RevisionThreshold,
     ) -> Result<(), Error> {
-        for value in [revision_threshold.time, revision_threshold.separation] {
-            check_setting(value)?;
-        }
+        check_revision_threshold(revision_threshold)?;
         #[cfg(feature = "recording")]
         self.write_down(|| Record::RevisionThreshold(revision_threshold));
         self.revision_threshold = revision_threshold;
@@ -300,7 +298,7 @@ impl Monitor {
     ///
     /// [`Error::Setting`] if it is negative or NaN.
     pub fn set_history(&mut self, history: f64) -> Result<(), Error> {
-        check_setting(history)?;
+        check_setting("history", history)?;
         self.history = history;
         #[cfg(feature = "recording")]
         self.write_down(|| Record::History(history));
@@ -425,10 +423,16 @@ impl Monitor {
     }
 }
 
-fn check_setting(value: f64) -> Result<(), Error> {
+fn check_revision_threshold(threshold: RevisionThreshold) -> Result<(), Error> {
+    let RevisionThreshold { time, separation } = threshold;
+    check_setting("revision threshold, time", time)?;
+    check_setting("revision threshold, separation", separation)
+}
+
+fn check_setting(setting: &'static str, value: f64) -> Result<(), Error> {
     if value >= 0.0 {
         Ok(())
     } else {
-        Err(Error::Setting { value })
+        Err(Error::Setting { setting, value })
     }
 }

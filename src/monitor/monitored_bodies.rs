@@ -4,7 +4,7 @@ use crate::bounds::{Frame, Padding};
 use crate::error::Error;
 use crate::knots::Knots;
 use crate::narrow_phase::BodyView;
-use crate::scene::Scene;
+use crate::scene::{Body, Scene};
 use crate::shape::BodyShape;
 use crate::simd::prefetch;
 use crate::trajectory::{Extension, Outside, Trajectory};
@@ -53,17 +53,31 @@ impl MonitoredBody {
     }
 
     /// Takes another plan of the same body over `window`.
+    #[inline]
     pub(super) fn replan(&mut self, trajectory: &Trajectory, window: Window) -> Result<(), Error> {
         self.extension = None;
         self.begin = window.start();
         let knots = Knots::of(trajectory.cuts());
         self.ends = knots.ends();
         self.cubics = u32::try_from(knots.cubics()).unwrap_or(u32::MAX);
+        if self.ends.0 < window.start() && window.end() < self.ends.1 {
+            // Its own cubics serve.
+            self.note_until(trajectory);
+            return Ok(());
+        }
         self.until = f64::INFINITY;
         if trajectory.goes_beyond() {
             self.follow(trajectory, window.end())?;
         }
         Ok(())
+    }
+
+    /// Notes up to where the plan is followed.
+    fn note_until(&mut self, trajectory: &Trajectory) {
+        self.until = match trajectory.outside_after() {
+            Outside::Absent => f64::INFINITY,
+            Outside::Extrapolate | Outside::Coast => self.ends.1,
+        };
     }
 
     /// Follows a plan without end up to an instant (s), and far beyond it if it is left before and that can be
@@ -79,9 +93,7 @@ impl MonitoredBody {
             self.ends = extension.domain;
             self.extension = Some(extension);
         }
-        if trajectory.outside_after() != Outside::Absent {
-            self.until = self.ends.1;
-        }
+        self.note_until(trajectory);
         Ok(())
     }
 
@@ -99,9 +111,14 @@ impl MonitoredBody {
         trajectory: &'s Trajectory,
         shape: BodyShape<'s>,
     ) -> BodyView<'s> {
+        BodyView::of((self.knots(trajectory), trajectory.cubics()), shape)
+    }
+
+    /// The knots of the plan.
+    #[inline]
+    pub(super) fn knots<'s>(&self, trajectory: &'s Trajectory) -> Knots<'s> {
         let knots = Knots::with_ends(trajectory.cuts(), self.ends);
-        let knots = knots.extended(trajectory, self.extension.as_ref());
-        BodyView::of((knots, trajectory.cubics()), shape)
+        knots.extended(trajectory, self.extension.as_ref())
     }
 }
 
@@ -229,9 +246,19 @@ impl MonitoredBodies {
         scene: &'s Scene,
         slot: u32,
     ) -> Option<(&'s MonitoredBody, BodyView<'s>)> {
-        let flight = self.by_slot.get(slot as usize)?.as_ref()?;
-        let body = &scene.in_slot(slot)?.1.body;
+        let (flight, body) = self.known(scene, slot)?;
         Some((flight, flight.view(&body.trajectory, body.shape())))
+    }
+
+    /// The body in a slot, with what is known of its plan.
+    #[inline]
+    pub(super) fn known<'s>(
+        &'s self,
+        scene: &'s Scene,
+        slot: u32,
+    ) -> Option<(&'s MonitoredBody, &'s Body)> {
+        let flight = self.by_slot.get(slot as usize)?.as_ref()?;
+        Some((flight, &scene.in_slot(slot)?.1.body))
     }
 
     pub(super) fn view<'s>(&'s self, scene: &'s Scene, slot: u32) -> Option<BodyView<'s>> {

@@ -75,7 +75,7 @@ impl<'m> PreparedBodies<'m> {
         };
         let some = |slots: &[usize]| {
             let slots = slots.iter().filter_map(|&slot| u32::try_from(slot).ok());
-            slots.map(|slot| self.table.source(slot)).collect()
+            slots.map(|slot| self.table.source_of(slot)).collect()
         };
         let slices = TimeSlices::whole(from, to).with_count(count);
         trials.cheapest(slices, &traffic, some)

@@ -3,7 +3,6 @@
 
 use super::bodies::BodyTable;
 use crate::broad_phase::BodyBox;
-use crate::search::SliceBlock;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use std::sync::{Mutex, PoisonError};
 
@@ -23,7 +22,6 @@ struct RecentBoxes {
     boxed: usize,
     window: (f64, f64),
     listed: Vec<BodyBox>,
-    block: SliceBlock,
 }
 
 impl RecentChanges {
@@ -58,14 +56,9 @@ impl RecentChanges {
             boxes.forget();
             boxes.window = window;
         }
-        let RecentBoxes {
-            boxed,
-            listed,
-            block,
-            ..
-        } = &mut *boxes;
+        let RecentBoxes { boxed, listed, .. } = &mut *boxes;
         let slots = self.slots[*boxed..].iter().copied();
-        bodies.boxes(slots, &[window.0, window.1], block, |_, boxed, _| {
+        bodies.boxes(slots, &[window.0, window.1], |_, boxed, _| {
             listed.push(boxed);
         });
         *boxed = self.slots.len();

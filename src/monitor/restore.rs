@@ -2,7 +2,7 @@
 
 use super::encounters::{EncounterTracker, Saved};
 use super::snapshot::Snapshot;
-use super::{EventKind, Monitor, check_setting};
+use super::{EventKind, Monitor, check_revision_threshold, check_setting};
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::rounding::one_zero;
 
@@ -103,17 +103,15 @@ impl Monitor {
         if !are_new || ids.windows(2).any(|ids| ids[0] == ids[1]) || next_id > MAX_ENCOUNTERS {
             return contradiction("its encounters are not told apart");
         }
-        let threshold = snapshot.revision_threshold;
-        for value in [threshold.time, threshold.separation, snapshot.history] {
-            check_setting(value)?;
-        }
+        check_revision_threshold(snapshot.revision_threshold)?;
+        check_setting("history", snapshot.history)?;
         monitor.now = one_zero(now);
         monitor.known = told;
         if snapshot.settled {
             // All of it has been told.
             monitor.advance_to(now, now + lookahead, &mut Vec::new())?;
         }
-        monitor.revision_threshold = threshold;
+        monitor.revision_threshold = snapshot.revision_threshold;
         monitor.history = snapshot.history;
         monitor.set_max_spans(snapshot.max_spans);
         monitor.next_id = next_id;

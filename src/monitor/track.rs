@@ -4,12 +4,14 @@ use super::Monitor;
 use super::command::{ChangeContext, CommandBatch};
 #[cfg(feature = "recording")]
 use super::recording::Record;
-use super::tracked_motions::{TrackedChange, TrackedMotion, TrackedMotions};
-use crate::error::Error;
+use super::tracked_motions::{TrackedChange, TrackedMotion, TrackedMotions, TrackedPlan};
+use crate::error::{Error, MAX_MAGNITUDE};
 use crate::id::BodyId;
+use crate::orientation::{Orientation, TrackedSpin};
 use crate::parallel;
-use crate::scene::{Body, BodyState};
+use crate::scene::BodyState;
 use crate::trajectory::Trajectory;
+use crate::window::Window;
 
 impl Monitor {
     /// From `now` (s) on each of these bodies follows [`Trajectory::coasting`] from its state, whatever the
@@ -17,9 +19,12 @@ impl Monitor {
     /// in one call: what a physics engine or a network tells of all bodies, each frame.
     ///
     /// A state with a [spin](BodyState::with_spin) sets the orientation as well, from `now` on; without one the
-    /// body goes on turning as it does. A body that is left out keeps its course. One that already follows that very motion, from a state of that
-    /// very time, is not changed: leave out bodies that sleep. Of a body that is named twice the last state
-    /// counts. In steady state nothing is allocated.
+    /// body goes on turning as it does. A body that is left out keeps its course. One that already follows that very
+    /// motion, from a state of that very time, is not changed: leave out bodies that sleep. Of a body that is named
+    /// twice the last state counts. In steady state nothing is allocated.
+    ///
+    /// States that came through `f32` are off by a different rounding each frame. Two bodies that stay at a margin
+    /// then seem to cross it again and again: give the level a [release](crate::AlertLevel::release) above its margin.
     ///
     /// ```
     /// use nearmiss::glam::DVec3;
@@ -42,10 +47,10 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::NotFinite`], [`Error::OutOfRange`],
+    /// [`Error::Clock`]; [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::NotFinite`], [`Error::OutOfRange`],
     /// [`Error::TooFar`], [`Error::NoPlanAt`], [`Error::RotationLength`] or [`Error::AngularSpeed`], as for
-    /// [`replan`](Self::replan) and [`Orientation::spin`](crate::Orientation::spin). The error of the first state
-    /// that is refused; nothing was changed then.
+    /// [`replan`](Self::replan) and [`Orientation::spin`](crate::Orientation::spin). The error is that of the first
+    /// state that is refused; nothing was changed then.
     pub fn track<S: Into<BodyState>>(
         &mut self,
         now: f64,
@@ -67,16 +72,19 @@ impl Monitor {
         now: f64,
         states: impl Iterator<Item = (BodyId, BodyState)>,
     ) -> Result<(), Error> {
+        if now.is_nan() || now.abs() > MAX_MAGNITUDE {
+            return Err(Error::Clock { time: now });
+        }
         let mut tracked = std::mem::take(&mut self.tracked);
-        tracked.motions.clear();
-        let done = self.list_motions(now, states, &mut tracked);
-        let done = done.and_then(|()| self.take_motions(&mut tracked));
+        tracked.clear();
+        let listed = self.list_changes(now, states, &mut tracked);
+        let done = listed.and_then(|()| self.take_changes(now, &mut tracked));
         self.tracked = tracked;
         done
     }
 
     /// Works out what becomes of each body.
-    fn list_motions(
+    fn list_changes(
         &self,
         now: f64,
         states: impl Iterator<Item = (BodyId, BodyState)>,
@@ -86,150 +94,205 @@ impl Monitor {
         const CHUNK: usize = 64;
         let mut refused = Ok(());
         for (id, state) in states {
-            let motion = state.motion();
-            let motion = motion.and_then(|motion| Ok((motion, state.orientation()?)));
             let is_known = (id.slot as usize) < self.scene.slots();
-            match motion {
-                Ok((motion, orientation)) if is_known => tracked.put(TrackedMotion {
-                    id,
-                    from: now,
-                    motion,
-                    orientation,
-                    change: TrackedChange::Turn,
-                }),
-                motion => {
-                    // One before it may be refused as well.
-                    let body = self.scene.body(id).ok_or(Error::UnknownBody { id });
-                    let tag = body.map(|body| body.tag);
-                    refused =
-                        tag.and_then(|tag| motion.map(drop).map_err(|error| error.in_body(tag)));
-                    break;
-                }
+            if let Some(motion) = state.ordinary_motion()
+                && is_known
+            {
+                tracked.put((id, motion), None);
+                continue;
+            }
+            let taken = self.list_motion(id, state, tracked);
+            if taken.is_err() {
+                // One before it may be refused as well.
+                refused = taken;
+                break;
             }
         }
-        let tracked = &mut tracked.motions;
         let terms = self.terms()?;
-        let few = (tracked.len(), CommandBatch::FEW);
-        parallel::for_each_chunk(tracked, CHUNK, few, |some| {
-            for place in 0..some.len() {
-                self.prefetch_motion(some, place);
-                let one = &mut some[place];
-                if let Err(error) = self.work_out_motion(one, &terms) {
-                    one.change = TrackedChange::Refused(Box::new(error));
+        self.find_usual(now, &mut tracked.motions, &terms);
+        tracked.list_others();
+        let others = &mut tracked.others;
+        let few = (others.len(), CommandBatch::FEW);
+        parallel::for_each_chunk(others, CHUNK, few, |some| {
+            for other in some {
+                if let Err(error) = self.work_out_change(now, other, &terms) {
+                    other.plan = TrackedPlan::Refused(Box::new(error));
                 }
             }
         });
-        let is_refused = |one: &&mut TrackedMotion| matches!(one.change, TrackedChange::Refused(_));
-        let first = tracked.iter_mut().find(is_refused);
-        match first.map(|one| std::mem::replace(&mut one.change, TrackedChange::Turn)) {
-            Some(TrackedChange::Refused(error)) => Err(*error),
+        let is_refused = |one: &&mut TrackedChange| matches!(one.plan, TrackedPlan::Refused(_));
+        let first = others.iter_mut().find(is_refused);
+        match first.map(|one| std::mem::replace(&mut one.plan, TrackedPlan::Same)) {
+            Some(TrackedPlan::Refused(error)) => Err(*error),
             _ => refused,
         }
     }
 
-    /// Fetches bodies that are looked at later into the caches: they lie anywhere in memory.
+    /// Lists the motion, and maybe the orientation, of one body.
+    #[inline(never)]
+    fn list_motion(
+        &self,
+        id: BodyId,
+        state: BodyState,
+        tracked: &mut TrackedMotions,
+    ) -> Result<(), Error> {
+        let in_body = |error: Error| {
+            let body = self.scene.body(id);
+            body.map_or(Error::UnknownBody { id }, |body| error.in_body(body.tag))
+        };
+        if id.slot as usize >= self.scene.slots() {
+            return Err(Error::UnknownBody { id });
+        }
+        let motion = state.motion().map_err(in_body)?;
+        tracked.put((id, motion), state.tracked_spin().map_err(in_body)?);
+        Ok(())
+    }
+
+    /// Notes which motions are turned in place.
+    fn find_usual(&self, now: f64, motions: &mut [TrackedMotion], terms: &ChangeContext<'_>) {
+        /// Bodies that one thread looks at together.
+        const CHUNK: usize = 1024;
+        let few = (motions.len(), CommandBatch::FEW);
+        let times = (now, terms.forget_before);
+        parallel::for_each_chunk(motions, CHUNK, few, |some| {
+            for place in 0..some.len() {
+                self.prefetch_motion(some, place);
+                let one = &mut some[place];
+                let body = self.scene.body(one.id);
+                one.turns_in_place = body.is_some_and(|body| {
+                    let flown = &body.trajectory;
+                    flown.turns_as_usual(times, &one.motion, terms.window)
+                });
+            }
+        });
+    }
+
+    /// Prefetches bodies that are looked at later: they lie anywhere in memory.
     fn prefetch_motion(&self, some: &[TrackedMotion], place: usize) {
         const AHEAD: usize = CommandBatch::AHEAD;
         if let Some(later) = some.get(place + 2 * AHEAD) {
             self.scene.prefetch(later.id.slot);
-            self.search.flights.prefetch(later.id.slot);
         }
         let later = some.get(place + AHEAD);
-        if let Some(later) = later.and_then(|later| self.scene.body(later.id)) {
-            later.trajectory.prefetch();
+        if let Some((_, later)) = later.and_then(|later| self.scene.in_slot(later.id.slot)) {
+            later.body.trajectory.prefetch();
         }
     }
 
-    fn work_out_motion(
+    /// Works out what becomes of a body that is told a motion, and maybe an orientation, at an instant (s).
+    fn work_out_change(
         &self,
-        tracked: &mut TrackedMotion,
+        now: f64,
+        change: &mut TrackedChange,
         terms: &ChangeContext<'_>,
     ) -> Result<(), Error> {
-        let id = tracked.id;
+        let id = change.id;
         let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
-        let (flown, motion) = (&body.trajectory, tracked.motion);
+        let (flown, motion) = (&body.trajectory, change.motion);
         let in_body = |error: Error| error.in_body(body.tag);
         let plan = || Trajectory::of_straight(motion);
-        let from = terms.follows_from(flown, &plan(), tracked.from);
-        if let Some(next) = &tracked.orientation {
-            let both = body
-                .orientation
-                .followed_by(next, tracked.from, terms.forget_before);
-            let both = both.map_err(in_body)?;
-            Body::check_turning(&body.hitbox, &both, body.tag)?;
-            tracked.orientation = Some(both);
-        }
-        tracked.from = from.map_err(in_body)?;
-        let from = tracked.from;
-        if flown.follows(&motion, from) {
-            tracked.change = TrackedChange::Same;
-        } else if flown.can_turn(from, &motion, terms.window) {
-            if flown.turns_in_place(from, &motion, terms.forget_before) {
-                tracked.change = TrackedChange::TurnInPlace;
+        let from = terms.follows_from(flown, &plan(), now);
+        if change.spin.is_some() {
+            Orientation::checked_start(now).map_err(in_body)?;
+            if body.hitbox.is_half_space() {
+                return Err(in_body(Error::TurningHalfSpace));
             }
+        }
+        let from = from.map_err(in_body)?;
+        change.plan = if flown.follows(&motion, from) {
+            TrackedPlan::Same
+        } else if flown.can_turn(from, &motion, terms.window) {
+            TrackedPlan::Turn(from)
         } else {
             let mut plan = plan();
-            let since = terms.forget_before;
-            plan.precede_by(flown, from, since).map_err(in_body)?;
+            let done = plan.precede_by(flown, from, terms.forget_before);
+            done.map_err(in_body)?;
             let flight = terms.flight(&plan, body.shape(), body.tag)?;
-            tracked.change = TrackedChange::Replan(Box::new((plan, flight)));
+            TrackedPlan::Replan(Box::new((plan, flight)))
+        };
+        Ok(())
+    }
+
+    /// Lets all take effect. Nothing is refused.
+    fn take_changes(&mut self, now: f64, tracked: &mut TrackedMotions) -> Result<(), Error> {
+        self.turn_in_place(now, tracked)?;
+        let since = self.terms()?.forget_before;
+        for change in tracked.others.drain(..) {
+            let id = change.id;
+            match change.plan {
+                TrackedPlan::Same | TrackedPlan::Refused(_) => {}
+                TrackedPlan::Turn(from) => self.turn(id, (from, &change.motion))?,
+                TrackedPlan::Replan(replanned) => {
+                    let (mut plan, flight) = *replanned;
+                    self.scene.swap_trajectory(id, &mut plan)?;
+                    self.place(id, Some(flight));
+                    self.plan_ends.set(id.slot, f64::INFINITY);
+                }
+            }
+            // Last: what the body takes with another plan was worked out for the old shape.
+            if let Some(spin) = &change.spin {
+                self.take_spin(id, spin, (now, since))?;
+            }
         }
         Ok(())
     }
 
-    /// Gives the body its new orientation, if that is another one.
-    fn take_orientation(&mut self, tracked: &mut TrackedMotion) -> Result<(), Error> {
-        let (id, Some(orientation)) = (tracked.id, tracked.orientation.take()) else {
-            return Ok(());
-        };
-        let before = self.scene.set_orientation(id, orientation)?;
-        let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
-        if before != body.orientation {
+    /// Lets a body follow a spin from an instant (s) on, and forgets what ends before another one.
+    fn take_spin(
+        &mut self,
+        id: BodyId,
+        spin: &TrackedSpin,
+        (from, since): (f64, f64),
+    ) -> Result<(), Error> {
+        if self.scene.follow_spin(id, spin, (from, since))? {
+            let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
             self.search.reshape(id.slot, body.shape());
             self.count_change();
         }
         Ok(())
     }
 
-    /// Lets it take effect. Nothing is refused.
-    fn take_motions(&mut self, tracked: &mut TrackedMotions) -> Result<(), Error> {
+    /// Turns the motions that turn in place.
+    fn turn_in_place(&mut self, now: f64, tracked: &TrackedMotions) -> Result<(), Error> {
+        let terms = self.terms()?;
+        let (window, since) = (terms.window, terms.forget_before);
         let is_shared = parallel::threads() > 1 && 2 * tracked.motions.len() > self.scene.slots();
         if is_shared {
-            self.turn_in_place(tracked)?;
+            self.share_turns((now, since), window, tracked)?;
         }
-        let tracked = &mut tracked.motions;
-        for place in 0..tracked.len() {
+        let motions = &tracked.motions[..];
+        for (place, one) in motions.iter().enumerate() {
+            let slot = one.id.slot;
             if !is_shared {
-                self.prefetch_motion(tracked, place);
-            }
-            let tracked = &mut tracked[place];
-            let (id, motion) = (tracked.id, (tracked.from, &tracked.motion));
-            match std::mem::replace(&mut tracked.change, TrackedChange::Same) {
-                TrackedChange::TurnInPlace if is_shared => {
-                    self.search.forget(id.slot);
-                    self.count_change();
+                self.prefetch_motion(motions, place);
+                if let Some(later) = motions.get(place + 2 * CommandBatch::AHEAD) {
+                    self.search.flights.prefetch(later.id.slot);
                 }
-                TrackedChange::Turn | TrackedChange::TurnInPlace => self.turn(id, motion)?,
-                TrackedChange::Replan(replanned) => {
-                    let (mut plan, flight) = *replanned;
-                    self.scene.swap_trajectory(id, &mut plan)?;
-                    self.place(id, Some(flight));
-                    self.plan_ends.set(id.slot, f64::INFINITY);
-                }
-                TrackedChange::Same | TrackedChange::Refused(_) => {}
             }
-            // Last: what the body takes with another plan was worked out for the old one.
-            self.take_orientation(tracked)?;
+            if !one.turns_in_place {
+                continue;
+            }
+            if !is_shared {
+                let flown = &mut self.scene.slots_mut()[slot as usize];
+                if let Some(turned) = flown.turn_in_place((now, &one.motion, since)) {
+                    self.search.flights.replan(slot, turned, window)?;
+                }
+            }
+            self.search.forget(slot);
+            self.count_change();
         }
         Ok(())
     }
 
-    /// Turns the motions that are turned in place, on several threads.
-    fn turn_in_place(&mut self, tracked: &TrackedMotions) -> Result<(), Error> {
+    /// Turns them on several threads.
+    fn share_turns(
+        &mut self,
+        (now, since): (f64, f64),
+        window: Window,
+        tracked: &TrackedMotions,
+    ) -> Result<(), Error> {
         /// Slots that one thread goes through together.
         const SHARE: usize = 1024;
-        let terms = self.terms()?;
-        let (window, since) = (terms.window, terms.forget_before);
         let slots = self.scene.slots_mut();
         let (flights, until) = self.search.flights.by_slot_mut();
         let count = slots.len().min(flights.len());
@@ -242,7 +305,7 @@ impl Monitor {
                 let (Some(motion), Some(flight)) = (motion, flight) else {
                     continue;
                 };
-                let turned = slot.turn_in_place((motion.from, &motion.motion, since));
+                let turned = slot.turn_in_place((now, &motion.motion, since));
                 let followed = turned.map_or(Ok(()), |turned| flight.replan(turned, window));
                 match (&mut *end, followed) {
                     (Ok(end), Ok(())) => *end = end.min(flight.until),

@@ -23,9 +23,10 @@ use super::contact::{ClosestSearch, each_for_nearest, lone_pair};
 use super::sphere_pair::{Approach, Contact, SpherePair};
 use super::stretches::DistanceProfile;
 use super::turning::TurningPair;
-use super::{BodyView, contact_radius, two_sum, widened};
+use super::{BodyView, contact_radius, widened};
 use crate::accuracy::{Accuracy, Certificate, TimeEnclosure};
 use crate::enclosure::{Side, Stretch, Threshold};
+use crate::rounding::two_sum;
 use crate::spans::Span;
 use separation::{LeastSeparationSearch, SeparationEnclosure};
 use std::iter::once;
@@ -43,12 +44,9 @@ pub(crate) struct CertifiedContact {
 pub(crate) struct Workspace {
     members: Vec<UncertainPair>,
     parts: Vec<VerdictInterval>,
-    /// Rank of each member by time and sphere numbers, and its number of parts.
+    /// Place of each member, as numbered at first, in the order of time and sphere numbers.
     ranks: Vec<usize>,
-    counts: Vec<usize>,
     shares: Vec<MemberSummary>,
-    /// Buffer for sorting.
-    order: Vec<usize>,
 }
 
 /// Two spheres over a span in which they are not certainly apart.
@@ -56,6 +54,10 @@ pub(crate) struct Workspace {
 struct UncertainPair {
     span: Span,
     pair: SpherePair,
+    /// Its number in the order of solving.
+    number: usize,
+    /// Number of its parts.
+    count: usize,
 }
 
 /// An interval in which a member is not certainly apart.
@@ -167,12 +169,19 @@ impl Workspace {
         band: &MarginBand,
         clip: (f64, f64),
     ) -> &[VerdictInterval] {
-        let count = self.parts.len();
-        push_parts(pair, band, clip, self.members.len(), &mut self.parts);
-        if self.parts.len() > count {
-            self.members.push(UncertainPair { span, pair: *pair });
+        let first = self.parts.len();
+        let number = self.members.len();
+        push_parts(pair, band, clip, number, &mut self.parts);
+        let parts = &self.parts[first..];
+        if !parts.is_empty() {
+            self.members.push(UncertainPair {
+                span,
+                pair: *pair,
+                number,
+                count: parts.len(),
+            });
         }
-        &self.parts[count..]
+        parts
     }
 
     /// Appends the contacts of all pairs added, in time order, to `found`.
@@ -187,26 +196,19 @@ impl Workspace {
             members,
             parts,
             ranks,
-            counts,
             shares,
-            order,
         } = self;
-        order.clear();
-        order.extend(0..members.len());
-        order.sort_by(|&x, &y| {
-            let (x, y) = (&members[x], &members[y]);
+        members.sort_by(|x, y| {
             let time = x.span.start.total_cmp(&y.span.start);
             time.then((x.pair.a, x.pair.b).cmp(&(y.pair.a, y.pair.b)))
         });
         ranks.clear();
         ranks.resize(members.len(), 0);
-        for (rank, &member) in order.iter().enumerate() {
-            ranks[member] = rank;
+        for (rank, member) in members.iter().enumerate() {
+            ranks[member.number] = rank;
         }
-        counts.clear();
-        counts.resize(members.len(), 0);
-        for part in &*parts {
-            counts[part.member] += 1;
+        for part in &mut *parts {
+            part.member = ranks[part.member];
         }
         parts.sort_unstable_by(|x, y| {
             let order = x.start.total_cmp(&y.start);
@@ -225,16 +227,12 @@ impl Workspace {
             share_out(&parts[first..next], shares);
             let group = MergedConflict {
                 members,
-                counts,
                 parts: &parts[first..next],
                 shares,
                 start: parts[first].start,
                 end,
             };
-            order.clear();
-            order.extend(0..shares.len());
-            order.sort_unstable_by_key(|&share| ranks[shares[share].member]);
-            found.extend(group.contact(views, order, band, clip));
+            found.extend(group.contact(views, band, clip));
             first = next;
         }
     }
@@ -349,8 +347,6 @@ fn share_out(parts: &[VerdictInterval], shares: &mut Vec<MemberSummary>) {
 /// Overlapping or touching parts: one conflict.
 struct MergedConflict<'w> {
     members: &'w [UncertainPair],
-    /// Number of parts of each member, including those in other groups.
-    counts: &'w [usize],
     /// Parts of this group by start, and their summaries by member.
     parts: &'w [VerdictInterval],
     shares: &'w [MemberSummary],
@@ -359,22 +355,19 @@ struct MergedConflict<'w> {
 }
 
 impl MergedConflict<'_> {
-    /// Returns the conflict; `order` is the order of visiting members. `None` if no part is inside
-    /// and the least separation is certainly above the margin. Examples: parts cut to an instant by
-    /// a window, grazing bodies.
+    /// Returns the conflict, or `None` if no part is inside and the least separation is certainly
+    /// above the margin. Examples: parts cut to an instant by a window, grazing bodies.
     fn contact(
         &self,
         views: (&BodyView<'_>, &BodyView<'_>),
-        order: &[usize],
         band: &MarginBand,
         clip: (f64, f64),
     ) -> Option<CertifiedContact> {
         let (enter, exit, resolved) = self.ends();
         let mut closest: Option<(Approach, usize)> = None;
         let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
-        for &index in order {
-            let share = &self.shares[index];
-            let UncertainPair { span, pair } = &self.members[share.member];
+        for (index, share) in self.shares.iter().enumerate() {
+            let UncertainPair { span, pair, .. } = &self.members[share.member];
             let profile = DistanceProfile::of(&pair.cubic);
             let instant = profile.closest(&pair.cubic, share.start, share.end);
             let approach = pair.approach(*span, instant);
@@ -383,10 +376,10 @@ impl MergedConflict<'_> {
             let nearest = if is_nearer { index } else { nearest };
             closest = Some((best.or_lower(approach), nearest));
             let radius = contact_radius(pair.radius_a, pair.radius_b, band.outer);
-            profile.stretches(&pair.cubic, radius.max(0.0), clip, |stretch| {
-                if stretch.exit >= self.start && stretch.enter <= self.end {
-                    first = first.min(stretch.enter);
-                    last = last.max(stretch.exit);
+            profile.stretches(&pair.cubic, radius.max(0.0), clip, |(enter, exit), _| {
+                if exit >= self.start && enter <= self.end {
+                    first = first.min(enter);
+                    last = last.max(exit);
                 }
             });
         }
@@ -427,7 +420,7 @@ impl MergedConflict<'_> {
         let others = (0..self.shares.len()).filter(|&index| index != nearest);
         for index in once(nearest).chain(others) {
             let share = &self.shares[index];
-            let UncertainPair { span, pair } = &self.members[share.member];
+            let UncertainPair { span, pair, .. } = &self.members[share.member];
             let near = least.near();
             if near < f64::INFINITY && pair.is_beyond(a, b, *span, near) {
                 continue;
@@ -467,7 +460,7 @@ impl MergedConflict<'_> {
         clip.0 <= span.start
             && span.end <= clip.1
             && share.is_inside
-            && share.count == self.counts[share.member]
+            && share.count == self.members[share.member].count
     }
 }
 

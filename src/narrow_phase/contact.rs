@@ -10,7 +10,6 @@ use super::turning::TurningPair;
 use super::{BodyView, contact_radius, widened};
 use crate::accuracy::Accuracy;
 use crate::spans::Span;
-use glam::DVec3;
 
 /// A solved pair of spheres over a span: contacts at any margin and window need no more roots.
 #[derive(Clone, Copy, Debug)]
@@ -54,45 +53,21 @@ pub(crate) fn may_touch(
     if a.is_half_space() || b.is_half_space() {
         return may_touch_plane(a, b, span, margin, interval);
     }
-    let Some(threshold) = near_threshold(a, b, span, margin) else {
+    let radius = contact_radius(a.bounding.radius, b.bounding.radius, margin);
+    if radius < 0.0 {
         return false;
-    };
+    }
     let [segment_a, segment_b] = &a.segments_in(b, span);
     let offset = a.bounding.offset - b.bounding.offset;
-    let within_knots =
-        segment_a.covers(span.start, span.end) && segment_b.covers(span.start, span.end);
+    let whole = (span.start, span.end);
+    let threshold = filter_threshold(radius, local_scale(segment_a, segment_b, whole, offset));
+    let within_knots = segment_a.covers(whole.0, whole.1) && segment_b.covers(whole.0, whole.1);
     if within_knots && segments_apart(segment_a, segment_b, offset, threshold) {
         return false;
     }
-    !certainly_beyond(&near_points(a, b, span, interval), threshold)
-}
-
-/// Returns the distance beyond which the bounding spheres of a pair are certainly apart in a span,
-/// or `None` if no distance is small enough.
-#[inline]
-fn near_threshold(a: &BodyView<'_>, b: &BodyView<'_>, span: Span, margin: f64) -> Option<f64> {
-    let radius = contact_radius(a.bounding.radius, b.bounding.radius, margin);
-    if radius < 0.0 {
-        return None;
-    }
-    let [segment_a, segment_b] = &a.segments_in(b, span);
-    let offset = a.bounding.offset - b.bounding.offset;
-    let scale = local_scale(segment_a, segment_b, (span.start, span.end), offset);
-    Some(filter_threshold(radius, scale))
-}
-
-/// Returns the relative control points of a pair's bounding spheres over a part of a span.
-#[inline]
-fn near_points(
-    a: &BodyView<'_>,
-    b: &BodyView<'_>,
-    span: Span,
-    (from, to): (f64, f64),
-) -> [DVec3; 4] {
-    let [segment_a, segment_b] = &a.segments_in(b, span);
-    let part = (span.start.max(from), span.end.min(to));
-    let offset = a.bounding.offset - b.bounding.offset;
-    RelativeMotion::between(segment_a, segment_b, part).points(offset)
+    let part = (whole.0.max(interval.0), whole.1.min(interval.1));
+    let points = RelativeMotion::between(segment_a, segment_b, part).points(offset);
+    !certainly_beyond(&points, threshold)
 }
 
 /// Solves each pair of spheres over a span, and calls `solved` with those that come within `margin`,

@@ -107,18 +107,18 @@ mod tests {
             let radius = (least.distance + off).max(0.0);
             let threshold = filter_threshold(radius, scale);
             let mut contacts = Vec::new();
-            profile.stretches(&cubic, radius, whole, |found| contacts.push(found));
+            profile.stretches(&cubic, radius, whole, |ends, _| contacts.push(ends));
             if contacts.is_empty() {
                 continue;
             }
             reported += 1;
             assert!(!certainly_beyond(&cubic.points, threshold));
             assert!(!segments_apart(a, b, DVec3::ZERO, threshold));
-            for contact in contacts {
-                let from = contact.enter - rng.random_range(0.0..0.2) * (contact.enter - whole.0);
-                let to = contact.exit + rng.random_range(0.0..0.2) * (whole.1 - contact.exit);
+            for (enter, exit) in contacts {
+                let from = enter - rng.random_range(0.0..0.2) * (enter - whole.0);
+                let to = exit + rng.random_range(0.0..0.2) * (whole.1 - exit);
                 let part = RelativeCubic::between(a, b, (from, to), DVec3::ZERO);
-                assert!(!certainly_beyond(&part.points, threshold), "{contact:?}");
+                assert!(!certainly_beyond(&part.points, threshold), "{enter} {exit}");
             }
             // The filters do reject: a radius of half the least distance, mostly.
             let half = filter_threshold(0.5 * radius, scale);

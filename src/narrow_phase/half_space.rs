@@ -76,6 +76,9 @@ pub(super) fn may_touch_plane(
         end: span.end.min(to),
         ..span
     };
+    if pair.is_far_above(margin, part) {
+        return false;
+    }
     let offset = pair.along(pair.body.bounding.offset);
     let least = lowest(&pair.heights(part).points);
     least + offset <= pair.bound(margin, part)
@@ -119,6 +122,23 @@ impl<'a> PlanePair<'a> {
             self.body.segment(body as usize),
             self.plane.segment(plane as usize),
         ]
+    }
+
+    /// Returns true if the body is so far above the plane over a part of the span that rounding does not
+    /// matter.
+    fn is_far_above(&self, margin: f64, part: Span) -> bool {
+        /// Far more than all rounding, and than the normal's length is off, relative to the coordinates.
+        const CLEARANCE: f64 = 4e-9;
+        let [body, plane] = &self.segments();
+        let range = |segment| SegmentHeights::of(segment, (part.start, part.end), self.normal);
+        let (Some(body), Some(plane)) = (range(body), range(plane)) else {
+            return false;
+        };
+        let bounding = self.body.bounding;
+        let reach = bounding.radius + bounding.offset.abs().element_sum();
+        let size = body.size + plane.size + reach + margin.abs();
+        let least = body.low + bounding.offset.dot(self.normal) - bounding.radius - plane.high;
+        least > margin + CLEARANCE * size
     }
 
     /// Returns the magnitude to which all rounding over a part of the span is relative, m.
@@ -219,6 +239,39 @@ impl<'a> PlanePair<'a> {
     }
 }
 
+/// Bounds of a segment's coordinate along a normal, rounding apart, m.
+#[derive(Clone, Copy, Debug)]
+struct SegmentHeights {
+    low: f64,
+    high: f64,
+    /// Magnitude to which its rounding is relative, m.
+    size: f64,
+}
+
+impl SegmentHeights {
+    /// Returns the bounds over an interval (s), if they are found quickly.
+    fn of(segment: &Segment, (from, to): (f64, f64), normal: DVec3) -> Option<Self> {
+        let origin = segment.origin();
+        let heights = if segment.is_straight() {
+            let ends = [from, to].map(|time| segment.motion_at(time).0.dot(normal));
+            [ends[0], ends[1], ends[0], ends[1]]
+        } else if segment.covers(from, to) {
+            let height = origin.dot(normal);
+            let ways = segment.control_points();
+            ways.map(|way| height + way.dot(normal))
+        } else {
+            return None;
+        };
+        // A comparison with NaN would drop it.
+        let are_known = heights.iter().all(|height| height.is_finite());
+        are_known.then(|| Self {
+            low: lowest(&heights),
+            high: heights.into_iter().fold(f64::NEG_INFINITY, f64::max),
+            size: origin.abs().element_sum() + segment.rounding_scale(from, to),
+        })
+    }
+}
+
 pub(super) fn lowest(points: &[f64; 4]) -> f64 {
     points.iter().copied().fold(f64::INFINITY, f64::min)
 }
@@ -226,3 +279,6 @@ pub(super) fn lowest(points: &[f64; 4]) -> f64 {
 fn largest(points: &[f64; 4]) -> f64 {
     points.iter().map(|height| height.abs()).fold(0.0, f64::max)
 }
+
+#[cfg(test)]
+mod tests;

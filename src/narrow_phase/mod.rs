@@ -30,7 +30,7 @@ pub(crate) use sphere_pair::{Approach, Contact};
 use crate::hitbox::Sphere;
 use crate::knots::Knots;
 use crate::orientation::Turning;
-use crate::rounding::sum_above;
+use crate::rounding::{sum_above, two_sum};
 use crate::shape::BodyShape;
 use crate::simd::prefetch;
 use crate::spans::Span;
@@ -161,13 +161,6 @@ pub(crate) fn contact_radius(a: f64, b: f64, margin: f64) -> f64 {
     let (radii, lost_radii) = two_sum(a, b);
     let (sum, lost_sum) = two_sum(radii, margin);
     sum + (lost_radii + lost_sum)
-}
-
-/// Returns the rounded sum and its rounding error (Knuth).
-fn two_sum(a: f64, b: f64) -> (f64, f64) {
-    let sum = a + b;
-    let shadow = sum - a;
-    (sum, (a - (sum - shadow)) + (b - shadow))
 }
 
 #[cfg(test)]

@@ -53,7 +53,7 @@ impl RelativeCubic {
 
     /// Returns relative position and its derivative by s (m), formed from the nearer end so that
     /// constant motion stays exactly constant.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn at(&self, s: f64) -> (DVec3, DVec3) {
         let [p0, p1, p2, p3] = self.points;
         if s <= 0.5 {
@@ -273,7 +273,8 @@ impl RelativeMotion {
     }
 
     /// Returns the relative cubic of two points of the bodies, with its error. `ways` are the
-    /// control points of a's point minus those of b's, each relative to its body's position, m. Their own error is not included.
+    /// control points of a's point minus those of b's, each relative to its body's position, m. Their own
+    /// error is not included.
     pub(super) fn along(&self, ways: &[DVec3; 4]) -> RelativeCubic {
         let points = [0, 1, 2, 3].map(|k| (self.apart + self.local[k]) + ways[k]);
         let (size, spread) = (largest_norm(&points), largest_norm(&self.local));

@@ -123,11 +123,11 @@ impl SpherePair {
         if radius < 0.0 {
             return;
         }
-        profile.stretches(&self.cubic, radius, clip, |stretch| {
+        profile.stretches(&self.cubic, radius, clip, |(enter, exit), closest| {
             found.push(Contact {
-                enter: stretch.enter,
-                exit: stretch.exit,
-                closest: self.approach(span, stretch.closest),
+                enter,
+                exit,
+                closest: self.approach(span, closest),
             });
         });
     }
@@ -185,4 +185,12 @@ pub(super) fn spheres_beyond(
     let radius = contact_radius(radius_a, radius_b, margin);
     // Below zero no distance is small enough, whatever the rounding.
     radius < 0.0 || certainly_beyond(points, filter_threshold(radius, scale))
+}
+
+/// Returns the difference of squared distances above which one distance exceeds another one by more
+/// than `excess`, where that other one is at most `near`.
+///
+/// With f and n the distances and e the excess, f > n + e follows from f² - n² > e (2 n + e).
+pub(super) fn difference_of_squares(near: f64, excess: f64) -> f64 {
+    excess * (2.0 * near + excess)
 }

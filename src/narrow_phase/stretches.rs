@@ -21,14 +21,6 @@ pub(crate) struct ProfilePoint {
     pub(crate) plateau: f64,
 }
 
-/// A maximal part of a span within the threshold, with the instant of least distance.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct WithinInterval {
-    pub(crate) enter: f64,
-    pub(crate) exit: f64,
-    pub(crate) closest: ProfilePoint,
-}
-
 /// The distance at a span's ends and stationary points; monotonic in between.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DistanceProfile {
@@ -197,14 +189,15 @@ impl DistanceProfile {
         closest.unwrap_or_else(|| cut(from))
     }
 
-    /// Calls `found` with all stretches within `radius` that overlap `from..=to`, clipped to it, in
-    /// time order. Distances within rounding of the radius count.
+    /// Calls `found` with the ends (s) and the instant of least distance of each stretch: a maximal
+    /// interval within `radius` that overlaps `from..=to`, clipped to it. They come in time order.
+    /// Distances within rounding of the radius count.
     pub(crate) fn stretches(
         &self,
         cubic: &RelativeCubic,
         radius: f64,
         (from, to): (f64, f64),
-        mut found: impl FnMut(WithinInterval),
+        mut found: impl FnMut((f64, f64), ProfilePoint),
     ) {
         let threshold = radius + cubic.tolerance();
         let nodes = self.nodes();
@@ -241,11 +234,8 @@ impl DistanceProfile {
             };
             let (enter, exit) = (enter.max(from), exit.min(to));
             if enter <= exit {
-                found(WithinInterval {
-                    enter,
-                    exit,
-                    closest: self.closest_in(cubic, (enter, exit), (from, to)),
-                });
+                let closest = self.closest_in(cubic, (enter, exit), (from, to));
+                found((enter, exit), closest);
             }
         }
     }

@@ -143,9 +143,9 @@ pub(super) fn angle_within(error: f64) -> f64 {
     (384.0 * error).sqrt().sqrt()
 }
 
-/// Returns the parts of a revolution for a tolerance.
+/// Returns the parts of a revolution for a tolerance, also if they are longer by 1e-12 of themselves.
 pub(super) fn parts_of_revolution(tolerance: f64) -> f64 {
-    (TAU / angle_within(tolerance)).ceil()
+    (TAU * (1.0 + 1e-12) / angle_within(tolerance)).ceil()
 }
 
 /// Returns the matrix of a unit quaternion.

@@ -13,9 +13,11 @@ mod serial;
 mod source;
 #[cfg(test)]
 mod tests;
+mod tracked_spin;
 mod turning;
 
 pub(crate) use baked::BakedRotation;
+pub(crate) use tracked_spin::TrackedSpin;
 pub(crate) use turning::{Turning, TurningCell};
 
 use crate::error::{Error, Quantity};
@@ -185,14 +187,7 @@ impl Orientation {
     /// [`Error::NotFinite`] for an instant that is none; [`Error::RotationVanishes`] if a cubic
     /// cannot be known to the tolerance of the other orientation.
     pub(crate) fn followed_by(&self, next: &Self, from: f64, since: f64) -> Result<Self, Error> {
-        if !from.is_finite() {
-            return Err(Error::NotFinite {
-                knot: 0,
-                quantity: Quantity::Time,
-                value: from,
-            });
-        }
-        let from = one_zero(from);
+        let from = Self::checked_start(from)?;
         let (own, other) = (self.parts(), next.parts());
         let tolerance = |one: &Self| one.turning().and_then(|turning| turning.tolerance);
         let tolerance = tolerance(next).or_else(|| tolerance(self));
@@ -213,6 +208,23 @@ impl Orientation {
             });
         }
         Self::of_parts(parts, tolerance)
+    }
+
+    /// Returns an instant (s) from which on an orientation may be followed.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotFinite`].
+    pub(crate) fn checked_start(from: f64) -> Result<f64, Error> {
+        if from.is_finite() {
+            Ok(one_zero(from))
+        } else {
+            Err(Error::NotFinite {
+                knot: 0,
+                quantity: Quantity::Time,
+                value: from,
+            })
+        }
     }
 
     fn parts(&self) -> Vec<OrientationPart> {

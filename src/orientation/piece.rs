@@ -51,7 +51,10 @@ impl Piece {
         let cuts = if arc.is_held() {
             Cuts::None
         } else {
-            let steps = tolerances.map(|tolerance| revolution / parts_of_revolution(tolerance));
+            let steps = tolerances.map(|tolerance| {
+                // Rates that differ by rounding have the same cuts.
+                short_of(revolution / parts_of_revolution(tolerance))
+            });
             Cuts::Steps(arc.time, steps)
         };
         Self {
@@ -113,6 +116,14 @@ impl Piece {
             }
         }
     }
+}
+
+/// Returns the nearest number of 40 binary digits.
+const fn short_of(value: f64) -> f64 {
+    /// Digits of a longer number that are left out.
+    const REST: u32 = f64::MANTISSA_DIGITS - 40;
+    let bits = value.to_bits() + (1 << (REST - 1));
+    f64::from_bits(bits >> REST << REST)
 }
 
 /// Returns the one of some equal parts of an interval that holds an instant, as the first one that

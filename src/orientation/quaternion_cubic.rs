@@ -5,6 +5,7 @@
 //! degree 9, over the smallest one of D. Both are linear in c: matrices stand for all points.
 
 use super::baked::BakedRotation;
+use crate::blossom::restrict;
 use crate::rounding::UNIT_ROUNDOFF;
 use glam::{DMat3, DQuat, DVec3};
 
@@ -38,27 +39,12 @@ impl QuaternionCubic {
     fn part(&self, (from, to): (f64, f64)) -> [DQuat; 4] {
         let (start, end) = self.ends;
         let duration = end - start;
-        let between = |p: DQuat, q: DQuat, time: f64| {
-            p * ((end - time) / duration) + q * ((time - start) / duration)
+        let mix = |time: f64| {
+            move |p: DQuat, q: DQuat| {
+                p * ((end - time) / duration) + q * ((time - start) / duration)
+            }
         };
-        let level = |p: &[DQuat; 4], time: f64| {
-            [
-                between(p[0], p[1], time),
-                between(p[1], p[2], time),
-                between(p[2], p[3], time),
-            ]
-        };
-        let (a, b) = (level(&self.points, from), level(&self.points, to));
-        let (aa, bb) = (
-            [between(a[0], a[1], from), between(a[1], a[2], from)],
-            [between(b[0], b[1], to), between(b[1], b[2], to)],
-        );
-        [
-            between(aa[0], aa[1], from),
-            between(aa[0], aa[1], to),
-            between(bb[0], bb[1], from),
-            between(bb[0], bb[1], to),
-        ]
+        restrict(&self.points, mix(from), mix(to))
     }
 
     /// Returns the cubic between two instants (s).
@@ -114,16 +100,10 @@ impl QuaternionCubic {
 
     fn largest_error(&self, count: u32) -> f64 {
         let errors = (0..count).map(|number| {
-            let part = (self.cut(number, count), self.cut(number + 1, count));
-            self.bake(part).error()
+            let cut = |number: u32| equal_cut(self.ends, number, count);
+            self.bake((cut(number), cut(number + 1))).error()
         });
         errors.fold(0.0, f64::max)
-    }
-
-    /// Returns the end of the first `number` of `count` equal parts, s.
-    pub(super) fn cut(&self, number: u32, count: u32) -> f64 {
-        let (start, end) = self.ends;
-        equal_cut((start, end), number, count)
     }
 }
 

@@ -3,9 +3,9 @@
 use super::arc::{Arc, angle_within};
 use super::piece::{Piece, RotationCurve};
 use super::quaternion_cubic::QuaternionCubic;
-use crate::error::{Error, MAX_MAGNITUDE, Quantity};
+use crate::error::{Error, Quantity};
 use crate::rounding::{UNIT_ROUNDOFF, norm, one_zero};
-use crate::trajectory::Outside;
+use crate::trajectory::{Outside, check_number, check_times};
 use glam::{DQuat, DVec3};
 
 /// An orientation as it was given.
@@ -49,8 +49,7 @@ impl Source {
                 rotation,
                 angular_velocity,
             } => {
-                let rotation = checked(0, *time, *rotation)?;
-                let arc = Arc::spin(one_zero(*time), rotation, checked_speed(*angular_velocity)?);
+                let arc = spin_arc(*time, *rotation, *angular_velocity)?;
                 Ok(vec![Piece::forever(arc, tolerances)])
             }
             Self::Slerp { knots, outside } => {
@@ -97,6 +96,14 @@ impl Source {
             }
         }
     }
+}
+
+/// Returns the motion of a spin.
+pub(super) fn spin_arc(time: f64, rotation: DQuat, angular_velocity: DVec3) -> Result<Arc, Error> {
+    check_number(0, Quantity::Time, time)?;
+    let rotation = checked(0, rotation)?;
+    let velocity = checked_speed(angular_velocity)?;
+    Ok(Arc::spin(one_zero(time), rotation, velocity))
 }
 
 /// Returns the motion that goes on from the first (0) or last (1) knot of a cubic.
@@ -160,29 +167,10 @@ fn parts(share: f64) -> u32 {
 }
 
 /// Returns the unit quaternion of a given rotation.
-fn checked(knot: usize, time: f64, rotation: DQuat) -> Result<DQuat, Error> {
-    let not_finite = |quantity, value| Error::NotFinite {
-        knot,
-        quantity,
-        value,
-    };
-    if !time.is_finite() {
-        return Err(not_finite(Quantity::Time, time));
-    }
-    if time.abs() > MAX_MAGNITUDE {
-        return Err(Error::OutOfRange {
-            knot,
-            quantity: Quantity::Time,
-            value: time,
-        });
-    }
-    for (axis, value) in rotation.to_array().into_iter().enumerate() {
-        if !value.is_finite() {
-            return Err(not_finite(Quantity::Rotation(axis), value));
-        }
-    }
+fn checked(knot: usize, rotation: DQuat) -> Result<DQuat, Error> {
     /// Largest difference of a quaternion's length from 1.
     const OFF: f64 = 1e-9;
+    check_finite(knot, Quantity::Rotation, &rotation.to_array())?;
     let length = rotation.length();
     // Also of one that overflows.
     if (length - 1.0).abs() <= OFF {
@@ -192,16 +180,24 @@ fn checked(knot: usize, time: f64, rotation: DQuat) -> Result<DQuat, Error> {
     }
 }
 
-fn checked_speed(velocity: DVec3) -> Result<DVec3, Error> {
-    for (axis, value) in velocity.to_array().into_iter().enumerate() {
-        if !value.is_finite() {
-            return Err(Error::NotFinite {
-                knot: 0,
-                quantity: Quantity::AngularVelocity(axis),
-                value,
-            });
-        }
+/// Checks that the components of a quantity are finite.
+fn check_finite(
+    knot: usize,
+    quantity: fn(usize) -> Quantity,
+    components: &[f64],
+) -> Result<(), Error> {
+    match components.iter().position(|value| !value.is_finite()) {
+        None => Ok(()),
+        Some(axis) => Err(Error::NotFinite {
+            knot,
+            quantity: quantity(axis),
+            value: components[axis],
+        }),
     }
+}
+
+fn checked_speed(velocity: DVec3) -> Result<DVec3, Error> {
+    check_finite(0, Quantity::AngularVelocity, &velocity.to_array())?;
     let speed = norm(velocity);
     if speed <= MAX_SPEED {
         Ok(velocity)
@@ -217,23 +213,18 @@ fn checked_knots(knots: &[(f64, DQuat)]) -> Result<Vec<(f64, DQuat)>, Error> {
     if knots.len() < 2 {
         return Err(Error::TooFewRotations { count: knots.len() });
     }
+    check_times(knots.iter().map(|&(time, _)| time))?;
     let mut found: Vec<(f64, DQuat)> = Vec::with_capacity(knots.len());
     for (knot, &(time, rotation)) in knots.iter().enumerate() {
-        let mut rotation = checked(knot, time, rotation)?;
+        let mut rotation = checked(knot, rotation)?;
         let time = one_zero(time);
         if let Some(&(previous, before)) = found.last() {
-            if time <= previous {
-                return Err(Error::TimeNotIncreasing {
-                    knot,
-                    previous,
-                    time,
-                });
-            }
-            if !(time - previous).is_finite() || time - previous < f64::MIN_POSITIVE {
+            let value = time - previous;
+            if value < f64::MIN_POSITIVE {
                 return Err(Error::OutOfRange {
                     knot,
                     quantity: Quantity::Time,
-                    value: time - previous,
+                    value,
                 });
             }
             let cosine = before.dot(rotation);

@@ -2,210 +2,19 @@
 
 #![allow(clippy::unwrap_used, reason = "a failure fails the test")]
 
+mod exact;
+
 use super::Orientation;
 use super::source::Source;
 use super::turning::TurningCell;
 use crate::accuracy::Accuracy;
 use crate::error::{Error, Quantity};
 use crate::trajectory::Outside;
-use dashu::float::FBig;
-use dashu::float::round::mode::HalfEven;
+use exact::*;
 use glam::{DQuat, DVec3};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use std::f64::consts::{PI, TAU};
-
-type Big = FBig<HalfEven>;
-
-fn big(x: f64) -> Big {
-    Big::try_from(x).unwrap().with_precision(200).value()
-}
-
-/// A quaternion x, y, z, w.
-type BigQuaternion = [Big; 4];
-
-fn product(p: &BigQuaternion, q: &BigQuaternion) -> BigQuaternion {
-    let [x, y, z, w] = p;
-    let [a, b, c, d] = q;
-    [
-        w * a + x * d + y * c - z * b,
-        w * b - x * c + y * d + z * a,
-        w * c + x * b - y * a + z * d,
-        w * d - x * a - y * b - z * c,
-    ]
-}
-
-fn dot(p: &BigQuaternion, q: &BigQuaternion) -> Big {
-    p.iter()
-        .zip(q)
-        .map(|(x, y)| x * y)
-        .fold(big(0.0), |sum, x| sum + x)
-}
-
-fn scaled(p: &BigQuaternion, factor: &Big) -> BigQuaternion {
-    p.each_ref().map(|x| x * factor)
-}
-
-fn sum(p: &BigQuaternion, q: &BigQuaternion) -> BigQuaternion {
-    [0, 1, 2, 3].map(|lane| &p[lane] + &q[lane])
-}
-
-fn conjugate([x, y, z, w]: &BigQuaternion) -> BigQuaternion {
-    [-x, -y, -z, w.clone()]
-}
-
-fn unit(q: &BigQuaternion) -> BigQuaternion {
-    scaled(q, &(big(1.0) / dot(q, q).sqrt()))
-}
-
-fn given(q: DQuat) -> BigQuaternion {
-    unit(&q.to_array().map(big))
-}
-
-/// Returns the rotation about a vector by an angle in proportion to it.
-fn about(vector: [Big; 3], length: &Big, half: &Big) -> BigQuaternion {
-    if *length == big(0.0) {
-        return [0.0, 0.0, 0.0, 1.0].map(big);
-    }
-    let (sine, cosine) = half.sin_cos();
-    let [x, y, z] = vector.map(|lane| lane * &sine / length);
-    [x, y, z, cosine]
-}
-
-/// Returns the turn of an arc between two unit quaternions: its vector part's direction and length,
-/// and half its angle.
-fn arc(from: &BigQuaternion, to: &BigQuaternion) -> ([Big; 3], Big, Big) {
-    let [x, y, z, w] = product(to, &conjugate(from));
-    let length = (&x * &x + &y * &y + &z * &z).sqrt();
-    let half = length.atan2(&w);
-    ([x, y, z], length, half)
-}
-
-fn knots(knots: &[(f64, DQuat)]) -> Vec<(Big, BigQuaternion)> {
-    let mut found: Vec<(Big, BigQuaternion)> = Vec::new();
-    for &(time, rotation) in knots {
-        let mut rotation = given(rotation);
-        if let Some((_, before)) = found.last()
-            && dot(before, &rotation) < big(0.0)
-        {
-            rotation = rotation.map(|lane| -lane);
-        }
-        found.push((big(time), rotation));
-    }
-    found
-}
-
-/// Returns the exact rotation at an instant, not normalised.
-fn exact(source: &Source, time: &Big) -> BigQuaternion {
-    match source {
-        Source::Fixed => [0.0, 0.0, 0.0, 1.0].map(big),
-        Source::Spin {
-            time: at,
-            rotation,
-            angular_velocity,
-        } => {
-            let velocity = angular_velocity.to_array().map(big);
-            let [x, y, z] = &velocity;
-            let speed = (x * x + y * y + z * z).sqrt();
-            let half = &speed * (time - big(*at)) / big(2.0);
-            product(&about(velocity, &speed, &half), &given(*rotation))
-        }
-        Source::Slerp {
-            knots: own,
-            outside,
-        } => {
-            let knots = knots(own);
-            let last = knots.len() - 1;
-            let after = knots
-                .iter()
-                .position(|(knot, _)| time < knot)
-                .unwrap_or(knots.len());
-            let number = after.clamp(1, last);
-            let ((start, from), (end, to)) = (&knots[number - 1], &knots[number]);
-            let mut share = (time - start) / (end - start);
-            if *outside == Outside::Absent {
-                share = share.max(big(0.0)).min(big(1.0));
-            }
-            let (axis, length, half) = arc(from, to);
-            product(&about(axis, &length, &(half * share)), from)
-        }
-        Source::NormalizedCubic {
-            knots: own,
-            outside,
-        } => {
-            let knots = knots(own);
-            let last = knots.len() - 1;
-            let after = knots
-                .iter()
-                .position(|(knot, _)| time < knot)
-                .unwrap_or(knots.len());
-            let number = after.clamp(1, last);
-            let slope = |knot: usize| {
-                let (before, after) = (knot.saturating_sub(1), (knot + 1).min(last));
-                let way = sum(&knots[after].1, &scaled(&knots[before].1, &big(-1.0)));
-                scaled(&way, &(big(1.0) / (&knots[after].0 - &knots[before].0)))
-            };
-            if after == 0 || after > last {
-                let end = if after == 0 { 0 } else { last };
-                let (at, rotation) = &knots[end];
-                if *outside == Outside::Absent {
-                    return rotation.clone();
-                }
-                let [x, y, z, _] = product(&slope(end), &conjugate(rotation));
-                let velocity = [x, y, z].map(|lane| lane * big(2.0));
-                let [x, y, z] = &velocity;
-                let speed = (x * x + y * y + z * z).sqrt();
-                let half = &speed * (time - at) / big(2.0);
-                return product(&about(velocity, &speed, &half), rotation);
-            }
-            let ((start, from), (end, to)) = (&knots[number - 1], &knots[number]);
-            let duration = end - start;
-            let s = (time - start) / &duration;
-            let r = big(1.0) - &s;
-            let third = &duration / big(3.0);
-            let leave = sum(from, &scaled(&slope(number - 1), &third));
-            let arrive = sum(to, &scaled(&slope(number), &-third));
-            let weights = [
-                &r * &r * &r,
-                big(3.0) * &r * &r * &s,
-                big(3.0) * &r * &s * &s,
-                &s * &s * &s,
-            ];
-            let points = [from, &leave, &arrive, to];
-            points
-                .iter()
-                .zip(&weights)
-                .map(|(point, weight)| scaled(point, weight))
-                .reduce(|p, q| sum(&p, &q))
-                .unwrap()
-        }
-    }
-}
-
-/// Returns the point of a body turned by a quaternion of any length.
-fn turned(q: &BigQuaternion, point: DVec3) -> [Big; 3] {
-    let q = unit(q);
-    let [x, y, z] = point.to_array().map(big);
-    let [x, y, z, _] = product(&product(&q, &[x, y, z, big(0.0)]), &conjugate(&q));
-    [x, y, z]
-}
-
-/// Returns the point of a cubic.
-fn on_cubic(points: &[DVec3; 4], s: &Big) -> [Big; 3] {
-    let r = big(1.0) - s;
-    let weights = [
-        &r * &r * &r,
-        big(3.0) * &r * &r * s,
-        big(3.0) * &r * s * s,
-        s * s * s,
-    ];
-    [0, 1, 2].map(|axis| {
-        let lanes = points.iter().zip(&weights);
-        lanes
-            .map(|(point, weight)| big(point[axis]) * weight)
-            .fold(big(0.0), |sum, x| sum + x)
-    })
-}
 
 fn vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
     DVec3::from_array([0; 3].map(|_| rng.random_range(-half..=half)))
@@ -385,6 +194,27 @@ fn cubics_per_revolution() {
     let half = |number: f64| (number, DQuat::from_rotation_z(number * PI * (1.0 - 1e-6)));
     let slerp = Orientation::slerp(&[0.0, 1.0, 2.0].map(half)).unwrap();
     assert_eq!(cells(&slerp, (0.0, 2.0 - 1e-9), Accuracy::Exact).len(), 8);
+}
+
+/// Most bodies that turn at the same rate, to rounding, are cut at the same instants.
+#[test]
+fn rates_that_differ_by_rounding_have_the_same_cuts() {
+    let mut rng = ChaCha8Rng::seed_from_u64(12);
+    for accuracy in [Accuracy::Exact, Accuracy::Certified] {
+        let ends = (0..100).map(|_| {
+            let axis = vector(&mut rng, 1.0).normalize();
+            let spin = Orientation::spin(0.0, rotation(&mut rng), axis * TAU).unwrap();
+            let cells = cells(&spin, (0.0, 3.0), accuracy);
+            cells
+                .iter()
+                .map(|cell| cell.end.to_bits())
+                .collect::<Vec<u64>>()
+        });
+        let mut ends: Vec<Vec<u64>> = ends.collect();
+        ends.sort();
+        ends.dedup();
+        assert_eq!(ends.len(), 1, "{accuracy:?}");
+    }
 }
 
 #[test]

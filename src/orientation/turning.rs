@@ -15,7 +15,7 @@ pub(crate) struct Turning {
     pub(super) parts: Vec<OrientationPart>,
     /// Largest error of the cubics, relative to a point's distance, if set.
     pub(super) tolerance: Option<f64>,
-    pieces: Vec<Piece>,
+    pub(super) pieces: Vec<Piece>,
 }
 
 /// An orientation and the time from which on it is followed.
@@ -56,7 +56,7 @@ impl Turning {
             tolerance,
             pieces: Vec::new(),
         };
-        let tolerances = [Accuracy::Exact, Accuracy::Certified].map(|one| turning.tolerance(one));
+        let tolerances = turning.tolerances();
         for (number, part) in turning.parts.iter().enumerate() {
             let start = part.from.unwrap_or(f64::NEG_INFINITY);
             let next = turning.parts.get(number + 1).and_then(|next| next.from);
@@ -79,6 +79,11 @@ impl Turning {
             part.source.set_outside(outside);
         }
         Self::of(parts, self.tolerance)
+    }
+
+    /// Returns the tolerances of both sets of cuts.
+    pub(super) fn tolerances(&self) -> [f64; 2] {
+        [Accuracy::Exact, Accuracy::Certified].map(|one| self.tolerance(one))
     }
 
     /// Returns the largest error of the cubics, relative to a point's distance from the body's
@@ -141,6 +146,20 @@ impl Turning {
         self.pieces[cell.piece].bake(ends, largest)
     }
 
+    /// Returns when a part is followed (s) if the motion is left at `from` (s); `None` if it never is,
+    /// or not after `since` (s).
+    pub(super) fn followed_within(
+        parts: &[OrientationPart],
+        number: usize,
+        from: f64,
+        since: f64,
+    ) -> Option<(f64, f64)> {
+        let next = parts.get(number + 1).and_then(|next| next.from);
+        let end = next.unwrap_or(f64::INFINITY).min(from);
+        let start = parts[number].from.unwrap_or(f64::NEG_INFINITY);
+        (start < end && end > since).then_some((start, end))
+    }
+
     /// Returns the parts of a motion that is left at `from` (s) for another one, without those that
     /// end before `since` (s).
     pub(super) fn parts_until(
@@ -150,10 +169,7 @@ impl Turning {
     ) -> Vec<OrientationPart> {
         let mut kept: Vec<OrientationPart> = Vec::new();
         for (number, part) in parts.iter().enumerate() {
-            let next = parts.get(number + 1).and_then(|next| next.from);
-            let end = next.unwrap_or(f64::INFINITY).min(from);
-            let start = part.from.unwrap_or(f64::NEG_INFINITY);
-            if start < end && end > since {
+            if Self::followed_within(parts, number, from, since).is_some() {
                 kept.push(part.clone());
             }
         }

@@ -2,6 +2,8 @@
 
 use dashu::rational::RBig;
 use glam::DVec3;
+use rand::RngExt;
+use rand::rngs::ChaCha8Rng;
 
 /// A vector without rounding.
 #[derive(Clone, Debug)]
@@ -10,6 +12,11 @@ pub(crate) struct Exact([RBig; 3]);
 /// Returns a finite number without rounding.
 pub(crate) fn number(x: f64) -> RBig {
     RBig::try_from(x).unwrap_or_else(|_| unreachable!("{x} is finite"))
+}
+
+/// Returns a vector with coordinates up to `half` in absolute value.
+pub(crate) fn vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
+    DVec3::from_array([0; 3].map(|_| half * rng.random_range(-1.0..1.0)))
 }
 
 impl Exact {
@@ -27,6 +34,28 @@ impl Exact {
 
     pub(crate) fn times(&self, factor: &RBig) -> Self {
         Self(self.0.each_ref().map(|x| x * factor))
+    }
+
+    pub(crate) fn dot(&self, other: &Self) -> RBig {
+        let products = self.0.iter().zip(&other.0).map(|(x, y)| x * y);
+        products.fold(RBig::ZERO, |sum, product| sum + product)
+    }
+
+    /// Returns true if the coordinate along a normal of any length is within `error` of `found`.
+    pub(crate) fn is_at_height(&self, normal: DVec3, found: &RBig, error: f64) -> bool {
+        let normal = Self::of(normal);
+        let (height, square) = (self.dot(&normal), normal.dot(&normal));
+        // low <= height / length: by squares, where the signs are the same.
+        let is_below = |low: RBig, height: RBig| {
+            let (a, b) = (&low * &low * &square, &height * &height);
+            match (low >= RBig::ZERO, height >= RBig::ZERO) {
+                (true, true) => a <= b,
+                (false, false) => a >= b,
+                (is_positive, _) => !is_positive,
+            }
+        };
+        let error = number(error);
+        is_below(found - &error, height.clone()) && is_below(-(found + &error), -height)
     }
 
     /// Returns true if the vector is at most as long as `length`, compared without rounding.

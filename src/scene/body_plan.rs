@@ -3,7 +3,7 @@
 use super::{Body, Scene};
 use crate::error::Error;
 use crate::id::BodyId;
-use crate::orientation::Orientation;
+use crate::orientation::{Orientation, TrackedSpin};
 use crate::trajectory::Trajectory;
 
 /// The motion of a body from some time on: a trajectory, and an orientation where that changes.
@@ -90,5 +90,21 @@ impl Scene {
         let (entry, _) = self.entry_mut(id)?;
         Body::check_turning(&entry.body.hitbox, &orientation, entry.body.tag)?;
         Ok(std::mem::replace(&mut entry.body.orientation, orientation))
+    }
+
+    /// Lets a body follow a spin from an instant `from` (s) on, and forgets what ends before `since`
+    /// (s). Returns true if that changes its orientation.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownBody`].
+    pub(crate) fn follow_spin(
+        &mut self,
+        id: BodyId,
+        spin: &TrackedSpin,
+        (from, since): (f64, f64),
+    ) -> Result<bool, Error> {
+        let (entry, _) = self.entry_mut(id)?;
+        entry.body.orientation.follow_spin(spin, from, since)
     }
 }

@@ -65,23 +65,6 @@ impl Kinds {
         layers.admits(layers)
     }
 
-    /// Returns false if a body can be part of no pair of boxes with a margin (m): by its layers, by a very
-    /// negative margin, or because no box contains a half-space.
-    pub(super) fn has_partner(&self, body: &Body, margin: f64) -> bool {
-        if body.hitbox.is_half_space() {
-            return false;
-        }
-        let key = (body.layers.membership, body.layers.filter);
-        let has_partner = || self.layers.get(&key).is_some_and(|kind| kind.1);
-        (self.layers.len() > Self::MANY || has_partner())
-            && can_reach(radius(body), self.largest, margin)
-    }
-
-    /// Returns a value that changes if [`has_partner`](Self::has_partner) changes for unchanged bodies.
-    pub(super) const fn revision(&self) -> (u64, u64) {
-        (self.revision, self.largest.to_bits())
-    }
-
     /// Updates which layers have a partner; a single body is no partner of itself.
     fn find_partners(&mut self) {
         let are_many = self.layers.len() > Self::MANY;
@@ -98,6 +81,48 @@ impl Kinds {
             let found = are_many || known.iter().any(admits);
             self.revision += u64::from(std::mem::replace(has_partner, found) != found);
         }
+    }
+}
+
+/// A test whether a body may be part of any pair with a margin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Partners<'s> {
+    kinds: &'s Kinds,
+    margin: f64,
+    /// The answer for all bodies, by their layers, if these are the same.
+    all: Option<bool>,
+}
+
+impl<'s> Partners<'s> {
+    /// Returns the test for bodies of these kinds and a margin (m).
+    pub(super) fn of(kinds: &'s Kinds, margin: f64) -> Self {
+        let mut layers = kinds.layers.values();
+        let all = match (layers.next(), layers.next()) {
+            (Some(&(_, has_partner)), None) => Some(has_partner),
+            _ => None,
+        };
+        Self { kinds, margin, all }
+    }
+
+    /// Returns false if the body can be part of no pair of boxes: by its layers, by a very negative
+    /// margin, or because no box contains a half-space.
+    #[inline]
+    pub(crate) fn has(&self, body: &Body) -> bool {
+        if body.hitbox.is_half_space() {
+            return false;
+        }
+        let of_layers = || {
+            let key = (body.layers.membership, body.layers.filter);
+            let is_partner = || self.kinds.layers.get(&key).is_some_and(|kind| kind.1);
+            self.kinds.layers.len() > Kinds::MANY || is_partner()
+        };
+        self.all.unwrap_or_else(of_layers)
+            && (self.margin >= 0.0 || can_reach(radius(body), self.kinds.largest, self.margin))
+    }
+
+    /// Returns a value that changes if [`has`](Self::has) changes for unchanged bodies.
+    pub(crate) const fn revision(&self) -> (u64, u64) {
+        (self.kinds.revision, self.kinds.largest.to_bits())
     }
 }
 

@@ -21,7 +21,7 @@ impl Scene {
         });
         some.filter(move |entry| {
             let domain = entry.body.trajectory.domain();
-            self.has_partner(&entry.body, 0.0) && domain.start() <= to && domain.end() >= from
+            self.partners(0.0).has(&entry.body) && domain.start() <= to && domain.end() >= from
         })
     }
 

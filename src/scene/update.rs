@@ -3,7 +3,7 @@
 use super::{Body, Scene};
 use crate::error::Error;
 use crate::id::BodyId;
-use crate::orientation::Orientation;
+use crate::orientation::{Orientation, TrackedSpin};
 use crate::trajectory::{State, StraightMotion, Trajectory};
 use glam::{DQuat, DVec3};
 
@@ -69,6 +69,26 @@ impl BodyState {
         Orientation::spin(self.state.time, spin.rotation, spin.angular_velocity).map(Some)
     }
 
+    /// Returns the straight motion through a state without spin whose numbers are ordinary ones.
+    #[inline(always)]
+    pub(crate) fn ordinary_motion(&self) -> Option<StraightMotion> {
+        let is_ordinary = self.spin.is_none() && StraightMotion::is_ordinary(&self.state);
+        is_ordinary.then(|| StraightMotion::through_ordinary(&self.state))
+    }
+
+    /// Returns the spin, checked, if there is one.
+    ///
+    /// # Errors
+    ///
+    /// As [`Orientation::spin`].
+    pub(crate) fn tracked_spin(&self) -> Result<Option<TrackedSpin>, Error> {
+        let time = self.state.time;
+        let spin = self
+            .spin
+            .map(|spin| TrackedSpin::new(time, spin.rotation, spin.angular_velocity));
+        spin.transpose()
+    }
+
     /// Returns the straight motion through the state.
     ///
     /// # Errors
@@ -121,26 +141,17 @@ impl Scene {
         let mut checked = Ok(());
         let mut turning: Vec<(BodyId, Orientation)> = Vec::new();
         for (id, state) in states {
-            let state: BodyState = state.into();
-            let body = self.body(id).ok_or(Error::UnknownBody { id });
-            let both = |body: &Body| {
-                let motion = state.motion();
-                let both = motion.and_then(|motion| Ok((motion, state.orientation()?)));
-                let (motion, orientation) = both.map_err(|error: Error| error.in_body(body.tag))?;
-                if let Some(orientation) = &orientation {
-                    Body::check_turning(&body.hitbox, orientation, body.tag)?;
-                }
-                Ok((motion, orientation))
-            };
-            match body.and_then(both) {
-                Ok((motion, orientation)) => {
-                    told.push((id, motion));
-                    turning.extend(orientation.map(|orientation| (id, orientation)));
-                }
-                Err(error) => {
-                    checked = Err(error);
-                    break;
-                }
+            let told_state: BodyState = state.into();
+            if let Some(motion) = told_state.ordinary_motion()
+                && self.body(id).is_some()
+            {
+                told.push((id, motion));
+                continue;
+            }
+            let taken = self.check_state(id, told_state, &mut told, &mut turning);
+            if taken.is_err() {
+                checked = taken;
+                break;
             }
         }
         if checked.is_ok() {
@@ -160,5 +171,25 @@ impl Scene {
         }
         self.told = told;
         checked
+    }
+
+    /// Appends the motion and the orientation of a state to the lists.
+    #[inline(never)]
+    fn check_state(
+        &self,
+        id: BodyId,
+        state: BodyState,
+        told: &mut Vec<(BodyId, StraightMotion)>,
+        turning: &mut Vec<(BodyId, Orientation)>,
+    ) -> Result<(), Error> {
+        let body = self.body(id).ok_or(Error::UnknownBody { id })?;
+        let motion = state.motion().map_err(|error| error.in_body(body.tag))?;
+        let orientation = state.orientation();
+        if let Some(orientation) = orientation.map_err(|error| error.in_body(body.tag))? {
+            Body::check_turning(&body.hitbox, &orientation, body.tag)?;
+            turning.push((id, orientation));
+        }
+        told.push((id, motion));
+        Ok(())
     }
 }

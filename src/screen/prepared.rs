@@ -15,7 +15,7 @@ use crate::query::Query;
 use crate::scene::{Body, CubicArena, IgnoredPairs, Scene, SceneEntry, can_reach, radius};
 use crate::search::{
     Bodies, BoxedBodies, Lifetimes, Limits, ListMemory, SceneStatistics, SearchScratch,
-    SlicesToForm,
+    SlicesToForm, SourcesInPlace,
 };
 use crate::simd::prefetch;
 use crate::spans::common_domain;
@@ -59,6 +59,7 @@ impl<'a> PreparedScene<'a> {
         let nothing = scene.is_empty().then_some(Window::ALL);
         let asked = query.window().or_else(|| scene.planned()).or(nothing);
         let asked = asked.ok_or(Error::NoPlan)?;
+        let partners = scene.partners(margin);
         let mut survey = SceneSurvey::of(scene.len(), asked, margin);
         let mut ids = Vec::with_capacity(scene.len());
         let mut entries = Vec::with_capacity(scene.len());
@@ -66,7 +67,7 @@ impl<'a> PreparedScene<'a> {
         let mut half_spaces = Vec::new();
         for (place, (id, entry)) in scene.entries().enumerate() {
             let extension = entry.body.extension(asked)?;
-            let has_partner = scene.has_partner(&entry.body, margin);
+            let has_partner = partners.has(&entry.body);
             if entry.body.hitbox.is_half_space() {
                 half_spaces.extend(u32::try_from(place));
             }
@@ -116,11 +117,13 @@ impl<'a> PreparedScene<'a> {
     pub(super) fn views(&self, memory: &mut ListMemory<CompactCubic>) -> Lists<'_> {
         /// Fewer are prepared on this thread.
         const FEW: usize = 4096;
-        let frame = self.frame;
         let count = self.entries.len();
         let (mut views, mut sources) = memory.take();
         let lists = (&mut views, &mut sources);
-        parallel::map_both(count, FEW, lists, |place| self.prepare(place, &frame));
+        parallel::map_both(count, FEW, lists, |place| {
+            let source = self.source(place);
+            (view_of(&self.entries[place].body, source.knots), source)
+        });
         (views, sources)
     }
 
@@ -133,9 +136,7 @@ impl<'a> PreparedScene<'a> {
 
     /// Returns the box sources of the bodies at some places.
     pub(super) fn sources(&self, places: &[usize]) -> Vec<CubicSource<'_, CompactCubic>> {
-        let frame = self.frame;
-        let source = |&place: &usize| self.prepare(place, &frame).1;
-        places.iter().map(source).collect()
+        places.iter().map(|&place| self.source(place)).collect()
     }
 
     #[inline]
@@ -145,26 +146,32 @@ impl<'a> PreparedScene<'a> {
         extension.ok().map(|number| &self.extensions[number].1)
     }
 
-    #[inline]
-    fn prepare(
-        &self,
-        place: usize,
-        frame: &Frame,
-    ) -> (BodyView<'_>, CubicSource<'_, CompactCubic>) {
+    /// Returns the source of the boxes of the body at a place.
+    #[inline(always)]
+    fn source(&self, place: usize) -> CubicSource<'_, CompactCubic> {
+        let frame: &Frame = &self.frame;
         let (entry, extension) = (self.entries[place], self.extension(place));
         let padding = Padding::of(entry.body.shape(), self.margin, frame);
-        if !entry.body.trajectory.straight_motions().is_empty() {
-            let knots = Knots::over(&entry.body.trajectory, extension);
-            let source = CubicSource::straight(knots, &padding, frame);
-            return (view_of(&entry.body, knots), source);
+        let plan = &entry.body.trajectory;
+        if !plan.straight_motions().is_empty() {
+            return CubicSource::straight(Knots::over(plan, extension), &padding, frame);
         }
+        self.source_of_plan(entry, extension, &padding)
+    }
+
+    #[inline(never)]
+    fn source_of_plan(
+        &self,
+        entry: &'a SceneEntry,
+        extension: Option<&Extension>,
+        padding: &Padding,
+    ) -> CubicSource<'_, CompactCubic> {
         let compact_view = entry.compact_view(self.arena);
         // A screening reads knots next to the compact trajectories.
         let knots = compact_view
             .knots
             .extended(&entry.body.trajectory, extension);
-        let source = CubicSource::compact(knots, &compact_view, &padding, frame);
-        (view_of(&entry.body, knots), source)
+        CubicSource::compact(knots, &compact_view, padding, &self.frame)
     }
 
     /// Returns the statistics of motion in the window.
@@ -194,9 +201,16 @@ impl Bodies for BodiesInPlace<'_> {
 
 impl BoxedBodies for BodiesInPlace<'_> {
     fn form(&self, slices: SlicesToForm<'_>) {
-        let frame = self.0.frame;
-        // They lie in the order of their places.
-        slices.form_in_place(|_| {}, |place| self.0.prepare(place as usize, &frame).1);
+        slices.form_in_place(self);
+    }
+}
+
+impl SourcesInPlace for BodiesInPlace<'_> {
+    type Cubic = CompactCubic;
+
+    #[inline(always)]
+    fn source(&self, body: u32) -> CubicSource<'_, CompactCubic> {
+        self.0.source(body as usize)
     }
 }
 

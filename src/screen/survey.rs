@@ -54,6 +54,7 @@ impl SceneSurvey {
     }
 
     /// Includes a body and its pieces beyond the knots in the window, if it has a partner.
+    #[inline]
     pub(super) fn include(
         &mut self,
         place: usize,
@@ -121,8 +122,12 @@ impl SceneSurvey {
                     high: position,
                 });
             }
-            let path = motion.velocity().length() * (to - from);
-            self.count((from, to), (path, 1));
+            let time = to - from;
+            self.traffic.body_time += time;
+            if time > 0.0 {
+                self.traffic.path += motion.velocity().length() * time;
+                self.traffic.segments += 1.0;
+            }
         }
         self.extremes.include(extremes);
     }
@@ -141,16 +146,18 @@ impl SceneSurvey {
 
     /// Adds the part within the window of a motion between two instants (s), with its path (m) and
     /// number of segments.
+    #[inline]
     fn count(&mut self, (from, to): (f64, f64), (path, segments): (f64, usize)) {
         let (start, end) = (self.window.start(), self.window.end());
         let time = (to.min(end) - from.max(start)).max(0.0);
         self.traffic.body_time += time;
         let duration = to - from;
         if duration > 0.0 {
-            self.traffic.path += path * (time / duration);
+            let share = time / duration;
             #[allow(clippy::cast_precision_loss, reason = "an estimate")]
             let segments = segments as f64;
-            self.traffic.segments += segments * (time / duration);
+            self.traffic.path += path * share;
+            self.traffic.segments += segments * share;
         }
     }
 

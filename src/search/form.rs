@@ -1,11 +1,8 @@
 //! Boxes and fat lines of all bodies in a few slices.
 
-use crate::bounds::{
-    BoundingCubic, BoundsBuilder, CubicRun, CubicSource, FatLine, MovingFrame, SliceInterval,
-    SubCubic,
-};
+use super::body_walk::{Ahead, cubic_at, cubic_before, ends_of, exists, periods_of, short, walk};
+use crate::bounds::{BoundingCubic, CubicRun, CubicSource, FatLine, MovingFrame, SliceInterval};
 use crate::broad_phase::BodyBox;
-use crate::knots::Knots;
 use crate::simd::Task;
 use parry3d::bounding_volume::Aabb;
 
@@ -21,7 +18,7 @@ pub(crate) struct SliceBounds {
 
 impl SliceBounds {
     #[inline(always)]
-    fn push(&mut self, body: u32, (fat_line, aabb): (FatLine, Aabb)) {
+    pub(super) fn push(&mut self, body: u32, (fat_line, aabb): (FatLine, Aabb)) {
         let place = short(self.bodies.len());
         self.boxes.push(BodyBox { aabb, body: place });
         self.fat_lines.push(fat_line);
@@ -40,9 +37,6 @@ pub(crate) struct SliceBlock {
 }
 
 impl SliceBlock {
-    /// Largest number of slices in a block: each list may be as long as the longest.
-    pub(crate) const SLICES: usize = 32;
-
     /// Empties the first slices, and makes room for so many boxes in each.
     pub(super) fn clear(&mut self, count: usize, room: usize) {
         if self.slices.len() < count {
@@ -60,7 +54,7 @@ impl SliceBlock {
     }
 }
 
-/// Forms the boxes and fat lines of some slices (at most [`SliceBlock::SLICES`]).
+/// Forms the boxes and fat lines of some slices (at most [`MAX_SLICES`](super::MAX_SLICES)).
 pub(crate) struct FormBounds<'a, C> {
     pub(crate) block: &'a mut SliceBlock,
     pub(crate) frame: &'a MovingFrame,
@@ -95,11 +89,7 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
         let Self { ends, present, .. } = self;
         let count = ends.len() - 1;
         self.block.clear(count, present.len());
-        let mut periods = [period(0.0, 0.0); SliceBlock::SLICES];
-        for (place, ends) in periods.iter_mut().zip(ends.windows(2)) {
-            *place = period(ends[0], ends[1]);
-        }
-        let periods = &periods[..count];
+        let periods = &periods_of(ends, period)[..count];
         self.block.pieces.resize(self.sources.len(), 0);
         for number in 0..Self::AHEAD {
             self.look_up(number, periods);
@@ -109,26 +99,12 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
             let ahead = self.look_up(number + Self::AHEAD, periods);
             let body = place as usize;
             let source = &self.sources[body];
-            if !exists(source, periods) {
-                continue;
+            let SliceBlock { slices, pieces } = &mut *self.block;
+            let first = || pieces[body] as usize;
+            let put = |slice: usize, bounds| slices[slice].push(place, bounds);
+            if let Some(last) = walk(source, periods, (ahead, first), put) {
+                pieces[body] = short(last);
             }
-            let piece = self.block.pieces[body] as usize;
-            let slices = &mut self.block.slices[..count];
-            if let Some(pieces) = source.straight_over(ends_of(periods)) {
-                for (slice, period) in slices.iter_mut().zip(periods) {
-                    let (bounds, first) = pieces.bounds(period);
-                    slice.push(place, bounds.finish(&source.placement, short(first)));
-                }
-                continue;
-            }
-            let end = if source.knots.are_extended() {
-                let walk = BodyWalk::<_, _, true>::new(source, periods, ahead, piece);
-                walk.through_extended(piece, place, slices)
-            } else {
-                let walk = BodyWalk::<_, _, false>::new(source, periods, ahead, piece);
-                walk.through(piece, place, slices)
-            };
-            self.block.pieces[body] = short(end);
         }
     }
 
@@ -165,23 +141,6 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
     }
 }
 
-/// Returns the beginning and end of a block, s.
-#[inline(always)]
-fn ends_of<const MOVES: bool>(periods: &[SliceInterval<MOVES>]) -> (f64, f64) {
-    (periods[0].from, periods[periods.len() - 1].to)
-}
-
-/// Returns true if a body exists in a block.
-#[inline(always)]
-fn exists<C, const MOVES: bool>(
-    source: &CubicSource<'_, C>,
-    periods: &[SliceInterval<MOVES>],
-) -> bool {
-    let (first, last) = source.knots.ends();
-    let (from, to) = ends_of(periods);
-    first <= to && last >= from
-}
-
 /// Returns true if a body usually passes so many cubics in a slice that they form runs.
 #[inline(always)]
 fn goes_in_runs<C: BoundingCubic, const MOVES: bool>(
@@ -213,157 +172,6 @@ fn fetch_route<C: BoundingCubic, const MOVES: bool>(
         source.fetch(end);
         number = end;
     }
-}
-
-/// Returns the last cubic that begins before `time` (or the first), searched from a guess.
-#[inline(always)]
-fn cubic_before(knots: &Knots<'_>, time: f64, guess: u32) -> usize {
-    /// Linear steps before the search halves the rest.
-    const STEPS: usize = 8;
-    let guess = guess as usize;
-    if knots.are_extended() {
-        return knots.count(|knot| knot < time).max(1) - 1;
-    }
-    let knots = knots.own();
-    let known = guess < knots.len() && knots[guess] < time;
-    let mut piece = if known { guess } else { 0 };
-    for _ in 0..STEPS {
-        if piece + 1 >= knots.len() || knots[piece + 1] >= time {
-            return piece;
-        }
-        piece += 1;
-    }
-    piece + knots[piece + 1..].partition_point(|&knot| knot < time)
-}
-
-/// Returns the last cubic that begins by `time`, from one that begins before it. Slices are closed:
-/// a cubic that begins at the slice's end counts with its first point.
-#[inline(always)]
-fn cubic_at<const EXTENDED: bool>(knots: &Knots<'_>, time: f64, number: usize) -> usize {
-    /// Knots passed at once.
-    const STEP: usize = 4;
-    if EXTENDED {
-        let later = (number + 1..knots.cubics()).take_while(|&next| knots.at(next) <= time);
-        return number + later.count();
-    }
-    let knots = knots.own();
-    let mut rest = &knots[number + 1..knots.len() - 1];
-    while let Some((step, further)) = rest.split_first_chunk::<STEP>()
-        && step[STEP - 1] <= time
-    {
-        rest = further;
-    }
-    let passed = rest.iter().take_while(|&&knot| knot <= time).count();
-    knots.len() - 2 - rest.len() + passed
-}
-
-/// The walk of one body through the slices of a block.
-struct BodyWalk<'a, C, const MOVES: bool, const EXTENDED: bool> {
-    source: &'a CubicSource<'a, C>,
-    periods: &'a [SliceInterval<MOVES>],
-    ahead: Ahead<'a, C>,
-    begin: usize,
-}
-
-/// A later body and the first of its plan's cubics to prefetch: one for each of this body's.
-/// None: nothing to prefetch.
-type Ahead<'a, C> = Option<(&'a CubicSource<'a, C>, usize)>;
-
-impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
-    BodyWalk<'a, C, MOVES, EXTENDED>
-{
-    #[inline(always)]
-    const fn new(
-        source: &'a CubicSource<'a, C>,
-        periods: &'a [SliceInterval<MOVES>],
-        ahead: Ahead<'a, C>,
-        begin: usize,
-    ) -> Self {
-        Self {
-            source,
-            periods,
-            ahead,
-            begin,
-        }
-    }
-
-    #[inline(always)]
-    fn piece(&self, number: usize) -> SubCubic {
-        if let Some((later, first)) = self.ahead {
-            if number == self.begin {
-                later.fetch(first);
-            }
-            // One more: it may go through more cubics than this one.
-            later.fetch(first.wrapping_add(number - self.begin + 1));
-        }
-        self.source.piece::<EXTENDED>(number)
-    }
-
-    /// Adds the cubics from `next` to before `end` to a builder.
-    #[inline(always)]
-    fn follow_whole(&self, builder: &mut BoundsBuilder<MOVES>, mut next: usize, end: usize) {
-        while next < end {
-            if let Some(after) = self.source.pass::<MOVES, EXTENDED>(builder, (next, end)) {
-                next = after;
-            } else {
-                builder.follow_from_start(&self.piece(next));
-                next += 1;
-            }
-        }
-    }
-
-    #[inline(never)]
-    fn through_extended(&self, number: usize, body: u32, slices: &mut [SliceBounds]) -> usize {
-        self.through(number, body, slices)
-    }
-
-    /// Appends box and fat line to each slice in which the body exists; returns its last cubic.
-    #[inline(always)]
-    fn through(&self, mut number: usize, body: u32, slices: &mut [SliceBounds]) -> usize {
-        let Self {
-            source, periods, ..
-        } = *self;
-        let knots = &source.knots;
-        let (first, last) = knots.ends();
-        let mut rest = self.piece(number);
-        if knots.at(number) < periods[0].from {
-            rest = rest.split(periods[0].from).1;
-        }
-        for (slice, period) in slices.iter_mut().zip(periods) {
-            if first > period.to || last < period.from {
-                continue;
-            }
-            let begin = number;
-            number = cubic_at::<EXTENDED>(knots, period.to, number);
-            let builder = if number == begin {
-                let (piece, after) = rest.split(period.to.min(rest.end()));
-                rest = after;
-                if piece.fills(period) {
-                    BoundsBuilder::alone(&piece, period)
-                } else {
-                    BoundsBuilder::between(&piece, &piece, period)
-                }
-            } else {
-                let head = rest;
-                let whole = self.piece(number);
-                let (tail, after) = whole.split(period.to.min(whole.end()));
-                rest = after;
-                let mut builder = BoundsBuilder::between(&head, &tail, period);
-                self.follow_whole(&mut builder, begin + 1, number);
-                builder.follow_from_start(&tail);
-                builder
-            };
-            slice.push(body, builder.finish(&source.placement, short(begin)));
-        }
-        number
-    }
-}
-
-/// Converts a count of bodies or segments to 32 bits; a longer list does not fit into memory.
-#[inline(always)]
-#[allow(clippy::cast_possible_truncation, reason = "see above")]
-pub(crate) fn short(count: usize) -> u32 {
-    count as u32
 }
 
 #[cfg(test)]

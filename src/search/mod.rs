@@ -6,6 +6,7 @@
 //! which a monitor also uses for the few changed pairs of a slice.
 
 mod bodies;
+mod body_walk;
 mod form;
 mod form_slices;
 mod limits;
@@ -18,10 +19,11 @@ mod sort;
 mod window;
 
 pub(crate) use bodies::{Bodies, BodyLists, BoxedBodies, ListMemory};
+pub(crate) use body_walk::MAX_SLICES;
 #[cfg(test)]
 pub(crate) use form::SliceBounds;
 pub(crate) use form::{FormBounds, SliceBlock};
-pub(crate) use form_slices::{BATCH, PLACES, SlicesToForm};
+pub(crate) use form_slices::{FormInPlace, SlicesToForm, SourcesInPlace};
 pub(crate) use limits::{LimitExceeded, Limits};
 pub(crate) use presence::Lifetimes;
 pub(crate) use refine::{CandidateRefiner, RefineContext};

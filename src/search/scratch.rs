@@ -19,8 +19,6 @@ pub(crate) struct SearchScratch {
     /// Places of the bodies that exist in the block.
     pub(crate) present: Vec<u32>,
     pub(crate) block: SliceBlock,
-    /// The boxes of a few bodies in the block, for each share of the work.
-    pub(crate) batches: Vec<SliceBlock>,
     pub(crate) candidates: Vec<Candidate>,
     /// Number of candidates of each slice.
     pub(crate) counts: Vec<usize>,

@@ -1,6 +1,7 @@
 //! Search of a whole window: boxes, candidates, and the spans that cheap tests leave.
 
-use super::form::{SliceBlock, SliceBounds, short};
+use super::body_walk::{MAX_SLICES, short};
+use super::form::{SliceBlock, SliceBounds};
 use super::form_slices::SlicesToForm;
 use super::{
     BoxedBodies, Lifetimes, LimitExceeded, Limits, RefineContext, SceneStatistics, SearchScratch,
@@ -115,7 +116,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
             .list((ends[0], ends[ends.len() - 1]), &mut scratch.present);
         // Taken out meanwhile, so that the method can be borrowed beside them.
         let mut block = std::mem::take(&mut scratch.block);
-        self.form(&ends, &scratch.present, (&mut block, &mut scratch.batches));
+        self.form(&ends, &scratch.present, &mut block);
         scratch.ends = ends;
         stats.bounds_time += begin.elapsed();
         let mut candidates = std::mem::take(&mut scratch.candidates);
@@ -166,15 +167,9 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         Ok(stats)
     }
 
-    fn form(
-        &self,
-        ends: &[f64],
-        present: &[u32],
-        (block, batches): (&mut SliceBlock, &mut Vec<SliceBlock>),
-    ) {
+    fn form(&self, ends: &[f64], present: &[u32], block: &mut SliceBlock) {
         self.bodies.form(SlicesToForm {
             block,
-            batches,
             frame: self.frame,
             present,
             ends,
@@ -250,8 +245,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         let middle = 0.5 * from + 0.5 * to;
         let mut halves = SliceBlock::default();
         if from < middle && middle < to {
-            let memory = (&mut halves, &mut scratch.batches);
-            self.form(&[from, middle, to], &slice.bodies, memory);
+            self.form(&[from, middle, to], &slice.bodies, &mut halves);
         }
         let whole = Size::of(slice);
         let sizes = halves.slices.iter().map(Size::of);
@@ -383,7 +377,7 @@ impl SliceBlocks {
         let slices = slices.count();
         let cached = (Self::CACHED_BOXES / present) as usize;
         let few = Self::FEW_SLICES[usize::from(cubics >= 1.0)];
-        let fit = cached.clamp(few, SliceBlock::SLICES);
+        let fit = cached.clamp(few, MAX_SLICES);
         let most = (Self::MAX_BOXES / bodies.max(1)).clamp(1, fit);
         let count = slices.div_ceil(u32::try_from(most).unwrap_or(u32::MAX));
         let threads = u32::try_from(threads).unwrap_or(u32::MAX);

@@ -83,15 +83,12 @@ pub(super) fn of_polynomial(polynomial: &[DVec3; 4], time: DoubleDouble) -> ([DV
 #[cfg(test)]
 mod tests {
     use crate::rounding::UNIT_ROUNDOFF;
+    use crate::rounding::exact::number;
     use crate::trajectory::{Outside, Segment, State, TimeBase, Trajectory};
     use dashu::rational::RBig;
     use glam::DVec3;
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
-
-    fn exact(x: f64) -> RBig {
-        RBig::try_from(x).unwrap_or_else(|_| unreachable!("finite"))
-    }
 
     /// Coefficients of 1, τ, τ², τ³ with τ the time since an instant, by axis.
     struct ExactCubic {
@@ -101,17 +98,17 @@ mod tests {
 
     impl ExactCubic {
         fn of_states(first: &State, second: &State) -> Self {
-            let duration = exact(second.time) - exact(first.time);
+            let duration = number(second.time) - number(first.time);
             let coefficients = [0, 1, 2].map(|axis| {
-                let [p, q] = [first, second].map(|state| exact(state.position[axis]));
-                let [v, w] = [first, second].map(|state| exact(state.velocity[axis]));
+                let [p, q] = [first, second].map(|state| number(state.position[axis]));
+                let [v, w] = [first, second].map(|state| number(state.velocity[axis]));
                 let rate = (q - &p) / &duration;
                 let quadratic = (RBig::from(3) * &rate - RBig::from(2) * &v - &w) / &duration;
                 let cubic = (&v + w - RBig::from(2) * rate) / (&duration * &duration);
                 [p, v, quadratic, cubic]
             });
             Self {
-                since: exact(first.time),
+                since: number(first.time),
                 coefficients,
             }
         }
@@ -119,13 +116,13 @@ mod tests {
         fn of_polynomial(polynomial: &[DVec3; 4], since: f64) -> Self {
             let [a, b, c, d] = polynomial;
             Self {
-                since: exact(since),
-                coefficients: [0, 1, 2].map(|axis| [d, c, b, a].map(|one| exact(one[axis]))),
+                since: number(since),
+                coefficients: [0, 1, 2].map(|axis| [d, c, b, a].map(|one| number(one[axis]))),
             }
         }
 
         fn around(&self, time: f64) -> Self {
-            let shift = exact(time) - &self.since;
+            let shift = number(time) - &self.since;
             let coefficients = self.coefficients.clone().map(|[p, v, b, a]| {
                 let [two, three] = [2, 3].map(RBig::from);
                 [
@@ -136,7 +133,7 @@ mod tests {
                 ]
             });
             Self {
-                since: exact(time),
+                since: number(time),
                 coefficients,
             }
         }
@@ -160,7 +157,7 @@ mod tests {
 
         /// Returns the largest distance between control points over an interval and given ones.
         fn farthest(&self, points: &[DVec3; 4], from: DVec3, interval: (f64, f64)) -> f64 {
-            let [a, b] = [interval.0, interval.1].map(|time| exact(time) - &self.since);
+            let [a, b] = [interval.0, interval.1].map(|time| number(time) - &self.since);
             let instants = [[&a, &a, &a], [&a, &a, &b], [&a, &b, &b], [&b, &b, &b]];
             let distances = points.iter().zip(instants).map(|(point, [x, y, z])| {
                 let apart = [0, 1, 2].map(|axis| {
@@ -170,7 +167,7 @@ mod tests {
                         + v * (x + y + z) / &three
                         + b * (x * y + y * z + z * x) / &three
                         + c * (x * y * z);
-                    let apart = place - exact(from[axis]) - exact(point[axis]);
+                    let apart = place - number(from[axis]) - number(point[axis]);
                     apart.to_f64().value()
                 });
                 DVec3::from_array(apart).length()

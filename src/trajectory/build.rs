@@ -28,25 +28,39 @@ impl Trajectory {
     /// [`Error::TimeNotIncreasing`], [`Error::NotFinite`] and [`Error::OutOfRange`], each with the
     /// knot and the value.
     pub fn from_states(states: &[State]) -> Result<Self, Error> {
-        let [first, .., last] = states else {
-            return Err(Error::TooFewStates {
-                count: states.len(),
-            });
-        };
-        check_states(states)?;
-        let mut knots = Roomy::with_capacity(states.len());
-        states
-            .iter()
-            .for_each(|state| knots.push(one_zero(state.time)));
-        let mut segments = Roomy::with_capacity(states.len() - 1);
-        for (index, pair) in states.windows(2).enumerate() {
-            segments.push(Segment::hermite(&pair[0], &pair[1], index + 1)?);
+        Self::hermite(states, states)
+    }
+
+    /// Builds the cubics that leave and arrive at knots in these states, whose times and positions agree.
+    ///
+    /// # Errors
+    ///
+    /// As [`from_states`](Self::from_states), of the states that are left.
+    pub(super) fn hermite(leaving: &[State], arriving: &[State]) -> Result<Self, Error> {
+        let count = leaving.len();
+        if count < 2 {
+            return Err(Error::TooFewStates { count });
         }
-        let last_pair = &states[states.len() - 2..];
-        let ends = hermite_ends([first, &states[1]], [&last_pair[0], last], states.len() - 1)?;
-        segments.put_beside(0, ends[0]);
-        segments.put_beside(1, ends[1]);
-        Ok(Self::absent_outside(knots, segments))
+        check_states(leaving)?;
+        let mut knots = Roomy::with_capacity(count);
+        let times = leaving.iter().map(|state| one_zero(state.time));
+        times.for_each(|time| knots.push(time));
+        let mut segments = Roomy::with_capacity(count - 1);
+        for (knot, (from, to)) in (1..).zip(leaving.iter().zip(&arriving[1..])) {
+            segments.push(Segment::hermite(from, to, knot)?);
+        }
+        let last = count - 1;
+        let bends = |knot: usize| bend::of_states(&leaving[knot - 1], &arriving[knot]);
+        let first_bends = bends(1);
+        let last_bends = if last == 1 { first_bends } else { bends(last) };
+        let end = |state: &State, knot: usize, bend: [DVec3; 2]| {
+            let piece = knot.max(1);
+            let duration = leaving[piece].time - leaving[piece - 1].time;
+            Ok(Segment::line(state, duration, 0.0, knot)?.with_bend(bend, duration))
+        };
+        segments.put_beside(0, end(&leaving[0], 0, first_bends[0])?);
+        segments.put_beside(1, end(&arriving[last], last, last_bends[1])?);
+        Ok(Self::of_plan(knots, segments, [Outside::Absent; 2]))
     }
 
     /// Builds one segment per polynomial, `a t³ + b t² + c t + d` as `[a, b, c, d]`, between
@@ -115,32 +129,25 @@ impl Trajectory {
     /// Returns the motion along cubics between knots, which ends at the first and the last one. `ends` are the end
     /// motions from there, for another [rule](Outside).
     pub(super) fn of_cubics(knots: &[f64], segments: &[Segment], ends: &[Segment; 2]) -> Self {
-        Self::absent_outside(Roomy::new(knots, &[]), Roomy::new(segments, ends))
+        let (knots, segments) = (Roomy::new(knots, &[]), Roomy::new(segments, ends));
+        Self::of_plan(knots, segments, [Outside::Absent; 2])
     }
 
     /// Returns this motion with other cubics between its first and its last knot. Beyond them it is the same.
     pub(super) fn with_cubics(&self, knots: &[f64], segments: &[Segment]) -> Self {
         let ends = [self.carrier_before(), self.carrier_after()];
-        Self {
-            form: Form::Plan(Plan {
-                knots: Roomy::new(knots, &[]),
-                segments: Roomy::new(segments, &ends),
-                before: self.outside_before(),
-                after: self.outside_after(),
-                has_piece_after: false,
-            }),
-        }
+        let rules = [self.outside_before(), self.outside_after()];
+        Self::of_plan(Roomy::new(knots, &[]), Roomy::new(segments, &ends), rules)
     }
 
-    const fn absent_outside(knots: Roomy<f64>, segments: Roomy<Segment, 2>) -> Self {
+    /// Returns the motion along cubics between knots, with the end motions beside the cubics and these rules.
+    pub(super) const fn of_plan(
+        knots: Roomy<f64>,
+        segments: Roomy<Segment, 2>,
+        rules: [Outside; 2],
+    ) -> Self {
         Self {
-            form: Form::Plan(Plan {
-                knots,
-                segments,
-                before: Outside::Absent,
-                after: Outside::Absent,
-                has_piece_after: false,
-            }),
+            form: Form::Plan(Plan::new(knots, segments, rules)),
         }
     }
 
@@ -198,8 +205,8 @@ impl Trajectory {
     ///
     /// As [`coasting`](Self::coasting).
     pub(crate) fn coasting_motion(state: &State) -> Result<StraightMotion, Error> {
-        if let Some(motion) = StraightMotion::through_ordinary(state) {
-            return Ok(motion);
+        if StraightMotion::is_ordinary(state) {
+            return Ok(StraightMotion::through_ordinary(state));
         }
         check_states(from_ref(state))?;
         StraightMotion::through(state, StraightMotion::DURATION)
@@ -220,7 +227,7 @@ impl Trajectory {
 /// # Errors
 ///
 /// [`Error::NotFinite`], [`Error::OutOfRange`].
-pub(super) fn check_number(knot: usize, quantity: Quantity, value: f64) -> Result<(), Error> {
+pub(crate) fn check_number(knot: usize, quantity: Quantity, value: f64) -> Result<(), Error> {
     if !value.is_finite() {
         return Err(Error::NotFinite {
             knot,
@@ -243,7 +250,7 @@ pub(super) fn check_number(knot: usize, quantity: Quantity, value: f64) -> Resul
 /// # Errors
 ///
 /// The first time that is not usable, or not later than the previous one.
-pub(super) fn check_times(times: impl Iterator<Item = f64>) -> Result<(), Error> {
+pub(crate) fn check_times(times: impl Iterator<Item = f64>) -> Result<(), Error> {
     let mut previous = f64::NEG_INFINITY;
     for (knot, time) in times.enumerate() {
         check_number(knot, Quantity::Time, time)?;
@@ -276,25 +283,6 @@ pub(super) fn checked_knots(knots: &[f64], segments: usize) -> Result<Vec<f64>, 
     }
     check_times(knots.iter().copied())?;
     Ok(knots.iter().copied().map(one_zero).collect())
-}
-
-/// Returns the end motions of Hermite cubics, by the first and the last two states; `last_knot` is the last one's
-/// number.
-pub(super) fn hermite_ends(
-    first: [&State; 2],
-    last: [&State; 2],
-    last_knot: usize,
-) -> Result<[Segment; 2], Error> {
-    let [before, after] = [first, last].map(|[from, to]| to.time - from.time);
-    let leaving = bend::of_states(first[0], first[1]);
-    let arriving = match last_knot {
-        1 => leaving,
-        _ => bend::of_states(last[0], last[1]),
-    };
-    Ok([
-        Segment::line(first[0], before, 0.0, 0)?.with_bend(leaving[0], before),
-        Segment::line(last[1], after, 0.0, last_knot)?.with_bend(arriving[1], after),
-    ])
 }
 
 pub(super) fn check_states(states: &[State]) -> Result<(), Error> {

@@ -35,8 +35,10 @@ impl DoublingCuts {
     }
 
     /// Returns cut number k, also where rounding makes it equal to the one before.
+    #[inline]
     pub(super) fn cut(knot: f64, step: f64, number: u32) -> f64 {
-        let factor = 2_f64.powi(number.cast_signed());
+        // The power of two, infinite from 1024 on.
+        let factor = f64::from_bits(u64::from(number.min(1024) + 1023) << 52);
         (knot + step * (factor - 1.0)).clamp(-f64::MAX, f64::MAX)
     }
 

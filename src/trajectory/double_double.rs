@@ -4,6 +4,7 @@
 //! J. R. Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric
 //! predicates", 1997, for [`Expansion`]. Only run when a trajectory is built, never in a query.
 
+use crate::rounding::two_sum;
 use std::ops::{Add, Mul};
 
 /// An unevaluated sum of two f64, the second at most half an ulp of the first.
@@ -65,11 +66,9 @@ impl DoubleDouble {
         [self.high, self.low]
     }
 
-    /// Returns `a + b`, exactly (Knuth).
+    /// Returns `a + b`, exactly.
     fn sum(a: f64, b: f64) -> Self {
-        let high = a + b;
-        let shadow = high - a;
-        let low = (a - (high - shadow)) + (b - shadow);
+        let (high, low) = two_sum(a, b);
         Self { high, low }
     }
 

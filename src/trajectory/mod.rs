@@ -22,6 +22,7 @@ mod straight;
 mod turned;
 
 pub use build::TimeBase;
+pub(crate) use build::{check_number, check_times};
 pub use curves::{Keyframe, PositionOptions};
 #[cfg(test)]
 pub(crate) use double_double::DoubleDouble;
@@ -166,7 +167,7 @@ impl Trajectory {
         }
     }
 
-    /// Returns what follows from the first state: straight motion before it.
+    /// Returns the end motion before the first knot.
     fn carrier_before(&self) -> Segment {
         match &self.form {
             Form::Straight(motion, _) => motion.segment(),
@@ -175,7 +176,7 @@ impl Trajectory {
         }
     }
 
-    /// Returns what follows from the last state: straight motion after it.
+    /// Returns the end motion after the last knot.
     fn carrier_after(&self) -> Segment {
         match &self.form {
             Form::Straight(motion, _) => motion.segment(),

@@ -23,6 +23,21 @@ pub(super) struct Plan {
 }
 
 impl Plan {
+    /// Returns the plan of these knots and segments, with the rules before and after.
+    pub(super) const fn new(
+        knots: Roomy<f64>,
+        segments: Roomy<Segment, 2>,
+        [before, after]: [Outside; 2],
+    ) -> Self {
+        Self {
+            knots,
+            segments,
+            before,
+            after,
+            has_piece_after: false,
+        }
+    }
+
     /// Returns the knots, without the end of the piece after the last one.
     pub(super) fn knots(&self) -> &[f64] {
         &self.knots[..self.knots.len() - usize::from(self.has_piece_after)]

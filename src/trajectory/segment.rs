@@ -292,36 +292,18 @@ impl Segment {
         if self.is_bent() {
             // A power of two.
             let unit = duration / 3.0;
-            let x = (time - self.start) / unit;
-            let [linear, quadratic, cubic] = self.control_points;
-            let offset = x * (linear + x * (quadratic + x * cubic));
-            let rate = linear + x * (2.0 * quadratic + x * 3.0 * cubic);
-            let curve = 2.0 * quadratic + x * 6.0 * cubic;
+            let (offset, rate, curve) = powers_at(&self.control_points, (time - self.start) / unit);
             (self.origin + offset, rate / unit, curve / unit / unit)
         } else if self.goes_on() || time - self.start <= self.end - time {
-            let s = (time - self.start) / duration;
-            let [linear, quadratic, cubic] = self.powers();
-            let offset = s * (linear + s * (quadratic + s * cubic));
-            let rate = linear + s * (2.0 * quadratic + s * 3.0 * cubic);
-            let curve = 2.0 * quadratic + s * 6.0 * cubic;
-            (
-                self.origin + offset,
-                rate / duration,
-                curve / duration / duration,
-            )
+            let (offset, rate, curve) = powers_at(&self.powers(), (time - self.start) / duration);
+            let (velocity, acceleration) = (rate / duration, curve / duration / duration);
+            (self.origin + offset, velocity, acceleration)
         } else {
-            let s = (self.end - time) / duration;
             let [first, second, third] = self.control_points;
-            let [linear, quadratic, cubic] =
-                power_form(second - third, first - third, DVec3::ZERO - third);
-            let offset = third + s * (linear + s * (quadratic + s * cubic));
-            let rate = linear + s * (2.0 * quadratic + s * 3.0 * cubic);
-            let curve = 2.0 * quadratic + s * 6.0 * cubic;
-            (
-                self.origin + offset,
-                -rate / duration,
-                curve / duration / duration,
-            )
+            let back = power_form(second - third, first - third, DVec3::ZERO - third);
+            let (offset, rate, curve) = powers_at(&back, (self.end - time) / duration);
+            let (velocity, acceleration) = (-rate / duration, curve / duration / duration);
+            (self.origin + (third + offset), velocity, acceleration)
         }
     }
 
@@ -351,7 +333,7 @@ impl Segment {
         size + error / (16.0 * UNIT_ROUNDOFF)
     }
 
-    /// Returns how far an interval reaches from the start, in durations of the segment.
+    /// Returns the distance that an interval reaches from the start, in durations of the segment.
     pub(crate) fn lengths_to(&self, from: f64, to: f64) -> f64 {
         let duration = self.end - self.start;
         ((from - self.start).abs().max((to - self.start).abs())) / duration
@@ -398,6 +380,15 @@ fn power_form(first: DVec3, second: DVec3, third: DVec3) -> [DVec3; 3] {
         3.0 * (second - 2.0 * first),
         third - 3.0 * (second - first),
     ]
+}
+
+/// Returns c1 x + c2 x² + c3 x³ with its first and second derivative.
+fn powers_at(&[linear, quadratic, cubic]: &[DVec3; 3], x: f64) -> (DVec3, DVec3, DVec3) {
+    (
+        x * (linear + x * (quadratic + x * cubic)),
+        linear + x * (2.0 * quadratic + x * 3.0 * cubic),
+        2.0 * quadratic + x * 6.0 * cubic,
+    )
 }
 
 #[cfg(test)]

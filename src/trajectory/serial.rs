@@ -3,9 +3,10 @@
 use super::build::{check_number, check_times};
 use super::reach::check_reach;
 use super::roomy::Roomy;
-use super::{Form, Outside, Plan, Segment, StraightMotion, Trajectory};
+use super::{Outside, Segment, StraightMotion, Trajectory};
 use crate::error::{Error, Quantity};
 use crate::rounding::{largest_norm, one_zero};
+use bytemuck::cast_slice;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -46,8 +47,7 @@ impl TryFrom<Numbers> for Trajectory {
         let Some(last) = knots.len().checked_sub(1) else {
             return Err(Error::TooFewStates { count: 0 });
         };
-        let [rule_before, rule_after] = outside;
-        if segments.len() != last || (last == 0 && rule_after == Outside::Absent) {
+        if segments.len() != last || (last == 0 && outside[1] == Outside::Absent) {
             return Err(Error::SegmentCount {
                 knots: knots.len(),
                 segments: segments.len(),
@@ -82,82 +82,42 @@ impl TryFrom<Numbers> for Trajectory {
         if let Some(motion) = StraightMotion::of(&ends[0]).filter(|_| is_line) {
             return Ok(Self::of_straight(motion));
         }
-        Ok(Self {
-            form: Form::Plan(Plan {
-                segments: Roomy::new(&segments, &ends),
-                knots: Roomy::new(&knots, &[]),
-                before: rule_before,
-                after: rule_after,
-                has_piece_after: false,
-            }),
-        })
+        Ok(Self::of_plan(
+            Roomy::new(&knots, &[]),
+            Roomy::new(&segments, &ends),
+            outside,
+        ))
     }
 }
 
 impl Segment {
     fn numbers(&self) -> [f64; 16] {
         let ([a, b, c], error) = self.parts();
-        let o = self.origin();
-        [
-            self.start(),
-            self.end(),
-            o.x,
-            o.y,
-            o.z,
-            a.x,
-            a.y,
-            a.z,
-            b.x,
-            b.y,
-            b.z,
-            c.x,
-            c.y,
-            c.z,
-            self.extent(),
-            error,
-        ]
+        let mut numbers = [0.0; 16];
+        numbers[..2].copy_from_slice(&[self.start(), self.end()]);
+        numbers[2..14].copy_from_slice(cast_slice(&[self.origin(), a, b, c]));
+        numbers[14..].copy_from_slice(&[self.extent(), error]);
+        numbers
     }
 
     /// Rebuilds an end motion: straight, with the coefficients of a cubic.
     fn going_on(mut numbers: [f64; 16], knot: usize) -> Result<Self, Error> {
-        let [bx, by, bz, cx, cy, cz] = numbers[8..14] else {
-            unreachable!("of sixteen")
-        };
         for (place, value) in numbers[8..14].iter().enumerate() {
             check_number(knot, Quantity::Position(place % 3), *value)?;
         }
+        let bend = [vector(&numbers, 8), vector(&numbers, 11)];
         numbers[8..14].fill(0.0);
-        let line = Self::from_numbers(numbers, knot)?;
-        let coefficients = [[bx, by, bz], [cx, cy, cz]].map(DVec3::from_array);
-        Ok(line.with_coefficients(coefficients))
+        Ok(Self::from_numbers(numbers, knot)?.with_coefficients(bend))
     }
 
     /// Rebuilds a segment after checking its numbers; `knot` is the number of its end knot.
     fn from_numbers(numbers: [f64; 16], knot: usize) -> Result<Self, Error> {
-        let [
-            start,
-            end,
-            ox,
-            oy,
-            oz,
-            ax,
-            ay,
-            az,
-            bx,
-            by,
-            bz,
-            cx,
-            cy,
-            cz,
-            extent,
-            error,
-        ] = numbers;
+        let [start, end, .., extent, error] = numbers;
         for time in [start, end] {
             if !time.is_finite() {
-                let quantity = Quantity::Time;
                 return Err(Error::NotFinite {
                     knot,
-                    quantity,
+                    quantity: Quantity::Time,
                     value: time,
                 });
             }
@@ -172,11 +132,10 @@ impl Segment {
                 time: end,
             });
         }
-        let control_points = [[ax, ay, az], [bx, by, bz], [cx, cy, cz]].map(DVec3::from_array);
         let segment = Self::from_parts(
             (start, end),
-            DVec3::new(ox, oy, oz),
-            control_points,
+            vector(&numbers, 2),
+            [5, 8, 11].map(|place| vector(&numbers, place)),
             (extent, error),
             knot,
         )?;
@@ -187,4 +146,9 @@ impl Segment {
         }
         Ok(segment)
     }
+}
+
+/// Returns the vector that begins at a place.
+fn vector(numbers: &[f64; 16], place: usize) -> DVec3 {
+    DVec3::from_slice(&numbers[place..])
 }

@@ -50,42 +50,28 @@ impl Trajectory {
         if !(tolerance > 0.0 && tolerance <= MAX_MAGNITUDE) {
             return Err(Error::FitTolerance { metres: tolerance });
         }
-        let pieces = self.pieces();
+        let (own_knots, own) = (self.knots(), self.segments());
         let mut knots = Vec::new();
         let mut segments = Vec::new();
         let mut error = 0.0_f64;
         let mut first = 0;
-        while let Some(piece) = pieces.get(first) {
-            let rest = &pieces[first..];
+        while first < own.len() {
             let (count, merged) = if first == 0 && self.shapes_what_was_before() {
                 (1, None)
             } else {
-                longest_run(rest, tolerance)
+                longest_run(&own[first..], &own_knots[first..], tolerance)
             };
-            knots.push(piece.from);
-            if let Some((segment, distance)) = merged {
-                segments.push(segment);
-                error = error.max(distance);
-            } else {
-                segments.push(*piece.segment);
-            }
+            knots.push(own_knots[first]);
+            let (segment, distance) = merged.unwrap_or((own[first], 0.0));
+            segments.push(segment);
+            error = error.max(distance);
             first += count;
         }
-        if segments.len() == pieces.len() {
+        if segments.len() == own.len() {
             return Ok(Fit::proven(self.clone(), 0.0));
         }
-        knots.extend(pieces.last().map(|piece| piece.to));
+        knots.extend(own_knots.last());
         Ok(Fit::proven(self.with_cubics(&knots, &segments), error))
-    }
-
-    fn pieces(&self) -> Vec<OriginalPiece<'_>> {
-        let intervals = self.knots().windows(2);
-        let piece = |(segment, ends): (_, &[f64])| OriginalPiece {
-            segment,
-            from: ends[0],
-            to: ends[1],
-        };
-        self.segments().iter().zip(intervals).map(piece).collect()
     }
 
     /// Returns true if the first cubic is followed before the first knot as well: where a plan lost its beginning, it
@@ -99,29 +85,27 @@ impl Trajectory {
     }
 }
 
-/// A cubic over the part that is followed.
-struct OriginalPiece<'a> {
-    segment: &'a Segment,
-    from: f64,
-    to: f64,
-}
-
-/// Returns the number of pieces at the front that are replaced by one cubic; that cubic, and its distance from them
-/// (m), if there are several.
-fn longest_run(pieces: &[OriginalPiece<'_>], tolerance: f64) -> (usize, Option<(Segment, f64)>) {
+/// Returns the number of cubics at the front that are replaced by one; that one, and its distance from them
+/// (m), if there are several. They are followed between the knots.
+fn longest_run(
+    segments: &[Segment],
+    knots: &[f64],
+    tolerance: f64,
+) -> (usize, Option<(Segment, f64)>) {
+    let merged = |count: usize| merged(&segments[..count], &knots[..=count], tolerance);
     let (mut count, mut best, mut step) = (1, None, 1);
     // The length of a run that is too long.
-    let mut limit = pieces.len() + 1;
-    while count < pieces.len() && limit > pieces.len() {
-        let tried = (count + step).min(pieces.len());
-        match merged(&pieces[..tried], tolerance) {
+    let mut limit = segments.len() + 1;
+    while count < segments.len() && limit > segments.len() {
+        let tried = (count + step).min(segments.len());
+        match merged(tried) {
             None => limit = tried,
             found => (count, best, step) = (tried, found, 2 * step),
         }
     }
     while limit - count > 1 {
         let tried = count + (limit - count) / 2;
-        match merged(&pieces[..tried], tolerance) {
+        match merged(tried) {
             None => limit = tried,
             found => (count, best) = (tried, found),
         }
@@ -129,16 +113,16 @@ fn longest_run(pieces: &[OriginalPiece<'_>], tolerance: f64) -> (usize, Option<(
     (count, best)
 }
 
-/// Returns one cubic for consecutive pieces, and its distance from them (m), if that is within the tolerance.
-fn merged(pieces: &[OriginalPiece<'_>], tolerance: f64) -> Option<(Segment, f64)> {
-    let [first, .., last] = pieces else {
+/// Returns one cubic for consecutive ones, and its distance from them (m), if that is within the tolerance.
+fn merged(segments: &[Segment], knots: &[f64], tolerance: f64) -> Option<(Segment, f64)> {
+    let ([first, .., last], [from, .., to]) = (segments, knots) else {
         return None;
     };
-    let state = |piece: &OriginalPiece<'_>, time: f64| {
-        let (position, velocity, _) = piece.segment.motion_at(time);
+    let state = |segment: &Segment, time: f64| {
+        let (position, velocity, _) = segment.motion_at(time);
         State::new(time, position, velocity)
     };
-    let (begin, end) = (state(first, first.from), state(last, last.to));
+    let (begin, end) = (state(first, *from), state(last, *to));
     let is_finite = [begin, end]
         .iter()
         .all(|state| state.position.is_finite() && state.velocity.is_finite());
@@ -147,8 +131,8 @@ fn merged(pieces: &[OriginalPiece<'_>], tolerance: f64) -> Option<(Segment, f64)
     }
     let segment = Segment::hermite(&begin, &end, 0).ok()?;
     let mut largest = 0.0_f64;
-    for piece in pieces {
-        let distance = distance(&segment, piece);
+    for (other, ends) in segments.iter().zip(knots.windows(2)) {
+        let distance = distance(&segment, other, (ends[0], ends[1]));
         // What is no number is not within it.
         if distance.is_nan() || distance > tolerance {
             return None;
@@ -158,18 +142,17 @@ fn merged(pieces: &[OriginalPiece<'_>], tolerance: f64) -> Option<(Segment, f64)
     Some((segment, largest))
 }
 
-/// Returns a bound on the distance between two cubics over a piece of one of them, m.
-fn distance(segment: &Segment, piece: &OriginalPiece<'_>) -> f64 {
-    let own = segment.restrict(piece.from, piece.to);
-    let other = piece.segment.restrict(piece.from, piece.to);
-    let between = segment.origin() - piece.segment.origin();
+/// Returns a bound on the distance between two cubics over an interval (s), m.
+fn distance(one: &Segment, other: &Segment, (from, to): (f64, f64)) -> f64 {
+    let parts = [one, other].map(|segment| segment.restrict(from, to));
+    let between = one.origin() - other.origin();
     let mut largest = 0.0_f64;
-    for (a, b) in own.points.into_iter().zip(other.points) {
+    for (a, b) in parts[0].points.into_iter().zip(parts[1].points) {
         // The difference of the origins is rounded, that of the points, and the sum.
         let rounding = 2.0 * UNIT_ROUNDOFF * (norm(between) + norm(a) + norm(b));
         largest = largest.max(norm(between + (a - b)) + rounding);
     }
-    (largest + own.error + other.error) * (1.0 + 16.0 * UNIT_ROUNDOFF)
+    (largest + parts[0].error + parts[1].error) * (1.0 + 16.0 * UNIT_ROUNDOFF)
 }
 
 #[cfg(test)]

@@ -194,10 +194,18 @@ impl Trajectory {
         }
     }
 
-    /// Returns true if [`turn`](Self::turn) changes nothing but this motion's own few numbers.
-    pub(crate) fn turns_in_place(&self, from: f64, motion: &StraightMotion, since: f64) -> bool {
+    /// Returns true if it can [turn](Self::turn) from an instant on for sure, changing nothing but its own few numbers,
+    /// and does not yet [follow](Self::follows) the motion: so it usually is where a state is told each frame. `times`:
+    /// that instant, and up to when the past is forgotten, s.
+    #[inline]
+    pub(crate) fn turns_as_usual(
+        &self,
+        times: (f64, f64),
+        motion: &StraightMotion,
+        window: Window,
+    ) -> bool {
         match &self.form {
-            Form::Turned(turned) => turned.room(from, motion, since).is_some(),
+            Form::Turned(turned) => turned.turns_as_usual(times, motion, window),
             Form::Straight(..) | Form::Plan(_) => false,
         }
     }
@@ -219,13 +227,11 @@ impl Trajectory {
     /// Returns the plan that this is made of, or would be.
     pub(super) fn as_plan(&mut self) -> &mut Plan {
         let other = match &self.form {
-            Form::Straight(motion, _) => Some(Plan {
-                knots: Roomy::new(from_ref(motion.start_ref()), &[]),
-                segments: Roomy::new(&[], &[motion.segment(); 2]),
-                before: Outside::Coast,
-                after: Outside::Coast,
-                has_piece_after: false,
-            }),
+            Form::Straight(motion, _) => Some(Plan::new(
+                Roomy::new(from_ref(motion.start_ref()), &[]),
+                Roomy::new(&[], &[motion.segment(); 2]),
+                [Outside::Coast; 2],
+            )),
             Form::Turned(turned) => Some(turned.to_plan()),
             Form::Plan(_) => None,
         };
@@ -320,7 +326,7 @@ mod tests {
     #[test]
     fn what_is_turned_in_place_is_the_same_plan() {
         let window = |from: f64| Window::new(from - 1.0, from + 5.0).unwrap_or(Window::ALL);
-        let (mut in_place, mut in_lists) = (0, 0);
+        let (mut in_place, mut in_lists, mut usual) = (0, 0, 0);
         for round in 0..200_u32 {
             let mut one = plan(&[0.0, 1.0, 2.0], Outside::Coast);
             let mut other = one.clone();
@@ -338,7 +344,15 @@ mod tests {
                 };
                 assert!(one.can_turn(now, &motion, window(now)));
                 assert!(other.can_turn(now, &motion, window(now)));
+                if one.turns_as_usual((now, since), &motion, window(now)) {
+                    usual += 1;
+                    assert!(one.domain().contains(now) && !one.follows(&motion, now));
+                }
+                let is_usual = one.turns_as_usual((now, since), &motion, window(now));
+                let memory = one.straight_motions().as_ptr();
                 one.turn(now, &motion, since);
+                let is_kept = memory == one.straight_motions().as_ptr();
+                assert!(is_kept || !is_usual);
                 other.as_plan().turn(now, &motion, since);
                 in_place += usize::from(!one.straight_motions().is_empty());
                 in_lists += usize::from(one.straight_motions().is_empty());
@@ -351,6 +365,10 @@ mod tests {
                 }
             }
         }
-        assert!(in_place > 5_000 && in_lists > 200, "{in_place} {in_lists}");
+        let counts = [in_place, in_lists, usual];
+        assert!(
+            in_place > 5_000 && in_lists > 200 && usual > 1_000,
+            "{counts:?}"
+        );
     }
 }

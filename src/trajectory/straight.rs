@@ -44,24 +44,29 @@ impl StraightMotion {
         Ok(Self::new(state, &Segment::line(state, duration, 0.0, 0)?))
     }
 
-    /// Returns the motion through a state whose cubic lasts for 6 s, without forming that, if the state is an
-    /// ordinary one: all its numbers are finite and far below the limits.
-    #[inline]
-    pub(super) fn through_ordinary(state: &State) -> Option<Self> {
+    /// Returns true if the numbers of a state are finite and far below the limits.
+    #[inline(always)]
+    pub(crate) fn is_ordinary(state: &State) -> bool {
         /// Up to here instants are far finer than 6 s, s.
         const LATEST: f64 = (1_u64 << 40) as f64;
         /// m, m/s.
         const FAR: f64 = 1e200;
-        let far = DVec3::splat(FAR);
-        let is_ordinary = state.time.abs() <= LATEST
-            && (state.position.abs().cmple(far) & state.velocity.abs().cmple(far)).all();
-        is_ordinary.then(|| Self {
+        let is_ordinary =
+            |vector: DVec3| vector.x.abs() <= FAR && vector.y.abs() <= FAR && vector.z.abs() <= FAR;
+        state.time.abs() <= LATEST && is_ordinary(state.position) && is_ordinary(state.velocity)
+    }
+
+    /// Returns the motion through an [ordinary](Self::is_ordinary) state whose cubic lasts for 6 s, without forming
+    /// that.
+    #[inline(always)]
+    pub(crate) fn through_ordinary(state: &State) -> Self {
+        Self {
             state: State {
                 time: one_zero(state.time),
                 ..*state
             },
             end: one_zero(state.time + Self::DURATION),
-        })
+        }
     }
 
     /// Seconds. Many lookaheads long, so that one or two pieces suffice; not longer, since boxes are only as good
@@ -156,8 +161,8 @@ mod tests {
             let state = State::new(time, position, velocity);
             let is_usable = time.is_finite() && position.is_finite() && velocity.is_finite();
             let slow = StraightMotion::through(&state, StraightMotion::DURATION);
-            let fast = StraightMotion::through_ordinary(&state);
-            if let Some(fast) = fast {
+            if StraightMotion::is_ordinary(&state) {
+                let fast = StraightMotion::through_ordinary(&state);
                 ordinary += 1;
                 assert!(is_usable, "{state:?}");
                 assert_eq!(slow.as_ref().ok(), Some(&fast), "{state:?}");

@@ -8,6 +8,7 @@ use super::roomy::Roomy;
 use super::segment::Segment;
 use super::straight::StraightMotion;
 use crate::rounding::one_zero;
+use crate::window::Window;
 use std::iter::once;
 use std::sync::OnceLock;
 
@@ -94,7 +95,7 @@ impl TurnedMotion {
         let Some(room) = self.room(from, motion, since) else {
             return false;
         };
-        let (before, last, last_knot) = (self.pieces, *self.last(), self.cuts[self.pieces - 1]);
+        let (before, last, last_knot) = (self.pieces, *self.last(), self.last_knot());
         for place in 0..room.kept {
             let number = room.dropped + place;
             if let Some(beyond) = number.checked_sub(before) {
@@ -120,22 +121,57 @@ impl TurnedMotion {
     pub(super) fn room(&self, from: f64, motion: &StraightMotion, since: f64) -> Option<Room> {
         let from = one_zero(from);
         // The motion so far goes on up to there, in the pieces that it is cut into.
-        let (last, last_knot) = (self.last(), self.cuts[self.pieces - 1]);
-        let cut = |number: usize| cut_after(last_knot, last, number);
-        let beyond = (1..).take_while(|&number| cut(number) < from).count();
-        let cuts = (1..=beyond).map(cut);
-        let knots = self.knots().iter().copied().chain(cuts).chain(once(from));
-        let past = knots.take_while(|knot| *knot < since).count();
+        let cut = |number: usize| cut_after(self.last_knot(), self.last(), number);
+        let beyond = if from <= self.cuts[self.pieces] {
+            0
+        } else {
+            (1..).take_while(|&number| cut(number) < from).count()
+        };
+        let is_past = |knot: &f64| *knot < since;
+        let mut past = self.knots().iter().take_while(|knot| is_past(knot)).count();
+        if past == self.pieces {
+            let later = (1..=beyond).map(cut).chain(once(from));
+            past += later.take_while(is_past).count();
+        }
         let pieces = self.pieces + beyond;
         let dropped = past.saturating_sub(1).min(pieces - 1);
         let end = cut_after(from, motion, 1);
-        let is_piece = end > from && check_straight(motion, (from, end), 0).is_ok();
+        let is_piece = end > from
+            && (motion.is_near(from, end) || check_straight(motion, (from, end), 0).is_ok());
         let room = Room {
             dropped,
             kept: pieces - dropped,
             end,
         };
         (is_piece && room.kept < Self::ROOM).then_some(room)
+    }
+
+    /// See [`Trajectory::turns_as_usual`](super::Trajectory::turns_as_usual): its motion is known up to `from`, the new
+    /// one is another, and its first piece lasts for all of `window`.
+    #[inline]
+    pub(super) fn turns_as_usual(
+        &self,
+        (from, since): (f64, f64),
+        motion: &StraightMotion,
+        window: Window,
+    ) -> bool {
+        let end = from + motion.duration();
+        let past = self.knots().iter().take_while(|knot| **knot < since);
+        let kept = self.pieces - past.count().saturating_sub(1).min(self.pieces - 1);
+        let begins = self.before == Outside::Absent || self.cuts[0] < window.start();
+        begins
+            && kept < Self::ROOM
+            && self.last_knot() < from
+            && from <= self.cuts[self.pieces]
+            && motion.start() <= from
+            && window.end() < end
+            && self.last().is_near(self.last_knot(), from)
+            && motion.is_near(from, end)
+            && self.last() != motion
+    }
+
+    fn last_knot(&self) -> f64 {
+        self.cuts[self.pieces - 1]
     }
 
     /// Returns the plan that this is.

@@ -1,6 +1,6 @@
 //! Random points of shapes, of which covers must leave none out.
 
-use crate::cases::{Case, cases, seeded, torus};
+use crate::cases::{Case, cases, fine_torus, seeded, torus};
 use crate::fit;
 use nearmiss::{CoverOptions, Coverage, SphereCover};
 
@@ -21,18 +21,28 @@ pub(crate) fn no_point_is_left_out(case: &Case, cover: &SphereCover, count: u32)
     }
 }
 
-/// Ten million points of each shape, number of spheres and seed.
+/// The number of points: 1e7, or as many as the variable says.
+fn points() -> u32 {
+    match std::env::var("NEARMISS_POINTS") {
+        Ok(text) => text.parse().unwrap(),
+        Err(_) => 10_000_000,
+    }
+}
+
+/// Ten million points of each shape, number of spheres and seed: also of the sheet, which is open, and of a torus
+/// as fine as those that games have.
 #[test]
 #[ignore = "takes many minutes"]
 fn ten_million_points() {
-    for case in cases() {
+    let points = points();
+    for case in cases().into_iter().chain([fine_torus()]) {
         for count in [1, 4, 16, 64] {
             for seed in 0..2 {
                 let options = CoverOptions::new(count).with_seed(seed);
                 let cover = SphereCover::fit(&*case.shape, &options).unwrap();
                 let verdict = cover.verify(&*case.shape).unwrap();
                 assert_eq!(verdict, Coverage::Covered, "{} {count} {seed}", case.name);
-                no_point_is_left_out(&case, &cover, 10_000_000);
+                no_point_is_left_out(&case, &cover, points);
                 println!(
                     "{} {count} {seed}: {:.4} %",
                     case.name,

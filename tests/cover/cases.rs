@@ -164,6 +164,12 @@ pub(crate) fn cases() -> Vec<Case> {
     ]
 }
 
+/// A torus of 96 x 48 quadrangles.
+pub(crate) fn fine_torus() -> Case {
+    let mesh = torus(96, 48);
+    case("fine torus", mesh.clone(), in_torus(&mesh))
+}
+
 /// A wavy sheet, open at its edges.
 fn sheet() -> TriMesh {
     let (mut points, mut triangles) = (Vec::new(), Vec::new());

@@ -41,6 +41,41 @@ impl Case {
         largest
     }
 
+    /// Returns the fewest knots that stay within a tolerance: each as far from the one before as the deviation seen
+    /// at 60 instants allows.
+    pub(crate) fn fewest_knots(&self, tolerance: f64) -> usize {
+        let state = |time: f64| {
+            let (position, velocity) = (self.motion)(time);
+            State::new(time, position, velocity)
+        };
+        let is_within = |from: f64, to: f64| {
+            let piece = Trajectory::from_states(&[state(from), state(to)]).unwrap();
+            (1..60).all(|number| {
+                let time = from + (to - from) * f64::from(number) / 60.0;
+                piece.position(time).unwrap().distance(state(time).position) <= tolerance
+            })
+        };
+        let [mut from, end] = self.window;
+        let mut knots = 1;
+        while from < end {
+            let (mut good, mut bad) = (0.0, end - from);
+            if is_within(from, end) {
+                good = bad;
+            }
+            while bad - good > 1e-3 * bad {
+                let middle = 0.5 * (good + bad);
+                if is_within(from, from + middle) {
+                    good = middle;
+                } else {
+                    bad = middle;
+                }
+            }
+            from += good;
+            knots += 1;
+        }
+        knots
+    }
+
     /// Returns the fewest knots with even spacing that stay within a tolerance, if there are fewer than `limit`.
     pub(crate) fn uniform_knots(&self, tolerance: f64, limit: usize) -> Option<usize> {
         (2..limit).find(|&knots| self.is_uniform_within(knots, tolerance))
@@ -107,7 +142,7 @@ fn kepler(axis: f64, eccentricity: f64) -> Motion {
 }
 
 /// Returns an oscillation whose frequency grows.
-fn chirp(rate: f64) -> Motion {
+pub(crate) fn chirp(rate: f64) -> Motion {
     Box::new(move |time| {
         let (sin, cos) = (rate * time * time).sin_cos();
         let phase_rate = 2.0 * rate * time;
@@ -260,8 +295,36 @@ pub(crate) fn all() -> Vec<Case> {
     cases
 }
 
+/// Returns a path that comes straight, bends by a right angle at 0 s within some `sharpness` seconds, and goes straight
+/// on at about 14 m/s.
+pub(crate) fn bend(sharpness: f64) -> Motion {
+    Box::new(move |time| {
+        let root = time.hypot(sharpness);
+        (
+            DVec3::new(10.0 * root, 10.0 * time, 0.0),
+            DVec3::new(10.0 * time / root, 10.0, 0.0),
+        )
+    })
+}
+
+/// Returns the largest fourth derivative of a [`bend`] in a window (m/s⁴).
+pub(crate) fn bend_bound(sharpness: f64, window: Window) -> f64 {
+    let square = sharpness * sharpness;
+    let at = |time: f64| {
+        let root = time.hypot(sharpness);
+        10.0 * square * (12.0 * time * time - 3.0 * square).abs() / root.powi(7)
+    };
+    // The fifth derivative is zero there.
+    let turn = 0.75_f64.sqrt() * sharpness;
+    let inside = [0.0, turn, -turn]
+        .into_iter()
+        .filter(|&t| window.contains(t));
+    let times = inside.chain([window.start(), window.end()]);
+    times.map(at).fold(0.0, f64::max) * (1.0 + 1e-12)
+}
+
 /// Returns a bound of the fourth derivative of (sin k t², 2 cos k t², t) up to a time.
-fn chirp_bound(k: f64, time: f64) -> f64 {
+pub(crate) fn chirp_bound(k: f64, time: f64) -> f64 {
     let along = 16.0 * k.powi(4) * time.powi(4) + 12.0 * k * k;
     let across = 48.0 * k.powi(3) * time * time;
     5_f64.sqrt() * along.hypot(across)

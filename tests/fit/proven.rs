@@ -1,6 +1,6 @@
 //! Proven errors of functions of time.
 
-use crate::motions::all;
+use crate::motions::{Case, all, bend, bend_bound, chirp, chirp_bound};
 use dashu::rational::RBig;
 use nearmiss::{Error, FitOptions, Trajectory, Window};
 use rand::rngs::ChaCha8Rng;
@@ -29,6 +29,97 @@ fn no_proven_error_is_exceeded() {
         }
     }
     assert_eq!(proven, 10);
+}
+
+/// One hard bend, or ever faster oscillations: the knots lie where they are needed, and the proof holds.
+#[test]
+fn bounds_by_window_are_never_violated_and_need_few_knots() {
+    type Bound = fn(Window) -> f64;
+    let cases: [(_, _, _, _, Bound); 3] = [
+        ("bend", bend(0.1), [-10.0, 10.0], [1e-2, 1e-5], |window| {
+            bend_bound(0.1, window)
+        }),
+        // The corner is cut by 4 mm: coarser tolerances do not see a bend.
+        (
+            "hard bend",
+            bend(0.001),
+            [-7.0, 12.0],
+            [1e-4, 1e-6],
+            |window| bend_bound(0.001, window),
+        ),
+        ("chirp", chirp(0.2), [0.0, 25.0], [1e-2, 1e-5], |window| {
+            chirp_bound(0.2, window.end()) * (1.0 + 1e-12)
+        }),
+    ];
+    for (name, motion, window, tolerances, bound) in cases {
+        let case = Case {
+            name,
+            motion,
+            window,
+            tolerances,
+            fourth_derivative: Some(bound(Window::new(window[0], window[1]).unwrap())),
+        };
+        let by_window = FitOptions::default().with_fourth_derivative_over(&bound);
+        for tolerance in case.tolerances {
+            let fit = Trajectory::fit_with(&case.motion, case.window(), tolerance, &by_window);
+            let fit = fit.unwrap();
+            assert!(fit.is_proven() && fit.error() <= tolerance);
+            let share = case.assert_error(&fit, 20_000, 13);
+            let (knots, fewest) = (fit.knot_count(), case.fewest_knots(tolerance));
+            println!(
+                "{name} within {tolerance} m: {knots} knots, {fewest} at the least, error {:e} m, of which \
+                 {share:.3} seen",
+                fit.error()
+            );
+            assert!(share > 0.5, "{name}: {share}");
+            assert!(
+                knots as f64 <= 1.3 * fewest as f64,
+                "{name}: {knots} {fewest}"
+            );
+        }
+        // With the one bound for the whole window a bend of a millisecond is out of reach.
+        let constant = FitOptions::default()
+            .with_fourth_derivative(case.fourth_derivative.unwrap())
+            .with_max_knots(10_000);
+        let even = Trajectory::fit_with(&case.motion, case.window(), 1e-5, &constant);
+        assert_eq!(
+            name == "hard bend",
+            matches!(even, Err(Error::FitKnots { .. })),
+            "{even:?}"
+        );
+    }
+}
+
+#[test]
+fn bounds_by_window_that_are_wrong_or_unknown() {
+    let window = Window::new(-3.0, 4.0).unwrap();
+    let fit = |bound: &dyn Fn(Window) -> f64| {
+        let options = FitOptions::default().with_fourth_derivative_over(bound);
+        Trajectory::fit_with(bend(0.5), window, 1e-3, &options)
+    };
+    for wrong in [-1.0, f64::NAN] {
+        let found = fit(&|window| if window.contains(0.3) { wrong } else { 1e3 });
+        assert!(
+            matches!(found, Err(Error::FitOption { value, .. }) if value.to_bits() == wrong.to_bits()),
+            "{found:?}"
+        );
+    }
+    let found = fit(&|window| bend_bound(0.5, window) / 8.0);
+    assert!(matches!(found, Err(Error::FitBound { .. })), "{found:?}");
+    let found = fit(&|_| f64::INFINITY);
+    assert!(
+        matches!(found, Err(Error::FitUnreachable { .. })),
+        "{found:?}"
+    );
+    // Known of short windows only.
+    let short = fit(&|window| {
+        if window.end() - window.start() > 0.5 {
+            f64::INFINITY
+        } else {
+            bend_bound(0.5, window)
+        }
+    });
+    assert!(short.unwrap().knot_count() > 14);
 }
 
 /// Straight motion far away, whose values are rounded twice: nothing but rounding is left of the error.

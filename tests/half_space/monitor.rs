@@ -4,8 +4,8 @@ use super::invariance::{bodies, body};
 use super::vector;
 use nearmiss::glam::DVec3;
 use nearmiss::{
-    AlertLevel, BodyId, Budget, Command, Conflict, Event, Hitbox, Monitor, Query, Scene, State,
-    Trajectory, Window,
+    AlertLevel, BodyId, Budget, Command, Conflict, Event, Hitbox, Layers, Monitor, Query, Scene,
+    State, Trajectory, Window,
 };
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -33,11 +33,33 @@ fn coasting(rng: &mut ChaCha8Rng, now: f64) -> State {
     State::new(now, vector(rng, 8.0), vector(rng, 3.0))
 }
 
+/// Tells half-spaces at rest that they rest where they are: nothing of what is foreseen changes.
+fn tell_floors(monitor: &mut Monitor, ids: &[BodyId], now: f64) {
+    let mut told = Vec::new();
+    for &id in ids {
+        let body = monitor.scene().body(id).unwrap();
+        let is_floor = body.hitbox.normal().is_some();
+        if let Some(state) = body.trajectory.state(now).filter(|_| is_floor)
+            && state.velocity == DVec3::ZERO
+        {
+            told.push((id, state));
+        }
+    }
+    drop(monitor.track(now, told));
+}
+
 /// One of the changes that a game makes, to one or all bodies.
 fn change(monitor: &mut Monitor, ids: &mut Vec<BodyId>, rng: &mut ChaCha8Rng, now: f64) {
     let place = rng.random_range(0..ids.len());
     let id = ids[place];
-    match rng.random_range(0..12) {
+    match rng.random_range(0..14) {
+        12 => {
+            let layers = [Layers::ALL, Layers::NONE, Layers::new(1, 1)][rng.random_range(0..3)];
+            monitor.set_layers(id, layers).unwrap();
+        }
+        13 => monitor
+            .set_model_error(id, rng.random_range(0.0..0.4))
+            .unwrap(),
         0 => {
             let states: Vec<(BodyId, State)> =
                 ids.iter().map(|&id| (id, coasting(rng, now))).collect();
@@ -91,6 +113,9 @@ fn monitors_say_what_screenings_say() {
         for _ in 0..rng.random_range(0..3) {
             change(&mut monitor, &mut ids, rng, now);
         }
+        if tick % 3 > 0 {
+            tell_floors(&mut monitor, &ids, now);
+        }
         monitor.advance(now, &mut events).unwrap();
         let expected = screened(&monitor);
         assert_eq!(monitor.conflicts(0).unwrap(), expected, "{tick} {now}");
@@ -131,6 +156,9 @@ fn budgets_keep_what_is_known_right() {
         let now = 0.02 * f64::from(tick);
         if tick % 10 == 0 {
             change(&mut monitor, &mut ids, rng, now);
+        }
+        if tick % 3 > 0 {
+            tell_floors(&mut monitor, &ids, now);
         }
         let budget = Budget::Work(rng.random_range(1..400));
         monitor.advance_within(now, budget, &mut events).unwrap();

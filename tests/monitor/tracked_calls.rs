@@ -96,10 +96,10 @@ fn a_call_with_a_state_that_is_refused_changes_nothing() {
         let error = refusal(quantity, value).in_body(tag_of(&asked, id));
         calls.push((now, states, error));
     }
-    let first = tag_of(&asked, fresh[0].0);
-    for now in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-        let error = Error::NoPlanAt { time: now }.in_body(first);
-        calls.push((now, fresh.clone(), error));
+    for now in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e301] {
+        for states in [fresh.clone(), Vec::new()] {
+            calls.push((now, states, Error::Clock { time: now }));
+        }
     }
     // It has no plan at that time.
     let position = DVec3::ZERO;

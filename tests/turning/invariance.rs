@@ -1,7 +1,6 @@
-//! Windows, margins, slices, threads and the order of bodies change no bit; turning the world
-//! changes nothing but rounding.
+//! Windows, margins, slices, threads and the order of bodies change no bit.
 
-use super::{moving, rotation};
+use super::moving;
 use nearmiss::glam::{DQuat, DVec3};
 use nearmiss::{
     Accuracy, Body, Conflict, Hitbox, Layers, Orientation, Query, Scene, Sphere, State, Trajectory,
@@ -131,48 +130,6 @@ fn margins_select_and_change_nothing() {
                 assert!(margin > 0.2, "{margin} {one:?}");
             }
         }
-    }
-}
-
-/// The whole world turned: the same conflicts, but for rounding.
-#[test]
-fn turning_the_world_changes_nothing_else() {
-    let mut rng = ChaCha8Rng::seed_from_u64(6);
-    let turn = rotation(&mut rng);
-    let (mut before, mut after) = (Scene::new(), Scene::new());
-    for _ in 0..12 {
-        let body = moving(&mut rng, 3, (0.0, 10.0)).body;
-        let (start, velocity) = (rotation(&mut rng), super::vector(&mut rng, 5.0));
-        let spun =
-            |turn: DQuat| Orientation::spin(0.0, (turn * start).normalize(), turn * velocity);
-        let turned =
-            |state: State| State::new(state.time, turn * state.position, turn * state.velocity);
-        let knots = body.trajectory.knots().to_vec();
-        let states: Vec<State> = knots
-            .iter()
-            .filter_map(|&time| body.trajectory.state(time).map(turned))
-            .collect();
-        let plan = Trajectory::from_states(&states).unwrap();
-        let identity = DQuat::IDENTITY;
-        before
-            .insert(body.clone().with_orientation(spun(identity).unwrap()))
-            .unwrap();
-        let mut other = body;
-        other.trajectory = plan;
-        after
-            .insert(other.with_orientation(spun(turn).unwrap()))
-            .unwrap();
-    }
-    let [before, after] = [before, after].map(|scene| {
-        let query = query(Accuracy::Exact).with_margin(0.5);
-        scene.screen(&query).unwrap().conflicts
-    });
-    assert!(before.len() > 20, "{}", before.len());
-    assert_eq!(before.len(), after.len());
-    for (one, other) in before.iter().zip(&after) {
-        assert_eq!((one.a, one.b), (other.a, other.b));
-        assert!((one.enter - other.enter).abs() < 1e-7);
-        assert!((one.closest.separation - other.closest.separation).abs() < 1e-9);
     }
 }
 

@@ -61,6 +61,19 @@ impl Header {
                     "row {line}: the file is in UTF-16; save it in UTF-8"
                 ));
             }
+            _ if found.get(0).unwrap_or_default().starts_with(b"PK\x03\x04") => {
+                return Err(format!(
+                    "row {line}: the file is packed (a zip, or a spreadsheet); save it as CSV in UTF-8"
+                ));
+            }
+            [_, ..]
+                if found.len() == 1
+                    && found[0].split(|&byte| byte == b' ').count() >= COLUMNS.len() =>
+            {
+                return Err(format!(
+                    "row {line}: columns are separated by spaces; use commas, semicolons or tabs"
+                ));
+            }
             [_, ..] if missing.len() == COLUMNS.len() => {
                 return Err(format!(
                     "row {line}: no header; expected the columns {expected} in any order, found {}",

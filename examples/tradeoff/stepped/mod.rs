@@ -1,6 +1,7 @@
 //! A scene stepped by a frame loop: what it finds at which rate, and the time it takes.
 
 mod physics;
+mod sensors;
 mod steppers;
 
 use crate::table::{Cell, Table};
@@ -9,7 +10,7 @@ use crate::world::World;
 use crate::{Effort, Failure};
 use glam::DVec3;
 use nearmiss::{Accuracy, AlertLevel, BodyId, EventKind, Monitor, Query};
-use physics::Sensors;
+use sensors::Sensors;
 use std::collections::BTreeMap;
 use steppers::{Overlaps, ShapeCasts, SweptSpheres};
 

@@ -113,7 +113,7 @@ impl LookaheadSearch {
             // What slices know of these is out of date, wherever it is.
             let mut met = Vec::new();
             let ends = [window.0, window.1];
-            form(&self.grid.frame, &[source], &ends, &mut scratch.block);
+            form(&self.grid.frame, &source, &ends, &mut scratch.block);
             for own in &scratch.block.slices[0].boxes {
                 self.recent.meeting(&bodies, window, &own.aabb, &mut met);
             }

@@ -12,14 +12,14 @@ use std::io::{BufRead, Read};
 /// use nearmiss::recording::Replay;
 /// use nearmiss::{AlertLevel, Monitor, Scene};
 /// # #[derive(Clone, Default)]
-/// # struct Memory(std::sync::Arc<std::sync::Mutex<Vec<u8>>>);
-/// # impl std::io::Write for Memory {
+/// # struct SharedBytes(std::sync::Arc<std::sync::Mutex<Vec<u8>>>);
+/// # impl std::io::Write for SharedBytes {
 /// #     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
 /// #         self.0.lock().unwrap().write(bytes)
 /// #     }
 /// #     fn flush(&mut self) -> std::io::Result<()> { Ok(()) }
 /// # }
-/// # let file = Memory::default();
+/// # let file = SharedBytes::default();
 /// let mut monitor = Monitor::new(Scene::new(), 0.0, 10.0, &[AlertLevel::at(2.0)])?;
 /// monitor.start_recording(file.clone())?; // anything that can be written to
 /// let mut said = Vec::new();

@@ -4,7 +4,6 @@ use super::state::{Index, LookaheadSlice, SliceScratch};
 use crate::bounds::CubicSource;
 use crate::monitor::bodies::{BodyTable, form};
 use crate::narrow_phase::approaching;
-use crate::search::SliceBlock;
 use crate::simd::prefetch;
 use crate::trajectory::Segment;
 use std::slice::from_ref;
@@ -35,7 +34,7 @@ impl LookaheadSlice {
         } else {
             self.asked.get_or_init(|| self.index_of(bodies))
         };
-        form(bodies.frame, from_ref(source), &self.ends(), block);
+        form(bodies.frame, source, &self.ends(), block);
         let own = &block.slices[0];
         met.clear();
         index.boxes.meeting(&own.boxes, search, |_, slot| {
@@ -63,15 +62,10 @@ impl LookaheadSlice {
             .resize(bodies.flights.len(), Self::NO_FAT_LINE);
         let (mut listed, fat_lines) = (Vec::new(), &mut index.fat_lines);
         let slots = (0_u32..).take(bodies.flights.len());
-        bodies.boxes(
-            slots,
-            &self.ends(),
-            &mut SliceBlock::default(),
-            |_, boxed, fat_line| {
-                fat_lines[boxed.body as usize] = *fat_line;
-                listed.push(boxed);
-            },
-        );
+        bodies.boxes(slots, &self.ends(), |_, boxed, fat_line| {
+            fat_lines[boxed.body as usize] = *fat_line;
+            listed.push(boxed);
+        });
         index.boxes.build(&listed);
         index
     }

@@ -70,7 +70,7 @@ impl LookaheadSlice {
         moved: Option<(&ChangedBounds, usize)>,
         scratch: &mut SliceScratch,
     ) {
-        let SliceScratch { listed, block, .. } = scratch;
+        let listed = &mut scratch.listed;
         listed.clear();
         let ends = self.ends();
         let fat_lines = &mut self.index.fat_lines;
@@ -86,9 +86,7 @@ impl LookaheadSlice {
             }
             _ => {
                 let changed = self.changed.iter().copied();
-                bodies.boxes(changed, &ends, block, |_, boxed, fat_line| {
-                    list(boxed, fat_line)
-                });
+                bodies.boxes(changed, &ends, |_, boxed, fat_line| list(boxed, fat_line));
             }
         }
         self.stats.boxes += listed.len() as u64;

@@ -8,7 +8,7 @@ mod state;
 use super::bodies::{BodyTable, ChangedBounds};
 use crate::bounds::FatLine;
 use crate::broad_phase::{BodyBox, BroadPhase, Candidate, CandidateLimit, PairFilter};
-use crate::search::{LimitExceeded, Limits, SliceBlock};
+use crate::search::{LimitExceeded, Limits};
 use crate::wall_clock::Instant;
 pub(super) use ask::NearBody;
 use state::BuildStage;
@@ -303,15 +303,15 @@ impl LookaheadSlice {
         match self.stage {
             BuildStage::Listing(slots) if slots < self.due_slots(bodies) => {
                 let mut boxed = std::mem::take(&mut self.boxed);
-                let until = self.list(bodies, slots, &mut boxed, &mut scratch.block);
+                let until = self.list(bodies, slots, &mut boxed);
                 self.boxed = boxed;
                 self.stage = BuildStage::Listing(until);
                 until - slots
             }
             BuildStage::Placing(slots) if slots < self.due_slots(bodies) => {
-                let SliceScratch { listed, block, .. } = scratch;
+                let listed = &mut scratch.listed;
                 listed.clear();
-                let until = self.list(bodies, slots, listed, block);
+                let until = self.list(bodies, slots, listed);
                 self.index.boxes.move_to(listed);
                 self.stage = BuildStage::Placing(until);
                 until - slots
@@ -339,7 +339,7 @@ impl LookaheadSlice {
                     return 0;
                 }
                 let mut boxed = std::mem::take(&mut self.boxed);
-                let until = self.list(bodies, slots, &mut boxed, &mut scratch.block);
+                let until = self.list(bodies, slots, &mut boxed);
                 self.boxed = boxed;
                 self.stage = BuildStage::Compared(until);
                 if until == bodies.flights.len() {
@@ -362,20 +362,14 @@ impl LookaheadSlice {
 
     /// Appends the boxes of slots from `first` on to a list, as many as are due, but not too many at a
     /// time; returns the slot that comes next.
-    fn list(
-        &mut self,
-        bodies: &BodyTable<'_>,
-        first: usize,
-        listed: &mut Vec<BodyBox>,
-        block: &mut SliceBlock,
-    ) -> usize {
+    fn list(&mut self, bodies: &BodyTable<'_>, first: usize, listed: &mut Vec<BodyBox>) -> usize {
         let until = self.due_slots(bodies).min(first + Self::STEP);
         let slots = (first..until).filter_map(|slot| u32::try_from(slot).ok());
         let ends = self.ends();
         let fat_lines = &mut self.index.fat_lines;
         fat_lines.resize(bodies.flights.len(), Self::NO_FAT_LINE);
         let before = listed.len();
-        bodies.boxes(slots, &ends, block, |_, boxed, fat_line| {
+        bodies.boxes(slots, &ends, |_, boxed, fat_line| {
             fat_lines[boxed.body as usize] = *fat_line;
             listed.push(boxed);
         });

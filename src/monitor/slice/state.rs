@@ -54,6 +54,7 @@ pub(super) struct Index {
 pub(in crate::monitor) struct SliceScratch {
     /// Boxes of some bodies.
     pub(super) listed: Vec<BodyBox>,
+    /// Boxes of a plan that is asked for.
     pub(in crate::monitor) block: SliceBlock,
     pub(super) search: TreeSearch,
     pub(super) refiner: CandidateRefiner,

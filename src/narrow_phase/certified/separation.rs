@@ -2,9 +2,10 @@
 
 use super::super::relative::RelativeCubic;
 use super::super::sphere_pair::{Approach, SpherePair};
-use super::super::{BodyView, two_sum, widened};
+use super::super::{BodyView, widened};
 use crate::accuracy::TimeEnclosure;
 use crate::enclosure::{Side, Threshold};
+use crate::rounding::two_sum;
 use crate::spans::Span;
 
 /// An interval `low..=high` (m) that contains the least separation, attained within `time` only.

@@ -1,13 +1,13 @@
 //! Chords of a relative motion, for lower bounds of the separation of spheres.
 
-use super::{ClusterPair, SpherePairBound, short};
+use super::ClusterPair;
+use super::known::farthest;
 use crate::enclosure::part;
 use crate::hitbox::Sphere;
 use crate::narrow_phase::relative::filter_threshold;
 use crate::rounding::{norm, normalising_power};
 use glam::DVec3;
 use std::iter::successors;
-use std::ops::Range;
 
 /// A piecewise linear approximation of two bodies' relative motion with its deviation, for lower
 /// bounds of the separation of spheres.
@@ -95,7 +95,7 @@ impl PiecewiseLinearBound {
     /// Returns a lower bound of the separation of two spheres with this sum of radii, or `None` if
     /// it exceeds `bound` (all m).
     #[inline]
-    fn low(&self, offset: DVec3, radii: f64, bound: f64) -> Option<f64> {
+    pub(super) fn low(&self, offset: DVec3, radii: f64, bound: f64) -> Option<f64> {
         let offset = offset * self.power;
         let square = |line: &Chord| line.nearest_point(offset).length_squared();
         let least = self.lines.iter().map(square).fold(f64::INFINITY, f64::min);
@@ -103,6 +103,40 @@ impl PiecewiseLinearBound {
         let reach = (bound + radii) * self.power + self.bend;
         let is_beyond = reach < 0.0 || least > reach * reach;
         (!is_beyond).then(|| (least.sqrt() - self.bend) * self.unit - radii)
+    }
+
+    /// Returns an upper bound of the bodies' separation over the part, up to the slack, m.
+    pub(super) fn most(&self, clusters: &ClusterPair<'_>) -> f64 {
+        /// Spheres of a, of all those in the list, that are compared with all of b.
+        const SAMPLES: usize = 8;
+        let ClusterPair { a, b, .. } = *clusters;
+        let step = a.spheres.len().div_ceil(SAMPLES).max(1);
+        let apart = (a.bounding.offset - b.bounding.offset) * self.power;
+        let separation = |line: &Chord| {
+            // Any two spheres bound it: those near each other at the chord's middle. Unless the bodies
+            // overlap, the sphere that reaches farthest towards the other body has one nearby.
+            let middle = line.start + 0.5 * line.change;
+            let toward = (middle + apart).normalize_or_zero();
+            let behind = |sphere: &Sphere| sphere.radius - sphere.offset.dot(toward);
+            let facing = &a.spheres[farthest(a.spheres, behind) as usize];
+            let mut nearest = (f64::INFINITY, facing, &b.spheres[0]);
+            for one in a.spheres.iter().step_by(step).chain([facing]) {
+                for other in b.spheres {
+                    let place = middle + (one.offset - other.offset) * self.power;
+                    let found = place.length() - (one.radius + other.radius) * self.power;
+                    if found < nearest.0 {
+                        nearest = (found, one, other);
+                    }
+                }
+            }
+            let (_, one, other) = nearest;
+            let start = line.start + (one.offset - other.offset) * self.power;
+            let farther = start.length().max((start + line.change).length());
+            (farther + self.bend) * self.unit - (one.radius + other.radius)
+        };
+        let separations = self.lines.iter().map(separation);
+        // A window may begin between an instant and what that is rounded to.
+        separations.fold(f64::NEG_INFINITY, f64::max) + 2.0 * clusters.motion.blur()
     }
 
     /// Returns the approximate least relative position of two centres, m.
@@ -117,43 +151,6 @@ impl PiecewiseLinearBound {
             }
         };
         points.reduce(nearer).unwrap_or_default()
-    }
-
-    /// Returns the pairs of some of a's spheres that may come within `margin`, in numerical order.
-    pub(super) fn candidates(
-        &self,
-        clusters: &ClusterPair<'_>,
-        spheres_a: Range<usize>,
-        margin: f64,
-    ) -> Vec<SpherePairBound> {
-        let ClusterPair { a, b, .. } = *clusters;
-        let bound = margin + self.slack;
-        let is_near = |offset: DVec3, radii: f64| self.low(offset, radii, bound).is_some();
-        // Each sphere against all of the other body first.
-        let near_b: Vec<(u32, &Sphere)> = (0..)
-            .zip(b.spheres)
-            .filter(|(_, sphere)| {
-                let radii = a.bounding.radius + sphere.radius;
-                is_near(a.bounding.offset - sphere.offset, radii)
-            })
-            .collect();
-        let mut candidates = Vec::new();
-        for (number_a, sphere_a) in (short(spheres_a.start)..).zip(&a.spheres[spheres_a]) {
-            let radii = sphere_a.radius + b.bounding.radius;
-            if !is_near(sphere_a.offset - b.bounding.offset, radii) {
-                continue;
-            }
-            candidates.extend(near_b.iter().filter_map(|&(number_b, sphere_b)| {
-                let radii = sphere_a.radius + sphere_b.radius;
-                let low = self.low(sphere_a.offset - sphere_b.offset, radii, bound)?;
-                Some(SpherePairBound {
-                    a: number_a,
-                    b: number_b,
-                    low,
-                })
-            }));
-        }
-        candidates
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::chords::{PiecewiseLinearBound, pieces_of};
 use super::{ClusterPair, SpherePairBound};
+use crate::narrow_phase::sphere_pair::difference_of_squares;
 use glam::DVec3;
 
 /// Pieces of a span, each with the nearest pairs of spheres at its ends.
@@ -18,7 +19,8 @@ pub(super) struct Envelope<'a> {
 struct EnvelopePart {
     /// Control points of the bodies' relative motion.
     points: [DVec3; 4],
-    nearest: [SphereOffset; 2],
+    /// Each with the largest distance of its centres in the piece, to rounding.
+    nearest: [(SphereOffset, f64); 2],
 }
 
 /// Offset of the centres and sum of the radii of two spheres.
@@ -63,10 +65,11 @@ impl<'a> Envelope<'a> {
         for points in pieces_of(&points, count) {
             let after = nearest_at(points[3]);
             if let (Some(first), Some(last)) = (before, after) {
-                pieces.push(EnvelopePart {
-                    points,
-                    nearest: [first, last],
+                let nearest = [first, last].map(|near| {
+                    let squares = points.map(|point| (point + near.offset).length_squared());
+                    (near, squares.into_iter().fold(0.0, f64::max).sqrt())
                 });
+                pieces.push(EnvelopePart { points, nearest });
             }
             before = after;
         }
@@ -81,13 +84,10 @@ impl<'a> Envelope<'a> {
 
     /// Returns true if another pair is certainly nearer than this one at all times.
     pub(super) fn is_above(&self, candidate: &SpherePairBound) -> bool {
-        let SphereOffset { offset, radii } = near(self.clusters, candidate, self.power);
+        let far = near(self.clusters, candidate, self.power);
         self.pieces.iter().all(|piece| {
-            let is_nearer = |near: &SphereOffset| {
-                // Larger spheres are nearer by more than their centres are.
-                near.radii >= radii && piece.is_nearer(near.offset, offset, self.slack)
-            };
-            piece.nearest.iter().any(is_nearer)
+            let mut nearest = piece.nearest.iter();
+            nearest.any(|near| piece.is_nearer(near, &far, self.slack))
         })
     }
 }
@@ -101,21 +101,22 @@ fn near(clusters: &ClusterPair<'_>, candidate: &SpherePairBound, power: f64) -> 
 }
 
 impl EnvelopePart {
-    /// Returns true if the offset `near` gives a smaller centre distance than `far`, by `slack`,
-    /// along the whole piece. The difference of the squared distances is linear in the motion.
-    fn is_nearer(&self, near: DVec3, far: DVec3, slack: f64) -> bool {
-        let across = far - near;
-        let middle = 0.5 * (far + near);
-        let [p0, p1, p2, p3] = self.points.map(|point| point + middle);
-        let size = p0
-            .length()
-            .max(p1.length())
-            .max(p2.length().max(p3.length()));
-        // |far|² - |near|² = 2 across·(motion + middle), and their sum is at most 2 |motion + middle| +
-        // |across|.
-        let least = slack * (size + across.length());
-        [p0, p1, p2, p3]
-            .iter()
+    /// Returns true if the pair `near`, whose centres are within a distance, has a smaller separation
+    /// than the pair `far`, by `slack`, along the whole piece. The difference of the squared distances is
+    /// linear in the motion.
+    fn is_nearer(
+        &self,
+        &(near, distance): &(SphereOffset, f64),
+        far: &SphereOffset,
+        slack: f64,
+    ) -> bool {
+        let across = far.offset - near.offset;
+        let middle = 0.5 * (far.offset + near.offset);
+        let excess = (far.radii - near.radii).max(0.0) + slack;
+        let least = 0.5 * difference_of_squares(distance, excess);
+        let points = self.points.iter();
+        points
+            .map(|&point| point + middle)
             .all(|point| point.dot(across) > least)
     }
 }

@@ -233,7 +233,7 @@ impl<'a> ProvenIntervals<'a> {
 }
 
 /// Returns the sphere with the largest value.
-fn farthest(spheres: &[Sphere], reach: impl Fn(&Sphere) -> f64) -> u32 {
+pub(super) fn farthest(spheres: &[Sphere], reach: impl Fn(&Sphere) -> f64) -> u32 {
     let reaches = (0..).zip(spheres.iter().map(reach));
     let farther = |x: (u32, f64), y: (u32, f64)| if y.1 > x.1 { y } else { x };
     reaches.reduce(farther).map_or(0, |(number, _)| number)

@@ -16,6 +16,7 @@
 
 mod chords;
 mod envelope;
+mod groups;
 mod known;
 mod sphere_pairs;
 #[cfg(test)]
@@ -24,17 +25,15 @@ mod tests;
 use super::sphere_pair::SpherePair;
 use chords::PiecewiseLinearBound;
 use envelope::Envelope;
+use groups::SphereGroups;
 use known::ProvenIntervals;
 pub(super) use sphere_pairs::{ClusterPair, ProvenContact};
 use sphere_pairs::{SpherePairBound, short};
 use std::collections::HashMap;
-use std::ops::Range;
 
 impl ClusterPair<'_> {
     /// Up to this number all pairs of spheres are solved: nothing else would be faster.
     const FEW: usize = 9;
-    /// Pairs of spheres listed at a time: at least one sphere of a with all of b.
-    const BATCH: usize = 1 << 16;
 
     /// Solves the pairs of spheres that matter for contacts within `margin` in `clip`. If asked to,
     /// `solve` returns the contacts of each.
@@ -66,8 +65,10 @@ impl ClusterPair<'_> {
                 known.learn(&shown, self.offset(candidate));
             }
         };
-        for spheres in self.batches() {
-            let candidates = chords.candidates(self, spheres, margin);
+        let groups = SphereGroups::of(self, &chords, margin);
+        let (mut listed, mut candidates) = (0, Vec::new());
+        while listed < self.a.spheres.len() {
+            groups.list((self, &chords), margin, &mut listed, &mut candidates);
             let mut next = nearest(&candidates);
             if let Some(nearest) = next {
                 known.look(chords.nearest_point(self.offset(nearest)));
@@ -76,11 +77,9 @@ impl ClusterPair<'_> {
             while let Some(candidate) = next {
                 solve(candidate, &mut known, &mut seen);
                 while let Some(support) = known.support() {
-                    let order = |other: &SpherePairBound| (other.a, other.b);
-                    if let Ok(place) = candidates.binary_search_by_key(&support, order)
-                        && !seen.holds(self, &candidates[place])
-                    {
-                        solve(&candidates[place], &mut known, &mut seen);
+                    let found = candidates.iter().find(|one| (one.a, one.b) == support);
+                    if let Some(candidate) = found.filter(|one| !seen.holds(self, one)) {
+                        solve(candidate, &mut known, &mut seen);
                     }
                 }
                 next = others.find(|other| known.may_matter(other) && !seen.holds(self, other));
@@ -98,8 +97,10 @@ impl ClusterPair<'_> {
     ) {
         let chords = PiecewiseLinearBound::of(self, self.part(clip), 0.0);
         let mut seen = SolvedOffsets::default();
-        for spheres in self.batches() {
-            let candidates = chords.candidates(self, spheres, reached);
+        let groups = SphereGroups::of(self, &chords, reached);
+        let (mut listed, mut candidates) = (0, Vec::new());
+        while listed < self.a.spheres.len() {
+            groups.list((self, &chords), reached, &mut listed, &mut candidates);
             for candidate in nearest(&candidates).into_iter().chain(&candidates) {
                 let near = reached + chords.slack;
                 if candidate.low > near || seen.holds(self, candidate) {
@@ -119,16 +120,23 @@ impl ClusterPair<'_> {
     /// Solves the pairs of spheres that may come within `margin` and be their bodies' nearest ones
     /// then. These suffice for this and all smaller margins, in any window.
     pub(super) fn each_on_envelope(&self, margin: f64, mut solve: impl FnMut(&SpherePair)) {
-        let count = self.a.spheres.len() * self.b.spheres.len();
-        if self.are_few() || count > Self::BATCH {
+        if self.are_few() {
             return self.each_within(margin, solve);
         }
-        let chords = PiecewiseLinearBound::of(self, (self.span.start, self.span.end), margin);
-        let candidates = chords.candidates(self, 0..self.a.spheres.len(), margin);
-        let envelope = Envelope::of(self, &chords, &candidates);
+        let whole = (self.span.start, self.span.end);
+        let chords = PiecewiseLinearBound::of(self, whole, margin);
+        let near = margin.min(chords.most(self));
+        let groups = SphereGroups::of(self, &chords, near);
+        let (mut listed, mut some, mut candidates) = (0, Vec::new(), Vec::new());
+        while listed < self.a.spheres.len() {
+            groups.list((self, &chords), near, &mut listed, &mut some);
+            candidates.append(&mut some);
+            let envelope = Envelope::of(self, &chords, &candidates);
+            candidates.retain(|candidate| !envelope.is_above(candidate));
+        }
         let mut seen = SolvedOffsets::default();
         for candidate in &candidates {
-            if envelope.is_above(candidate) || seen.holds(self, candidate) {
+            if seen.holds(self, candidate) {
                 continue;
             }
             let pair = self.pair(candidate);
@@ -141,14 +149,6 @@ impl ClusterPair<'_> {
 
     fn are_few(&self) -> bool {
         self.a.spheres.len() * self.b.spheres.len() <= Self::FEW
-    }
-
-    /// Returns the numbers of a's spheres, in batches.
-    fn batches(&self) -> impl Iterator<Item = Range<usize>> + use<> {
-        let count = self.a.spheres.len();
-        let size = (Self::BATCH / self.b.spheres.len().max(1)).max(1);
-        let firsts = (0..count).step_by(size);
-        firsts.map(move |first| first..(first + size).min(count))
     }
 
     fn each_within(&self, margin: f64, mut solve: impl FnMut(&SpherePair)) {

@@ -50,7 +50,9 @@ fn case(rng: &mut ChaCha8Rng, kind: usize) -> Case {
         DVec3::from_array([0; 3].map(|_| rng.random_range(-half..=half)))
     };
     let hitbox = |rng: &mut ChaCha8Rng| {
-        let count = rng.random_range(2..30);
+        // Some are so many that they are put into groups.
+        let count = if kind % 97 == 3 { 33..60 } else { 2..30 };
+        let count = rng.random_range(count);
         let radius = size * rng.random_range(0.0..0.5);
         let sphere = |number: u32, rng: &mut ChaCha8Rng| {
             let cells = [number % 3, number / 3 % 3, number / 9];

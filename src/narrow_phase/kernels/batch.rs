@@ -52,14 +52,16 @@ impl<'a, R: Real> Lanes<'a, R> {
     /// # Panics
     ///
     /// If `pair` is not less than the number of pairs.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn control_points(&self, pair: usize) -> ControlPoints<R> {
-        let at = |point: usize| {
-            let [x, y, z] = &self.coordinates;
-            [x[point][pair], y[point][pair], z[point][pair]]
-        };
-        [at(0), at(1), at(2), at(3)]
+        let [x, y, z] = self.coordinates;
+        [
+            [x[0][pair], y[0][pair], z[0][pair]],
+            [x[1][pair], y[1][pair], z[1][pair]],
+            [x[2][pair], y[2][pair], z[2][pair]],
+            [x[3][pair], y[3][pair], z[3][pair]],
+        ]
     }
 
     #[inline(always)]

@@ -2,9 +2,11 @@
 
 use super::batch::Lanes;
 use super::cubic::{ControlPoints, distance, largest_coordinate, local_time, widened};
-use super::dispatch::{enclose_block_finely, guess_block, guess_block_again, guess_pair};
 use super::enclosures::enclose;
-use super::loops::{BLOCK, EnclosureBlock, LaneBlock};
+use super::loops::{
+    BLOCK, EnclosureBlock, LaneBlock, enclose_block_finely, guess_block, guess_block_again,
+    guess_pair,
+};
 use super::pending::{RetryQueue, whole_vectors};
 use super::refine::{QUICK, THOROUGH, normalised, refined};
 use crate::real::Real;

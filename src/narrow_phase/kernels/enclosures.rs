@@ -2,8 +2,7 @@
 
 use super::batch::Lanes;
 use super::cubic::{ControlPoints, polygon};
-use super::dispatch::{enclose_block, enclose_block_finely};
-use super::loops::{BLOCK, EnclosureBlock, LaneBlock};
+use super::loops::{BLOCK, EnclosureBlock, LaneBlock, enclose_block, enclose_block_finely};
 use super::pending::RetryQueue;
 use super::refine::{QUICK, refined};
 use crate::enclosure::UncertainCubic;

@@ -24,6 +24,7 @@ use crate::enclosure::{
     ControlPolygon, Minorant, enclosure, from_nearer, part_error, reversed, split, target,
 };
 use crate::real::Real;
+use crate::simd::{InstructionSet, for_each_instruction_set};
 
 /// Pairs in a block. Small enough for the first-level cache, a multiple of 16 lanes, and not a
 /// power of two, which would make the columns compete for the same cache sets: 128 made the guesses
@@ -84,14 +85,14 @@ impl<R: Real> LaneBlock<R> {
         let lanes = lanes.first(count);
         if R::IS_SINGLE {
             for i in 0..count {
-                let cubic = CentredCubic::new(control_points(&lanes, i));
+                let cubic = CentredCubic::new(lanes.control_points(i));
                 set(&mut self.cubics, i, &cubic.coefficients);
                 self.set_outline(i, &outline::<R>(cubic.rough().coefficients));
             }
             return;
         }
         for i in 0..count {
-            let cubic = CentredCubic::new(control_points(&lanes, i));
+            let cubic = CentredCubic::new(lanes.control_points(i));
             set(&mut self.cubics, i, &cubic.coefficients);
         }
         self.outline_cubics(count);
@@ -252,142 +253,141 @@ impl EnclosureBlock {
     }
 }
 
-#[inline(always)]
-fn control_points<R: Real>(lanes: &Lanes<'_, R>, i: usize) -> ControlPoints<R> {
-    let [x, y, z] = lanes.coordinates;
-    [
-        [x[0][i], y[0][i], z[0][i]],
-        [x[1][i], y[1][i], z[1][i]],
-        [x[2][i], y[2][i], z[2][i]],
-        [x[3][i], y[3][i], z[3][i]],
-    ]
-}
-
-/// Makes both tries for one pair.
-#[inline(always)]
-pub(super) fn guess_pair<R: Real>(points: &ControlPoints<R>) -> Guess<R> {
-    let found = guess(*points);
-    if found.certificate > 0.0 {
-        return found;
-    }
-    guess_against_rival(*points, found)
-}
-
-#[inline(always)]
-pub(super) fn guess_block<R: Real>(
-    block: &mut LaneBlock<R>,
-    lanes: &Lanes<'_, R>,
-    times: &mut [R],
-    distances: &mut [R],
-    certificates: &mut [f32],
-) {
-    let count = times.len().min(BLOCK);
-    let certificates = &mut certificates[..count];
-    block.fill(lanes, count);
-    block.descend(count);
-    let times = &mut times[..count];
-    for i in 0..count {
-        times[i] = block.time(i);
-    }
-    block.settle(times, distances);
-    for i in 0..count {
-        certificates[i] = certify(&block.outline(i), block.times[i], block.doubts[i]);
-    }
-}
-
-#[inline(always)]
-pub(super) fn guess_block_again<R: Real>(
-    block: &mut LaneBlock<R>,
-    times: &mut [R],
-    distances: &mut [R],
-    certificates: &mut [f32],
-) {
-    let count = times.len().min(BLOCK);
-    let certificates = &mut certificates[..count];
-    block.outline_cubics(count);
-    for i in 0..count {
-        let contest = contest(&block.outline(i), block.firsts[i], block.doubts[i]);
-        block.times[i] = contest.start;
-        block.rivals[i] = contest.rival;
-        block.stays[i] = contest.stays;
-    }
-    for i in 0..count {
-        block.times[i] = descend_safely(&block.square(i), block.times[i], rival::STEPS);
-    }
-    let times = &mut times[..count];
-    for i in 0..count {
-        times[i] = polish(&get_cubic(&block.cubics, i), block.time(i));
-    }
-    block.settle(times, distances);
-    for i in 0..count {
-        let outline = block.outline(i);
-        let (mut time, mut doubt) = (block.times[i], block.doubts[i]);
-        if block.stays[i] > 0.0 {
-            (time, doubt) = (block.firsts[i], block.stays[i]);
+for_each_instruction_set! {
+    /// Guesses the closest approach of one pair.
+    fn guess_pair<R: Real>(points: &ControlPoints<R>) -> Guess<R> {
+        let found = guess(*points);
+        if found.certificate > 0.0 {
+            return found;
         }
-        certificates[i] = certify_against(&outline, time, block.rivals[i], doubt);
+        guess_against_rival(*points, found)
     }
 }
 
-#[inline(always)]
-pub(super) fn enclose_block(
-    block: &mut LaneBlock<f64>,
-    lanes: &Lanes<'_, f64>,
-    errors: &[f64],
-    bounds: &mut EnclosureBlock,
-) {
-    let count = errors.len().min(BLOCK);
-    let (lanes, errors) = (lanes.first(count), &errors[..count]);
-    block.fill(&lanes, count);
-    block.descend(count);
-    for i in 0..count {
-        let found = settle(&get_cubic(&block.cubics, i), block.time(i));
-        bounds.times[i] = local_time(found.time);
+for_each_instruction_set! {
+    /// Guesses the closest approach of each pair of a block.
+    fn guess_block<R: Real>(
+        block: &mut LaneBlock<R>,
+        lanes: &Lanes<'_, R>,
+        times: &mut [R],
+        distances: &mut [R],
+        certificates: &mut [f32],
+    ) {
+        let count = times.len().min(BLOCK);
+        let certificates = &mut certificates[..count];
+        block.fill(lanes, count);
+        block.descend(count);
+        let times = &mut times[..count];
+        for i in 0..count {
+            times[i] = block.time(i);
+        }
+        block.settle(times, distances);
+        for i in 0..count {
+            certificates[i] = certify(&block.outline(i), block.times[i], block.doubts[i]);
+        }
     }
-    // The cubics have served; their place takes the part after the split, which would cost more to
-    // form anew.
-    for i in 0..count {
-        let [before, after] = split(&polygon(&control_points(&lanes, i)), bounds.times[i]);
-        let minorant = Minorant::of(&before);
-        bounds.lows[i] = minorant.lower();
-        bounds.squares[i] = minorant.base;
-        set(&mut block.cubics, i, &coordinates(&after));
-    }
-    for i in 0..count {
-        bounds.highs[i] = Minorant::of(&polygon(&get(&block.cubics, i))).lower();
-    }
-    finish_bounds(&lanes, errors, bounds, 0.0);
 }
 
-#[inline(always)]
-pub(super) fn enclose_block_finely(
-    lanes: &Lanes<'_, f64>,
-    errors: &[f64],
-    times: &[f64],
-    bounds: &mut EnclosureBlock,
-) {
-    let count = errors.len().min(BLOCK);
-    let (lanes, errors, times) = (lanes.first(count), &errors[..count], &times[..count]);
-    bounds.times[..count].copy_from_slice(times);
-    // A half at a time: more than that the registers do not hold.
-    for i in 0..count {
-        let [before, _] = split(&polygon(&control_points(&lanes, i)), times[i]);
-        bounds.squares[i] = before[0].length_squared();
-        bounds.lows[i] = lower_near(&before);
+for_each_instruction_set! {
+    /// Guesses again from the first guesses of a block, and proves against the rival.
+    fn guess_block_again<R: Real>(
+        block: &mut LaneBlock<R>,
+        times: &mut [R],
+        distances: &mut [R],
+        certificates: &mut [f32],
+    ) {
+        let count = times.len().min(BLOCK);
+        let certificates = &mut certificates[..count];
+        block.outline_cubics(count);
+        for i in 0..count {
+            let contest = contest(&block.outline(i), block.firsts[i], block.doubts[i]);
+            block.times[i] = contest.start;
+            block.rivals[i] = contest.rival;
+            block.stays[i] = contest.stays;
+        }
+        for i in 0..count {
+            block.times[i] = descend_safely(&block.square(i), block.times[i], rival::STEPS);
+        }
+        let times = &mut times[..count];
+        for i in 0..count {
+            times[i] = polish(&get_cubic(&block.cubics, i), block.time(i));
+        }
+        block.settle(times, distances);
+        for i in 0..count {
+            let outline = block.outline(i);
+            let (mut time, mut doubt) = (block.times[i], block.doubts[i]);
+            if block.stays[i] > 0.0 {
+                (time, doubt) = (block.firsts[i], block.stays[i]);
+            }
+            certificates[i] = certify_against(&outline, time, block.rivals[i], doubt);
+        }
     }
-    for i in 0..count {
-        let [before, _] = split(&polygon(&control_points(&lanes, i)), times[i]);
-        bounds.lows[i] = bounds.lows[i].or_less(lower_far(&before));
+}
+
+for_each_instruction_set! {
+    /// Encloses the least distance of each pair of a block, from one split at the guess.
+    fn enclose_block(
+        block: &mut LaneBlock<f64>,
+        lanes: &Lanes<'_, f64>,
+        errors: &[f64],
+        bounds: &mut EnclosureBlock,
+    ) {
+        let count = errors.len().min(BLOCK);
+        let (lanes, errors) = (lanes.first(count), &errors[..count]);
+        block.fill(&lanes, count);
+        block.descend(count);
+        for i in 0..count {
+            let found = settle(&get_cubic(&block.cubics, i), block.time(i));
+            bounds.times[i] = local_time(found.time);
+        }
+        // The cubics have served; their place takes the part after the split, which would cost more to
+        // form anew.
+        for i in 0..count {
+            let [before, after] = split(&polygon(&lanes.control_points(i)), bounds.times[i]);
+            let minorant = Minorant::of(&before);
+            bounds.lows[i] = minorant.lower();
+            bounds.squares[i] = minorant.base;
+            set(&mut block.cubics, i, &coordinates(&after));
+        }
+        for i in 0..count {
+            bounds.highs[i] = Minorant::of(&polygon(&get(&block.cubics, i))).lower();
+        }
+        finish_bounds(&lanes, errors, bounds, 0.0);
     }
-    for i in 0..count {
-        let [_, after] = split(&polygon(&control_points(&lanes, i)), times[i]);
-        bounds.highs[i] = lower_near(&after);
+}
+
+for_each_instruction_set! {
+    /// Encloses the least distance of each pair of a block, from a split at given times and
+    /// quarters of both sides.
+    fn enclose_block_finely(
+        lanes: &Lanes<'_, f64>,
+        errors: &[f64],
+        times: &[f64],
+        bounds: &mut EnclosureBlock,
+    ) {
+        let count = errors.len().min(BLOCK);
+        let (lanes, errors, times) = (lanes.first(count), &errors[..count], &times[..count]);
+        bounds.times[..count].copy_from_slice(times);
+        // A half at a time: more than that the registers do not hold.
+        for i in 0..count {
+            let [before, _] = split(&polygon(&lanes.control_points(i)), times[i]);
+            bounds.squares[i] = before[0].length_squared();
+            bounds.lows[i] = lower_near(&before);
+        }
+        for i in 0..count {
+            let [before, _] = split(&polygon(&lanes.control_points(i)), times[i]);
+            bounds.lows[i] = bounds.lows[i].or_less(lower_far(&before));
+        }
+        for i in 0..count {
+            let [_, after] = split(&polygon(&lanes.control_points(i)), times[i]);
+            bounds.highs[i] = lower_near(&after);
+        }
+        for i in 0..count {
+            let [_, after] = split(&polygon(&lanes.control_points(i)), times[i]);
+            bounds.highs[i] = bounds.highs[i].or_less(lower_far(&after));
+        }
+        finish_bounds(&lanes, errors, bounds, 2.0);
     }
-    for i in 0..count {
-        let [_, after] = split(&polygon(&control_points(&lanes, i)), times[i]);
-        bounds.highs[i] = bounds.highs[i].or_less(lower_far(&after));
-    }
-    finish_bounds(&lanes, errors, bounds, 2.0);
 }
 
 /// Returns a lower bound of the squared distance on the first half of a side, from its quarters.
@@ -426,7 +426,7 @@ fn finish_bounds(
     let lanes = lanes.first(count);
     for i in 0..count {
         let bound = bounds.lows[i].or_less(bounds.highs[i]);
-        let [p0, p1, p2, p3] = control_points(&lanes, i);
+        let [p0, p1, p2, p3] = lanes.control_points(i);
         let squares = [dot(p0, p0), dot(p1, p1), dot(p2, p2), dot(p3, p3)];
         // Not a number where one of them is none.
         let size = largest_of(squares).sqrt() * (1.0 + 4.0 * f64::ROUNDING);
@@ -443,32 +443,36 @@ fn finish_bounds(
     }
 }
 
-#[inline(always)]
-pub(super) fn screen_block<R: Real>(
-    lanes: &Lanes<'_, R>,
-    inner: &[R],
-    outer: &[R],
-    verdicts: &mut [Verdict],
-) {
-    let count = verdicts.len();
-    let lanes = lanes.first(count);
-    let (inner, outer) = (&inner[..count], &outer[..count]);
-    for i in 0..count {
-        verdicts[i] = screen_halves(control_points(&lanes, i), inner[i], outer[i]);
+for_each_instruction_set! {
+    /// Screens each pair of a block on the halves of its span.
+    fn screen_block<R: Real>(
+        lanes: &Lanes<'_, R>,
+        inner: &[R],
+        outer: &[R],
+        verdicts: &mut [Verdict],
+    ) {
+        let count = verdicts.len();
+        let lanes = lanes.first(count);
+        let (inner, outer) = (&inner[..count], &outer[..count]);
+        for i in 0..count {
+            verdicts[i] = screen_halves(lanes.control_points(i), inner[i], outer[i]);
+        }
     }
 }
 
-#[inline(always)]
-pub(super) fn screen_block_finely<R: Real>(
-    lanes: &Lanes<'_, R>,
-    inner: &[R],
-    outer: &[R],
-    verdicts: &mut [Verdict],
-) {
-    let count = verdicts.len();
-    let lanes = lanes.first(count);
-    let (inner, outer) = (&inner[..count], &outer[..count]);
-    for i in 0..count {
-        verdicts[i] = screen_eighths(control_points(&lanes, i), inner[i], outer[i]);
+for_each_instruction_set! {
+    /// Screens each pair of a block on the eighths of its span.
+    fn screen_block_finely<R: Real>(
+        lanes: &Lanes<'_, R>,
+        inner: &[R],
+        outer: &[R],
+        verdicts: &mut [Verdict],
+    ) {
+        let count = verdicts.len();
+        let lanes = lanes.first(count);
+        let (inner, outer) = (&inner[..count], &outer[..count]);
+        for i in 0..count {
+            verdicts[i] = screen_eighths(lanes.control_points(i), inner[i], outer[i]);
+        }
     }
 }

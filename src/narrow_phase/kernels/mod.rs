@@ -84,11 +84,9 @@
 mod batch;
 mod closest;
 mod cubic;
-mod dispatch;
 mod enclosures;
 #[cfg(test)]
 mod exactly;
-mod exhaustive;
 mod guess;
 mod loops;
 #[cfg(feature = "parallel")]

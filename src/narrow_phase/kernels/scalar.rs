@@ -1,10 +1,12 @@
 //! The kernels for one pair, and the exhaustive method for comparison.
 
 use super::closest::closest_approach_of;
+use super::cubic::{CentredCubic, distance, local_time};
 use super::enclosures;
-use super::exhaustive::all_roots;
+use super::refine::{normalised, square_at};
 use super::within::within_of;
 use super::{ControlPoints, Enclosure, Real, Verdict};
+use crate::polynomial::{Polynomial, Roots};
 
 /// Returns the closest approach of a pair: local time in 0..=1, distance in metres. The bits are
 /// those of the [batch](super::closest_approach).
@@ -18,10 +20,30 @@ pub fn closest_approach<R: Real>(points: &ControlPoints<R>) -> (R, R) {
 ///
 /// This is the textbook method: the roots of the degree-5 derivative of the squared distance. The
 /// stationary points are found to `tolerance` in local time; 0 is full precision. Of equal minima,
-/// the first instant is returned.
+/// the first instant is returned. The points are scaled by a power of two first, to avoid overflow.
 #[must_use]
 pub fn closest_approach_by_roots(points: &ControlPoints<f64>, tolerance: f64) -> (f64, f64) {
-    all_roots(points, tolerance)
+    let (points, unit) = normalised(points);
+    let cubic = CentredCubic::new(points);
+    let [_, a1, a2, a3, a4, a5, a6] = cubic.squared_distance();
+    let slope = Polynomial::new([a1, 2.0 * a2, 3.0 * a3, 4.0 * a4, 5.0 * a5, 6.0 * a6]);
+
+    let mut best = (-1.0, square_at(&cubic, -1.0));
+    let mut consider = |u: f64| {
+        let square = square_at(&cubic, u);
+        if square < best.1 {
+            best = (u, square);
+        }
+    };
+    // A slope that is zero everywhere leaves the first instant.
+    if let Roots::At(roots) = slope.roots_in(-1.0, 1.0, 2.0 * tolerance) {
+        for &u in &roots {
+            consider(u);
+        }
+    }
+    consider(1.0);
+    let (u, square) = best;
+    (local_time(u), distance(square) * unit)
 }
 
 /// Returns proven bounds of the least distance of a pair, for control points with an error of up to

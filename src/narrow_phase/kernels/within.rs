@@ -2,9 +2,10 @@
 
 use super::batch::Lanes;
 use super::cubic::{ControlPoints, largest_coordinate, widened};
-use super::dispatch::{enclose_block, screen_block, screen_block_finely};
 use super::enclosures::enclose;
-use super::loops::{BLOCK, EnclosureBlock, LaneBlock};
+use super::loops::{
+    BLOCK, EnclosureBlock, LaneBlock, enclose_block, screen_block, screen_block_finely,
+};
 use super::pending::RetryQueue;
 use super::screen::{Verdict, screen_eighths, screen_halves};
 use crate::real::Real;
@@ -112,6 +113,10 @@ pub(super) fn within<R: Real>(
 impl<R: Real> WithinBatch<'_, R> {
     /// Applies the second screen to the waiting pairs.
     fn screen_again(&mut self) {
+        // Room for as many as may stay undecided.
+        if self.third.len() + self.second.len() > BLOCK {
+            self.enclose();
+        }
         let mut verdicts = [Verdict::Undecided; BLOCK];
         let verdicts = &mut verdicts[..self.second.width()];
         let [inner, outer] = self.second.extras();
@@ -130,9 +135,6 @@ impl<R: Real> WithinBatch<'_, R> {
                 let error = conversion_error::<R>(&wide);
                 self.third
                     .push(pair, wide, [inner[i].to_f64(), outer[i].to_f64(), error]);
-                if self.third.is_full() {
-                    Self::enclose_pending(self.instructions, &mut self.third, self.verdicts);
-                }
             }
         }
         self.second.clear();
@@ -140,14 +142,12 @@ impl<R: Real> WithinBatch<'_, R> {
 
     /// Encloses the waiting pairs.
     fn enclose(&mut self) {
-        Self::enclose_pending(self.instructions, &mut self.third, self.verdicts);
-    }
-
-    fn enclose_pending(
-        instructions: InstructionSet,
-        third: &mut RetryQueue<f64, 3>,
-        verdicts: &mut [Verdict],
-    ) {
+        let Self {
+            instructions,
+            third,
+            verdicts,
+            ..
+        } = self;
         if third.is_empty() {
             return;
         }
@@ -155,7 +155,7 @@ impl<R: Real> WithinBatch<'_, R> {
         let lanes = third.lanes();
         let [inner, outer, errors] = third.extras();
         enclose_block(
-            instructions,
+            *instructions,
             &mut LaneBlock::new(),
             &lanes,
             errors,

@@ -1,16 +1,12 @@
 //! Error terms of a relative motion against exact arithmetic, each where it dominates.
 
 use super::*;
-use crate::rounding::exact::{Exact, number};
+use crate::rounding::exact::{Exact, number, vector};
 use crate::trajectory::{State, TimeBase, Trajectory};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 
 const ROUNDS: u32 = 3_000;
-
-fn vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
-    DVec3::from_array([0; 3].map(|_| half * rng.random_range(-1.0..1.0)))
-}
 
 /// Returns a motion with these exact control points.
 fn motion(apart: DVec3, local: [DVec3; 4], error: f64) -> RelativeMotion {
@@ -202,6 +198,39 @@ fn filters_keep_clear_of_the_tolerance() {
             let radius = cubic.size;
             let kept = filter_threshold(radius, scale) - radius;
             assert!(kept >= needed * (1.0 - 1e-3), "{round} {cubic:?}");
+        }
+    }
+}
+
+/// Returns a unit vector to rounding, or off by as much as is accepted.
+fn normal(rng: &mut ChaCha8Rng) -> DVec3 {
+    vector(rng, 1.0).normalize() * (1.0 + [0.0, 0.9e-9, -0.9e-9][rng.random_range(0..3)])
+}
+
+/// Vectors along the plane, of which little is left in a height: origins, ways, both; and such that
+/// products underflow.
+#[test]
+fn heights_are_within_the_error() {
+    let mut rng = ChaCha8Rng::seed_from_u64(8);
+    for round in 0..ROUNDS {
+        let [origin, way] =
+            [[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1e-310, 1e-310]][round as usize % 4];
+        let normal = normal(&mut rng);
+        let along = |rng: &mut ChaCha8Rng, size: f64| {
+            let across = normal.cross(vector(rng, 1.0)).normalize();
+            (across + vector(rng, 1e-9)) * size
+        };
+        let apart = along(&mut rng, origin);
+        let local = [0; 4].map(|_| along(&mut rng, way));
+        let scale = 1.0 / normal.length();
+        let heights = motion(apart, local, 0.0).heights(normal, scale);
+        for (local, found) in local.into_iter().zip(heights.points) {
+            let exact = Exact::of(apart).plus(&Exact::of(local));
+            let is_within = exact.is_at_height(normal, &number(found), heights.error);
+            assert!(
+                is_within,
+                "{round} {apart:?} {local:?} {normal:?} {heights:?}"
+            );
         }
     }
 }

@@ -17,7 +17,7 @@ pub(super) struct Cell {
 
 /// Calls `visit` with each time (s) within an interval at which a motion may be within a distance
 /// (m). `enclosed` is the motion with its errors.
-pub(super) fn each_time_within(
+fn each_time_within(
     (cubic, enclosed): (&RelativeCubic, &UncertainCubic),
     distance: f64,
     (from, to): (f64, f64),
@@ -32,6 +32,50 @@ pub(super) fn each_time_within(
         if side != Side::Outside && times.0 <= times.1 {
             visit(times);
         }
+    }
+}
+
+/// Calls `visit` with the parts of a walk that have a distance, those with a small one first: they
+/// rule out most others.
+pub(super) fn nearest_first<'a>(
+    cells: Cells<'a>,
+    distance: impl Fn(&Cell) -> Option<f64>,
+    mut visit: impl FnMut(&Cell),
+) {
+    let mut cells = cells.filter_map(|cell| distance(&cell).map(|distance| (distance, cell)));
+    loop {
+        let mut order: Vec<(f64, Cell)> = Vec::with_capacity(Cells::USUAL);
+        order.extend(cells.by_ref().take(Cells::BLOCK));
+        if order.is_empty() {
+            return;
+        }
+        order.sort_by(|x, y| x.0.total_cmp(&y.0));
+        order.iter().for_each(|(_, cell)| visit(cell));
+    }
+}
+
+/// Calls `visit` once with each part of a span that does not begin before `after` (s) and meets an
+/// interval (s). Of many parts only those matter in which a bounding sphere is within a distance (m):
+/// `near` returns its motion and that distance, or `None` if that is never so.
+pub(super) fn each_near<'a>(
+    cells: impl Fn((f64, f64)) -> Cells<'a>,
+    (interval, after): ((f64, f64), f64),
+    near: impl FnOnce() -> Option<(RelativeCubic, UncertainCubic, f64)>,
+    mut visit: impl FnMut(&Cell),
+) {
+    let mut visited = after;
+    let mut visit_all = |times: (f64, f64)| {
+        for cell in cells(times) {
+            if cell.span.start >= visited {
+                visited = cell.span.end.max(cell.span.start.next_up());
+                visit(&cell);
+            }
+        }
+    };
+    if cells(interval).nth(Cells::FEW).is_none() {
+        visit_all(interval);
+    } else if let Some((cubic, enclosed, distance)) = near() {
+        each_time_within((&cubic, &enclosed), distance, interval, visit_all);
     }
 }
 
@@ -51,9 +95,11 @@ pub(super) struct Cells<'a> {
 
 impl<'a> Cells<'a> {
     /// Parts of a span that are put in order at a time: a span may have any number.
-    pub(super) const BLOCK: usize = 1024;
+    const BLOCK: usize = 1024;
+    /// Room for those of one revolution of each body, and more.
+    const USUAL: usize = 24;
     /// With so few parts each is tested by itself.
-    pub(super) const FEW: usize = 4;
+    const FEW: usize = 4;
 
     /// Returns the walk through the parts of a span that meet an interval (s).
     pub(super) fn of(
@@ -72,6 +118,14 @@ impl<'a> Cells<'a> {
             until: to.min(span.end),
             is_done: from > span.end || to < span.start,
         }
+    }
+}
+
+impl Cell {
+    /// Returns the middle of the part that lies within an interval (s), if it meets that.
+    pub(super) fn middle(&self, (from, to): (f64, f64)) -> Option<f64> {
+        let (start, end) = (from.max(self.span.start), to.min(self.span.end));
+        (start <= end).then_some(start + 0.5 * (end - start))
     }
 }
 

@@ -5,7 +5,7 @@
 //! of its own. A sphere need not be solved while another one is lower, by more than rounding, over
 //! the whole part.
 
-use super::cells::{Cell, Cells, Rotations, each_time_within};
+use super::cells::{Cell, Cells, Rotations, each_near, nearest_first};
 use crate::accuracy::Accuracy;
 use crate::narrow_phase::BodyView;
 use crate::narrow_phase::half_space::{PlanePair, SphereAlong, lowest};
@@ -49,37 +49,21 @@ impl<'a> TurningOverPlane<'a> {
         mut solve: impl FnMut(&SpherePair, Span),
     ) {
         let span = self.pair.span;
-        let (mut rotations, mut ways) = (Rotations::default(), Vec::new());
-        let mut visited = after;
-        let mut visit = |times: (f64, f64)| {
-            for cell in self.cells(times) {
-                if cell.span.start < visited {
-                    continue;
-                }
-                visited = cell.span.end.max(cell.span.start.next_up());
-                let found = self.find_within(&cell, margin, &mut rotations, &mut ways);
-                if let Some(heights) = found {
-                    for sphere in &ways {
-                        solve(
-                            &self.pair.sphere_pair(cell.span, &heights, sphere),
-                            cell.span,
-                        );
-                    }
-                }
-            }
+        let interval = (from.max(span.start), to.min(span.end));
+        let near = || {
+            let whole = self.bounding();
+            let radius = whole.radius(margin);
+            let scale = self.pair.rounding_scale(span) + whole.cubic.size + margin.abs();
+            let threshold = filter_threshold(radius, scale);
+            (radius >= 0.0).then(|| (whole.cubic, whole.uncertain(), threshold))
         };
-        let part = (from.max(span.start), to.min(span.end));
-        if self.cells(part).nth(Cells::FEW).is_none() {
-            return visit(part);
-        }
-        let whole = self.bounding();
-        let radius = whole.radius(margin);
-        if radius < 0.0 {
-            return;
-        }
-        let scale = self.pair.rounding_scale(span) + whole.cubic.size + margin.abs();
-        let threshold = filter_threshold(radius, scale);
-        each_time_within((&whole.cubic, &whole.uncertain()), threshold, part, visit);
+        let (mut rotations, mut ways) = (Rotations::default(), Vec::new());
+        let cells = |interval| self.cells(interval);
+        each_near(cells, (interval, after), near, |cell| {
+            self.each_lowest(cell, margin, (&mut rotations, &mut ways), |pair| {
+                solve(pair, cell.span)
+            });
+        });
     }
 
     /// See `TurningPair::each_for_nearest`.
@@ -92,31 +76,32 @@ impl<'a> TurningOverPlane<'a> {
         let span = self.pair.span;
         let clip = (clip.0.max(span.start), clip.1.min(span.end));
         let whole = self.bounding();
-        let middle = |cell: &Cell| {
-            let ends = (clip.0.max(cell.span.start), clip.1.min(cell.span.end));
-            let middle = whole.cubic.parameter(ends.0 + 0.5 * (ends.1 - ends.0));
-            (ends.0 <= ends.1).then(|| whole.cubic.at(middle).0.x)
+        let height = |cell: &Cell| {
+            let middle = whole.cubic.parameter(cell.middle(clip)?);
+            Some(whole.cubic.at(middle).0.x)
         };
-        let mut cells = self
-            .cells(clip)
-            .filter_map(|cell| middle(&cell).map(|height| (height, cell)));
         let (mut rotations, mut ways) = (Rotations::default(), Vec::new());
-        loop {
-            // The lowest parts go first: they rule out most others.
-            let block = cells.by_ref().take(Cells::BLOCK);
-            let mut order: Vec<(f64, Cell)> = block.collect();
-            if order.is_empty() {
-                return;
-            }
-            order.sort_by(|x, y| x.0.total_cmp(&y.0));
-            for (_, cell) in &order {
-                let found = self.find_within(cell, reached, &mut rotations, &mut ways);
-                if let Some(heights) = found {
-                    for sphere in &ways {
-                        let pair = self.pair.sphere_pair(cell.span, &heights, sphere);
-                        reached = reached.min(solve(&pair, cell.span));
-                    }
-                }
+        nearest_first(self.cells(clip), height, |cell| {
+            let mut least = reached;
+            self.each_lowest(cell, reached, (&mut rotations, &mut ways), |pair| {
+                least = least.min(solve(pair, cell.span));
+            });
+            reached = least;
+        });
+    }
+
+    /// Calls `visit` with the spheres that may come within `margin`, which may be infinite, in a
+    /// part of the span and be the lowest ones then.
+    fn each_lowest(
+        &self,
+        cell: &Cell,
+        margin: f64,
+        (rotations, ways): (&mut Rotations, &mut Vec<SphereAlong>),
+        mut visit: impl FnMut(&SpherePair),
+    ) {
+        if let Some(heights) = self.find_within(cell, margin, rotations, ways) {
+            for sphere in &*ways {
+                visit(&self.pair.sphere_pair(cell.span, &heights, sphere));
             }
         }
     }

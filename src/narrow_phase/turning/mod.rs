@@ -21,7 +21,7 @@ use super::sphere_pair::SpherePair;
 use crate::accuracy::Accuracy;
 use crate::rounding::{seen_from, seen_until};
 use crate::spans::Span;
-use cells::{Cell, Cells, Rotations, each_time_within};
+use cells::{Cell, Cells, Rotations, each_near, nearest_first};
 use glam::DVec3;
 use half_space::TurningOverPlane;
 use part::{PartScratch, SpheresOverPart};
@@ -107,35 +107,17 @@ impl<'a> TurningPair<'a> {
             return;
         }
         let cubic = self.cubic();
-        let mut cells = self.cells(clip).filter_map(|cell| {
-            let ends = (clip.0.max(cell.span.start), clip.1.min(cell.span.end));
-            let middle = cubic.parameter(ends.0 + 0.5 * (ends.1 - ends.0));
-            (ends.0 <= ends.1).then(|| (cubic.at(middle).0.length_squared(), cell))
-        });
+        let distance = |cell: &Cell| {
+            let middle = cubic.parameter(cell.middle(clip)?);
+            Some(cubic.at(middle).0.length_squared())
+        };
         let (mut rotations, mut scratch) = (Rotations::default(), PartScratch::default());
-        loop {
-            // The parts in which the bodies come nearest go first: they rule out most others.
-            let mut order: Vec<(f64, Cell)> = cells.by_ref().take(Cells::BLOCK).collect();
-            if order.is_empty() {
-                return;
+        nearest_first(self.cells(clip), distance, |cell| {
+            if let Some(part) = self.part(cell, reached, &mut rotations) {
+                reached =
+                    part.each_for_nearest(reached, &mut scratch, |pair| solve(pair, cell.span));
             }
-            order.sort_by(|x, y| x.0.total_cmp(&y.0));
-            for (_, cell) in &order {
-                let Some(part) = self.part(cell, reached, &mut rotations) else {
-                    continue;
-                };
-                // Compared with one of the nearest pairs of spheres, few others are near.
-                let first = reached.is_infinite().then(|| part.facing(&mut scratch));
-                if let Some(pair) = first {
-                    reached = reached.min(solve(&part.pair(pair), cell.span));
-                }
-                part.each_within(reached, &mut scratch, |pair| {
-                    if first != Some((pair.a, pair.b)) {
-                        reached = reached.min(solve(pair, cell.span));
-                    }
-                });
-            }
-        }
+        });
     }
 
     /// Solves the pairs of spheres that may come within `margin` in a part of the span that meets an
@@ -154,25 +136,17 @@ impl<'a> TurningPair<'a> {
             return;
         };
         let (mut rotations, mut scratch) = (Rotations::default(), PartScratch::default());
-        // Each part of the span is visited once.
-        let mut visited = after;
-        let mut visit = |times: (f64, f64)| {
-            for cell in self.cells(times) {
-                if cell.span.start < visited {
-                    continue;
-                }
-                visited = cell.span.end.max(cell.span.start.next_up());
-                if let Some(part) = self.part(&cell, margin, &mut rotations) {
-                    part.each_within(margin, &mut scratch, |pair| solve(pair, cell.span));
-                }
-            }
+        let interval = (from.max(self.span.start), to.min(self.span.end));
+        let near = || {
+            let cubic = self.cubic();
+            Some((cubic, cubic.uncertain(), threshold))
         };
-        let part = (from.max(self.span.start), to.min(self.span.end));
-        if self.cells(part).nth(Cells::FEW).is_none() {
-            return visit(part);
-        }
-        let cubic = self.cubic();
-        each_time_within((&cubic, &cubic.uncertain()), threshold, part, visit);
+        let cells = |interval| self.cells(interval);
+        each_near(cells, (interval, after), near, |cell| {
+            if let Some(part) = self.part(cell, margin, &mut rotations) {
+                part.each_within(margin, &mut scratch, |pair| solve(pair, cell.span));
+            }
+        });
     }
 
     /// Returns the pair if one body is a half-space.

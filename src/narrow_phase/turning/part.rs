@@ -10,7 +10,7 @@ use crate::hitbox::Sphere;
 use crate::narrow_phase::BodyView;
 use crate::narrow_phase::contact_radius;
 use crate::narrow_phase::relative::{RelativeMotion, filter_threshold};
-use crate::narrow_phase::sphere_pair::SpherePair;
+use crate::narrow_phase::sphere_pair::{SpherePair, difference_of_squares};
 use crate::orientation::BakedRotation;
 use crate::rounding::{norm, normalising_power};
 use glam::DVec3;
@@ -57,9 +57,28 @@ struct SphereCandidate {
     points: [DVec3; 4],
     /// Control heights of the squared distance, in the square of that unit.
     heights: [f64; 7],
-    /// Sum of the radii and of the errors, in that unit.
+    /// Lower bound of the separation, without errors, to rounding; sum of the radii and of the errors:
+    /// all in that unit.
+    least: f64,
     radii: f64,
     error: f64,
+}
+
+impl PartScratch {
+    /// Returns two spheres that reach far towards each other's bodies: probably among the nearest.
+    fn facing(&self) -> (u32, u32) {
+        let smallest = |reaches: &[f64], sign: f64| {
+            let mut least = (f64::INFINITY, 0);
+            for (number, reach) in (0..).zip(reaches) {
+                if sign * reach < least.0 {
+                    least = (sign * reach, number);
+                }
+            }
+            least.1
+        };
+        let [reaches_a, reaches_b] = &self.reaches;
+        (smallest(reaches_a, 1.0), smallest(reaches_b, -1.0))
+    }
 }
 
 impl SphereWay {
@@ -99,14 +118,11 @@ impl SphereCandidate {
     }
 
     /// Returns true if another pair is nearer by more than `slack` over the whole part.
-    ///
-    /// With f and n the centre distances and e the excess of the own radii plus slack, f > n + e
-    /// follows from f² - n² > e (2 n + e).
     fn is_behind(&self, near: &Self, slack: f64) -> bool {
         let excess = (self.radii - near.radii).max(0.0) + slack + (self.error + near.error);
         let squares = near.points.map(DVec3::length_squared);
         let reach = squares.into_iter().fold(0.0, f64::max).sqrt();
-        let least = excess * (2.0 * reach + excess);
+        let least = difference_of_squares(reach, excess);
         let mut heights = self.heights.iter().zip(&near.heights);
         heights.all(|(far, near)| far - near > least)
     }
@@ -145,6 +161,7 @@ impl<'a> SpheresOverPart<'a> {
         scratch: &mut PartScratch,
         mut visit: impl FnMut(&SpherePair),
     ) {
+        self.find_reaches(scratch);
         self.find_candidates(margin, scratch);
         let candidates = &scratch.candidates;
         if candidates.len() <= Self::FEW {
@@ -173,10 +190,40 @@ impl<'a> SpheresOverPart<'a> {
         }
     }
 
+    /// Solves the pairs of spheres that may come nearer than `reached` (m); `solve` returns the new
+    /// value of `reached`. Returns the last one.
+    pub(super) fn each_for_nearest(
+        &self,
+        mut reached: f64,
+        scratch: &mut PartScratch,
+        mut solve: impl FnMut(&SpherePair) -> f64,
+    ) -> f64 {
+        self.find_reaches(scratch);
+        // Compared with one of the nearest pairs of spheres, few others are near.
+        let facing = reached.is_infinite().then(|| scratch.facing());
+        if let Some(pair) = facing {
+            reached = reached.min(solve(&self.pair(pair)));
+        }
+        self.find_candidates(reached, scratch);
+        let power = normalising_power(self.scale);
+        let candidates = &scratch.candidates;
+        let first = candidates.iter().min_by(|x, y| x.least.total_cmp(&y.least));
+        let (first, mut solved) = (first.into_iter(), [facing, None]);
+        for candidate in first.chain(candidates) {
+            let pair = (candidate.a, candidate.b);
+            let near = filter_threshold(reached, self.scale + reached.abs()) * power;
+            if candidate.least - candidate.error > near || solved.contains(&Some(pair)) {
+                continue;
+            }
+            solved[1] = solved[1].or(Some(pair));
+            reached = reached.min(solve(&self.pair(pair)));
+        }
+        reached
+    }
+
     /// Finds the pairs of spheres that cheap tests cannot rule out to come within `margin`, in the
     /// order of their numbers.
     fn find_candidates(&self, margin: f64, scratch: &mut PartScratch) {
-        self.find_reaches(scratch);
         let PartScratch {
             reaches: [reaches_a, reaches_b],
             near_b,
@@ -222,12 +269,14 @@ impl<'a> SpheresOverPart<'a> {
                 if lowest > threshold * threshold {
                     continue;
                 }
+                let radii = (way_a.radius + way_b.radius) * power;
                 candidates.push(SphereCandidate {
                     a: number_a,
                     b: *number_b,
                     points,
                     heights,
-                    radii: (way_a.radius + way_b.radius) * power,
+                    least: lowest.max(0.0).sqrt() - radii,
+                    radii,
                     error: error * power,
                 });
             }
@@ -276,22 +325,6 @@ impl<'a> SpheresOverPart<'a> {
         } else {
             DVec3::ZERO
         }
-    }
-
-    /// Returns two spheres that reach far towards each other's bodies: probably among the nearest.
-    pub(super) fn facing(&self, scratch: &mut PartScratch) -> (u32, u32) {
-        self.find_reaches(scratch);
-        let smallest = |reaches: &[f64], sign: f64| {
-            let mut least = (f64::INFINITY, 0);
-            for (number, reach) in (0..).zip(reaches) {
-                if sign * reach < least.0 {
-                    least = (sign * reach, number);
-                }
-            }
-            least.1
-        };
-        let [reaches_a, reaches_b] = &scratch.reaches;
-        (smallest(reaches_a, 1.0), smallest(reaches_b, -1.0))
     }
 
     /// Returns two spheres over the part.

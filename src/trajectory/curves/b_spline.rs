@@ -3,7 +3,7 @@
 //! L. Ramshaw, "Blossoms are polar forms", 1989: the Bézier points of a cubic between u and w are its blossom at
 //! (u, u, u), (u, u, w), (u, w, w) and (w, w, w). De Boor's algorithm finds each of them from four control points.
 
-use super::control_points::ControlPoints;
+use super::bezier_points::BezierPoints;
 use crate::error::{Error, Quantity};
 use crate::rounding::{norm, one_zero};
 use crate::trajectory::Trajectory;
@@ -64,15 +64,8 @@ impl Trajectory {
             if last >= count || around[2] >= around[3] {
                 continue;
             }
-            let points = &control_points[last - 3..=last];
-            let [u, w] = [around[2], around[3]];
-            let instants = [[u, u, u], [u, u, w], [u, w, w], [w, w, w]];
-            let of_axis = |axis: usize| {
-                let points = [0, 1, 2, 3].map(|k| DoubleDouble::from(points[k][axis]));
-                instants.map(|instants| blossom(points, around, instants))
-            };
-            pieces.push(ControlPoints::new([0, 1, 2].map(of_axis), lost(points)));
-            times.push(one_zero(w));
+            pieces.push(piece(&control_points[last - 3..=last], around));
+            times.push(one_zero(around[3]));
         }
         Self::of_control_points(&times, &pieces)
     }
@@ -114,16 +107,9 @@ impl Trajectory {
         let times = once(start).chain(later).take(count - 2);
         let times: Vec<f64> = times.map(one_zero).collect();
         check_times(times.iter().copied())?;
-        let pieces: Vec<ControlPoints> = control_points
-            .windows(4)
-            .map(|points| {
-                let of_axis = |axis: usize| {
-                    uniform([0, 1, 2, 3].map(|k| DoubleDouble::from(points[k][axis])))
-                };
-                ControlPoints::new([0, 1, 2].map(of_axis), lost(points))
-            })
-            .collect();
-        Self::of_control_points(&times, &pieces)
+        let even = [-2.0, -1.0, 0.0, 1.0, 2.0, 3.0];
+        let pieces = control_points.windows(4).map(|points| piece(points, &even));
+        Self::of_control_points(&times, &pieces.collect::<Vec<_>>())
     }
 }
 
@@ -180,13 +166,19 @@ fn check_knot_vector(knots: &[f64], control_points: &[DVec3]) -> Result<(), Erro
     Ok(())
 }
 
-/// Returns a bound on what the conversion of four control points loses, m. Each of three levels loses less than 2^-100
-/// of the largest coordinate on an axis.
-fn lost(points: &[DVec3]) -> f64 {
-    let largest = points
-        .iter()
-        .fold(DVec3::ZERO, |so_far, point| so_far.max(point.abs()));
-    2f64.powi(-96) * norm(largest)
+/// Returns the cubic of four control points between the third and the fourth of six knots.
+///
+/// Each of three levels loses less than 2^-100 of the largest coordinate on an axis.
+fn piece(points: &[DVec3], knots: &[f64]) -> BezierPoints {
+    let [u, w] = [knots[2], knots[3]];
+    let instants = [[u, u, u], [u, u, w], [u, w, w], [w, w, w]];
+    let of_axis = |axis: usize| {
+        let points = [0, 1, 2, 3].map(|k| DoubleDouble::from(points[k][axis]));
+        instants.map(|instants| blossom(points, knots, instants))
+    };
+    let sizes = points.iter().map(|point| point.abs());
+    let lost = 2f64.powi(-96) * norm(sizes.fold(DVec3::ZERO, DVec3::max));
+    BezierPoints::new([0, 1, 2].map(of_axis), lost)
 }
 
 /// Returns the blossom, at three instants, of the cubic between the third and the fourth of six knots.
@@ -201,16 +193,4 @@ fn blossom(mut points: [DoubleDouble; 4], knots: &[f64], instants: [f64; 3]) -> 
         }
     }
     points[3]
-}
-
-/// Returns the Bézier points of the cubic between the second and the third of four control points with even knots.
-fn uniform([a, b, c, d]: [DoubleDouble; 4]) -> [DoubleDouble; 4] {
-    let [three, six] = [3.0, 6.0].map(DoubleDouble::from);
-    let four_times = |point: DoubleDouble| point.twice().twice();
-    [
-        (a + four_times(b) + c).quotient(six),
-        (b.twice() + c).quotient(three),
-        (b + c.twice()).quotient(three),
-        (b + four_times(c) + d).quotient(six),
-    ]
 }

@@ -1,6 +1,6 @@
 //! Bézier pieces.
 
-use super::control_points::ControlPoints;
+use super::bezier_points::BezierPoints;
 use crate::error::{Error, Quantity};
 use crate::rounding::norm;
 use crate::trajectory::Trajectory;
@@ -54,9 +54,9 @@ impl Trajectory {
         }
         let exact = |piece: &[DVec3; 4]| {
             let of_axis = |axis: usize| piece.map(|point| DoubleDouble::from(point[axis]));
-            ControlPoints::new([0, 1, 2].map(of_axis), 0.0)
+            BezierPoints::new([0, 1, 2].map(of_axis), 0.0)
         };
-        let pieces: Vec<ControlPoints> = pieces.iter().map(exact).collect();
+        let pieces: Vec<BezierPoints> = pieces.iter().map(exact).collect();
         Self::of_control_points(&knots, &pieces)
     }
 
@@ -65,10 +65,7 @@ impl Trajectory {
     /// # Errors
     ///
     /// [`Error::OutOfRange`].
-    pub(super) fn of_control_points(
-        knots: &[f64],
-        pieces: &[ControlPoints],
-    ) -> Result<Self, Error> {
+    pub(super) fn of_control_points(knots: &[f64], pieces: &[BezierPoints]) -> Result<Self, Error> {
         let interval = |piece: usize| (knots[piece], knots[piece + 1]);
         let segments = pieces
             .iter()

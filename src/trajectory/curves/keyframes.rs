@@ -1,9 +1,8 @@
 //! Keyframes: Hermite cubics whose velocity may jump at the knots.
 
 use crate::error::Error;
-use crate::rounding::one_zero;
-use crate::trajectory::build::{check_states, hermite_ends};
-use crate::trajectory::{Segment, State, Trajectory};
+use crate::trajectory::build::check_states;
+use crate::trajectory::{State, Trajectory};
 use glam::DVec3;
 
 /// Time, position, and the velocities before and after, of a body at one instant (s, m, m/s).
@@ -92,27 +91,9 @@ impl Trajectory {
     /// As [`from_states`](Self::from_states). Also the tangents that shape no segment must be finite.
     #[doc(alias("glTF", "CUBICSPLINE", "from_tangents", "Hermite"))]
     pub fn from_keyframes(keyframes: &[Keyframe]) -> Result<Self, Error> {
-        let [first, .., last] = keyframes else {
-            return Err(Error::TooFewStates {
-                count: keyframes.len(),
-            });
-        };
         let arriving: Vec<State> = keyframes.iter().map(Keyframe::arriving).collect();
         let leaving: Vec<State> = keyframes.iter().map(Keyframe::leaving).collect();
         check_states(&arriving)?;
-        check_states(&leaving)?;
-        let pairs = leaving.iter().zip(&arriving[1..]);
-        let segments = (1..)
-            .zip(pairs)
-            .map(|(knot, (from, to))| Segment::hermite(from, to, knot))
-            .collect::<Result<Vec<_>, _>>()?;
-        let last_knot = segments.len();
-        let ends = hermite_ends(
-            [&first.leaving(), &arriving[1]],
-            [&leaving[last_knot - 1], &last.arriving()],
-            last_knot,
-        )?;
-        let knots: Vec<f64> = keyframes.iter().map(|it| one_zero(it.time)).collect();
-        Ok(Self::of_cubics(&knots, &segments, &ends))
+        Self::hermite(&leaving, &arriving)
     }
 }

@@ -5,7 +5,7 @@
 
 mod b_spline;
 mod bezier;
-mod control_points;
+mod bezier_points;
 mod keyframes;
 mod positions;
 mod waypoints;

@@ -66,9 +66,17 @@ impl Trajectory {
     ///
     /// This suits samples of a smooth motion. **It does not suit waypoints with straight legs**: the body leaves a leg
     /// near its ends, swings out beside corners, overshoots where it should stop, and never is at constant velocity.
-    /// With a velocity off by v from the leg's at its ends, it strays from a leg of T seconds by up to v T / 4. For
-    /// legs there is [`from_waypoints`](Self::from_waypoints), for known velocities [`from_states`](Self::from_states),
-    /// for velocities at the ends and without overshoot [`from_positions_with`](Self::from_positions_with).
+    /// With a velocity off by v from the leg's at its ends, it strays from a leg of T seconds by up to v T / 4.
+    ///
+    /// In 2,000 delivery missions (climb, cruise, descend, wait, return) half of all places are more than 101 m from
+    /// the legs at that time. Such plans find 8 % of the conflicts within 8 m that the legs have, and for each one of
+    /// the legs' conflicts half a one that is none. (`cargo test --test missions -- --nocapture`)
+    ///
+    /// | you have | use |
+    /// |---|---|
+    /// | legs that are flown straight | [`from_waypoints`](Self::from_waypoints) |
+    /// | velocities, too | [`from_states`](Self::from_states) |
+    /// | a start or a stop at rest; coordinates that must not overshoot | [`from_positions_with`](Self::from_positions_with) |
     ///
     /// ```
     /// use nearmiss::Trajectory;
@@ -95,7 +103,9 @@ impl Trajectory {
     /// Builds cubic Hermite segments through positions only, as [`from_positions`](Self::from_positions), with given
     /// velocities at the ends or with limited ones.
     ///
-    /// A given end velocity leaves the others as they are by the rule.
+    /// A given end velocity leaves the others as they are by the rule. Limited velocities keep a body inside the box
+    /// between two positions, but not on the straight line: of the missions on the page of
+    /// [`from_positions`](Self::from_positions) they find 15 % of the conflicts.
     ///
     /// ```
     /// use nearmiss::glam::DVec3;

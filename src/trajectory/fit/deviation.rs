@@ -32,19 +32,8 @@ impl FittedPiece {
         Some(Self { segment, rounding })
     }
 
-    /// Returns a bound of the error (m), by a bound of the fourth derivative (m/s⁴).
-    ///
-    /// The error of cubic Hermite interpolation is at most |f''''| h⁴/384 along any direction.
-    pub(super) fn bound(&self, fourth_derivative: f64) -> f64 {
-        let square = (self.segment.end() - self.segment.start()).powi(2);
-        // One factor after the other: the square of a long duration may leave the range of f64.
-        let remainder = fourth_derivative * square / 384.0 * square;
-        // A bound of 0 stands for any duration.
-        let remainder = if fourth_derivative > 0.0 {
-            remainder
-        } else {
-            0.0
-        };
+    /// Returns a bound of the error (m), by a bound of the motion's distance from the exact cubic (m).
+    pub(super) fn bound(&self, remainder: f64) -> f64 {
         remainder * SPARE + self.rounding
     }
 }

@@ -6,11 +6,13 @@
 //! | `options` | options of a fit |
 //! | `place` | knots, as far apart as a tolerance allows |
 //! | `motion` | functions of time |
+//! | `fourth_derivative` | distance of a motion from its cubic, by bounds of the fourth derivative |
 //! | `deviation` | error of one cubic between two states of a motion |
 //! | `polynomials` | polynomials up to degree 7 |
 //! | `reduction` | one cubic in place of a part of a polynomial, with the proven remainder |
 
 mod deviation;
+mod fourth_derivative;
 mod motion;
 mod options;
 mod place;

@@ -36,7 +36,7 @@ impl Trajectory {
     /// [`fit_with`](Self::fit_with) proves the error, if the fourth derivative is bounded.
     ///
     /// Positions may have jumps in acceleration, and in velocity. The velocity must be the derivative of the
-    /// position: otherwise the fit needs very many knots, and fails. A tolerance ten thousand times smaller needs
+    /// position: otherwise the fit needs very many knots, or fails. See [`Fit::knot_count`]. A tolerance ten thousand times smaller needs
     /// ten times as many knots. Rounding takes its part of the tolerance: 2e-15 of the distance from the origin, or
     /// 14 nm at 7000 km.
     ///
@@ -77,8 +77,9 @@ impl Trajectory {
     /// [bound of the fourth derivative](FitOptions::with_fourth_derivative) M the error is proven.
     ///
     /// The proven error is M h⁴/384 for the longest time h between knots, the rounding of the motion's values, and
-    /// that of the cubics. One bound serves the whole window, so the knots are evenly spaced. The middle of each
-    /// piece is examined: a motion that contradicts its bound there is refused.
+    /// that of the cubics. One bound for the whole window makes the knots evenly spaced.
+    /// [A bound for each window](FitOptions::with_fourth_derivative_over) puts them where the motion bends. The middle
+    /// of each piece is examined: a motion that contradicts its bound there is refused.
     ///
     /// ```
     /// use nearmiss::{FitOptions, Trajectory, Window};
@@ -98,7 +99,7 @@ impl Trajectory {
         motion: impl FnMut(f64) -> (P, V),
         window: Window,
         tolerance: f64,
-        options: &FitOptions,
+        options: &FitOptions<'_>,
     ) -> Result<Fit, Error> {
         let tolerance = checked_tolerance(tolerance)?;
         let options = options.checked()?;
@@ -117,8 +118,9 @@ impl Trajectory {
         let max_knots = options.max_knots;
         let placed = match options.fourth_derivative {
             Some(bound) => place_knots(ends, tolerance, max_knots, |from, to| {
+                let remainder = bound.remainder(from, to)?;
                 let piece = examined.piece(from, to)?;
-                Ok(piece.map_or(f64::INFINITY, |piece| piece.bound(bound)))
+                Ok(piece.map_or(f64::INFINITY, |piece| piece.bound(remainder)))
             }),
             None => place_knots(ends, tolerance, max_knots, |from, to| {
                 examined.estimate(from, to)
@@ -126,7 +128,7 @@ impl Trajectory {
         }?;
         if let Some(bound) = options.fourth_derivative {
             for pair in placed.knots.windows(2) {
-                examined.check(pair[0], pair[1], bound)?;
+                examined.check(pair[0], pair[1], bound.remainder(pair[0], pair[1])?)?;
             }
         }
         let states = placed.knots.iter().map(|&time| examined.state(time));
@@ -225,14 +227,15 @@ impl<P: Into<DVec3>, V: Into<DVec3>, F: FnMut(f64) -> (P, V)> Examined<F> {
         Ok(error(largest.0))
     }
 
-    /// Returns an error if the motion contradicts a bound of its fourth derivative in the middle of a piece.
-    fn check(&mut self, from: f64, to: f64, fourth_derivative: f64) -> Result<(), Error> {
+    /// Returns an error if the motion is farther from its cubic, in the middle of a piece, than the bound of its
+    /// fourth derivative allows (m).
+    fn check(&mut self, from: f64, to: f64, remainder: f64) -> Result<(), Error> {
         let Some(piece) = self.piece(from, to)? else {
             return Ok(());
         };
         let deviation = self.deviation(&piece, 0.5)?.0;
         // The value in the middle is rounded, too.
-        let bound = piece.bound(fourth_derivative) + piece.rounding;
+        let bound = piece.bound(remainder) + piece.rounding;
         if deviation > bound {
             return Err(Error::FitBound {
                 time: from + 0.5 * (to - from),

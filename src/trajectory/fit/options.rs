@@ -1,16 +1,18 @@
 //! Options of a fit.
 
+use super::fourth_derivative::FourthDerivative;
 use crate::error::Error;
+use crate::window::Window;
 
 /// Options of [`Trajectory::fit_with`](crate::Trajectory::fit_with).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FitOptions {
-    pub(super) fourth_derivative: Option<f64>,
+#[derive(Clone, Copy, Debug)]
+pub struct FitOptions<'a> {
+    pub(super) fourth_derivative: Option<FourthDerivative<'a>>,
     pub(super) ulps: f64,
     pub(super) max_knots: usize,
 }
 
-impl FitOptions {
+impl<'a> FitOptions<'a> {
     /// Number of knots that no fit exceeds by default.
     pub(super) const MAX_KNOTS: usize = 1_000_000;
 
@@ -21,7 +23,35 @@ impl FitOptions {
     /// derivative of the position, and values are as precise as [`with_ulps`](Self::with_ulps) says.
     #[must_use]
     pub const fn with_fourth_derivative(mut self, bound: f64) -> Self {
-        self.fourth_derivative = Some(bound);
+        self.fourth_derivative = Some(FourthDerivative::Constant(bound));
+        self
+    }
+
+    /// Returns the options with a bound of the fourth derivative for any window: `bound` returns one (m/s⁴, in
+    /// Euclidean norm) that holds at all times of the window that it is given. In place of
+    /// [`with_fourth_derivative`](Self::with_fourth_derivative), with the same three facts taken from the caller.
+    ///
+    /// Knots are then as close as the motion needs them where they are, as in a path with one sharp bend. The bound
+    /// of a part of a window should be no larger than that of the window. Infinity stands for no bound: the fit then
+    /// asks about shorter windows.
+    ///
+    /// ```
+    /// use nearmiss::{FitOptions, Trajectory, Window};
+    ///
+    /// // A glider sinks by exp(-t) metres: the fourth derivative is largest where a window begins.
+    /// let motion = |time: f64| ([time, 0.0, (-time).exp()], [1.0, 0.0, -(-time).exp()]);
+    /// let bound = |window: Window| (-window.start()).exp();
+    /// let window = Window::new(0.0, 20.0)?;
+    /// let fit = |options| Trajectory::fit_with(motion, window, 1e-6, &options);
+    /// let adapted = fit(FitOptions::default().with_fourth_derivative_over(&bound))?;
+    /// let even = fit(FitOptions::default().with_fourth_derivative(1.0))?;
+    /// assert!(adapted.is_proven() && adapted.error() <= 1e-6);
+    /// assert!(adapted.knot_count() < 50 && even.knot_count() > 140);
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
+    #[must_use]
+    pub const fn with_fourth_derivative_over(mut self, bound: &'a dyn Fn(Window) -> f64) -> Self {
+        self.fourth_derivative = Some(FourthDerivative::Over(bound));
         self
     }
 
@@ -45,7 +75,10 @@ impl FitOptions {
 
     /// Returns an error if an option is not usable.
     pub(super) fn checked(self) -> Result<Self, Error> {
-        let fourth_derivative = self.fourth_derivative.unwrap_or(0.0);
+        let fourth_derivative = match self.fourth_derivative {
+            Some(FourthDerivative::Constant(bound)) => bound,
+            Some(FourthDerivative::Over(_)) | None => 0.0,
+        };
         for (option, value) in [
             ("bound of the fourth derivative", fourth_derivative),
             ("number of ulps", self.ulps),
@@ -58,7 +91,7 @@ impl FitOptions {
     }
 }
 
-impl Default for FitOptions {
+impl Default for FitOptions<'_> {
     /// Returns options without a bound of the fourth derivative, with 4 ulps and 1,000,000 knots.
     fn default() -> Self {
         Self {

@@ -70,14 +70,10 @@ pub(super) fn place_knots(
         knots.push(to);
         (step, from) = (to - from, to);
     }
-    for balanced in [
-        evenly_shortened(&knots, last_error / tolerance),
-        last_two_halved(&knots),
-    ] {
-        if let Some(error) = error_within(&balanced, tolerance, &mut error_of)? {
-            let knots = balanced;
-            return Ok(Placed { knots, error });
-        }
+    let balanced = evenly_shortened(&knots, last_error / tolerance);
+    if let Some(error) = error_within(&balanced, tolerance, &mut error_of)? {
+        knots = balanced;
+        return Ok(Placed { knots, error });
     }
     Ok(Placed { knots, error })
 }
@@ -157,17 +153,6 @@ fn evenly_shortened(knots: &[f64], share: f64) -> Vec<f64> {
         *knot = knots[piece] + (knots[piece + 1] - knots[piece]) * inside;
     }
     balanced
-}
-
-/// Returns the knots with the last but one in the middle of its neighbours.
-fn last_two_halved(knots: &[f64]) -> Vec<f64> {
-    let mut balanced = knots.to_vec();
-    if let [.., before, knot, after] = &mut balanced[..] {
-        *knot = *before + 0.5 * (*after - *before);
-        balanced
-    } else {
-        Vec::new()
-    }
 }
 
 /// Returns the largest error of the pieces between knots, or `None` if one exceeds the tolerance, or there is none.

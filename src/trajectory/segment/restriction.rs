@@ -1,6 +1,7 @@
 //! Parts of a segment: control points between two instants, inside its knots and beyond.
 
 use super::Segment;
+use crate::blossom::restrict;
 use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, norm};
 use glam::DVec3;
 
@@ -55,23 +56,14 @@ impl Segment {
 
     fn restrict_inside(&self, from: f64, to: f64) -> Restriction {
         let duration = self.end - self.start;
-        let weights = |time: f64| Weights {
-            first: (self.end - time) / duration,
-            second: (time - self.start) / duration,
+        let mix = |time: f64| {
+            // Each weight has a small relative error, also near a knot.
+            let first = (self.end - time) / duration;
+            let second = (time - self.start) / duration;
+            move |x: DVec3, y: DVec3| x * first + y * second
         };
-        let [b0, b1, b2, b3] = self.control_points();
-        let (low, high) = (weights(from), weights(to));
-        let (l0, l1, l2) = (low.mix(b0, b1), low.mix(b1, b2), low.mix(b2, b3));
-        let (ll0, ll1) = (low.mix(l0, l1), low.mix(l1, l2));
-        let (h0, h1, h2) = (high.mix(b0, b1), high.mix(b1, b2), high.mix(b2, b3));
-        let (hh0, hh1) = (high.mix(h0, h1), high.mix(h1, h2));
         Restriction {
-            points: [
-                low.mix(ll0, ll1),
-                high.mix(ll0, ll1),
-                low.mix(hh0, hh1),
-                high.mix(hh0, hh1),
-            ],
+            points: restrict(&self.control_points(), mix(from), mix(to)),
             // Three levels of lerps with relative weight errors: γ5 each (γn: n roundings).
             error: self.error() + 16.0 * UNIT_ROUNDOFF * self.extent + UNDERFLOW,
         }
@@ -82,7 +74,7 @@ impl Segment {
         let (a, b) = ((from - self.start) / duration, (to - self.start) / duration);
         let [linear, quadratic, cubic] = self.powers();
         // The blossom of c1 s + c2 s² + c3 s³ at (x, y, z).
-        let blossom = |x: f64, y: f64, z: f64| {
+        let at = |x: f64, y: f64, z: f64| {
             linear * ((x + y + z) / 3.0)
                 + quadratic * ((x * y + y * z + z * x) / 3.0)
                 + cubic * (x * y * z)
@@ -92,12 +84,7 @@ impl Segment {
             + norm(quadratic) * reach * reach
             + norm(cubic) * reach * reach * reach;
         Restriction {
-            points: [
-                blossom(a, a, a),
-                blossom(a, a, b),
-                blossom(a, b, b),
-                blossom(b, b, b),
-            ],
+            points: [at(a, a, a), at(a, a, b), at(a, b, b), at(b, b, b)],
             // The blossom: at most 12 roundings of each term.
             error: self.grown_error(reach, size) + 12.0 * UNIT_ROUNDOFF * size + UNDERFLOW,
         }
@@ -125,17 +112,5 @@ impl Segment {
         } else {
             0.0
         }
-    }
-}
-
-/// Barycentric weights of an instant, each with a small relative error, also near a knot.
-struct Weights {
-    first: f64,
-    second: f64,
-}
-
-impl Weights {
-    fn mix(&self, x: DVec3, y: DVec3) -> DVec3 {
-        x * self.first + y * self.second
     }
 }

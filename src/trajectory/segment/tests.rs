@@ -1,17 +1,13 @@
 //! Error bounds of segments against exact arithmetic.
 
 use super::*;
-use crate::rounding::exact::{Exact, number};
+use crate::rounding::exact::{Exact, number, vector};
 use crate::trajectory::{TimeBase, Trajectory};
 use dashu::rational::RBig;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 
 const ROUNDS: u32 = 2_000;
-
-fn vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
-    DVec3::from_array([0; 3].map(|_| half * rng.random_range(-1.0..1.0)))
-}
 
 /// Returns 1, or in every fourth round a factor that makes all numbers smaller than 2^-1022.
 fn unit(round: u32) -> f64 {

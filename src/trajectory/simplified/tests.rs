@@ -1,6 +1,6 @@
 //! Simplified trajectories against exact arithmetic.
 
-use super::{OriginalPiece, distance};
+use super::distance;
 use crate::error::Error;
 use crate::rounding::exact::{Exact, number};
 use crate::trajectory::{Fit, Outside, Segment, State, TimeBase, Trajectory};
@@ -126,7 +126,7 @@ fn the_errors_of_both_count() {
     let (one, other) = (with_error(0.25), with_error(0.5));
     for (from, to) in [(0.0, 4.0), (1.0, 2.0)] {
         let segment = &other;
-        let found = distance(&one, &OriginalPiece { segment, from, to });
+        let found = distance(&one, segment, (from, to));
         assert!((0.75..0.75 + 1e-12).contains(&found), "{found}");
     }
 }

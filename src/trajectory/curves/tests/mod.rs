@@ -6,7 +6,7 @@ mod refused;
 
 use super::Keyframe;
 use crate::error::Error;
-use crate::rounding::exact::{Exact, number};
+use crate::rounding::exact::{Exact, number, vector};
 use crate::trajectory::{Outside, Segment, State, Trajectory};
 use dashu::rational::RBig;
 use glam::DVec3;
@@ -14,10 +14,6 @@ use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 
 const ROUNDS: u32 = 300;
-
-fn vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
-    DVec3::from_array([0; 3].map(|_| half * rng.random_range(-1.0..1.0)))
-}
 
 /// Near and far from the origin, and now and then without any motion.
 fn points(rng: &mut ChaCha8Rng, round: u32, count: usize) -> Vec<DVec3> {

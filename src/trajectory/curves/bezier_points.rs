@@ -7,14 +7,14 @@ use crate::trajectory::{Segment, State};
 use glam::DVec3;
 
 /// Bézier points of a cubic, in space.
-pub(super) struct ControlPoints {
+pub(super) struct BezierPoints {
     /// Points 0 to 3, by axis, m.
     points: [[DoubleDouble; 4]; 3],
     /// Bound on the distance of each from the one meant, m.
     error: f64,
 }
 
-impl ControlPoints {
+impl BezierPoints {
     pub(super) const fn new(points: [[DoubleDouble; 4]; 3], error: f64) -> Self {
         Self { points, error }
     }

@@ -4,11 +4,11 @@
 //! 5 m. A frame is 1/60 s; one body in 20 changes its velocity in it. The lookahead is 2 s. One iteration
 //! is one frame; stepping the world is not timed.
 //!
-//! - `update_screen/N`, one thread: `Scene::update` of all N bodies, then `Scene::screen` of the next 2 s;
-//! - `told/N`, one thread (100,000: two): `Monitor::track` of all bodies, then `Monitor::advance`, events
+//! - `frame/update_screen/N`, one thread: `Scene::update` of all N bodies, then `Scene::screen` of the next 2 s;
+//! - `frame/told/N`, one thread (100,000: two): `Monitor::track` of all bodies, then `Monitor::advance`, events
 //!   included;
-//! - `rapier/10k`, one thread, with the feature `rapier`: kinematic bodies with balls as sensors in rapier's
-//!   collision pipeline. It finds those within the margin now, and looks at nothing ahead;
+//! - `frame/rapier/10k`, one thread: kinematic bodies with balls of 0.5 m as sensors in rapier's collision pipeline. It finds
+//!   those that overlap now, and looks at nothing ahead;
 //! - `closest_approach/polycool/random`: solves of the benchmark `kernels`, the unit of the ratios.
 //!
 //! After the run a table is printed: times in solves, which are measured after each sample, for the frames'
@@ -24,14 +24,15 @@ mod scenes;
 #[path = "kernels/workloads.rs"]
 mod workloads;
 
-#[path = "told/games.rs"]
+#[path = "frame/games.rs"]
 mod games;
-#[cfg(feature = "rapier")]
-#[path = "told/overlaps.rs"]
+#[path = "frame/overlaps.rs"]
 mod overlaps;
-#[path = "told/ratios.rs"]
+#[path = "frame/ratios.rs"]
 mod ratios;
-#[path = "told/world.rs"]
+#[path = "../examples/tradeoff/stepped/sensors.rs"]
+mod sensors;
+#[path = "frame/world.rs"]
 mod world;
 
 use criterion::{BenchmarkId, Criterion, SamplingMode, Throughput};
@@ -53,7 +54,7 @@ impl Run {
     /// Measures frames of a game on so many threads; entering their pool is not timed.
     fn measure<G: Game + Send>(
         &mut self,
-        (group, bodies): (&str, u32),
+        (what, bodies): (&str, u32),
         threads: usize,
         make: fn(u32) -> G,
     ) {
@@ -61,14 +62,14 @@ impl Run {
         let pool = pool.unwrap_or_else(|error| panic!("{threads} threads: {error}"));
         let name = format!("{}k", bodies / 1_000);
         let (mut game, mut turns, mut frames, mut sums) = (None, Vec::new(), 0, [(0, ""); 2]);
-        let mut measured = self.criterion.benchmark_group(group);
+        let mut measured = self.criterion.benchmark_group("frame");
         measured
             .sample_size(SAMPLES)
             .sampling_mode(SamplingMode::Flat)
             .warm_up_time(Duration::from_secs(1))
             .measurement_time(Duration::from_secs(5))
             .throughput(Throughput::Elements(u64::from(bodies)));
-        measured.bench_function(BenchmarkId::from_parameter(&name), |bencher| {
+        measured.bench_function(BenchmarkId::new(what, &name), |bencher| {
             bencher.iter_custom(|rounds| {
                 pool.install(|| {
                     let game = game.get_or_insert_with(|| make(bodies));
@@ -90,7 +91,7 @@ impl Run {
         let last = &turns[turns.len().saturating_sub(SAMPLES)..];
         if !last.is_empty() {
             self.table
-                .add(&format!("{group}/{name}"), last, frames, &sums);
+                .add(&format!("{what}/{name}"), last, frames, &sums);
         }
     }
 
@@ -116,7 +117,6 @@ fn main() {
     for (bodies, threads) in [(1_000, 1), (10_000, 1), (100_000, 2)] {
         run.measure(("told", bodies), threads, Told::new);
     }
-    #[cfg(feature = "rapier")]
     run.measure(("rapier", 10_000), 1, overlaps::Overlaps::new);
     run.criterion.final_summary();
     // A smoke test passes `--test`: its times say nothing.

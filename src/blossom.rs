@@ -1,0 +1,22 @@
+//! Parts of cubics in Bézier form.
+
+/// Returns the control points of a part of a cubic, each a value of its blossom (L. Ramshaw, 1989).
+///
+/// `start` and `end` mix two neighbouring points in the ratio in which the part's ends divide the cubic.
+#[inline(always)]
+pub(crate) fn restrict<T: Copy>(
+    &[p0, p1, p2, p3]: &[T; 4],
+    start: impl Fn(T, T) -> T,
+    end: impl Fn(T, T) -> T,
+) -> [T; 4] {
+    let (a0, a1, a2) = (start(p0, p1), start(p1, p2), start(p2, p3));
+    let (aa0, aa1) = (start(a0, a1), start(a1, a2));
+    let (b0, b1, b2) = (end(p0, p1), end(p1, p2), end(p2, p3));
+    let (bb0, bb1) = (end(b0, b1), end(b1, b2));
+    [
+        start(aa0, aa1),
+        end(aa0, aa1),
+        start(bb0, bb1),
+        end(bb0, bb1),
+    ]
+}

@@ -1,0 +1,179 @@
+//! Spins that are given frame by frame: a body follows them without new memory.
+
+use super::Orientation;
+use super::arc::Arc;
+use super::piece::Piece;
+use super::source::{Source, spin_arc};
+use super::turning::{OrientationPart, Turning};
+use crate::error::Error;
+use crate::rounding::one_zero;
+use glam::{DQuat, DVec3};
+
+/// The numbers of an [`Orientation::spin`], checked.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TrackedSpin {
+    time: f64,
+    rotation: DQuat,
+    angular_velocity: DVec3,
+    arc: Arc,
+}
+
+impl TrackedSpin {
+    /// Returns the spin with a rotation and an angular velocity (rad/s) at `time` (s).
+    ///
+    /// # Errors
+    ///
+    /// As [`Orientation::spin`].
+    pub(crate) fn new(time: f64, rotation: DQuat, angular_velocity: DVec3) -> Result<Self, Error> {
+        Ok(Self {
+            time,
+            rotation,
+            angular_velocity,
+            arc: spin_arc(time, rotation, angular_velocity)?,
+        })
+    }
+
+    const fn source(&self) -> Source {
+        Source::Spin {
+            time: self.time,
+            rotation: self.rotation,
+            angular_velocity: self.angular_velocity,
+        }
+    }
+}
+
+impl Orientation {
+    /// Lets the body follow a spin from a finite instant `from` (s) on. What ends before `since` (s)
+    /// is forgotten. Returns true if that changes the orientation.
+    ///
+    /// # Errors
+    ///
+    /// As [`followed_by`](Self::followed_by).
+    pub(crate) fn follow_spin(
+        &mut self,
+        spin: &TrackedSpin,
+        from: f64,
+        since: f64,
+    ) -> Result<bool, Error> {
+        let turning = self.turning.as_deref_mut();
+        if let Some(turning) = turning.filter(|turning| turning.has_one_piece_a_part()) {
+            return Ok(turning.follow_spin(spin, one_zero(from), since));
+        }
+        let next = Self::of(spin.source())?;
+        let both = self.followed_by(&next, from, since)?;
+        let is_changed = *self != both;
+        *self = both;
+        Ok(is_changed)
+    }
+}
+
+impl Turning {
+    /// Returns true if each part is one piece: all of them are held, or spins.
+    fn has_one_piece_a_part(&self) -> bool {
+        let is_one = |part: &OrientationPart| match part.source {
+            Source::Fixed | Source::Spin { .. } => true,
+            Source::Slerp { .. } | Source::NormalizedCubic { .. } => false,
+        };
+        self.parts.len() == self.pieces.len() && self.parts.iter().all(is_one)
+    }
+
+    /// Does what [`Orientation::followed_by`] does, with a spin, if each part is one piece.
+    fn follow_spin(&mut self, spin: &TrackedSpin, from: f64, since: f64) -> bool {
+        let source = spin.source();
+        let is_followed = self.parts.last().is_some_and(|last| {
+            last.source == source && last.from.is_none_or(|begin| begin <= from)
+        });
+        let until = if is_followed { f64::INFINITY } else { from };
+        // They are in time order: some at the beginning go, and some at the end.
+        let before = self.parts.len();
+        let is_kept =
+            |&number: &usize| Self::followed_within(&self.parts, number, until, since).is_some();
+        let first = (0..before).find(is_kept).unwrap_or(before);
+        let kept = (first..before).take_while(is_kept).count();
+        self.parts.truncate(first + kept);
+        self.pieces.truncate(first + kept);
+        if let Some(last) = self.pieces.last_mut() {
+            last.end = last.end.min(until);
+        }
+        self.parts.drain(..first);
+        self.pieces.drain(..first);
+        if let (Some(part), Some(piece)) = (self.parts.first_mut(), self.pieces.first_mut()) {
+            part.from = None;
+            piece.start = f64::NEG_INFINITY;
+        }
+        if !is_followed {
+            let begin = (kept > 0).then_some(from);
+            let mut piece = Piece::forever(spin.arc, self.tolerances());
+            piece.start = begin.unwrap_or(f64::NEG_INFINITY);
+            self.pieces.push(piece);
+            self.parts.push(OrientationPart {
+                from: begin,
+                source,
+            });
+        }
+        !is_followed || kept < before
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a failure fails the test")]
+
+    use super::*;
+    use rand::rngs::ChaCha8Rng;
+    use rand::{RngExt, SeedableRng};
+
+    fn vector(rng: &mut ChaCha8Rng) -> DVec3 {
+        DVec3::from_array([0; 3].map(|_| rng.random_range(-2.0..2.0)))
+    }
+
+    /// Its parts, its cuts, its cubics.
+    fn all_of(orientation: &Orientation) -> String {
+        format!("{orientation:?}")
+    }
+
+    /// Spins in time order and not, told again, for the past, with all or nothing forgotten, after
+    /// orientations of all kinds: in place they lead to what replacing leads to.
+    #[test]
+    fn spins_are_followed_in_place() {
+        let mut rng = ChaCha8Rng::seed_from_u64(12);
+        let rng = &mut rng;
+        let (mut in_place, mut unchanged) = (0, 0);
+        for round in 0..400 {
+            let turn = [0.0, 1.0, 2.5].map(|time| (time, DQuat::from_scaled_axis(vector(rng))));
+            let mut orientation = match round % 4 {
+                0 => Orientation::FIXED,
+                1 => Orientation::slerp(&turn).unwrap(),
+                2 => Orientation::normalized_cubic(&turn).unwrap(),
+                _ => {
+                    let spin = Orientation::spin(0.5, turn[1].1, vector(rng)).unwrap();
+                    spin.with_tolerance(1e-4).unwrap()
+                }
+            };
+            let (mut from, mut last) = (0.0, None);
+            for _ in 0..12 {
+                from += [0.0, -0.0, 0.3, 0.3, 1.0, -0.8][rng.random_range(0..6)];
+                let since = from - [0.0, 0.1, 0.5, 9.0, -1.0][rng.random_range(0..5)];
+                let time = from - [0.0, 0.01][rng.random_range(0..2)];
+                let told = (time, DQuat::from_scaled_axis(vector(rng)), vector(rng));
+                let again = last.filter(|_| rng.random_ratio(1, 3));
+                let (time, rotation, velocity) = again.unwrap_or(told);
+                last = Some((time, rotation, velocity));
+                let next = Orientation::spin(time, rotation, velocity).unwrap();
+                let expected = orientation.followed_by(&next, from, since).unwrap();
+                let is_change = orientation != expected;
+                let turning = orientation.turning.as_ref();
+                in_place += usize::from(turning.is_some_and(|one| one.has_one_piece_a_part()));
+                let spin = TrackedSpin::new(time, rotation, velocity).unwrap();
+                let changed = orientation.follow_spin(&spin, from, since).unwrap();
+                assert_eq!(all_of(&orientation), all_of(&expected));
+                assert_eq!(changed, is_change, "{orientation:?}");
+                unchanged += usize::from(!changed);
+            }
+        }
+        assert!(
+            in_place > 2_000 && unchanged > 100,
+            "{in_place} {unchanged}"
+        );
+    }
+}

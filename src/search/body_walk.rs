@@ -1,0 +1,219 @@
+//! The walk of one body through a few slices.
+
+use crate::bounds::{BoundingCubic, BoundsBuilder, CubicSource, FatLine, SliceInterval, SubCubic};
+use crate::knots::Knots;
+use parry3d::bounding_volume::Aabb;
+
+/// Largest number of slices that are walked together: each list may be as long as the longest.
+pub(crate) const MAX_SLICES: usize = 32;
+
+/// Returns the intervals of some slices, given their ends (s): the first ones of an array.
+#[inline(always)]
+pub(super) fn periods_of<const MOVES: bool>(
+    ends: &[f64],
+    period: impl Fn(f64, f64) -> SliceInterval<MOVES>,
+) -> [SliceInterval<MOVES>; MAX_SLICES] {
+    let mut periods = [period(0.0, 0.0); MAX_SLICES];
+    for (place, ends) in periods.iter_mut().zip(ends.windows(2)) {
+        *place = period(ends[0], ends[1]);
+    }
+    periods
+}
+
+/// Calls `put` with each slice in which a body exists, by number, and the bounds there. Returns the body's last cubic
+/// there, or `None` if it was not looked for. `first` returns the first one.
+#[inline(always)]
+pub(super) fn walk<'a, C: BoundingCubic, const MOVES: bool>(
+    source: &'a CubicSource<'a, C>,
+    periods: &'a [SliceInterval<MOVES>],
+    (ahead, first): (Ahead<'a, C>, impl FnOnce() -> usize),
+    mut put: impl FnMut(usize, (FatLine, Aabb)),
+) -> Option<usize> {
+    if !exists(source, periods) {
+        return None;
+    }
+    if let Some(pieces) = source.straight_over(ends_of(periods)) {
+        for (slice, period) in periods.iter().enumerate() {
+            let (bounds, first) = pieces.bounds(period);
+            put(slice, bounds.finish(&source.placement, short(first)));
+        }
+        return None;
+    }
+    let first = first();
+    Some(if source.knots.are_extended() {
+        BodyWalk::<_, _, true>::new(source, periods, ahead, first).through_extended(&mut put)
+    } else {
+        BodyWalk::<_, _, false>::new(source, periods, ahead, first).through(&mut put)
+    })
+}
+
+/// Returns the beginning and end of a block, s.
+#[inline(always)]
+pub(super) fn ends_of<const MOVES: bool>(periods: &[SliceInterval<MOVES>]) -> (f64, f64) {
+    (periods[0].from, periods[periods.len() - 1].to)
+}
+
+/// Returns true if a body exists in a block.
+#[inline(always)]
+pub(super) fn exists<C, const MOVES: bool>(
+    source: &CubicSource<'_, C>,
+    periods: &[SliceInterval<MOVES>],
+) -> bool {
+    let (first, last) = source.knots.ends();
+    let (from, to) = ends_of(periods);
+    first <= to && last >= from
+}
+
+/// Returns the last cubic that begins before `time` (or the first), searched from a guess.
+#[inline(always)]
+pub(super) fn cubic_before(knots: &Knots<'_>, time: f64, guess: u32) -> usize {
+    /// Linear steps before the search halves the rest.
+    const STEPS: usize = 8;
+    let guess = guess as usize;
+    if knots.are_extended() {
+        return knots.count(|knot| knot < time).max(1) - 1;
+    }
+    let knots = knots.own();
+    let known = guess < knots.len() && knots[guess] < time;
+    let mut piece = if known { guess } else { 0 };
+    for _ in 0..STEPS {
+        if piece + 1 >= knots.len() || knots[piece + 1] >= time {
+            return piece;
+        }
+        piece += 1;
+    }
+    piece + knots[piece + 1..].partition_point(|&knot| knot < time)
+}
+
+/// Returns the last cubic that begins by `time`, from one that begins before it. Slices are closed:
+/// a cubic that begins at the slice's end counts with its first point.
+#[inline(always)]
+pub(super) fn cubic_at<const EXTENDED: bool>(knots: &Knots<'_>, time: f64, number: usize) -> usize {
+    /// Knots passed at once.
+    const STEP: usize = 4;
+    if EXTENDED {
+        let later = (number + 1..knots.cubics()).take_while(|&next| knots.at(next) <= time);
+        return number + later.count();
+    }
+    let knots = knots.own();
+    let mut rest = &knots[number + 1..knots.len() - 1];
+    while let Some((step, further)) = rest.split_first_chunk::<STEP>()
+        && step[STEP - 1] <= time
+    {
+        rest = further;
+    }
+    let passed = rest.iter().take_while(|&&knot| knot <= time).count();
+    knots.len() - 2 - rest.len() + passed
+}
+
+/// The walk of one body through the slices of a block.
+struct BodyWalk<'a, C, const MOVES: bool, const EXTENDED: bool> {
+    source: &'a CubicSource<'a, C>,
+    periods: &'a [SliceInterval<MOVES>],
+    ahead: Ahead<'a, C>,
+    begin: usize,
+}
+
+/// A later body and the first of its plan's cubics to prefetch: one for each of this body's.
+/// None: nothing to prefetch.
+pub(super) type Ahead<'a, C> = Option<(&'a CubicSource<'a, C>, usize)>;
+
+impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
+    BodyWalk<'a, C, MOVES, EXTENDED>
+{
+    #[inline(always)]
+    const fn new(
+        source: &'a CubicSource<'a, C>,
+        periods: &'a [SliceInterval<MOVES>],
+        ahead: Ahead<'a, C>,
+        begin: usize,
+    ) -> Self {
+        Self {
+            source,
+            periods,
+            ahead,
+            begin,
+        }
+    }
+
+    #[inline(always)]
+    fn piece(&self, number: usize) -> SubCubic {
+        if let Some((later, first)) = self.ahead {
+            if number == self.begin {
+                later.fetch(first);
+            }
+            // One more: it may go through more cubics than this one.
+            later.fetch(first.wrapping_add(number - self.begin + 1));
+        }
+        self.source.piece::<EXTENDED>(number)
+    }
+
+    /// Adds the cubics from `next` to before `end` to a builder.
+    #[inline(always)]
+    fn follow_whole(&self, builder: &mut BoundsBuilder<MOVES>, mut next: usize, end: usize) {
+        while next < end {
+            if let Some(after) = self.source.pass::<MOVES, EXTENDED>(builder, (next, end)) {
+                next = after;
+            } else {
+                builder.follow_from_start(&self.piece(next));
+                next += 1;
+            }
+        }
+    }
+
+    #[inline(never)]
+    fn through_extended(&self, put: &mut impl FnMut(usize, (FatLine, Aabb))) -> usize {
+        self.through(put)
+    }
+
+    /// Calls `put` with each slice in which the body exists, and the bounds there; returns its last cubic.
+    #[inline(always)]
+    fn through(&self, put: &mut impl FnMut(usize, (FatLine, Aabb))) -> usize {
+        let Self {
+            source,
+            periods,
+            begin: mut number,
+            ..
+        } = *self;
+        let knots = &source.knots;
+        let (first, last) = knots.ends();
+        let mut rest = self.piece(number);
+        if knots.at(number) < periods[0].from {
+            rest = rest.split(periods[0].from).1;
+        }
+        for (slice, period) in periods.iter().enumerate() {
+            if first > period.to || last < period.from {
+                continue;
+            }
+            let begin = number;
+            number = cubic_at::<EXTENDED>(knots, period.to, number);
+            let builder = if number == begin {
+                let (piece, after) = rest.split(period.to.min(rest.end()));
+                rest = after;
+                if piece.fills(period) {
+                    BoundsBuilder::alone(&piece, period)
+                } else {
+                    BoundsBuilder::between(&piece, &piece, period)
+                }
+            } else {
+                let head = rest;
+                let whole = self.piece(number);
+                let (tail, after) = whole.split(period.to.min(whole.end()));
+                rest = after;
+                let mut builder = BoundsBuilder::between(&head, &tail, period);
+                self.follow_whole(&mut builder, begin + 1, number);
+                builder.follow_from_start(&tail);
+                builder
+            };
+            put(slice, builder.finish(&source.placement, short(begin)));
+        }
+        number
+    }
+}
+
+/// Converts a count of bodies or segments to 32 bits; a longer list does not fit into memory.
+#[inline(always)]
+#[allow(clippy::cast_possible_truncation, reason = "see above")]
+pub(crate) fn short(count: usize) -> u32 {
+    count as u32
+}
