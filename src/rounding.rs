@@ -201,6 +201,13 @@ pub(crate) fn seen_until(time: f64) -> f64 {
 /// error of the solver's local parameter is one of distance, which [`CLEARANCE`] covers.
 const INSTANT: f64 = 8.0 * UNIT_ROUNDOFF;
 
+/// Returns a key that sorts numbers as [`f64::total_cmp`] does.
+pub(crate) const fn total_order(number: f64) -> i64 {
+    let bits = number.to_bits().cast_signed();
+    // The order of negative numbers is reversed.
+    bits ^ ((bits >> 63) & i64::MAX)
+}
+
 #[cfg(test)]
 pub(crate) mod exact;
 

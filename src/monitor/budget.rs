@@ -17,7 +17,7 @@ pub enum Budget {
     /// what was found: that is most of the work where many bodies stay near each other. A tick with a
     /// budget works on one thread.
     ///
-    /// What changes with each tick must fit in. With half of what unlimited ticks take, less is known
+    /// The changes of each tick must fit in. With half of what unlimited ticks take, less is known
     /// ahead; with a fifth, nothing may be, until fewer plans change.
     Time(Duration),
     /// Counted work (boxes formed, candidates looked at, and one for each step): the same on every machine
@@ -26,7 +26,7 @@ pub enum Budget {
     Work(u64),
 }
 
-/// Watches a budget.
+/// The work done in a tick, and its limit.
 #[derive(Debug)]
 pub(super) struct BudgetMeter {
     deadline: Option<Instant>,

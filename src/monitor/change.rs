@@ -28,19 +28,8 @@ impl Monitor {
     /// [`Error::InBody`] with [`Error::OutOfRange`] or [`Error::TooFar`] if its plan cannot be followed
     /// through the lookahead; [`Error::SceneFull`].
     pub fn insert(&mut self, body: Body) -> Result<BodyId, Error> {
-        #[cfg(feature = "recording")]
-        let record = self.tape.is_some().then(|| Record::Insert(body.clone()));
-        let id = self.put_in(body)?;
-        #[cfg(feature = "recording")]
-        if let Some(record) = record {
-            self.write_down(|| record);
-        }
-        Ok(id)
-    }
-
-    fn put_in(&mut self, body: Body) -> Result<BodyId, Error> {
-        let flight = self.terms()?.flight_of(&body)?;
-        self.put(body, flight)
+        let ids = self.apply([Command::Insert(body)])?;
+        ids.first().copied().ok_or(Error::SceneFull)
     }
 
     fn put(&mut self, body: Body, flight: MonitoredBody) -> Result<BodyId, Error> {
@@ -58,7 +47,7 @@ impl Monitor {
     pub fn remove(&mut self, id: BodyId) -> Result<Body, Error> {
         let body = self.take_out(id)?;
         #[cfg(feature = "recording")]
-        self.write_down(|| Record::Remove(id));
+        self.write_down(|| Record::Apply(vec![Command::Remove(id)]));
         Ok(body)
     }
 
@@ -299,7 +288,7 @@ impl Monitor {
         for place in 0..batch.changed.len() {
             if let Some(later) = batch.changed.get(place + CommandBatch::AHEAD) {
                 self.scene.prefetch(later.id.slot);
-                self.search.prefetch(later.id.slot);
+                self.search.flights.prefetch(later.id.slot);
             }
             let revision = &mut batch.changed[place];
             let id = revision.id;
@@ -346,10 +335,7 @@ impl Monitor {
     ///
     /// [`Error::UnknownBody`], [`Error::SameBody`].
     pub fn ignore_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
-        self.ignore(a, b)?;
-        #[cfg(feature = "recording")]
-        self.write_down(|| Record::Ignore(a, b));
-        Ok(())
+        self.apply([Command::IgnorePair(a, b)]).map(drop)
     }
 
     fn ignore(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
@@ -365,10 +351,7 @@ impl Monitor {
     ///
     /// [`Error::UnknownBody`], [`Error::SameBody`].
     pub fn unignore_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
-        self.unignore(a, b)?;
-        #[cfg(feature = "recording")]
-        self.write_down(|| Record::Unignore(a, b));
-        Ok(())
+        self.apply([Command::UnignorePair(a, b)]).map(drop)
     }
 
     fn unignore(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
@@ -421,7 +404,7 @@ impl Monitor {
 
     /// Drops all state derived from the scene, and keeps the grid.
     pub(super) fn look_anew(&mut self) -> Result<(), Error> {
-        self.renew(*self.search.grid())
+        self.renew(self.search.grid)
     }
 
     /// Chooses another grid, and rebuilds the search on it, if the current one is unusable: the
@@ -431,7 +414,7 @@ impl Monitor {
     pub(super) fn choose_grid(&mut self, now: f64, may_wait: bool) -> Result<(), Error> {
         let (margin, _) = self.search.reach();
         let span = (self.told, self.lookahead);
-        let grid = self.search.grid();
+        let grid = &self.search.grid;
         let can_stay = grid.has_room(now) && !grid.is_too_fine(&self.scene);
         if can_stay {
             let bodies = self.scene.len();
@@ -446,9 +429,9 @@ impl Monitor {
             }
         }
         let other = Grid::for_scene(&self.scene, margin, span, now)?;
-        if can_stay && self.search.grid().serves(&self.scene, margin, &other) {
+        if can_stay && self.search.grid.serves(&self.scene, margin, &other) {
             self.review.was_in_vain();
-            self.search.confirm_grid(&other);
+            self.search.grid.confirm(&other);
             return Ok(());
         }
         self.renew(other)

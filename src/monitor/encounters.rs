@@ -72,13 +72,13 @@ impl SentNumbers {
     }
 }
 
-/// What the encounters of a level are remembered by.
+/// The saved encounters of a level.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Saved(Vec<TrackedEncounter>);
 
 impl Saved {
-    /// Whether a monitor of this scene that has told all up to `told` (s) can have had these.
+    /// Returns true if a monitor of this scene that has reported all up to `told` (s) can have had these.
     pub(super) fn could_be(&self, level: usize, told: f64, scene: &Scene) -> bool {
         self.0.iter().all(|TrackedEncounter { now, begun, .. }| {
             let has = |id, tag| scene.body(id).is_some_and(|body| body.tag == tag);
@@ -148,17 +148,17 @@ impl EncounterTracker {
         }
     }
 
-    /// Encounters that have begun and not ended, or lie ahead.
+    /// Returns the encounters that have begun and not ended, or lie ahead.
     pub(super) fn iter(&self) -> impl Iterator<Item = &Encounter> {
         self.tracked.values().map(|tracked| &tracked.now)
     }
 
-    /// Pairs that are to be worked out whether something of them has changed or not, sorted.
+    /// Returns the pairs that are updated whether they have changed or not, sorted.
     pub(super) fn waiting(&self) -> &[SlotPair] {
         &self.waiting
     }
 
-    /// All pairs are to be worked out.
+    /// Makes all pairs wait for an update.
     pub(super) fn wait_for_all(&mut self) {
         self.waiting.clear();
         let tracked = self.tracked.entries().iter();
@@ -449,8 +449,8 @@ fn clock(
     Some(tracked)
 }
 
-/// Whether the numbers differ by more than the least change, as far as both are known: what lies
-/// beyond the end of what is known, which moves, is no revision.
+/// Returns true if the numbers differ by more than the revision threshold, as far as both are known. A change
+/// beyond the end of the examined time, which moves, is no revision.
 fn differs(now: &Encounter, sent: &SentNumbers, tick: &TickContext) -> bool {
     let now = &SentNumbers::of(now);
     let threshold = &tick.revision_threshold;

@@ -7,7 +7,7 @@ use crate::scene::Scene;
 use crate::window::Window;
 use glam::DVec3;
 
-/// See the module. What is found does not depend on it.
+/// A frame and slices of time. Results do not depend on it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid {
     pub(super) frame: MovingFrame,
@@ -32,7 +32,7 @@ pub(super) struct SceneSignature {
     middle: DAabb,
 }
 
-/// When a grid was last compared with its scene.
+/// The last comparison of a grid with its scene, and the changes since.
 #[derive(Debug)]
 pub(super) struct RescheduleTrigger {
     /// Number of bodies then.

@@ -7,7 +7,7 @@
 
 use super::bodies::BodyTable;
 use super::budget::BudgetMeter;
-use super::due_queue::DueQueue;
+use super::due_times::DueTimes;
 use super::monitored_bodies::MonitoredBodies;
 use crate::broad_phase::PairFilter;
 use crate::id::BodyId;
@@ -19,7 +19,7 @@ use crate::search::LimitExceeded;
 use crate::spans::{SpanKey, spans};
 use glam::DVec3;
 
-/// See the module.
+/// The comparison of half-spaces with all other bodies.
 #[derive(Debug, Default)]
 pub(super) struct HalfSpaceSearch {
     /// Slots of half-spaces, ascending, as of the last call of [`note`](Self::note).
@@ -31,7 +31,9 @@ pub(super) struct HalfSpaceSearch {
     /// By slot: true if a span with a half-space may be listed.
     near: Vec<bool>,
     /// Up to when each body is compared, s.
-    due: DueQueue,
+    due: DueTimes,
+    /// Slots to be compared again, and the instants up to which they are compared, s.
+    taken: Vec<(f64, u32)>,
     /// Slots to be compared from the clock on, and where the next one is in this list.
     changed: Vec<u32>,
     next: usize,
@@ -97,7 +99,7 @@ impl HalfSpaceSearch {
     /// Compares all bodies from the clock on.
     fn compare_all(&mut self, slots: usize) {
         self.changed_planes.clear();
-        self.due = DueQueue::default();
+        self.due = DueTimes::default();
         self.near.clear();
         self.near.resize(slots, false);
         self.changed.clear();
@@ -172,17 +174,24 @@ impl HalfSpaceSearch {
         }
         self.changed.clear();
         self.next = 0;
-        while let Some((slot, since)) = self.due.next_with_time(horizon) {
-            if meter.is_spent() || filter.gives_up() {
+        let taken = &mut self.taken;
+        taken.clear();
+        self.due
+            .take(horizon, |slot, since| taken.push((since, slot)));
+        taken.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
+        let mut known = to;
+        for &(since, slot) in &*taken {
+            if known < to || meter.is_spent() || filter.gives_up() {
+                known = known.min(seen_from(since).next_down().max(from));
                 self.due.set(slot, since);
-                return Ok(seen_from(since).next_down().max(from).min(to));
+                continue;
             }
             let (next, is_near) = search.list(slot, since)?;
             self.due.set(slot, next.max(horizon.next_up()));
             self.near[slot as usize] |= is_near;
             meter.count(1);
         }
-        Ok(to)
+        Ok(known)
     }
 }
 

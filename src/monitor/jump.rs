@@ -32,9 +32,6 @@ struct Progress {
     slice: f64,
 }
 
-/// Spans found, and the work it took; both are added to.
-type Found<'o> = (&'o mut Vec<SpanKey>, &'o mut Stats);
-
 impl JumpSearch {
     /// With fewer slices left to look at, they are looked at one by one.
     const FEW: f64 = 16.0;
@@ -49,8 +46,8 @@ impl JumpSearch {
         self.progress.is_some() || to - from > Self::FEW * length
     }
 
-    /// Goes on from `from` to `to` (s) as far as the meter lets, in slices of `length` s at first. Returns
-    /// where it had to stop, none if it is across.
+    /// Goes on from `from` to `to` (s) as far as the meter lets, in slices of `length` s at first. Appends the
+    /// spans found, and adds the work. Returns where it had to stop, none if it is across.
     ///
     /// # Errors
     ///
@@ -61,7 +58,7 @@ impl JumpSearch {
         (bodies, filter): (&PreparedBodies<'_>, &F),
         (limits, pool): (Limits, &Pool<SearchScratch>),
         meter: &mut BudgetMeter,
-        (found, stats): Found<'_>,
+        (found, stats): (&mut Vec<SpanKey>, &mut Stats),
     ) -> Result<Option<f64>, LimitExceeded> {
         let progress = self.progress.get_or_insert(Progress {
             at: seen_from(from),

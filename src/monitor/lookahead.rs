@@ -26,7 +26,7 @@ use super::solved_spans::{SlotPair, SolvedSpans};
 use crate::bounds::{Frame, Padding};
 use crate::broad_phase::PairFilter;
 use crate::error::Error;
-use crate::narrow_phase::{BodyView, Contact};
+use crate::narrow_phase::BodyView;
 use crate::parallel;
 use crate::pool::Pool;
 use crate::rounding::seen_from;
@@ -43,13 +43,13 @@ use std::collections::VecDeque;
 use std::sync::atomic::AtomicUsize;
 use std::sync::atomic::Ordering::Relaxed;
 
-/// See the module.
+/// All spans of the lookahead in which a pair may come within the largest margin.
 #[derive(Debug)]
 pub(super) struct LookaheadSearch {
-    flights: MonitoredBodies,
-    finds: SolvedSpans,
+    pub(super) flights: MonitoredBodies,
+    pub(super) finds: SolvedSpans,
     margin: f64,
-    grid: Grid,
+    pub(super) grid: Grid,
     /// Slices of the lookahead, and the next one.
     slices: VecDeque<LookaheadSlice>,
     spare: Vec<LookaheadSlice>,
@@ -69,7 +69,7 @@ pub(super) struct LookaheadSearch {
     moved: ChangedBounds,
     /// Ends of the slices of the lookahead, s.
     ends: Vec<f64>,
-    /// See [`Partners::revision`](crate::scene::Partners::revision).
+    /// See [`Scene::partners_revision`].
     partners: Option<(u64, u64)>,
     /// End of the lookahead when it was last caught up with, s.
     reached: f64,
@@ -117,15 +117,6 @@ impl LookaheadSearch {
         Self::new(self.margin, grid, self.max_spans)
     }
 
-    pub(super) const fn grid(&self) -> &Grid {
-        &self.grid
-    }
-
-    /// See [`Grid::confirm`].
-    pub(super) const fn confirm_grid(&mut self, other: &Grid) {
-        self.grid.confirm(other);
-    }
-
     /// Returns true if anything has changed since.
     pub(super) const fn has_changed(&self) -> bool {
         !(self.dirty.is_empty() && self.left_out.is_empty())
@@ -167,11 +158,6 @@ impl LookaheadSearch {
         self.forget(slot);
     }
 
-    /// Returns what is known of all bodies.
-    pub(super) fn bodies_mut(&mut self) -> &mut MonitoredBodies {
-        &mut self.flights
-    }
-
     /// Finds which bodies may be part of a pair: of the one in a slot, and of all if that may have changed.
     pub(super) fn find_partners(&mut self, scene: &Scene, slot: Option<u32>) {
         let partners = scene.partners(self.margin);
@@ -192,11 +178,6 @@ impl LookaheadSearch {
                 self.forget(slot);
             }
         }
-    }
-
-    /// Fetches what is known of a body into the caches.
-    pub(super) fn prefetch(&self, slot: u32) {
-        self.flights.prefetch(slot);
     }
 
     /// Forgets what was found of a pair: its bodies ignore each other now.
@@ -431,32 +412,12 @@ impl LookaheadSearch {
         Ok((known, is_done))
     }
 
-    pub(super) const fn finds(&self) -> &SolvedSpans {
-        &self.finds
-    }
-
-    /// See [`SolvedSpans::take_changed`].
-    pub(super) fn take_changed(&mut self, changed: &mut Vec<SlotPair>) {
-        self.finds.take_changed(changed);
-    }
-
     /// Returns when both bodies of a pair exist, s, as far back as they are known.
     pub(super) fn domain(&self, scene: &Scene, (a, b): (u32, u32)) -> Option<(f64, f64)> {
         let (start_a, end_a) = self.flights.domain(scene, a)?;
         let (start_b, end_b) = self.flights.domain(scene, b)?;
         let (start, end) = (start_a.max(start_b), end_a.min(end_b));
         (start <= end).then_some((start, end))
-    }
-
-    /// All contacts of a pair within `margin` in `clip`; replaces what `found` held.
-    pub(super) fn contacts(
-        &self,
-        pair: SlotPair,
-        margin: f64,
-        clip: (f64, f64),
-        found: &mut Vec<Contact>,
-    ) {
-        self.finds.contacts(pair, margin, clip, found);
     }
 }
 

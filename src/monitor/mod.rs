@@ -6,7 +6,7 @@ mod boxes;
 mod budget;
 mod change;
 mod command;
-mod due_queue;
+mod due_times;
 mod encounters;
 mod event;
 mod grid;
@@ -29,7 +29,6 @@ mod snapshot;
 mod solved_spans;
 mod sorted_slab;
 mod tick;
-mod time_key;
 mod track;
 mod tracked_motions;
 mod what_if;
@@ -49,7 +48,7 @@ use crate::rounding::one_zero;
 use crate::scene::Scene;
 use crate::stats::Stats;
 use command::CommandBatch;
-use due_queue::DueQueue;
+use due_times::DueTimes;
 use encounters::EncounterTracker;
 use grid::{Grid, RescheduleTrigger, can_tell_apart};
 use lookahead::LookaheadSearch;
@@ -146,7 +145,7 @@ pub struct Monitor {
     /// Slots of bodies that were taken out since.
     removed: Vec<u32>,
     /// Ends of plans that are still to be reported.
-    plan_ends: DueQueue,
+    plan_ends: DueTimes,
     stats: Stats,
     changed_bodies: u64,
     review: RescheduleTrigger,
@@ -195,8 +194,7 @@ impl PairFilter for SlotAdmission<'_> {
 
 impl Monitor {
     /// Room for spans that may hold an encounter, if [nothing else is said](Self::set_max_spans): 2^20.
-    /// What is known of them takes up to 4 GiB with one alert level, and 2.5 GiB more with each further
-    /// one.
+    /// They take up to 4 GiB with one alert level, and 2.5 GiB more with each further one.
     pub const MAX_SPANS: usize = 1 << 20;
 
     /// A monitor of `scene` whose clock shows `now` (s) and that looks `lookahead` seconds ahead. Lookahead
@@ -250,7 +248,7 @@ impl Monitor {
             next_id: 0,
             waiting: Vec::new(),
             removed: Vec::new(),
-            plan_ends: DueQueue::default(),
+            plan_ends: DueTimes::default(),
             stats: Stats::default(),
             changed_bodies: 0,
             review: RescheduleTrigger::made(scene.len(), now),
@@ -292,7 +290,7 @@ impl Monitor {
 
     /// Keeps plans this many seconds back, from the clock of the last tick, when bodies are
     /// [replanned](Self::replan) or [extended](Self::extend); 0 at first, and infinity keeps all.
-    /// What is older is forgotten then, but for the cubic that holds at that instant. What is kept is
+    /// Older cubics are forgotten then, but for the one that holds at that instant. Kept ones are
     /// copied with each such call, a tenth of a microsecond a knot, and ticks look at it again: half as much
     /// again where 50 of 2,000 bodies are replanned each tick.
     ///
@@ -377,7 +375,7 @@ impl Monitor {
         self.known >= self.now + self.lookahead
     }
 
-    /// All conflicts of a level from now to [`complete_until`](Self::complete_until), as of the
+    /// Returns all conflicts of a level from now to [`complete_until`](Self::complete_until), as of the
     /// last tick, sorted by (enter, a, b). None while nothing after now is known.
     ///
     /// # Errors

@@ -15,18 +15,18 @@ use crate::narrow_phase::Contact;
 use crate::scene::Scene;
 use crate::screen::conflict;
 
-/// What each alert level has of every pair.
+/// The caches of all alert levels.
 #[derive(Debug)]
 pub(super) struct LevelCaches {
     pub(super) conflicts: Vec<ConflictCache>,
     pub(super) plains: Vec<EncounterCache>,
     /// Pairs to be read.
     pub(super) changed: Vec<SlotPair>,
-    /// Of two threads.
+    /// Memory of two threads.
     pub(super) scratch: [ReadScratch; 2],
 }
 
-/// What reading reuses.
+/// Memory that reading reuses.
 #[derive(Debug, Default)]
 pub(super) struct ReadScratch {
     pub(super) contacts: Vec<Contact>,
@@ -34,7 +34,7 @@ pub(super) struct ReadScratch {
     passed: Vec<Contact>,
 }
 
-/// What is read.
+/// The search that is read, and its scene.
 #[derive(Clone, Copy)]
 pub(super) struct ReadContext<'m> {
     pub(super) search: &'m LookaheadSearch,
@@ -105,14 +105,15 @@ impl ReadContext<'_> {
         });
     }
 
-    /// When both bodies of a pair exist within a window; and when they cease to.
+    /// Returns the time in which both bodies of a pair exist within a window, and when they cease to, s.
     fn clip(&self, slots: SlotPair, (from, to): (f64, f64)) -> Option<((f64, f64), f64)> {
         let (start, ends) = self.search.domain(self.scene, slots)?;
         let clip = (start.max(from), ends.min(to));
         (clip.0 <= clip.1).then_some((clip, ends))
     }
 
-    /// What a window has of the conflict of a pair that lasts for some time whatever the window.
+    /// Appends the part in a window of a conflict of a pair, given when the conflict lasts (s) whatever the
+    /// window.
     pub(super) fn clipped(
         &self,
         slots: SlotPair,
@@ -130,7 +131,7 @@ impl ReadContext<'_> {
         conflicts.extend(contacts.iter().filter_map(report));
     }
 
-    /// The plain encounters of a pair as a tick sees them.
+    /// Appends the planned encounters of a pair as a tick sees them.
     pub(super) fn plains(
         &self,
         slots: SlotPair,
@@ -150,7 +151,7 @@ impl ReadContext<'_> {
         }
     }
 
-    /// Works out the plain encounters of a pair within `clip`, of which `scratch` has the contacts
+    /// Computes the planned encounters of a pair within `clip`, of which `scratch` has the contacts
     /// at the margin. `ends` is when one of its bodies ceases to exist.
     fn each_plain(
         &self,
@@ -199,7 +200,7 @@ impl ReadContext<'_> {
         }
     }
 
-    /// The closest approach over the part of an encounter that the clock has passed.
+    /// Returns the closest approach over the part of an encounter that the clock has passed.
     fn passed_closest(
         &self,
         slots: SlotPair,
@@ -223,7 +224,7 @@ impl ReadContext<'_> {
     /// the content of `found`.
     fn contacts(&self, slots: SlotPair, margin: f64, clip: (f64, f64), found: &mut Vec<Contact>) {
         let margin = self.scene.widened(slots, margin);
-        self.search.contacts(slots, margin, clip, found);
+        self.search.finds.contacts(slots, margin, clip, found);
     }
 
     fn report(&self, (a, b): SlotPair, clip: (f64, f64), contact: &Contact) -> Option<Conflict> {

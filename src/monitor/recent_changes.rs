@@ -6,7 +6,7 @@ use crate::broad_phase::BodyBox;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use std::sync::{Mutex, PoisonError};
 
-/// See the module.
+/// Bodies that have changed since the last tick, with boxes for questions.
 #[derive(Debug, Default)]
 pub(super) struct RecentChanges {
     /// Slots, one for each change.

@@ -14,7 +14,7 @@ fn pair_of(key: &SpanKey) -> SlotPair {
     (key.a, key.b)
 }
 
-/// See the module.
+/// The solved spans of all pairs.
 #[derive(Debug, Default)]
 pub(super) struct SolvedSpans {
     /// The solution of each span for each two spheres.

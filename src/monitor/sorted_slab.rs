@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-/// What is known of a value without looking at it.
+/// The key, interval and place of a value, which are known without reading the value.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct IndexEntry<K> {
     pub(super) key: K,
@@ -13,7 +13,7 @@ pub(super) struct IndexEntry<K> {
     pub(super) place: usize,
 }
 
-/// See the module.
+/// A slab of large values with a sorted index.
 #[derive(Debug)]
 pub(super) struct SortedSlab<K, V> {
     /// Sorted by key.
@@ -39,7 +39,7 @@ impl<K, V> Default for SortedSlab<K, V> {
 }
 
 impl<K: Copy + Ord, V> SortedSlab<K, V> {
-    /// In the order of their keys; those of one key as they were added.
+    /// Returns the entries in the order of their keys; those of one key as they were added.
     pub(super) fn entries(&self) -> &[IndexEntry<K>] {
         &self.entries
     }
@@ -57,22 +57,22 @@ impl<K: Copy + Ord, V> SortedSlab<K, V> {
         first..first + count
     }
 
-    /// A value by its number.
+    /// Returns a value by its number.
     pub(super) fn nth(&self, number: usize) -> &V {
         &self.values[self.entries[number].place]
     }
 
-    /// In the order of their keys.
+    /// Returns all values in the order of their keys.
     pub(super) fn values(&self) -> impl Iterator<Item = &V> {
         self.entries.iter().map(|entry| &self.values[entry.place])
     }
 
-    /// The value of the entry with this place.
+    /// Returns the value of the entry with this place.
     pub(super) fn at(&self, place: usize) -> &V {
         &self.values[place]
     }
 
-    /// Drops all but those that `keeps` says, asked in order.
+    /// Drops the values for which `keeps`, asked in order, returns false.
     pub(super) fn retain(&mut self, mut keeps: impl FnMut(&IndexEntry<K>, &V) -> bool) {
         let Self {
             entries,
@@ -106,7 +106,7 @@ impl<K: Copy + Ord, V> SortedSlab<K, V> {
         });
     }
 
-    /// Puts what was added in its places.
+    /// Sorts the added values into the entries.
     pub(super) fn settle(&mut self) {
         if self.added.is_empty() {
             return;

@@ -13,6 +13,7 @@ use super::reading::{EncounterCache, WindowEdges};
 #[cfg(feature = "recording")]
 use super::recording::Record;
 use super::{Monitor, SlotAdmission};
+use crate::conflict::Conflict;
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::parallel;
 use crate::rounding::one_zero;
@@ -232,9 +233,10 @@ impl Monitor {
 
     /// Tells each plan that ends within the lookahead, once.
     fn tell_plan_ends(&mut self, end: f64, events: &mut Vec<Event>) {
-        while let Some(slot) = self.plan_ends.next(end) {
-            let Some((id, entry)) = self.scene.in_slot(slot) else {
-                continue;
+        let scene = &self.scene;
+        self.plan_ends.take(end, |slot, _| {
+            let Some((id, entry)) = scene.in_slot(slot) else {
+                return;
             };
             events.extend(plan_end(&entry.body.trajectory).map(|time| Event {
                 time,
@@ -243,7 +245,7 @@ impl Monitor {
                     tag: entry.body.tag,
                 },
             }));
-        }
+        });
     }
 }
 
@@ -256,7 +258,7 @@ pub(super) fn plan_end(trajectory: &Trajectory) -> Option<f64> {
 impl Monitor {
     /// Reads the pairs that have changed.
     pub(super) fn read_changed_pairs(&mut self) {
-        self.search.take_changed(&mut self.readings.changed);
+        self.search.finds.take_changed(&mut self.readings.changed);
         let source = ReadContext {
             search: &self.search,
             scene: &self.scene,
@@ -285,10 +287,11 @@ impl Monitor {
                 reported.clear();
                 if tick.now < tick.known {
                     let window = (tick.now, tick.known);
-                    reported.extend(conflicts.list(window, |pair, lasts, found| {
+                    let clipped = |pair, lasts, found: &mut Vec<Conflict>| {
                         let period = (lasts, window);
                         source.clipped(pair, alert.margin, period, &mut scratch.contacts, found);
-                    }));
+                    };
+                    conflicts.list(window, clipped, reported);
                 }
             }
         };
@@ -312,7 +315,7 @@ impl Monitor {
                 }
             }
         };
-        let count = self.search.finds().len();
+        let count = self.search.finds.len();
         parallel::join(count, FEW, read_plains, read_conflicts);
     }
 

@@ -266,7 +266,7 @@ impl Monitor {
             if !is_shared {
                 self.prefetch_motion(motions, place);
                 if let Some(later) = motions.get(place + 2 * CommandBatch::AHEAD) {
-                    self.search.prefetch(later.id.slot);
+                    self.search.flights.prefetch(later.id.slot);
                 }
             }
             if !one.turns_in_place {
@@ -275,7 +275,7 @@ impl Monitor {
             if !is_shared {
                 let flown = &mut self.scene.slots_mut()[slot as usize];
                 if let Some(turned) = flown.turn_in_place((now, &one.motion, since)) {
-                    self.search.bodies_mut().replan(slot, turned, window)?;
+                    self.search.flights.replan(slot, turned, window)?;
                 }
             }
             self.search.forget(slot);
@@ -294,7 +294,7 @@ impl Monitor {
         /// Slots that one thread goes through together.
         const SHARE: usize = 1024;
         let slots = self.scene.slots_mut();
-        let (flights, until) = self.search.bodies_mut().by_slot_mut();
+        let (flights, until) = self.search.flights.by_slot_mut();
         let count = slots.len().min(flights.len());
         let mut ends = vec![Ok(f64::INFINITY); count.div_ceil(SHARE)];
         let lists = (&mut slots[..count], &mut flights[..count]);

@@ -1,4 +1,4 @@
-//! Plans that are only thought of: what would they lead into?
+//! `what_if`: the conflicts that a hypothetical plan would cause.
 
 use super::{Monitor, SlotAdmission};
 use crate::broad_phase::PairFilter;
@@ -11,7 +11,7 @@ use crate::shape::BodyShape;
 use crate::trajectory::Trajectory;
 
 impl Monitor {
-    /// Which conflicts at a level the body would have from now to
+    /// Returns the conflicts at a level that the body would have from now to
     /// [`complete_until`](Self::complete_until) if it followed `plan` from now on. Changes
     /// nothing. The level's margin counts, as for [`conflicts`](Self::conflicts), not its release
     /// margin; so do layers and ignored pairs. A plan that began before now is followed from now on, as one

@@ -15,15 +15,6 @@ pub(super) struct GridLayout {
     pub(super) bins: u32,
 }
 
-/// Statistics for the choice of a layout; lengths as shares of the grid.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct BoxStatistics {
-    /// Number of boxes.
-    pub(super) count: usize,
-    /// Mean extent of a box on each axis, 0..=1.
-    pub(super) extents: [f64; 3],
-}
-
 impl GridLayout {
     /// Nanoseconds to sort one copy of a box, and to compare it with the 16 that follow, measured
     /// on the reference swarm. Only their ratio matters.
@@ -34,12 +25,13 @@ impl GridLayout {
         1, 2, 3, 4, 5, 6, 8, 11, 16, 22, 32, 45, 64, 90, 128, 181, 256, 362, 512,
     ];
 
-    /// Returns the layout of least expected cost for evenly spread boxes.
-    pub(super) fn choose(crowd: &BoxStatistics) -> Self {
-        let count = crowd.count as f64;
+    /// Returns the layout of least expected cost for this number of evenly spread boxes, with these mean
+    /// extents on each axis as shares of the grid, 0..=1.
+    pub(super) fn choose(count: usize, extents: [f64; 3]) -> Self {
+        let count = count as f64;
         let mut best = (f64::INFINITY, 0, [1, 1]);
         for sweep in 0..3 {
-            let [first, second] = across(sweep).map(|axis| crowd.extents[axis]);
+            let [first, second] = across(sweep).map(|axis| extents[axis]);
             for one in Self::ROWS {
                 for other in Self::ROWS {
                     // With fewer boxes than this in a row, its steps run half empty.
@@ -49,7 +41,7 @@ impl GridLayout {
                     let copies =
                         (1.0 + first * f64::from(one - 1)) * (1.0 + second * f64::from(other - 1));
                     let row = count * copies / f64::from(one * other);
-                    let run = row * crowd.extents[sweep];
+                    let run = row * extents[sweep];
                     let cost = copies * (Self::COPY + Self::STEP * (1.0 + run / 16.0));
                     if cost < best.0 {
                         best = (cost, sweep, [one, other]);
@@ -62,7 +54,7 @@ impl GridLayout {
             sweep,
             across: across(sweep),
             rows,
-            bins: Self::bins(rows, count, crowd.extents[sweep]),
+            bins: Self::bins(rows, count, extents[sweep]),
         }
     }
 

@@ -20,7 +20,7 @@ mod run;
 mod sample;
 
 use self::compare_all::{BoxesSoA, CompareAll};
-use self::layout::{BoxStatistics, GridLayout};
+use self::layout::GridLayout;
 use self::partition::Partition;
 use self::quantizer::Quantizer;
 use self::region::Region;
@@ -98,14 +98,11 @@ impl Sweep {
             self.parts.push(Partition::default());
         }
         let parts = &mut self.parts[depth];
-        if self.survey.cut_at_gaps(&mut parts.cuts) && parts.divide(boxes, &mut self.copies_left) {
+        if self.survey.cut_at_gaps(parts) && parts.divide(boxes, &mut self.copies_left) {
             return self.find_in_parts(region, depth, filter, candidates);
         }
         let scale = Quantizer::new(self.survey.ranges());
-        let plan = GridLayout::choose(&BoxStatistics {
-            count: boxes.len(),
-            extents: self.survey.shares(),
-        });
+        let plan = GridLayout::choose(boxes.len(), self.survey.shares());
         let comparisons = self.instructions.run(SortIntoRows {
             boxes,
             scale: &scale,
@@ -116,13 +113,13 @@ impl Sweep {
         let pairs = 0.5 * count * count;
         let long = comparisons > Self::LONG_RUNS * count;
         if long || comparisons > 0.5 * pairs {
-            let share = self.rows.probe(boxes).share();
+            let share = self.rows.hit_rate(boxes);
             if share * comparisons > Self::CROWDED * pairs {
                 return self.compare_all(boxes, &region, filter, candidates);
             }
             if long && share < Self::IN_VAIN {
                 let parts = &mut self.parts[depth];
-                self.survey.cut_evenly(&mut parts.cuts);
+                self.survey.cut_evenly(parts);
                 if parts.divide(boxes, &mut self.copies_left) {
                     return self.find_in_parts(region, depth, filter, candidates);
                 }

@@ -5,18 +5,13 @@ use std::ops::Range;
 use super::region::Region;
 use crate::broad_phase::BodyBox;
 
-/// Planes across an axis that divide boxes.
-#[derive(Clone, Debug, Default)]
-pub(super) struct SplitPlanes {
-    pub(super) axis: usize,
-    /// Positions, ascending and different.
-    pub(super) planes: Vec<f32>,
-}
-
 /// Boxes divided among the parts between planes, with a copy for each part that a box reaches.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Partition {
-    pub(super) cuts: SplitPlanes,
+    /// Axis that the planes cross.
+    pub(super) axis: usize,
+    /// Positions of the planes, ascending and different.
+    pub(super) planes: Vec<f32>,
     pub(super) boxes: Vec<BodyBox>,
     /// Ends of the boxes of each part.
     ends: Vec<usize>,
@@ -25,18 +20,18 @@ pub(super) struct Partition {
 }
 
 impl Partition {
-    /// Divides boxes at the planes of `cuts`, and subtracts the copies from `copies_left`.
+    /// Divides boxes at the planes, and subtracts the copies from `copies_left`.
     ///
     /// Returns `false`, with the boxes undivided, if that would hardly help or not enough copies
     /// are left: if a part keeps nearly all boxes, or too many boxes reach into several parts.
     pub(super) fn divide(&mut self, boxes: &[BodyBox], copies_left: &mut usize) -> bool {
-        let Self {
-            cuts, ends, reach, ..
-        } = self;
+        let mut reach = std::mem::take(&mut self.reach);
         reach.clear();
-        reach.extend(boxes.iter().map(|one| cuts.parts_of(one)));
+        reach.extend(boxes.iter().map(|one| self.parts_of(one)));
+        self.reach = reach;
+        let Self { ends, reach, .. } = self;
         ends.clear();
-        ends.resize(cuts.planes.len() + 1, 0);
+        ends.resize(self.planes.len() + 1, 0);
         for parts in reach.iter() {
             for part in parts.clone() {
                 ends[part] += 1;
@@ -68,20 +63,18 @@ impl Partition {
 
     /// Returns the boxes of each part in order, and the part's region within the given one.
     pub(super) fn iter(&self, region: Region) -> impl Iterator<Item = (&[BodyBox], Region)> {
-        let planes = &self.cuts.planes;
+        let planes = &self.planes;
         (0..self.ends.len()).map(move |part| {
             let start = part.checked_sub(1).map_or(0, |before| self.ends[before]);
             let low = part
                 .checked_sub(1)
                 .map_or(f32::NEG_INFINITY, |before| planes[before]);
             let high = planes.get(part).copied().unwrap_or(f32::INFINITY);
-            let region = region.between(self.cuts.axis, low, high);
+            let region = region.between(self.axis, low, high);
             (&self.boxes[start..self.ends[part]], region)
         })
     }
-}
 
-impl SplitPlanes {
     /// Returns the parts that a box reaches: a part includes its low plane, but not its high one.
     fn parts_of(&self, one: &BodyBox) -> Range<usize> {
         let low = self.part_of(one.aabb.mins[self.axis]);
@@ -119,8 +112,8 @@ mod tests {
 
     fn divided(planes: &[f32]) -> Option<Vec<usize>> {
         let mut parts = Partition::default();
-        parts.cuts.axis = 1;
-        parts.cuts.planes.extend(planes);
+        parts.axis = 1;
+        parts.planes.extend(planes);
         parts.divide(&boxes(), &mut 100).then(|| {
             let lengths = parts.iter(Region::EVERYWHERE).map(|(part, _)| part.len());
             lengths.collect()
@@ -141,8 +134,8 @@ mod tests {
         let everywhere: Vec<f32> = (0..16_u8).map(|i| 2.5 * f32::from(i)).collect();
         assert_eq!(divided(&everywhere), None, "too many copies");
         let mut parts = Partition::default();
-        parts.cuts.axis = 1;
-        parts.cuts.planes.push(21.5);
+        parts.axis = 1;
+        parts.planes.push(21.5);
         assert!(
             !parts.divide(&boxes(), &mut 21),
             "more copies than are left"
@@ -153,8 +146,8 @@ mod tests {
     #[test]
     fn regions_of_parts_share_planes_and_nothing_else() {
         let mut parts = Partition::default();
-        parts.cuts.planes.push(21.0);
-        parts.cuts.axis = 1;
+        parts.planes.push(21.0);
+        parts.axis = 1;
         assert!(parts.divide(&boxes(), &mut 100));
         let regions: Vec<Region> = parts
             .iter(Region::EVERYWHERE)

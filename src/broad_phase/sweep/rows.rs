@@ -30,38 +30,23 @@ pub(super) struct SortedRows {
     pub(super) high: [Vec<u16>; 3],
 }
 
-/// The hit rate of some of a sweep's comparisons, made with the boxes themselves.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct HitRate {
-    /// Boxes compared.
-    pub(super) tested: u64,
-    /// Boxes that overlap.
-    pub(super) met: u64,
-}
-
-impl HitRate {
-    /// Returns the share of comparisons that find an overlap, 0..=1.
-    pub(super) fn share(&self) -> f64 {
-        self.met as f64 / self.tested.max(1) as f64
-    }
-}
-
 impl SortedRows {
-    /// Compares the boxes of a few records with some of their runs.
-    pub(super) fn probe(&self, boxes: &[BodyBox]) -> HitRate {
+    /// Compares the boxes of a few records with some of their runs; returns the share of comparisons
+    /// that find an overlap, 0..=1.
+    pub(super) fn hit_rate(&self, boxes: &[BodyBox]) -> f64 {
         const RECORDS: usize = 16;
         const OTHERS: usize = 64;
-        let mut probe = HitRate::default();
+        let (mut tested, mut met) = (0_u64, 0_u64);
         for record in scattered(RECORDS, self.run_ends.len()) {
             let one = &boxes[self.source[record].number()];
             let rest = self.run_ends[record] as usize - record - 1;
             for other in scattered(OTHERS.min(rest), rest) {
                 let other = self.source[record + 1 + other].number();
-                probe.tested += 1;
-                probe.met += u64::from(one.meets(&boxes[other]));
+                tested += 1;
+                met += u64::from(one.meets(&boxes[other]));
             }
         }
-        probe
+        met as f64 / tested.max(1) as f64
     }
 }
 

@@ -1,6 +1,6 @@
 //! Statistics of a sample of boxes.
 
-use super::partition::SplitPlanes;
+use super::partition::Partition;
 use super::region::Region;
 use crate::broad_phase::BodyBox;
 
@@ -60,10 +60,10 @@ impl BoxSample {
     }
 
     /// Sets planes in empty space and returns true, if that is more than half of an axis.
-    pub(super) fn cut_at_gaps(&self, cuts: &mut SplitPlanes) -> bool {
+    pub(super) fn cut_at_gaps(&self, parts: &mut Partition) -> bool {
         for axis in 0..3 {
-            cuts.axis = axis;
-            cuts.planes.clear();
+            parts.axis = axis;
+            parts.planes.clear();
             let lows = &self.lows[axis];
             let outliers = lows.len() / Self::OUTLIERS;
             let lows = &lows[outliers..lows.len() - outliers];
@@ -74,7 +74,7 @@ impl BoxSample {
                 let size = width((gap[0], gap[1]));
                 if size > wide {
                     empty += size;
-                    cuts.planes.push(before(gap[1], gap[0]));
+                    parts.planes.push(before(gap[1], gap[0]));
                 }
             }
             if empty > 0.5 * whole {
@@ -85,16 +85,17 @@ impl BoxSample {
     }
 
     /// Sets planes that quarter the boxes about equally, across the axis with the shortest boxes.
-    pub(super) fn cut_evenly(&self, cuts: &mut SplitPlanes) {
+    pub(super) fn cut_evenly(&self, parts: &mut Partition) {
         let shares = &self.shares;
         let shorter = |&one: &usize, &other: &usize| shares[one].total_cmp(&shares[other]);
-        cuts.axis = (0..3).min_by(shorter).unwrap_or(0);
-        let lows = &self.lows[cuts.axis];
+        parts.axis = (0..3).min_by(shorter).unwrap_or(0);
+        let lows = &self.lows[parts.axis];
         let quarter = lows.len() / 4;
-        cuts.planes.clear();
-        cuts.planes
+        parts.planes.clear();
+        parts
+            .planes
             .extend([quarter, 2 * quarter, 3 * quarter].map(|place| lows[place]));
-        cuts.planes.dedup();
+        parts.planes.dedup();
     }
 }
 

@@ -55,7 +55,7 @@ impl BoxTree {
         self.put_in_order();
     }
 
-    /// No boxes, in the order of another tree: bodies can be moved to their places one by one, and
+    /// Empties the tree and takes over the order of another: bodies can be moved to their places one by one, and
     /// the whole be [fitted](Self::fit) once they are there.
     pub(super) fn begin_like(&mut self, other: &Self) {
         self.take_all_out();
@@ -167,7 +167,7 @@ impl BoxTree {
         self.orders = self.orders.wrapping_add(1);
     }
 
-    /// Empty levels above this many leaves.
+    /// Lays empty levels above this many leaves.
     fn lay_levels(&mut self, leaves: usize) {
         let mut count = leaves;
         self.height = 0;
@@ -202,7 +202,7 @@ impl BoxTree {
         (place != NOWHERE).then_some(place as usize)
     }
 
-    /// The leaf where a box belongs.
+    /// Returns the leaf where a box belongs.
     #[inline(always)]
     fn leaf_of(&self, aabb: &Aabb) -> usize {
         let place = self.curve.place(aabb);

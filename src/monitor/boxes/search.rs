@@ -6,20 +6,13 @@ use crate::broad_phase::BodyBox;
 use crate::simd::{InstructionSet, Task, prefetch};
 use std::slice::from_ref;
 
-/// Memory for searches: the nodes of one level, and of the next one down, that are to be looked
-/// into, and for which box.
+/// Memory for searches: the nodes of one level, and of the next one down, that are to be searched. Each
+/// comes after the number of the box that is asked about. Below the lowest level, the place of an overlapping
+/// box stands for a node.
 #[derive(Clone, Debug, Default)]
 pub(in crate::monitor) struct TreeSearch {
-    visits: Vec<Visit>,
-    below: Vec<Visit>,
-}
-
-/// A box that is asked about, by its number, and a node that may hold what it meets (below the
-/// lowest level, the place of what it does meet).
-#[derive(Clone, Copy, Debug)]
-struct Visit {
-    asked: u32,
-    node: u32,
+    visits: Vec<(u32, u32)>,
+    below: Vec<(u32, u32)>,
 }
 
 impl BoxTree {
@@ -62,25 +55,25 @@ impl<V: FnMut(&BodyBox, u32)> Task for Meet<'_, V> {
         let TreeSearch { visits, below } = self.search;
         let all = (0..).zip(self.boxes);
         visits.clear();
-        visits.extend(all.map(|(asked, _)| Visit { asked, node: 0 }));
+        visits.extend(all.map(|(asked, _)| (asked, 0)));
         for level in self.tree.levels[..self.tree.height].iter().rev() {
             below.clear();
-            for (number, &Visit { asked, node }) in visits.iter().enumerate() {
+            for (number, &(asked, node)) in visits.iter().enumerate() {
                 if let Some(later) = visits.get(number + Self::AHEAD) {
-                    prefetch(from_ref(&level[later.node as usize]));
+                    prefetch(from_ref(&level[later.1 as usize]));
                 }
                 let mut lanes =
                     level[node as usize].meeting(&corners(&self.boxes[asked as usize].aabb));
                 while lanes != 0 {
                     let node = node * WIDTH_U32 + lanes.trailing_zeros();
-                    below.push(Visit { asked, node });
+                    below.push((asked, node));
                     lanes &= lanes - 1;
                 }
             }
             std::mem::swap(visits, below);
         }
         if self.tree.height > 0 {
-            for &Visit { asked, node } in &*visits {
+            for &(asked, node) in &*visits {
                 let slot = self.tree.slot_at[node as usize];
                 (self.visit)(&self.boxes[asked as usize], slot);
             }

@@ -3,20 +3,21 @@
 mod handle;
 mod report;
 mod request;
+mod stopped;
 mod worker;
 
 pub use handle::{Counts, Handle, Unsent};
 pub use report::{LiveOptions, Report, ReportKind};
 pub use request::{Request, Ticket};
+pub use stopped::{Panicked, Stopped};
 
 use super::Monitor;
 use crossbeam_channel::{Receiver, Sender, bounded};
-use std::fmt;
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
-use worker::{Outcome, Worker};
+use worker::Worker;
 
 /// A monitor at work on its own thread: requests go in, reports come out, nobody blocks the game.
 /// Dropping it stops the thread.
@@ -77,47 +78,8 @@ pub struct Live {
     stop: Option<Sender<()>>,
     /// Set to have it break off what it is at.
     interrupt: Arc<AtomicBool>,
-    thread: Option<JoinHandle<Box<Outcome>>>,
+    thread: Option<JoinHandle<Result<Stopped, Box<Panicked>>>>,
 }
-
-/// Everything that a live monitor leaves at its end.
-#[derive(Debug)]
-#[non_exhaustive]
-pub struct Stopped {
-    /// Monitor, as the last request left it.
-    pub monitor: Monitor,
-    /// Reports that no other reader has taken, in order.
-    pub reports: Vec<Report>,
-    /// Requests that were not applied, in order; counted as refused.
-    pub unapplied: Vec<(Ticket, Request)>,
-    /// All requests, by what became of them.
-    pub counts: Counts,
-}
-
-/// The thread panicked.
-#[derive(Debug)]
-#[non_exhaustive]
-pub struct Panicked {
-    /// Message of the panic.
-    pub message: String,
-    /// The monitor as the last whole request left it; none if even that cannot be made of it.
-    pub monitor: Option<Box<Monitor>>,
-    /// Reports that no other reader has taken, in order.
-    pub reports: Vec<Report>,
-    /// Requests that were not applied, in order, without the one that panicked; all count as
-    /// refused.
-    pub unapplied: Vec<(Ticket, Request)>,
-    /// All requests, by what became of them.
-    pub counts: Counts,
-}
-
-impl fmt::Display for Panicked {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "the monitor's thread panicked: {}", self.message)
-    }
-}
-
-impl std::error::Error for Panicked {}
 
 impl Monitor {
     /// Goes on on a thread of its own, under the contract written at [`Live`].
@@ -146,7 +108,7 @@ impl Monitor {
         );
         let thread = std::thread::Builder::new()
             .name("nearmiss".to_owned())
-            .spawn(move || Box::new(worker.run()))?;
+            .spawn(move || worker.run())?;
         Ok(Live {
             handle,
             reports,
@@ -158,7 +120,7 @@ impl Monitor {
 }
 
 impl Live {
-    /// A handle to send requests with; cheap to clone, usable from any thread.
+    /// Returns a handle to send requests with; cheap to clone, usable from any thread.
     #[must_use]
     pub fn handle(&self) -> Handle {
         self.handle.clone()
@@ -189,49 +151,25 @@ impl Live {
     ///
     /// [`Panicked`], if the thread did.
     pub fn shutdown(mut self) -> Result<Stopped, Box<Panicked>> {
-        let outcome = self.join();
-        let mut reports: Vec<Report> = self.reports.try_iter().collect();
-        let counts = self.handle.counts();
-        match outcome {
-            Outcome::Stopped {
-                monitor,
-                undelivered,
-                unapplied,
-            } => {
-                reports.extend(undelivered);
-                Ok(Stopped {
-                    monitor: *monitor,
-                    reports,
-                    unapplied,
-                    counts,
-                })
-            }
-            Outcome::Panicked {
-                message,
-                monitor,
-                undelivered,
-                unapplied,
-            } => {
-                reports.extend(undelivered);
-                Err(Box::new(Panicked {
-                    message,
-                    monitor,
-                    reports,
-                    unapplied,
-                    counts,
-                }))
-            }
-        }
+        let mut outcome = self.join();
+        let (reports, counts) = match &mut outcome {
+            Ok(stopped) => (&mut stopped.reports, &mut stopped.counts),
+            Err(panicked) => (&mut panicked.reports, &mut panicked.counts),
+        };
+        // Those that have left the thread come first.
+        reports.splice(..0, self.reports.try_iter());
+        *counts = self.handle.counts();
+        outcome
     }
 
-    fn join(&mut self) -> Outcome {
+    fn join(&mut self) -> Result<Stopped, Box<Panicked>> {
         self.interrupt.store(true, Ordering::Relaxed);
         self.stop = None;
         match self.thread.take().map(JoinHandle::join) {
-            Some(Ok(outcome)) => *outcome,
+            Some(Ok(outcome)) => outcome,
             // The worker catches its own panics; this is one while it was cleaning up.
-            Some(Err(payload)) => Outcome::lost(worker::message_of(payload.as_ref())),
-            None => Outcome::lost("it was joined before".to_owned()),
+            Some(Err(payload)) => Err(Panicked::lost(worker::message_of(payload.as_ref()))),
+            None => Err(Panicked::lost("it was joined before".to_owned())),
         }
     }
 }

@@ -111,7 +111,7 @@ pub enum ReportKind {
     Refused {
         /// The request.
         ticket: Ticket,
-        /// Why.
+        /// Reason.
         error: Error,
     },
     /// Catching up failed: for [too little room](Error::TooCrowded), say. The next request is

@@ -60,7 +60,7 @@ impl From<Vec<Command>> for Request {
     }
 }
 
-/// The plan of a body that a request sets.
+/// Returns the body whose plan a request sets.
 fn plan_of(request: &Request) -> Option<BodyId> {
     match request {
         Request::Change(
@@ -163,7 +163,7 @@ impl RequestQueue {
         superseded
     }
 
-    /// The next request.
+    /// Takes out the next request.
     pub(super) fn pop(&mut self) -> Option<(Ticket, Request)> {
         while let Some(next) = self.requests.pop_front() {
             let number = self.taken;
@@ -176,7 +176,7 @@ impl RequestQueue {
         None
     }
 
-    /// A request no longer waits.
+    /// Forgets a request that no longer waits.
     fn forget(&mut self, number: usize, request: &Request) {
         let Some(body) = plan_of(request) else { return };
         if let Entry::Occupied(mut plans) = self.plans.entry(body) {

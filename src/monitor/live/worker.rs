@@ -1,48 +1,17 @@
 //! The thread of a live monitor.
 
-use super::handle::Shared;
+use super::handle::{Counts, Shared};
 use super::report::{LiveOptions, Report, ReportKind};
 use super::request::{Request, RequestQueue, Ticket};
+use super::stopped::{Panicked, Stopped};
 use crate::conflict::Conflict;
 use crate::error::Error;
 use crate::monitor::{Budget, Command, Event, Monitor};
-use crossbeam_channel::{Receiver, Sender, TryRecvError, TrySendError, select};
+use crossbeam_channel::{Receiver, RecvError, Sender, TryRecvError, TrySendError, select};
 use std::any::Any;
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-
-/// The way the thread ended, with all it had.
-#[derive(Debug)]
-pub(super) enum Outcome {
-    Stopped {
-        monitor: Box<Monitor>,
-        undelivered: VecDeque<Report>,
-        unapplied: Vec<(Ticket, Request)>,
-    },
-    Panicked {
-        message: String,
-        monitor: Option<Box<Monitor>>,
-        undelivered: VecDeque<Report>,
-        unapplied: Vec<(Ticket, Request)>,
-    },
-}
-
-impl Outcome {
-    /// Returns the outcome of which only a message is left.
-    pub(super) fn lost(message: String) -> Self {
-        Self::Panicked {
-            message,
-            monitor: None,
-            undelivered: VecDeque::new(),
-            unapplied: Vec::new(),
-        }
-    }
-}
-
-/// The thread is asked to stop, or is done.
-#[derive(Debug)]
-struct Stop;
 
 #[derive(Debug)]
 pub(super) struct Worker {
@@ -85,8 +54,8 @@ impl Worker {
         }
     }
 
-    /// Works until it is stopped or panics.
-    pub(super) fn run(mut self) -> Outcome {
+    /// Works until it is stopped or panics. Returns all it had; whoever joins it completes reports and counts.
+    pub(super) fn run(mut self) -> Result<Stopped, Box<Panicked>> {
         let mut in_hand = 0;
         let panic = loop {
             if self.receive().is_err() {
@@ -110,41 +79,46 @@ impl Worker {
         unapplied.extend(std::iter::from_fn(|| self.waiting.pop()));
         unapplied.extend(self.requests.try_iter());
         self.shared.refused(unapplied.len() as u64);
-        match panic {
-            None => Outcome::Stopped {
-                monitor: Box::new(self.monitor),
-                undelivered: self.outbox,
+        let (reports, counts) = (self.outbox.into(), Counts::default());
+        let Some(message) = panic else {
+            return Ok(Stopped {
+                monitor: self.monitor,
+                reports,
                 unapplied,
-            },
-            Some(message) => {
-                // The request that panicked has come to no other end.
-                self.shared.refused(in_hand);
-                Outcome::Panicked {
-                    message,
-                    monitor: repaired(self.monitor).ok().map(Box::new),
-                    undelivered: self.outbox,
-                    unapplied,
-                }
-            }
-        }
+                counts,
+            });
+        };
+        // The request that panicked has come to no other end.
+        self.shared.refused(in_hand);
+        Err(Box::new(Panicked {
+            message,
+            monitor: repaired(self.monitor).ok().map(Box::new),
+            reports,
+            unapplied,
+            counts,
+        }))
     }
 
     /// Takes in what has been sent; waits for something only if there is nothing else to do.
-    fn receive(&mut self) -> Result<(), Stop> {
+    ///
+    /// # Errors
+    ///
+    /// If the thread is to end.
+    fn receive(&mut self) -> Result<(), RecvError> {
         if self.stop.try_recv() == Err(TryRecvError::Disconnected) {
-            return Err(Stop);
+            return Err(RecvError);
         }
         while self.waiting.len() == 0 && (self.monitor.is_known() || self.stuck) {
             // In this request: none is added once they are stopped.
             if self.shared.is_closed() && self.requests.is_empty() {
-                return Err(Stop);
+                return Err(RecvError);
             }
             select! {
                 recv(self.requests) -> request => match request {
                     Ok((ticket, request)) => self.take(ticket, request),
-                    Err(_) => return Err(Stop),
+                    Err(_) => return Err(RecvError),
                 },
-                recv(self.stop) -> message => message.map_err(|_| Stop)?,
+                recv(self.stop) -> message => message?,
             }
         }
         while self.waiting.len() < self.options.requests {
@@ -248,13 +222,13 @@ impl Worker {
     }
 
     /// Hands the reports over; waits for the reader where there is no room.
-    fn deliver(&mut self) -> Result<(), Stop> {
+    fn deliver(&mut self) -> Result<(), RecvError> {
         while let Some(report) = self.outbox.pop_front() {
             match self.reports.try_send(report) {
                 Ok(()) => {}
                 Err(TrySendError::Disconnected(report)) => {
                     self.outbox.push_front(report);
-                    return Err(Stop);
+                    return Err(RecvError);
                 }
                 Err(TrySendError::Full(report)) => {
                     self.outbox.push_front(report);
@@ -266,7 +240,7 @@ impl Worker {
     }
 
     /// Hands one report over as soon as there is room, unless it is woken before.
-    fn wait_for_reader(&mut self) -> Result<(), Stop> {
+    fn wait_for_reader(&mut self) -> Result<(), RecvError> {
         let Some(report) = self.outbox.front() else {
             return Ok(());
         };
@@ -276,9 +250,9 @@ impl Worker {
                     self.outbox.pop_front();
                     Ok(())
                 }
-                Err(_) => Err(Stop),
+                Err(_) => Err(RecvError),
             },
-            recv(self.stop) -> message => message.map_err(|_| Stop),
+            recv(self.stop) -> message => message,
         }
     }
 }

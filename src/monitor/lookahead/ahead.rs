@@ -3,7 +3,7 @@
 /// Returns the share of the slice that comes next that is due when `share` of the time until it is needed has
 /// passed, the last `step` of it since the tick before, in which so many out of all bodies changed.
 ///
-/// What is done ahead is done again for whoever changes after. So where many do, work begins late,
+/// Work done ahead is repeated for each body that changes after it. So where many do, work begins late,
 /// but not so late that it stands out: a tick takes on half as many bodies as have changed.
 #[allow(
     clippy::cast_precision_loss,

@@ -2,7 +2,7 @@
 
 use super::super::bodies::form;
 use super::super::monitored_bodies::MonitoredBody;
-use super::super::slice::{NearBody, QueryScratch};
+use super::super::slice::NearBody;
 use super::LookaheadSearch;
 use crate::bounds::CubicSource;
 use crate::narrow_phase::{BodyView, Contact, contacts, may_touch};
@@ -11,10 +11,11 @@ use crate::scene::Scene;
 use crate::spans::{common_domain, spans};
 
 impl LookaheadSearch {
-    /// Contacts of one plan that is not in place with all others, within `from..=to`.
+    /// Calls `visit` with each contact of a plan that is not in place with another body, within
+    /// `from..=to` (s).
     ///
-    /// Of another body, only those spans are looked at in which slices say that it may be near: in a
-    /// long lookahead with fast traffic, a body crosses the boxes of hundreds, each for a moment.
+    /// Only spans in which slices report the other body near are examined: in a long lookahead with fast
+    /// traffic, a body crosses the boxes of hundreds, each for a moment.
     ///
     /// The slot is that of the plan's body, which need not be there yet. `admits` tells with which
     /// slots it may be a pair.
@@ -95,7 +96,8 @@ impl LookaheadSearch {
         }
     }
 
-    /// Who may be near a plan, and when, within `from..=to` (s); itself maybe, and in any order.
+    /// Returns the bodies that may be near a plan within `from..=to` (s), and when; perhaps its own, in any
+    /// order.
     fn neighbours(
         &self,
         scene: &Scene,
@@ -105,25 +107,25 @@ impl LookaheadSearch {
         let window = (seen_from(from), seen_until(to));
         let knots = (own.knots, own.segments);
         let source = CubicSource::plain(knots, &flight.padding, &self.grid.frame);
-        let mut answer = QueryScratch::default();
+        let (mut scratch, mut neighbours) = (self.pool.take(), Vec::new());
         let bodies = self.bodies(scene);
         if self.recent.len() > 0 {
             // What slices know of these is out of date, wherever it is.
             let mut met = Vec::new();
             let ends = [window.0, window.1];
-            form(&self.grid.frame, &source, &ends, &mut answer.block);
-            for own in &answer.block.slices[0].boxes {
+            form(&self.grid.frame, &source, &ends, &mut scratch.block);
+            for own in &scratch.block.slices[0].boxes {
                 self.recent.meeting(&bodies, window, &own.aabb, &mut met);
             }
             let (from, to) = window;
             let always = |slot| NearBody { slot, from, to };
-            answer.neighbours.extend(met.into_iter().map(always));
+            neighbours.extend(met.into_iter().map(always));
         }
         for slice in &self.slices {
             if slice.covers_some_of(window) {
-                slice.neighbours(&bodies, &source, &mut answer);
+                slice.neighbours(&bodies, &source, &mut scratch, &mut neighbours);
             }
         }
-        answer.neighbours
+        neighbours
     }
 }

@@ -3,7 +3,7 @@
 use super::LookaheadSearch;
 
 impl LookaheadSearch {
-    /// Up to where slices are there already, from `from` on, s.
+    /// Returns the end of the existing slices that begin at `from` or before, s; `from` if there are none.
     pub(super) fn laid_until(&self, from: f64) -> f64 {
         let (first, last) = (self.slices.front(), self.slices.back());
         let is_there = first.is_some_and(|first| first.number <= self.index(from));
@@ -49,8 +49,7 @@ impl LookaheadSearch {
         self.grid.start(index)
     }
 
-    /// The first slice in which to look for what is reported from `time` on: where that is on a cut,
-    /// the one before it. (Instants are rounded to the nearest number. Two cuts are more than one apart, and
+    /// Returns the first slice to search for reports from `time` on: where that is on a cut, the one before it. (Instants are rounded to the nearest number. Two cuts are more than one apart, and
     /// slices hold both their ends.)
     #[allow(
         clippy::cast_possible_truncation,

@@ -1,88 +1,65 @@
 //! The conflicts of one alert level.
 
-use super::{CacheSlot, WindowEdges, WindowSide};
+use super::{WindowEdges, WindowSide};
 use crate::conflict::Conflict;
 use crate::monitor::solved_spans::SlotPair;
 use crate::monitor::sorted_slab::SortedSlab;
-use crate::monitor::time_key::TimeKey;
+use crate::rounding::total_order;
 
-/// See the module.
+/// The conflicts of all pairs at one alert level, whatever the window.
 #[derive(Debug, Default)]
 pub(in crate::monitor) struct ConflictCache {
-    /// Whatever the window, by when a conflict begins, and whose it is: the order of reports.
-    always: SortedSlab<TimeKey<SlotPair>, Conflict>,
-    /// Conflicts at an edge of the window, as this tick sees them.
-    at_edge: Vec<Conflict>,
-    /// All of the window, in the order of reports.
-    listed: Vec<CacheSlot>,
+    /// Sorted by the time at which a conflict begins, and by pair: the order of reports.
+    always: SortedSlab<(i64, SlotPair), Conflict>,
 }
 
 impl ConflictCache {
     /// Drops those of some pairs (sorted), and those that have ended before an instant.
     pub(in crate::monitor) fn drop_changed(&mut self, changed: &[SlotPair], before: f64) {
         self.always.retain(|entry, _| {
-            entry.interval.1 >= before && changed.binary_search(&entry.key.what).is_err()
+            entry.interval.1 >= before && changed.binary_search(&entry.key.1).is_err()
         });
     }
 
-    /// Adds one of a pair of which there is none, or one that is earlier.
+    /// Adds a conflict of a pair that has none, or only earlier ones.
     pub(in crate::monitor) fn add(&mut self, slots: SlotPair, conflict: Conflict) {
-        let enter = conflict.enter;
-        let interval = (enter, conflict.exit);
-        self.always.add(
-            TimeKey {
-                time: enter,
-                what: slots,
-            },
-            interval,
-            conflict,
-        );
+        let interval = (conflict.enter, conflict.exit);
+        let key = (total_order(conflict.enter), slots);
+        self.always.add(key, interval, conflict);
     }
 
-    /// All were added.
+    /// Sorts in what was added.
     pub(in crate::monitor) fn settle(&mut self) {
         self.always.settle();
     }
 
-    /// All of a window, in the order of reports. `again` reads what the window has of one that is
-    /// at its edge, given the pair and when it lasts (s) whatever the window.
+    /// Puts all conflicts of a window into `listed`, in the order of reports. `again` reads what the
+    /// window has of one at its edge, given the pair and when the conflict lasts (s) whatever the window.
     pub(in crate::monitor) fn list(
-        &mut self,
+        &self,
         window: (f64, f64),
         mut again: impl FnMut(SlotPair, (f64, f64), &mut Vec<Conflict>),
-    ) -> impl Iterator<Item = &Conflict> {
-        let Self {
-            always,
-            at_edge,
-            listed,
-        } = self;
-        at_edge.clear();
+        listed: &mut Vec<Conflict>,
+    ) {
         listed.clear();
         let edges = WindowEdges {
             within: window,
             around: window,
         };
         let mut begun = 0;
-        for entry in always.entries() {
+        for entry in self.always.entries() {
             match edges.place(entry.interval) {
-                WindowSide::Within => listed.push(CacheSlot::Always(entry.place)),
+                WindowSide::Within => listed.push(*self.always.at(entry.place)),
                 WindowSide::Beyond => {}
                 WindowSide::AtEdge => {
-                    let first = at_edge.len();
-                    again(entry.key.what, entry.interval, at_edge);
-                    listed.extend((first..at_edge.len()).map(CacheSlot::AtEdge));
-                    if entry.key.time <= window.0 {
-                        begun = at_edge.len();
+                    again(entry.key.1, entry.interval, listed);
+                    if entry.interval.0 <= window.0 {
+                        begun = listed.len();
                     }
                 }
             }
         }
         // All that had begun now begin with the window; the others begin as ever.
-        at_edge[..begun].sort_unstable_by(Conflict::order);
-        let (always, at_edge) = (&*always, &*at_edge);
-        listed.iter().map(|origin| match *origin {
-            CacheSlot::Always(place) => always.at(place),
-            CacheSlot::AtEdge(number) => &at_edge[number],
-        })
+        listed[..begun].sort_unstable_by(Conflict::order);
     }
 }

@@ -1,4 +1,5 @@
-//! What pairs have at one alert level, whatever the window, and which of it lies in one.
+//! Caches of one alert level: conflicts and planned encounters of all pairs whatever the window, and a list
+//! of those in a window.
 
 mod conflicts;
 mod plains;
@@ -6,23 +7,15 @@ mod plains;
 pub(super) use conflicts::ConflictCache;
 pub(super) use plains::EncounterCache;
 
-/// Where a value is: its place among those that are kept whatever the window, or its number among
-/// those that were read again, since they are at an edge of it.
-#[derive(Clone, Copy, Debug)]
-enum CacheSlot {
-    Always(usize),
-    AtEdge(usize),
-}
-
-/// Where a window ends, twice: what lies between the ends of `within` is within the window, what
-/// does not meet `around` is beyond it, and the rest is at its edge.
+/// The ends of a window, twice: a contact between the ends of `within` is within the window, one
+/// that does not overlap `around` is beyond it, and any other is at its edge.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WindowEdges {
     pub(super) within: (f64, f64),
     pub(super) around: (f64, f64),
 }
 
-/// How a contact lies to a window.
+/// The place of a contact relative to a window.
 #[derive(PartialEq)]
 enum WindowSide {
     Within,
@@ -122,7 +115,9 @@ mod tests {
         conflicts.drop_changed(&[(0, 9)], 5.2);
         plains.drop_changed(&[(0, 9)], 5.2);
         let left = [6, 7, 8, 10].map(|other| (0, other));
-        let found = conflicts.list(all, |_, _, _| {}).map(|one| one.b.slot);
+        let mut listed = Vec::new();
+        conflicts.list(all, |_, _, _| {}, &mut listed);
+        let found = listed.iter().map(|one| one.b.slot);
         assert_eq!(found.collect::<Vec<_>>(), left.map(|(_, other)| other));
         plains.list(edges, &[], |_, _| {});
         let found = plains.listed().filter_map(|(slots, mut plains)| {

@@ -2,22 +2,20 @@
 //!
 //! Most are the same from tick to tick, and nothing can be told of them.
 
-use super::{CacheSlot, WindowEdges, WindowSide};
+use super::{WindowEdges, WindowSide};
 use crate::monitor::encounters::PlannedEncounter;
 use crate::monitor::solved_spans::SlotPair;
 use crate::monitor::sorted_slab::{IndexEntry, SortedSlab};
 
-/// See the module.
+/// The planned encounters of all pairs at one alert level, and a list of those that may have changed.
 #[derive(Debug, Default)]
 pub(in crate::monitor) struct EncounterCache {
-    /// Whatever the window.
+    /// Encounters whatever the window.
     always: SortedSlab<SlotPair, PlannedEncounter>,
-    /// Planned encounters of pairs at an edge of the window, as this tick sees them.
-    at_edge: Vec<PlannedEncounter>,
     /// Pairs that were dropped, or added, since the last listing.
     touched: Vec<SlotPair>,
-    /// Encounters of the listed pairs.
-    listed: Vec<CacheSlot>,
+    /// Encounters of the listed pairs in the window.
+    listed: Vec<PlannedEncounter>,
     /// The pairs, and where the list of each ends.
     pairs: Vec<(SlotPair, usize)>,
     /// Edges of the last listing's window; none if all are to be listed.
@@ -44,7 +42,7 @@ impl EncounterCache {
         self.always.add(slots, (plain.start, plain.exit), plain);
     }
 
-    /// All were added.
+    /// Sorts in what was added.
     pub(in crate::monitor) fn settle(&mut self) {
         /// So many are not too many, whatever there is.
         const FEW: usize = 1024;
@@ -80,13 +78,11 @@ impl EncounterCache {
     ) {
         let Self {
             always,
-            at_edge,
             touched,
             listed,
             pairs,
             before,
         } = self;
-        at_edge.clear();
         listed.clear();
         pairs.clear();
         touched.extend_from_slice(wait);
@@ -110,14 +106,12 @@ impl EncounterCache {
                 entries.iter().all(is_same)
             };
             if is_at_edge {
-                let first = at_edge.len();
-                again(slots, at_edge);
-                listed.extend((first..at_edge.len()).map(CacheSlot::AtEdge));
+                again(slots, listed);
             } else if is_touched || !before.is_some_and(is_as_before) {
                 let within = entries
                     .iter()
                     .filter(|entry| place(entry) == WindowSide::Within);
-                listed.extend(within.map(|entry| CacheSlot::Always(entry.place)));
+                listed.extend(within.map(|entry| *always.at(entry.place)));
             } else {
                 continue;
             }
@@ -132,15 +126,8 @@ impl EncounterCache {
     ) -> impl Iterator<Item = (SlotPair, impl Iterator<Item = &PlannedEncounter>)> {
         let mut first = 0;
         self.pairs.iter().map(move |&(slots, end)| {
-            let plains = self.listed[std::mem::replace(&mut first, end)..end].iter();
-            (slots, plains.map(|&origin| self.at(origin)))
+            let start = std::mem::replace(&mut first, end);
+            (slots, self.listed[start..end].iter())
         })
-    }
-
-    fn at(&self, origin: CacheSlot) -> &PlannedEncounter {
-        match origin {
-            CacheSlot::Always(place) => self.always.at(place),
-            CacheSlot::AtEdge(number) => &self.at_edge[number],
-        }
     }
 }

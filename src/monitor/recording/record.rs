@@ -3,28 +3,24 @@
 use crate::error::Error;
 use crate::id::BodyId;
 use crate::monitor::{Command, RevisionThreshold, Snapshot};
-use crate::scene::{Body, BodyState};
+use crate::scene::BodyState;
 use serde::{Deserialize, Serialize};
 use std::io;
 
 /// The first line; the number is the version of the format.
-pub(super) const TITLE: &str = "nearmiss recording 2\n";
+pub(super) const TITLE: &str = "nearmiss recording 3\n";
 
 /// Length and checksum, and the spaces after them.
 pub(super) const PREFIX: usize = 18;
 
-/// See the module.
+/// One change of a monitor, or the beginning or the end of a recording.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(in crate::monitor) enum Record {
-    /// It holds a scene: the others are small.
+    /// The monitor at the beginning. Boxed: the others are small.
     Begin(Box<Snapshot>),
     Apply(Vec<Command>),
     Track(f64, Vec<(BodyId, BodyState)>),
-    Insert(Body),
-    Remove(BodyId),
-    Ignore(BodyId, BodyId),
-    Unignore(BodyId, BodyId),
     RevisionThreshold(RevisionThreshold),
     /// s.
     History(#[serde(with = "crate::json_number")] f64),
@@ -40,7 +36,7 @@ pub(in crate::monitor) enum Record {
     End,
 }
 
-/// Why a recording cannot be replayed, or not to its end. Offsets are in bytes from the beginning
+/// The reason why a recording cannot be replayed, or not to its end. Offsets are in bytes from the beginning
 /// of the file, to the line that is at fault.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -80,7 +76,7 @@ pub enum RecordingError {
 }
 
 impl Record {
-    /// The line, with its prefix and its end, and its checksum; `before` is that of the record before.
+    /// Returns the line, with its prefix and its end, and its checksum; `before` is that of the record before.
     pub(super) fn line(&self, before: u32) -> io::Result<(String, u32)> {
         let json = serde_json::to_string(self)?;
         let length = u32::try_from(json.len());
@@ -90,7 +86,7 @@ impl Record {
         Ok((line, checksum))
     }
 
-    /// The record in the body of a line, if its checksum is that of this place.
+    /// Returns the record in the body of a line, if its checksum is that of this place.
     pub(super) fn parse(json: &[u8], expected: u32, before: u32) -> Result<Self, String> {
         if checksum(before, json) != expected {
             return Err("its checksum is not that of this record in this place".to_owned());
@@ -99,7 +95,7 @@ impl Record {
     }
 }
 
-/// The CRC-32 of all records up to this one, from that of all before it.
+/// Returns the CRC-32 of all records up to this one, from that of all before it.
 fn checksum(before: u32, json: &[u8]) -> u32 {
     let mut hasher = crc32fast::Hasher::new_with_initial(before);
     hasher.update(json);

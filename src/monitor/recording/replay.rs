@@ -36,9 +36,9 @@ use std::io::{BufRead, Read};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// # Format, version 2
+/// # Format, version 3
 ///
-/// A text file. The first line is `nearmiss recording 2`. Each further line is one record:
+/// A text file. The first line is `nearmiss recording 3`. Each further line is one record:
 ///
 /// ```text
 /// LENGTH CHECKSUM JSON
@@ -52,10 +52,8 @@ use std::io::{BufRead, Read};
 /// | kind | content |
 /// |---|---|
 /// | `begin` | the monitor: scene with its slots, clock, lookahead, levels, encounters; first and only once |
-/// | `apply` | a batch of commands that was applied |
+/// | `apply` | commands that were applied together, or one alone |
 /// | `track` | the states of a call of [`Monitor::track`](crate::Monitor::track) |
-/// | `insert`, `remove` | a body put in or taken out by itself |
-/// | `ignore`, `unignore` | a pair of ids |
 /// | `revision_threshold`, `history`, `max_spans` | settings |
 /// | `tick` | the clock, up to when everything was known after it, and the work done in it (as a [budget](crate::Budget::Work) counts it) |
 /// | `anew` | a tick failed, and all is looked at anew |
@@ -104,11 +102,7 @@ impl<R: BufRead> Replay<R> {
             return Err(RecordingError::NotARecording { found });
         }
         let offset = TITLE.len() as u64;
-        let RecordLine {
-            record,
-            checksum,
-            length,
-        } = read(&mut source, offset, 0)?;
+        let (record, checksum, length) = read(&mut source, offset, 0)?;
         let Record::Begin(snapshot) = record else {
             return Err(damaged(offset, "it does not begin with a monitor"));
         };
@@ -130,7 +124,7 @@ impl<R: BufRead> Replay<R> {
         &self.monitor
     }
 
-    /// The monitor, to go on with.
+    /// Returns the monitor, to go on with.
     pub fn into_monitor(self) -> Monitor {
         self.monitor
     }
@@ -160,11 +154,7 @@ impl<R: BufRead> Replay<R> {
                     return Err(damaged(offset, "it could not be read up to here"));
                 }
             }
-            let RecordLine {
-                record,
-                checksum,
-                length,
-            } = read(&mut self.source, offset, self.checksum)?;
+            let (record, checksum, length) = read(&mut self.source, offset, self.checksum)?;
             if let Record::End = record {
                 if !self.source.fill_buf()?.is_empty() {
                     return Err(damaged(offset + length, "something follows its end"));
@@ -199,10 +189,6 @@ impl<R: BufRead> Replay<R> {
             }
             Record::Track(now, states) => monitor.track(now, states).map_err(refused)?,
             Record::Apply(commands) => drop(monitor.apply(commands).map_err(refused)?),
-            Record::Insert(body) => drop(monitor.insert(body).map_err(refused)?),
-            Record::Remove(id) => drop(monitor.remove(id).map_err(refused)?),
-            Record::Ignore(a, b) => monitor.ignore_pair(a, b).map_err(refused)?,
-            Record::Unignore(a, b) => monitor.unignore_pair(a, b).map_err(refused)?,
             Record::RevisionThreshold(threshold) => {
                 monitor.set_revision_threshold(threshold).map_err(refused)?
             }
@@ -222,15 +208,13 @@ impl<R: BufRead> Replay<R> {
     }
 }
 
-struct RecordLine {
-    record: Record,
-    checksum: u32,
-    /// Bytes.
-    length: u64,
-}
-
-/// Reads the line that begins at `offset`, after a record with the checksum `before`.
-fn read(source: &mut impl BufRead, offset: u64, before: u32) -> Result<RecordLine, RecordingError> {
+/// Reads the line that begins at `offset`, after a record with the checksum `before`. Returns the record, its
+/// checksum and the length of the line in bytes.
+fn read(
+    source: &mut impl BufRead,
+    offset: u64,
+    before: u32,
+) -> Result<(Record, u32, u64), RecordingError> {
     let mut prefix = Vec::new();
     let wanted = PREFIX as u64;
     source.by_ref().take(wanted).read_to_end(&mut prefix)?;
@@ -250,14 +234,10 @@ fn read(source: &mut impl BufRead, offset: u64, before: u32) -> Result<RecordLin
     }
     let record = Record::parse(&line, checksum, before);
     let record = record.map_err(|problem| RecordingError::Damaged { offset, problem })?;
-    Ok(RecordLine {
-        record,
-        checksum,
-        length: PREFIX as u64 + wanted,
-    })
+    Ok((record, checksum, PREFIX as u64 + wanted))
 }
 
-/// Length and checksum: eight hexadecimal digits and a space, twice.
+/// Returns length and checksum: eight hexadecimal digits and a space, twice.
 fn numbers(prefix: &[u8]) -> Option<(u32, u32)> {
     let text = std::str::from_utf8(prefix).ok()?;
     let number = |digits: &str| {

@@ -1,17 +1,14 @@
-//! Who may come near a plan that is not in place.
+//! Bodies that may come near a plan that is not in place.
 
-use super::LookaheadSlice;
-use super::state::Index;
+use super::state::{Index, LookaheadSlice, SliceScratch};
 use crate::bounds::CubicSource;
 use crate::monitor::bodies::{BodyTable, form};
-use crate::monitor::boxes::TreeSearch;
 use crate::narrow_phase::approaching;
-use crate::search::SliceBlock;
 use crate::simd::prefetch;
 use crate::trajectory::Segment;
 use std::slice::from_ref;
 
-/// Another body, and when it may be near (s).
+/// Another body, and the time in which it may be near (s).
 #[derive(Clone, Copy, Debug)]
 pub(in crate::monitor) struct NearBody {
     pub(in crate::monitor) slot: u32,
@@ -19,31 +16,19 @@ pub(in crate::monitor) struct NearBody {
     pub(in crate::monitor) to: f64,
 }
 
-/// Memory of questions to slices.
-#[derive(Debug, Default)]
-pub(in crate::monitor) struct QueryScratch {
-    /// In any order; a body may be listed several times.
-    pub(in crate::monitor) neighbours: Vec<NearBody>,
-    pub(in crate::monitor) block: SliceBlock,
-    search: TreeSearch,
-    met: Vec<u32>,
-}
-
 impl LookaheadSlice {
-    /// Lists the bodies that may be near one in this cubic source within the slice. What has changed since it
-    /// was boxed here may be anywhere.
+    /// Lists the bodies that may be near one in this cubic source within the slice, in any order; a body may
+    /// be listed several times. A body that has changed since it was boxed here may be anywhere.
     pub(in crate::monitor) fn neighbours(
         &self,
         bodies: &BodyTable<'_>,
         source: &CubicSource<'_, Segment>,
-        answer: &mut QueryScratch,
+        scratch: &mut SliceScratch,
+        neighbours: &mut Vec<NearBody>,
     ) {
-        let QueryScratch {
-            neighbours,
-            block,
-            search,
-            met,
-        } = answer;
+        let SliceScratch {
+            block, search, met, ..
+        } = scratch;
         let index = if self.is_placed() {
             &self.index
         } else {

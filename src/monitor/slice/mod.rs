@@ -10,7 +10,7 @@ use crate::bounds::FatLine;
 use crate::broad_phase::{BodyBox, BroadPhase, Candidate, CandidateLimit, PairFilter};
 use crate::search::{LimitExceeded, Limits};
 use crate::wall_clock::Instant;
-pub(super) use ask::{NearBody, QueryScratch};
+pub(super) use ask::NearBody;
 use state::BuildStage;
 pub(super) use state::{LookaheadSlice, SliceScratch};
 use std::sync::OnceLock;
@@ -26,9 +26,6 @@ impl LookaheadSlice {
 
     /// Leaves with as many bodies.
     const STEP_LEAVES: usize = 100;
-
-    /// Pairs of so many boxes as are asked for at a time that are many.
-    const MANY: usize = 1 << 14;
 
     /// Memory for so many candidates, and four a body, is kept when all were looked at: there are many
     /// slices.
@@ -185,39 +182,28 @@ impl LookaheadSlice {
         [self.interval.0, self.interval.1]
     }
 
-    /// Appends the pairs of the listed boxes with the others that they meet and that are wanted
-    /// beside them; not all if the filter gives up. Few are asked for admission only when they are
-    /// looked at, which is cheaper; of many, those that are not admitted would fill the memory.
+    /// Appends the admitted pairs of the listed boxes with the others that they overlap and that are wanted
+    /// beside them; not all if the filter gives up.
     fn list_meeting<F: PairFilter>(
         &mut self,
         filter: &F,
         scratch: &mut SliceScratch,
         wanted: impl Fn(u32, u32) -> bool,
     ) {
+        let candidates = &mut self.candidates;
         for some in scratch.listed.chunks(Self::ASKED) {
             if filter.gives_up() {
                 return;
             }
-            let candidates = &mut self.candidates;
-            let before = candidates.len();
-            self.index
-                .boxes
-                .meeting(some, &mut scratch.search, |own, other| {
-                    if wanted(own.body, other) {
-                        candidates.push(Candidate::new(own.body, other));
-                    }
-                });
-            if candidates.len() - before > Self::MANY {
-                let mut kept = before;
-                for number in before..candidates.len() {
-                    let pair = candidates[number];
+            let boxes = &self.index.boxes;
+            boxes.meeting(some, &mut scratch.search, |own, other| {
+                if wanted(own.body, other) {
+                    let pair = Candidate::new(own.body, other);
                     if filter.admits(pair.a, pair.b) {
-                        candidates[kept] = pair;
-                        kept += 1;
+                        candidates.push(pair);
                     }
                 }
-                candidates.truncate(kept);
-            }
+            });
         }
     }
 

@@ -4,7 +4,7 @@ use crate::bounds::FatLine;
 use crate::broad_phase::{BodyBox, Candidate, Sweep};
 use crate::monitor::boxes::{BoxTree, TreeSearch};
 use crate::pool::Pool;
-use crate::search::CandidateRefiner;
+use crate::search::{CandidateRefiner, SliceBlock};
 use crate::spans::SpanKey;
 use crate::stats::Stats;
 use std::sync::OnceLock;
@@ -54,8 +54,12 @@ pub(super) struct Index {
 pub(in crate::monitor) struct SliceScratch {
     /// Boxes of some bodies.
     pub(super) listed: Vec<BodyBox>,
+    /// Boxes of a plan that is asked for.
+    pub(in crate::monitor) block: SliceBlock,
     pub(super) search: TreeSearch,
     pub(super) refiner: CandidateRefiner,
+    /// Slots whose boxes overlap one.
+    pub(super) met: Vec<u32>,
     /// Memory of searches from nothing.
     pub(super) pool: Pool<crate::search::SearchScratch>,
     pub(super) sweep: Sweep,
