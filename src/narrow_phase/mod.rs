@@ -114,14 +114,6 @@ impl<'a> BodyView<'a> {
     pub(crate) const fn is_half_space(&self) -> bool {
         self.bounding.radius.is_infinite()
     }
-
-    /// Prefetches a cubic of the plan.
-    #[inline(always)]
-    pub(crate) fn prefetch(&self, number: usize) {
-        if let Some(segment) = self.segments.get(number.wrapping_sub(self.knots.before())) {
-            prefetch(from_ref(segment));
-        }
-    }
 }
 
 impl BodyView<'_> {

@@ -271,7 +271,11 @@ impl Bodies for ListedBodies<'_> {
 
     #[inline]
     fn fetch_segment(&self, (body, cubic): (u32, u32)) {
-        self.view(body).prefetch(cubic as usize);
+        let plan = &self.prepared.entries[body as usize].body.trajectory;
+        let before = self.sources[body as usize].knots.before();
+        if let Some(segment) = plan.cubics().get((cubic as usize).wrapping_sub(before)) {
+            prefetch(from_ref(segment));
+        }
     }
 }
 
@@ -340,6 +344,7 @@ pub(super) fn lone_view(body: &Body, window: Window) -> Result<BodyView<'_>, Err
     Ok(view_of(body, knots))
 }
 
+#[inline(always)]
 fn view_of<'a>(body: &'a Body, knots: Knots<'a>) -> BodyView<'a> {
     BodyView::of((knots, body.trajectory.cubics()), body.shape())
 }

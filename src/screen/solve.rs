@@ -117,13 +117,17 @@ impl PreparedScene<'_> {
     ) -> Option<PairTask<'p>> {
         fetch(bodies, pairs, number);
         let survivors = pairs[number];
-        let places = [survivors[0].a, survivors[0].b];
-        let views = places.map(|place| bodies.view(place));
-        let names = places.map(|place| place as usize);
+        let (a, b) = (survivors[0].a, survivors[0].b);
+        // One by one: they are large, and the map of an array moves them.
+        let views = [bodies.view(a), bodies.view(b)];
+        let name = |place: u32| {
+            let place = place as usize;
+            (self.ids[place], self.entries[place].body.tag)
+        };
         Some(PairTask {
-            names: names.map(|place| (self.ids[place], self.entries[place].body.tag)),
-            views,
             clip: clip_of(&views[0], &views[1], self.window)?,
+            names: [name(a), name(b)],
+            views,
             survivors,
         })
     }
