@@ -21,7 +21,7 @@ use super::jump::JumpSearch;
 use super::monitored_bodies::{MonitoredBodies, MonitoredBody};
 
 use super::recent_changes::RecentChanges;
-use super::slice::{LookaheadSlice, SliceScratch};
+use super::slice::{LookaheadSlice, SliceScratch, SliceTask};
 use super::solved_spans::{SlotPair, SolvedSpans};
 use crate::bounds::{Frame, Padding};
 use crate::broad_phase::PairFilter;
@@ -323,8 +323,13 @@ impl LookaheadSearch {
         meter: &mut BudgetMeter,
         stats: &mut Stats,
     ) -> Result<(f64, bool), LimitExceeded> {
-        let limits = self.limits();
         let bodies = BodyTable::of(scene, &self.flights, &self.grid, self.margin);
+        let alone = SliceTask {
+            bodies: &bodies,
+            filter,
+            moved: None,
+            limits: self.limits(),
+        };
         let slices = self.slices.make_contiguous();
         let (mut known, mut is_done) = (to, true);
         slices[..needed].iter_mut().for_each(LookaheadSlice::need);
@@ -356,7 +361,8 @@ impl LookaheadSearch {
                     }
                     let number = usize::try_from(slice.number - first).unwrap_or(usize::MAX);
                     let moved = (number < needed).then_some((moved, number));
-                    slice.refresh(&bodies, filter, moved, limits, &mut pool.take(), |_| true);
+                    let task = SliceTask { moved, ..alone };
+                    slice.refresh(&task, &mut pool.take(), |_| true);
                     let crowd = slice.check_room().map_or(most, |()| 0);
                     found.fetch_add(crowd + slice.survivors.len(), Relaxed);
                 }
@@ -380,7 +386,7 @@ impl LookaheadSearch {
                 }
                 if !meter.is_spent() {
                     let scratch = &mut self.pool.take();
-                    slice.refresh(&bodies, filter, None, limits, scratch, |work| {
+                    slice.refresh(&alone, scratch, |work| {
                         meter.count(work);
                         !meter.is_spent()
                     });

@@ -32,12 +32,10 @@ use crate::knots::Knots;
 use crate::orientation::Turning;
 use crate::rounding::{sum_above, two_sum};
 use crate::shape::BodyShape;
-use crate::simd::prefetch;
 use crate::spans::Span;
 use crate::trajectory::Segment;
 use glam::DVec3;
 use std::borrow::Cow;
-use std::slice::from_ref;
 
 /// A body as the narrow phase sees it.
 #[derive(Clone, Copy, Debug)]

@@ -1,6 +1,6 @@
 //! Bodies that changed since a slice was compared.
 
-use super::{BuildStage, LookaheadSlice, SliceScratch};
+use super::{BuildStage, LookaheadSlice, SliceScratch, SliceTask};
 use crate::bounds::FatLine;
 use crate::broad_phase::{BodyBox, BroadPhase, PairFilter};
 use crate::monitor::bodies::{BodyTable, ChangedBounds};
@@ -39,13 +39,12 @@ impl LookaheadSlice {
     /// Changed bodies against all.
     pub(super) fn compare_changed<F: PairFilter>(
         &mut self,
-        bodies: &BodyTable<'_>,
-        filter: &F,
-        moved: Option<(&ChangedBounds, usize)>,
+        task: &SliceTask<'_, F>,
         scratch: &mut SliceScratch,
     ) -> usize {
+        let SliceTask { bodies, filter, .. } = *task;
         let changed = self.changed.len();
-        self.box_changed(bodies, moved, scratch);
+        self.box_changed(bodies, task.moved, scratch);
         if changed > self.index.boxes.capacity() / Self::FEW_CHANGED {
             self.index.boxes.replace(&scratch.listed);
             self.list_all(&mut scratch.listed);

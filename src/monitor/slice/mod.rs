@@ -5,14 +5,14 @@ mod changes;
 mod refine;
 mod state;
 
-use super::bodies::{BodyTable, ChangedBounds};
+use super::bodies::BodyTable;
 use crate::bounds::FatLine;
 use crate::broad_phase::{BodyBox, BroadPhase, Candidate, CandidateLimit, PairFilter};
-use crate::search::{LimitExceeded, Limits};
+use crate::search::LimitExceeded;
 use crate::wall_clock::Instant;
 pub(super) use ask::NearBody;
 use state::BuildStage;
-pub(super) use state::{LookaheadSlice, SliceScratch};
+pub(super) use state::{LookaheadSlice, SliceScratch, SliceTask};
 use std::sync::OnceLock;
 
 impl LookaheadSlice {
@@ -209,18 +209,14 @@ impl LookaheadSlice {
 
     /// Compares what has not been compared, as long as `goes_on` lets: it is told the work of each
     /// step (boxes and candidates); and as long as there [is room](Self::check_room). What is found is
-    /// added to `survivors` and `stats`. Boxes that were formed for all slices are taken from `moved`,
-    /// where this slice has a number.
+    /// added to `survivors` and `stats`.
     pub(super) fn refresh<F: PairFilter>(
         &mut self,
-        bodies: &BodyTable<'_>,
-        filter: &F,
-        moved: Option<(&ChangedBounds, usize)>,
-        limits: Limits,
+        task: &SliceTask<'_, F>,
         scratch: &mut SliceScratch,
         goes_on: impl FnMut(usize) -> bool,
     ) {
-        self.take_steps(bodies, filter, moved, limits, scratch, goes_on);
+        self.take_steps(task, scratch, goes_on);
         let is_used = self.sifted < self.candidates.len();
         if !is_used
             && self.candidates.capacity() > Self::FEW_CANDIDATES + 4 * self.index.fat_lines.len()
@@ -232,29 +228,26 @@ impl LookaheadSlice {
 
     fn take_steps<F: PairFilter>(
         &mut self,
-        bodies: &BodyTable<'_>,
-        filter: &F,
-        moved: Option<(&ChangedBounds, usize)>,
-        limits: Limits,
+        task: &SliceTask<'_, F>,
         scratch: &mut SliceScratch,
         mut goes_on: impl FnMut(usize) -> bool,
     ) {
         self.is_crowded = false;
-        while !self.is_fresh(bodies) {
+        while !self.is_fresh(task.bodies) {
             let begin = Instant::now();
             let work = if self.sifted < self.candidates.len() {
-                let work = self.refine(bodies, filter, scratch);
+                let work = self.refine(task.bodies, task.filter, scratch);
                 self.stats.narrow_time += begin.elapsed();
                 work
             } else {
-                let work = self.look(bodies, filter, moved, limits, scratch);
+                let work = self.look(task, scratch);
                 self.stats.broad_time += begin.elapsed();
                 work
             };
-            self.is_crowded |= limits.check(self.survivors.len()).is_err();
+            self.is_crowded |= task.limits.check(self.survivors.len()).is_err();
             // A slice without a body is work as well: a budget of counted work stops at one place
             // only.
-            if !goes_on(1 + work) || filter.gives_up() || self.is_crowded {
+            if !goes_on(1 + work) || task.filter.gives_up() || self.is_crowded {
                 return;
             }
         }
@@ -264,20 +257,17 @@ impl LookaheadSlice {
     /// many is searched from nothing, in shorter ones.
     fn look<F: PairFilter>(
         &mut self,
-        bodies: &BodyTable<'_>,
-        filter: &F,
-        moved: Option<(&ChangedBounds, usize)>,
-        limits: Limits,
+        task: &SliceTask<'_, F>,
         scratch: &mut SliceScratch,
     ) -> usize {
         self.candidates.clear();
         self.sifted = 0;
         if let Some(from) = self.rest {
-            return self.search_rest(from, bodies, filter, limits, scratch);
+            return self.search_rest(from, task, scratch);
         }
-        let room = limits.candidates_of_slice(bodies.flights.len());
-        let filter = &CandidateLimit::new(filter, room);
-        let boxes = self.compare(bodies, filter, moved, scratch);
+        let room = task.limits.candidates_of_slice(task.bodies.flights.len());
+        let filter = &CandidateLimit::new(task.filter, room);
+        let boxes = self.compare(&task.with_filter(filter), scratch);
         if filter.is_short() {
             self.candidates.clear();
             // All bodies as they are now.
@@ -295,11 +285,10 @@ impl LookaheadSlice {
     /// One step towards all candidates of the slice as a whole; returns how many boxes were formed.
     fn compare<F: PairFilter>(
         &mut self,
-        bodies: &BodyTable<'_>,
-        filter: &F,
-        moved: Option<(&ChangedBounds, usize)>,
+        task: &SliceTask<'_, F>,
         scratch: &mut SliceScratch,
     ) -> usize {
+        let SliceTask { bodies, filter, .. } = *task;
         match self.stage {
             BuildStage::Listing(slots) if slots < self.due_slots(bodies) => {
                 let mut boxed = std::mem::take(&mut self.boxed);
@@ -318,7 +307,7 @@ impl LookaheadSlice {
             }
             BuildStage::Placing(slots) if slots < bodies.flights.len() => {
                 let changed = self.changed.len();
-                self.box_changed(bodies, moved, scratch);
+                self.box_changed(bodies, task.moved, scratch);
                 self.index.boxes.move_to(&scratch.listed);
                 self.forget_changes();
                 changed
@@ -354,9 +343,7 @@ impl LookaheadSlice {
                 self.build(bodies, filter, scratch);
                 0
             }
-            BuildStage::Joining(..) | BuildStage::Built => {
-                self.compare_changed(bodies, filter, moved, scratch)
-            }
+            BuildStage::Joining(..) | BuildStage::Built => self.compare_changed(task, scratch),
         }
     }
 

@@ -1,10 +1,10 @@
 //! From the candidates of a slice to spans; and to spans without candidates, where these are too many.
 
-use super::state::{LookaheadSlice, SliceScratch};
+use super::state::{LookaheadSlice, SliceScratch, SliceTask};
 use crate::broad_phase::{Candidate, PairFilter};
 use crate::monitor::bodies::BodyTable;
 use crate::monitor::prepared::PreparedBodies;
-use crate::search::{Lifetimes, Limits, RefineContext};
+use crate::search::{Lifetimes, RefineContext};
 use crate::window::Window;
 
 impl LookaheadSlice {
@@ -12,18 +12,17 @@ impl LookaheadSlice {
     pub(super) fn search_rest<F: PairFilter>(
         &mut self,
         from: f64,
-        bodies: &BodyTable<'_>,
-        filter: &F,
-        limits: Limits,
+        task: &SliceTask<'_, F>,
         scratch: &mut SliceScratch,
     ) -> usize {
         /// Slices that are searched between two looks at a budget.
         const SLICES: f64 = 8.0;
+        let SliceTask { bodies, filter, .. } = *task;
         let end = (from + SLICES * bodies.search_length).min(self.interval.1);
         let prepared = PreparedBodies::of(*bodies, &mut Lifetimes::default());
         let before = self.stats.boxes;
         let done = prepared
-            .search(Window::ALL, limits, (&scratch.pool, 1))
+            .search(Window::ALL, task.limits, (&scratch.pool, 1))
             .spans(
                 |scratch| &mut scratch.sweep,
                 (

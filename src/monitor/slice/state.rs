@@ -2,9 +2,10 @@
 
 use crate::bounds::FatLine;
 use crate::broad_phase::{BodyBox, Candidate, Sweep};
+use crate::monitor::bodies::{BodyTable, ChangedBounds};
 use crate::monitor::boxes::{BoxTree, TreeSearch};
 use crate::pool::Pool;
-use crate::search::{CandidateRefiner, SliceBlock};
+use crate::search::{CandidateRefiner, Limits, SliceBlock};
 use crate::spans::SpanKey;
 use crate::stats::Stats;
 use std::sync::OnceLock;
@@ -63,6 +64,32 @@ pub(in crate::monitor) struct SliceScratch {
     /// Memory of searches from nothing.
     pub(super) pool: Pool<crate::search::SearchScratch>,
     pub(super) sweep: Sweep,
+}
+
+/// The bodies that a slice compares, and how.
+#[derive(Debug)]
+pub(in crate::monitor) struct SliceTask<'a, F> {
+    pub(in crate::monitor) bodies: &'a BodyTable<'a>,
+    pub(in crate::monitor) filter: &'a F,
+    /// Boxes of changed bodies formed for several slices, and the slice's number among these; `None`:
+    /// the slice forms its own.
+    pub(in crate::monitor) moved: Option<(&'a ChangedBounds, usize)>,
+    pub(in crate::monitor) limits: Limits,
+}
+
+impl<'a, F> SliceTask<'a, F> {
+    /// Returns the same with another filter.
+    pub(super) const fn with_filter<'b, G>(&'b self, filter: &'b G) -> SliceTask<'b, G>
+    where
+        'a: 'b,
+    {
+        SliceTask {
+            bodies: self.bodies,
+            filter,
+            moved: self.moved,
+            limits: self.limits,
+        }
+    }
 }
 
 /// Stage of the work on a slice.
