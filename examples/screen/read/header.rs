@@ -55,12 +55,13 @@ impl Header {
             }
         }
         match missing[..] {
-            [] => {}
             _ if is_utf_16(&found) => {
                 return Err(format!(
                     "row {line}: the file is in UTF-16; save it in UTF-8"
                 ));
             }
+            _ if has_bare_return(&found) => return Err(bare_return(line)),
+            [] => {}
             _ if found.get(0).unwrap_or_default().starts_with(b"PK\x03\x04") => {
                 return Err(format!(
                     "row {line}: the file is packed (a zip, or a spreadsheet); save it as CSV in UTF-8"
@@ -143,6 +144,19 @@ fn find(found: &ByteRecord, column: &str, line: u64) -> Result<Option<usize>, St
             "row {line}, column {column}: there are two of this name; keep one"
         )),
     }
+}
+
+/// Returns true if a value has a carriage return inside: the end of a line, without the line feed that ends a row.
+pub(super) fn has_bare_return(values: &ByteRecord) -> bool {
+    let mut values = values.iter().map(<[u8]>::trim_ascii);
+    values.any(|value| value.contains(&b'\r'))
+}
+
+/// Returns the complaint about such a row.
+pub(super) fn bare_return(line: u64) -> String {
+    format!(
+        "row {line}: lines end with a bare carriage return; save the file with the line ends LF or CRLF"
+    )
 }
 
 fn is_utf_16(found: &ByteRecord) -> bool {

@@ -101,6 +101,9 @@ impl Table {
 
     fn add(&mut self, line: u64, record: &ByteRecord, separator: u8) -> Result<(), String> {
         if record.len() != self.header.len() {
+            if header::has_bare_return(record) {
+                return Err(header::bare_return(line));
+            }
             return Err(self.wrong_count(line, record, separator));
         }
         let values = self.header.values(record);
