@@ -39,11 +39,15 @@ impl Trajectory {
     ///
     /// # Errors
     ///
+    /// - [`Error::ChangeTime`] if `from` is NaN or infinite.
     /// - [`Error::NoPlanAt`] unless both plans exist at `from` and the new one continues from
     ///   there.
     /// - [`Error::OutOfRange`] if a plan leaves the range of numbers between its knots and `from`.
     /// - [`Error::TooFar`] if `from` is too far from a plan's knots.
     pub fn spliced(&self, from: f64, plan: &Self) -> Result<Self, Error> {
+        if !from.is_finite() {
+            return Err(Error::ChangeTime { time: from });
+        }
         let mut spliced = plan.clone();
         spliced.precede_by(self, from, f64::NEG_INFINITY)?;
         Ok(spliced)

@@ -26,9 +26,9 @@ const SHARES: [f64; PARTS] = [
 /// A bound of the Euclidean norm of a motion's fourth derivative (m/s⁴).
 #[derive(Clone, Copy)]
 pub(super) enum FourthDerivative<'a> {
-    /// For all times.
+    /// One bound for all times.
     Constant(f64),
-    /// For all times of a window.
+    /// A function of a window, with a bound for all of its times.
     Over(&'a dyn Fn(Window) -> f64),
 }
 
