@@ -25,8 +25,8 @@ pub struct Sphere {
 ///
 /// Cost, where two clusters may be near each other: some nanoseconds for each pair of their
 /// spheres, and up to two microseconds where they overlap. Two overlapping bodies of 2,500 spheres
-/// each take a tenth of a second where both follow one cubic. Only a few pairs are solved: those that begin and end a conflict, and those
-/// that may be the nearest ones.
+/// each take a tenth of a second where both follow one cubic. Only a few pairs are solved: those that
+/// begin and end a conflict, and those that may be the nearest ones.
 ///
 /// ```
 /// use glam::DVec3;
@@ -48,7 +48,7 @@ pub struct Sphere {
     serde(try_from = "serial::HitboxNumbers", into = "serial::HitboxNumbers")
 )]
 pub struct Hitbox {
-    /// Of a half-space: its normal, and an infinite radius.
+    /// Bounding sphere; for a half-space its normal, and an infinite radius.
     bounding: Sphere,
     /// Largest distance from the body's position to the bounding sphere's surface, m.
     reach: f64,
@@ -56,7 +56,7 @@ pub struct Hitbox {
     cluster: Option<Box<Cluster>>,
 }
 
-/// Two spheres or more; none of a half-space.
+/// The spheres of a cluster: two or more. A half-space has none.
 #[derive(Clone, Debug, PartialEq)]
 struct Cluster {
     spheres: Vec<Sphere>,

@@ -1,7 +1,7 @@
-//! Which bodies will come too close, when, and how close?
+//! A collision monitor for many bodies that move along cubic splines: which of them will come too
+//! close, when, and how close.
 //!
-//! **nearmiss** is a collision monitor for many bodies that move along cubic splines. Goals, in
-//! this order: correct, fast, pleasant to use.
+//! The goals of nearmiss, in this order: correct, fast, pleasant to use.
 //!
 //! ```
 //! use nearmiss::glam::DVec3;

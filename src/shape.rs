@@ -11,7 +11,7 @@ pub(crate) struct BodyShape<'a> {
     hitbox: &'a Hitbox,
     /// `None` if turning changes nothing.
     turning: Option<&'a Turning>,
-    /// See [`Body::with_model_error`](crate::Body::with_model_error), m.
+    /// [Model error](crate::Body::with_model_error) of the body, m.
     model_error: f64,
 }
 

@@ -250,7 +250,7 @@ impl PreparedScene<'_> {
         traffic: &SceneStatistics,
         memory: &mut ListMemory<CompactCubic>,
     ) -> (Lists<'_>, TimeSlices) {
-        /// Fewer are prepared before another thread wakes up.
+        /// Number of bodies below which all are prepared before another thread wakes up.
         const FEW: usize = 1024;
         if parallel::threads() > 1 && self.ids.len() > FEW {
             let slices = || self.slices(traffic, |places| self.sources(places));

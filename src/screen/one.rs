@@ -119,7 +119,7 @@ fn extremes_of(view: &BodyView<'_>, window: Window) -> DAabb {
 
 /// Returns true if two boxes are certainly farther apart than `reach` (m) on some axis.
 fn is_apart(one: &DAabb, other: &DAabb, reach: f64) -> bool {
-    /// Far above that of the boxes.
+    /// Bound of the rounding of the boxes, relative to their coordinates: far above the true one.
     const ROUNDING: f64 = 1e-12;
     let size = [one.low, one.high, other.low, other.high].map(|corner| corner.abs().max_element());
     let size = size.into_iter().fold(reach.abs(), f64::max);

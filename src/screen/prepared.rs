@@ -115,7 +115,7 @@ impl<'a> PreparedScene<'a> {
 
     /// Returns views and box sources of all bodies, by place, in a common frame.
     pub(super) fn views(&self, memory: &mut ListMemory<CompactCubic>) -> Lists<'_> {
-        /// Fewer are prepared on this thread.
+        /// Number of bodies below which all are prepared on this thread.
         const FEW: usize = 4096;
         let count = self.entries.len();
         let (mut views, mut sources) = memory.take();
@@ -129,7 +129,7 @@ impl<'a> PreparedScene<'a> {
 
     /// Returns true if most bodies are looked at where they lie: there is hardly anything to lay out.
     pub(super) fn is_in_place(&self) -> bool {
-        /// Of plans, lists are read faster.
+        /// If one body in so many has a plan, lists of views and sources are read faster.
         const SHARE: usize = 8;
         SHARE * self.survey.planned < self.entries.len()
     }

@@ -12,7 +12,7 @@ use std::iter::once;
 /// Cubics between knots.
 #[derive(Clone, Debug)]
 pub(super) struct Plan {
-    /// One more than segments. There are none where a straight motion is followed by another one.
+    /// Knots, s: one more than segments. No segment lies between them where one straight motion follows another.
     pub(super) knots: Roomy<f64>,
     /// Segments between the knots; beside them, the end motions before and after.
     pub(super) segments: Roomy<Segment, 2>,
@@ -71,7 +71,7 @@ impl Plan {
         }
     }
 
-    /// See [`Trajectory::turn`](super::Trajectory::turn).
+    /// Turns the plan as [`Trajectory::turn`](super::Trajectory::turn) does.
     pub(super) fn turn(&mut self, from: f64, motion: &StraightMotion, since: f64) {
         self.drop_piece_after();
         let carrier = self.segments.beside()[1].straight();

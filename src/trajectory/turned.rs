@@ -27,8 +27,8 @@ pub(super) struct TurnedMotion {
 }
 
 impl TurnedMotion {
-    /// As many as there are of a body that is told a state each frame: the piece that ended when the clock was
-    /// last advanced, the one until it is told, and the one from then on.
+    /// Largest number of pieces. A body that is told a state each frame has as many: the piece that ended when the
+    /// clock was last advanced, the piece until the state is told, and the piece from then on.
     const ROOM: usize = 3;
 
     /// Returns a plan in this form, if it is one of a few straight motions.
@@ -146,8 +146,8 @@ impl TurnedMotion {
         (is_piece && room.kept < Self::ROOM).then_some(room)
     }
 
-    /// See [`Trajectory::turns_as_usual`](super::Trajectory::turns_as_usual): its motion is known up to `from`, the new
-    /// one is another, and its first piece lasts for all of `window`.
+    /// Returns true if [`Trajectory::turns_as_usual`](super::Trajectory::turns_as_usual) does: this motion is known up
+    /// to `from`, the new one differs from it, and the new one's first piece lasts for all of `window`.
     #[inline]
     pub(super) fn turns_as_usual(
         &self,

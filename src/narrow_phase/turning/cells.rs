@@ -98,7 +98,7 @@ impl<'a> Cells<'a> {
     const BLOCK: usize = 1024;
     /// Room for those of one revolution of each body, and more.
     const USUAL: usize = 24;
-    /// With so few parts each is tested by itself.
+    /// Largest number of parts of which each is tested by itself.
     const FEW: usize = 4;
 
     /// Returns the walk through the parts of a span that meet an interval (s).

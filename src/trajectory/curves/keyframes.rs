@@ -12,7 +12,7 @@ use glam::DVec3;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[doc(alias("glTF", "CUBICSPLINE", "tangent"))]
 pub struct Keyframe {
-    /// Seconds.
+    /// Time, s.
     pub time: f64,
     /// Velocity with which the body arrives, m/s.
     pub in_tangent: DVec3,
