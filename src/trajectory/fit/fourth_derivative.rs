@@ -94,7 +94,7 @@ impl FourthDerivative<'_> {
 mod tests {
     use super::{FourthDerivative, SHARES};
 
-    /// Peano's kernel of cubic Hermite interpolation, from its definition.
+    /// Returns Peano's kernel of cubic Hermite interpolation, from its definition.
     fn kernel(t: f64, s: f64) -> f64 {
         let power = if t > s { (t - s).powi(3) / 6.0 } else { 0.0 };
         let at_end = (1.0 - s).powi(3) / 6.0;
