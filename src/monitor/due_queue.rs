@@ -10,9 +10,9 @@ use std::collections::BinaryHeap;
 /// in the queue for the soonest instant that it had, and is put off when that has come.
 #[derive(Debug, Default)]
 pub(super) struct DueQueue {
-    /// By slot: when it is due, s; infinite if never.
+    /// Instant at which each slot is due, s; infinite if never.
     due: Vec<f64>,
-    /// By slot: the soonest of its entries in the queue, s; infinite if there is none.
+    /// Soonest entry of each slot in the queue, s; infinite if there is none.
     queued: Vec<f64>,
     /// A slot that is due has an entry that is no later.
     queue: BinaryHeap<Reverse<TimeKey<u32>>>,
@@ -22,8 +22,7 @@ impl DueQueue {
     /// Entries that are not too many, whatever there is.
     const FEW: usize = 1024;
 
-    /// A slot is due at an instant (s) from now on, and no more at another one; never, if that is
-    /// infinite.
+    /// Sets the one instant (s) at which a slot is due; infinity stands for never.
     pub(super) fn set(&mut self, slot: u32, time: f64) {
         let place = slot as usize;
         if self.due.len() <= place {
@@ -41,7 +40,7 @@ impl DueQueue {
             .is_some_and(|&due| due < f64::INFINITY)
     }
 
-    /// A slot that is due by `time` (s), the soonest one; it is no more.
+    /// Removes and returns the slot that is due soonest, if it is due by `time` (s).
     pub(super) fn next(&mut self, time: f64) -> Option<u32> {
         self.next_with_time(time).map(|(slot, _)| slot)
     }
@@ -66,7 +65,7 @@ impl DueQueue {
         None
     }
 
-    /// Sees to it that a slot is in the queue in time.
+    /// Enters a slot into the queue, unless an entry of it comes in time.
     fn enqueue(&mut self, slot: u32) {
         let place = slot as usize;
         let time = self.due[place];

@@ -19,18 +19,18 @@ use crate::search::LimitExceeded;
 use crate::spans::{SpanKey, spans};
 use glam::DVec3;
 
-/// See the module.
+/// The half-spaces of a monitor, and the instants up to which bodies were compared with them.
 #[derive(Debug, Default)]
 pub(super) struct HalfSpaceSearch {
     /// Slots of half-spaces, ascending, as of the last call of [`note`](Self::note).
     planes: Vec<u32>,
-    /// Each of them as it was when it changed last, if it rested then.
+    /// Each half-space as it was when it changed last, if it rested then.
     resting: Vec<Option<RestingPlane>>,
     /// Places in these lists of those that have changed since.
     changed_planes: Vec<usize>,
-    /// By slot: true if a span with a half-space may be listed.
+    /// True, by slot, if a span with a half-space may be listed.
     near: Vec<bool>,
-    /// Up to when each body is compared, s.
+    /// Instant up to which each body was compared, s.
     due: DueQueue,
     /// Slots to be compared from the clock on, and where the next one is in this list.
     changed: Vec<u32>,
@@ -191,7 +191,7 @@ struct PlaneSearch<'s, F> {
     planes: &'s [u32],
     bodies: &'s BodyTable<'s>,
     ahead: f64,
-    /// Up to here bodies are compared, s, or to the end of the last span that is listed.
+    /// Instant up to which bodies are compared, s; or to the end of the last span that is listed.
     until: f64,
     filter: &'s F,
     found: &'s mut Vec<SpanKey>,

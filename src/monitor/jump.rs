@@ -19,13 +19,13 @@ use crate::window::Window;
 /// A search over the time between the slices that are there and the present.
 #[derive(Debug, Default)]
 pub(super) struct JumpSearch {
-    /// None if nothing is left to search.
+    /// State of the search; none if nothing is left to search.
     progress: Option<Progress>,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Progress {
-    /// All is searched up to here, s.
+    /// Instant up to which all is searched, s.
     at: f64,
     /// Lengths of the next piece and of its slices, s.
     piece: f64,
@@ -36,7 +36,7 @@ struct Progress {
 type Found<'o> = (&'o mut Vec<SpanKey>, &'o mut Stats);
 
 impl JumpSearch {
-    /// With fewer slices left to look at, they are looked at one by one.
+    /// Number of slices below which they are searched one by one.
     const FEW: f64 = 16.0;
 
     /// Boxes and candidates, and of each body: a piece that takes fewer is followed by one that is twice
@@ -49,8 +49,8 @@ impl JumpSearch {
         self.progress.is_some() || to - from > Self::FEW * length
     }
 
-    /// Goes on from `from` to `to` (s) as far as the meter lets, in slices of `length` s at first. Returns
-    /// where it had to stop, none if it is across.
+    /// Continues the search from `from` to `to` (s) as far as the meter lets, in slices of `length` s at
+    /// first. Returns the instant at which it had to stop; none if it is complete.
     ///
     /// # Errors
     ///

@@ -43,7 +43,7 @@ use std::collections::VecDeque;
 use std::sync::atomic::AtomicUsize;
 use std::sync::atomic::Ordering::Relaxed;
 
-/// See the module.
+/// The spans of a lookahead, with the slices in which they were found.
 #[derive(Debug)]
 pub(super) struct LookaheadSearch {
     flights: MonitoredBodies,
@@ -69,21 +69,21 @@ pub(super) struct LookaheadSearch {
     moved: ChangedBounds,
     /// Ends of the slices of the lookahead, s.
     ends: Vec<f64>,
-    /// See [`Partners::revision`](crate::scene::Partners::revision).
+    /// Last [revision of partners](crate::scene::Partners::revision) that was taken over.
     partners: Option<(u64, u64)>,
     /// End of the lookahead when it was last caught up with, s.
     reached: f64,
-    /// Most was unknown when it was last caught up with.
+    /// True if most was unknown at the last catching up.
     was_unknown: bool,
-    /// With more spans it is too crowded.
+    /// Largest number of spans; with more the scene is too crowded.
     pub(super) max_spans: usize,
 }
 
 impl LookaheadSearch {
-    /// More changes than bodies that are not too many.
+    /// Number of changes, above that of bodies, that is not too large.
     const MANY_CHANGES: usize = 1024;
 
-    /// A search for pairs within `margin` (m) on a grid, with room for so many spans.
+    /// Returns a search for pairs within `margin` (m) on a grid, with room for so many spans.
     pub(super) fn new(margin: f64, grid: Grid, max_spans: usize) -> Self {
         Self {
             flights: MonitoredBodies::default(),
@@ -121,7 +121,7 @@ impl LookaheadSearch {
         &self.grid
     }
 
-    /// See [`Grid::confirm`].
+    /// Confirms the grid, as [`Grid::confirm`] does.
     pub(super) const fn confirm_grid(&mut self, other: &Grid) {
         self.grid.confirm(other);
     }
@@ -131,7 +131,7 @@ impl LookaheadSearch {
         !(self.dirty.is_empty() && self.left_out.is_empty())
     }
 
-    /// Within what pairs are looked for (m), and where their boxes are measured from.
+    /// Returns the largest margin of pairs (m), and the frame of boxes.
     pub(super) fn reach(&self) -> (f64, &Frame) {
         (self.margin, &self.grid.frame)
     }
@@ -238,8 +238,8 @@ impl LookaheadSearch {
         }
     }
 
-    /// Returns the instant (s) to which plans must be followed for a lookahead that ends at `end`: to the end of the slice
-    /// after its last one, since slices are formed as a whole.
+    /// Returns the instant (s) to which plans must be followed for a lookahead that ends at `end`: the end of
+    /// the slice after its last one, since slices are formed as a whole.
     pub(super) fn laid_out(&self, end: f64) -> f64 {
         end + 2.0 * self.grid.length
     }
@@ -435,7 +435,7 @@ impl LookaheadSearch {
         &self.finds
     }
 
-    /// See [`SolvedSpans::take_changed`].
+    /// Puts the pairs that have changed into `changed`, as [`SolvedSpans::take_changed`] does.
     pub(super) fn take_changed(&mut self, changed: &mut Vec<SlotPair>) {
         self.finds.take_changed(changed);
     }
@@ -448,7 +448,7 @@ impl LookaheadSearch {
         (start <= end).then_some((start, end))
     }
 
-    /// All contacts of a pair within `margin` in `clip`; replaces what `found` held.
+    /// Finds all contacts of a pair within `margin` in `clip`; replaces the content of `found`.
     pub(super) fn contacts(
         &self,
         pair: SlotPair,

@@ -1,5 +1,5 @@
-//! Reading the search: the conflicts that are reported, and the plain encounters that feed the
-//! state machine.
+//! Reading the search: the conflicts that are reported, and the planned encounters, which are the input
+//! of the state machine.
 //!
 //! Most contacts lie well within the window, and stay the same from tick to tick: each pair is
 //! read once, when its spans have changed, as if the window were endless. Only what an edge of the
@@ -15,18 +15,18 @@ use crate::narrow_phase::Contact;
 use crate::scene::Scene;
 use crate::screen::conflict;
 
-/// What each alert level has of every pair.
+/// The conflicts and planned encounters of every pair at each alert level.
 #[derive(Debug)]
 pub(super) struct LevelCaches {
     pub(super) conflicts: Vec<ConflictCache>,
     pub(super) plains: Vec<EncounterCache>,
     /// Pairs to be read.
     pub(super) changed: Vec<SlotPair>,
-    /// Of two threads.
+    /// Scratch of two threads.
     pub(super) scratch: [ReadScratch; 2],
 }
 
-/// What reading reuses.
+/// Memory that reading reuses.
 #[derive(Debug, Default)]
 pub(super) struct ReadScratch {
     pub(super) contacts: Vec<Contact>,
@@ -34,7 +34,7 @@ pub(super) struct ReadScratch {
     passed: Vec<Contact>,
 }
 
-/// What is read.
+/// The source of conflicts and planned encounters.
 #[derive(Clone, Copy)]
 pub(super) struct ReadContext<'m> {
     pub(super) search: &'m LookaheadSearch,
@@ -105,14 +105,16 @@ impl ReadContext<'_> {
         });
     }
 
-    /// When both bodies of a pair exist within a window; and when they cease to.
+    /// Returns the interval in which both bodies of a pair exist within a window, and the instant at which
+    /// one of them ceases to (s).
     fn clip(&self, slots: SlotPair, (from, to): (f64, f64)) -> Option<((f64, f64), f64)> {
         let (start, ends) = self.search.domain(self.scene, slots)?;
         let clip = (start.max(from), ends.min(to));
         (clip.0 <= clip.1).then_some((clip, ends))
     }
 
-    /// What a window has of the conflict of a pair that lasts for some time whatever the window.
+    /// Returns the part in a window of a conflict of a pair, given the interval in which it lasts whatever
+    /// the window (s).
     pub(super) fn clipped(
         &self,
         slots: SlotPair,
@@ -130,7 +132,7 @@ impl ReadContext<'_> {
         conflicts.extend(contacts.iter().filter_map(report));
     }
 
-    /// The plain encounters of a pair as a tick sees them.
+    /// Finds the planned encounters of a pair as a tick sees them.
     pub(super) fn plains(
         &self,
         slots: SlotPair,
@@ -150,7 +152,7 @@ impl ReadContext<'_> {
         }
     }
 
-    /// Works out the plain encounters of a pair within `clip`, of which `scratch` has the contacts
+    /// Finds the planned encounters of a pair within `clip`, of which `scratch` has the contacts
     /// at the margin. `ends` is when one of its bodies ceases to exist.
     fn each_plain(
         &self,
@@ -199,7 +201,7 @@ impl ReadContext<'_> {
         }
     }
 
-    /// The closest approach over the part of an encounter that the clock has passed.
+    /// Returns the closest approach over the part of an encounter that the clock has passed.
     fn passed_closest(
         &self,
         slots: SlotPair,

@@ -6,7 +6,7 @@ use crate::broad_phase::BodyBox;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use std::sync::{Mutex, PoisonError};
 
-/// See the module.
+/// The bodies that have changed since the last tick, with their boxes.
 #[derive(Debug, Default)]
 pub(super) struct RecentChanges {
     /// Slots, one for each change.

@@ -6,7 +6,7 @@ use super::{EventKind, Monitor, check_revision_threshold, check_setting};
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::rounding::one_zero;
 
-/// No monitor has had more encounters: what comes after it can be counted.
+/// Largest number of encounters of a snapshot: later ones can be counted.
 const MAX_ENCOUNTERS: u64 = 1 << 62;
 
 impl Monitor {

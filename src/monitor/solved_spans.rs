@@ -14,7 +14,7 @@ fn pair_of(key: &SpanKey) -> SlotPair {
     (key.a, key.b)
 }
 
-/// See the module.
+/// The solved spans, and the pairs whose spans have changed.
 #[derive(Debug, Default)]
 pub(super) struct SolvedSpans {
     /// The solution of each span for each two spheres.
@@ -121,8 +121,8 @@ impl SolvedSpans {
         entries[first..].iter().take_while(of_pair)
     }
 
-    /// All contacts of a pair within `margin` in `clip`, in the order of time; replaces what
-    /// `found` held.
+    /// Finds all contacts of a pair within `margin` in `clip`, in the order of time; replaces the content of
+    /// `found`.
     pub(super) fn contacts(
         &self,
         pair: SlotPair,

@@ -1,19 +1,19 @@
-//! Values that are large and stay for long, in the order of their keys: what is searched, and moves
-//! when some come or go, is a short entry for each.
+//! A slab of large values that stay for long, with a sorted list of short entries: a search reads the
+//! entries, and only entries move when values come or go.
 
 use std::ops::Range;
 
-/// What is known of a value without looking at it.
+/// The entry of a value: its key, interval and place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct IndexEntry<K> {
     pub(super) key: K,
     /// Interval, s.
     pub(super) interval: (f64, f64),
-    /// See [`SortedSlab::at`].
+    /// Place of the value, for [`SortedSlab::at`].
     pub(super) place: usize,
 }
 
-/// See the module.
+/// Large values with a sorted list of entries.
 #[derive(Debug)]
 pub(super) struct SortedSlab<K, V> {
     /// Sorted by key.
@@ -39,7 +39,8 @@ impl<K, V> Default for SortedSlab<K, V> {
 }
 
 impl<K: Copy + Ord, V> SortedSlab<K, V> {
-    /// In the order of their keys; those of one key as they were added.
+    /// Returns the entries in the order of their keys; entries of one key in the order in which they were
+    /// added.
     pub(super) fn entries(&self) -> &[IndexEntry<K>] {
         &self.entries
     }
@@ -57,17 +58,17 @@ impl<K: Copy + Ord, V> SortedSlab<K, V> {
         first..first + count
     }
 
-    /// A value by its number.
+    /// Returns a value by its number.
     pub(super) fn nth(&self, number: usize) -> &V {
         &self.values[self.entries[number].place]
     }
 
-    /// In the order of their keys.
+    /// Returns the values in the order of their keys.
     pub(super) fn values(&self) -> impl Iterator<Item = &V> {
         self.entries.iter().map(|entry| &self.values[entry.place])
     }
 
-    /// The value of the entry with this place.
+    /// Returns the value of the entry with this place.
     pub(super) fn at(&self, place: usize) -> &V {
         &self.values[place]
     }

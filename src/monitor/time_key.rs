@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-/// Something at an instant (s): in the order of time, and then of what it is.
+/// A value at an instant (s), ordered by time, then by value.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TimeKey<K> {
     pub(super) time: f64,

@@ -1,4 +1,4 @@
-//! Plans that are only thought of: what would they lead into?
+//! Questions about plans that are not followed, and bodies that are not there.
 
 use super::{Monitor, SlotAdmission};
 use crate::broad_phase::PairFilter;
@@ -11,16 +11,17 @@ use crate::shape::BodyShape;
 use crate::trajectory::Trajectory;
 
 impl Monitor {
-    /// Which conflicts at a level the body would have from now to
-    /// [`complete_until`](Self::complete_until) if it followed `plan` from now on. Changes
-    /// nothing. The level's margin counts, as for [`conflicts`](Self::conflicts), not its release
-    /// margin; so do layers and ignored pairs. A plan that began before now is followed from now on, as one
-    /// that is [late](Self::replan) would be. What has changed since the last tick counts; before the
-    /// first tick nothing is known, and nothing found. For a body that is not there yet:
-    /// [`what_if_body`](Self::what_if_body). For a plan that begins later, ask about what
-    /// [`replan`](Self::replan) would make of it: the body's trajectory
-    /// [spliced](crate::Trajectory::spliced) with it. Without an orientation in the plan, the body turns as it
-    /// does.
+    /// Returns the conflicts at a level, from now to [`complete_until`](Self::complete_until), that a body
+    /// would have if it followed `plan` from now on. Nothing is changed.
+    ///
+    /// - The level's margin counts, as for [`conflicts`](Self::conflicts), not its release; so do layers and
+    ///   ignored pairs.
+    /// - A plan that began before now is followed from now on, as a [late](Self::replan) one. For a plan that
+    ///   begins later, ask about the body's trajectory [spliced](crate::Trajectory::spliced) with it.
+    /// - Without an orientation in the plan, the body turns as it does.
+    /// - Changes since the last tick count. Before the first tick nothing is known, and nothing found.
+    ///
+    /// [`what_if_body`](Self::what_if_body) asks about a body that is not there yet.
     ///
     /// # Errors
     ///
@@ -51,11 +52,12 @@ impl Monitor {
         self.conflicts_on((id, body.tag), (plan, shape), alert.margin, admits)
     }
 
-    /// Returns the conflicts at a level, from now to [`complete_until`](Self::complete_until), that a
-    /// body would have which is not there yet. Changes nothing. The answer is that of
-    /// [`conflicts_of`](Self::conflicts_of) once the body is [inserted](Self::insert) and a tick at the
-    /// same clock has looked as far, to the last bit. Its id in the answer is the one that it would
-    /// have. What has changed since the last tick counts; before the first tick nothing is known,
+    /// Returns the conflicts at a level, from now to [`complete_until`](Self::complete_until), that a body
+    /// would have which is not there yet. Nothing is changed.
+    ///
+    /// The answer is bit for bit that of [`conflicts_of`](Self::conflicts_of) once the body is
+    /// [inserted](Self::insert) and a tick at the same clock has looked as far. The body's id in the answer is
+    /// the one that it would have. Changes since the last tick count. Before the first tick nothing is known,
     /// and nothing found.
     ///
     /// ```

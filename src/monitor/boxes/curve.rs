@@ -12,7 +12,7 @@ pub(super) struct MortonOrder {
 }
 
 impl MortonOrder {
-    /// Through all of some boxes.
+    /// Returns a curve through all of some boxes.
     pub(super) fn through(boxes: &[(u32, BodyBox)]) -> Self {
         let each = boxes.iter().map(|(_, body)| corners(&body.aabb));
         let (low, high) = each.reduce(merged).unwrap_or_default();
@@ -46,7 +46,7 @@ fn cell(coordinate: f32) -> u32 {
     coordinate.clamp(0.0, 1023.0) as u32
 }
 
-/// The bits of three cells in turn: near codes are near in space (G. M. Morton, 1966).
+/// Returns the bits of three cells in turn: near codes are near in space (G. M. Morton, 1966).
 fn morton(cell: [u32; 3]) -> u32 {
     let spread = |mut bits: u32| {
         bits = (bits | bits << 16) & 0x0300_00ff;

@@ -1,4 +1,4 @@
-//! The boxes of all bodies in one slice as a tree: which of them does one box meet?
+//! The boxes of all bodies in one slice as a tree, in which the boxes that meet another one are found.
 //!
 //! Sixteen boxes side by side make a node, compared in plain loops that the compiler vectorises;
 //! sixteen nodes make one of the next level. The leaves divide space along a curve, as evenly as
@@ -33,11 +33,10 @@ pub(super) struct BoxTree {
     /// has one node. Levels above it are spare memory.
     levels: Vec<Vec<BoxNode>>,
     height: usize,
-    /// By leaf: where on the curve it begins.
+    /// Beginning of each leaf on the curve.
     begins: Vec<u32>,
     curve: MortonOrder,
-    /// The boxes around nodes are there. Else they wait for [`fit`](Self::fit): no search is asked
-    /// for meanwhile.
+    /// True if the boxes around nodes are formed. Else they wait for [`fit`](Self::fit), and nobody searches.
     is_fitted: bool,
     /// Number of times that all were put in order.
     orders: u32,
@@ -55,8 +54,8 @@ impl BoxTree {
         self.put_in_order();
     }
 
-    /// No boxes, in the order of another tree: bodies can be moved to their places one by one, and
-    /// the whole be [fitted](Self::fit) once they are there.
+    /// Empties the tree and takes over the order of another one: bodies can be moved to their places one by
+    /// one, and the whole be [fitted](Self::fit) once they are there.
     pub(super) fn begin_like(&mut self, other: &Self) {
         self.take_all_out();
         self.slot_at.resize(other.slot_at.len(), NOWHERE);
@@ -167,7 +166,7 @@ impl BoxTree {
         self.orders = self.orders.wrapping_add(1);
     }
 
-    /// Empty levels above this many leaves.
+    /// Lays empty levels above this many leaves.
     fn lay_levels(&mut self, leaves: usize) {
         let mut count = leaves;
         self.height = 0;
@@ -202,7 +201,7 @@ impl BoxTree {
         (place != NOWHERE).then_some(place as usize)
     }
 
-    /// The leaf where a box belongs.
+    /// Returns the leaf to which a box belongs.
     #[inline(always)]
     fn leaf_of(&self, aabb: &Aabb) -> usize {
         let place = self.curve.place(aabb);

@@ -40,7 +40,7 @@ impl BoxNode {
         )
     }
 
-    /// The box around all.
+    /// Returns the box around all.
     #[inline(always)]
     pub(super) fn around(&self) -> Corners {
         let mut around = EMPTY;
@@ -52,7 +52,7 @@ impl BoxNode {
         around
     }
 
-    /// A bit for each lane whose box meets another (touching counts).
+    /// Returns a bit for each lane whose box meets another (touching counts).
     #[inline(always)]
     pub(super) fn meeting(&self, (low, high): &Corners) -> u32 {
         let mut lanes = 0;
@@ -69,7 +69,7 @@ impl BoxNode {
     }
 }
 
-/// Halves until one is left.
+/// Combines halves until one lane is left.
 #[inline(always)]
 fn reduce(lanes: &[f32; WIDTH], pick: impl Fn(f32, f32) -> f32) -> f32 {
     let mut lanes = *lanes;

@@ -18,8 +18,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use worker::{Outcome, Worker};
 
-/// A monitor at work on its own thread: requests go in, reports come out, nobody blocks the game.
-/// Dropping it stops the thread.
+/// A monitor on its own thread: requests go in, reports come out, and sending never blocks. Dropping it
+/// stops the thread.
 ///
 /// # Contract
 ///
@@ -27,9 +27,9 @@ use worker::{Outcome, Worker};
 ///   [`Unsent::Busy`] with the request handed back: it never blocks and never drops.
 /// - Between two clock requests the latest plan for a body wins: a plan that the next one for that body
 ///   replaces altogether (see [`Request`]) is superseded without being tried. Clock requests merge only where
-///   nothing lies between them. Batches are never taken apart, and nothing is merged across them, nor
-///   across a question ([`Handle::what_if`]), whose answer is about all that was requested before: send what need not go together
-///   plan by plan, or what is superseded has to be worked out as well.
+///   nothing lies between them. Batches are never taken apart, and nothing is merged across them, nor across a
+///   question ([`Handle::what_if`]), whose answer is about all requests before it. Send plans one by one if
+///   they need not take effect together: superseded plans in a batch cost as much as others.
 /// - Every request sent is in the end applied, superseded or refused: [`Counts`] adds up. A change that is
 ///   applied is not reported on its own: it was, once a later request is. A late plan is, if it is followed
 ///   from later on than it says: [`ReportKind::Late`].
@@ -75,7 +75,7 @@ pub struct Live {
     reports: Receiver<Report>,
     /// Dropped to stop the thread; a message has it look whether requests were stopped.
     stop: Option<Sender<()>>,
-    /// Set to have it break off what it is at.
+    /// Set to end the current tick early.
     interrupt: Arc<AtomicBool>,
     thread: Option<JoinHandle<Box<Outcome>>>,
 }
@@ -90,11 +90,11 @@ pub struct Stopped {
     pub reports: Vec<Report>,
     /// Requests that were not applied, in order; counted as refused.
     pub unapplied: Vec<(Ticket, Request)>,
-    /// All requests, by what became of them.
+    /// Numbers of requests by their outcome.
     pub counts: Counts,
 }
 
-/// The thread panicked.
+/// The error of a thread that panicked.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct Panicked {
@@ -107,7 +107,7 @@ pub struct Panicked {
     /// Requests that were not applied, in order, without the one that panicked; all count as
     /// refused.
     pub unapplied: Vec<(Ticket, Request)>,
-    /// All requests, by what became of them.
+    /// Numbers of requests by their outcome.
     pub counts: Counts,
 }
 
@@ -120,11 +120,12 @@ impl fmt::Display for Panicked {
 impl std::error::Error for Panicked {}
 
 impl Monitor {
-    /// Goes on on a thread of its own, under the contract written at [`Live`].
+    /// Moves the monitor to a thread of its own, under the contract written at [`Live`].
     ///
     /// # Errors
     ///
-    /// If the system gives no thread, or a queue is to hold nothing, or more than [`LiveOptions::MAX`].
+    /// An error of the system if it gives no thread; `InvalidInput` if a queue is to hold nothing, or more than
+    /// [`LiveOptions::MAX`].
     pub fn spawn(mut self, options: LiveOptions) -> io::Result<Live> {
         for (what, room) in [("requests", options.requests), ("reports", options.reports)] {
             if !(1..=LiveOptions::MAX).contains(&room) {
@@ -158,7 +159,7 @@ impl Monitor {
 }
 
 impl Live {
-    /// A handle to send requests with; cheap to clone, usable from any thread.
+    /// Returns a handle to send requests with. It is cheap to clone, and usable from any thread.
     #[must_use]
     pub fn handle(&self) -> Handle {
         self.handle.clone()
@@ -183,7 +184,7 @@ impl Live {
         }
     }
 
-    /// Stops the thread, whatever it is at, and takes back all there is.
+    /// Stops the thread at once, and returns all that it leaves.
     ///
     /// # Errors
     ///

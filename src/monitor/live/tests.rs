@@ -210,7 +210,7 @@ fn queues_hold_something_and_not_everything() {
     }
 }
 
-/// What cannot be caught up with is told, and again after each request.
+/// A failure to catch up is reported, and again after each request.
 #[test]
 fn a_monitor_that_is_stuck_says_so() {
     /// Longer than any report takes.

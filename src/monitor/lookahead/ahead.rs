@@ -3,8 +3,8 @@
 /// Returns the share of the slice that comes next that is due when `share` of the time until it is needed has
 /// passed, the last `step` of it since the tick before, in which so many out of all bodies changed.
 ///
-/// What is done ahead is done again for whoever changes after. So where many do, work begins late,
-/// but not so late that it stands out: a tick takes on half as many bodies as have changed.
+/// Work done ahead is done again for each body that changes after. So work begins late where many bodies
+/// change, but not so late that it stands out: a tick takes on half as many bodies as have changed.
 #[allow(
     clippy::cast_precision_loss,
     reason = "numbers of bodies, of which a rough share is wanted"

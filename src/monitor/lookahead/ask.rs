@@ -11,10 +11,10 @@ use crate::scene::Scene;
 use crate::spans::{common_domain, spans};
 
 impl LookaheadSearch {
-    /// Contacts of one plan that is not in place with all others, within `from..=to`.
+    /// Finds the contacts of one plan that is not in place with all others, within `from..=to`.
     ///
-    /// Of another body, only those spans are looked at in which slices say that it may be near: in a
-    /// long lookahead with fast traffic, a body crosses the boxes of hundreds, each for a moment.
+    /// Only those spans are examined in which slices say that another body may be near: in a long lookahead
+    /// with fast traffic, a body crosses the boxes of hundreds, each for a moment.
     ///
     /// The slot is that of the plan's body, which need not be there yet. `admits` tells with which
     /// slots it may be a pair.
@@ -95,7 +95,8 @@ impl LookaheadSearch {
         }
     }
 
-    /// Who may be near a plan, and when, within `from..=to` (s); itself maybe, and in any order.
+    /// Returns the bodies that may be near a plan, and when, within `from..=to` (s), in any order. The
+    /// plan's own body may be among them.
     fn neighbours(
         &self,
         scene: &Scene,

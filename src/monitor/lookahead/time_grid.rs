@@ -1,9 +1,9 @@
-//! The grid of time: which slices there are.
+//! The grid of time: the slices of the lookahead, and where they begin.
 
 use super::LookaheadSearch;
 
 impl LookaheadSearch {
-    /// Up to where slices are there already, from `from` on, s.
+    /// Returns the instant up to which slices exist already, from `from` on, s.
     pub(super) fn laid_until(&self, from: f64) -> f64 {
         let (first, last) = (self.slices.front(), self.slices.back());
         let is_there = first.is_some_and(|first| first.number <= self.index(from));
@@ -49,8 +49,8 @@ impl LookaheadSearch {
         self.grid.start(index)
     }
 
-    /// The first slice in which to look for what is reported from `time` on: where that is on a cut,
-    /// the one before it. (Instants are rounded to the nearest number. Two cuts are more than one apart, and
+    /// Returns the first slice that may hold results from `time` on: if `time` is on a cut, the slice before
+    /// it. (Instants are rounded to the nearest number. Two cuts are more than one apart, and
     /// slices hold both their ends.)
     #[allow(
         clippy::cast_possible_truncation,

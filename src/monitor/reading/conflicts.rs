@@ -6,14 +6,14 @@ use crate::monitor::solved_spans::SlotPair;
 use crate::monitor::sorted_slab::SortedSlab;
 use crate::monitor::time_key::TimeKey;
 
-/// See the module.
+/// The conflicts of one alert level.
 #[derive(Debug, Default)]
 pub(in crate::monitor) struct ConflictCache {
-    /// Whatever the window, by when a conflict begins, and whose it is: the order of reports.
+    /// Conflicts whatever the window, by their beginning and their pair: the order of reports.
     always: SortedSlab<TimeKey<SlotPair>, Conflict>,
     /// Conflicts at an edge of the window, as this tick sees them.
     at_edge: Vec<Conflict>,
-    /// All of the window, in the order of reports.
+    /// Places of all conflicts of the window, in the order of reports.
     listed: Vec<CacheSlot>,
 }
 
@@ -25,7 +25,7 @@ impl ConflictCache {
         });
     }
 
-    /// Adds one of a pair of which there is none, or one that is earlier.
+    /// Adds a conflict of a pair that has none yet, or only earlier ones.
     pub(in crate::monitor) fn add(&mut self, slots: SlotPair, conflict: Conflict) {
         let enter = conflict.enter;
         let interval = (enter, conflict.exit);
@@ -39,13 +39,13 @@ impl ConflictCache {
         );
     }
 
-    /// All were added.
+    /// Puts all added conflicts in their places.
     pub(in crate::monitor) fn settle(&mut self) {
         self.always.settle();
     }
 
-    /// All of a window, in the order of reports. `again` reads what the window has of one that is
-    /// at its edge, given the pair and when it lasts (s) whatever the window.
+    /// Lists all conflicts of a window, in the order of reports. `again` reads the part in the window of a
+    /// conflict at its edge, given the pair and the interval in which it lasts whatever the window (s).
     pub(in crate::monitor) fn list(
         &mut self,
         window: (f64, f64),

@@ -1,4 +1,5 @@
-//! What pairs have at one alert level, whatever the window, and which of it lies in one.
+//! Conflicts and planned encounters at one alert level: those that hold whatever the window, and their
+//! parts in a window.
 
 mod conflicts;
 mod plains;
@@ -6,23 +7,23 @@ mod plains;
 pub(super) use conflicts::ConflictCache;
 pub(super) use plains::EncounterCache;
 
-/// Where a value is: its place among those that are kept whatever the window, or its number among
-/// those that were read again, since they are at an edge of it.
+/// The place of a value: among those that are kept whatever the window, or among those that were read
+/// again, since they are at an edge of it.
 #[derive(Clone, Copy, Debug)]
 enum CacheSlot {
     Always(usize),
     AtEdge(usize),
 }
 
-/// Where a window ends, twice: what lies between the ends of `within` is within the window, what
-/// does not meet `around` is beyond it, and the rest is at its edge.
+/// The edges of a window, as two intervals. An interval inside `within` is within the window, one that
+/// does not meet `around` is beyond it, and all others are at its edge.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WindowEdges {
     pub(super) within: (f64, f64),
     pub(super) around: (f64, f64),
 }
 
-/// How a contact lies to a window.
+/// The relation of a contact to a window.
 #[derive(PartialEq)]
 enum WindowSide {
     Within,

@@ -1,16 +1,16 @@
-//! The plain encounters of one alert level, as far as something of them may have changed.
+//! The planned encounters of one alert level, as far as they may have changed.
 //!
-//! Most are the same from tick to tick, and nothing can be told of them.
+//! Most are the same from tick to tick, and no event can follow from them.
 
 use super::{CacheSlot, WindowEdges, WindowSide};
 use crate::monitor::encounters::PlannedEncounter;
 use crate::monitor::solved_spans::SlotPair;
 use crate::monitor::sorted_slab::{IndexEntry, SortedSlab};
 
-/// See the module.
+/// The planned encounters of one alert level, and those that may have changed.
 #[derive(Debug, Default)]
 pub(in crate::monitor) struct EncounterCache {
-    /// Whatever the window.
+    /// Planned encounters whatever the window.
     always: SortedSlab<SlotPair, PlannedEncounter>,
     /// Planned encounters of pairs at an edge of the window, as this tick sees them.
     at_edge: Vec<PlannedEncounter>,
@@ -38,13 +38,13 @@ impl EncounterCache {
         });
     }
 
-    /// Adds what a pair has, the pairs in order.
+    /// Adds the planned encounters of a pair; pairs come in order.
     pub(in crate::monitor) fn add(&mut self, slots: SlotPair, plain: PlannedEncounter) {
         self.touched.push(slots);
         self.always.add(slots, (plain.start, plain.exit), plain);
     }
 
-    /// All were added.
+    /// Puts all added encounters in their places.
     pub(in crate::monitor) fn settle(&mut self) {
         /// So many are not too many, whatever there is.
         const FEW: usize = 1024;
@@ -56,8 +56,7 @@ impl EncounterCache {
         }
     }
 
-    /// All are to be listed next, whether they have changed or not; and whatever is known of pairs
-    /// that are gone is to be looked at.
+    /// Notes that all are to be listed next, whether they have changed or not, and pairs that are gone too.
     pub(in crate::monitor) fn list_all(&mut self) {
         self.before = None;
         self.touched.clear();
@@ -126,7 +125,7 @@ impl EncounterCache {
         pairs.extend(touched.map(|gone| (gone, listed.len())));
     }
 
-    /// The pairs that were listed, sorted, each with all that it has in the window, sorted by time.
+    /// Returns the listed pairs, sorted, each with all its planned encounters in the window, sorted by time.
     pub(in crate::monitor) fn listed(
         &self,
     ) -> impl Iterator<Item = (SlotPair, impl Iterator<Item = &PlannedEncounter>)> {

@@ -1,4 +1,4 @@
-//! One record of a recording, as a line.
+//! The records of a recording, each a line.
 
 use crate::error::Error;
 use crate::id::BodyId;
@@ -13,11 +13,11 @@ pub(super) const TITLE: &str = "nearmiss recording 2\n";
 /// Length and checksum, and the spaces after them.
 pub(super) const PREFIX: usize = 18;
 
-/// See the module.
+/// A record.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(in crate::monitor) enum Record {
-    /// It holds a scene: the others are small.
+    /// The monitor at the beginning. It holds a scene: the other records are small.
     Begin(Box<Snapshot>),
     Apply(Vec<Command>),
     Track(f64, Vec<(BodyId, BodyState)>),
@@ -26,7 +26,7 @@ pub(in crate::monitor) enum Record {
     Ignore(BodyId, BodyId),
     Unignore(BodyId, BodyId),
     RevisionThreshold(RevisionThreshold),
-    /// s.
+    /// Time, s.
     History(#[serde(with = "crate::json_number")] f64),
     MostSpans(usize),
     Tick {
@@ -40,8 +40,8 @@ pub(in crate::monitor) enum Record {
     End,
 }
 
-/// Why a recording cannot be replayed, or not to its end. Offsets are in bytes from the beginning
-/// of the file, to the line that is at fault.
+/// The reason why a recording cannot be replayed, or not to its end. Offsets are in bytes from the
+/// beginning of the file, to the line that is at fault.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordingError {
@@ -70,7 +70,7 @@ pub enum RecordingError {
     Refused {
         /// Beginning of the line.
         offset: u64,
-        /// Why.
+        /// Error of the monitor.
         #[source]
         error: Error,
     },
@@ -80,7 +80,7 @@ pub enum RecordingError {
 }
 
 impl Record {
-    /// The line, with its prefix and its end, and its checksum; `before` is that of the record before.
+    /// Returns the line, with its prefix and its end, and its checksum; `before` is that of the record before.
     pub(super) fn line(&self, before: u32) -> io::Result<(String, u32)> {
         let json = serde_json::to_string(self)?;
         let length = u32::try_from(json.len());
@@ -90,7 +90,7 @@ impl Record {
         Ok((line, checksum))
     }
 
-    /// The record in the body of a line, if its checksum is that of this place.
+    /// Returns the record in the body of a line, if its checksum is that of this place.
     pub(super) fn parse(json: &[u8], expected: u32, before: u32) -> Result<Self, String> {
         if checksum(before, json) != expected {
             return Err("its checksum is not that of this record in this place".to_owned());
@@ -99,7 +99,7 @@ impl Record {
     }
 }
 
-/// The CRC-32 of all records up to this one, from that of all before it.
+/// Returns the CRC-32 of all records up to this one, from that of all before it.
 fn checksum(before: u32, json: &[u8]) -> u32 {
     let mut hasher = crc32fast::Hasher::new_with_initial(before);
     hasher.update(json);

@@ -1,4 +1,4 @@
-//! Who may come near a plan that is not in place.
+//! The bodies that may come near a plan that is not in place.
 
 use super::LookaheadSlice;
 use super::state::Index;
@@ -22,7 +22,7 @@ pub(in crate::monitor) struct NearBody {
 /// Memory of questions to slices.
 #[derive(Debug, Default)]
 pub(in crate::monitor) struct QueryScratch {
-    /// In any order; a body may be listed several times.
+    /// Bodies that may be near, in any order; a body may be listed several times.
     pub(in crate::monitor) neighbours: Vec<NearBody>,
     pub(in crate::monitor) block: SliceBlock,
     search: TreeSearch,
