@@ -7,10 +7,10 @@ mod cuts;
 mod double_double;
 mod extension;
 mod fit;
+mod front_gap;
 mod outside;
 mod plan;
 mod reach;
-mod roomy;
 mod rows;
 mod segment;
 #[cfg(feature = "serde")]
@@ -84,8 +84,8 @@ impl PartialEq for Trajectory {
         let rules = |plan: &Self| (plan.outside_before(), plan.outside_after());
         self.knots() == other.knots()
             && self.segments() == other.segments()
-            && self.carrier_before() == other.carrier_before()
-            && self.carrier_after() == other.carrier_after()
+            && self.end_motion_before() == other.end_motion_before()
+            && self.end_motion_after() == other.end_motion_after()
             && rules(self) == rules(other)
     }
 }
@@ -168,7 +168,7 @@ impl Trajectory {
     }
 
     /// Returns the end motion before the first knot.
-    fn carrier_before(&self) -> Segment {
+    fn end_motion_before(&self) -> Segment {
         match &self.form {
             Form::Straight(motion, _) => motion.segment(),
             Form::Turned(turned) => turned.motions()[0].segment(),
@@ -177,7 +177,7 @@ impl Trajectory {
     }
 
     /// Returns the end motion after the last knot.
-    fn carrier_after(&self) -> Segment {
+    fn end_motion_after(&self) -> Segment {
         match &self.form {
             Form::Straight(motion, _) => motion.segment(),
             Form::Turned(turned) => turned.last().segment(),

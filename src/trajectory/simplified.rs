@@ -81,7 +81,7 @@ impl Trajectory {
             && self
                 .knots()
                 .first()
-                .is_some_and(|&knot| self.carrier_before().start() < knot)
+                .is_some_and(|&knot| self.end_motion_before().start() < knot)
     }
 }
 

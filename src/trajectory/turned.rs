@@ -1,10 +1,10 @@
 //! A body that is told a new straight motion again and again: the last few of them, in place.
 
 use super::cuts::DoublingCuts;
+use super::front_gap::FrontGapVec;
 use super::outside::Outside;
 use super::plan::Plan;
 use super::reach::check_straight;
-use super::roomy::Roomy;
 use super::segment::Segment;
 use super::straight::StraightMotion;
 use crate::rounding::one_zero;
@@ -178,8 +178,8 @@ impl TurnedMotion {
     pub(super) fn to_plan(&self) -> Plan {
         let ends = [self.motions[0], *self.last()].map(|motion| motion.segment());
         let mut plan = Plan {
-            knots: Roomy::new(self.knots(), &[]),
-            segments: Roomy::new(self.segments(), &ends),
+            knots: FrontGapVec::new(self.knots(), &[]),
+            segments: FrontGapVec::new(self.segments(), &ends),
             before: self.before,
             after: Outside::Coast,
             has_piece_after: false,

@@ -47,14 +47,18 @@ pub(super) fn check_velocity(
     if count < MANY_KNOTS || !count.is_power_of_two() {
         return Ok(());
     }
-    let mut interval = |from: f64, to: f64| {
+    let mut mean = |from: f64, to: f64| {
         let ends = [state(from)?, state(to)?];
-        Ok::<_, Error>(Interval::of(ends, state(from + 0.5 * (to - from))?, ulps))
+        Ok::<_, Error>(MeanVelocity::of(
+            ends,
+            state(from + 0.5 * (to - from))?,
+            ulps,
+        ))
     };
     let mut last = None;
     for piece in knots[count - PIECES - 1..].windows(2) {
         let duration = piece[1] - piece[0];
-        let whole = interval(piece[0], piece[1])?;
+        let whole = mean(piece[0], piece[1])?;
         let error = norm(whole.error());
         // What is not a number refuses nothing.
         let is_harmful = error * duration >= LEAST_SHIFT * tolerance;
@@ -63,7 +67,7 @@ pub(super) fn check_velocity(
         }
         for share in SHARES {
             let from = piece[0] + share * duration;
-            let short = interval(from, from + SHORT * duration)?;
+            let short = mean(from, from + SHORT * duration)?;
             let difference = norm(short.error() - whole.error());
             let is_alike = difference + whole.rounding + short.rounding <= ALIKE * error;
             if !is_alike {
@@ -72,11 +76,11 @@ pub(super) fn check_velocity(
             last = Some(short);
         }
     }
-    last.map_or(Ok(()), |interval| Err(interval.refusal()))
+    last.map_or(Ok(()), |short| Err(short.refusal()))
 }
 
 /// The mean velocity over an interval, from positions and as told.
-struct Interval {
+struct MeanVelocity {
     /// Middle, s.
     time: f64,
     /// Mean velocity by the positions at both ends, m/s.
@@ -87,7 +91,7 @@ struct Interval {
     rounding: f64,
 }
 
-impl Interval {
+impl MeanVelocity {
     fn of([first, last]: [State; 2], middle: State, ulps: f64) -> Self {
         let duration = last.time - first.time;
         let distance = norm(first.position).max(norm(last.position));
