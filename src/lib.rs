@@ -62,6 +62,9 @@
 //! | [`Encounter`] | a conflict of a pair as the monitor follows it, at one [`AlertLevel`] |
 //! | [`Event`] | `Predicted`, `Revised`, `Withdrawn`, `Began`, `Ended`, `PlanEnds` |
 //!
+//! Readers of the code find the words of the inside in `src/internals.rs`, along the way from a state to an
+//! event.
+//!
 //! # Accuracy
 //!
 //! Answers are f64, good to a few roundings of the local scale (the distance of the two bodies'
