@@ -2,7 +2,7 @@
 
 use crate::motions::{Case, Motion, all};
 use nearmiss::glam::{DVec3, Vec3Swizzles};
-use nearmiss::{Error, FitOptions, Quantity, Trajectory, Window};
+use nearmiss::{Error, FitOptions, Quantity, Trajectory};
 
 /// Makes a wrong velocity from a position and the velocity there.
 type Mistake = fn(DVec3, DVec3) -> DVec3;
