@@ -2,8 +2,8 @@
 //!
 //! A body is compared with the half-spaces when it changes, from the clock to some time ahead, and
 //! again when the lookahead reaches that time. So in most ticks few bodies are compared. When a
-//! half-space changes, all bodies are. One that rests where it rested is told so each frame by many
-//! a game: then those are compared again that may touch one, since their spans have other numbers.
+//! half-space changes, all bodies are. Many games tell each frame that a half-space rests where it
+//! rested: then only bodies that may touch it are compared again, since their spans have other numbers.
 
 use super::bodies::BodyTable;
 use super::budget::BudgetMeter;

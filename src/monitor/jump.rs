@@ -1,9 +1,9 @@
 //! Catching up with a clock that has jumped.
 //!
 //! A lookahead is cut into slices of equal length, and a clock that moves on by a frame needs one more
-//! of them now and then. One that jumps by hours would need thousands, most of them about nothing
-//! new. What it passed over is searched once, in pieces that grow as long as they take little work, each
-//! in slices that suit the bodies there. What is found does not depend on it.
+//! of them now and then. A clock that jumps by hours would need thousands, most of them without news. The
+//! time that it passed over is searched once, in pieces that grow as long as they take little work, each
+//! in slices that suit the bodies there. Results do not depend on these.
 
 use super::budget::BudgetMeter;
 use super::prepared::PreparedBodies;

@@ -140,15 +140,15 @@ impl LookaheadSearch {
         self.flights.view(scene, slot)
     }
 
-    /// Puts a body's new state of affairs in place (none: it is gone). What was found of it is
-    /// forgotten, and looked for again.
+    /// Replaces the monitored body in a slot (none: it is gone). Its solved spans are dropped, and searched
+    /// for again.
     pub(super) fn set(&mut self, slot: u32, flight: Option<MonitoredBody>) {
         self.flights.set(slot, flight);
         self.forget(slot);
     }
 
-    /// Replaces the plan of the body in a slot over `window`. What was found of it is forgotten, and looked
-    /// for again.
+    /// Replaces the plan of the body in a slot over `window`. Its solved spans are dropped, and
+    /// searched for again.
     pub(super) fn replan(
         &mut self,
         slot: u32,
@@ -160,7 +160,7 @@ impl LookaheadSearch {
         Ok(())
     }
 
-    /// Takes another shape of the body in a slot. What was found of it is forgotten, and looked for again.
+    /// Replaces the shape of the body in a slot. Its solved spans are dropped, and searched for again.
     pub(super) fn reshape(&mut self, slot: u32, shape: BodyShape<'_>) {
         let padding = Padding::of(shape, self.margin, &self.grid.frame);
         self.flights.set_padding(slot, padding);

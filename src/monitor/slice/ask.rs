@@ -30,8 +30,8 @@ pub(in crate::monitor) struct QueryScratch {
 }
 
 impl LookaheadSlice {
-    /// Lists the bodies that may be near one in this cubic source within the slice. What has changed since it
-    /// was boxed here may be anywhere.
+    /// Lists the bodies that may be near one in this cubic source within the slice. Bodies that have
+    /// changed since they were boxed here may be anywhere.
     pub(in crate::monitor) fn neighbours(
         &self,
         bodies: &BodyTable<'_>,

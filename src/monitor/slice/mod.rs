@@ -219,10 +219,10 @@ impl LookaheadSlice {
         }
     }
 
-    /// Compares what has not been compared, as long as `goes_on` lets: it is told the work of each
-    /// step (boxes and candidates); and as long as there [is room](Self::check_room). What is found is
-    /// added to `survivors` and `stats`. Boxes that were formed for all slices are taken from `moved`,
-    /// where this slice has a number.
+    /// Compares all bodies that have not been compared, as long as `goes_on` returns true, given the work of
+    /// each step (boxes and candidates), and as long as there [is room](Self::check_room). The results are
+    /// added to `survivors` and `stats`. Boxes that were formed for all slices are taken from `moved`, in
+    /// which this slice has a number.
     pub(super) fn refresh<F: PairFilter>(
         &mut self,
         bodies: &BodyTable<'_>,
