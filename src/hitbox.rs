@@ -139,8 +139,8 @@ impl Hitbox {
     ///
     /// - Half-spaces do not meet each other.
     /// - Of [`sphere_a`](crate::ClosestApproach::sphere_a) and `sphere_b`, the half-space's is 0.
-    /// - The direction of `normal` is meant, normalised in real arithmetic. What rounding does to
-    ///   it is part of every bound.
+    /// - The direction of `normal` is meant, normalised in real arithmetic. The error of its rounding is
+    ///   part of every bound.
     ///
     /// Cost: no box contains a half-space. Each other body is compared with each half-space, in
     /// some nanoseconds where its plan stays clear of the plane. A [`Monitor`](crate::Monitor)
@@ -218,8 +218,8 @@ impl Hitbox {
         }
     }
 
-    /// Returns a sphere that contains all others, rounded outward; not the smallest possible. Of a
-    /// half-space, an infinite one around the body's position.
+    /// Returns a sphere that contains all others, rounded outward. It is not the smallest possible. A
+    /// half-space has an infinite one around the body's position.
     #[must_use]
     pub const fn bounding(&self) -> Sphere {
         if self.is_half_space() {

@@ -69,10 +69,10 @@
 //!
 //! Answers are f64, good to a few roundings of the local scale (the distance of the two bodies'
 //! knots plus the extents of their segments); neither the absolute position nor the absolute time
-//! enters. What comes within that rounding of the margin is reported, so a touch is never lost.
+//! enters. Distances within that rounding of the margin are reported, so a touch is never lost.
 //!
-//! All answers are about the splines. What is known of how far these are from the world is a body's
-//! model error: answers then cover all that may be in the world, and a certified one is about the world
+//! All answers are about the splines. A body's model error says how far the world may be from its
+//! spline: answers then cover all that may be in the world, and a certified one is about the world
 //! ([`Certificate`]).
 //!
 //! A body that turns has a tolerance ([`Orientation`]): its spheres follow cubics that differ from the

@@ -267,7 +267,7 @@ const BLOCK: usize = 16;
 /// The work of [`Nearest::find`].
 ///
 /// A ball is tried on a block of points by squares first: most are farther from all of them than the
-/// best one so far. That of the block before is the first to be tried.
+/// best one so far. The best ball of the block before is tried first.
 struct FindBest<'a> {
     points: &'a Points,
     balls: &'a [(DVec3, f64)],

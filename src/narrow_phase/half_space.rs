@@ -45,7 +45,7 @@ pub(super) struct SphereAlong {
 }
 
 /// Returns the pair of a half-space and the sphere that is nearest to it, or `None` if neither body
-/// is a half-space, both are, or one turns. Of a body that does not turn, one sphere is the nearest
+/// is a half-space, both are, or one turns. A body that does not turn has one sphere that is the nearest
 /// at all times.
 #[cold]
 pub(super) fn lone_pair(a: &BodyView<'_>, b: &BodyView<'_>, span: Span) -> Option<SpherePair> {
@@ -58,7 +58,7 @@ pub(super) fn lone_pair(a: &BodyView<'_>, b: &BodyView<'_>, span: Span) -> Optio
 }
 
 /// Returns true if a cheap test cannot exclude that the spheres of a pair with a half-space come
-/// within the margin in `from..=to`, a part of a span. Of two half-spaces it always can.
+/// within the margin in `from..=to`, a part of a span. The test always excludes two half-spaces.
 pub(super) fn may_touch_plane(
     a: &BodyView<'_>,
     b: &BodyView<'_>,

@@ -195,8 +195,8 @@ impl Trajectory {
         }
     }
 
-    /// Returns the cubics between consecutive knots. Of a cubic that a splice has cut, only the
-    /// part between its knots is followed.
+    /// Returns the cubics between consecutive knots. If a splice has cut a cubic, only the part between
+    /// its knots is followed.
     #[must_use]
     pub fn segments(&self) -> &[Segment] {
         match &self.form {
@@ -239,13 +239,13 @@ impl Trajectory {
             .map(|(position, velocity, _)| State::new(time, position, velocity))
     }
 
-    /// Returns the position at `time`, m, or `None` where the body does not exist. Also `None`
-    /// where its extrapolated motion has left the range of f64.
+    /// Returns the position at `time`, m, or `None` where the body does not exist, or its extrapolated
+    /// motion has left the range of f64.
     ///
-    /// The offset from the segment's first knot is good to a few roundings of the segment's extent.
-    /// For a coasting body: of the distance from its knot. For an extrapolated cubic: of its terms
-    /// there, which may far exceed their sum. The sum with the absolute position is rounded once
-    /// more.
+    /// The offset from the segment's first knot is good to a few roundings of the segment's extent. For
+    /// a coasting body, these are roundings of the distance from its knot; for an extrapolated cubic, of
+    /// its terms there, which may far exceed their sum. The sum with the absolute position is rounded
+    /// once more.
     #[must_use]
     pub fn position(&self, time: f64) -> Option<DVec3> {
         self.motion_at(time).map(|(position, _, _)| position)

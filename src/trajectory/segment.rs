@@ -55,7 +55,7 @@ impl Segment {
     }
 
     /// Builds the straight segment of constant velocity between two instants and positions (s, m); `knot` is the
-    /// second one's number. What is kept is exactly straight, and of exactly constant velocity.
+    /// second one's number. The segment is exactly straight, and of exactly constant velocity.
     ///
     /// The numbers must be finite and the times increase.
     pub(super) fn leg(

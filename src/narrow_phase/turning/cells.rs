@@ -55,7 +55,7 @@ pub(super) fn nearest_first<'a>(
 }
 
 /// Calls `visit` once with each part of a span that does not begin before `after` (s) and meets an
-/// interval (s). Of many parts only those matter in which a bounding sphere is within a distance (m):
+/// interval (s). If there are many, only parts matter in which a bounding sphere is within a distance (m):
 /// `near` returns its motion and that distance, or `None` if that is never so.
 pub(super) fn each_near<'a>(
     cells: impl Fn((f64, f64)) -> Cells<'a>,
