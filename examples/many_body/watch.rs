@@ -11,7 +11,7 @@ const TICKS: u32 = 600;
 /// The monitor looks this many ticks ahead.
 const TICKS_AHEAD: f64 = 30.0;
 
-/// What is compared: pair, enter, exit and least separation, to the bit.
+/// The compared parts of a conflict: pair, enter, exit and least separation, to the bit.
 type Met = (BodyId, BodyId, [u64; 3]);
 
 /// Counts of a run.
