@@ -1,4 +1,4 @@
-//! One cubic between two knots, in local form.
+//! A cubic between two knots, in local form.
 
 mod restriction;
 
@@ -9,7 +9,7 @@ use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, largest_norm, norm, normalising_
 use crate::trajectory::state::State;
 use glam::DVec3;
 
-/// One cubic over [`start`](Self::start)..[`end`](Self::end), as Bézier control points relative
+/// A cubic over [`start`](Self::start)..[`end`](Self::end), as Bézier control points relative
 /// to its first position.
 ///
 /// Neither the absolute time nor the absolute position enters the rounding of the control points:
