@@ -1,4 +1,4 @@
-//! What the monitor says, beside the picture.
+//! The panel beside the picture: the answers of the monitor.
 
 use crate::draw::LEVEL_COLOURS;
 use crate::feed::Feed;

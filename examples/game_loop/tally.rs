@@ -1,4 +1,4 @@
-//! What happened, counted twice: from the monitor's events, and from the bodies' plain positions.
+//! Encounters, counted twice: from the monitor's events, and from the bodies' plain positions.
 
 use crate::fleet::{Fleet, RADIUS};
 use glam::DVec3;

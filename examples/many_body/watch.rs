@@ -1,4 +1,4 @@
-//! The same scene played through a monitor, its events compared with the one-shot screening.
+//! The scene played through a monitor, its events compared with the one-shot screening.
 
 use crate::{Failure, ratio, rounded};
 use indicatif::{HumanCount, ProgressBar, ProgressStyle};

@@ -1,4 +1,4 @@
-//! What may be said on a command line. What is out of range is refused by clap: exit code 2.
+//! Options of command lines. Values out of range are refused by clap: exit code 2.
 //!
 //! Options that take fractions allow all values with a hyphen: clap does not take `-1e-3` for a
 //! negative number.

@@ -1,4 +1,4 @@
-//! How far long work is, on standard error where that is a terminal.
+//! The progress of long work, on standard error if that is a terminal.
 
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;

@@ -1,4 +1,4 @@
-//! What is said on standard output and standard error.
+//! Standard output and standard error of the examples.
 
 use super::escape::escaped;
 use std::fmt::Display;

@@ -94,14 +94,13 @@ fn right_velocities_are_never_refused() {
         (
             "corners",
             motion(|t| {
-                let (phase, sign) = (
-                    (50.0 * t).fract(),
-                    if (50.0 * t) as i64 % 2 == 0 {
-                        1.0
-                    } else {
-                        -1.0
-                    },
-                );
+                let number = (50.0 * t).floor();
+                let phase = 50.0 * t - number;
+                let sign = if (0.5 * number).fract() < 0.25 {
+                    1.0
+                } else {
+                    -1.0
+                };
                 let height = if sign > 0.0 { phase } else { 1.0 - phase };
                 (
                     DVec3::new(t, height, 0.0),
