@@ -12,7 +12,9 @@
 //! 2. `orientation`: a rotation becomes cubics of matrices between cuts of its own; it is *baked*. An
 //!    interval between neighbouring cuts of both bodies is a *cell*.
 //! 3. `scene`: a body lies in a *slot*, the number in its id. A *place* is its dense number in one search.
-//!    An *entry* is a body with its *compact trajectory*, the copy in f32.
+//!    An *entry* is a body with the *summary* of its motion. Its *compact trajectory*, a copy in f32, lies on
+//!    cache *lines* of an *arena*. The *reach* of a hitbox is the largest distance of its points from the
+//!    body's position, its *arm* that of the centres.
 //! 4. `bounds`: f32 coordinates are relative to a *frame*: an origin that may move, and a unit. A box
 //!    exceeds the hull of a motion by its *padding*: hitbox, half the margin, and the clearance. A *fat line*
 //!    is a closer bound, a line with a radius. A *run* is four consecutive cubics, or four smaller
