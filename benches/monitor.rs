@@ -74,7 +74,7 @@ fn advance(
     begin.elapsed()
 }
 
-/// How long a scene that follows what the fleet does takes to take the plans over, and then to be
+/// Measures the time in which a scene that follows the fleet takes the plans over, and then is
 /// screened.
 fn rescreen(
     fleet: &mut Fleet,

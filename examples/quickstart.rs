@@ -1,4 +1,4 @@
-//! The example of the README, with more output: two drones on crossing plans.
+//! The example of the README: two drones on crossing plans.
 
 use glam::DVec3;
 use nearmiss::{Body, Error, Hitbox, Query, Scene, State, Trajectory};
@@ -18,10 +18,7 @@ fn main() -> Result<(), Error> {
         scene.insert(body)?;
     }
     for conflict in scene.screen(&Query::default().with_margin(2.0))?.conflicts {
-        println!(
-            "within 2 m from {:.3} s to {:.3} s, closest {:.3} m at {:.3} s",
-            conflict.enter, conflict.exit, conflict.closest.separation, conflict.closest.time
-        );
+        println!("{conflict}");
     }
     Ok(())
 }

@@ -116,9 +116,9 @@ pub struct Certificate {
     /// The least separation within the conflict lies in `closest.separation ± error` (m), model errors
     /// included.
     pub error: f64,
-    /// True if this is certainly one conflict: within the margin at some instant, and throughout
-    /// from `enter.latest` to `exit.earliest`. Within the enclosures of enter and exit it may cross
-    /// the margin more than once.
+    /// True if this is certainly one conflict: the bodies are within the margin at some instant, and
+    /// throughout from `enter.latest` to `exit.earliest`. Within the enclosures of enter and exit they may
+    /// cross the margin more than once.
     ///
     /// False if f64, or what the model errors leave open, cannot decide: whether the pair reaches
     /// the margin at all, or whether a short or narrow gap divides the conflict.

@@ -249,6 +249,22 @@ pub enum Error {
         /// The least error that was found, m.
         reached: f64,
     },
+    /// The velocity of the motion to be [fitted](crate::Trajectory::fit) is not the derivative of its position: it has
+    /// other units, another frame or another sign, or it is too imprecise for the tolerance.
+    #[error(
+        "the motion at {time:?} s: {quantity} is {told:?} m/s, but the position changes by {found:?} m/s: give the \
+         derivative of the position, or a larger tolerance"
+    )]
+    FitVelocity {
+        /// The time, s.
+        time: f64,
+        /// The component of the velocity that is off most.
+        quantity: Quantity,
+        /// Its value, m/s.
+        told: f64,
+        /// Its value by the positions, m/s.
+        found: f64,
+    },
     /// The fit of a motion needs more knots than allowed.
     #[error(
         "{limit} knots reach {time:?} s only: allow more knots or a larger tolerance, and check that the \
@@ -387,6 +403,12 @@ pub enum Error {
     )]
     NoPlanAt {
         /// Time of the splice, s; the monitor's clock if a late plan does not continue from it.
+        time: f64,
+    },
+    /// A plan is to change at a time that is NaN or infinite.
+    #[error("a plan cannot change at {time:?} s: give a finite time")]
+    ChangeTime {
+        /// The time, s.
         time: f64,
     },
     /// The monitor's clock never goes back.

@@ -25,8 +25,8 @@ pub struct Sphere {
 ///
 /// Cost, where two clusters may be near each other: some nanoseconds for each pair of their
 /// spheres, and up to two microseconds where they overlap. Two overlapping bodies of 2,500 spheres
-/// each take a tenth of a second where both follow one cubic. Only a few pairs are solved: those that begin and end a conflict, and those
-/// that may be the nearest ones.
+/// each take a tenth of a second where both follow one cubic. Only a few pairs are solved: those that
+/// begin and end a conflict, and those that may be the nearest ones.
 ///
 /// ```
 /// use glam::DVec3;
@@ -48,7 +48,7 @@ pub struct Sphere {
     serde(try_from = "serial::HitboxNumbers", into = "serial::HitboxNumbers")
 )]
 pub struct Hitbox {
-    /// Of a half-space: its normal, and an infinite radius.
+    /// Bounding sphere; for a half-space its normal, and an infinite radius.
     bounding: Sphere,
     /// Largest distance from the body's position to the bounding sphere's surface, m.
     reach: f64,
@@ -56,7 +56,7 @@ pub struct Hitbox {
     cluster: Option<Box<Cluster>>,
 }
 
-/// Two spheres or more; none of a half-space.
+/// The spheres of a cluster: two or more. A half-space has none.
 #[derive(Clone, Debug, PartialEq)]
 struct Cluster {
     spheres: Vec<Sphere>,
@@ -139,8 +139,8 @@ impl Hitbox {
     ///
     /// - Half-spaces do not meet each other.
     /// - Of [`sphere_a`](crate::ClosestApproach::sphere_a) and `sphere_b`, the half-space's is 0.
-    /// - The direction of `normal` is meant, normalised in real arithmetic. What rounding does to
-    ///   it is part of every bound.
+    /// - The direction of `normal` is meant, normalised in real arithmetic. The error of its rounding is
+    ///   part of every bound.
     ///
     /// Cost: no box contains a half-space. Each other body is compared with each half-space, in
     /// some nanoseconds where its plan stays clear of the plane. A [`Monitor`](crate::Monitor)
@@ -218,8 +218,8 @@ impl Hitbox {
         }
     }
 
-    /// Returns a sphere that contains all others, rounded outward; not the smallest possible. Of a
-    /// half-space, an infinite one around the body's position.
+    /// Returns a sphere that contains all others, rounded outward. It is not the smallest possible. A
+    /// half-space has an infinite one around the body's position.
     #[must_use]
     pub const fn bounding(&self) -> Sphere {
         if self.is_half_space() {

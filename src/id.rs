@@ -4,7 +4,7 @@ use std::fmt;
 
 /// Names one body of one scene. An id whose body was removed is never valid again.
 ///
-/// Ordered by slot, then generation: bodies inserted into a fresh scene are in insertion order.
+/// Ids are ordered by slot, then generation: bodies inserted into a fresh scene are in insertion order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BodyId {

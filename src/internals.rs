@@ -1,4 +1,49 @@
 //! Parts of the crate for its own tests and benchmarks. They may change or go with any version.
+//!
+//! # From a state to an event
+//!
+//! The way of the data through `src`, for readers of the code. The words of the public interface are
+//! defined at the [crate](crate); those of the inside are set in italics where they are defined here.
+//!
+//! 1. `trajectory`: states become [`Segment`](crate::Segment)s. Beyond its knots a body follows an *end
+//!    motion*, the cubic before its first knot and the one after its last. A *piece* is a segment, or a part
+//!    of an end motion between two *cuts*. A *straight motion* is a trajectory from one state. It can *turn*
+//!    into another one in place, as when states are told each frame. (A body that *turns* has a rotation.)
+//! 2. `orientation`: a rotation becomes cubics of matrices between cuts of its own; it is *baked*. An
+//!    interval between neighbouring cuts of both bodies is a *cell*.
+//! 3. `scene`: a body lies in a *slot*, the number in its id. A *place* is its dense number in one search.
+//!    An *entry* is a body with the *summary* of its motion. Its *compact trajectory*, a copy in f32, lies on
+//!    cache *lines* of an *arena*. The *reach* of a hitbox is the largest distance of its points from the
+//!    body's position, its *arm* that of the centres.
+//! 4. `bounds`: f32 coordinates are relative to a *frame*: an origin that may move, and a unit. A box
+//!    exceeds the hull of a motion by its *padding*: hitbox, half the margin, and the clearance. A *fat line*
+//!    is a closer bound, a line with a radius. A *run* is four consecutive cubics, or four smaller
+//!    runs, bounded at once.
+//! 5. `broad_phase`: two bodies whose boxes meet in a time slice are a *candidate*. A *filter* of pairs
+//!    admits or refuses by layers and ignored pairs.
+//! 6. `search`: a window or a lookahead is cut into *slices*, formed in *blocks* of a few. Candidates whose
+//!    fat lines come near each other are *near pairs*. The spans of these that cheap tests leave are the
+//!    *survivors*. The tests reject only what exceeds the threshold by the *clearance*, 512 roundings.
+//! 7. `narrow_phase`: over a span, the difference of two motions is a *relative cubic*. Its squared distance
+//!    has *control heights*: its Bernstein coefficients. Between *stationary points* the distance is
+//!    monotonic. A *dip* is a minimum that the rounding of the squared distance hides; a *plateau* is a
+//!    distance that is constant to rounding. A *stretch* is an interval of a span within a threshold; a
+//!    *contact* unites stretches over spans and spheres. Clusters have an *envelope*: which pairs of
+//!    spheres are the nearest, and when.
+//! 8. `enclosure`: branch and bound over the parts of a span. A *minorant* is a quadratic below the control
+//!    heights; a part is certainly inside a threshold, certainly outside, or undecided.
+//! 9. `screen`: contacts become conflicts. This is the end of a screening.
+//! 10. `monitor`: the *lookahead search* keeps *solved spans* (`finds`), and knows everything up to an instant,
+//!     the end of the *known time*. It holds bodies as *monitored bodies* (`flights`) and notes the changed
+//!     ones (`dirty`, their bounds `moved`). A slice is *fresh* when these are compared with all bodies, which
+//!     have boxes in its tree. Work on the next slice is *due* in shares; it is *put off* where there is too
+//!     little room. A *meter* counts work against a budget. A *jump* of the clock is searched from nothing,
+//!     without boxes that stay.
+//! 11. `monitor/reading`: contacts of a pair become conflicts and *planned encounters*, whatever the window.
+//!     Those *at an edge* of the window are read again in each tick.
+//! 12. `monitor/encounters`: a planned encounter that is reported becomes a *tracked encounter*, until it
+//!     ends or is withdrawn. Their differences are the events. An instant up to which events were reported is
+//!     *told*.
 
 use crate::query::Query;
 use std::num::NonZeroU32;

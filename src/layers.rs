@@ -2,7 +2,7 @@
 
 /// Membership and filter bit masks, as in rapier's `InteractionGroups`.
 ///
-/// Two bodies are a pair if each is a member of a layer that the other filters for. Checked
+/// Two bodies are a pair if each is a member of a layer that the other filters for. That is checked
 /// before a candidate leaves the broad phase.
 ///
 /// ```

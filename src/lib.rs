@@ -1,7 +1,7 @@
-//! Which bodies will come too close, when, and how close?
+//! A collision monitor for many bodies that move along cubic splines: which of them will come too
+//! close, when, and how close.
 //!
-//! **nearmiss** is a collision monitor for many bodies that move along cubic splines. Goals, in
-//! this order: correct, fast, pleasant to use.
+//! The goals of nearmiss, in this order: correct, fast, pleasant to use.
 //!
 //! ```
 //! use nearmiss::glam::DVec3;
@@ -62,14 +62,17 @@
 //! | [`Encounter`] | a conflict of a pair as the monitor follows it, at one [`AlertLevel`] |
 //! | [`Event`] | `Predicted`, `Revised`, `Withdrawn`, `Began`, `Ended`, `PlanEnds` |
 //!
+//! Readers of the code find the words of the inside in `src/internals.rs`, along the way from a state to an
+//! event.
+//!
 //! # Accuracy
 //!
 //! Answers are f64, good to a few roundings of the local scale (the distance of the two bodies'
 //! knots plus the extents of their segments); neither the absolute position nor the absolute time
-//! enters. What comes within that rounding of the margin is reported, so a touch is never lost.
+//! enters. Distances within that rounding of the margin are reported, so a touch is never lost.
 //!
-//! All answers are about the splines. What is known of how far these are from the world is a body's
-//! model error: answers then cover all that may be in the world, and a certified one is about the world
+//! All answers are about the splines. A body's model error says how far the world may be from its
+//! spline: answers then cover all that may be in the world, and a certified one is about the world
 //! ([`Certificate`]).
 //!
 //! A body that turns has a tolerance ([`Orientation`]): its spheres follow cubics that differ from the

@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::{Deref, DerefMut};
 use std::sync::{Mutex, PoisonError};
 
-/// Unused scratch: first use of fresh memory costs as much as writing its content.
+/// Scratch that waits for its next use: first use of fresh memory costs as much as writing its content.
 #[derive(Default)]
 pub(crate) struct Pool<T> {
     spare: Mutex<Vec<T>>,

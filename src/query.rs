@@ -26,7 +26,7 @@ use std::num::NonZeroU32;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct Query {
-    /// `None`: the time that the scene's plans cover.
+    /// The time asked about; `None` stands for the time that the scene's plans cover.
     window: Option<Window>,
     margin: f64,
     #[cfg_attr(feature = "serde", serde(skip))]

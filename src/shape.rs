@@ -11,7 +11,7 @@ pub(crate) struct BodyShape<'a> {
     hitbox: &'a Hitbox,
     /// `None` if turning changes nothing.
     turning: Option<&'a Turning>,
-    /// See [`Body::with_model_error`](crate::Body::with_model_error), m.
+    /// [Model error](crate::Body::with_model_error) of the body, m.
     model_error: f64,
 }
 
@@ -43,7 +43,7 @@ impl<'a> BodyShape<'a> {
     }
 
     /// Returns a sphere that contains all others at all times, those of a turning body enlarged by
-    /// the error of their centres, and all by the model error. Of a half-space its normal, with an
+    /// the error of their centres, and all by the model error; for a half-space its normal, with an
     /// infinite radius.
     #[inline]
     pub(crate) fn bounding(&self) -> Sphere {

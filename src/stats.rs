@@ -6,9 +6,9 @@ use std::time::Duration;
 
 /// The funnel of one screening, or of one tick of a monitor.
 ///
-/// Counts depend on the scene and the query. Of many thousand candidates and spans, a few more or
-/// less may occur with another number of threads: these divide motions in other places and round
-/// their boxes differently.
+/// Counts depend on the scene and the query. Another number of threads may change a few of many
+/// thousand candidates and spans: threads divide motions in other places and round their boxes
+/// differently.
 ///
 /// Stage times add up over threads; `total_time` is wall time. In a monitor's tick they are the
 /// smaller part of it: taking over plans, and following encounters, have no stage of their own.

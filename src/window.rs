@@ -5,7 +5,7 @@ use crate::readable::Readable;
 use crate::rounding::one_zero;
 use std::fmt;
 
-/// A closed interval of time, s. May be a single instant; may be open-ended (infinite).
+/// A closed interval of time, s. It may be a single instant, or open-ended (infinite).
 ///
 /// A window clips results; it never changes them. Exceptions:
 ///
@@ -13,8 +13,8 @@ use std::fmt;
 /// - With [`Accuracy::Certified`](crate::Accuracy::Certified), facts that cannot be decided at the
 ///   window's ends are reported as unresolved. The proven error of a separation may differ.
 ///
-/// At a knot where its plan jumps, a body is at both positions, also at a window's end. Not
-/// covered: pairs in which the other body's plan also begins, ends or jumps at that instant.
+/// At a knot where its plan jumps, a body is at both positions, also at a window's end. That is not
+/// so for pairs in which the other body's plan also begins, ends or jumps at that instant.
 ///
 /// ```
 /// use nearmiss::Window;
@@ -34,7 +34,7 @@ pub struct Window {
 }
 
 impl Window {
-    /// All of time. Refused with [`Error::WindowNotClosed`] for bodies that exist beyond their
+    /// All of time: refused with [`Error::WindowNotClosed`] for bodies that exist beyond their
     /// knots ([`Outside`](crate::Outside), [at rest](crate::Trajectory::at_rest)).
     pub const ALL: Self = Self {
         start: f64::NEG_INFINITY,

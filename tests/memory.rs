@@ -1,4 +1,4 @@
-//! What a scene and a monitor take is what their documentation says: counted by the allocator.
+//! The memory of a scene and a monitor is that of their documentation: counted by the allocator.
 
 #![allow(
     unsafe_code,

@@ -1,4 +1,4 @@
-//! What a user makes, reads back and prints.
+//! Values that a user makes, reads back and prints.
 
 #![allow(
     clippy::unwrap_used,

@@ -89,6 +89,10 @@ const CURVES: &[(Attempt, &str)] = &[
     (|| done(flying().spliced(20.0, &flying())?),
      "there is no plan to splice at 20.0 s: the old plan or the new one does not exist then, or the new one ends; \
       give one that goes on from then, or set the trajectory as a whole"),
+    (|| done(flying().spliced(f64::NAN, &flying())?), "a plan cannot change at NaN s: give a finite time"),
+    (|| fit(|t| (t.sin() * DVec3::X, 60.0 * t.cos() * DVec3::X), window(0.0, 9.0), 0.01),
+     "the motion at 0.35218447894785465 s: velocity x is 56.317285143907476 m/s, but the position changes by \
+      0.9386214190647019 m/s: give the derivative of the position, or a larger tolerance"),
     (|| done(Trajectory::fit_polynomials::<8>(&[], &[], TimeBase::SegmentLocal, 0.1)?),
      "a trajectory needs at least two states, not 0"),
     (|| fit(straight, window(0.0, 1.0), 0.0), "tolerance 0.0 m is not a positive number up to 1e300"),

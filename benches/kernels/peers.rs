@@ -131,7 +131,7 @@ pub(crate) fn sampled(points: &ControlPoints<f64>) -> (f64, f64) {
     cubic.nearest(&[u])
 }
 
-/// Whether the pair comes within a threshold: a root of the squared distance less its square, by
+/// Returns true if the pair comes within a threshold: a root of the squared distance less its square, by
 /// the crate's own root finder, unless an end is inside already.
 pub(crate) fn within_by_roots(points: &ControlPoints<f64>, threshold: f64) -> bool {
     use nearmiss::internals::polynomial::{Polynomial, Roots};

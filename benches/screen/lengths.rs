@@ -1,4 +1,4 @@
-//! How far the automatic slice length is from the best fixed one.
+//! The automatic slice length against the best fixed one.
 
 use nearmiss::internals::QueryInternals;
 use nearmiss::{Query, Scene};

@@ -29,7 +29,7 @@ pub(crate) const LEVEL_COLOURS: [Color; 3] = [
 /// Triangles in one draw call.
 const BATCH: usize = 15_000;
 
-/// Where the world is looked at from.
+/// The place from which the world is seen.
 pub(crate) struct View {
     angle: f32,
     height: f32,
@@ -97,7 +97,7 @@ impl View {
     }
 }
 
-/// Where a place is on the screen, if it is before the camera.
+/// Returns a place on the screen, if it is before the camera.
 pub(crate) fn on_screen(camera: &Camera3D, place: Vec3) -> Option<Vec2> {
     let clip = camera.matrix() * place.extend(1.0);
     (clip.w > 0.0).then(|| {

@@ -17,7 +17,7 @@ type Failure = Box<dyn StdError + Send + Sync>;
 
 /// Cubics in a plan.
 const SEGMENTS: u32 = 32;
-/// How far ahead a body plans, s.
+/// Duration of a new plan, s.
 const HORIZON: f64 = 60.0;
 /// Root mean square speed, m/s.
 pub(crate) const SPEED: f64 = 10.0;
@@ -25,10 +25,10 @@ pub(crate) const SPEED: f64 = 10.0;
 const MEMORY: f64 = 10.0;
 /// m.
 pub(crate) const RADIUS: f64 = 1.0;
-/// How far ahead the monitor looks, s.
+/// Lookahead of the monitor, s.
 pub(crate) const LOOKAHEAD: f64 = 10.0;
 
-/// Who flies, how densely, and what is watched.
+/// The kinds of bodies, their density, and the alert levels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Setting {
     /// In turns.
@@ -65,7 +65,7 @@ impl Setting {
     };
 }
 
-/// What flies.
+/// Kind of body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     Sphere,
@@ -163,7 +163,7 @@ impl Fleet {
         Ok(())
     }
 
-    /// Where a body is at the monitor's clock.
+    /// Returns the place of a body at the monitor's clock.
     pub(crate) fn state(&self, id: BodyId) -> Option<State> {
         let body = self.monitor.scene().body(id)?;
         body.trajectory.state(self.monitor.now())

@@ -15,7 +15,7 @@ pub(crate) struct Game {
     pub(crate) events: Vec<Event>,
     /// Share of the bodies that get a new plan every tick.
     pub(crate) replan: f64,
-    /// Whether plans are asked of the monitor before they are flown.
+    /// True if the monitor is asked about plans before they are flown.
     pub(crate) avoids: bool,
     pub(crate) replans: usize,
 }

@@ -85,7 +85,7 @@ pub(crate) struct Arguments {
         allow_hyphen_values = true
     )]
     replan: f64,
-    /// Whether the bodies steer clear of what the monitor predicts.
+    /// The bodies steer clear of what the monitor predicts, or not.
     #[arg(long, value_enum, default_value_t = Avoid::On)]
     avoid: Avoid,
     /// The same seed gives the same run.

@@ -1,4 +1,4 @@
-//! What the monitor says, beside the picture.
+//! The panel beside the picture: the answers of the monitor.
 
 use crate::draw::LEVEL_COLOURS;
 use crate::feed::Feed;
@@ -17,7 +17,7 @@ const EVENTS: usize = 9;
 /// Frames slower than this are drawn by the processor: ticks then wait for the drawing, s.
 const SLOW_FRAME: f64 = 1.0 / 30.0;
 
-/// What is remembered for the panel.
+/// The state of the panel.
 #[derive(Default)]
 pub(crate) struct Panel {
     /// ms.
@@ -25,7 +25,7 @@ pub(crate) struct Panel {
     /// s.
     frames: VecDeque<f64>,
     feed: Feed,
-    /// What the last key did.
+    /// Effect of the last key.
     pub(crate) message: String,
 }
 

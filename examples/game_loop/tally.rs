@@ -1,4 +1,4 @@
-//! What happened, counted twice: from the monitor's events, and from the bodies' plain positions.
+//! Encounters, counted twice: from the monitor's events, and from the bodies' plain positions.
 
 use crate::fleet::{Fleet, RADIUS};
 use glam::DVec3;
@@ -18,7 +18,7 @@ pub(crate) struct Tally {
     /// Overlaps and ends that the monitor should have told and did not.
     pub(crate) lost: u64,
     under_way: BTreeSet<EncounterId>,
-    /// Where bodies are, in the order of x.
+    /// Places of bodies, in the order of x.
     places: Vec<(BodyId, DVec3)>,
 }
 

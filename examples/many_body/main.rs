@@ -34,10 +34,10 @@ type Failure = Box<dyn StdError + Send + Sync>;
 #[derive(Debug, Parser)]
 #[command(name = "many_body")]
 struct Arguments {
-    /// What flies.
+    /// Kind of scene.
     #[arg(long, value_enum, default_value_t = Kind::Satellites)]
     scene: Kind,
-    /// How many bodies; some thousands that take a few seconds if not given.
+    /// Number of bodies; some thousands that take a few seconds if not given.
     #[arg(long, value_parser = terminal::bodies(), allow_negative_numbers = true)]
     bodies: Option<usize>,
     /// The same seed gives the same scene.
@@ -48,10 +48,10 @@ struct Arguments {
     margin: Option<f64>,
     #[command(flatten)]
     threads: Threads,
-    /// Where the picture goes; one that is there is replaced.
+    /// File for the picture; replaced if it exists.
     #[arg(long, default_value = "many_body.svg")]
     picture: PathBuf,
-    /// Where the states of all bodies go, as a table for the example screen; packed if the name ends in .gz. A
+    /// File for the states of all bodies, as a table for the example screen; packed if the name ends in .gz. A
     /// file that is there is replaced.
     #[arg(long)]
     states: Option<PathBuf>,

@@ -179,7 +179,7 @@ fn way(trajectory: &Trajectory) -> Vec<DVec3> {
         .collect()
 }
 
-/// How close an encounter came: 0 at the margin, 1 at the closest of all.
+/// Returns the closeness of an encounter: 0 at the margin, 1 at the closest of all.
 struct Scale {
     least: f64,
     margin: f64,

@@ -1,4 +1,4 @@
-//! The same scene played through a monitor, its events compared with the one-shot screening.
+//! The scene played through a monitor, its events compared with the one-shot screening.
 
 use crate::{Failure, ratio, rounded};
 use indicatif::{HumanCount, ProgressBar, ProgressStyle};
@@ -11,7 +11,7 @@ const TICKS: u32 = 600;
 /// The monitor looks this many ticks ahead.
 const TICKS_AHEAD: f64 = 30.0;
 
-/// What is compared: pair, enter, exit and least separation, to the bit.
+/// The compared parts of a conflict: pair, enter, exit and least separation, to the bit.
 type Met = (BodyId, BodyId, [u64; 3]);
 
 /// Counts of a run.

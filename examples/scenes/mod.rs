@@ -26,7 +26,7 @@ use rand::{RngExt, SeedableRng};
 /// One body of a generated scene.
 #[derive(Clone, Debug)]
 pub(crate) struct Actor {
-    /// Where it is when, s, m, m/s.
+    /// States of the body, s, m, m/s.
     pub(crate) states: Vec<State>,
     /// m.
     pub(crate) radius: f64,

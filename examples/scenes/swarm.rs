@@ -16,7 +16,7 @@ const MARGIN: f64 = 5.0;
 /// Side of the cube for one body, m.
 const SPACING: f64 = 65.6;
 
-/// How the swarm fills space.
+/// The shape of space that the swarm fills.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Shape {
     /// Uniform in a cube.
@@ -96,7 +96,7 @@ fn ball(rng: &mut ChaCha8Rng, index: usize, count: usize) -> DVec3 {
     }
 }
 
-/// How much wider a flat world is, so that about as many bodies come within the margin: a body
+/// Returns the factor by which a flat world is wider, so that about as many bodies come within the margin: a body
 /// sweeps a tube of section π D² at a density of N / side³, and in the plane a band of width 2 D at
 /// N / (w side)².
 fn widening(side: f64) -> DVec3 {

@@ -65,16 +65,16 @@ struct Arguments {
     /// Only this time, s: A..B, A.. or ..B.
     #[arg(long, value_parser = parse_window, allow_hyphen_values = true, default_value = "..")]
     window: Window,
-    /// What a body does before its first and after its last row.
+    /// Rule for a body before its first and after its last row.
     #[arg(long, value_enum, default_value_t = OutsideRule::Absent)]
     outside: OutsideRule,
-    /// How exact the answer is: exact (f64, good to a few roundings) or certified (with proven
+    /// Accuracy of the answer: exact (f64, good to a few roundings) or certified (with proven
     /// enclosures, in six more columns). Both are of the spline: the cubics through the states.
     #[arg(long, value_parser = parse_accuracy, default_value = "exact")]
     accuracy: Accuracy,
     #[command(flatten)]
     threads: Threads,
-    /// Where to write the conflicts; standard output if not given. A file is replaced when all is
+    /// File for the conflicts; standard output if not given. A file is replaced when all is
     /// written.
     #[arg(long)]
     output: Option<PathBuf>,
@@ -100,7 +100,7 @@ enum StatsFormat {
 }
 
 impl Arguments {
-    /// What is right option by option, but not together.
+    /// Checks options that are right one by one, but not together.
     fn check(&self) -> Result<(), String> {
         let rule = self.outside.to_possible_value();
         if let Some(rule) = rule.filter(|_| !matches!(self.outside, OutsideRule::Absent))

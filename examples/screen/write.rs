@@ -9,7 +9,7 @@ use std::time::Duration;
 const HEADER: &str = "a,b,enter,exit,tca,separation,error,clip,resolved";
 const ENCLOSURES: &str = "enter_lo,enter_hi,exit_lo,exit_hi,tca_lo,tca_hi";
 
-/// What is written: a row for each conflict, with the labels of the file.
+/// The output: a row for each conflict, with the labels of the file.
 pub(crate) struct Table<'a> {
     pub(crate) labels: &'a Labels,
     pub(crate) scene: &'a Scene,

@@ -1,4 +1,4 @@
-//! What may be said on a command line. What is out of range is refused by clap: exit code 2.
+//! Options of command lines. Values out of range are refused by clap: exit code 2.
 //!
 //! Options that take fractions allow all values with a hyphen: clap does not take `-1e-3` for a
 //! negative number.
@@ -18,7 +18,7 @@ const MAX_THREADS: i64 = 1_024;
 /// More bodies do not fit into memory.
 const MAX_BODIES: i64 = 100_000_000;
 
-/// How many threads an example runs on.
+/// The number of threads of an example.
 #[derive(Clone, Copy, Debug, Args)]
 pub(crate) struct Threads {
     /// Threads to run on; all cores if not given, or 0.

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// Names of what the process holds open already: `> file` made it, `>> file` holds more than ours.
 const OPEN_FILES: [&str; 4] = ["/dev/stdout", "/dev/stderr", "/dev/fd", "/proc"];
 
-/// Where a run's result goes, looked at before the work starts.
+/// The file of a run's result, checked before the work starts.
 #[derive(Debug)]
 pub(crate) struct Product {
     path: PathBuf,

@@ -1,4 +1,4 @@
-//! How far long work is, on standard error where that is a terminal.
+//! The progress of long work, on standard error if that is a terminal.
 
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
@@ -20,12 +20,12 @@ impl Progress {
         Self(bar)
     }
 
-    /// What is being done; how far it is is not known.
+    /// Shows the work in progress, without a share of it.
     pub(crate) fn say(&self, what: &'static str) {
         self.0.set_message(what);
     }
 
-    /// What is being done from now on, with a bar.
+    /// Shows the work from now on, with a bar.
     pub(crate) fn begin(&self, what: String) {
         let template = "{spinner} {msg} {wide_bar} {percent} % {elapsed_precise}";
         let style = ProgressStyle::with_template(template);
@@ -36,7 +36,7 @@ impl Progress {
         self.0.set_message(what);
     }
 
-    /// Which share of it is done, 0 to 1; threads may tell it in any order.
+    /// Shows the share of the work that is done, 0 to 1; threads may tell it in any order.
     pub(crate) fn show(&self, share: f64) {
         // Rounded down: 100 % is when all is done.
         let done = (1..=Self::STEPS).take_while(|&step| share * 100.0 >= step as f64);

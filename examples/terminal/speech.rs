@@ -1,4 +1,4 @@
-//! What is said on standard output and standard error.
+//! Standard output and standard error of the examples.
 
 use super::escape::escaped;
 use std::fmt::Display;
@@ -44,7 +44,7 @@ pub(crate) fn complain(line: impl Display) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
-/// How a run ends: quietly, or with one line that says why not.
+/// Returns the exit code of a run; a failure is told in one line.
 pub(crate) fn exit_code(result: std::result::Result<(), impl Display>) -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -51,7 +51,7 @@ struct Arguments {
     /// One part only.
     #[arg(long, value_enum)]
     only: Option<Part>,
-    /// How many bodies of a generated scene are stepped.
+    /// Number of bodies of a generated scene that is stepped.
     #[arg(long, value_parser = terminal::bodies(), allow_negative_numbers = true, conflicts_with = "states")]
     bodies: Option<usize>,
     /// A file of states, as `screen` takes it, that is stepped in place of a generated scene.
@@ -75,7 +75,7 @@ struct Arguments {
         requires = "states"
     )]
     margin: f64,
-    /// Where all tables go as JSON; a file that is there is replaced.
+    /// File for all tables as JSON; replaced if it exists.
     #[arg(long)]
     json: Option<PathBuf>,
     /// A folder for the pictures tradeoff-pair.svg and tradeoff-stepped.svg.
@@ -95,7 +95,7 @@ enum Part {
     Prices,
 }
 
-/// How much is measured.
+/// The amount of measuring.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Effort {
     quick: bool,

@@ -75,7 +75,8 @@ mod tests {
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 
-    /// A body that was told where it is again and again, at last at 0 s: up to three straight motions from -1 s on.
+    /// Returns a body that was told its state again and again, at last at 0 s: up to three straight
+    /// motions from -1 s on.
     fn told(rng: &mut ChaCha8Rng, age: f64, far: f64) -> Trajectory {
         let mut vector =
             |half: f64| DVec3::from_array([0; 3].map(|_| rng.random_range(-half..half)));

@@ -4,7 +4,7 @@ use super::surface::{ClipScratch, HalfSpace, Surface};
 use crate::parallel;
 use glam::DVec3;
 
-/// By how much the half-spaces of cells are moved outward, in units of the order of the shape.
+/// Distance by which the half-spaces of cells are moved outward, in units of the order of the shape.
 /// The proof in the room's documentation says why.
 const OUTWARD: f64 = 1e-11;
 

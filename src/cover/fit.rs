@@ -1,4 +1,4 @@
-//! From a shape to the best cover found.
+//! The search for a cover: from a shape to the best one found.
 
 use super::certificate::{Certified, certify, fine_surfaces};
 use super::closed_form::closed_form;

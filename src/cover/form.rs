@@ -66,7 +66,7 @@ pub(super) enum SolidForm {
     },
 }
 
-/// Unit vectors that form a right-handed base with a unit vector.
+/// Returns unit vectors that form a right-handed base with a unit vector.
 pub(super) fn across(axis: DVec3) -> (DVec3, DVec3) {
     axis.any_orthonormal_pair()
 }

@@ -7,10 +7,10 @@ use glam::DVec3;
 #[derive(Clone, Debug)]
 pub(super) struct Mesh {
     points: Vec<DVec3>,
-    /// In the order of the tree's leaves.
+    /// Triangles in the order of the tree's leaves, as numbers of their points.
     triangles: Vec<[usize; 3]>,
     nodes: Vec<Node>,
-    /// Each edge is passed as often one way as the other.
+    /// True if each edge is passed as often one way as the other.
     closed: bool,
 }
 

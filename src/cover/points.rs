@@ -24,11 +24,11 @@ pub(super) struct Samples {
     /// Outward unit vectors.
     normals: Vec<DVec3>,
     triangles: Vec<[usize; 3]>,
-    /// All surfaces are closed: points behind them are inside.
+    /// True if all surfaces are closed: points behind them are inside.
     is_volume: bool,
 }
 
-/// For each point the ball of the least overshoot that contains it.
+/// The ball of the least overshoot that contains each point.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Nearest {
     pub(super) balls: Vec<usize>,
@@ -267,7 +267,7 @@ const BLOCK: usize = 16;
 /// The work of [`Nearest::find`].
 ///
 /// A ball is tried on a block of points by squares first: most are farther from all of them than the
-/// best one so far. That of the block before is the first to be tried.
+/// best one so far. The best ball of the block before is tried first.
 struct FindBest<'a> {
     points: &'a Points,
     balls: &'a [(DVec3, f64)],
@@ -327,7 +327,7 @@ impl BestOfBlock {
     /// Compares a ball with the best one so far; of equally good ones the first stays.
     #[inline(always)]
     fn try_ball(&mut self, ball: usize, centre: DVec3, height: f64) {
-        /// More than all rounding: lengths are of the order of one.
+        /// Bound above all rounding: lengths are of the order of one.
         const SPARE: f64 = 1e-12;
         let mut squares = [0.0; BLOCK];
         let mut is_near = false;

@@ -20,7 +20,7 @@ pub(super) struct Solid {
     /// Corners of a box around all parts.
     pub(super) low: DVec3,
     pub(super) high: DVec3,
-    /// By how much surfaces and bounds may be off: roundings of the corners.
+    /// Bound of the error of surfaces and bounds: roundings of the corners.
     pub(super) rounding: f64,
 }
 

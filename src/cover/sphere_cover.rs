@@ -144,8 +144,8 @@ impl SphereCover {
         }
     }
 
-    /// Returns the largest distance of two points of the shape, m. Where no formula exists it is
-    /// rounded down.
+    /// Returns the largest distance of two points of the shape, m. It is rounded down if no formula
+    /// exists.
     #[must_use]
     pub const fn diameter(&self) -> f64 {
         self.diameter

@@ -18,7 +18,7 @@ use parry3d::shape::Shape;
 pub enum Coverage {
     /// Proven: each point of the shape is in a sphere.
     Covered,
-    /// No sphere contains this point of the shape.
+    /// The shape has a point that no sphere contains.
     Uncovered {
         /// The point in the shape's frame, m. It is in the shape to 1e-10 of the shape's diameter.
         point: DVec3,
@@ -93,7 +93,7 @@ struct Balls {
     balls: Vec<(DVec3, f64)>,
     /// A sphere was left out that may contain anything.
     vague: bool,
-    /// One ball contains the box around the solid.
+    /// True if one ball contains the box around the solid.
     contain_all: bool,
     /// Roundings of the balls.
     rounding: f64,

@@ -66,7 +66,7 @@ pub(super) fn wedges(form: &SolidForm) -> Vec<Wedge> {
     sides.into_iter().flat_map(wedge).collect()
 }
 
-/// 1 / cos of half the angle between two directions, less 1: by how much, relative to the radius,
+/// Returns 1 / cos of half the angle between two directions, less 1: the distance by which, relative to the radius,
 /// the tangents there meet beyond the circle.
 fn excess([from, to]: [f64; 2]) -> f64 {
     1.0 / ((to - from) / 2.0).cos() - 1.0

@@ -1,9 +1,13 @@
-//! Margins that are watched.
+//! Alert levels: margins that a monitor watches.
 
-/// A margin that is watched, and when to let go.
+/// A margin at which an encounter begins, and a margin at which it ends.
 ///
-/// Of bodies with [model errors](crate::Body::with_model_error), their sum is added to both margins: an
+/// The sum of both bodies' [model errors](crate::Body::with_model_error) is added to both margins: an
 /// encounter lasts while the bodies may be within the margin in the world.
+///
+/// Any values can be held: [`Monitor::new`](crate::Monitor::new) refuses, with
+/// [`Error::AlertLevel`](crate::Error::AlertLevel), margins that are not within ±1e300, and a release below the
+/// margin.
 ///
 /// ```
 /// use nearmiss::glam::DVec3;
@@ -22,15 +26,15 @@
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AlertLevel {
-    /// An encounter begins when the separation falls to this, m.
+    /// Separation at which an encounter begins, m. A negative one asks for overlaps of that depth.
     pub margin: f64,
-    /// An encounter ends when the separation exceeds this, m; at least the margin. More than the
-    /// margin is hysteresis: an encounter that hovers at its margin does not flicker.
+    /// Separation above which an encounter ends, m: the margin, or more. A release above the margin keeps an
+    /// encounter whose separation hovers at the margin from ending and beginning again and again.
     pub release: f64,
 }
 
 impl AlertLevel {
-    /// Returns a level that lets go where it begins.
+    /// Returns a level whose encounters begin and end at one margin (m).
     ///
     /// States that are [told](crate::Monitor::track) in `f32` are off by another rounding each time. Two bodies that
     /// stay at the margin then begin and end encounters again and again: set `release` above the margin there.

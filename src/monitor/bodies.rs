@@ -21,9 +21,9 @@ pub(super) struct BodyTable<'m> {
     pub(super) scene: &'m Scene,
     pub(super) flights: &'m MonitoredBodies,
     pub(super) frame: &'m MovingFrame,
-    /// Slices in which all bodies are searched from nothing are so long, s.
+    /// Length of the slices in which all bodies are searched from nothing, s.
     pub(super) search_length: f64,
-    /// Pairs within this are looked for, m.
+    /// Largest margin of the pairs that are searched for, m.
     pub(super) margin: f64,
 }
 
@@ -64,7 +64,7 @@ impl SourcesInPlace for BodyTable<'_> {
 }
 
 impl<'m> BodyTable<'m> {
-    /// Those of a scene, as they lie in the frame of a grid; pairs within a margin (m) are looked for.
+    /// Returns the bodies of a scene in the frame of a grid, for pairs within a margin (m).
     pub(super) const fn of(
         scene: &'m Scene,
         flights: &'m MonitoredBodies,
@@ -140,7 +140,7 @@ pub(super) fn form(
 #[derive(Debug, Default)]
 pub(super) struct ChangedBounds {
     slots: Vec<u32>,
-    /// As many as are needed, and spare ones.
+    /// Batches: as many as are needed, and unused ones.
     chunks: Vec<ChangedBatch>,
 }
 
@@ -149,7 +149,7 @@ pub(super) struct ChangedBounds {
 struct ChangedBatch {
     /// Place of its first body in the list of all.
     first: usize,
-    /// By slice.
+    /// Boxes and fat lines, by slice.
     boxes: Vec<Vec<(BodyBox, FatLine)>>,
 }
 
@@ -181,7 +181,7 @@ impl ChangedBounds {
         self.slots == slots
     }
 
-    /// The boxes and fat lines in a slice, in the order of the bodies.
+    /// Returns the boxes and fat lines in a slice, in the order of the bodies.
     pub(super) fn of(&self, slice: usize) -> impl Iterator<Item = &(BodyBox, FatLine)> {
         let count = self.slots.len().div_ceil(Self::CHUNK);
         let chunks = self.chunks[..count].iter();

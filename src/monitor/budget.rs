@@ -4,25 +4,24 @@ use crate::wall_clock::Instant;
 use std::time::Duration;
 
 /// Limit of the work that a call of [`Monitor::advance_within`](super::Monitor::advance_within) may do
-/// before it returns with what it has. (What requests take, one by one or as a
-/// [batch](super::Monitor::apply), is not in it.)
+/// before it returns with what it has. Changes, one by one or as a [batch](super::Monitor::apply), do not
+/// count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Budget {
     /// No limit.
     Unlimited,
-    /// Wall time, looked at after every thousand boxes or candidates: so many are looked at however
-    /// short it is. Exceeded by what sorting the boxes of one slice takes, and solving and reading
-    /// what was found: that is most of the work where many bodies stay near each other. A tick with a
+    /// Wall time, checked after every thousand boxes or candidates: so many are examined however short it
+    /// is. A tick exceeds it by the time that sorting the boxes of one slice takes, and solving and reading
+    /// what was found. That is most of the work where many bodies stay near each other. A tick with a
     /// budget works on one thread.
     ///
     /// The changes of each tick must fit in. With half of what unlimited ticks take, less is known
     /// ahead; with a fifth, nothing may be, until fewer plans change.
     Time(Duration),
-    /// Counted work (boxes formed, candidates looked at, and one for each step): the same on every machine
-    /// and every run.
-    /// With 0 nothing is caught up with, however many ticks.
+    /// Counted work: boxes formed, candidates examined, and one for each step. It is the same on every
+    /// machine and in every run. With 0 a monitor never catches up, however many ticks it makes.
     Work(u64),
 }
 
@@ -61,12 +60,12 @@ impl BudgetMeter {
         }
     }
 
-    /// Up to when everything is to be known, if that was prescribed, s.
+    /// Returns the instant up to which everything is to be known, if that was prescribed, s.
     pub(super) const fn until(&self) -> Option<f64> {
         self.until
     }
 
-    /// Boxes formed and candidates found so far.
+    /// Returns the number of boxes formed and candidates found so far.
     #[cfg(feature = "recording")]
     pub(super) const fn done(&self) -> u64 {
         self.done

@@ -408,9 +408,9 @@ impl Monitor {
     }
 
     /// Chooses another grid, and rebuilds the search on it, if the current one is unusable: the
-    /// scene has outgrown it, or `now` (s) is too large to tell its slices apart. Also if the grid
-    /// no longer suits the scene, unless the tick may not wait for the rebuild: it has a budget, or
-    /// lags.
+    /// scene has outgrown it, or `now` (s) is too large to tell its slices apart. A grid that no longer
+    /// suits the scene is replaced, too, if the tick may wait for the rebuild: it has no budget and does
+    /// not lag.
     pub(super) fn choose_grid(&mut self, now: f64, may_wait: bool) -> Result<(), Error> {
         let (margin, _) = self.search.reach();
         let span = (self.told, self.lookahead);

@@ -13,7 +13,7 @@ use crate::shape::BodyShape;
 use crate::trajectory::{StraightMotion, Trajectory};
 use crate::window::Window;
 
-/// One change to a monitor's scene, for [`Monitor::apply`](crate::Monitor::apply) or to be sent to a
+/// A change to a monitor's scene, for [`Monitor::apply`](crate::Monitor::apply) or to be sent to a
 /// live monitor.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -108,9 +108,9 @@ impl ChangeContext<'_> {
 /// The outcome of a batch: changed bodies and new ones. Its memory is reused.
 #[derive(Debug, Default)]
 pub(super) struct CommandBatch {
-    /// One for each body, in the order of the commands.
+    /// Changes, one for each body, in the order of the commands.
     pub(super) changed: Vec<PendingChange>,
-    /// By slot: index of its change in `changed`, valid if that entry is of this slot.
+    /// Index in `changed` of each slot's change, valid if that entry is of this slot.
     place_of: Vec<usize>,
     pub(super) inserted: Vec<(Body, MonitoredBody)>,
     /// Pairs to ignore, or to stop ignoring, in the order of the commands.
@@ -143,7 +143,7 @@ pub(super) struct PendingChange {
     /// Numbers of the first and the last command that concern the body.
     first: usize,
     last: usize,
-    /// None once taken, and for removed bodies.
+    /// The body as the search sees it; none once taken, and for removed bodies.
     pub(super) flight: Option<MonitoredBody>,
     refusal: Option<Rejection>,
 }

@@ -1,8 +1,8 @@
-//! The state machine: from what is planned, tick by tick, to encounters with a life of their own.
+//! The state machine of encounters: from planned encounters, tick by tick, to events.
 //!
-//! It is fed, for each alert level, with the plain encounters of the window from where the last
-//! tick's clock stood to the end of what is known: with those of pairs of which something may have
-//! changed. How old and new are matched is said at [`Encounter`].
+//! Its input, for each alert level, is the planned encounters of pairs that may have changed, in the
+//! window from the last tick's clock to the end of the known time. [`Encounter`] says how old and new
+//! ones are matched.
 
 use super::event::{Encounter, EncounterId, EndReason, Event, EventKind};
 use super::revision_threshold::RevisionThreshold;
@@ -18,17 +18,17 @@ pub(super) struct PlannedEncounter {
     pub(super) a: BodyId,
     pub(super) b: BodyId,
     pub(super) tags: [u64; 2],
-    /// First instant within the margin; none if only the release margin is kept.
+    /// First instant within the margin, s; none if only the release margin is kept.
     pub(super) enter: Option<f64>,
-    /// From when on it is within the release margin.
+    /// First instant within the release margin, s.
     pub(super) start: f64,
     pub(super) exit: f64,
-    /// The exit is the end of what is known.
+    /// True if the exit is the end of the known time.
     pub(super) open: bool,
-    /// The exit is the end of a trajectory.
+    /// True if the exit is the end of a trajectory.
     pub(super) with_trajectory: bool,
     pub(super) closest: ClosestApproach,
-    /// The closest up to the clock, where it has begun by then.
+    /// Closest approach up to the clock, if it has begun by then.
     pub(super) passed: Option<ClosestApproach>,
 }
 
@@ -40,7 +40,7 @@ pub(super) struct TrackedEncounter {
     sent: SentNumbers,
     begun: bool,
     with_trajectory: bool,
-    /// The closest so far, once it has begun.
+    /// Closest approach so far, once it has begun.
     passed: Option<ClosestApproach>,
 }
 
@@ -123,11 +123,11 @@ pub(super) struct EncounterTracker {
 pub(super) struct TickContext {
     /// The clock, s.
     pub(super) now: f64,
-    /// Up to where clock events may be told: the clock, or the end of what is known if sooner.
+    /// Instant up to which clock events may be reported, s: the clock, or the end of the known time if sooner.
     pub(super) told: f64,
-    /// Up to where the last tick told.
+    /// Instant up to which the last tick reported, s.
     pub(super) before: f64,
-    /// The end of what is known, s.
+    /// End of the known time, s.
     pub(super) known: f64,
     pub(super) lookahead: f64,
     pub(super) revision_threshold: RevisionThreshold,
@@ -190,7 +190,7 @@ impl EncounterTracker {
         self.tracked.settle();
     }
 
-    /// Adds what a pair has from now on; what it had stays beside it.
+    /// Adds the new encounters of a pair; its old ones stay beside them.
     fn update_pair<'p>(
         &mut self,
         slots: SlotPair,
@@ -256,7 +256,7 @@ impl EncounterTracker {
         encounters
     }
 
-    /// Ends or withdraws those of bodies in slots of which `is_gone` says so, at the clock.
+    /// Ends or withdraws, at the clock, the encounters of bodies in slots for which `is_gone` returns true.
     pub(super) fn end(
         &mut self,
         now: f64,
@@ -326,7 +326,7 @@ fn over_at(tracked: &TrackedEncounter, now: f64, reason: EndReason) -> Event {
     }
 }
 
-/// An encounter that the plans no longer have.
+/// Ends or withdraws an encounter that the plans no longer have.
 fn unmatched(
     old: &TrackedEncounter,
     tick: &TickContext,
@@ -342,7 +342,7 @@ fn unmatched(
     None
 }
 
-/// A new encounter.
+/// Reports a new encounter.
 fn appear(
     new: &PlannedEncounter,
     level: usize,
@@ -381,7 +381,7 @@ fn appear(
     clock(tracked, new, tick, events)
 }
 
-/// An encounter that the plans still have.
+/// Revises an encounter that the plans still have.
 fn go_on(
     old: &TrackedEncounter,
     new: &PlannedEncounter,
@@ -415,7 +415,7 @@ fn go_on(
     Some(tracked)
 }
 
-/// Begins and ends what the clock has passed.
+/// Begins and ends an encounter that the clock has passed.
 fn clock(
     mut tracked: TrackedEncounter,
     new: &PlannedEncounter,

@@ -6,7 +6,7 @@ use crate::readable::Readable;
 use std::cmp::Ordering;
 use std::fmt;
 
-/// Names one encounter of one monitor; never used twice.
+/// The name of one encounter of one monitor. No id is used twice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EncounterId(pub(super) u64);
@@ -59,8 +59,8 @@ pub struct Encounter {
     /// Number of the alert level: its index in the list given to
     /// [`Monitor::new`](crate::Monitor::new).
     pub level: usize,
-    /// First instant within the level's margin, s. For bodies within the margin when first
-    /// examined, the clock of the tick before, or of [`Monitor::new`](crate::Monitor::new).
+    /// First instant within the level's margin, s. If the bodies were within the margin when first
+    /// examined: the clock of the tick before, or of [`Monitor::new`](crate::Monitor::new).
     pub enter: f64,
     /// Last instant within the level's release margin, s; while `open`, the end of the examined
     /// time.
@@ -115,7 +115,7 @@ impl fmt::Display for EndReason {
     }
 }
 
-/// Content of an event.
+/// The kind of an event, with the encounter or the body that it is about.
 ///
 /// Events of one encounter (one [`Encounter::id`]) come in this order:
 ///
@@ -145,14 +145,13 @@ pub enum EventKind {
     Began(Encounter),
     /// The encounter is over. Every encounter that began has exactly one of these.
     Ended(Encounter, EndReason),
-    /// A body's plan, and with it the body, ends within the lookahead or has ended. Reported once
-    /// for each plan, as soon as its end is in sight: at once for plans no longer than the
-    /// lookahead. To avoid it, plan further ahead or let bodies continue
-    /// ([`Outside::Coast`](crate::Outside::Coast)).
+    /// A body's plan, and with it the body, ends within the lookahead or has ended. The event comes once
+    /// for each plan, as soon as its end is in sight: at once for plans no longer than the lookahead. To
+    /// avoid it, plan further ahead or let bodies continue ([`Outside::Coast`](crate::Outside::Coast)).
     PlanEnds {
         /// The body.
         body: BodyId,
-        /// Its tag.
+        /// The body's tag.
         tag: u64,
     },
 }
@@ -165,7 +164,7 @@ pub struct Event {
     /// Time, s: the enter of what began, the exit of what ended, or the end of the plan that ends.
     /// Otherwise the monitor's clock; for withdrawals by a removal, the clock of the tick before.
     pub time: f64,
-    /// Content.
+    /// Kind, with the encounter or the body.
     pub kind: EventKind,
 }
 

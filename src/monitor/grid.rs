@@ -23,8 +23,8 @@ pub(super) struct Grid {
     signs: SceneSignature,
 }
 
-/// Shows at little cost whether another grid may suit a scene better: the number of slices that a lookahead
-/// would take by a rule of thumb, from some of the bodies. It is compared with itself only.
+/// An estimate of the number of slices of a lookahead, by a rule of thumb, from some of the bodies. Two
+/// estimates that differ show at little cost that another grid may suit the scene better.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SceneSignature {
     slices: f64,
@@ -57,7 +57,7 @@ impl RescheduleTrigger {
         }
     }
 
-    /// It was found that the grid may stay, but at some cost: not again soon.
+    /// Notes that a comparison was costly and kept the grid: the next one comes later.
     pub(super) const fn was_in_vain(&mut self) {
         self.enough = self.enough.saturating_mul(64);
     }
@@ -70,8 +70,8 @@ impl RescheduleTrigger {
 }
 
 impl SceneSignature {
-    /// Returns that of a scene's bodies within a lookahead from an instant on (s), for pairs within `margin` (m) in
-    /// boxes that move with a velocity (m/s).
+    /// Returns the estimate for a scene's bodies within a lookahead from an instant on (s), for pairs
+    /// within `margin` (m) in boxes that move with a velocity (m/s).
     pub(super) fn of(
         scene: &Scene,
         margin: f64,
@@ -120,14 +120,14 @@ impl Grid {
     /// three, three were measured 10 to 15 % cheaper than four.)
     pub(super) const FEWEST: f64 = 3.0;
     const MAX: f64 = 2048.0;
-    /// Boxes in all of them together: some 130 bytes each.
+    /// Largest number of boxes in all slices together: some 130 bytes each.
     const MAX_BOXES: f64 = 2e6;
     /// A screening forms a box and compares it for a tenth of what it costs to do that when a plan
     /// changes: a monitor takes this share of the slices that a screening would.
     const SHARE: f64 = 0.5;
 
-    /// For a scene and pairs within `margin` (m), for a `lookahead` from `origin` (s) on a clock that shows
-    /// `now` (s).
+    /// Returns the grid for a scene and pairs within `margin` (m), for a `lookahead` from `origin` (s) on a
+    /// clock that shows `now` (s).
     ///
     /// # Errors
     ///
@@ -163,14 +163,14 @@ impl Grid {
         })
     }
 
-    /// Returns how many slices there should be where a screening would take so many.
+    /// Returns the number of slices for a scene of which a screening would take so many.
     #[allow(clippy::cast_precision_loss, reason = "a number of bodies")]
     fn number(slices: f64, bodies: usize) -> f64 {
         let most = (Self::MAX_BOXES / bodies.max(1) as f64).min(Self::MAX);
         (Self::SHARE * slices).min(most).max(Self::FEWEST)
     }
 
-    /// Returns where a slice begins, s.
+    /// Returns the beginning of a slice, s.
     #[allow(
         clippy::cast_precision_loss,
         reason = "a slice's number is far below 2^53"
@@ -179,7 +179,7 @@ impl Grid {
         self.origin + self.length * slice as f64
     }
 
-    /// Returns true if it still suits a scene, by what that looks like now.
+    /// Returns true if the grid still suits a scene as it is now.
     pub(super) fn suits(&self, scene: &Scene, margin: f64, signs: &SceneSignature) -> bool {
         /// Times more slices, or fewer, that a tick hardly notices.
         const FEW: f64 = 3.0;
@@ -197,7 +197,7 @@ impl Grid {
         is_alike && self.frame.suits(scene.extremes(), most, margin.abs())
     }
 
-    /// Takes over what the scene looks like now: it suits that as well.
+    /// Notes that the grid suits the scene as it is now, too.
     pub(super) const fn confirm(&mut self, other: &Self) {
         self.signs = other.signs;
     }

@@ -2,8 +2,8 @@
 //!
 //! A body is compared with the half-spaces when it changes, from the clock to some time ahead, and
 //! again when the lookahead reaches that time. So in most ticks few bodies are compared. When a
-//! half-space changes, all bodies are. One that rests where it rested is told so each frame by many
-//! a game: then those are compared again that may touch one, since their spans have other numbers.
+//! half-space changes, all bodies are. Many games tell each frame that a half-space rests where it
+//! rested: then only bodies that may touch it are compared again, since their spans have other numbers.
 
 use super::bodies::BodyTable;
 use super::budget::BudgetMeter;
@@ -24,11 +24,11 @@ use glam::DVec3;
 pub(super) struct HalfSpaceSearch {
     /// Slots of half-spaces, ascending, as of the last call of [`note`](Self::note).
     planes: Vec<u32>,
-    /// Each of them as it was when it changed last, if it rested then.
+    /// Each half-space as it was when it changed last, if it rested then.
     resting: Vec<Option<RestingPlane>>,
     /// Places in these lists of those that have changed since.
     changed_planes: Vec<usize>,
-    /// By slot: true if a span with a half-space may be listed.
+    /// True, by slot, if a span with a half-space may be listed.
     near: Vec<bool>,
     /// Up to when each body is compared, s.
     due: DueTimes,
@@ -200,7 +200,7 @@ struct PlaneSearch<'s, F> {
     planes: &'s [u32],
     bodies: &'s BodyTable<'s>,
     ahead: f64,
-    /// Up to here bodies are compared, s, or to the end of the last span that is listed.
+    /// Instant up to which bodies are compared, s; or to the end of the last span that is listed.
     until: f64,
     filter: &'s F,
     found: &'s mut Vec<SpanKey>,

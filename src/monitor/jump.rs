@@ -1,9 +1,9 @@
 //! Catching up with a clock that has jumped.
 //!
 //! A lookahead is cut into slices of equal length, and a clock that moves on by a frame needs one more
-//! of them now and then. One that jumps by hours would need thousands, most of them about nothing
-//! new. What it passed over is searched once, in pieces that grow as long as they take little work, each
-//! in slices that suit the bodies there. What is found does not depend on it.
+//! of them now and then. A clock that jumps by hours would need thousands, most of them without news. The
+//! time that it passed over is searched once, in pieces that grow as long as they take little work, each
+//! in slices that suit the bodies there. Results do not depend on these.
 
 use super::budget::BudgetMeter;
 use super::prepared::PreparedBodies;
@@ -19,13 +19,13 @@ use crate::window::Window;
 /// A search over the time between the slices that are there and the present.
 #[derive(Debug, Default)]
 pub(super) struct JumpSearch {
-    /// None if nothing is left to search.
+    /// State of the search; none if nothing is left to search.
     progress: Option<Progress>,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Progress {
-    /// All is searched up to here, s.
+    /// Instant up to which all is searched, s.
     at: f64,
     /// Lengths of the next piece and of its slices, s.
     piece: f64,
@@ -33,7 +33,7 @@ struct Progress {
 }
 
 impl JumpSearch {
-    /// With fewer slices left to look at, they are looked at one by one.
+    /// Number of slices below which they are searched one by one.
     const FEW: f64 = 16.0;
 
     /// Boxes and candidates, and of each body: a piece that takes fewer is followed by one that is twice

@@ -73,17 +73,17 @@ pub(super) struct LookaheadSearch {
     partners: Option<(u64, u64)>,
     /// End of the lookahead when it was last caught up with, s.
     reached: f64,
-    /// Most was unknown when it was last caught up with.
+    /// True if most was unknown at the last catching up.
     was_unknown: bool,
-    /// With more spans it is too crowded.
+    /// Largest number of spans; with more the scene is too crowded.
     pub(super) max_spans: usize,
 }
 
 impl LookaheadSearch {
-    /// More changes than bodies that are not too many.
+    /// Number of changes, above that of bodies, that is not too large.
     const MANY_CHANGES: usize = 1024;
 
-    /// A search for pairs within `margin` (m) on a grid, with room for so many spans.
+    /// Returns a search for pairs within `margin` (m) on a grid, with room for so many spans.
     pub(super) fn new(margin: f64, grid: Grid, max_spans: usize) -> Self {
         Self {
             flights: MonitoredBodies::default(),
@@ -122,7 +122,7 @@ impl LookaheadSearch {
         !(self.dirty.is_empty() && self.left_out.is_empty())
     }
 
-    /// Within what pairs are looked for (m), and where their boxes are measured from.
+    /// Returns the largest margin of pairs (m), and the frame of boxes.
     pub(super) fn reach(&self) -> (f64, &Frame) {
         (self.margin, &self.grid.frame)
     }
@@ -131,15 +131,15 @@ impl LookaheadSearch {
         self.flights.view(scene, slot)
     }
 
-    /// Puts a body's new state of affairs in place (none: it is gone). What was found of it is
-    /// forgotten, and looked for again.
+    /// Replaces the monitored body in a slot (none: it is gone). Its solved spans are dropped, and searched
+    /// for again.
     pub(super) fn set(&mut self, slot: u32, flight: Option<MonitoredBody>) {
         self.flights.set(slot, flight);
         self.forget(slot);
     }
 
-    /// Replaces the plan of the body in a slot over `window`. What was found of it is forgotten, and looked
-    /// for again.
+    /// Replaces the plan of the body in a slot over `window`. Its solved spans are dropped, and
+    /// searched for again.
     pub(super) fn replan(
         &mut self,
         slot: u32,
@@ -151,7 +151,7 @@ impl LookaheadSearch {
         Ok(())
     }
 
-    /// Takes another shape of the body in a slot. What was found of it is forgotten, and looked for again.
+    /// Replaces the shape of the body in a slot. Its solved spans are dropped, and searched for again.
     pub(super) fn reshape(&mut self, slot: u32, shape: BodyShape<'_>) {
         let padding = Padding::of(shape, self.margin, &self.grid.frame);
         self.flights.set_padding(slot, padding);
@@ -219,8 +219,8 @@ impl LookaheadSearch {
         }
     }
 
-    /// Returns the instant (s) to which plans must be followed for a lookahead that ends at `end`: to the end of the slice
-    /// after its last one, since slices are formed as a whole.
+    /// Returns the instant (s) to which plans must be followed for a lookahead that ends at `end`: the end of
+    /// the slice after its last one, since slices are formed as a whole.
     pub(super) fn laid_out(&self, end: f64) -> f64 {
         end + 2.0 * self.grid.length
     }

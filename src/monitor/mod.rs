@@ -1,4 +1,4 @@
-//! A clock, a lookahead, plans that change, and events. What is promised is said at [`Monitor`].
+//! A clock, a lookahead, plans that change, and events. [`Monitor`] has the guarantees.
 
 mod alert_level;
 mod bodies;
@@ -59,31 +59,36 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use tracked_motions::TrackedMotions;
 
-/// Watches a scene as time passes and plans change: a clock, a lookahead, and events, of which none
-/// is lost as long as ticks keep up with the clock. (A body that is put in, taken out or replanned while a
-/// [budget](Self::advance_within) leaves the monitor behind its clock is taken to have been in, gone or so
-/// planned since the last instant of which all was told, [`complete_until`](Self::complete_until).)
+/// Watches a scene as time passes and plans change: a clock, a lookahead, and events. No event is
+/// lost as long as ticks keep up with the clock.
 ///
 /// A monitor owns its [`Scene`]. Between ticks plans change; a tick ([`advance`](Self::advance))
-/// moves the clock and tells what happened. It works with what changes: plans, what comes into the
-/// lookahead, and what an edge of the lookahead or the clock cuts: an encounter under way costs one or two
-/// microseconds a tick, and a tenth for each span (of a cubic of one body with one of the other) that it
-/// has in the lookahead, at each level. So where most bodies are within the margin of many others all
-/// the time, screening each time anew may be cheaper.
-///
-/// The lookahead is cut into slices, up to 2,048 of them, that suit the scene; what that has become is
-/// looked at now and then, by ticks without a budget. If other slices suit it far better, one of them
-/// takes as long as the first one.
-///
-/// A tick is one screening of the lookahead if more than three quarters of the bodies changed before it and before
-/// the previous one, unless it has a budget. The next one before which fewer bodies changed takes
-/// longer: it forms the boxes of all bodies, with which the changed ones are compared from then on.
+/// moves the clock and reports what happened.
 ///
 /// - After a tick that [has caught up](Self::is_caught_up), [`conflicts`](Self::conflicts) is, bit for bit, what
 ///   [`Scene::screen`] says with the level's margin of the window from now to the end of the
 ///   lookahead; else, of the window from now to [`complete_until`](Self::complete_until).
 /// - Every encounter that began has exactly one end, at the latest at [`close`](Self::close).
-///   [`EventKind`] says what may follow what.
+///   [`EventKind`] has the order of events.
+/// - Exception: a [budget](Self::advance_within) may leave the monitor behind its clock. A body that is
+///   inserted, removed or replanned then is taken to have been there, gone or so planned since
+///   [`complete_until`](Self::complete_until), up to which all was reported.
+///
+/// # Cost
+///
+/// A tick works on changed plans, on the time that comes into the lookahead, and on encounters that an
+/// edge of the lookahead or the clock cuts. An encounter under way costs one or two microseconds a tick,
+/// and at each level a tenth for each span (a cubic of one body with a cubic of the other) that it has in
+/// the lookahead. Where most bodies are within the margin of many others all the time, screening anew
+/// may be cheaper.
+///
+/// The lookahead is cut into up to 2,048 slices that suit the scene. Ticks without a budget check now
+/// and then whether they still do. If other slices suit it far better, such a tick takes as long as the
+/// first one.
+///
+/// Without a budget, a tick is one screening of the lookahead if more than three quarters of the bodies
+/// changed before it and before the previous one. The next tick before which fewer bodies changed takes
+/// longer: it forms the boxes of all bodies, with which changed ones are compared from then on.
 ///
 /// # Threads
 ///
@@ -100,11 +105,11 @@ use tracked_motions::TrackedMotions;
 ///
 /// # Memory
 ///
-/// That of its [`Scene`] and, from the first tick on, about 1,100 bytes a body (measured from 10,000 to
-/// 400,000 bodies with few conflicts; more where bodies pass through many slices). Then the spans, conflicts
-/// and encounters of the lookahead.
-/// A body that is replanned no longer needs the scene's copy of its segments in f32; that goes back to the
-/// system when others are put in or taken out, or when all have been replanned.
+/// A monitor takes the memory of its [`Scene`] and, from the first tick on, about 1,100 bytes a body. That
+/// was measured from 10,000 to 400,000 bodies with few conflicts; it is more where bodies pass through many
+/// slices. The spans, conflicts and encounters of the lookahead come on top. A body that is replanned no
+/// longer needs the scene's copy of its segments in f32. That memory goes back to the system when other
+/// bodies are inserted or removed, or when all have been replanned.
 ///
 /// ```
 /// use nearmiss::glam::DVec3;
@@ -133,9 +138,9 @@ pub struct Monitor {
     conflicts: Vec<Vec<Conflict>>,
     now: f64,
     lookahead: f64,
-    /// Up to where clock events have been told.
+    /// Instant up to which clock events have been reported, s.
     told: f64,
-    /// Up to where all is known.
+    /// Instant up to which all is known, s.
     known: f64,
     history: f64,
     revision_threshold: RevisionThreshold,
@@ -164,7 +169,7 @@ struct SlotAdmission<'s> {
     scene: &'s Scene,
     /// The widest margin, m.
     margin: f64,
-    /// Each two bodies may be a pair.
+    /// True if each two bodies may be a pair.
     admits_all: bool,
     /// Set when nobody waits for the answer any more.
     interrupt: Option<&'s AtomicBool>,
@@ -197,9 +202,9 @@ impl Monitor {
     /// They take up to 4 GiB with one alert level, and 2.5 GiB more with each further one.
     pub const MAX_SPANS: usize = 1 << 20;
 
-    /// A monitor of `scene` whose clock shows `now` (s) and that looks `lookahead` seconds ahead. Lookahead
-    /// and levels stay as they are: for others, [`close`](Self::close) it and make another one.
-    /// Levels are numbered as given, from 0; they may come in any order.
+    /// Returns a monitor of `scene` whose clock shows `now` (s) and that looks `lookahead` seconds ahead.
+    /// Levels are numbered as given, from 0; they may come in any order. Lookahead and levels cannot
+    /// change: for others, [`close`](Self::close) the monitor and make another one.
     ///
     /// # Errors
     ///
@@ -265,7 +270,8 @@ impl Monitor {
         Ok(monitor)
     }
 
-    /// Tells revisions only if numbers differ from those last sent by more than this.
+    /// Sets the largest change of an encounter's numbers that is not reported, measured from those last
+    /// reported.
     ///
     /// # Errors
     ///
@@ -282,7 +288,7 @@ impl Monitor {
         Ok(())
     }
 
-    /// Returns the largest change that is not told.
+    /// Returns the largest change that is not reported.
     #[must_use]
     pub const fn revision_threshold(&self) -> RevisionThreshold {
         self.revision_threshold
@@ -305,35 +311,34 @@ impl Monitor {
         Ok(())
     }
 
-    /// Returns for how long plans are kept after they were followed, s.
+    /// Returns the time for which plans are kept after they were followed, s.
     #[must_use]
     pub const fn history(&self) -> f64 {
         self.history
     }
 
-    /// Makes room for this many spans that may hold an encounter; [`MAX_SPANS`](Self::MAX_SPANS) at
-    /// first. A span is a common interval of a cubic of one body with a cubic of another, in which they
-    /// come within the largest release margin in the lookahead; of clusters one for each two spheres that
-    /// matter. There is also room, in each slice of time, for eight times as many spans that cheap tests
-    /// cannot rule out; and for 2^26 pairs whose boxes meet at a time, whatever the limit. Where all bodies
-    /// are in one place, all pairs need room: then a tick ends with [`Error::TooCrowded`] instead of
-    /// filling the memory.
+    /// Sets the limit of spans that may hold an encounter; [`MAX_SPANS`](Self::MAX_SPANS) by default. A span
+    /// counts if its bodies come within the largest release margin in the lookahead: a common interval of a
+    /// cubic of one body with a cubic of another. Clusters have one for each two spheres that matter. Each
+    /// slice of time has room for eight times as many spans that cheap tests cannot rule out, and for 2^26
+    /// pairs whose boxes meet, whatever the limit. If all bodies are in one place, all pairs count: a tick
+    /// then ends with [`Error::TooCrowded`] instead of filling the memory.
     ///
-    /// The tick after such an error looks at everything anew. Take bodies out, ignore pairs, use layers,
-    /// or make more room before it.
+    /// The tick after such an error looks at everything anew. Before it, remove bodies, ignore pairs, use
+    /// layers, or raise the limit.
     pub fn set_max_spans(&mut self, limit: usize) {
         self.search.max_spans = limit;
         #[cfg(feature = "recording")]
         self.write_down(|| Record::MostSpans(limit));
     }
 
-    /// Returns the number of spans that may hold an encounter for which there is room.
+    /// Returns the limit of spans that may hold an encounter.
     #[must_use]
     pub const fn max_spans(&self) -> usize {
         self.search.max_spans
     }
 
-    /// Returns how far the monitor looks ahead of its clock, s.
+    /// Returns the lookahead: the time ahead of the clock that is examined, s.
     #[must_use]
     pub const fn lookahead(&self) -> f64 {
         self.lookahead
@@ -357,8 +362,8 @@ impl Monitor {
         self.now
     }
 
-    /// Before this instant nothing was missing at the last tick, s. The end of the lookahead unless a
-    /// budget ran out.
+    /// Returns the instant up to which nothing was missing at the last tick, s: the end of the lookahead,
+    /// unless a budget ran out.
     #[must_use]
     pub const fn complete_until(&self) -> f64 {
         self.known
@@ -386,7 +391,8 @@ impl Monitor {
         conflicts.ok_or(Error::UnknownAlertLevel { level })
     }
 
-    /// Returns the conflicts of one body at a level, soonest first. Goes through all of the level.
+    /// Returns the conflicts of one body at a level, soonest first. The call goes through all conflicts of
+    /// the level.
     ///
     /// # Errors
     ///

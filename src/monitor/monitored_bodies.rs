@@ -11,7 +11,7 @@ use crate::trajectory::{Extension, Outside, Trajectory};
 use crate::window::Window;
 use std::slice::from_ref;
 
-/// What is worked out about a body's plan and hitbox once, when they are set.
+/// The facts about a body's plan and hitbox that are computed once, when they are set.
 #[derive(Debug)]
 pub(super) struct MonitoredBody {
     pub(super) padding: Padding,
@@ -23,9 +23,9 @@ pub(super) struct MonitoredBody {
     ends: (f64, f64),
     /// Number of the plan's own cubics.
     cubics: u32,
-    /// Up to where a plan without end is followed, s; infinite for one that has an end.
+    /// Instant up to which a plan without end is followed, s; infinite for a plan with an end.
     pub(super) until: f64,
-    /// The body may be part of a pair of boxes.
+    /// True if the body may be part of a pair of boxes.
     pub(super) has_partner: bool,
     is_half_space: bool,
 }
@@ -105,7 +105,7 @@ impl MonitoredBody {
         Ok(Some(extension))
     }
 
-    /// The plan and the hitbox it was made of, as the narrow phase takes them.
+    /// Returns the plan and the hitbox as the narrow phase takes them.
     pub(super) fn view<'s>(
         &'s self,
         trajectory: &'s Trajectory,
@@ -114,7 +114,7 @@ impl MonitoredBody {
         BodyView::of((self.knots(trajectory), trajectory.cubics()), shape)
     }
 
-    /// The knots of the plan.
+    /// Returns the knots of the plan.
     #[inline]
     pub(super) fn knots<'s>(&self, trajectory: &'s Trajectory) -> Knots<'s> {
         let knots = Knots::with_ends(trajectory.cuts(), self.ends);
@@ -122,13 +122,13 @@ impl MonitoredBody {
     }
 }
 
-/// By slot; a slot without a body has none.
+/// The bodies by slot; a slot without a body has none.
 #[derive(Debug)]
 pub(super) struct MonitoredBodies {
     by_slot: Vec<Option<MonitoredBody>>,
     /// Slots of half-spaces, ascending.
     half_spaces: Vec<u32>,
-    /// Up to where all those that exist for ever are followed, s.
+    /// Instant up to which all plans without end are followed, s.
     until: f64,
 }
 
@@ -143,7 +143,7 @@ impl Default for MonitoredBodies {
 }
 
 impl MonitoredBodies {
-    /// One more than the last slot.
+    /// Returns the number of slots: one more than the last one.
     pub(super) fn len(&self) -> usize {
         self.by_slot.len()
     }
@@ -196,7 +196,7 @@ impl MonitoredBodies {
         (&mut self.by_slot, &mut self.until)
     }
 
-    /// Notes which bodies may be part of a pair; returns whether that is new of the one in a slot.
+    /// Notes which bodies may be part of a pair; returns true if that has changed for the one in a slot.
     pub(super) fn set_partner(&mut self, slot: u32, has_partner: bool) -> bool {
         let flight = self.by_slot.get_mut(slot as usize);
         flight.and_then(Option::as_mut).is_some_and(|flight| {
@@ -240,7 +240,7 @@ impl MonitoredBodies {
         }
     }
 
-    /// The body in a slot.
+    /// Returns the body in a slot.
     pub(super) fn get<'s>(
         &'s self,
         scene: &'s Scene,
@@ -250,7 +250,7 @@ impl MonitoredBodies {
         Some((flight, flight.view(&body.trajectory, body.shape())))
     }
 
-    /// The body in a slot, with what is known of its plan.
+    /// Returns the body in a slot, with the facts about its plan.
     #[inline]
     pub(super) fn known<'s>(
         &'s self,
@@ -265,8 +265,8 @@ impl MonitoredBodies {
         self.get(scene, slot).map(|(_, view)| view)
     }
 
-    /// When the body in a slot exists, as far back as it is known: also beyond where it is followed to, if it
-    /// goes on there.
+    /// Returns the interval in which the body in a slot exists, as far back as it is known (s); also beyond
+    /// the time up to which it is followed, if it goes on there.
     pub(super) fn domain(&self, scene: &Scene, slot: u32) -> Option<(f64, f64)> {
         let (flight, view) = self.get(scene, slot)?;
         let (start, end) = view.knots.ends();

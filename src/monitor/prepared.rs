@@ -8,7 +8,7 @@ use crate::search::{
 use crate::simd::InstructionSet;
 use crate::window::Window;
 
-/// All bodies by slot, and when they exist: never where there is none.
+/// All bodies by slot, and the intervals in which they exist; a slot without a body never does.
 #[derive(Debug)]
 pub(super) struct PreparedBodies<'m> {
     table: BodyTable<'m>,

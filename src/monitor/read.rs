@@ -1,5 +1,5 @@
-//! Reading the search: the conflicts that are reported, and the plain encounters that feed the
-//! state machine.
+//! Reading the search: the conflicts that are reported, and the planned encounters, which are the input
+//! of the state machine.
 //!
 //! Most contacts lie well within the window, and stay the same from tick to tick: each pair is
 //! read once, when its spans have changed, as if the window were endless. Only what an edge of the

@@ -6,7 +6,7 @@ use super::{EventKind, Monitor, check_revision_threshold, check_setting};
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::rounding::one_zero;
 
-/// No monitor has had more encounters: what comes after it can be counted.
+/// Largest number of encounters of a snapshot: later ones can be counted.
 const MAX_ENCOUNTERS: u64 = 1 << 62;
 
 impl Monitor {
@@ -55,12 +55,12 @@ impl Monitor {
         }
     }
 
-    /// Returns the monitor that a snapshot was taken of. It tells the same events from then on, if the same
-    /// is done with it. Its next tick looks at all bodies, like the first one of a new monitor.
+    /// Returns the monitor of which a snapshot was taken. Given the same inputs, it reports the same events
+    /// from then on. Its next tick looks at all bodies, like the first one of a new monitor.
     ///
     /// # Errors
     ///
-    /// None of a snapshot from [`snapshot`](Self::snapshot). Of one that was read from a file:
+    /// A snapshot from [`snapshot`](Self::snapshot) has no errors. For one that was read from a file:
     /// [`Error::Snapshot`] if it contradicts itself, and the errors of [`new`](Self::new),
     /// [`advance`](Self::advance) and the setters.
     pub fn restore(snapshot: Snapshot) -> Result<Self, Error> {

@@ -2,10 +2,10 @@
 
 /// The largest change of an encounter that is not reported, measured from the last report.
 ///
-/// The default keeps back what rounding changes: where a distance hardly changes, or as the clock passes
-/// an instant that was worked out. With 0 every change is reported. (The nearest point of an open
-/// encounter is another one each tick as long as it lies at the end of what is known: it is told once a
-/// lookahead at most.)
+/// The default keeps back changes by rounding: where a distance hardly changes, or as the clock passes an
+/// instant that was computed. With 0 every change is reported. Exception: the nearest point of an open
+/// encounter changes each tick while it lies at the end of the known time. It is reported once a lookahead at
+/// most.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RevisionThreshold {
@@ -18,7 +18,7 @@ pub struct RevisionThreshold {
 }
 
 impl Default for RevisionThreshold {
-    /// 1e-9 s and 1e-9 m.
+    /// Returns 1e-9 s and 1e-9 m.
     fn default() -> Self {
         Self {
             time: 1e-9,

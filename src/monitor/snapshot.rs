@@ -6,8 +6,8 @@ use super::event::Event;
 use super::revision_threshold::RevisionThreshold;
 use crate::scene::Scene;
 
-/// A [`Monitor`](crate::Monitor) as it was when [`Monitor::snapshot`](crate::Monitor::snapshot) was called: its scene, clock, levels, settings and
-/// encounters. With the feature `serde` it can be written to a file.
+/// A [`Monitor`](crate::Monitor) as it was when [`Monitor::snapshot`](crate::Monitor::snapshot) was called: its
+/// scene, clock, levels, settings and encounters. With the feature `serde` it can be written to a file.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
@@ -25,8 +25,8 @@ pub struct Snapshot {
     /// Encounters by level.
     pub(super) encounters: Vec<Saved>,
     pub(super) waiting: Vec<Event>,
-    /// By slot: the end of its plan, if it has one, has been told.
+    /// True, by slot, if the plan has an end that has been reported.
     pub(super) end_told: Vec<bool>,
-    /// Another tick at the same time would find everything as it is.
+    /// True if another tick at the same time would change nothing.
     pub(super) settled: bool,
 }

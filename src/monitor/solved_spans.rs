@@ -121,8 +121,8 @@ impl SolvedSpans {
         entries[first..].iter().take_while(of_pair)
     }
 
-    /// All contacts of a pair within `margin` in `clip`, in the order of time; replaces what
-    /// `found` held.
+    /// Finds all contacts of a pair within `margin` in `clip`, in the order of time; replaces the content of
+    /// `found`.
     pub(super) fn contacts(
         &self,
         pair: SlotPair,

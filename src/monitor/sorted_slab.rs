@@ -1,5 +1,5 @@
-//! Values that are large and stay for long, in the order of their keys: what is searched, and moves
-//! when some come or go, is a short entry for each.
+//! A slab of large values that stay for long, with a sorted list of short entries: a search reads the
+//! entries, and only entries move when values come or go.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ pub(super) struct IndexEntry<K> {
     pub(super) key: K,
     /// Interval, s.
     pub(super) interval: (f64, f64),
-    /// See [`SortedSlab::at`].
+    /// Place of the value, for [`SortedSlab::at`].
     pub(super) place: usize,
 }
 

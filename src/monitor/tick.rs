@@ -1,7 +1,6 @@
-//! One tick: catch up with the clock, read what is known, tell what changed.
+//! A tick: it catches up with the clock, reads what is known, and reports what changed.
 //!
-//! Everything is worked out first and takes effect at the end, so that a tick that fails has done
-//! nothing.
+//! Everything is computed first and takes effect at the end, so that a tick that fails changes nothing.
 
 use super::budget::{Budget, BudgetMeter};
 use super::command::CommandBatch;
@@ -23,29 +22,29 @@ use crate::trajectory::{Outside, Trajectory};
 use crate::wall_clock::Instant;
 
 impl Monitor {
-    /// Moves the clock to `now` (s) and appends what happened to `events`, in their order. The
-    /// clock may stand still, or jump: a far jump costs what there is to see on the way, hardly its
-    /// length, and tells all of it.
+    /// Moves the clock to `now` (s) and appends the events since the last tick to `events`, in their order. The
+    /// clock may stand still, or jump. A far jump reports all encounters on the way; its cost depends on
+    /// these, hardly on its length.
     ///
-    /// In steady state a tick takes no memory: it uses that of earlier ones, which holds as much as was
-    /// ever needed. One exception: where the boxes of more than 1,024 pairs and four a body meet in a slice
-    /// of the lookahead, the memory for these is given back each time.
+    /// In steady state a tick allocates nothing: it uses the memory of earlier ones, which holds as much as was
+    /// ever needed. Exception: where the boxes of more than 1,024 pairs and four a body meet in a slice of the
+    /// lookahead, their memory is given back each time.
     ///
     /// # Errors
     ///
     /// [`Error::ClockWentBack`], [`Error::Clock`]; [`Error::InBody`] with [`Error::OutOfRange`] or
-    /// [`Error::TooFar`] if a plan cannot be followed through the lookahead; [`Error::TooCrowded`] if more lies ahead than there
-    /// [is room for](Self::set_max_spans). The clock stays where it was, and nothing is told; after the
-    /// last of these errors all is looked at anew, also what was known before.
+    /// [`Error::TooFar`] if a plan cannot be followed through the lookahead; [`Error::TooCrowded`] if more lies
+    /// ahead than [the limit allows](Self::set_max_spans). The clock stays where it was, and no event is
+    /// reported. After `TooCrowded` the next tick looks at everything anew.
     pub fn advance(&mut self, now: f64, events: &mut Vec<Event>) -> Result<(), Error> {
         self.advance_within(now, Budget::Unlimited, events)
     }
 
-    /// Like [`advance`](Self::advance), but within a budget, soonest first. Nothing is missing
-    /// before [`complete_until`](Self::complete_until); later ticks continue from there, also while
-    /// the clock stands still. In the end they report the same clock events. Exceptions: bodies
-    /// come or go meanwhile, or a plan changes what was at an instant (the clock's own included)
-    /// that one monitor has reported and another has not.
+    /// Moves the clock like [`advance`](Self::advance), but within a budget: the near future is examined first.
+    /// Nothing is missing before [`complete_until`](Self::complete_until); later ticks continue from there,
+    /// also while the clock stands still. In the end they report the clock events that unlimited ticks do.
+    /// Exceptions: bodies are inserted or removed meanwhile, or a plan changes the past at an instant (the
+    /// clock's own included) that one monitor has reported and another has not.
     ///
     /// ```
     /// # use nearmiss::glam::DVec3;
@@ -204,11 +203,10 @@ impl Monitor {
         self.is_caught_up() && self.waiting.is_empty() && !self.readings.reads_all()
     }
 
-    /// Ends everything: each encounter under way ends, each ahead is withdrawn. Gives back the
-    /// scene.
+    /// Closes the monitor and returns the scene: each encounter under way ends, each one ahead is
+    /// withdrawn.
     ///
-    /// A recording under way ends with it; `stop_recording` before tells
-    /// whether all of it could be written.
+    /// A recording under way ends, too. Call `stop_recording` before to know if all of it could be written.
     pub fn close(mut self, events: &mut Vec<Event>) -> Scene {
         self.end_all(events);
         #[cfg(feature = "recording")]
@@ -231,7 +229,7 @@ impl Monitor {
         events[first..].sort_unstable_by(Event::order);
     }
 
-    /// Tells each plan that ends within the lookahead, once.
+    /// Reports each plan that ends within the lookahead, once.
     fn tell_plan_ends(&mut self, end: f64, events: &mut Vec<Event>) {
         let scene = &self.scene;
         self.plan_ends.take(end, |slot, _| {
@@ -266,8 +264,8 @@ impl Monitor {
         self.readings.update(source, &self.levels, self.told);
     }
 
-    /// Reads the conflicts from now to the end of what is known; and the plain encounters from the
-    /// last tick's clock on, and works out what they come to.
+    /// Reads the conflicts from now to the end of the known time, and the planned encounters from the last
+    /// tick's clock on, and updates the tracked encounters.
     pub(super) fn read(&mut self, tick: &TickContext, next_id: &mut u64, events: &mut Vec<Event>) {
         /// Spans of pairs that are sooner read than another thread wakes up.
         const FEW: usize = 1024;
@@ -319,7 +317,7 @@ impl Monitor {
         parallel::join(count, FEW, read_plains, read_conflicts);
     }
 
-    /// Tells of all encounters whatever a least change that was set before has kept back.
+    /// Reads all encounters again, so that changes below an earlier threshold are reported.
     pub(super) fn read_all_plains(&mut self) {
         self.readings
             .plains

@@ -14,14 +14,16 @@ use crate::trajectory::Trajectory;
 use crate::window::Window;
 
 impl Monitor {
-    /// From `now` (s) on each of these bodies follows [`Trajectory::coasting`] from its state, whatever the
-    /// state's own time; until then it keeps its old plan. That is what [`replan`](Self::replan) does for each,
-    /// in one call: what a physics engine or a network tells of all bodies, each frame.
+    /// Lets each of these bodies follow [`Trajectory::coasting`] from its state, from `now` (s) on, whatever the
+    /// state's own time; until then it keeps its old plan. The call does for all bodies what
+    /// [`replan`](Self::replan) does for one: a physics engine or a network tells them each frame.
     ///
-    /// A state with a [spin](BodyState::with_spin) sets the orientation as well, from `now` on; without one the
-    /// body goes on turning as it does. A body that is left out keeps its course. One that already follows that very
-    /// motion, from a state of that very time, is not changed: leave out bodies that sleep. Of a body that is named
-    /// twice the last state counts. In steady state nothing is allocated.
+    /// - A state with a [spin](BodyState::with_spin) sets the orientation as well, from `now` on; without one the
+    ///   body goes on turning as it does.
+    /// - A body that is left out keeps its plan. A body that already follows that very motion, from a state of
+    ///   that very time, is not changed: leave out bodies that sleep.
+    /// - The last state of a body that is named twice counts.
+    /// - In steady state nothing is allocated.
     ///
     /// States that came through `f32` are off by a different rounding each frame. Two bodies that stay at a margin
     /// then seem to cross it again and again: give the level a [release](crate::AlertLevel::release) above its margin.
@@ -83,7 +85,7 @@ impl Monitor {
         done
     }
 
-    /// Works out what becomes of each body.
+    /// Finds the change of each body.
     fn list_changes(
         &self,
         now: f64,
@@ -179,7 +181,7 @@ impl Monitor {
         }
     }
 
-    /// Works out what becomes of a body that is told a motion, and maybe an orientation, at an instant (s).
+    /// Finds the change of a body that is told a motion, and maybe an orientation, at an instant (s).
     fn work_out_change(
         &self,
         now: f64,

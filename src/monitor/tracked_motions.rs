@@ -9,9 +9,9 @@ use crate::trajectory::{StraightMotion, Trajectory};
 /// Changes of the bodies of one call. Their memory is reused.
 #[derive(Debug, Default)]
 pub(super) struct TrackedMotions {
-    /// One for each body.
+    /// Motions, one for each body.
     pub(super) motions: Vec<TrackedMotion>,
-    /// By slot: the place of its motion in `motions`, if that is of this slot.
+    /// Place in `motions` of each slot's motion, valid if that entry is of this slot.
     place_of: Vec<usize>,
     /// Spins that were given, with the place of the body's motion.
     spins: Vec<(usize, TrackedSpin)>,
@@ -105,12 +105,12 @@ pub(super) struct TrackedChange {
 /// The way in which a body comes to follow a straight motion.
 #[derive(Debug)]
 pub(super) enum TrackedPlan {
-    /// It follows it already.
+    /// The body follows the motion already.
     Same,
-    /// Its plan is turned at an instant (s).
+    /// The body's plan is turned at an instant (s).
     Turn(f64),
     /// The body takes another plan.
     Replan(Box<(Trajectory, MonitoredBody)>),
-    /// None: it is refused.
+    /// The motion is refused.
     Refused(Box<Error>),
 }

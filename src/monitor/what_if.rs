@@ -51,11 +51,12 @@ impl Monitor {
         self.conflicts_on((id, body.tag), (plan, shape), alert.margin, admits)
     }
 
-    /// Returns the conflicts at a level, from now to [`complete_until`](Self::complete_until), that a
-    /// body would have which is not there yet. Changes nothing. The answer is that of
-    /// [`conflicts_of`](Self::conflicts_of) once the body is [inserted](Self::insert) and a tick at the
-    /// same clock has looked as far, to the last bit. Its id in the answer is the one that it would
-    /// have. What has changed since the last tick counts; before the first tick nothing is known,
+    /// Returns the conflicts at a level, from now to [`complete_until`](Self::complete_until), that a body
+    /// would have which is not there yet. Nothing is changed.
+    ///
+    /// The answer is bit for bit that of [`conflicts_of`](Self::conflicts_of) once the body is
+    /// [inserted](Self::insert) and a tick at the same clock has looked as far. The body's id in the answer is
+    /// the one that it would have. Changes since the last tick count. Before the first tick nothing is known,
     /// and nothing found.
     ///
     /// ```

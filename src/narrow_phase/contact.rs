@@ -74,8 +74,8 @@ pub(crate) fn may_touch(
 /// and with the interval in which they are solved (s). The bodies' model errors are added to the
 /// margin.
 ///
-/// Where a body turns, only the parts of the span that meet `clip` and do not begin before `after`
-/// (s) are solved: a span may last for ever. Returns the next value of `after`, infinity if all of
+/// If a body turns, only the parts of the span that meet `clip` and do not begin before `after` (s) are
+/// solved: a span may last for ever. Returns the next value of `after`, infinity if all of
 /// the span is solved.
 pub(crate) fn solve(
     a: &BodyView<'_>,

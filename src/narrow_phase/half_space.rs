@@ -45,7 +45,7 @@ pub(super) struct SphereAlong {
 }
 
 /// Returns the pair of a half-space and the sphere that is nearest to it, or `None` if neither body
-/// is a half-space, both are, or one turns. Of a body that does not turn, one sphere is the nearest
+/// is a half-space, both are, or one turns. A body that does not turn has one sphere that is the nearest
 /// at all times.
 #[cold]
 pub(super) fn lone_pair(a: &BodyView<'_>, b: &BodyView<'_>, span: Span) -> Option<SpherePair> {
@@ -58,7 +58,7 @@ pub(super) fn lone_pair(a: &BodyView<'_>, b: &BodyView<'_>, span: Span) -> Optio
 }
 
 /// Returns true if a cheap test cannot exclude that the spheres of a pair with a half-space come
-/// within the margin in `from..=to`, a part of a span. Of two half-spaces it always can.
+/// within the margin in `from..=to`, a part of a span. The test always excludes two half-spaces.
 pub(super) fn may_touch_plane(
     a: &BodyView<'_>,
     b: &BodyView<'_>,
@@ -127,7 +127,7 @@ impl<'a> PlanePair<'a> {
     /// Returns true if the body is so far above the plane over a part of the span that rounding does not
     /// matter.
     fn is_far_above(&self, margin: f64, part: Span) -> bool {
-        /// Far more than all rounding, and than the normal's length is off, relative to the coordinates.
+        /// Bound far above all rounding, and above the normal's length is off, relative to the coordinates.
         const CLEARANCE: f64 = 4e-9;
         let [body, plane] = &self.segments();
         let range = |segment| SegmentHeights::of(segment, (part.start, part.end), self.normal);

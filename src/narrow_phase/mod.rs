@@ -44,14 +44,14 @@ pub(crate) struct BodyView<'a> {
     pub(crate) knots: Knots<'a>,
     /// Cubics of the plan.
     pub(crate) segments: &'a [Segment],
-    /// None of a half-space.
+    /// Spheres of the hitbox; a half-space has none.
     pub(crate) spheres: &'a [Sphere],
-    /// Contains all spheres, enlarged by the model error. Of a half-space: its normal, and an infinite
-    /// radius.
+    /// Sphere that contains all spheres, enlarged by the model error; for a half-space its normal, and an
+    /// infinite radius.
     pub(crate) bounding: Sphere,
     /// Turning motion of the spheres, if that changes anything.
     pub(crate) turning: Option<&'a Turning>,
-    /// See [`Body::with_model_error`](crate::Body::with_model_error), m.
+    /// [Model error](crate::Body::with_model_error) of the body, m.
     pub(crate) model_error: f64,
 }
 

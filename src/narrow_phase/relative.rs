@@ -170,7 +170,7 @@ pub(crate) struct PowerForms {
 }
 
 impl PowerForms {
-    /// See [`RelativeCubic::at`].
+    /// Returns relative position and its derivative by s (m), as [`RelativeCubic::at`] does.
     #[inline(always)]
     pub(crate) fn at(&self, s: f64) -> (DVec3, DVec3) {
         if s <= 0.5 {

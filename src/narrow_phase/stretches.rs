@@ -26,7 +26,7 @@ pub(crate) struct ProfilePoint {
 pub(crate) struct DistanceProfile {
     nodes: [ProfileNode; MAX_STATIONARY + 2],
     count: usize,
-    /// See [`ProfilePoint::plateau`].
+    /// Rounding of a constant distance, as [`ProfilePoint::plateau`].
     plateau: f64,
 }
 

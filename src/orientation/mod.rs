@@ -38,7 +38,7 @@ use turning::OrientationPart;
 ///
 /// Knots of an orientation are independent of those of the trajectory. Rotations are unit
 /// quaternions; a length that differs from 1 by more than 1e-9 is refused. The direction given is
-/// meant, normalised in real arithmetic: what rounding does to it is part of every bound. q and -q
+/// meant, normalised in real arithmetic: the error of its rounding is part of every bound. q and -q
 /// are the same rotation.
 ///
 /// # Accuracy and cost
@@ -179,8 +179,8 @@ impl Orientation {
         Self::of_parts(self.parts(), Some(tolerance))
     }
 
-    /// Returns the orientation that is this one until `from` (s) and `next` from then on. What ends
-    /// before `since` (s) is forgotten. The tolerance is that of `next`, if it has one.
+    /// Returns the orientation that is this one until `from` (s) and `next` from then on. Parts that end
+    /// before `since` (s) are dropped. The tolerance is that of `next`, if it has one.
     ///
     /// # Errors
     ///

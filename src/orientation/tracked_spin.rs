@@ -127,7 +127,7 @@ mod tests {
         DVec3::from_array([0; 3].map(|_| rng.random_range(-2.0..2.0)))
     }
 
-    /// Its parts, its cuts, its cubics.
+    /// Formats the parts, cuts and cubics of an orientation.
     fn all_of(orientation: &Orientation) -> String {
         format!("{orientation:?}")
     }

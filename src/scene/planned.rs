@@ -9,7 +9,7 @@ impl Scene {
     /// not count.
     ///
     /// Bodies [at rest](crate::Trajectory::at_rest) and bodies that [coast](crate::Trajectory::coasting) from a
-    /// single state do not count either. `None` if there are no others.
+    /// single state do not count either. The result is `None` if there are no others.
     ///
     /// ```
     /// use nearmiss::glam::DVec3;

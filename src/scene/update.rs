@@ -20,13 +20,13 @@ pub struct BodyState {
     pub spin: Option<Spin>,
 }
 
-/// The rotation of a body at one instant, and how it turns.
+/// The rotation and the angular velocity of a body at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Spin {
-    /// From the body's axes to those of the world; a unit quaternion.
+    /// Rotation from the body's axes to those of the world: a unit quaternion.
     pub rotation: DQuat,
-    /// In the world's axes, rad/s.
+    /// Angular velocity in the world's axes, rad/s.
     pub angular_velocity: DVec3,
 }
 
@@ -104,7 +104,7 @@ impl Scene {
     /// engine or a network tells of all bodies, each frame. A state with a [spin](BodyState::with_spin)
     /// gives the body the [orientation](Orientation::spin) as well.
     ///
-    /// A body that is left out keeps its course. Of a body that is named twice the last state counts. A body
+    /// A body that is left out keeps its course. The last state of a body that is named twice counts. A body
     /// that had another trajectory of one state takes no memory for the new one.
     ///
     /// ```

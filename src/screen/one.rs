@@ -18,11 +18,11 @@ const CHUNK: usize = 256;
 
 impl Scene {
     /// Returns all conflicts of a body that is not in the scene with those that are, within the
-    /// query's window and margin, sorted by (enter, a, b): may it fly this? Changes nothing.
+    /// query's window and margin, sorted by (enter, a, b): may it fly this? Nothing is changed.
     ///
     /// The bits are those that a [screening](Self::screen) of the scene with the body
     /// [inserted](Self::insert) would report of its pairs. Its id in the answer is the one that it
-    /// would have. Without a window in the query, the time that all plans cover counts, its own
+    /// would have. A query without a window asks about the time that all plans cover, its own
     /// included. Layers count. The query's limit of spans does not: each pair is examined by
     /// itself. The cost is proportional to the number of bodies.
     ///
@@ -119,7 +119,7 @@ fn extremes_of(view: &BodyView<'_>, window: Window) -> DAabb {
 
 /// Returns true if two boxes are certainly farther apart than `reach` (m) on some axis.
 fn is_apart(one: &DAabb, other: &DAabb, reach: f64) -> bool {
-    /// Far above that of the boxes.
+    /// Bound of the rounding of the boxes, relative to their coordinates: far above the true one.
     const ROUNDING: f64 = 1e-12;
     let size = [one.low, one.high, other.low, other.high].map(|corner| corner.abs().max_element());
     let size = size.into_iter().fold(reach.abs(), f64::max);

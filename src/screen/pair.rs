@@ -73,8 +73,8 @@ pub fn certified_closest_approach(
     })
 }
 
-/// Returns all conflicts of two bodies within the query's window and margin, in time order. Without
-/// a window in the query, the time that their plans cover.
+/// Returns all conflicts of two bodies within the query's window and margin, in time order. A query
+/// without a window asks about the time that their plans cover.
 ///
 /// The ids are those that an empty scene would give to `a` and then to `b`.
 ///

@@ -128,7 +128,7 @@ impl<'a> PreparedScene<'a> {
 
     /// Returns true if most bodies are looked at where they lie: there is hardly anything to lay out.
     pub(super) fn is_in_place(&self) -> bool {
-        /// Of plans, lists are read faster.
+        /// If one body in so many has a plan, lists of views and sources are read faster.
         const SHARE: usize = 8;
         SHARE * self.survey.planned < self.entries.len()
     }

@@ -13,8 +13,8 @@ use glam::DVec3;
 pub(super) struct SceneSurvey {
     window: Window,
     margin: f64,
-    /// Existence of each body, by place, and of all (first and last instant, s). Never for bodies
-    /// that are part of no pair.
+    /// Existence of each body, by place, and of all (first and last instant, s). A body that is part of no
+    /// pair never exists.
     pub(super) lives: Vec<(f64, f64)>,
     pub(super) existence: (f64, f64),
     /// Approximate extremes of the plans of bodies that exist in the window, m.

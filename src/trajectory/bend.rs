@@ -232,29 +232,29 @@ mod tests {
                     (first, plan.segment_before(), -1.0),
                     (last, plan.segment_after(), 1.0),
                 ];
-                for ((knot, carrier, sign), motion) in ends.iter().zip(&motions) {
+                for ((knot, end_motion, sign), motion) in ends.iter().zip(&motions) {
                     let motion = motion.around(*knot);
                     let motion = match outside {
                         Outside::Coast => motion.straight(),
                         _ => motion,
                     };
-                    let unit = carrier.end() - carrier.start();
+                    let unit = end_motion.end() - end_motion.start();
                     let lengths = 10_f64.powf(rng.random_range(-1.0..16.0));
                     let [near, far] = [1.0, 2.0].map(|k| knot + sign * k * lengths * unit);
                     let first = knot + sign * unit;
                     for ends in [(near, far), (*knot, first)] {
                         let interval = (ends.0.min(ends.1), ends.0.max(ends.1));
-                        let part = carrier.restrict(interval.0, interval.1);
-                        let off = motion.farthest(&part.points, carrier.origin(), interval);
-                        assert!(off <= part.error, "{round} {off:e} {part:?} {carrier:?}");
+                        let part = end_motion.restrict(interval.0, interval.1);
+                        let off = motion.farthest(&part.points, end_motion.origin(), interval);
+                        assert!(off <= part.error, "{round} {off:e} {part:?} {end_motion:?}");
                         worst = worst.max(off / part.error);
-                        let scale = motion.way(unit) + carrier.origin().length();
+                        let scale = motion.way(unit) + end_motion.origin().length();
                         let way = motion.way(ends.1 - knot);
                         let coarse = 1.0 + 128.0 * UNIT_ROUNDOFF * lengths;
                         let bound = 1e-14 * scale + 40.0 * UNIT_ROUNDOFF * way * coarse * coarse;
                         let error = part.error;
                         assert!(error <= bound + 1e-200, "{round} {error:e} {bound:e}");
-                        assert!(is_met(carrier, &motion, ends.1, part.error), "{round}");
+                        assert!(is_met(end_motion, &motion, ends.1, part.error), "{round}");
                     }
                 }
             }
@@ -263,9 +263,9 @@ mod tests {
     }
 
     /// Returns true if the position at an instant is that of the exact motion.
-    fn is_met(carrier: &Segment, motion: &ExactCubic, time: f64, error: f64) -> bool {
-        let place = carrier.motion_at(time).0;
-        let rounding = 2.0 * UNIT_ROUNDOFF * (place.length() + carrier.origin().length());
+    fn is_met(end_motion: &Segment, motion: &ExactCubic, time: f64, error: f64) -> bool {
+        let place = end_motion.motion_at(time).0;
+        let rounding = 2.0 * UNIT_ROUNDOFF * (place.length() + end_motion.origin().length());
         motion.farthest(&[place; 4], DVec3::ZERO, (time, time)) <= error + rounding
     }
 }

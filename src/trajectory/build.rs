@@ -2,7 +2,7 @@
 
 use super::cuts::DoublingCuts;
 use super::double_double::DoubleDouble;
-use super::roomy::Roomy;
+use super::front_gap::FrontGapVec;
 use super::straight::StraightMotion;
 use super::{Form, Outside, Plan, Segment, State, Trajectory, bend};
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
@@ -42,10 +42,10 @@ impl Trajectory {
             return Err(Error::TooFewStates { count });
         }
         check_states(leaving)?;
-        let mut knots = Roomy::with_capacity(count);
+        let mut knots = FrontGapVec::with_capacity(count);
         let times = leaving.iter().map(|state| one_zero(state.time));
         times.for_each(|time| knots.push(time));
-        let mut segments = Roomy::with_capacity(count - 1);
+        let mut segments = FrontGapVec::with_capacity(count - 1);
         for (knot, (from, to)) in (1..).zip(leaving.iter().zip(&arriving[1..])) {
             segments.push(Segment::hermite(from, to, knot)?);
         }
@@ -129,21 +129,28 @@ impl Trajectory {
     /// Returns the motion along cubics between knots, which ends at the first and the last one. `ends` are the end
     /// motions from there, for another [rule](Outside).
     pub(super) fn of_cubics(knots: &[f64], segments: &[Segment], ends: &[Segment; 2]) -> Self {
-        let (knots, segments) = (Roomy::new(knots, &[]), Roomy::new(segments, ends));
+        let (knots, segments) = (
+            FrontGapVec::new(knots, &[]),
+            FrontGapVec::new(segments, ends),
+        );
         Self::of_plan(knots, segments, [Outside::Absent; 2])
     }
 
     /// Returns this motion with other cubics between its first and its last knot. Beyond them it is the same.
     pub(super) fn with_cubics(&self, knots: &[f64], segments: &[Segment]) -> Self {
-        let ends = [self.carrier_before(), self.carrier_after()];
+        let ends = [self.end_motion_before(), self.end_motion_after()];
         let rules = [self.outside_before(), self.outside_after()];
-        Self::of_plan(Roomy::new(knots, &[]), Roomy::new(segments, &ends), rules)
+        Self::of_plan(
+            FrontGapVec::new(knots, &[]),
+            FrontGapVec::new(segments, &ends),
+            rules,
+        )
     }
 
     /// Returns the motion along cubics between knots, with the end motions beside the cubics and these rules.
     pub(super) const fn of_plan(
-        knots: Roomy<f64>,
-        segments: Roomy<Segment, 2>,
+        knots: FrontGapVec<f64>,
+        segments: FrontGapVec<Segment, 2>,
         rules: [Outside; 2],
     ) -> Self {
         Self {

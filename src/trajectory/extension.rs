@@ -37,7 +37,7 @@ impl Trajectory {
 
     /// Returns the cubic that the body follows before its first knot.
     pub(crate) fn segment_before(&self) -> Segment {
-        let end = self.carrier_before();
+        let end = self.end_motion_before();
         match (self.outside_before(), self.cubics().first()) {
             // Of what was before the knots that are left nothing is known.
             (Outside::Extrapolate, Some(first)) if end.start() < self.cuts()[0] => *first,
@@ -48,7 +48,7 @@ impl Trajectory {
 
     /// Returns the cubic that the body follows after its last knot.
     pub(crate) fn segment_after(&self) -> Segment {
-        let end = self.carrier_after();
+        let end = self.end_motion_after();
         match self.outside_after() {
             Outside::Extrapolate => end.extended(),
             _ => end.straight(),
@@ -147,7 +147,7 @@ impl Trajectory {
 
     /// Returns the duration of the first piece before the knots, negative, s.
     fn step_before(&self) -> f64 {
-        let end = self.carrier_before();
+        let end = self.end_motion_before();
         let segment = match (self.outside_before(), self.cubics().first()) {
             (Outside::Extrapolate, Some(first)) if end.start() < self.cuts()[0] => first,
             _ => &end,
@@ -160,7 +160,7 @@ impl Trajectory {
         match self.straight_motions().last() {
             Some(motion) => motion.duration(),
             None => {
-                let end = self.carrier_after();
+                let end = self.end_motion_after();
                 end.end() - end.start()
             }
         }

@@ -7,10 +7,10 @@ mod cuts;
 mod double_double;
 mod extension;
 mod fit;
+mod front_gap;
 mod outside;
 mod plan;
 mod reach;
-mod roomy;
 mod rows;
 mod segment;
 #[cfg(feature = "serde")]
@@ -84,8 +84,8 @@ impl PartialEq for Trajectory {
         let rules = |plan: &Self| (plan.outside_before(), plan.outside_after());
         self.knots() == other.knots()
             && self.segments() == other.segments()
-            && self.carrier_before() == other.carrier_before()
-            && self.carrier_after() == other.carrier_after()
+            && self.end_motion_before() == other.end_motion_before()
+            && self.end_motion_after() == other.end_motion_after()
             && rules(self) == rules(other)
     }
 }
@@ -168,7 +168,7 @@ impl Trajectory {
     }
 
     /// Returns the end motion before the first knot.
-    fn carrier_before(&self) -> Segment {
+    fn end_motion_before(&self) -> Segment {
         match &self.form {
             Form::Straight(motion, _) => motion.segment(),
             Form::Turned(turned) => turned.motions()[0].segment(),
@@ -177,7 +177,7 @@ impl Trajectory {
     }
 
     /// Returns the end motion after the last knot.
-    fn carrier_after(&self) -> Segment {
+    fn end_motion_after(&self) -> Segment {
         match &self.form {
             Form::Straight(motion, _) => motion.segment(),
             Form::Turned(turned) => turned.last().segment(),
@@ -195,8 +195,8 @@ impl Trajectory {
         }
     }
 
-    /// Returns the cubics between consecutive knots. Of a cubic that a splice has cut, only the
-    /// part between its knots is followed.
+    /// Returns the cubics between consecutive knots. If a splice has cut a cubic, only the part between
+    /// its knots is followed.
     #[must_use]
     pub fn segments(&self) -> &[Segment] {
         match &self.form {
@@ -239,13 +239,13 @@ impl Trajectory {
             .map(|(position, velocity, _)| State::new(time, position, velocity))
     }
 
-    /// Returns the position at `time`, m, or `None` where the body does not exist. Also `None`
-    /// where its extrapolated motion has left the range of f64.
+    /// Returns the position at `time`, m, or `None` where the body does not exist, or its extrapolated
+    /// motion has left the range of f64.
     ///
-    /// The offset from the segment's first knot is good to a few roundings of the segment's extent.
-    /// For a coasting body: of the distance from its knot. For an extrapolated cubic: of its terms
-    /// there, which may far exceed their sum. The sum with the absolute position is rounded once
-    /// more.
+    /// The offset from the segment's first knot is good to a few roundings of the segment's extent. For
+    /// a coasting body, these are roundings of the distance from its knot; for an extrapolated cubic, of
+    /// its terms there, which may far exceed their sum. The sum with the absolute position is rounded
+    /// once more.
     #[must_use]
     pub fn position(&self, time: f64) -> Option<DVec3> {
         self.motion_at(time).map(|(position, _, _)| position)

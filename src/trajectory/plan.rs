@@ -1,9 +1,9 @@
 //! Plans: cubics between knots, in lists.
 
 use super::cuts::DoublingCuts;
+use super::front_gap::FrontGapVec;
 use super::outside::Outside;
 use super::reach::check_reach;
-use super::roomy::Roomy;
 use super::segment::Segment;
 use super::straight::StraightMotion;
 use crate::rounding::one_zero;
@@ -12,10 +12,10 @@ use std::iter::once;
 /// Cubics between knots.
 #[derive(Clone, Debug)]
 pub(super) struct Plan {
-    /// One more than segments. There are none where a straight motion is followed by another one.
-    pub(super) knots: Roomy<f64>,
+    /// Knots, s: one more than segments. No segment lies between them where one straight motion follows another.
+    pub(super) knots: FrontGapVec<f64>,
     /// Segments between the knots; beside them, the end motions before and after.
-    pub(super) segments: Roomy<Segment, 2>,
+    pub(super) segments: FrontGapVec<Segment, 2>,
     pub(super) before: Outside,
     pub(super) after: Outside,
     /// The first piece after the last knot is the last one of the lists: it is read as fast as the plan's own.
@@ -25,8 +25,8 @@ pub(super) struct Plan {
 impl Plan {
     /// Returns the plan of these knots and segments, with the rules before and after.
     pub(super) const fn new(
-        knots: Roomy<f64>,
-        segments: Roomy<Segment, 2>,
+        knots: FrontGapVec<f64>,
+        segments: FrontGapVec<Segment, 2>,
         [before, after]: [Outside; 2],
     ) -> Self {
         Self {
@@ -50,15 +50,15 @@ impl Plan {
 
     /// Takes the first piece after the last knot into the lists, if the plan coasts there.
     pub(super) fn add_piece_after(&mut self) {
-        let carrier = self.segments.beside()[1].straight();
+        let end_motion = self.segments.beside()[1].straight();
         let Some(&last) = self.knots.last().filter(|_| self.after == Outside::Coast) else {
             return;
         };
-        let cut = DoublingCuts::cut(last, carrier.end() - carrier.start(), 1);
-        let is_piece = cut > last && check_reach(&carrier, (last, cut), 0).is_ok();
+        let cut = DoublingCuts::cut(last, end_motion.end() - end_motion.start(), 1);
+        let is_piece = cut > last && check_reach(&end_motion, (last, cut), 0).is_ok();
         if is_piece && !self.has_piece_after {
             self.knots.push(cut);
-            self.segments.push(carrier);
+            self.segments.push(end_motion);
             self.has_piece_after = true;
         }
     }
@@ -71,15 +71,15 @@ impl Plan {
         }
     }
 
-    /// See [`Trajectory::turn`](super::Trajectory::turn).
+    /// Turns the plan as [`Trajectory::turn`](super::Trajectory::turn) does.
     pub(super) fn turn(&mut self, from: f64, motion: &StraightMotion, since: f64) {
         self.drop_piece_after();
-        let carrier = self.segments.beside()[1].straight();
-        let step = carrier.end() - carrier.start();
+        let end_motion = self.segments.beside()[1].straight();
+        let step = end_motion.end() - end_motion.start();
         let last = self.knots[self.knots.len() - 1];
         let cuts = DoublingCuts::of(last, step, from).but_last();
         for knot in cuts.chain(once(one_zero(from))) {
-            self.segments.push(carrier);
+            self.segments.push(end_motion);
             self.knots.push(knot);
         }
         self.segments.put_beside(1, motion.segment());

@@ -14,7 +14,7 @@ pub(super) fn check_reach(
     (from, to): (f64, f64),
     knot: usize,
 ) -> Result<(), Error> {
-    /// In segment durations: the third power must stay in range.
+    /// Largest distance in time, in segment durations: its third power must stay in range.
     const MAX_LENGTHS: f64 = 1e100;
     /// Upper bound of cut times, s: the last cut may lie some times farther than the window's end.
     const FARTHEST: f64 = 10.0 * MAX_MAGNITUDE;

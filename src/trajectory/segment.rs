@@ -1,4 +1,4 @@
-//! One cubic between two knots, in local form.
+//! A cubic between two knots, in local form.
 
 mod restriction;
 
@@ -9,7 +9,7 @@ use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, largest_norm, norm, normalising_
 use crate::trajectory::state::State;
 use glam::DVec3;
 
-/// One cubic over [`start`](Self::start)..[`end`](Self::end), as Bézier control points relative
+/// A cubic over [`start`](Self::start)..[`end`](Self::end), as Bézier control points relative
 /// to its first position.
 ///
 /// Neither the absolute time nor the absolute position enters the rounding of the control points:
@@ -55,7 +55,7 @@ impl Segment {
     }
 
     /// Builds the straight segment of constant velocity between two instants and positions (s, m); `knot` is the
-    /// second one's number. What is kept is exactly straight, and of exactly constant velocity.
+    /// second one's number. The segment is exactly straight, and of exactly constant velocity.
     ///
     /// The numbers must be finite and the times increase.
     pub(super) fn leg(

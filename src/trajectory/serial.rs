@@ -1,8 +1,8 @@
 //! Serialised trajectories: the exact internal numbers, checked on reading.
 
 use super::build::{check_number, check_times};
+use super::front_gap::FrontGapVec;
 use super::reach::check_reach;
-use super::roomy::Roomy;
 use super::{Outside, Segment, StraightMotion, Trajectory};
 use crate::error::{Error, Quantity};
 use crate::rounding::{largest_norm, one_zero};
@@ -27,8 +27,11 @@ impl From<Trajectory> for Numbers {
         Self {
             knots: trajectory.knots().to_vec(),
             segments: trajectory.segments().iter().map(Segment::numbers).collect(),
-            ends: [trajectory.carrier_before(), trajectory.carrier_after()]
-                .map(|end| end.numbers()),
+            ends: [
+                trajectory.end_motion_before(),
+                trajectory.end_motion_after(),
+            ]
+            .map(|end| end.numbers()),
             outside: [trajectory.outside_before(), trajectory.outside_after()],
         }
     }
@@ -83,8 +86,8 @@ impl TryFrom<Numbers> for Trajectory {
             return Ok(Self::of_straight(motion));
         }
         Ok(Self::of_plan(
-            Roomy::new(&knots, &[]),
-            Roomy::new(&segments, &ends),
+            FrontGapVec::new(&knots, &[]),
+            FrontGapVec::new(&segments, &ends),
             outside,
         ))
     }

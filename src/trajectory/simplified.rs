@@ -17,8 +17,7 @@ impl Trajectory {
     /// tolerance. The motion before the first and after the last knot stays the same, by the same rule.
     ///
     /// Knots are chosen one after another, each run as long as repeated doubling and halving find it. So there may be
-    /// a plan of fewer cubics. A body at rest, or one that only
-    /// coasts, is returned as it is.
+    /// a plan of fewer cubics. A body at rest, or one that only coasts, is returned as it is.
     ///
     /// [`Fit::error`] is the largest distance that the proof leaves, at most `tolerance`; 0 if nothing was merged. It
     /// holds between the exact cubics: of this trajectory, with the rounding of its construction, and of the returned
@@ -81,7 +80,7 @@ impl Trajectory {
             && self
                 .knots()
                 .first()
-                .is_some_and(|&knot| self.carrier_before().start() < knot)
+                .is_some_and(|&knot| self.end_motion_before().start() < knot)
     }
 }
 

@@ -1,9 +1,9 @@
 //! Changes of a plan in flight: the part already flown stays, bit for bit.
 
 use super::cuts::DoublingCuts;
+use super::front_gap::FrontGapVec;
 use super::plan::{Plan, count_at_front};
 use super::reach::{check_reach, check_straight};
-use super::roomy::Roomy;
 use super::turned::TurnedMotion;
 use super::{Form, Outside, StraightMotion, Trajectory};
 use crate::error::Error;
@@ -39,11 +39,15 @@ impl Trajectory {
     ///
     /// # Errors
     ///
+    /// - [`Error::ChangeTime`] if `from` is NaN or infinite.
     /// - [`Error::NoPlanAt`] unless both plans exist at `from` and the new one continues from
     ///   there.
     /// - [`Error::OutOfRange`] if a plan leaves the range of numbers between its knots and `from`.
     /// - [`Error::TooFar`] if `from` is too far from a plan's knots.
     pub fn spliced(&self, from: f64, plan: &Self) -> Result<Self, Error> {
+        if !from.is_finite() {
+            return Err(Error::ChangeTime { time: from });
+        }
         let mut spliced = plan.clone();
         spliced.precede_by(self, from, f64::NEG_INFINITY)?;
         Ok(spliced)
@@ -80,22 +84,22 @@ impl Trajectory {
         }
         let ahead = count_at_front(self.knots(), |knot| knot <= from);
         // Flown: whole pieces, then the one that is cut. Beyond its knots a plan goes on along its
-        // carrier, which becomes a piece like any other.
+        // end motion, which becomes a piece like any other.
         let (flown_knots, flown_segments) = (flown.knots(), flown.segments());
         let cut = count_at_front(flown_knots, |knot| knot < from);
         // Cut where it was before, so that what is found there stays the same bits; and so that a cubic
         // that is followed far from its knots is not looked at as a whole.
         let beyond = (cut > flown_segments.len()).then(|| flown.segment_after());
         let mut cuts_after = DoublingCuts::NONE;
-        if let (Some(carrier), Some(&last)) = (&beyond, flown_knots.last()) {
-            check_reach(carrier, (last, from), flown_knots.len() - 1)?;
-            cuts_after = DoublingCuts::of(last, carrier.end() - carrier.start(), from);
+        if let (Some(end_motion), Some(&last)) = (&beyond, flown_knots.last()) {
+            check_reach(end_motion, (last, from), flown_knots.len() - 1)?;
+            cuts_after = DoublingCuts::of(last, end_motion.end() - end_motion.start(), from);
         }
         let mut cuts_before = DoublingCuts::NONE;
         if let (0, Some(&first)) = (ahead, self.knots().first()) {
-            let carrier = self.segment_before();
-            check_reach(&carrier, (from, first), 0)?;
-            cuts_before = DoublingCuts::of(first, carrier.start() - carrier.end(), from);
+            let end_motion = self.segment_before();
+            check_reach(&end_motion, (from, first), 0)?;
+            cuts_before = DoublingCuts::of(first, end_motion.start() - end_motion.end(), from);
         }
         let (cuts_after, cuts_before) = (cuts_after.but_last(), cuts_before.but_last());
         // Where its pieces begin; not copied only to be dropped.
@@ -126,7 +130,7 @@ impl Trajectory {
         let is_line = self.straight().is_some();
         let plan = self.as_plan();
         plan.drop_piece_after();
-        plan.segments.put_beside(0, flown.carrier_before());
+        plan.segments.put_beside(0, flown.end_motion_before());
         plan.before = flown.outside_before();
         if dropped > 0 {
             plan.before = Outside::Absent;
@@ -168,7 +172,11 @@ impl Trajectory {
         let number = self.knots().len();
         let is_known = match &self.form {
             Form::Turned(turned) => check_straight(turned.last(), (last, from), number - 1),
-            _ => check_reach(&self.carrier_after().straight(), (last, from), number - 1),
+            _ => check_reach(
+                &self.end_motion_after().straight(),
+                (last, from),
+                number - 1,
+            ),
         };
         let mut reached = from;
         is_known.is_ok()
@@ -228,8 +236,8 @@ impl Trajectory {
     pub(super) fn as_plan(&mut self) -> &mut Plan {
         let other = match &self.form {
             Form::Straight(motion, _) => Some(Plan::new(
-                Roomy::new(from_ref(motion.start_ref()), &[]),
-                Roomy::new(&[], &[motion.segment(); 2]),
+                FrontGapVec::new(from_ref(motion.start_ref()), &[]),
+                FrontGapVec::new(&[], &[motion.segment(); 2]),
                 [Outside::Coast; 2],
             )),
             Form::Turned(turned) => Some(turned.to_plan()),

@@ -6,11 +6,11 @@ use glam::DVec3;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct State {
-    /// Seconds, on any clock that all bodies of a scene share. (-0 is taken as 0.)
+    /// Time, s, on any clock that all bodies of a scene share. -0 is taken as 0.
     pub time: f64,
-    /// Metres, in any frame that all bodies of a scene share.
+    /// Position, m, in any frame that all bodies of a scene share.
     pub position: DVec3,
-    /// Metres per second.
+    /// Velocity, m/s, in the same frame.
     pub velocity: DVec3,
 }
 

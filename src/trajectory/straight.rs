@@ -47,7 +47,7 @@ impl StraightMotion {
     /// Returns true if the numbers of a state are finite and far below the limits.
     #[inline(always)]
     pub(crate) fn is_ordinary(state: &State) -> bool {
-        /// Up to here instants are far finer than 6 s, s.
+        /// Time up to which neighbouring f64 instants are far closer than 6 s, s.
         const LATEST: f64 = (1_u64 << 40) as f64;
         /// m, m/s.
         const FAR: f64 = 1e200;
@@ -69,8 +69,8 @@ impl StraightMotion {
         }
     }
 
-    /// Seconds. Many lookaheads long, so that one or two pieces suffice; not longer, since boxes are only as good
-    /// as f32 resolves the distance covered in that time.
+    /// Duration of the cubic of a straight motion, s. It spans many lookaheads, so that one or two pieces suffice. A
+    /// longer one would make boxes worse: f32 resolves the distance covered in that time.
     pub(super) const DURATION: f64 = 6.0;
 
     /// Returns true if the motion can certainly be followed between two instants (s): all numbers are far below
@@ -139,7 +139,7 @@ mod tests {
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 
-    /// Of any size, to beyond the limits.
+    /// Returns a number of any size, to beyond the limits.
     fn number(rng: &mut ChaCha8Rng) -> f64 {
         let size = 10_f64.powf(rng.random_range(-330.0..330.0));
         match rng.random_range(0..8) {

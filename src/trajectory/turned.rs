@@ -1,10 +1,10 @@
 //! A body that is told a new straight motion again and again: the last few of them, in place.
 
 use super::cuts::DoublingCuts;
+use super::front_gap::FrontGapVec;
 use super::outside::Outside;
 use super::plan::Plan;
 use super::reach::check_straight;
-use super::roomy::Roomy;
 use super::segment::Segment;
 use super::straight::StraightMotion;
 use crate::rounding::one_zero;
@@ -27,8 +27,8 @@ pub(super) struct TurnedMotion {
 }
 
 impl TurnedMotion {
-    /// As many as there are of a body that is told a state each frame: the piece that ended when the clock was
-    /// last advanced, the one until it is told, and the one from then on.
+    /// Largest number of pieces. A body that is told a state each frame has as many: the piece that ended when the
+    /// clock was last advanced, the piece until the state is told, and the piece from then on.
     const ROOM: usize = 3;
 
     /// Returns a plan in this form, if it is one of a few straight motions.
@@ -146,8 +146,8 @@ impl TurnedMotion {
         (is_piece && room.kept < Self::ROOM).then_some(room)
     }
 
-    /// See [`Trajectory::turns_as_usual`](super::Trajectory::turns_as_usual): its motion is known up to `from`, the new
-    /// one is another, and its first piece lasts for all of `window`.
+    /// Returns true if [`Trajectory::turns_as_usual`](super::Trajectory::turns_as_usual) does: this motion is known up
+    /// to `from`, the new one differs from it, and the new one's first piece lasts for all of `window`.
     #[inline]
     pub(super) fn turns_as_usual(
         &self,
@@ -178,8 +178,8 @@ impl TurnedMotion {
     pub(super) fn to_plan(&self) -> Plan {
         let ends = [self.motions[0], *self.last()].map(|motion| motion.segment());
         let mut plan = Plan {
-            knots: Roomy::new(self.knots(), &[]),
-            segments: Roomy::new(self.segments(), &ends),
+            knots: FrontGapVec::new(self.knots(), &[]),
+            segments: FrontGapVec::new(self.segments(), &ends),
             before: self.before,
             after: Outside::Coast,
             has_piece_after: false,

@@ -10,3 +10,4 @@ mod estimated;
 mod motions;
 mod polynomials;
 mod proven;
+mod velocity;

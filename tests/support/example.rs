@@ -68,7 +68,7 @@ pub(crate) fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// What a program said: text in which nothing is left that a terminal obeys.
+/// Returns the output of a program: text in which nothing is left that a terminal obeys.
 pub(crate) fn plain(said: &[u8]) -> String {
     let said = std::str::from_utf8(said).unwrap().to_owned();
     let obeyed = |character: char| {

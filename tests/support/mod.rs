@@ -152,7 +152,7 @@ pub(crate) fn sliced(query: Query, slices: u32) -> Query {
     NonZeroU32::new(slices).map_or(query, |slices| query.with_slices(slices))
 }
 
-/// What work comes to on so many threads. (Without the feature `parallel` it has one of them.)
+/// Returns the result of work on so many threads. (Without the feature `parallel` it has one of them.)
 pub(crate) fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
     pool.build().unwrap().install(work)

@@ -55,12 +55,13 @@ impl Header {
             }
         }
         match missing[..] {
-            [] => {}
             _ if is_utf_16(&found) => {
                 return Err(format!(
                     "row {line}: the file is in UTF-16; save it in UTF-8"
                 ));
             }
+            _ if has_lines(&found) => return Err(bare_return(line)),
+            [] => {}
             _ if found.get(0).unwrap_or_default().starts_with(b"PK\x03\x04") => {
                 return Err(format!(
                     "row {line}: the file is packed (a zip, or a spreadsheet); save it as CSV in UTF-8"
@@ -143,6 +144,30 @@ fn find(found: &ByteRecord, column: &str, line: u64) -> Result<Option<usize>, St
             "row {line}, column {column}: there are two of this name; keep one"
         )),
     }
+}
+
+/// Returns the values that have a carriage return inside: the end of a line, without the line feed that ends a row.
+pub(super) fn bare_returns(values: &ByteRecord) -> impl Iterator<Item = &[u8]> {
+    let values = values.iter().map(<[u8]>::trim_ascii);
+    values.filter(|value| value.contains(&b'\r'))
+}
+
+/// Returns true if a header goes on over several lines: a line ends after the name of a column, or many do.
+fn has_lines(found: &ByteRecord) -> bool {
+    let is_name = |value: &[u8]| {
+        let mut lines = value.split(|&byte| byte == b'\r');
+        let name = lines.next().unwrap_or_default().trim_ascii();
+        let mut names = COLUMNS.iter().chain([&RADIUS]);
+        names.any(|column| name.eq_ignore_ascii_case(column.as_bytes()))
+    };
+    bare_returns(found).count() > 1 || bare_returns(found).any(is_name)
+}
+
+/// Returns the complaint about such a row.
+pub(super) fn bare_return(line: u64) -> String {
+    format!(
+        "row {line}: lines end with a bare carriage return; save the file with the line ends LF or CRLF"
+    )
 }
 
 fn is_utf_16(found: &ByteRecord) -> bool {

@@ -101,6 +101,10 @@ impl Table {
 
     fn add(&mut self, line: u64, record: &ByteRecord, separator: u8) -> Result<(), String> {
         if record.len() != self.header.len() {
+            let has_lines = header::bare_returns(record).next().is_some();
+            if has_lines && record.len() > self.header.len() {
+                return Err(header::bare_return(line));
+            }
             return Err(self.wrong_count(line, record, separator));
         }
         let values = self.header.values(record);
@@ -218,7 +222,7 @@ fn next_row(
 
 /// The text of a file: unpacked, without a byte order mark, and with a line end after each line.
 fn text<'a>(source: impl Read + 'a) -> std::io::Result<impl Read + 'a> {
-    /// What is packed with gzip says so, whatever its name; no text begins so.
+    /// The beginning of a file that is packed with gzip, whatever its name; no text begins so.
     const GZIP: &[u8] = &[0x1f, 0x8b];
     /// Some programs put it before the text.
     const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
@@ -233,7 +237,7 @@ fn text<'a>(source: impl Read + 'a) -> std::io::Result<impl Read + 'a> {
     Ok(rest.chain(&b"\n"[..]))
 }
 
-/// What a decoder unpacks; its errors say that it is one.
+/// The output of a decoder; its errors say that it is one.
 struct Unpacked<R>(MultiGzDecoder<R>);
 
 impl<R: BufRead> Read for Unpacked<R> {
@@ -249,7 +253,7 @@ impl<R: BufRead> Read for Unpacked<R> {
     }
 }
 
-/// Whether a source begins with some bytes, and what comes after them; all of it if it does not.
+/// Returns true if a source begins with some bytes, and the rest of it after them; all of it if it does not.
 fn begins_with<'a>(
     mut source: impl Read + 'a,
     bytes: &[u8],

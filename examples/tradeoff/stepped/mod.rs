@@ -57,7 +57,7 @@ struct Encounter {
 /// All encounters by pair of places.
 type Truth = BTreeMap<(usize, usize), Vec<Encounter>>;
 
-/// What a way to look at a scene found.
+/// The finds of a way to look at a scene.
 #[derive(Default)]
 struct Score {
     encounters: usize,
@@ -245,7 +245,7 @@ fn monitored(world: &World, rate: u32) -> Result<(Vec<Contact>, f64, f64), Failu
     }
 }
 
-/// What a frame loop finds at which rate, and the time it takes.
+/// Measures the finds of a frame loop at each rate, and the time it takes.
 pub(crate) fn table(
     world: &World,
     effort: &Effort,

@@ -49,9 +49,9 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// Fewer boxes are compared directly.
+    /// Number of boxes below which all are compared directly.
     const FEW: usize = 128;
-    /// More boxes are compared directly too: their copies could not be counted in 32 bits.
+    /// Number of boxes above which all are compared directly, too: their copies could not be counted in 32 bits.
     const MAX: usize = 1 << 28;
     /// Largest number of copies by dividing in a slice, per box.
     const MAX_COPIES: usize = 8;

@@ -22,7 +22,7 @@ impl BoxSample {
     const MAX: usize = 256;
     /// Share of the sample on either side that may be outliers: one in this number.
     const OUTLIERS: usize = 32;
-    /// Ratio of a gap to the mean one. Of 256 places drawn evenly, the widest gap is 6 times the
+    /// Ratio of a gap to the mean one. The widest gap of 256 places drawn evenly is 6 times the
     /// mean on average, and exceeds this ratio in one case of ten.
     const WIDE: f64 = 8.0;
 

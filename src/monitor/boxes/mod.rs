@@ -1,4 +1,4 @@
-//! The boxes of all bodies in one slice as a tree: which of them does one box meet?
+//! The boxes of all bodies in one slice as a tree, in which the boxes that meet another one are found.
 //!
 //! Sixteen boxes side by side make a node, compared in plain loops that the compiler vectorises;
 //! sixteen nodes make one of the next level. The leaves divide space along a curve, as evenly as
@@ -33,11 +33,10 @@ pub(super) struct BoxTree {
     /// has one node. Levels above it are spare memory.
     levels: Vec<Vec<BoxNode>>,
     height: usize,
-    /// By leaf: where on the curve it begins.
+    /// Beginning of each leaf on the curve.
     begins: Vec<u32>,
     curve: MortonOrder,
-    /// The boxes around nodes are there. Else they wait for [`fit`](Self::fit): no search is asked
-    /// for meanwhile.
+    /// True if the boxes around nodes are formed. Else they wait for [`fit`](Self::fit), and nobody searches.
     is_fitted: bool,
     /// Number of times that all were put in order.
     orders: u32,

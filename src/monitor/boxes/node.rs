@@ -69,7 +69,7 @@ impl BoxNode {
     }
 }
 
-/// Halves until one is left.
+/// Combines halves until one lane is left.
 #[inline(always)]
 fn reduce(lanes: &[f32; WIDTH], pick: impl Fn(f32, f32) -> f32) -> f32 {
     let mut lanes = *lanes;

@@ -1,4 +1,4 @@
-//! A body's place in a tree: found, left, and what follows for the nodes above it.
+//! Places of bodies in a tree: a body finds one or leaves one, and the nodes above follow.
 
 use super::node::{Corners, EMPTY, WIDTH, corners, is_inside, merged};
 use super::{BoxTree, NOWHERE};
@@ -125,7 +125,7 @@ impl BoxTree {
     }
 }
 
-/// See [`BoxTree::move_to`].
+/// The move of some boxes, for [`BoxTree::move_to`].
 struct MoveBoxes<'b> {
     tree: &'b mut BoxTree,
     boxes: &'b [BodyBox],

@@ -33,8 +33,8 @@ impl BoxTree {
     }
 }
 
-/// All boxes go down together, level by level: so the nodes are known that come next, and are
-/// fetched before they are looked into.
+/// A search in which all boxes go down together, level by level. So the next nodes are known, and are
+/// fetched before they are read.
 struct Meet<'b, V> {
     tree: &'b BoxTree,
     boxes: &'b [BodyBox],

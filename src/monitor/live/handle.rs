@@ -24,7 +24,7 @@ pub enum Unsent {
 }
 
 impl Unsent {
-    /// The request.
+    /// Returns the request.
     #[must_use]
     pub fn into_request(self) -> Request {
         match self {
@@ -44,20 +44,20 @@ impl fmt::Display for Unsent {
 
 impl std::error::Error for Unsent {}
 
-/// Numbers of requests by what became of them.
+/// Numbers of requests by their outcome.
 ///
 /// `sent = applied + superseded + refused + waiting`, and nothing waits after a shutdown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Counts {
-    /// Accepted by [`Handle::send`].
+    /// Number of requests accepted by [`Handle::send`].
     pub sent: u64,
-    /// Taken effect.
+    /// Number of requests that have taken effect.
     pub applied: u64,
-    /// Left out because a later request replaces it.
+    /// Number of requests left out because a later one replaces them.
     pub superseded: u64,
-    /// Refused with an error, or not applied before the shutdown.
+    /// Number of requests refused with an error, or not applied before the shutdown.
     pub refused: u64,
 }
 
@@ -149,7 +149,7 @@ impl Handle {
         self.try_send(request)
     }
 
-    /// Has each of these bodies follow a straight motion from its state, from `now` (s) on: see
+    /// Lets each of these bodies follow a straight motion from its state, from `now` (s) on: see
     /// [`Monitor::track`](crate::Monitor::track). Never blocks.
     ///
     /// # Errors
@@ -241,14 +241,14 @@ impl Handle {
         f64::from_bits(self.shared.now.load(Ordering::Acquire))
     }
 
-    /// Before this nothing was missing at the last tick, s (requests applied since are looked at with the
-    /// next one), and all events up to the clock have been reported or wait to be read.
+    /// Returns the instant up to which nothing was missing at the last tick, s. All events up to the clock
+    /// have been reported, or wait to be read. Requests applied since count with the next tick.
     #[must_use]
     pub fn complete_until(&self) -> f64 {
         f64::from_bits(self.shared.complete_until.load(Ordering::Acquire))
     }
 
-    /// Returns the numbers of requests so far, by what became of them.
+    /// Returns the numbers of requests so far, by their outcome.
     #[must_use]
     pub fn counts(&self) -> Counts {
         // The ends before the beginning: what is added in between makes `sent` larger, not smaller, and

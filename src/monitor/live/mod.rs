@@ -19,8 +19,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use worker::Worker;
 
-/// A monitor at work on its own thread: requests go in, reports come out, nobody blocks the game.
-/// Dropping it stops the thread.
+/// A monitor on its own thread: requests go in, reports come out, and sending never blocks. Dropping it
+/// stops the thread.
 ///
 /// # Contract
 ///
@@ -28,9 +28,9 @@ use worker::Worker;
 ///   [`Unsent::Busy`] with the request handed back: it never blocks and never drops.
 /// - Between two clock requests the latest plan for a body wins: a plan that the next one for that body
 ///   replaces altogether (see [`Request`]) is superseded without being tried. Clock requests merge only where
-///   nothing lies between them. Batches are never taken apart, and nothing is merged across them, nor
-///   across a question ([`Handle::what_if`]), whose answer is about all that was requested before: send what need not go together
-///   plan by plan, or what is superseded has to be worked out as well.
+///   nothing lies between them. Batches are never taken apart, and nothing is merged across them, nor across a
+///   question ([`Handle::what_if`]), whose answer is about all requests before it. Send plans one by one if
+///   they need not take effect together: superseded plans in a batch cost as much as others.
 /// - Every request sent is in the end applied, superseded or refused: [`Counts`] adds up. A change that is
 ///   applied is not reported on its own: it was, once a later request is. A late plan is, if it is followed
 ///   from later on than it says: [`ReportKind::Late`].
@@ -76,17 +76,18 @@ pub struct Live {
     reports: Receiver<Report>,
     /// Dropped to stop the thread; a message has it look whether requests were stopped.
     stop: Option<Sender<()>>,
-    /// Set to have it break off what it is at.
+    /// Set to end the current tick early.
     interrupt: Arc<AtomicBool>,
     thread: Option<JoinHandle<Result<Stopped, Box<Panicked>>>>,
 }
 
 impl Monitor {
-    /// Goes on on a thread of its own, under the contract written at [`Live`].
+    /// Moves the monitor to a thread of its own, under the contract written at [`Live`].
     ///
     /// # Errors
     ///
-    /// If the system gives no thread, or a queue is to hold nothing, or more than [`LiveOptions::MAX`].
+    /// An error of the system if it gives no thread; `InvalidInput` if a queue is to hold nothing, or more than
+    /// [`LiveOptions::MAX`].
     pub fn spawn(mut self, options: LiveOptions) -> io::Result<Live> {
         for (what, room) in [("requests", options.requests), ("reports", options.reports)] {
             if !(1..=LiveOptions::MAX).contains(&room) {
@@ -145,7 +146,7 @@ impl Live {
         }
     }
 
-    /// Stops the thread, whatever it is at, and takes back all there is.
+    /// Stops the thread at once, and returns all that it leaves.
     ///
     /// # Errors
     ///

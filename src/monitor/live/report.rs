@@ -49,7 +49,7 @@ impl LiveOptions {
 }
 
 impl Default for LiveOptions {
-    /// 4,096 requests, 4,096 reports, 10 ms.
+    /// Returns 4,096 requests, 4,096 reports, 10 ms.
     fn default() -> Self {
         Self {
             requests: 4_096,
@@ -65,21 +65,21 @@ impl Default for LiveOptions {
 pub struct Report {
     /// Number of reports before this one. None is missing, and none comes twice.
     pub sequence: u64,
-    /// Content.
+    /// Kind and content.
     pub kind: ReportKind,
 }
 
-/// Content of a report.
+/// The kind of a report, with its content.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ReportKind {
-    /// Something happened.
+    /// An event of the monitor.
     Event(Event),
     /// The clock was moved, or more was caught up; all events of it have come before this.
     Ticked {
         /// The clock, s.
         now: f64,
-        /// Before this nothing is missing, s.
+        /// Instant up to which nothing is missing, s.
         complete_until: f64,
     },
     /// A request put bodies into the scene.
@@ -117,7 +117,7 @@ pub enum ReportKind {
     /// Catching up failed: for [too little room](Error::TooCrowded), say. The next request is
     /// followed by another attempt.
     Stuck {
-        /// Why.
+        /// Error of the monitor.
         error: Error,
     },
 }

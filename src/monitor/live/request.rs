@@ -16,9 +16,9 @@ pub struct Ticket(pub(super) u64);
 /// A plan replaces an earlier one of the same body altogether if it is
 /// [`Command::SetTrajectory`], or if both are [`Command::Replan`] and the later one begins no
 /// later than the earlier, at a time at which its plan exists and from which it goes on, as it does
-/// from the clock by then (else it may be refused, and the earlier one is needed). It may still be refused for what only the scene knows:
-/// that the body is not there at that time, say. Then the earlier one is gone as well: whoever sends plans
-/// for later than the body exists should wait for the answer, or send a batch.
+/// from the clock by then (else it may be refused, and the earlier one is needed). It may still be refused for a
+/// reason that only the scene knows: the body is not there at that time, say. Then the earlier one is gone as
+/// well. A sender of plans for later than the body exists should wait for the answer, or send a batch.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(
     clippy::large_enum_variant,
@@ -26,11 +26,11 @@ pub struct Ticket(pub(super) u64);
 )]
 #[non_exhaustive]
 pub enum Request {
-    /// One change.
+    /// A change.
     Change(Command),
     /// Several changes that take effect together, or not at all.
     Batch(Vec<Command>),
-    /// From a time (s) on these bodies follow straight motions from their states: see
+    /// Lets these bodies follow straight motions from their states, from a time (s) on: see
     /// [`Monitor::track`](crate::Monitor::track).
     Track(f64, Vec<(BodyId, BodyState)>),
     /// The clock moves on to this time, s.

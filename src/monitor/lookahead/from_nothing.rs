@@ -17,7 +17,7 @@ impl LookaheadSearch {
     /// Survivors for each span that there is room for: they take a fiftieth of what is kept of it.
     const SURVIVORS: usize = 8;
 
-    /// Room for what is found before it is solved.
+    /// Returns the limits of spans and candidates before they are solved.
     pub(super) const fn limits(&self) -> Limits {
         Limits {
             spans: self.max_spans.saturating_mul(Self::SURVIVORS),

@@ -1,4 +1,4 @@
-//! The grid of time: which slices there are.
+//! The grid of time: the slices of the lookahead, and where they begin.
 
 use super::LookaheadSearch;
 

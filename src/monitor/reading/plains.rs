@@ -1,6 +1,6 @@
-//! The plain encounters of one alert level, as far as something of them may have changed.
+//! The planned encounters of one alert level, as far as they may have changed.
 //!
-//! Most are the same from tick to tick, and nothing can be told of them.
+//! Most are the same from tick to tick, and no event can follow from them.
 
 use super::{WindowEdges, WindowSide};
 use crate::monitor::encounters::PlannedEncounter;
@@ -36,7 +36,7 @@ impl EncounterCache {
         });
     }
 
-    /// Adds what a pair has, the pairs in order.
+    /// Adds the planned encounters of a pair; pairs come in order.
     pub(in crate::monitor) fn add(&mut self, slots: SlotPair, plain: PlannedEncounter) {
         self.touched.push(slots);
         self.always.add(slots, (plain.start, plain.exit), plain);
@@ -54,8 +54,7 @@ impl EncounterCache {
         }
     }
 
-    /// All are to be listed next, whether they have changed or not; and whatever is known of pairs
-    /// that are gone is to be looked at.
+    /// Notes that all are to be listed next, whether they have changed or not, and pairs that are gone too.
     pub(in crate::monitor) fn list_all(&mut self) {
         self.before = None;
         self.touched.clear();
@@ -120,7 +119,7 @@ impl EncounterCache {
         pairs.extend(touched.map(|gone| (gone, listed.len())));
     }
 
-    /// The pairs that were listed, sorted, each with all that it has in the window, sorted by time.
+    /// Returns the listed pairs, sorted, each with all its planned encounters in the window, sorted by time.
     pub(in crate::monitor) fn listed(
         &self,
     ) -> impl Iterator<Item = (SlotPair, impl Iterator<Item = &PlannedEncounter>)> {

@@ -1,5 +1,5 @@
-//! Recordings: what a monitor was told, so that what it said can be had again. What is in one is
-//! said at [`Monitor::start_recording`], its format at [`Replay`].
+//! Recordings of a monitor's inputs, from which a replay gives its events again. See
+//! [`Monitor::start_recording`] for the content, and [`Replay`] for the format.
 
 mod record;
 mod replay;
@@ -22,8 +22,8 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// If the beginning cannot be written. What fails later is told by
-    /// [`stop_recording`](Self::stop_recording), and does not disturb the monitor.
+    /// The error of writing the beginning. Later errors are returned by
+    /// [`stop_recording`](Self::stop_recording), and do not disturb the monitor.
     ///
     /// A writer that panics, in `write`, in `flush` or when it is dropped, is one that fails: no call of the
     /// monitor panics for it. The writer is dropped at once.
@@ -40,7 +40,7 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// The first error that writing it has met: what was written until then is good.
+    /// The first error of writing the recording. The records before it are good.
     pub fn stop_recording(&mut self) -> io::Result<u64> {
         self.tape.take().map_or(Ok(0), RecordWriter::finish)
     }

@@ -1,4 +1,4 @@
-//! One record of a recording, as a line.
+//! The records of a recording, each a line.
 
 use crate::error::Error;
 use crate::id::BodyId;
@@ -22,7 +22,7 @@ pub(in crate::monitor) enum Record {
     Apply(Vec<Command>),
     Track(f64, Vec<(BodyId, BodyState)>),
     RevisionThreshold(RevisionThreshold),
-    /// s.
+    /// Time, s.
     History(#[serde(with = "crate::json_number")] f64),
     MostSpans(usize),
     Tick {
@@ -66,7 +66,7 @@ pub enum RecordingError {
     Refused {
         /// Beginning of the line.
         offset: u64,
-        /// Why.
+        /// Error of the monitor.
         #[source]
         error: Error,
     },

@@ -1,12 +1,13 @@
-//! Reading a recording and doing it all again.
+//! Replays of recordings.
 
 use super::record::{PREFIX, Record, RecordingError, TITLE};
 use crate::error::Error;
 use crate::monitor::{Event, Monitor};
 use std::io::{BufRead, Read};
 
-/// Goes through a recording tick by tick: the same events, bit for bit, budgets included. A tick
-/// that ran out of time stops in the replay where it stopped then, however fast the machine.
+/// The replay of a recording, tick by tick: its events are those of the recorded monitor, bit for bit. A
+/// tick that ran out of its budget of time stops in the replay where it stopped then, however fast the
+/// machine.
 ///
 /// ```
 /// use nearmiss::recording::Replay;
@@ -77,11 +78,11 @@ pub struct Replay<R> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ReplayState {
     Open,
-    /// The monitor was closed: only the end may follow.
+    /// State after the monitor was closed: only the end may follow.
     Closed,
-    /// The end was read.
+    /// State after the end was read.
     Ended,
-    /// Something was wrong.
+    /// State after an error.
     Failed,
 }
 
@@ -90,7 +91,7 @@ impl<R: BufRead> Replay<R> {
     ///
     /// # Errors
     ///
-    /// [`RecordingError`], if it is none, damaged or of another version.
+    /// [`RecordingError`], if the file is no recording, is damaged, or has another version.
     pub fn open(mut source: R) -> Result<Self, RecordingError> {
         let mut title = Vec::new();
         source
@@ -129,13 +130,13 @@ impl<R: BufRead> Replay<R> {
         self.monitor
     }
 
-    /// Goes on to the end of the next tick, and appends what it said. Returns its time (s); none at
-    /// the end of the recording, with the events of closing, if it was closed.
+    /// Replays up to the end of the next tick, and appends its events. Returns its time (s), or `None` at the
+    /// end of the recording, with the events of closing if the monitor was closed.
     ///
     /// # Errors
     ///
-    /// [`RecordingError`], with the place. Everything before that place was recorded so, and has been
-    /// replayed. What comes after it cannot be.
+    /// [`RecordingError`], with the place. Everything before that place has been replayed. Nothing after it
+    /// can be.
     pub fn tick(&mut self, events: &mut Vec<Event>) -> Result<Option<f64>, RecordingError> {
         let done = self.go_on(events);
         if done.is_err() {
@@ -174,7 +175,7 @@ impl<R: BufRead> Replay<R> {
         }
     }
 
-    /// Does again what a record says; returns the time of a tick.
+    /// Applies a record; returns the time of a tick.
     fn repeat(
         &mut self,
         record: Record,

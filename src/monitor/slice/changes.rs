@@ -36,7 +36,7 @@ impl LookaheadSlice {
         }
     }
 
-    /// Changed bodies against all.
+    /// Compares changed bodies with all.
     pub(super) fn compare_changed<F: PairFilter>(
         &mut self,
         task: &SliceTask<'_, F>,

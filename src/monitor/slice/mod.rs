@@ -1,4 +1,4 @@
-//! One slice of the lookahead: the boxes of all bodies in it, and what has not been compared yet.
+//! A slice of the lookahead: the boxes of all bodies in it, and the state of their comparison.
 
 mod ask;
 mod changes;
@@ -42,7 +42,7 @@ impl LookaheadSlice {
         first: 0,
     };
 
-    /// An empty slice in this one's memory.
+    /// Returns an empty slice in this one's memory.
     pub(super) fn begin(&mut self, number: i64, interval: (f64, f64)) {
         self.number = number;
         self.interval = interval;
@@ -68,15 +68,13 @@ impl LookaheadSlice {
         (self.stage, self.stats) = (stage, stats);
     }
 
-    /// Forgets what was done for it until it is needed: there is no room.
+    /// Drops the work done for the slice until it is needed: there is no room.
     pub(super) fn put_off(&mut self) {
         self.begin(self.number, self.interval);
         self.is_put_off = true;
     }
 
-    /// # Errors
-    ///
-    /// If what was looked at last had too little room.
+    /// Returns an error if the slice was given up for lack of room.
     pub(super) const fn check_room(&self) -> Result<(), LimitExceeded> {
         if self.is_crowded {
             Err(LimitExceeded)
@@ -90,13 +88,13 @@ impl LookaheadSlice {
         self.interval.1
     }
 
-    /// All of the slice is needed from now on.
+    /// Notes that all of the slice is needed from now on.
     pub(super) const fn need(&mut self) {
         self.due = 1.0;
     }
 
-    /// The slice is not needed yet, but soon: a share of it (0 to 1) is due. In most scenes bodies
-    /// have the same neighbours in it as in the one before.
+    /// Notes that a share of the slice (0 to 1) is due: it is not needed yet, but soon. In most scenes bodies
+    /// have the same neighbours in it as in the slice before.
     pub(super) fn foresee(&mut self, share: f64, before: &Self) {
         if self.is_put_off {
             return;
@@ -253,8 +251,8 @@ impl LookaheadSlice {
         }
     }
 
-    /// One step towards all candidates; returns how many boxes were formed. A slice in which there are too
-    /// many is searched from nothing, in shorter ones.
+    /// Takes a step towards all candidates; returns the number of boxes formed. A slice in which there are
+    /// too many is searched from nothing, in shorter ones.
     fn look<F: PairFilter>(
         &mut self,
         task: &SliceTask<'_, F>,
@@ -282,7 +280,7 @@ impl LookaheadSlice {
         boxes
     }
 
-    /// One step towards all candidates of the slice as a whole; returns how many boxes were formed.
+    /// Takes a step towards all candidates of the slice as a whole; returns the number of boxes formed.
     fn compare<F: PairFilter>(
         &mut self,
         task: &SliceTask<'_, F>,
@@ -364,7 +362,8 @@ impl LookaheadSlice {
         until
     }
 
-    /// All is compared, unless the filter gave up: then not all was found, and it stays to be done.
+    /// Notes that all is compared, unless the filter gave up: then not all was found, and the step is still
+    /// to be done.
     fn end_at<F: PairFilter>(&mut self, stage: BuildStage, filter: &F) {
         if filter.gives_up() {
             self.candidates.clear();

@@ -1,4 +1,5 @@
-//! From the candidates of a slice to spans; and to spans without candidates, where these are too many.
+//! The way from the candidates of a slice to spans, and to spans without candidates where these are too
+//! many.
 
 use super::state::{LookaheadSlice, SliceScratch, SliceTask};
 use crate::broad_phase::{Candidate, PairFilter};

@@ -1,4 +1,4 @@
-//! One slice of the lookahead, and the stage it is in.
+//! The state of a slice of the lookahead.
 
 use crate::bounds::FatLine;
 use crate::broad_phase::{BodyBox, Candidate, Sweep};
@@ -10,14 +10,14 @@ use crate::spans::SpanKey;
 use crate::stats::Stats;
 use std::sync::OnceLock;
 
-/// One slice of the lookahead.
+/// A slice of the lookahead.
 #[derive(Clone, Debug, Default)]
 pub(in crate::monitor) struct LookaheadSlice {
     /// Place on the monitor's grid of time.
     pub(in crate::monitor) number: i64,
     pub(super) interval: (f64, f64),
     pub(super) index: Index,
-    /// For questions about a slice that has no boxes yet.
+    /// Index for questions about a slice that has no boxes yet.
     pub(super) asked: OnceLock<Index>,
     pub(super) stage: BuildStage,
     /// Share of the slice that is to be compared now, 0 to 1: all of it if it is needed.
@@ -32,10 +32,10 @@ pub(in crate::monitor) struct LookaheadSlice {
     pub(super) sifted: usize,
     /// Spans that were found and not taken yet.
     pub(in crate::monitor) survivors: Vec<SpanKey>,
-    /// From here on (s) all bodies are to be searched from nothing: boxes of the whole slice overlap too
-    /// many others.
+    /// Instant from which on all bodies are to be searched from nothing, s: boxes of the whole slice overlap
+    /// too many others.
     pub(super) rest: Option<f64>,
-    /// There was too little room for what is in it: it was given up.
+    /// True if the slice was given up for lack of room.
     pub(super) is_crowded: bool,
     /// Set while no work is done before the slice is needed.
     pub(super) is_put_off: bool,
@@ -46,7 +46,7 @@ pub(in crate::monitor) struct LookaheadSlice {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Index {
     pub(super) boxes: BoxTree,
-    /// By slot: nearer to the body than its box, as long as it has one.
+    /// Fat lines by slot: nearer to the body than its box, as long as it has one.
     pub(super) fat_lines: Vec<FatLine>,
 }
 
@@ -95,8 +95,8 @@ impl<'a, F> SliceTask<'a, F> {
 /// Stage of the work on a slice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum BuildStage {
-    /// All were compared with each other, but for those that have changed, and slots below this have
-    /// their boxes in `boxed`.
+    /// All bodies were compared with each other, but for changed ones; slots below this number have their
+    /// boxes in `boxed`.
     Compared(usize),
     /// Slots below this have their boxes in `listed`.
     Listing(usize),
@@ -105,7 +105,7 @@ pub(super) enum BuildStage {
     /// All boxes are there. The bodies in leaves below this were compared with all others; leaves
     /// are counted in this order of the tree.
     Joining(usize, u32),
-    /// All were compared with each other, but for those that have changed.
+    /// All bodies were compared with each other, but for changed ones.
     Built,
 }
 

@@ -19,7 +19,7 @@ pub(super) struct Envelope<'a> {
 struct EnvelopePart {
     /// Control points of the bodies' relative motion.
     points: [DVec3; 4],
-    /// Each with the largest distance of its centres in the piece, to rounding.
+    /// The nearest pairs of spheres, each with the largest distance of its centres in the piece, to rounding.
     nearest: [(SphereOffset, f64); 2],
 }
 

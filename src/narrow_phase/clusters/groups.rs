@@ -14,7 +14,7 @@ pub(super) struct SphereGroups<'a> {
 }
 
 impl<'a> SphereGroups<'a> {
-    /// Up to this number of spheres groups do not pay.
+    /// Largest number of spheres for which groups do not pay.
     const FEW: usize = 32;
     /// Largest number of spheres in a group.
     const SIZE: usize = 8;

@@ -32,7 +32,7 @@ use sphere_pairs::{SpherePairBound, short};
 use std::collections::HashMap;
 
 impl ClusterPair<'_> {
-    /// Up to this number all pairs of spheres are solved: nothing else would be faster.
+    /// Largest number of pairs of spheres of which all are solved: nothing else would be faster.
     const FEW: usize = 9;
 
     /// Solves the pairs of spheres that matter for contacts within `margin` in `clip`. If asked to,

@@ -148,8 +148,8 @@ pub(super) fn descend(square: &[f32; 7], start: f32, steps: u32) -> f32 {
     u
 }
 
-/// As [`descend`], but on the falling side only, with a bisection where a step leaves the bracket:
-/// for starts at which the slope bends away from its root.
+/// Descends like [`descend`], but on the falling side only, with a bisection where a step leaves the
+/// bracket. It is for starts at which the slope bends away from its root.
 #[inline(always)]
 pub(super) fn descend_safely(square: &[f32; 7], start: f32, steps: u32) -> f32 {
     let slope = Slope::new(square);

@@ -111,7 +111,7 @@ pub use spans::SpanBatch;
 /// Computes the closest approach of each pair: local times in 0..=1, distances in metres.
 ///
 /// The distance is the global minimum over the span up to rounding: some 1e-15 (f64) or 1e-6 (f32)
-/// of the size of the polygon. Of several equal minima, or where the distance is constant, any one
+/// of the size of the polygon. If there are several equal minima, or the distance is constant, any one
 /// of the times may be reported. At a flat minimum the time has an error of the order of the
 /// square root of the rounding. The bits are the same with every instruction set.
 ///

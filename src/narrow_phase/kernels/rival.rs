@@ -29,8 +29,8 @@ pub(super) struct MinimumChoice {
     pub(super) start: f32,
     /// Centred time near the other minimum.
     pub(super) rival: f32,
-    /// If the first guess stays: factor on the margin of its proof, 1, or infinity if there will be
-    /// none. 0 if the guess is to be made again.
+    /// Factor on the margin of the first guess's proof if that guess stays: 1, or infinity if there
+    /// will be no proof. 0 if the guess is to be made again.
     pub(super) stays: f32,
 }
 

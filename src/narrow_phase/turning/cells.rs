@@ -55,7 +55,7 @@ pub(super) fn nearest_first<'a>(
 }
 
 /// Calls `visit` once with each part of a span that does not begin before `after` (s) and meets an
-/// interval (s). Of many parts only those matter in which a bounding sphere is within a distance (m):
+/// interval (s). If there are many, only parts matter in which a bounding sphere is within a distance (m):
 /// `near` returns its motion and that distance, or `None` if that is never so.
 pub(super) fn each_near<'a>(
     cells: impl Fn((f64, f64)) -> Cells<'a>,
@@ -98,7 +98,7 @@ impl<'a> Cells<'a> {
     const BLOCK: usize = 1024;
     /// Room for those of one revolution of each body, and more.
     const USUAL: usize = 24;
-    /// With so few parts each is tested by itself.
+    /// Largest number of parts of which each is tested by itself.
     const FEW: usize = 4;
 
     /// Returns the walk through the parts of a span that meet an interval (s).

@@ -40,7 +40,8 @@ impl<'a> TurningOverPlane<'a> {
         })
     }
 
-    /// See `TurningPair::each_near`.
+    /// Solves the spheres that may come within `margin` in a part of the span that meets an interval (s)
+    /// and does not begin before `after` (s).
     pub(super) fn each_near(
         &self,
         margin: f64,
@@ -66,7 +67,8 @@ impl<'a> TurningOverPlane<'a> {
         });
     }
 
-    /// See `TurningPair::each_for_nearest`.
+    /// Solves the spheres that may come nearer in `clip` than `reached` (m); `solve` gets the part of the
+    /// span as well, and returns the new value of `reached`.
     pub(super) fn each_for_nearest(
         &self,
         clip: (f64, f64),

@@ -129,7 +129,7 @@ impl SphereCandidate {
 }
 
 impl<'a> SpheresOverPart<'a> {
-    /// Up to this number all candidates are solved.
+    /// Largest number of candidates of which all are solved.
     const FEW: usize = 2;
 
     pub(super) fn new(

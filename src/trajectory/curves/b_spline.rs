@@ -16,8 +16,8 @@ impl Trajectory {
     /// Builds the cubic B-spline with a knot vector (s) and control points (m), one segment per interval between
     /// different knots.
     ///
-    /// n control points need n + 4 knots, not decreasing. The body moves from knot 3 to knot n (counted from 0). Where
-    /// the curve is to begin or end at a control point, give that knot four times, as usual ("clamped").
+    /// n control points need n + 4 knots, not decreasing. The body moves from knot 3 to knot n (counted from 0). For a
+    /// curve that begins or ends at a control point, give that knot four times, as usual ("clamped").
     ///
     /// Inside, a knot that occurs once leaves the acceleration continuous, twice the velocity, three times the
     /// position. Four times is accepted if the two control points there are the same.

@@ -12,8 +12,8 @@ impl Trajectory {
     /// Builds one segment per cubic Bézier piece, given by its four control points (m), between consecutive knots
     /// (s). Over each piece the Bézier parameter runs evenly with time.
     ///
-    /// Each piece must begin with the very point at which the one before it ends. Its velocity may jump there. Where
-    /// a motion is to jump, use [`from_coefficients`](Self::from_coefficients).
+    /// Each piece must begin with the very point at which the one before it ends. Its velocity may jump there. For
+    /// a motion that jumps, use [`from_coefficients`](Self::from_coefficients).
     ///
     /// The control points are kept relative to the first one of their piece, each with one rounding of that distance.
     /// Position, velocity and acceleration at both ends, from which a body goes on beyond its knots if

@@ -12,7 +12,7 @@ use glam::DVec3;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[doc(alias("glTF", "CUBICSPLINE", "tangent"))]
 pub struct Keyframe {
-    /// Seconds.
+    /// Time, s.
     pub time: f64,
     /// Velocity with which the body arrives, m/s.
     pub in_tangent: DVec3,
@@ -68,7 +68,7 @@ impl Trajectory {
     ///
     /// A tangent here is a velocity, in m/s. glTF 2.0 keeps the tangents of `CUBICSPLINE` per second, and multiplies
     /// them by the duration of the segment when it interpolates. So its numbers are taken as they are; each f32 is an
-    /// f64. Where a format keeps tangents per segment (its parameter runs from 0 to 1), divide the out-tangent by
+    /// f64. If a format keeps tangents per segment (its parameter runs from 0 to 1), divide the out-tangent by
     /// the duration of the segment after the keyframe, and the in-tangent by that of the segment before.
     ///
     /// ```

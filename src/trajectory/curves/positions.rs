@@ -43,7 +43,7 @@ impl PositionOptions {
     /// Limits velocities, so that no coordinate overshoots: between two positions x stays between theirs, and so do y
     /// and z, to some roundings.
     ///
-    /// Each component is limited by itself. Where a coordinate turns back or rests, the component is zero. Elsewhere
+    /// Each component is limited by itself. It is zero where the coordinate turns back or rests. Elsewhere
     /// it is at most three times the smaller one of the mean velocities before and after. Given end velocities are
     /// not limited: beside them a coordinate may overshoot.
     ///
@@ -61,16 +61,16 @@ impl Trajectory {
     /// Builds cubic Hermite segments through positions only, `(time, position)` (s, m); velocities follow the
     /// non-uniform Catmull-Rom rule.
     ///
-    /// Inside: the velocity of the parabola through a position and its two neighbours. At the ends: of the parabola
-    /// through the three positions there; with two positions, the chord's.
+    /// The velocity at an inner position is that of the parabola through it and its two neighbours. At an end it is
+    /// that of the parabola through the three positions there; with two positions, the chord's.
     ///
     /// This suits samples of a smooth motion. **It does not suit waypoints with straight legs**: the body leaves a leg
     /// near its ends, swings out beside corners, overshoots where it should stop, and never is at constant velocity.
     /// With a velocity off by v from the leg's at its ends, it strays from a leg of T seconds by up to v T / 4.
     ///
     /// In 2,000 delivery missions (climb, cruise, descend, wait, return) half of all places are more than 101 m from
-    /// the legs at that time. Such plans find 8 % of the conflicts within 8 m that the legs have, and for each one of
-    /// the legs' conflicts half a one that is none. (`cargo test --test missions -- --nocapture`)
+    /// the legs at that time. Such plans find 8 % of the conflicts within 8 m that the legs have, and one false
+    /// conflict for every two of the legs'. (`cargo test --test missions -- --nocapture`)
     ///
     /// | you have | use |
     /// |---|---|

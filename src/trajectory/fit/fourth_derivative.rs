@@ -26,9 +26,9 @@ const SHARES: [f64; PARTS] = [
 /// A bound of the Euclidean norm of a motion's fourth derivative (m/s⁴).
 #[derive(Clone, Copy)]
 pub(super) enum FourthDerivative<'a> {
-    /// For all times.
+    /// One bound for all times.
     Constant(f64),
-    /// For all times of a window.
+    /// A function of a window, with a bound for all of its times.
     Over(&'a dyn Fn(Window) -> f64),
 }
 
@@ -94,7 +94,7 @@ impl FourthDerivative<'_> {
 mod tests {
     use super::{FourthDerivative, SHARES};
 
-    /// Peano's kernel of cubic Hermite interpolation, from its definition.
+    /// Returns Peano's kernel of cubic Hermite interpolation, from its definition.
     fn kernel(t: f64, s: f64) -> f64 {
         let power = if t > s { (t - s).powi(3) / 6.0 } else { 0.0 };
         let at_end = (1.0 - s).powi(3) / 6.0;

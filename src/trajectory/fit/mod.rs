@@ -6,6 +6,7 @@
 //! | `options` | options of a fit |
 //! | `place` | knots, as far apart as a tolerance allows |
 //! | `motion` | functions of time |
+//! | `velocity` | velocities that are not the derivative of the position |
 //! | `fourth_derivative` | distance of a motion from its cubic, by bounds of the fourth derivative |
 //! | `deviation` | error of one cubic between two states of a motion |
 //! | `polynomials` | polynomials up to degree 7 |
@@ -19,6 +20,7 @@ mod place;
 mod polynomials;
 mod reduction;
 mod result;
+mod velocity;
 
 pub use options::FitOptions;
 pub use result::Fit;

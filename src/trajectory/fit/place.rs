@@ -43,17 +43,33 @@ pub(super) fn checked_tolerance(metres: f64) -> Result<f64, Error> {
     }
 }
 
-/// Places knots from `start` to `end` (s) such that no piece has an error above the tolerance (m). The error of the
-/// piece between two instants is what `error_of` returns (m).
+/// The motion for which knots are placed.
+pub(super) trait Approximated {
+    /// Returns the error of the piece between two instants (m).
+    fn error(&mut self, from: f64, to: f64) -> Result<f64, Error>;
+
+    /// Returns an error if the knots placed so far show that the motion cannot be meant.
+    fn examine(&mut self, _knots: &[f64]) -> Result<(), Error> {
+        Ok(())
+    }
+}
+
+impl<F: FnMut(f64, f64) -> Result<f64, Error>> Approximated for F {
+    fn error(&mut self, from: f64, to: f64) -> Result<f64, Error> {
+        self(from, to)
+    }
+}
+
+/// Places knots from `start` to `end` (s) such that no piece of the motion has an error above the tolerance (m).
 ///
 /// # Errors
 ///
-/// Those of `error_of`; [`Error::FitUnreachable`]; [`Error::FitKnots`].
+/// Those of the motion; [`Error::FitUnreachable`]; [`Error::FitKnots`].
 pub(super) fn place_knots(
     [start, end]: [f64; 2],
     tolerance: f64,
     max_knots: usize,
-    mut error_of: impl FnMut(f64, f64) -> Result<f64, Error>,
+    mut motion: impl Approximated,
 ) -> Result<Placed, Error> {
     let (mut knots, mut from) = (vec![start], start);
     let (mut step, mut error, mut last_error) = ((end - start) / 8.0, 0.0_f64, 0.0);
@@ -65,13 +81,14 @@ pub(super) fn place_knots(
             });
         }
         let to;
-        (to, last_error) = longest_step([from, end], step, tolerance, &mut error_of)?;
+        (to, last_error) = longest_step([from, end], step, tolerance, &mut motion)?;
         error = error.max(last_error);
         knots.push(to);
+        motion.examine(&knots)?;
         (step, from) = (to - from, to);
     }
     let balanced = evenly_shortened(&knots, last_error / tolerance);
-    if let Some(error) = error_within(&balanced, tolerance, &mut error_of)? {
+    if let Some(error) = error_within(&balanced, tolerance, &mut motion)? {
         knots = balanced;
         return Ok(Placed { knots, error });
     }
@@ -83,13 +100,13 @@ fn longest_step(
     [from, end]: [f64; 2],
     first: f64,
     tolerance: f64,
-    error_of: &mut impl FnMut(f64, f64) -> Result<f64, Error>,
+    motion: &mut impl Approximated,
 ) -> Result<(f64, f64), Error> {
     let least = LEAST_STEP * f64::EPSILON * from.abs().max(f64::MIN_POSITIVE);
     let (mut good, mut bad, mut reached) = (None, None, f64::INFINITY);
     let mut to = (from + first.max(least)).min(end);
     for trial in 0..MOST_TRIALS {
-        let (length, error) = (to - from, error_of(from, to)?);
+        let (length, error) = (to - from, motion.error(from, to)?);
         reached = error.min(reached);
         // The error of a cubic grows with the fourth power of its duration.
         let factor = (AIM * tolerance / error).sqrt().sqrt();
@@ -159,7 +176,7 @@ fn evenly_shortened(knots: &[f64], share: f64) -> Vec<f64> {
 fn error_within(
     knots: &[f64],
     tolerance: f64,
-    error_of: &mut impl FnMut(f64, f64) -> Result<f64, Error>,
+    motion: &mut impl Approximated,
 ) -> Result<Option<f64>, Error> {
     let mut largest = None;
     for pair in knots.windows(2) {
@@ -167,7 +184,7 @@ fn error_within(
         let error = if is_short {
             f64::INFINITY
         } else {
-            error_of(pair[0], pair[1])?
+            motion.error(pair[0], pair[1])?
         };
         if error.is_nan() || error > tolerance {
             return Ok(None);

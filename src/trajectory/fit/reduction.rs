@@ -1,4 +1,4 @@
-//! One cubic in place of a part of a polynomial of degree 7, with a proven bound of the remainder.
+//! A cubic in place of a part of a polynomial of degree 7, with a proven bound of the remainder.
 
 use super::deviation::{EVALUATION, SPARE};
 use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, norm};

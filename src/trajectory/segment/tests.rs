@@ -255,8 +255,8 @@ fn lines_at_the_ends_of_polynomials() {
         }
         let motion = Trajectory::from_coefficients(&knots, &[coefficients], TimeBase::Absolute);
         let motion = motion.unwrap_or_else(|error| unreachable!("{error}"));
-        let carriers = [motion.carrier_before(), motion.carrier_after()];
-        for (line, knot) in carriers.into_iter().zip(knots) {
+        let end_motions = [motion.end_motion_before(), motion.end_motion_after()];
+        for (line, knot) in end_motions.into_iter().zip(knots) {
             let line = line.straight();
             let time = number(knot);
             let [a, b, c, d] = coefficients.each_ref().map(|x| Exact::of(*x));

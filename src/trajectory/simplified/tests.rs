@@ -88,7 +88,7 @@ fn the_error_holds() {
     }
 }
 
-/// Where rounding is all there is, its bounds are needed.
+/// Bounds of rounding are needed where rounding is the only difference.
 #[test]
 fn the_error_holds_for_rounding() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);

@@ -121,7 +121,7 @@ fn uniform_b_splines() {
     }
 }
 
-/// Where position and velocity at the ends vanish but for what cancels, too.
+/// The ends are exact also where their position and velocity vanish but for terms that cancel.
 #[test]
 fn ends_of_b_splines() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);

@@ -83,7 +83,7 @@ fn assert_ends(plan: &Trajectory, first: &[Exact; 4], last: &[Exact; 4]) {
         }
     }
     // At one velocity from the knot on.
-    for (place, motion) in [plan.carrier_before(), plan.carrier_after()]
+    for (place, motion) in [plan.end_motion_before(), plan.end_motion_after()]
         .into_iter()
         .enumerate()
     {

@@ -9,13 +9,13 @@ const ROOM: usize = 2;
 /// A vector that begins at `first`, with spare places in front of it and `BESIDE` other values in
 /// the same allocation.
 #[derive(Clone, Debug)]
-pub(super) struct Roomy<T, const BESIDE: usize = 0> {
+pub(super) struct FrontGapVec<T, const BESIDE: usize = 0> {
     /// The values beside the list come first.
     all: Vec<T>,
     first: usize,
 }
 
-impl<T: Copy, const BESIDE: usize> Roomy<T, BESIDE> {
+impl<T: Copy, const BESIDE: usize> FrontGapVec<T, BESIDE> {
     /// Returns an empty list with capacity for `count` entries. The values beside it must be
     /// [set](Self::put_beside) once it has an entry.
     pub(super) fn with_capacity(count: usize) -> Self {
@@ -90,7 +90,7 @@ impl<T: Copy, const BESIDE: usize> Roomy<T, BESIDE> {
     }
 }
 
-impl<T, const BESIDE: usize> Deref for Roomy<T, BESIDE> {
+impl<T, const BESIDE: usize> Deref for FrontGapVec<T, BESIDE> {
     type Target = [T];
 
     fn deref(&self) -> &[T] {
@@ -98,7 +98,7 @@ impl<T, const BESIDE: usize> Deref for Roomy<T, BESIDE> {
     }
 }
 
-impl<T: Copy + PartialEq, const BESIDE: usize> PartialEq for Roomy<T, BESIDE> {
+impl<T: Copy + PartialEq, const BESIDE: usize> PartialEq for FrontGapVec<T, BESIDE> {
     fn eq(&self, other: &Self) -> bool {
         **self == **other && self.beside() == other.beside()
     }
@@ -106,11 +106,11 @@ impl<T: Copy + PartialEq, const BESIDE: usize> PartialEq for Roomy<T, BESIDE> {
 
 #[cfg(test)]
 mod tests {
-    use super::Roomy;
+    use super::FrontGapVec;
 
     #[test]
     fn equals_a_plain_list_whatever_is_replaced_and_dropped() {
-        let mut roomy = Roomy::<usize, 2>::with_capacity(4);
+        let mut roomy = FrontGapVec::<usize, 2>::with_capacity(4);
         (0..4).for_each(|entry| roomy.push(entry));
         roomy.put_beside(0, 70);
         roomy.put_beside(1, 71);
@@ -128,7 +128,7 @@ mod tests {
         }
         roomy.drop_front(3);
         assert_eq!((&*roomy, roomy.beside()), (&plain[3..], &[70, 71][..]));
-        assert_eq!(roomy, Roomy::new(&plain[3..], &[70, 71]));
-        assert_ne!(roomy, Roomy::new(&plain[3..], &[70, 72]));
+        assert_eq!(roomy, FrontGapVec::new(&plain[3..], &[70, 71]));
+        assert_ne!(roomy, FrontGapVec::new(&plain[3..], &[70, 72]));
     }
 }
