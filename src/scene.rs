@@ -83,7 +83,7 @@ impl Slot {
 /// to 32 MiB. An empty scene holds none. Slots of 192 bytes, for the largest number of bodies so
 /// far, are reused and freed with the scene.
 ///
-/// A screening adds some 170 bytes a body where more than one body in eight has a plan, else 30. For
+/// A screening adds some 190 bytes a body where more than one body in eight has a plan, else 30. For
 /// each thread it adds at most 64 MiB of boxes (64 bytes each, for up to 2^20 boxes, or one slice if
 /// that has more). It also adds 40 to 130 bytes a box of one slice for the sweep, 8 for each of a
 /// slice's candidates, and 16 for each span that is solved. Boxes, candidates and the sweep's lists are

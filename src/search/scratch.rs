@@ -66,7 +66,7 @@ mod tests {
         assert_eq!(size_of::<SceneEntry>(), 184);
         assert_eq!(size_of::<CubicRun>(), 64);
         let line = size_of::<CubicSource<'_, CompactCubic>>() + size_of::<(f64, f64)>();
-        assert_eq!(line, 168);
+        assert_eq!(line, 192);
         let boxed = size_of::<BodyBox>() + size_of::<FatLine>() + size_of::<u32>();
         assert_eq!(boxed, 64);
         assert_eq!(size_of::<Candidate>(), 8);
