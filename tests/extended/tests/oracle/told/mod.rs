@@ -61,7 +61,8 @@ fn told_bodies_meet_as_they_do_exactly() {
 #[test]
 fn told_monitors_foresee_what_comes_exactly() {
     let mut asked = Asked::default();
-    for seed in 0..80 {
+    // The last one is lost if boxes do not reach out by the rounding of the way gone.
+    for seed in (0..80).chain([1_000_520]) {
         monitors::life(seed, &mut asked);
     }
     println!("{asked:?}");
