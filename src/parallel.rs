@@ -77,27 +77,30 @@ pub(crate) fn threads() -> usize {
     1
 }
 
-/// Calls `work(chunk)` for each chunk of `size` items (the last may have fewer). Several threads
-/// begin with the last chunks, so that increasing work ends evenly. If the `counted` work is at
+/// Calls `work(number, chunk)` for each chunk of `size` items (the last may have fewer), chunks numbered from 0.
+/// Several threads begin with the last chunks, so that increasing work ends evenly. If the `counted` work is at
 /// most `few`, all stay on this thread.
 pub(crate) fn for_each_chunk<T: Send>(
     items: &mut [T],
     size: usize,
     (counted, few): (usize, usize),
-    work: impl Fn(&mut [T]) + Sync + Send,
+    work: impl Fn(usize, &mut [T]) + Sync + Send,
 ) {
     #[cfg(feature = "parallel")]
     {
         use rayon::iter::{IndexedParallelIterator, ParallelIterator};
         use rayon::slice::ParallelSliceMut;
         if counted > few && items.len() > size {
-            items.par_chunks_mut(size).rev().for_each(work);
+            let chunks = items.par_chunks_mut(size).enumerate().rev();
+            chunks.for_each(|(number, chunk)| work(number, chunk));
             return;
         }
     }
     #[cfg(not(feature = "parallel"))]
     let _ = (counted, few);
-    items.chunks_mut(size).for_each(work);
+    for (number, chunk) in items.chunks_mut(size).enumerate() {
+        work(number, chunk);
+    }
 }
 
 /// Calls `work(number, share, own)` for each share of `size` items of two lists of the same length, with a value

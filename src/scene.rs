@@ -50,6 +50,13 @@ impl Slot {
         let entry = self.entry.as_mut()?;
         Some(entry.turn_in_place((from, motion, since)))
     }
+
+    /// Prefetches what the body's motion has beside the record.
+    pub(crate) fn prefetch_motion(&self) {
+        if let Some(entry) = &self.entry {
+            entry.body.trajectory.prefetch();
+        }
+    }
 }
 
 /// The bodies that are screened against each other.

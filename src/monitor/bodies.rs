@@ -168,7 +168,7 @@ impl ChangedBounds {
             });
         }
         let few = (slots.len() * (ends.len() - 1), FEW_BOXES);
-        parallel::for_each_chunk(&mut self.chunks[..count], 1, few, |chunks| {
+        parallel::for_each_chunk(&mut self.chunks[..count], 1, few, |_, chunks| {
             for chunk in chunks {
                 let end = slots.len().min(chunk.first + Self::CHUNK);
                 chunk.form(bodies, &slots[chunk.first..end], ends);

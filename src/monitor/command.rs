@@ -195,7 +195,7 @@ impl CommandBatch {
             }
         }
         let few = (self.changed.len(), Self::FEW);
-        parallel::for_each_chunk(&mut self.changed, Self::CHUNK, few, |revisions| {
+        parallel::for_each_chunk(&mut self.changed, Self::CHUNK, few, |_, revisions| {
             for index in 0..revisions.len() {
                 if let Some(later) = revisions.get(index + 2 * Self::AHEAD) {
                     scene.prefetch(later.id.slot);

@@ -353,7 +353,7 @@ impl LookaheadSearch {
             let (moved, first) = (&self.moved, slices[0].number);
             let boxes = slices.iter().map(|slice| slice.missing(&bodies)).sum();
             let (found, most, pool) = (AtomicUsize::new(0), self.max_spans, &self.pool);
-            parallel::for_each_chunk(slices, 1, (boxes, FEW_BOXES), |slices| {
+            parallel::for_each_chunk(slices, 1, (boxes, FEW_BOXES), |_, slices| {
                 for slice in slices {
                     if found.load(Relaxed) > most {
                         // These are solved first: there may be no room for more.

@@ -9,6 +9,7 @@ use crate::shape::BodyShape;
 use crate::simd::prefetch;
 use crate::trajectory::{Extension, Outside, Trajectory};
 use crate::window::Window;
+use std::ops::Range;
 use std::slice::from_ref;
 
 /// The facts about a body's plan and hitbox that are computed once, when they are set.
@@ -103,6 +104,12 @@ impl MonitoredBody {
         };
         trajectory.lengthen(&mut extension, end)?;
         Ok(Some(extension))
+    }
+
+    /// Returns the number of cubics, those beyond the knots included.
+    fn all_cubics(&self) -> u32 {
+        let beyond = |extension: &Extension| extension.before + extension.after;
+        self.cubics + self.extension.as_ref().map_or(0, beyond)
     }
 
     /// Returns the plan and the hitbox as the narrow phase takes them.
@@ -213,24 +220,30 @@ impl MonitoredBodies {
         })
     }
 
+    /// Returns when the bodies in some slots exist that may be part of a pair, s, with the number of their cubics;
+    /// never, and none, in a slot without one.
+    pub(super) fn present(&self, slots: Range<usize>) -> impl Iterator<Item = ((f64, f64), u32)> {
+        self.by_slot[slots].iter().map(|flight| {
+            let Some(flight) = flight else {
+                return (Knots::NONE.ends(), 0);
+            };
+            let life = if flight.has_partner {
+                flight.ends
+            } else {
+                Knots::NONE.ends()
+            };
+            (life, flight.all_cubics())
+        })
+    }
+
     /// Returns when each body exists that may be part of a pair, s; never in a slot without one.
     pub(super) fn lives(&self) -> impl Iterator<Item = (f64, f64)> {
-        let partner = |flight: &'_ Option<MonitoredBody>| {
-            let ends = flight.as_ref().filter(|flight| flight.has_partner);
-            ends.map_or(Knots::NONE.ends(), |flight| flight.ends)
-        };
-        self.by_slot.iter().map(partner)
+        self.present(0..self.len()).map(|(life, _)| life)
     }
 
     /// Returns the number of each body's cubics, by slot.
     pub(super) fn cubics(&self) -> impl Iterator<Item = u32> {
-        let beyond = |extension: &Extension| extension.before + extension.after;
-        let cubics = move |flight: &MonitoredBody| {
-            flight.cubics + flight.extension.as_ref().map_or(0, beyond)
-        };
-        self.by_slot
-            .iter()
-            .map(move |flight| flight.as_ref().map_or(0, cubics))
+        self.present(0..self.len()).map(|(_, cubics)| cubics)
     }
 
     /// Fetches what is known of the body in a slot into the caches.

@@ -1,6 +1,7 @@
 //! All bodies of a monitor, for searches from nothing.
 
 use super::bodies::BodyTable;
+use crate::parallel;
 use crate::pool::Pool;
 use crate::search::{
     Lifetimes, Limits, SceneStatistics, SearchScratch, SliceTrials, TimeSlices, WindowSearch,
@@ -21,6 +22,41 @@ impl<'m> PreparedBodies<'m> {
         let mut presence = std::mem::take(memory);
         presence.fill(table.flights.lives());
         Self { table, presence }
+    }
+
+    /// Lists them, and returns how much moves in a window (s) as well: what is known of the bodies is read once.
+    pub(super) fn in_window(
+        table: BodyTable<'m>,
+        memory: &mut Lifetimes,
+        window: (f64, f64),
+    ) -> (Self, SceneStatistics) {
+        /// Slots that one thread goes through together.
+        const SHARE: usize = 4096;
+        let mut traffic = SceneStatistics::default();
+        let mut presence = std::mem::take(memory);
+        let (flights, count) = (table.flights, table.flights.len());
+        if parallel::threads() > 1 && count > 2 * SHARE {
+            let mut shares = vec![SceneStatistics::default(); count.div_ceil(SHARE)];
+            // One list alone is shared; the other one is empty.
+            let lists = (presence.room(count), &mut vec![(); count][..]);
+            parallel::for_each_share(lists, &mut shares, SHARE, |share, (lives, _), traffic| {
+                let slots = share * SHARE..share * SHARE + lives.len();
+                for (life, body) in lives.iter_mut().zip(flights.present(slots)) {
+                    add(traffic, body, window);
+                    *life = body.0;
+                }
+            });
+            for share in shares {
+                traffic.body_time += share.body_time;
+                traffic.segments += share.segments;
+            }
+        } else {
+            presence.fill(flights.present(0..count).map(|body| {
+                add(&mut traffic, body, window);
+                body.0
+            }));
+        }
+        (Self { table, presence }, traffic)
     }
 
     /// Leaves the memory for other ones.
@@ -82,16 +118,23 @@ impl<'m> PreparedBodies<'m> {
     }
 
     /// Returns how much moves in a window (s), as far as the number of slices depends on it.
-    pub(super) fn traffic(&self, (from, to): (f64, f64)) -> SceneStatistics {
+    pub(super) fn traffic(&self, window: (f64, f64)) -> SceneStatistics {
         let mut traffic = SceneStatistics::default();
         let bodies = self.table.flights.cubics();
-        for (&(first, last), cubics) in self.presence.lives().iter().zip(bodies) {
-            let time = (last.min(to) - first.max(from)).max(0.0);
-            traffic.body_time += time;
-            if last > first {
-                traffic.segments += f64::from(cubics) * (time / (last - first));
-            }
+        for (&life, cubics) in self.presence.lives().iter().zip(bodies) {
+            add(&mut traffic, (life, cubics), window);
         }
         traffic
+    }
+}
+
+/// Adds what a body with so many cubics does in a window (s), given when it exists (s).
+#[inline]
+fn add(traffic: &mut SceneStatistics, (life, cubics): ((f64, f64), u32), (from, to): (f64, f64)) {
+    let (first, last) = life;
+    let time = (last.min(to) - first.max(from)).max(0.0);
+    traffic.body_time += time;
+    if last > first {
+        traffic.segments += f64::from(cubics) * (time / (last - first));
     }
 }

@@ -4,7 +4,7 @@ use super::Monitor;
 use super::command::{ChangeContext, CommandBatch};
 #[cfg(feature = "recording")]
 use super::recording::Record;
-use super::tracked_motions::{TrackedChange, TrackedMotion, TrackedMotions, TrackedPlan};
+use super::tracked_motions::{TrackedChange, TrackedMotions, TrackedPlan};
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::id::BodyId;
 use crate::orientation::{Orientation, TrackedSpin};
@@ -12,6 +12,7 @@ use crate::parallel;
 use crate::scene::BodyState;
 use crate::trajectory::Trajectory;
 use crate::window::Window;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 impl Monitor {
     /// Lets each of these bodies follow [`Trajectory::coasting`] from its state, from `now` (s) on, whatever the
@@ -111,11 +112,12 @@ impl Monitor {
             }
         }
         let terms = self.terms()?;
-        self.find_usual(now, &mut tracked.motions, &terms);
-        tracked.list_others();
+        if !self.find_usual(now, tracked, &terms) || tracked.has_spins() {
+            tracked.list_others();
+        }
         let others = &mut tracked.others;
         let few = (others.len(), CommandBatch::FEW);
-        parallel::for_each_chunk(others, CHUNK, few, |some| {
+        parallel::for_each_chunk(others, CHUNK, few, |_, some| {
             for other in some {
                 if let Err(error) = self.work_out_change(now, other, &terms) {
                     other.plan = TrackedPlan::Refused(Box::new(error));
@@ -150,33 +152,48 @@ impl Monitor {
         Ok(())
     }
 
-    /// Notes which motions are turned in place.
-    fn find_usual(&self, now: f64, motions: &mut [TrackedMotion], terms: &ChangeContext<'_>) {
+    /// Notes which motions are turned in place; returns true if all are.
+    fn find_usual(
+        &self,
+        now: f64,
+        tracked: &mut TrackedMotions,
+        terms: &ChangeContext<'_>,
+    ) -> bool {
         /// Bodies that one thread looks at together.
         const CHUNK: usize = 1024;
-        let few = (motions.len(), CommandBatch::FEW);
+        let few = (tracked.ids.len(), CommandBatch::FEW);
         let times = (now, terms.forget_before);
-        parallel::for_each_chunk(motions, CHUNK, few, |some| {
-            for place in 0..some.len() {
-                self.prefetch_motion(some, place);
-                let one = &mut some[place];
-                let body = self.scene.body(one.id);
-                one.turns_in_place = body.is_some_and(|body| {
+        let is_usual = AtomicBool::new(true);
+        let TrackedMotions {
+            ids,
+            motions,
+            turns_in_place,
+            ..
+        } = tracked;
+        turns_in_place.resize(ids.len(), false);
+        parallel::for_each_chunk(turns_in_place, CHUNK, few, |number, some| {
+            let first = number * CHUNK;
+            let (ids, motions) = (&ids[first..], &motions[first..]);
+            for (place, turns) in some.iter_mut().enumerate() {
+                self.prefetch_motion(ids, place);
+                *turns = self.scene.body(ids[place]).is_some_and(|body| {
                     let flown = &body.trajectory;
-                    flown.turns_as_usual(times, &one.motion, terms.window)
+                    flown.turns_as_usual(times, &motions[place], terms.window)
                 });
             }
+            is_usual.fetch_and(some.iter().all(|turns| *turns), Ordering::Relaxed);
         });
+        is_usual.into_inner()
     }
 
     /// Prefetches bodies that are looked at later: they lie anywhere in memory.
-    fn prefetch_motion(&self, some: &[TrackedMotion], place: usize) {
+    fn prefetch_motion(&self, ids: &[BodyId], place: usize) {
         const AHEAD: usize = CommandBatch::AHEAD;
-        if let Some(later) = some.get(place + 2 * AHEAD) {
-            self.scene.prefetch(later.id.slot);
+        if let Some(later) = ids.get(place + 2 * AHEAD) {
+            self.scene.prefetch(later.slot);
         }
-        let later = some.get(place + AHEAD);
-        if let Some((_, later)) = later.and_then(|later| self.scene.in_slot(later.id.slot)) {
+        let later = ids.get(place + AHEAD);
+        if let Some((_, later)) = later.and_then(|later| self.scene.in_slot(later.slot)) {
             later.body.trajectory.prefetch();
         }
     }
@@ -258,25 +275,25 @@ impl Monitor {
     fn turn_in_place(&mut self, now: f64, tracked: &TrackedMotions) -> Result<(), Error> {
         let terms = self.terms()?;
         let (window, since) = (terms.window, terms.forget_before);
-        let is_shared = parallel::threads() > 1 && 2 * tracked.motions.len() > self.scene.slots();
+        let is_shared = parallel::threads() > 1 && 2 * tracked.ids.len() > self.scene.slots();
         if is_shared {
             self.share_turns((now, since), window, tracked)?;
         }
-        let motions = &tracked.motions[..];
-        for (place, one) in motions.iter().enumerate() {
-            let slot = one.id.slot;
+        for (place, turns) in tracked.turns_in_place.iter().enumerate() {
+            let slot = tracked.ids[place].slot;
             if !is_shared {
-                self.prefetch_motion(motions, place);
-                if let Some(later) = motions.get(place + 2 * CommandBatch::AHEAD) {
-                    self.search.flights.prefetch(later.id.slot);
+                self.prefetch_motion(&tracked.ids, place);
+                if let Some(later) = tracked.ids.get(place + 2 * CommandBatch::AHEAD) {
+                    self.search.flights.prefetch(later.slot);
                 }
             }
-            if !one.turns_in_place {
+            if !turns {
                 continue;
             }
             if !is_shared {
                 let flown = &mut self.scene.slots_mut()[slot as usize];
-                if let Some(turned) = flown.turn_in_place((now, &one.motion, since)) {
+                let motion = &tracked.motions[place];
+                if let Some(turned) = flown.turn_in_place((now, motion, since)) {
                     self.search.flights.replan(slot, turned, window)?;
                 }
             }
@@ -301,13 +318,15 @@ impl Monitor {
         let mut ends = vec![Ok(f64::INFINITY); count.div_ceil(SHARE)];
         let lists = (&mut slots[..count], &mut flights[..count]);
         parallel::for_each_share(lists, &mut ends, SHARE, |share, (slots, flights), end| {
-            let bodies = slots.iter_mut().zip(flights).enumerate();
-            for (place, (slot, flight)) in bodies {
+            for (place, flight) in flights.iter_mut().enumerate() {
+                if let Some(later) = slots.get(place + CommandBatch::AHEAD) {
+                    later.prefetch_motion();
+                }
                 let motion = tracked.in_place(share * SHARE + place);
                 let (Some(motion), Some(flight)) = (motion, flight) else {
                     continue;
                 };
-                let turned = slot.turn_in_place((now, &motion.motion, since));
+                let turned = slots[place].turn_in_place((now, motion, since));
                 let followed = turned.map_or(Ok(()), |turned| flight.replan(turned, window));
                 match (&mut *end, followed) {
                     (Ok(end), Ok(())) => *end = end.min(flight.until),

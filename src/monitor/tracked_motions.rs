@@ -9,11 +9,16 @@ use crate::trajectory::{StraightMotion, Trajectory};
 /// Changes of the bodies of one call. Their memory is reused.
 #[derive(Debug, Default)]
 pub(super) struct TrackedMotions {
-    /// Motions, one for each body.
-    pub(super) motions: Vec<TrackedMotion>,
-    /// Place in `motions` of each slot's motion, valid if that entry is of this slot.
+    /// The bodies, each once.
+    pub(super) ids: Vec<BodyId>,
+    /// Straight motions, one for each body.
+    pub(super) motions: Vec<StraightMotion>,
+    /// True for each body whose few straight motions are turned in place, from the time of the call on: most are.
+    /// In a list of its own: motions are many times as long and do not change any more.
+    pub(super) turns_in_place: Vec<bool>,
+    /// Place in these lists of each slot's body, valid if that entry is of this slot.
     place_of: Vec<usize>,
-    /// Spins that were given, with the place of the body's motion.
+    /// Spins that were given, with the place of the body.
     spins: Vec<(usize, TrackedSpin)>,
     /// Changes of bodies whose motion is not turned in place, or to which a spin was given.
     pub(super) others: Vec<TrackedChange>,
@@ -21,24 +26,31 @@ pub(super) struct TrackedMotions {
 
 impl TrackedMotions {
     pub(super) fn clear(&mut self) {
+        self.ids.clear();
         self.motions.clear();
+        self.turns_in_place.clear();
         self.spins.clear();
         self.others.clear();
+    }
+
+    /// Returns true if spins were given.
+    pub(super) const fn has_spins(&self) -> bool {
+        !self.spins.is_empty()
     }
 
     /// Lists the other changes, once it is known which motions turn in place.
     pub(super) fn list_others(&mut self) {
         for (place, _) in &self.spins {
-            self.motions[*place].turns_in_place = false;
+            self.turns_in_place[*place] = false;
         }
         self.spins.sort_unstable_by_key(|(place, _)| *place);
         let mut spins = self.spins.drain(..).peekable();
-        let motions = self.motions.iter().enumerate();
-        for (place, one) in motions.filter(|(_, one)| !one.turns_in_place) {
+        let places = self.turns_in_place.iter().enumerate();
+        for (place, _) in places.filter(|(_, turns)| !**turns) {
             let given = spins.next_if(|(other, _)| *other == place);
             self.others.push(TrackedChange {
-                id: one.id,
-                motion: one.motion,
+                id: self.ids[place],
+                motion: self.motions[place],
                 spin: given.map(|(_, spin)| spin),
                 plan: TrackedPlan::Same,
             });
@@ -56,40 +68,24 @@ impl TrackedMotions {
         if self.place_of.len() <= slot {
             self.place_of.resize(slot + 1, 0);
         }
-        let motion = TrackedMotion {
-            id,
-            motion,
-            turns_in_place: false,
-        };
         let place = &mut self.place_of[slot];
-        match self.motions.get_mut(*place) {
-            Some(known) if known.id == id => {
-                *known = motion;
-                self.spins.retain(|(other, _)| other != place);
-            }
-            _ => {
-                *place = self.motions.len();
-                self.motions.push(motion);
-            }
+        if self.ids.get(*place) == Some(&id) {
+            self.motions[*place] = motion;
+            self.spins.retain(|(other, _)| other != place);
+        } else {
+            *place = self.ids.len();
+            self.ids.push(id);
+            self.motions.push(motion);
         }
         self.spins.extend(spin.map(|spin| (*place, spin)));
     }
 
     /// Returns the motion of the body in a slot, if it is turned in place.
-    pub(super) fn in_place(&self, slot: usize) -> Option<&TrackedMotion> {
-        let motion = self.motions.get(*self.place_of.get(slot)?)?;
-        (motion.id.slot as usize == slot && motion.turns_in_place).then_some(motion)
+    pub(super) fn in_place(&self, slot: usize) -> Option<&StraightMotion> {
+        let place = *self.place_of.get(slot)?;
+        let is_own = self.ids.get(place)?.slot as usize == slot;
+        (is_own && self.turns_in_place[place]).then(|| &self.motions[place])
     }
-}
-
-/// The straight motion that a body is to follow.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct TrackedMotion {
-    pub(super) id: BodyId,
-    pub(super) motion: StraightMotion,
-    /// The few straight motions that the body follows are turned in place, from the time of the call on: so it usually
-    /// is.
-    pub(super) turns_in_place: bool,
 }
 
 /// A change of another kind.

@@ -14,6 +14,12 @@ impl Lifetimes {
         self.0.extend(lives);
     }
 
+    /// Returns room for those of so many bodies, to be overwritten.
+    pub(crate) fn room(&mut self, count: usize) -> &mut [(f64, f64)] {
+        self.0.resize(count, (0.0, 0.0));
+        &mut self.0
+    }
+
     pub(crate) fn lives(&self) -> &[(f64, f64)] {
         &self.0
     }

@@ -59,19 +59,25 @@ impl Truth {
             (from, to) = window;
         }
         let bodies = case.states.each_ref().map(body);
+        let bodies = bodies.map(|body| body.extended(outside, from, to));
+        Self::between(bodies, case.margin, (from, to))
+    }
+
+    /// Of motions that are known, from one instant (s) to another.
+    pub(crate) fn between(bodies: [Body; 2], margin: f64, (from, to): (f64, f64)) -> Self {
         Self {
-            bodies: bodies.map(|body| body.extended(outside, from, to)),
-            margin: case.margin,
+            bodies,
+            margin,
             range: (from <= to).then_some((from, to)),
         }
     }
 
-    fn over(&self, from: f64, to: f64) -> Vec<SquaredDistance> {
+    pub(crate) fn over(&self, from: f64, to: f64) -> Vec<SquaredDistance> {
         squared_distances(&self.bodies[0], &self.bodies[1], Some((from, to)))
     }
 
     /// The least sign of `distance - level` over an interval, where the level is not negative.
-    fn least_sign(&self, (from, to): (f64, f64), level: &RBig) -> i32 {
+    pub(crate) fn least_sign(&self, (from, to): (f64, f64), level: &RBig) -> i32 {
         if *level < RBig::ZERO {
             return 1;
         }
@@ -82,7 +88,7 @@ impl Truth {
     }
 
     /// The largest sign of `distance - level` over an interval.
-    fn largest_sign(&self, (from, to): (f64, f64), level: &RBig) -> i32 {
+    pub(crate) fn largest_sign(&self, (from, to): (f64, f64), level: &RBig) -> i32 {
         if *level < RBig::ZERO {
             return 1;
         }

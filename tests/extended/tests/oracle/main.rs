@@ -5,7 +5,7 @@
 //! part of the tests. The long one goes on by seeds, 1,200 questions each, and prints its table:
 //!
 //! ```text
-//! NEARMISS_SEEDS=0..9100 cargo test --release --test oracle -- --ignored --nocapture
+//! NEARMISS_SEEDS=0..9100 cargo test --release --test oracle -- --ignored --nocapture long
 //! ```
 
 #![allow(clippy::unwrap_used, reason = "a panic in the oracle is a failed test")]
@@ -17,6 +17,7 @@ mod oracle_support;
 #[path = "../../../support/mod.rs"]
 mod support;
 mod together;
+mod told;
 
 use cases::{Case, FAMILIES};
 use check::{Truth, Wrong};

@@ -199,6 +199,17 @@ impl Body {
         }])
     }
 
+    /// This motion until an instant, and a polynomial from then on.
+    pub(crate) fn followed_by(mut self, from: f64, next: &PolynomialSegment) -> Self {
+        let [from, end] = [from, next.end].map(Dyadic::from);
+        let kept = self.knots.partition_point(|knot| *knot < from);
+        self.knots.truncate(kept);
+        self.cubics.truncate(kept);
+        self.knots.extend([from, end]);
+        self.cubics.extend(Self::from_polynomials(&[*next]).cubics);
+        self
+    }
+
     /// The same motion of a point fixed in the body's frame, which does not turn.
     pub(crate) fn offset(mut self, offset: [f64; 3]) -> Self {
         let offset = vector(offset);
