@@ -51,7 +51,8 @@ impl HeightRange {
                 })
             }
             [motion] => {
-                let (from, to) = (window.start(), window.end());
+                // Instants are rounded: what is reported in the window may lie just outside.
+                let (from, to) = (seen_from(window.start()), seen_until(window.end()));
                 let ways = [from, to].map(|time| motion.way_to(time));
                 let ends = ways.map(|way| (motion.origin() + way).dot(normal));
                 let size = |vector: DVec3| vector.abs().element_sum();

@@ -51,7 +51,7 @@ fn case(rng: &mut ChaCha8Rng, kind: usize) -> Case {
     };
     let hitbox = |rng: &mut ChaCha8Rng| {
         // Some are so many that they are put into groups.
-        let count = if kind % 97 == 3 { 33..60 } else { 2..30 };
+        let count = if kind % 97 == 3 { 33..60 } else { 1..30 };
         let count = rng.random_range(count);
         let radius = size * rng.random_range(0.0..0.5);
         let sphere = |number: u32, rng: &mut ChaCha8Rng| {
