@@ -20,8 +20,8 @@ impl Monitor {
     ///
     /// A state with a [spin](BodyState::with_spin) sets the orientation as well, from `now` on; without one the
     /// body goes on turning as it does. A body that is left out keeps its course. One that already follows that very
-    /// motion, from a state of that very time, is not changed: leave out bodies that sleep. Of a body that is named
-    /// twice the last state counts. In steady state nothing is allocated.
+    /// motion, from a state of that very time, is not changed, nor is one that rests, and is told to rest there. Of a
+    /// body that is named twice the last state counts. In steady state nothing is allocated.
     ///
     /// States that came through `f32` are off by a different rounding each frame. Two bodies that stay at a margin
     /// then seem to cross it again and again: give the level a [release](crate::AlertLevel::release) above its margin.

@@ -69,7 +69,7 @@ fn nearest_where_chords_are_not() {
     let case = Case {
         plans,
         hitboxes,
-        margin: 8.25,
+        margin: 8.26,
         model_errors: [0.0; 2],
         clip: (0.0, 1.0),
         start: 0.0,
