@@ -21,11 +21,22 @@
 //! | 1 + 2^-40 on these: terms of second order | `narrow_phase/relative` | `relative::tests::sums_are_within_the_error_to_second_order` |
 //! | heights above a plane: origins, ways, underflow | `narrow_phase/relative` | `relative::tests::heights_are_within_the_error` |
 //! | a sphere's way along a normal | `narrow_phase/half_space` | `half_space::tests::lines_are_within_their_error_of_the_heights` |
-//! | error of heights, clearance of the first comparison | `narrow_phase/half_space` | `tests/half_space` |
+//! | the lowest of several spheres: places, radii | `narrow_phase/half_space` | `half_space::tests::no_sphere_is_lower_than_the_lowest_one` |
+//! | clearances of both comparisons span by span | `narrow_phase/half_space` | `half_space::tests::what_touches_is_not_ruled_out` |
+//! | clearance of the first comparison | `search/heights` | `tests/half_space` `guards` |
+//! | windows of half-spaces | `screen/half_spaces`, `monitor/half_spaces` | `tests/half_space` `guards` |
+//! | the end of a lookahead, what a spent budget leaves | `monitor/half_spaces` | proof 12 |
 //! | model errors above a plane | `narrow_phase/half_space`, `screen/half_spaces` | `tests/half_space` `together` |
 //! | errors of turning centres, in radii and in enclosures | `narrow_phase/turning` | `tests/half_space` `turning`, `tests/turning` |
 //! | interpolation of rotations | `orientation/arc`, `quaternion_cubic` | `orientation::tests::cubics_stay_within_their_error` |
 //! | rounding of a spin that grows with time | `orientation/arc` | `orientation::tests::what_rounding_hides_is_unknown` |
+//! | rounding of rotations, of their parts, of points, and of what goes on after knots | `orientation` | `orientation::tests::terms` |
+//! | cubics of quaternions that vanish | `orientation/quaternion_cubic` | `terms::cubics_that_vanish_are_unknown` |
+//! | the sphere around turning ones: error, rounding, underflow | `orientation/turning` | `terms::enlarged_spheres_are_within_reach` |
+//! | twice the error in it | `orientation/turning` | proof 13 |
+//! | clearances and errors of turning spheres, the part that ends where a window begins | `narrow_phase/turning` | `turning::tests` |
+//! | instants of a bounding sphere | `narrow_phase/turning/cells` | proof 14 |
+//! | slack and bend of the least separation of some | `narrow_phase/clusters/chords` | `clusters::tests` |
 //! | tolerance: error, evaluation | `narrow_phase/relative` | `relative::tests::distances_are_within_the_tolerance` |
 //! | instants: step, sum | `narrow_phase/relative` | `relative::tests::instants_are_enclosed` |
 //! | clearance of filters, and of chords: scale, underflow | `narrow_phase/relative` | `relative::tests::filters_keep_clear_of_the_tolerance` |
@@ -101,6 +112,15 @@
 //!     exceeds it by far more than three roundings of the lengths that are subtracted.
 //! 11. At most 80 roundings of the extent by their count. Two or three in tests, where the error of the control points
 //!     covers them.
+//!
+//! 12. A body is compared up to an instant, and again when the lookahead's end has come there. Reported
+//!     instants are off by less than one rounding where the motion began within a day. A test would need
+//!     a motion of which an instant takes several roundings, and a contact there.
+//! 13. Half of it covers all that is known: interpolation of a circle lies inside it, and cubics of
+//!     quaternions have errors within the tolerance, half of the error that is allowed. Where a plan is
+//!     left within such a cubic, what is left of that has no proven bound but the allowed one.
+//! 14. An instant of a span has three roundings. It would have to be that of a contact in the very rounding
+//!     where one part ends and the next one begins, and the walk begins one instant early as well.
 //!
 //! Squares that meet F of the enclosures need no term against underflow. In the cubic's unit the
 //! factor 1 + 2^-40 adds more than 1e-43 to F, and what underflows is below 1e-124.

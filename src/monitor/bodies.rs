@@ -8,11 +8,12 @@ use crate::narrow_phase::BodyView;
 use crate::parallel;
 use crate::scene::Scene;
 use crate::search::{
-    Bodies, BoxedBodies, FEW_BOXES, FormBounds, FormInPlace, MAX_SLICES, SliceBlock, SlicesToForm,
-    SourcesInPlace,
+    Bodies, BoxedBodies, FEW_BOXES, FormBounds, FormInPlace, HeightRange, MAX_SLICES, SliceBlock,
+    SlicesToForm, SourcesInPlace,
 };
 use crate::simd::InstructionSet;
 use crate::trajectory::Segment;
+use glam::DVec3;
 use std::slice::from_ref;
 
 /// The bodies of a monitor, by slot.
@@ -83,6 +84,20 @@ impl<'m> BodyTable<'m> {
     /// Returns the body in a slot.
     pub(super) fn get(&self, slot: u32) -> Option<BodyView<'m>> {
         self.flights.view(self.scene, slot)
+    }
+
+    /// Returns the heights of a body between two instants (s) along a normal, if they are known at once.
+    #[inline]
+    pub(super) fn heights(
+        &self,
+        slot: u32,
+        interval: (f64, f64),
+        normal: DVec3,
+    ) -> Option<HeightRange> {
+        let (flight, body) = self.flights.known(self.scene, slot)?;
+        let is_extended = flight.knots(&body.trajectory).are_extended();
+        let (_, entry) = self.scene.in_slot(slot)?;
+        HeightRange::of(entry, is_extended, interval, normal)
     }
 
     /// Returns the source of a body's boxes; that of one that never exists if it is part of no pair.

@@ -2,34 +2,26 @@
 //!
 //! A body is compared with the half-spaces when it changes, from the clock to some time ahead, and
 //! again when the lookahead reaches that time. So in most ticks few bodies are compared. When a
-//! half-space changes, all bodies are. Many games tell each frame that a half-space rests where it
-//! rested: then only bodies that may touch it are compared again, since their spans have other numbers.
+//! half-space changes, all bodies are: first by the ends of their straight motions, or the box of
+//! their plan, then span by span.
 
 use super::bodies::BodyTable;
 use super::budget::BudgetMeter;
 use super::due_times::DueTimes;
 use super::monitored_bodies::MonitoredBodies;
 use crate::broad_phase::PairFilter;
-use crate::id::BodyId;
-use crate::layers::Layers;
 use crate::narrow_phase::{BodyView, may_touch};
 use crate::rounding::{seen_from, seen_until};
-use crate::scene::Scene;
-use crate::search::LimitExceeded;
+use crate::search::{HeightRange, LimitExceeded};
 use crate::spans::{SpanKey, spans};
-use glam::DVec3;
 
 /// The comparison of half-spaces with all other bodies.
 #[derive(Debug, Default)]
 pub(super) struct HalfSpaceSearch {
     /// Slots of half-spaces, ascending, as of the last call of [`note`](Self::note).
     planes: Vec<u32>,
-    /// Each half-space as it was when it changed last, if it rested then.
-    resting: Vec<Option<RestingPlane>>,
-    /// Places in these lists of those that have changed since.
-    changed_planes: Vec<usize>,
-    /// True, by slot, if a span with a half-space may be listed.
-    near: Vec<bool>,
+    /// Heights of each half-space along its normal, in the interval that is searched.
+    ground: Vec<Option<HeightRange>>,
     /// Up to when each body is compared, s.
     due: DueTimes,
     /// Slots to be compared again, and the instants up to which they are compared, s.
@@ -37,37 +29,6 @@ pub(super) struct HalfSpaceSearch {
     /// Slots to be compared from the clock on, and where the next one is in this list.
     changed: Vec<u32>,
     next: usize,
-}
-
-/// A half-space at rest at all times, and all that its pairs depend on.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct RestingPlane {
-    id: BodyId,
-    position: DVec3,
-    normal: DVec3,
-    model_error: f64,
-    layers: Layers,
-}
-
-impl RestingPlane {
-    /// Returns the half-space in a slot, if it rests.
-    fn of(scene: &Scene, slot: u32) -> Option<Self> {
-        let (id, entry) = scene.in_slot(slot)?;
-        let body = &entry.body;
-        let motions = body.trajectory.straight_motions();
-        let position = motions.first()?.origin();
-        let rests = motions
-            .iter()
-            .all(|motion| motion.velocity() == DVec3::ZERO && motion.origin() == position);
-        let plane = Self {
-            id,
-            position,
-            normal: body.hitbox.normal()?,
-            model_error: body.shape().model_error(),
-            layers: body.layers,
-        };
-        rests.then_some(plane)
-    }
 }
 
 impl HalfSpaceSearch {
@@ -82,58 +43,26 @@ impl HalfSpaceSearch {
         if planes.is_empty() && self.planes.is_empty() {
             return;
         }
-        if planes != self.planes {
+        let is_plane = |slot: &u32| planes.binary_search(slot).is_ok();
+        if planes != self.planes || changed.iter().any(is_plane) {
             self.planes.clear();
             self.planes.extend_from_slice(planes);
-            self.resting.clear();
-            self.resting.resize(planes.len(), None);
             self.compare_all(if planes.is_empty() { 0 } else { bodies.len() });
             return;
         }
-        let place_of = |slot| planes.binary_search(slot).ok();
-        self.changed_planes
-            .extend(changed.iter().filter_map(place_of));
-        self.compare_again(changed.iter().copied());
+        self.changed.drain(..self.next);
+        self.changed.extend_from_slice(changed);
+        self.changed.sort_unstable();
+        self.changed.dedup();
+        self.next = 0;
     }
 
     /// Compares all bodies from the clock on.
     fn compare_all(&mut self, slots: usize) {
-        self.changed_planes.clear();
         self.due = DueTimes::default();
-        self.near.clear();
-        self.near.resize(slots, false);
         self.changed.clear();
         self.changed.extend((0_u32..).take(slots));
         self.next = 0;
-    }
-
-    /// Compares some bodies from the clock on, and those that wait to be.
-    fn compare_again(&mut self, slots: impl Iterator<Item = u32>) {
-        self.changed.drain(..self.next);
-        self.changed.extend(slots);
-        self.changed.sort_unstable();
-        self.changed.dedup();
-        self.next = 0;
-        let slots = self.changed.last().map_or(0, |&last| last as usize + 1);
-        self.near.resize(slots.max(self.near.len()), false);
-    }
-
-    /// Finds out what is to be compared since half-spaces have changed.
-    fn take_changes(&mut self, bodies: &BodyTable<'_>) {
-        let mut all_rest = true;
-        for place in self.changed_planes.drain(..) {
-            let now = RestingPlane::of(bodies.scene, self.planes[place]);
-            all_rest &= now.is_some() && now == self.resting[place];
-            self.resting[place] = now;
-        }
-        if all_rest {
-            let near = std::mem::take(&mut self.near);
-            let is_near = (0_u32..).zip(&near).filter(|&(_, &is_near)| is_near);
-            self.compare_again(is_near.map(|(slot, _)| slot));
-            self.near = near;
-        } else {
-            self.compare_all(bodies.flights.len());
-        }
     }
 
     /// Lists the spans that are not listed yet in which a half-space and another body may be in
@@ -147,17 +76,23 @@ impl HalfSpaceSearch {
         meter: &mut BudgetMeter,
         (found, most): (&mut Vec<SpanKey>, usize),
     ) -> Result<f64, LimitExceeded> {
-        if !self.changed_planes.is_empty() {
-            self.take_changes(bodies);
-        }
         let most = found.len().saturating_add(most);
         let horizon = seen_until(to);
+        let since = seen_from(from);
+        // Looked at less often, and not much farther than is needed.
+        let until = to + (to - from);
+        self.ground.clear();
+        self.ground.extend(self.planes.iter().map(|&plane| {
+            let normal = bodies.scene.in_slot(plane)?.1.body.hitbox.normal()?;
+            bodies.heights(plane, (since, until), normal)
+        }));
         let mut search = PlaneSearch {
             planes: &self.planes,
+            ground: &self.ground,
             bodies,
             ahead,
-            // Looked at less often, and not much farther than is needed.
-            until: to + (to - from),
+            since,
+            until,
             filter,
             found,
             most,
@@ -166,9 +101,8 @@ impl HalfSpaceSearch {
             if meter.is_spent() || filter.gives_up() {
                 return Ok(from);
             }
-            let (next, is_near) = search.list(slot, seen_from(from))?;
+            let next = search.list(slot, since)?;
             self.due.set(slot, next.max(horizon.next_up()));
-            self.near[slot as usize] = is_near;
             self.next += 1;
             meter.count(1);
         }
@@ -186,9 +120,8 @@ impl HalfSpaceSearch {
                 self.due.set(slot, since);
                 continue;
             }
-            let (next, is_near) = search.list(slot, since)?;
+            let next = search.list(slot, since)?;
             self.due.set(slot, next.max(horizon.next_up()));
-            self.near[slot as usize] |= is_near;
             meter.count(1);
         }
         Ok(known)
@@ -198,8 +131,11 @@ impl HalfSpaceSearch {
 /// The comparison of bodies with half-spaces.
 struct PlaneSearch<'s, F> {
     planes: &'s [u32],
+    ground: &'s [Option<HeightRange>],
     bodies: &'s BodyTable<'s>,
     ahead: f64,
+    /// Instant from which on the heights of the half-spaces are known, s.
+    since: f64,
     /// Instant up to which bodies are compared, s; or to the end of the last span that is listed.
     until: f64,
     filter: &'s F,
@@ -210,19 +146,20 @@ struct PlaneSearch<'s, F> {
 
 impl<F: PairFilter> PlaneSearch<'_, F> {
     /// Lists the spans of a body from an instant (s) on. Returns when it is to be compared again,
-    /// infinity if never, and true if a span was listed.
-    fn list(&mut self, slot: u32, since: f64) -> Result<(f64, bool), LimitExceeded> {
-        let body = self.bodies.get(slot).filter(|view| !view.is_half_space());
-        let Some(body) = body else {
-            return Ok((f64::INFINITY, false));
-        };
-        let (mut next, before) = (f64::INFINITY, self.found.len());
-        for &plane in self.planes {
-            let (first, second) = (slot.min(plane), slot.max(plane));
-            let Some(ground) = self.bodies.get(plane) else {
+    /// infinity if never.
+    fn list(&mut self, slot: u32, since: f64) -> Result<f64, LimitExceeded> {
+        let mut next = f64::INFINITY;
+        for (&plane, ground) in self.planes.iter().zip(self.ground) {
+            if since >= self.since && self.is_clear(slot, (plane, ground.as_ref()), since) {
+                next = next.min(self.until);
+                continue;
+            }
+            let views = [slot, plane].map(|slot| self.bodies.get(slot));
+            let [Some(body), Some(ground)] = views else {
                 continue;
             };
-            if !self.filter.admits(first, second) {
+            let (first, second) = (slot.min(plane), slot.max(plane));
+            if body.is_half_space() || !self.filter.admits(first, second) {
                 continue;
             }
             let (a, b) = if slot < plane {
@@ -235,7 +172,29 @@ impl<F: PairFilter> PlaneSearch<'_, F> {
                 return Err(LimitExceeded);
             }
         }
-        Ok((next, self.found.len() > before))
+        Ok(next)
+    }
+
+    /// Returns true if a body is certainly above a half-space as far as it is compared.
+    fn is_clear(
+        &self,
+        slot: u32,
+        (plane, ground): (u32, Option<&HeightRange>),
+        since: f64,
+    ) -> bool {
+        let scene = self.bodies.scene;
+        let entries = [slot, plane].map(|slot| scene.in_slot(slot));
+        let (Some(ground), [Some((_, entry)), Some((_, plane))]) = (ground, entries) else {
+            return false;
+        };
+        let Some(normal) = plane.body.hitbox.normal() else {
+            return false;
+        };
+        let heights = self.bodies.heights(slot, (since, self.until), normal);
+        // The reach contains the model error of the body, not that of the half-space.
+        let reach = entry.body.shape().reach() + plane.body.shape().model_error();
+        !entry.body.hitbox.is_half_space()
+            && heights.is_some_and(|heights| heights.is_above(ground, reach, self.bodies.margin))
     }
 
     /// Lists the spans of a pair from an instant (s) on. Returns when it is to be compared again.

@@ -22,7 +22,8 @@ impl Monitor {
     /// - A state with a [spin](BodyState::with_spin) sets the orientation as well, from `now` on; without one the
     ///   body goes on turning as it does.
     /// - A body that is left out keeps its plan. A body that already follows that very motion, from a state of
-    ///   that very time, is not changed: leave out bodies that sleep.
+    ///   that very time, is not changed: leave out bodies that sleep. Nor is one that rests, and is told to rest
+    ///   there.
     /// - The last state of a body that is named twice counts.
     /// - In steady state nothing is allocated.
     ///

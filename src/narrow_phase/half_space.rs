@@ -156,7 +156,7 @@ impl<'a> PlanePair<'a> {
         filter_threshold(self.body.bounding.radius + margin, scale)
     }
 
-    /// Returns the coordinate of a vector along the normal, m.
+    /// Returns the coordinate of a vector along the normal, m: good to 8 roundings.
     pub(super) fn along(&self, vector: DVec3) -> f64 {
         vector.dot(self.normal) * self.scale
     }
@@ -206,16 +206,14 @@ impl<'a> PlanePair<'a> {
         sphere: &SphereAlong,
     ) -> SpherePair {
         let points = [0, 1, 2, 3].map(|k| heights.points[k] + sphere.way[k]);
-        let largest = largest(&points);
         let shift = if lowest(&points) >= 0.0 {
             0.0
         } else {
             // A power of two above twice the largest: what is added stays far from zero.
-            4.0 / normalising_power(largest)
+            4.0 / normalising_power(largest(&points))
         };
         let points = points.map(|height| height + shift);
         let size = points.into_iter().fold(0.0, f64::max);
-        let rounding = sphere.rounding + UNIT_ROUNDOFF * (largest + size);
         let (a, b, radius_a, radius_b) = if self.is_first {
             (0, sphere.number, shift, sphere.radius)
         } else {
@@ -232,7 +230,9 @@ impl<'a> PlanePair<'a> {
                 start: part.start,
                 end: part.end,
                 points: points.map(|height| DVec3::new(height, 0.0, 0.0)),
-                error: (heights.error + rounding) * (1.0 + 2f64.powi(-40)),
+                // Of the 16 roundings of the heights and of the way 10 and 8 are counted. Both sums here add
+                // one of what is shifted, and at most five of that.
+                error: heights.error + sphere.rounding,
                 size,
             },
         }

@@ -1,5 +1,6 @@
 //! A turning motion over an interval as a cubic, which carries every point of the body.
 
+use crate::accuracy::Accuracy;
 use crate::rounding::{UNIT_ROUNDOFF, norm};
 use glam::{DMat3, DVec3};
 
@@ -40,7 +41,7 @@ impl BakedRotation {
     /// Returns the cubic of a rotation of which nothing is known: points stay at the body's
     /// position, and are known to their distance from it.
     pub(super) const fn unknown(ends: (f64, f64)) -> Self {
-        Self::new(ends, [DMat3::ZERO; 4], 1.0 + Self::ROUNDING)
+        Self::new(ends, [DMat3::ZERO; 4], 1.0)
     }
 
     /// Returns the largest distance between a point's way and its cubic, relative to the point's
@@ -64,9 +65,25 @@ impl BakedRotation {
     /// Returns a bound on the distance between a point's exact way and its cubic as computed, m.
     #[inline]
     pub(crate) fn error_of(&self, point: DVec3) -> f64 {
-        // Products and sums of matrices with entries below 2, and the roundings of this bound.
+        // 3 roundings of a product with a matrix, whose magnitudes lengthen a vector by at most 4; and 8 of
+        // this bound: the error is 1 at most, but for rounding.
         let error = self.error + 32.0 * UNIT_ROUNDOFF;
-        error * norm(point) * (1.0 + 16.0 * UNIT_ROUNDOFF) + f64::MIN_POSITIVE
+        error * norm(point) + f64::MIN_POSITIVE
+    }
+
+    /// Returns the radius of a sphere for the separation, and the bound on its centre's error that the
+    /// radius does not contain (m).
+    #[inline]
+    pub(crate) fn radius_and_error(
+        &self,
+        (centre, radius): (DVec3, f64),
+        accuracy: Accuracy,
+    ) -> (f64, f64) {
+        let error = self.error_of(centre);
+        match accuracy {
+            Accuracy::Exact => ((radius + error).next_up(), 0.0),
+            Accuracy::Certified => (radius, error),
+        }
     }
 
     /// Returns the part between two instants of the interval (s).

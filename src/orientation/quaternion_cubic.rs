@@ -6,7 +6,6 @@
 
 use super::baked::BakedRotation;
 use crate::blossom::restrict;
-use crate::rounding::UNIT_ROUNDOFF;
 use glam::{DMat3, DQuat, DVec3};
 
 /// A cubic of quaternions between two knots, in Bézier form.
@@ -64,8 +63,9 @@ impl QuaternionCubic {
         let points = [first, first + leave, last + arrive, last];
         let least = squares.iter().copied().fold(f64::INFINITY, f64::min);
         let error = largest_difference(&points, &squares, &turned);
-        // Rounding of the coefficients, whose terms stay below 20: 200 roundings, five times over.
-        let error = (error + 16.0 * BakedRotation::ROUNDING) / least + BakedRotation::ROUNDING;
+        // Rounding of the coefficients, whose terms stay below 20: 200 roundings. Four times over, for the
+        // control points' and for the bounds' own.
+        let error = (error + 16.0 * BakedRotation::ROUNDING) / least;
         if least > MIN_SQUARE && error < 1.0 {
             BakedRotation::new(ends, points, error)
         } else {
@@ -160,7 +160,7 @@ fn symmetric_product(p: DQuat, q: DQuat) -> DMat3 {
     )
 }
 
-/// Returns the largest norm of a Bernstein coefficient of D H - N, of degree 9.
+/// Returns the largest norm of a Bernstein coefficient of D H - N, of degree 9, to rounding.
 fn largest_difference(points: &[DMat3; 4], squares: &[f64; 7], turned: &[DMat3; 7]) -> f64 {
     let mut coefficients = [DMat3::ZERO; 10];
     for i in 0..7 {
@@ -170,11 +170,11 @@ fn largest_difference(points: &[DMat3; 4], squares: &[f64; 7], turned: &[DMat3; 
         }
     }
     let norms = coefficients.iter().map(norm_bound);
-    norms.fold(0.0, f64::max) * (1.0 + 64.0 * UNIT_ROUNDOFF)
+    norms.fold(0.0, f64::max)
 }
 
-/// Returns an upper bound of the factor by which a matrix lengthens a vector: the root of its
-/// largest sum of a column's and of a row's magnitudes, or that of all squares.
+/// Returns an upper bound, to rounding, of the factor by which a matrix lengthens a vector: the root of
+/// its largest sum of a column's and of a row's magnitudes, or that of all squares.
 fn norm_bound(matrix: &DMat3) -> f64 {
     let [a, b, c] = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
     let column = |v: DVec3| v.abs().element_sum();

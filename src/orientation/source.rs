@@ -4,7 +4,7 @@ use super::arc::{Arc, angle_within};
 use super::piece::{Piece, RotationCurve};
 use super::quaternion_cubic::QuaternionCubic;
 use crate::error::{Error, Quantity};
-use crate::rounding::{UNIT_ROUNDOFF, norm, one_zero};
+use crate::rounding::{norm, one_zero};
 use crate::trajectory::{Outside, check_number, check_times};
 use glam::{DQuat, DVec3};
 
@@ -119,9 +119,6 @@ fn going_on(cubic: &QuaternionCubic, end: usize) -> Arc {
         duration: finish - start,
         axis: velocity / angle,
         angle,
-        // The velocity is known to 64 roundings of 1.
-        rounding: held.rounding + 256.0 * UNIT_ROUNDOFF / angle,
-        drift: 16.0 * UNIT_ROUNDOFF * angle + 256.0 * UNIT_ROUNDOFF,
         ..held
     }
 }

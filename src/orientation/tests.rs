@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a failure fails the test")]
 
 mod exact;
+mod terms;
 
 use super::Orientation;
 use super::source::Source;

@@ -43,19 +43,23 @@ impl Exact {
 
     /// Returns true if the coordinate along a normal of any length is within `error` of `found`.
     pub(crate) fn is_at_height(&self, normal: DVec3, found: &RBig, error: f64) -> bool {
+        let error = number(error);
+        let opposite = self.times(&number(-1.0));
+        self.is_not_above(normal, &(found + &error))
+            && opposite.is_not_above(normal, &(error - found))
+    }
+
+    /// Returns true if the coordinate along a normal of any length is at most `most`.
+    pub(crate) fn is_not_above(&self, normal: DVec3, most: &RBig) -> bool {
         let normal = Self::of(normal);
         let (height, square) = (self.dot(&normal), normal.dot(&normal));
-        // low <= height / length: by squares, where the signs are the same.
-        let is_below = |low: RBig, height: RBig| {
-            let (a, b) = (&low * &low * &square, &height * &height);
-            match (low >= RBig::ZERO, height >= RBig::ZERO) {
-                (true, true) => a <= b,
-                (false, false) => a >= b,
-                (is_positive, _) => !is_positive,
-            }
-        };
-        let error = number(error);
-        is_below(found - &error, height.clone()) && is_below(-(found + &error), -height)
+        // height / length <= most: by squares, where the signs are the same.
+        let (a, b) = (&height * &height, most * most * &square);
+        match (height >= RBig::ZERO, *most >= RBig::ZERO) {
+            (true, true) => a <= b,
+            (false, false) => a >= b,
+            (is_positive, _) => !is_positive,
+        }
     }
 
     /// Returns true if the vector is at most as long as `length`, compared without rounding.

@@ -8,10 +8,8 @@ use crate::broad_phase::PairFilter;
 use crate::narrow_phase::{BodyView, may_touch};
 use crate::parallel;
 use crate::rounding::{seen_from, seen_until};
-use crate::scene::SceneEntry;
-use crate::search::{Bodies, LimitExceeded};
+use crate::search::{Bodies, HeightRange, LimitExceeded};
 use crate::spans::{SpanKey, common_domain, spans};
-use crate::window::Window;
 use glam::DVec3;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -23,47 +21,6 @@ struct Plane<'p> {
     normal: DVec3,
     /// Heights of its position along the normal, if they are known without its cubics.
     range: Option<HeightRange>,
-}
-
-/// The lowest and the highest coordinate of a motion along a normal, m.
-#[derive(Clone, Copy, Debug)]
-struct HeightRange {
-    low: f64,
-    high: f64,
-    /// Magnitude of the coordinates, m.
-    size: f64,
-}
-
-impl HeightRange {
-    /// Returns the heights of a body in a window along a normal, if they are known without its
-    /// cubics: it follows one straight motion, or its plan alone.
-    fn of(entry: &SceneEntry, is_extended: bool, window: Window, normal: DVec3) -> Option<Self> {
-        let plan = &entry.body.trajectory;
-        match plan.straight_motions() {
-            [] if is_extended => None,
-            [] => {
-                let plan = entry.summary().extremes;
-                let (along, across) = (normal.max(DVec3::ZERO), normal.min(DVec3::ZERO));
-                Some(Self {
-                    low: plan.low.dot(along) + plan.high.dot(across),
-                    high: plan.high.dot(along) + plan.low.dot(across),
-                    size: plan.low.abs().max(plan.high.abs()).element_sum(),
-                })
-            }
-            [motion] => {
-                let (from, to) = (window.start(), window.end());
-                let ways = [from, to].map(|time| motion.way_to(time));
-                let ends = ways.map(|way| (motion.origin() + way).dot(normal));
-                let size = |vector: DVec3| vector.abs().element_sum();
-                Some(Self {
-                    low: ends[0].min(ends[1]),
-                    high: ends[0].max(ends[1]),
-                    size: size(motion.origin()) + size(ways[0]) + size(ways[1]),
-                })
-            }
-            _ => None,
-        }
-    }
 }
 
 impl PreparedScene<'_> {
@@ -125,12 +82,11 @@ impl PreparedScene<'_> {
         self.half_spaces.iter().map(|&place| {
             let entry = self.entries[place as usize];
             let normal = entry.body.hitbox.normal().unwrap_or_default();
-            let is_extended = self.extension(place as usize).is_some();
             Plane {
                 place,
                 view: bodies.view(place),
                 normal,
-                range: HeightRange::of(entry, is_extended, self.window, normal),
+                range: self.heights(place, normal),
             }
         })
     }
@@ -148,7 +104,7 @@ impl PreparedScene<'_> {
         let place = body as usize;
         let (first, second) = (body.min(plane.place), body.max(plane.place));
         if self.entries[place].body.hitbox.is_half_space()
-            || self.is_clear(place, plane)
+            || self.is_clear(body, plane)
             || !filter.admits(first, second)
         {
             return 0;
@@ -162,9 +118,8 @@ impl PreparedScene<'_> {
         let Some((start, end)) = common_domain(&a.knots, &b.knots) else {
             return 0;
         };
-        // Instants are rounded: what is reported in the window may lie just outside.
-        let from = start.max(seen_from(self.window.start()));
-        let to = end.min(seen_until(self.window.end()));
+        let seen = self.seen();
+        let (from, to) = (start.max(seen.0), end.min(seen.1));
         let mut looked_at = 0;
         for span in spans(&a.knots, &b.knots, from, to) {
             looked_at += 1;
@@ -180,22 +135,29 @@ impl PreparedScene<'_> {
         looked_at
     }
 
+    /// Returns the interval asked about (s), with what is reported in it by rounding.
+    fn seen(&self) -> (f64, f64) {
+        (
+            seen_from(self.window.start()),
+            seen_until(self.window.end()),
+        )
+    }
+
+    fn heights(&self, place: u32, normal: DVec3) -> Option<HeightRange> {
+        let place = place as usize;
+        let is_extended = self.extension(place).is_some();
+        HeightRange::of(self.entries[place], is_extended, self.seen(), normal)
+    }
+
     /// Returns true if the body at a place is certainly above a half-space in the whole window.
-    fn is_clear(&self, place: usize, plane: &Plane<'_>) -> bool {
-        /// Far more than the rounding of the boxes, relative to their coordinates.
-        const CLEARANCE: f64 = 1e-9;
-        let Some(ground) = plane.range else {
+    fn is_clear(&self, place: u32, plane: &Plane<'_>) -> bool {
+        let Some(ground) = &plane.range else {
             return false;
         };
-        let entry = self.entries[place];
-        let is_extended = self.extension(place).is_some();
-        let heights = HeightRange::of(entry, is_extended, self.window, plane.normal);
-        heights.is_some_and(|heights| {
-            // The reach contains the model error of the body, not that of the half-space.
-            let reach = entry.body.shape().reach() + plane.view.model_error;
-            let size = heights.size + ground.size + reach + self.margin.abs();
-            // The normal's length is 1 within 1e-9, and the heights within their size.
-            heights.low - ground.high > reach + self.margin + 4.0 * CLEARANCE * size
-        })
+        // The reach contains the model error of the body, not that of the half-space.
+        let shape = self.entries[place as usize].body.shape();
+        let reach = shape.reach() + plane.view.model_error;
+        let heights = self.heights(place, plane.normal);
+        heights.is_some_and(|heights| heights.is_above(ground, reach, self.margin))
     }
 }

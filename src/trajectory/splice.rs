@@ -223,8 +223,8 @@ impl Trajectory {
         let is_past = self.knots().last().is_some_and(|&last| last <= from);
         is_past
             && match &self.form {
-                Form::Straight(own, _) => own == motion,
-                Form::Turned(turned) => turned.last() == motion,
+                Form::Straight(own, _) => own.is_same_as(motion),
+                Form::Turned(turned) => turned.last().is_same_as(motion),
                 Form::Plan(plan) => {
                     plan.after == Outside::Coast
                         && plan.segments.beside()[1].straight() == motion.segment()

@@ -95,6 +95,14 @@ impl StraightMotion {
         (motion.segment() == *line).then_some(motion)
     }
 
+    /// Returns true if another motion is this very one, or rests in the same place.
+    #[inline]
+    pub(super) fn is_same_as(&self, other: &Self) -> bool {
+        let (own, other_state) = (&self.state, &other.state);
+        let is_still = own.velocity == DVec3::ZERO && other_state.velocity == DVec3::ZERO;
+        (is_still && own.position == other_state.position) || self == other
+    }
+
     /// Returns the cubic.
     #[inline]
     pub(crate) fn segment(&self) -> Segment {

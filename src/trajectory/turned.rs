@@ -167,7 +167,7 @@ impl TurnedMotion {
             && window.end() < end
             && self.last().is_near(self.last_knot(), from)
             && motion.is_near(from, end)
-            && self.last() != motion
+            && !self.last().is_same_as(motion)
     }
 
     fn last_knot(&self) -> f64 {

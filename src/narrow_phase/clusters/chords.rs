@@ -5,6 +5,7 @@ use super::known::farthest;
 use crate::enclosure::part;
 use crate::hitbox::Sphere;
 use crate::narrow_phase::relative::filter_threshold;
+use crate::narrow_phase::widened;
 use crate::rounding::{norm, normalising_power};
 use glam::DVec3;
 use std::iter::successors;
@@ -103,6 +104,27 @@ impl PiecewiseLinearBound {
         let reach = (bound + radii) * self.power + self.bend;
         let is_beyond = reach < 0.0 || least > reach * reach;
         (!is_beyond).then(|| (least.sqrt() - self.bend) * self.unit - radii)
+    }
+
+    /// Returns a separation beyond which spheres are certainly not the nearest ones over the part, m: that
+    /// of two spheres that face each other where the bodies are near.
+    pub(super) fn least_of_some(&self, clusters: &ClusterPair<'_>) -> f64 {
+        let ClusterPair { a, b, .. } = *clusters;
+        let toward = self.nearest_point(a.bounding.offset - b.bounding.offset);
+        let toward = toward.normalize_or_zero();
+        let other = farthest(b.spheres, |one| one.radius + one.offset.dot(toward));
+        let other = &b.spheres[other as usize];
+        let low = |one: &Sphere| {
+            let radii = one.radius + other.radius;
+            self.low(one.offset - other.offset, radii, f64::INFINITY)
+        };
+        let lows = a.spheres.iter().filter_map(low);
+        let least = lows.fold(f64::INFINITY, f64::min);
+        // A window may begin between an instant and what that is rounded to.
+        let least = least + 2.0 * (self.bend * self.unit + clusters.motion.blur());
+        // Both errors: what may be nearer in the world, and what may be nearer than that.
+        let error = a.model_error_with(b);
+        widened(widened(least + 2.0 * self.slack, error), error)
     }
 
     /// Returns an upper bound of the bodies' separation over the part, up to the slack, m.

@@ -77,11 +77,13 @@ impl<'a> SphereGroups<'a> {
                 if self.groups.len() > 1 && !is_near(sphere_a, group) {
                     continue;
                 }
-                found.extend(spheres.iter().filter_map(|&(b, sphere_b)| {
+                for &(b, sphere_b) in spheres {
                     let radii = sphere_a.radius + sphere_b.radius;
-                    let low = chords.low(sphere_a.offset - sphere_b.offset, radii, bound)?;
-                    Some(SpherePairBound { a, b, low })
-                }));
+                    let low = chords.low(sphere_a.offset - sphere_b.offset, radii, bound);
+                    if let Some(low) = low {
+                        found.push(SpherePairBound { a, b, low });
+                    }
+                }
             }
         }
     }

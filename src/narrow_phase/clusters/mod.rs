@@ -97,10 +97,11 @@ impl ClusterPair<'_> {
     ) {
         let chords = PiecewiseLinearBound::of(self, self.part(clip), 0.0);
         let mut seen = SolvedOffsets::default();
-        let groups = SphereGroups::of(self, &chords, reached);
+        let within = reached.min(chords.least_of_some(self));
+        let groups = SphereGroups::of(self, &chords, within);
         let (mut listed, mut candidates) = (0, Vec::new());
         while listed < self.a.spheres.len() {
-            groups.list((self, &chords), reached, &mut listed, &mut candidates);
+            groups.list((self, &chords), within, &mut listed, &mut candidates);
             for candidate in nearest(&candidates).into_iter().chain(&candidates) {
                 let near = reached + chords.slack;
                 if candidate.low > near || seen.holds(self, candidate) {

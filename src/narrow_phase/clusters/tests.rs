@@ -83,7 +83,12 @@ fn case(rng: &mut ChaCha8Rng, kind: usize) -> Case {
             Err(error) => unreachable!("{error}"),
         }
     };
-    let hitboxes = [hitbox(rng), hitbox(rng)];
+    let mut hitboxes = [hitbox(rng), hitbox(rng)];
+    if kind % 11 == 7 {
+        // Only one sphere: that around all is no larger.
+        let sphere = Hitbox::cluster(hitboxes[0].spheres()[..1].to_vec());
+        hitboxes[0] = sphere.unwrap_or_else(|_| unreachable!());
+    }
     let base = vector(rng, far);
     // From straight to wild; together, or at rest.
     let wild = [0.0, 0.3, 3.0, 20.0][rng.random_range(0..4)] * size;
@@ -165,7 +170,8 @@ impl Case {
             [(exit, end), (self.start, enter), (time, end), (time, time)]
         };
         let windows = contacts.iter().take(3).flat_map(of_contact);
-        windows.chain([self.clip]).collect()
+        let windows = windows.chain([self.clip]);
+        windows.filter(|clip| clip.0 <= clip.1).collect()
     }
 
     fn each(&self, mut visit: impl FnMut(&super::SpherePair, Span)) {

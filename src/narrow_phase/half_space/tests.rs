@@ -88,3 +88,80 @@ fn lines_are_within_their_error_of_the_heights() {
         }
     }
 }
+
+/// Spheres of which rounding hides the lowest one, by their places and by their radii: the line is
+/// within its error of each.
+#[test]
+fn no_sphere_is_lower_than_the_lowest_one() {
+    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    let rng = &mut rng;
+    let mut hidden = 0;
+    for round in 0..1_000 {
+        let (normal, spheres) = if round % 2 == 0 {
+            let normal = vector(rng, 1.0).normalize();
+            let far = across(rng, normal, 1.0);
+            // What is left of it along the normal is rounding.
+            let far = far - normal * far.dot(normal);
+            (normal, [(DVec3::ZERO, 0.0), (far, 0.0)])
+        } else {
+            let low = DVec3::new(0.0, 0.0, -rng.random_range(0.0..1e-13));
+            (DVec3::Z, [(DVec3::ZERO, 1e3), (low, 1e3)])
+        };
+        let plans = [at_rest(DVec3::ZERO), at_rest(DVec3::ZERO)];
+        let all = spheres.map(|(offset, radius)| Sphere { offset, radius });
+        let hitbox = Hitbox::cluster(all.to_vec()).unwrap();
+        let plane = Hitbox::half_space(normal).unwrap();
+        let views = [view(&plans[0], &hitbox), view(&plans[1], &plane)];
+        let [a, b] = &views;
+        let span = spans(&a.knots, &b.knots, 0.0, 1.0).next().unwrap();
+        let line = lone_pair(a, b, span).unwrap();
+        let found = height(&line, false, 0) - number(line.radius_a);
+        for (number_of, (offset, radius)) in (0..).zip(spheres) {
+            let most = number(radius) + &found - number(line.cubic.error);
+            let is_lower = number_of != line.a
+                && Exact::of(offset).is_not_above(normal, &(number(radius) + &found));
+            hidden += usize::from(is_lower);
+            // At most there: not lower by more than the error.
+            let opposite = Exact::of(-offset);
+            assert!(opposite.is_not_above(normal, &-most), "{round} {line:?}");
+        }
+    }
+    assert!(hidden > 200, "{hidden}");
+}
+
+/// Bodies at rest that touch as far as exact arithmetic can tell: far along the plane, and with a
+/// normal as long as is accepted.
+#[test]
+fn what_touches_is_not_ruled_out() {
+    const RADIUS: f64 = 0.1;
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let rng = &mut rng;
+    for round in 0..400 {
+        let unit = vector(rng, 1.0).normalize();
+        let normal = unit * [1.0, 1.0 + 0.9e-9][round / 2 % 2];
+        let place = unit * [1e-3, 1e3][round % 2] + across(rng, unit, [1e6, 0.0][round % 2]);
+        let plans = [at_rest(place), at_rest(DVec3::ZERO)];
+        let hitbox = Hitbox::sphere(RADIUS).unwrap();
+        let plane = Hitbox::half_space(normal).unwrap();
+        let views = [view(&plans[0], &hitbox), view(&plans[1], &plane)];
+        let [a, b] = &views;
+        let span = spans(&a.knots, &b.knots, 0.0, 1.0).next().unwrap();
+        let touches = |margin: f64| {
+            let most = number(RADIUS) + number(margin);
+            Exact::of(place).is_not_above(normal, &most)
+        };
+        let mut margin = place.dot(unit) - RADIUS;
+        let (mut low, mut high) = (margin - 1e-8, margin + 1e-8);
+        assert!(touches(high) && !touches(low));
+        while low.next_up() < high {
+            margin = 0.5 * (low + high);
+            *(if touches(margin) { &mut high } else { &mut low }) = margin;
+        }
+        let whole = (0.0, 1.0);
+        assert!(
+            may_touch_plane(a, b, span, high, whole),
+            "{round} {place} {normal}"
+        );
+        assert!(may_touch_plane(b, a, span, high, whole), "{round}");
+    }
+}

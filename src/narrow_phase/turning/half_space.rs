@@ -193,18 +193,36 @@ impl<'a> TurningOverPlane<'a> {
                 baking: 0.0,
             };
         };
-        let (way, error) = (rotation.way(centre), rotation.error_of(centre));
+        let way = rotation.way(centre);
         let rounding = way.map(|point| self.pair.rounding_along(point));
-        let (radius, baking) = match self.accuracy {
-            Accuracy::Exact => ((radius + error).next_up(), 0.0),
-            Accuracy::Certified => (radius, error),
-        };
+        let (radius, baking) = rotation.radius_and_error((centre, radius), self.accuracy);
         SphereAlong {
             number,
             radius,
             way: way.map(|point| self.pair.along(point)),
             rounding: rounding.into_iter().fold(0.0, f64::max),
             baking,
+        }
+    }
+}
+
+#[cfg(test)]
+impl TurningOverPlane<'_> {
+    /// Calls `visit` with every sphere in each part of the span.
+    pub(super) fn each_sphere(&self, mut visit: impl FnMut(&SpherePair, Span)) {
+        let span = self.pair.span;
+        for cell in self.cells((span.start, span.end)) {
+            let heights = self.pair.heights(cell.span);
+            let rotations = Rotations::default().over(self.views, &cell, self.accuracy);
+            let rotation = rotations[usize::from(self.is_first)];
+            for (number, sphere) in (0..).zip(self.pair.body.spheres) {
+                let sphere = (sphere.offset, sphere.radius);
+                let sphere = self.sphere(number, sphere, rotation.as_ref());
+                visit(
+                    &self.pair.sphere_pair(cell.span, &heights, &sphere),
+                    cell.span,
+                );
+            }
         }
     }
 }

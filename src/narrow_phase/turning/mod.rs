@@ -19,7 +19,6 @@ use super::filter::certainly_beyond;
 use super::relative::{RelativeCubic, RelativeMotion, filter_threshold, local_scale};
 use super::sphere_pair::SpherePair;
 use crate::accuracy::Accuracy;
-use crate::rounding::{seen_from, seen_until};
 use crate::spans::Span;
 use cells::{Cell, Cells, Rotations, each_near, nearest_first};
 use glam::DVec3;
@@ -70,7 +69,6 @@ impl<'a> TurningPair<'a> {
         clip: (f64, f64),
         solve: impl FnMut(&SpherePair, Span),
     ) {
-        let clip = (seen_from(clip.0), seen_until(clip.1));
         self.each_near(margin, clip, f64::NEG_INFINITY, solve);
     }
 
@@ -83,7 +81,6 @@ impl<'a> TurningPair<'a> {
         (clip, after): ((f64, f64), f64),
         solve: impl FnMut(&SpherePair, Span),
     ) -> f64 {
-        let clip = (seen_from(clip.0), seen_until(clip.1));
         self.each_near(margin, clip, after, solve);
         let last = self.cells((clip.1, clip.1)).last();
         last.map_or(self.span.end, |cell| cell.span.end)

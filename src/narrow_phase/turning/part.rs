@@ -91,19 +91,11 @@ impl SphereWay {
                 error: 0.0,
             };
         };
-        let error = rotation.error_of(sphere.offset);
-        let points = rotation.way(sphere.offset);
-        match accuracy {
-            Accuracy::Exact => Self {
-                points,
-                radius: (sphere.radius + error).next_up(),
-                error: 0.0,
-            },
-            Accuracy::Certified => Self {
-                points,
-                radius: sphere.radius,
-                error,
-            },
+        let (radius, error) = rotation.radius_and_error((sphere.offset, sphere.radius), accuracy);
+        Self {
+            points: rotation.way(sphere.offset),
+            radius,
+            error,
         }
     }
 }

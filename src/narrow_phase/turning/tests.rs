@@ -2,12 +2,14 @@
 
 #![allow(clippy::unwrap_used, reason = "a failure fails the test")]
 
-use super::super::certified::{MarginBand, Workspace, certified_contacts};
+use super::super::certified::{
+    CertifiedContact, MarginBand, Workspace, certified_approach, certified_contacts,
+};
 use super::super::contact::{ClosestSearch, closest_approach, contacts, contacts_of, join, solve};
 use super::super::stretches::DistanceProfile;
 use super::cells::Rotations;
 use super::{BodyView, SpherePair, TurningPair};
-use crate::accuracy::Accuracy;
+use crate::accuracy::{Accuracy, TimeEnclosure};
 use crate::hitbox::{Hitbox, Sphere};
 use crate::knots::Knots;
 use crate::orientation::Orientation;
@@ -58,11 +60,58 @@ fn turner(rng: &mut ChaCha8Rng, kind: usize) -> Turner {
     }
 }
 
+/// A body at rest whose spheres are all at one place, but for rounding: their bounds leave nothing to
+/// spare. Or a half-space at rest. Some are far apart, of some the middles meet.
+fn hub(rng: &mut ChaCha8Rng, kind: usize, is_plane: bool) -> Turner {
+    let size = [1.0, 1e-6, 1e6][kind % 3];
+    // Distances are constant in all parts, or in none: which of both wins a tie depends on what else does.
+    let arm = [1e-16, 1e-9][kind / 3 % 2] * size;
+    let far = [2.0, 2e12, 0.0][kind / 6 % 3] * size;
+    let place = vector(rng, far);
+    // Where the middles meet, arms are long, and hardly turn.
+    let (base, slow) = if far > 0.0 {
+        (DVec3::ZERO, 1.0)
+    } else {
+        (vector(rng, size), 1e-9)
+    };
+    let states = [0.0, 0.4, 1.0].map(|time| State::new(time, place, DVec3::ZERO));
+    let radius = size * rng.random_range(0.1..1.0);
+    let spheres = (0..rng.random_range(1..9)).map(|number: u32| Sphere {
+        offset: base + vector(rng, arm),
+        radius: [radius, radius.next_up(), radius.next_down()][number as usize % 3],
+    });
+    let spheres = spheres.collect();
+    let spin = vector(rng, slow * [1.0, 60.0][kind / 2 % 2]);
+    let rotation = DQuat::from_scaled_axis(vector(rng, 3.0));
+    let (hitbox, orientation) = if is_plane {
+        let normal = vector(rng, 1.0).normalize();
+        (Hitbox::half_space(normal), Orientation::FIXED)
+    } else {
+        let spin = Orientation::spin(rng.random_range(-1.0..1.0), rotation, spin);
+        (Hitbox::cluster(spheres), spin.unwrap())
+    };
+    Turner {
+        plan: Trajectory::from_states(&states).unwrap(),
+        hitbox: hitbox.unwrap(),
+        orientation,
+        model_error: 0.0,
+    }
+}
+
 impl Turner {
     fn view(&self) -> BodyView<'_> {
         let shape = BodyShape::new(&self.hitbox, self.orientation.turning(), self.model_error);
         BodyView::of((Knots::of(self.plan.knots()), self.plan.segments()), shape)
     }
+}
+
+/// Returns the instants between which bodies are proven to be in contact, or may be, and which of both.
+fn ends_of(proven: &[CertifiedContact]) -> Vec<(bool, TimeEnclosure, TimeEnclosure)> {
+    let ends = proven.iter().map(|one| {
+        let proof = one.certificate;
+        (proof.resolved, proof.enter, proof.exit)
+    });
+    ends.collect()
 }
 
 /// Calls `visit` with all pairs of spheres in all parts of all spans.
@@ -76,6 +125,10 @@ fn each(
         let Some(pair) = TurningPair::of(a, b, span, accuracy) else {
             continue;
         };
+        if let Some(over_plane) = pair.over_plane() {
+            over_plane.each_sphere(&mut visit);
+            continue;
+        }
         for cell in pair.cells((span.start, span.end)) {
             let part = pair.part(&cell, f64::INFINITY, &mut Rotations::default());
             let part = part.unwrap();
@@ -94,8 +147,14 @@ fn omitted_pairs_change_nothing() {
     let rng = &mut rng;
     let (mut touching, mut certain) = (0, 0);
     let mut workspace = Workspace::default();
-    for kind in 0..240 {
-        let bodies = [turner(rng, kind), turner(rng, kind - kind % 5 + 1)];
+    for kind in 0..720 {
+        let (turns, other) = (kind / 3, kind / 3 - kind / 3 % 5 + 1);
+        let bodies = match kind % 3 {
+            0 => [turner(rng, turns), turner(rng, other)],
+            1 => [hub(rng, turns, false), hub(rng, turns, turns % 2 == 1)],
+            _ => [turner(rng, 5 * turns + 1), hub(rng, 5 * turns + 1, true)],
+        };
+        let kind = turns;
         let views = [bodies[0].view(), bodies[1].view()];
         let [a, b] = &views;
         let all: Vec<Span> = spans(&a.knots, &b.knots, 0.0, 1.0).collect();
@@ -121,12 +180,26 @@ fn omitted_pairs_change_nothing() {
         let band = MarginBand::new(margin, a.model_error_with(b));
         let (mut found, mut expected) = (Vec::new(), Vec::new());
         contacts(a, b, all.iter().copied(), margin, clip, &mut found);
-        each(&views, &all, Accuracy::Exact, |pair, span| {
-            let profile = DistanceProfile::of(&pair.cubic);
-            pair.contacts(&profile, span, band.outer, clip, &mut expected);
-        });
-        join(&mut expected, 0);
-        assert_eq!(found, expected, "{kind}");
+        // Windows that begin or end with a contact, or where a rotation's cubic does.
+        let ends = found.iter().flat_map(|one| [one.enter, one.exit]);
+        let cut = a
+            .turning
+            .map(|turning| turning.cell_at(0.5, Accuracy::Exact).end);
+        let instants: Vec<f64> = ends.take(4).chain(cut).collect();
+        let beside = instants
+            .iter()
+            .flat_map(|&at| [(clip.0, at), (at, at), (at, clip.1)]);
+        for clip in beside.chain([clip]) {
+            found.clear();
+            expected.clear();
+            contacts(a, b, all.iter().copied(), margin, clip, &mut found);
+            each(&views, &all, Accuracy::Exact, |pair, span| {
+                let profile = DistanceProfile::of(&pair.cubic);
+                pair.contacts(&profile, span, band.outer, clip, &mut expected);
+            });
+            join(&mut expected, 0);
+            assert_eq!(found, expected, "{kind} {clip:?}");
+        }
         touching += found.len();
 
         // As a monitor solves it, in two steps.
@@ -154,16 +227,76 @@ fn omitted_pairs_change_nothing() {
             workspace.solve(pair, span, &band, clip);
         });
         workspace.join((a, b), &band, clip, &mut expected);
-        let ends = |one: &super::super::CertifiedContact| {
-            let proof = one.certificate;
-            (proof.resolved, proof.enter, proof.exit)
-        };
-        assert_eq!(
-            proven.iter().map(ends).collect::<Vec<_>>(),
-            expected.iter().map(ends).collect::<Vec<_>>(),
-            "{kind}"
-        );
+        assert_eq!(ends_of(&proven), ends_of(&expected), "{kind}");
         certain += proven.iter().filter(|one| one.certificate.resolved).count();
     }
     assert!(touching > 200 && certain > 100, "{touching} {certain}");
+}
+
+/// Tops at rest: their spheres are on the axis, and stay where they are. So bounds leave nothing to spare
+/// but the errors of the cubics, which differ: a sphere with a long arm may be nearer than another one,
+/// or farther, by its error.
+#[test]
+fn errors_of_the_cubics_are_not_dropped() {
+    let mut rng = ChaCha8Rng::seed_from_u64(10);
+    let rng = &mut rng;
+    let mut workspace = Workspace::default();
+    for round in 0..80 {
+        let size = [1.0, 1e-6, 1e6][round % 3];
+        let axis = vector(rng, 1.0).normalize();
+        // Arms, distances behind the nearest one, and the margin from there.
+        let (arms, more) = [([0.1, 1.0, 0.9], -0.2e-6), ([1.0, 0.1, 0.2], 0.75e-6)][round / 3 % 2];
+        let spheres = arms
+            .iter()
+            .zip([0.0, 0.5e-6, 0.4e-6])
+            .map(|(arm, behind)| Sphere {
+                offset: axis * (arm * size),
+                radius: (2.0 - arm - behind) * size,
+            });
+        let orientation = Orientation::spin(0.0, DQuat::IDENTITY, axis * 6.0).unwrap();
+        let at = |place: DVec3, hitbox: Result<Hitbox, _>, orientation| Turner {
+            plan: Trajectory::from_states(
+                &[0.0, 1.0].map(|time| State::new(time, place, DVec3::ZERO)),
+            )
+            .unwrap(),
+            hitbox: hitbox.unwrap(),
+            orientation,
+            model_error: 0.0,
+        };
+        let top = at(DVec3::ZERO, Hitbox::cluster(spheres.collect()), orientation);
+        let (place, other, radius) = if round % 4 < 2 {
+            (5.0, Hitbox::half_space(-axis), 0.0)
+        } else {
+            (6.0, Hitbox::sphere(size), 1.0)
+        };
+        let other = at(axis * (place * size), other, Orientation::FIXED);
+        let [near, margin] = [0.0, more].map(|more| (place - radius - 2.0 + more) * size);
+        let views = [top.view(), other.view()];
+        let views = if round % 8 < 4 {
+            views
+        } else {
+            [views[1], views[0]]
+        };
+        let [a, b] = &views;
+        let all: Vec<Span> = spans(&a.knots, &b.knots, 0.0, 1.0).collect();
+        let clip = (0.1, 0.9);
+        let band = MarginBand::new(margin, 0.0);
+        let (mut proven, mut expected) = (Vec::new(), Vec::new());
+        let over = || all.iter().copied();
+        certified_contacts(a, b, over(), margin, clip, &mut workspace, &mut proven);
+        workspace.clear();
+        each(&views, &all, Accuracy::Certified, |pair, span| {
+            workspace.solve(pair, span, &band, clip);
+        });
+        workspace.join((a, b), &band, clip, &mut expected);
+        assert_eq!(ends_of(&proven), ends_of(&expected), "{round}");
+        assert_eq!(proven.len(), 1, "{round}");
+        assert_eq!(proven[0].certificate.resolved, more > 0.0, "{round}");
+        let (found, error, _) = certified_approach(a, b, over(), clip).unwrap();
+        // What may be nearer by its error is part of the enclosure.
+        assert!(
+            found.separation - error < near - 0.3e-6 * size,
+            "{round} {error}"
+        );
+    }
 }

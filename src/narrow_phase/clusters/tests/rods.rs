@@ -42,3 +42,50 @@ fn rods_and_next_to_no_motion() {
         assert_eq!(found.len(), contacts_of_all);
     }
 }
+
+/// A sphere flies out and back: between two others it is nearest to the farther one in the middle, where
+/// no chord shows that.
+#[test]
+fn nearest_where_chords_are_not() {
+    let cluster = |places: Vec<DVec3>| {
+        let radius = 1.0;
+        let spheres = places.into_iter().map(|offset| Sphere { offset, radius });
+        Hitbox::cluster(spheres.collect()).unwrap_or_else(|_| unreachable!())
+    };
+    let others = (0..8).map(|number| DVec3::Y * (50.0 + f64::from(number)));
+    let ends = [-10.0, 10.5].map(|x| x * DVec3::X);
+    let hitboxes = [
+        cluster(vec![DVec3::ZERO]),
+        cluster(ends.into_iter().chain(others).collect()),
+    ];
+    let plans = [1.2, 0.0].map(|speed| {
+        let states = [0.0, 1.0].map(|time| {
+            let velocity = DVec3::X * (speed * (1.0 - 2.0 * time));
+            State::new(time, DVec3::ZERO, velocity)
+        });
+        let plan = Trajectory::from_states(&states);
+        Pieces::own(&plan.unwrap_or_else(|_| unreachable!()))
+    });
+    let case = Case {
+        plans,
+        hitboxes,
+        margin: 8.26,
+        model_errors: [0.0; 2],
+        clip: (0.0, 1.0),
+        start: 0.0,
+        end: 1.0,
+    };
+    let [a, b] = &case.views();
+    for (a, b) in [(a, b), (b, a)] {
+        let (mut kept, mut found) = (Vec::new(), Vec::new());
+        for span in case.spans() {
+            let whole = ((f64::MIN, f64::MAX), f64::NEG_INFINITY);
+            solve(a, b, span, case.margin, whole, |_, solved| {
+                kept.push(solved)
+            });
+        }
+        contacts_of(kept.iter(), case.margin, case.clip, &mut found);
+        let times: Vec<(f64, f64)> = found.iter().map(|one| (one.enter, one.exit)).collect();
+        assert_eq!(times, [(0.0, 1.0)]);
+    }
+}

@@ -1,0 +1,81 @@
+//! Heights of bodies above half-spaces, for a first comparison without cubics.
+
+use crate::scene::SceneEntry;
+use glam::DVec3;
+
+/// The lowest and the highest coordinate of a motion along a normal, m.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct HeightRange {
+    low: f64,
+    high: f64,
+    /// Magnitude of the coordinates, m.
+    size: f64,
+}
+
+impl HeightRange {
+    /// Returns the heights of a body between two instants (s) along a normal, if they are known without its
+    /// cubics: it follows straight motions, or its plan alone.
+    #[inline]
+    pub(crate) fn of(
+        entry: &SceneEntry,
+        is_extended: bool,
+        (from, to): (f64, f64),
+        normal: DVec3,
+    ) -> Option<Self> {
+        let plan = &entry.body.trajectory;
+        let motions = plan.straight_motions();
+        if motions.is_empty() {
+            if is_extended {
+                return None;
+            }
+            let plan = entry.summary().extremes;
+            let (along, across) = (normal.max(DVec3::ZERO), normal.min(DVec3::ZERO));
+            return Some(Self {
+                low: plan.low.dot(along) + plan.high.dot(across),
+                high: plan.high.dot(along) + plan.low.dot(across),
+                size: plan.low.abs().max(plan.high.abs()).element_sum(),
+            });
+        }
+        let mut all = Self {
+            low: f64::INFINITY,
+            high: f64::NEG_INFINITY,
+            size: 0.0,
+        };
+        let knots = plan.knots();
+        for (number, motion) in motions.iter().enumerate() {
+            // The first one goes back, and the last one on, for ever.
+            let begin = from.max(if number == 0 { from } else { knots[number] });
+            let end = to.min(if number + 1 < motions.len() {
+                knots[number + 1]
+            } else {
+                to
+            });
+            if begin > end {
+                continue;
+            }
+            let size = |vector: DVec3| vector.abs().element_sum();
+            for way in [begin, end].map(|time| motion.way_to(time)) {
+                let height = (motion.origin() + way).dot(normal);
+                // Of what is not finite nothing is known.
+                if !height.is_finite() {
+                    return None;
+                }
+                all.low = all.low.min(height);
+                all.high = all.high.max(height);
+                all.size = all.size.max(size(motion.origin()) + size(way));
+            }
+        }
+        Some(all)
+    }
+
+    /// Returns true if a body with these heights, whose spheres reach so far (m), is certainly farther than
+    /// `margin` (m) above a half-space with those.
+    #[inline]
+    pub(crate) fn is_above(&self, ground: &Self, reach: f64, margin: f64) -> bool {
+        /// Far more than the rounding of boxes, relative to their coordinates. The normal's length is 1
+        /// within 1e-9, and the heights are within their sizes.
+        const CLEARANCE: f64 = 4e-9;
+        let size = self.size + ground.size + reach + margin.abs();
+        self.low - ground.high > reach + margin + CLEARANCE * size
+    }
+}
