@@ -31,7 +31,7 @@ impl<'m> PreparedBodies<'m> {
         window: (f64, f64),
     ) -> (Self, SceneStatistics) {
         /// Slots that one thread goes through together.
-        const SHARE: usize = 4096;
+        const SHARE: usize = 1024;
         let mut traffic = SceneStatistics::default();
         let mut presence = std::mem::take(memory);
         let (flights, count) = (table.flights, table.flights.len());

@@ -85,6 +85,8 @@ fn tracked(threads: usize) -> (Vec<u64>, usize, usize) {
             let (place, velocity) = world[number];
             let motion = match number % 50 {
                 0 => line(-1.0, 9.0, place - velocity, velocity).with_outside(Outside::Coast),
+                // Ends soon, and is told nothing.
+                1 => line(-1.0, 0.3, place - velocity, velocity),
                 _ => Trajectory::coasting(State::new(0.0, place, velocity)).unwrap(),
             };
             let hitbox = Hitbox::sphere(rng.random_range(0.0..0.5)).unwrap();
@@ -107,6 +109,7 @@ fn tracked(threads: usize) -> (Vec<u64>, usize, usize) {
             let count = TRACKED - [0, 1, 700, 1_500][rng.random_range(0..4)];
             let some = ids.iter().zip(&world);
             let some = some.skip(if tick < 4 { 60 } else { 0 }).take(count);
+            let some = some.filter(|(id, _)| id.slot() % 50 != 1);
             let states =
                 some.map(|(&id, &(place, velocity))| (id, State::new(now, place, velocity)));
             let states: Vec<_> = states.collect();

@@ -65,7 +65,7 @@ pub(crate) fn wrong(truth: &Truth, margin: f64, tolerance: f64, rows: &[Row]) ->
         }
         clear_from = row.exit;
         let is_there = truth.largest_sign((row.enter, row.exit), &level(tolerance)) <= 0
-            || row.enter == row.exit && is_near_before(truth, row.exit, &level(tolerance));
+            || row.exit <= row.enter && is_near_before(truth, row.exit, &level(tolerance));
         if !is_there {
             return Some(format!("not there: {row:?}"));
         }
