@@ -30,7 +30,7 @@ pub(super) struct HalfSpaceSearch {
     changed_planes: Vec<usize>,
     /// True, by slot, if a span with a half-space may be listed.
     near: Vec<bool>,
-    /// Up to when each body is compared, s.
+    /// Instant up to which each body was compared, s.
     due: DueTimes,
     /// Slots to be compared again, and the instants up to which they are compared, s.
     taken: Vec<(f64, u32)>,
