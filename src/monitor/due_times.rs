@@ -3,9 +3,9 @@
 /// An instant for each slot, or none.
 #[derive(Debug, Default)]
 pub(super) struct DueTimes {
-    /// By slot: when it is due, s; infinite if never.
+    /// Instant at which each slot is due, s; infinite if never.
     due: Vec<f64>,
-    /// By block of slots: none of them is due before this, s.
+    /// Instant before which no slot of a block is due, by block, s.
     soonest: Vec<f64>,
 }
 

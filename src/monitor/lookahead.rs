@@ -69,7 +69,7 @@ pub(super) struct LookaheadSearch {
     moved: ChangedBounds,
     /// Ends of the slices of the lookahead, s.
     ends: Vec<f64>,
-    /// See [`Scene::partners_revision`].
+    /// Last [revision of partners](Scene::partners_revision) that was taken over.
     partners: Option<(u64, u64)>,
     /// End of the lookahead when it was last caught up with, s.
     reached: f64,

@@ -11,16 +11,17 @@ use crate::shape::BodyShape;
 use crate::trajectory::Trajectory;
 
 impl Monitor {
-    /// Returns the conflicts at a level that the body would have from now to
-    /// [`complete_until`](Self::complete_until) if it followed `plan` from now on. Changes
-    /// nothing. The level's margin counts, as for [`conflicts`](Self::conflicts), not its release
-    /// margin; so do layers and ignored pairs. A plan that began before now is followed from now on, as one
-    /// that is [late](Self::replan) would be. What has changed since the last tick counts; before the
-    /// first tick nothing is known, and nothing found. For a body that is not there yet:
-    /// [`what_if_body`](Self::what_if_body). For a plan that begins later, ask about what
-    /// [`replan`](Self::replan) would make of it: the body's trajectory
-    /// [spliced](crate::Trajectory::spliced) with it. Without an orientation in the plan, the body turns as it
-    /// does.
+    /// Returns the conflicts at a level, from now to [`complete_until`](Self::complete_until), that a body
+    /// would have if it followed `plan` from now on. Nothing is changed.
+    ///
+    /// - The level's margin counts, as for [`conflicts`](Self::conflicts), not its release; so do layers and
+    ///   ignored pairs.
+    /// - A plan that began before now is followed from now on, as a [late](Self::replan) one. For a plan that
+    ///   begins later, ask about the body's trajectory [spliced](crate::Trajectory::spliced) with it.
+    /// - Without an orientation in the plan, the body turns as it does.
+    /// - Changes since the last tick count. Before the first tick nothing is known, and nothing found.
+    ///
+    /// [`what_if_body`](Self::what_if_body) asks about a body that is not there yet.
     ///
     /// # Errors
     ///

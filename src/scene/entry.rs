@@ -42,7 +42,7 @@ impl MotionSummary {
 /// The storage of a body's compact trajectory.
 #[derive(Debug)]
 enum Lines {
-    /// In the scene's arena.
+    /// Lines in the scene's arena.
     Shared(ArenaRange),
     /// Allocated on its own, by a read access to the scene.
     Own(Vec<Line>),

@@ -11,7 +11,7 @@ pub(crate) struct SpanSorter {
 }
 
 impl SpanSorter {
-    /// With fewer survivors per body than this, comparison is faster.
+    /// Number of survivors per body below which comparison is faster.
     const BODIES_EACH: usize = 8;
 
     /// Sorts survivors of this many bodies and removes duplicates: a span that lasts for several

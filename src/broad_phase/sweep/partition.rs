@@ -111,8 +111,10 @@ mod tests {
     }
 
     fn divided(planes: &[f32]) -> Option<Vec<usize>> {
-        let mut parts = Partition::default();
-        parts.axis = 1;
+        let mut parts = Partition {
+            axis: 1,
+            ..Partition::default()
+        };
         parts.planes.extend(planes);
         parts.divide(&boxes(), &mut 100).then(|| {
             let lengths = parts.iter(Region::EVERYWHERE).map(|(part, _)| part.len());
@@ -133,8 +135,10 @@ mod tests {
         assert_eq!(divided(&[3.5]), None, "a part with nearly all boxes");
         let everywhere: Vec<f32> = (0..16_u8).map(|i| 2.5 * f32::from(i)).collect();
         assert_eq!(divided(&everywhere), None, "too many copies");
-        let mut parts = Partition::default();
-        parts.axis = 1;
+        let mut parts = Partition {
+            axis: 1,
+            ..Partition::default()
+        };
         parts.planes.push(21.5);
         assert!(
             !parts.divide(&boxes(), &mut 21),

@@ -16,7 +16,7 @@ pub struct Stopped {
     pub reports: Vec<Report>,
     /// Requests that were not applied, in order; counted as refused.
     pub unapplied: Vec<(Ticket, Request)>,
-    /// All requests, by what became of them.
+    /// Numbers of requests by their outcome.
     pub counts: Counts,
 }
 
@@ -33,7 +33,7 @@ pub struct Panicked {
     /// Requests that were not applied, in order, without the one that panicked; all count as
     /// refused.
     pub unapplied: Vec<(Ticket, Request)>,
-    /// All requests, by what became of them.
+    /// Numbers of requests by their outcome.
     pub counts: Counts,
 }
 
