@@ -405,8 +405,8 @@ pub enum Error {
         /// Time of the splice, s; the monitor's clock if a late plan does not continue from it.
         time: f64,
     },
-    /// A plan is to change at a time that is NaN or infinite.
-    #[error("a plan cannot change at {time:?} s: give a finite time")]
+    /// A plan or an orientation is to change at a time that is NaN or infinite.
+    #[error("a plan or an orientation cannot change at {time:?} s: give a finite time")]
     ChangeTime {
         /// The time, s.
         time: f64,

@@ -89,7 +89,7 @@ const CURVES: &[(Attempt, &str)] = &[
     (|| done(flying().spliced(20.0, &flying())?),
      "there is no plan to splice at 20.0 s: the old plan or the new one does not exist then, or the new one ends; \
       give one that goes on from then, or set the trajectory as a whole"),
-    (|| done(flying().spliced(f64::NAN, &flying())?), "a plan cannot change at NaN s: give a finite time"),
+    (|| done(flying().spliced(f64::NAN, &flying())?), "a plan or an orientation cannot change at NaN s: give a finite time"),
     (|| fit(|t| (t.sin() * DVec3::X, 60.0 * t.cos() * DVec3::X), window(0.0, 9.0), 0.01),
      "the motion at 0.35218447894785465 s: velocity x is 56.317285143907476 m/s, but the position changes by \
       0.9386214190647019 m/s: give the derivative of the position, or a larger tolerance"),
@@ -176,6 +176,10 @@ const MONITORS: &[(Attempt, &str)] = &[
         let (mut monitor, id) = monitor();
         done(monitor.replan(id, f64::NAN, flying())?)
     }, "body 4: the clock cannot show NaN s: not within ±1e300, or too far from 0 for the lookahead"),
+    (|| {
+        let (mut monitor, id) = monitor();
+        done(monitor.orient(id, f64::INFINITY, Orientation::FIXED)?)
+    }, "body 4: a plan or an orientation cannot change at inf s: give a finite time"),
     (|| {
         let (mut monitor, id) = monitor();
         done(monitor.track(1.0, [(id, state(1.0, f64::NAN))])?)

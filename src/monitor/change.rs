@@ -114,7 +114,7 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::NotFinite`] if `from` is not finite,
+    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::ChangeTime`] if `from` is not finite,
     /// or with [`Error::RotationVanishes`] if the tolerance of the one orientation is too small for
     /// the other.
     pub fn orient(&mut self, id: BodyId, from: f64, orientation: Orientation) -> Result<(), Error> {

@@ -20,7 +20,7 @@ pub(crate) use baked::BakedRotation;
 pub(crate) use tracked_spin::TrackedSpin;
 pub(crate) use turning::{Turning, TurningCell};
 
-use crate::error::{Error, Quantity};
+use crate::error::Error;
 use crate::rounding::one_zero;
 use crate::trajectory::Outside;
 use glam::{DQuat, DVec3};
@@ -184,7 +184,7 @@ impl Orientation {
     ///
     /// # Errors
     ///
-    /// [`Error::NotFinite`] for an instant that is none; [`Error::RotationVanishes`] if a cubic
+    /// [`Error::ChangeTime`] for an instant that is not finite; [`Error::RotationVanishes`] if a cubic
     /// cannot be known to the tolerance of the other orientation.
     pub(crate) fn followed_by(&self, next: &Self, from: f64, since: f64) -> Result<Self, Error> {
         let from = Self::checked_start(from)?;
@@ -214,16 +214,12 @@ impl Orientation {
     ///
     /// # Errors
     ///
-    /// [`Error::NotFinite`].
+    /// [`Error::ChangeTime`].
     pub(crate) fn checked_start(from: f64) -> Result<f64, Error> {
         if from.is_finite() {
             Ok(one_zero(from))
         } else {
-            Err(Error::NotFinite {
-                knot: 0,
-                quantity: Quantity::Time,
-                value: from,
-            })
+            Err(Error::ChangeTime { time: from })
         }
     }
 
