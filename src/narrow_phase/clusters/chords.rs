@@ -106,7 +106,7 @@ impl PiecewiseLinearBound {
         (!is_beyond).then(|| (least.sqrt() - self.bend) * self.unit - radii)
     }
 
-    /// Returns a separation beyond which spheres are certainly not the nearest ones over the part, m: that
+    /// Returns a separation beyond which spheres are not the nearest ones over the part, up to the slack, m: that
     /// of two spheres that face each other where the bodies are near.
     pub(super) fn least_of_some(&self, clusters: &ClusterPair<'_>) -> f64 {
         let ClusterPair { a, b, .. } = *clusters;
@@ -124,7 +124,7 @@ impl PiecewiseLinearBound {
         let least = least + 2.0 * (self.bend * self.unit + clusters.motion.blur());
         // Both errors: what may be nearer in the world, and what may be nearer than that.
         let error = a.model_error_with(b);
-        widened(widened(least + 2.0 * self.slack, error), error)
+        widened(widened(least, error), error)
     }
 
     /// Returns an upper bound of the bodies' separation over the part, up to the slack, m.

@@ -176,7 +176,14 @@ fn omitted_pairs_change_nothing() {
 
         let least = found.unwrap().separation;
         let size = [1.0, 1e-6, 1e6][kind % 3];
-        let margin = least + [0.0, rng.random_range(0.0..1.0) * size][kind / 2 % 2];
+        // At the least separation, farther, and nearer by less than is told apart there.
+        let far = [a, b].map(|view| view.segments[0].origin().length());
+        let more = [
+            0.0,
+            rng.random_range(0.0..1.0) * size,
+            -1e-15 * (far[0] + far[1]),
+        ];
+        let margin = least + more[kind % 5 % 3];
         let band = MarginBand::new(margin, a.model_error_with(b));
         let (mut found, mut expected) = (Vec::new(), Vec::new());
         contacts(a, b, all.iter().copied(), margin, clip, &mut found);

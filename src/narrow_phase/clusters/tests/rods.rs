@@ -89,3 +89,39 @@ fn nearest_where_chords_are_not() {
         assert_eq!(times, [(0.0, 1.0)]);
     }
 }
+
+/// With model errors, spheres that are not the nearest ones on the splines may be so in the world.
+#[test]
+fn what_model_errors_leave_open_is_listed() {
+    let cluster = |places: Vec<DVec3>| {
+        let radius = 0.5;
+        let spheres = places.into_iter().map(|offset| Sphere { offset, radius });
+        Hitbox::cluster(spheres.collect()).unwrap_or_else(|_| unreachable!())
+    };
+    let others = (0..8).map(|number| DVec3::Z * (50.0 + f64::from(number)));
+    let near = [DVec3::new(-6.0, 2.0, 0.0), DVec3::new(6.0, 2.75, 0.0)];
+    let plans = [20.0, 0.0].map(|speed| {
+        let states = [0.0, 1.0].map(|time| {
+            let velocity = DVec3::X * speed;
+            State::new(time, velocity * (time - 0.5), velocity)
+        });
+        let plan = Trajectory::from_states(&states);
+        Pieces::own(&plan.unwrap_or_else(|_| unreachable!()))
+    });
+    let case = Case {
+        plans,
+        hitboxes: [
+            cluster(vec![DVec3::ZERO]),
+            cluster(near.into_iter().chain(others).collect()),
+        ],
+        margin: 0.0,
+        model_errors: [0.25; 2],
+        clip: (0.0, 1.0),
+        start: 0.0,
+        end: 1.0,
+    };
+    let [a, b] = &case.views();
+    let found = certified_approach(a, b, case.spans().into_iter(), case.clip);
+    let (_, _, time) = found.unwrap_or_else(|| unreachable!());
+    assert!(time.earliest < 0.2 && time.latest > 0.8, "{time:?}");
+}
