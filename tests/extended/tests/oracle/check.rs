@@ -63,7 +63,7 @@ impl Truth {
         Self::between(bodies, case.margin, (from, to))
     }
 
-    /// Of motions that are known, from one instant (s) to another.
+    /// Returns the pair of two known motions, from one instant (s) to another.
     pub(crate) fn between(bodies: [Body; 2], margin: f64, (from, to): (f64, f64)) -> Self {
         Self {
             bodies,

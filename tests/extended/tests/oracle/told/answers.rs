@@ -6,7 +6,7 @@ use crate::oracle_support::Dyadic;
 use dashu::rational::RBig;
 use nearmiss::{Conflict, Encounter};
 
-/// What is checked of a conflict, or of an encounter.
+/// The parts of a conflict, or of an encounter, that are checked.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Row {
     pub(crate) enter: f64,
@@ -42,14 +42,14 @@ impl Row {
     }
 }
 
-/// How far two bodies' distance may be off, m: 2000 roundings of the ways gone, and of instants.
+/// Returns the largest error of two bodies' distance, m: 2000 roundings of the ways gone, and of instants.
 pub(crate) fn tolerance(a: &Motion, b: &Motion, latest: f64) -> f64 {
     const ROUNDINGS: f64 = 2_000.0 / (1_u64 << 53) as f64;
     let instants = (a.speed + b.speed) * latest.abs().max(1.0);
     ROUNDINGS * (a.scale + b.scale + instants) + f64::MIN_POSITIVE
 }
 
-/// What is wrong with rows, which are in the order of time.
+/// Returns the first fault of rows, which are in the order of time.
 pub(crate) fn wrong(truth: &Truth, margin: f64, tolerance: f64, rows: &[Row]) -> Option<String> {
     let (from, to) = truth.range?;
     let level = |off: f64| exact(margin) + exact(off);
@@ -85,7 +85,8 @@ pub(crate) fn wrong(truth: &Truth, margin: f64, tolerance: f64, rows: &[Row]) ->
     is_missed.then(|| format!("nearer after {clear_from}"))
 }
 
-/// Whether the bodies are that near at an instant as they come to it: there one of them may be told to be elsewhere.
+/// Returns true if the bodies are that near at an instant as they come to it: there one of them may be told to be
+/// elsewhere.
 fn is_near_before(truth: &Truth, time: f64, level: &RBig) -> bool {
     let before = truth.over(time - 1.0, time);
     let last = before.last().map(|span| span.at(&Dyadic::from(1)));

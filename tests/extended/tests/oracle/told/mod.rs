@@ -17,7 +17,7 @@ use glam::DVec3;
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 
-/// What was asked and found.
+/// Numbers of the pairs that were asked for, and of the answers.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Asked {
     pub(crate) pairs: usize,
@@ -31,7 +31,7 @@ fn epoch(rng: &mut ChaCha8Rng) -> f64 {
     [0.0, -7.0, 1e3, 1.7e9][rng.random_range(0..4)]
 }
 
-/// How far away bodies meet, m.
+/// Distance from the origin at which bodies meet, m.
 #[derive(Clone, Copy, Debug)]
 struct Far([f64; 2]);
 

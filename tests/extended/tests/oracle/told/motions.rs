@@ -11,7 +11,7 @@ use rand::rngs::ChaCha8Rng;
 /// Seconds before and after now that exact motions reach. Nothing is asked beyond.
 pub(crate) const REACH: f64 = 64.0;
 
-/// What one body does, and the length that its rounding is in proportion to.
+/// The motion of one body, and the length that its rounding is in proportion to.
 #[derive(Clone, Debug)]
 pub(crate) struct Motion {
     pub(crate) exact: ExactMotion,
