@@ -79,11 +79,18 @@ impl<'a> TurningPair<'a> {
         &self,
         margin: f64,
         (clip, after): ((f64, f64), f64),
-        solve: impl FnMut(&SpherePair, Span),
+        mut solve: impl FnMut(&SpherePair, Span),
     ) -> f64 {
-        self.each_near(margin, clip, after, solve);
         let last = self.cells((clip.1, clip.1)).last();
-        last.map_or(self.span.end, |cell| cell.span.end)
+        let reached = last.map_or(self.span.end, |cell| cell.span.end);
+        // The last part may have bounding spheres that come near after `clip` alone: it is solved as a whole.
+        let parts = (clip.0, reached.max(clip.1));
+        self.each_near(margin, parts, after, |pair, part| {
+            if part.start <= clip.1 {
+                solve(pair, part);
+            }
+        });
+        reached
     }
 
     /// Solves the pairs of spheres that may come nearer in `clip` than `reached` (m); `solve` gets
