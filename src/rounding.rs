@@ -83,9 +83,10 @@
 //! | places of a hull test | `bounds/apart` | `apart::tests` |
 //! | instants of a screening's edges and of a budget's | `monitor/lookahead`, `search/slice_length` | `tests/monitor` `budgets` |
 //! | instants of a question, of a jump | `monitor/lookahead/ask`, `jump` | `tests/monitor` `instants` |
-//! | values of a motion, remainder by a fourth derivative | `trajectory/fit/deviation` | `tests/fit` `proven` |
+//! | values of a motion, remainder by a fourth derivative | `trajectory/fit/motion` | `tests/fit` `proven` |
+//! | values of a motion that are seen | `trajectory/fit/motion` | `tests/fit` `estimated` |
 //! | remainder of a polynomial, rounding of its coefficients | `trajectory/fit/reduction` | `tests/fit` `polynomials` |
-//! | rounding of positions that are returned | `trajectory/fit/deviation` | proof 11 |
+//! | rounding of positions that are returned | `trajectory/segment` | proof 11 |
 //!
 //! 1. Dropped once, the heights' own 64 roundings cover it. The solver's error is 48 roundings of
 //!    the size in the worst case; two or three in tests.

@@ -283,6 +283,10 @@ impl Segment {
         (self.control_points, self.error)
     }
 
+    /// Rounding of a position between the knots, relative to the extent: 80 roundings in the worst case, by the count
+    /// of those in [`motion_at`](Self::motion_at).
+    pub(super) const EVALUATION: f64 = 128.0 * UNIT_ROUNDOFF;
+
     /// Returns position, velocity and acceleration at `time` (m, m/s, m/s²), also beyond the knots.
     #[must_use]
     pub fn motion_at(&self, time: f64) -> (DVec3, DVec3, DVec3) {

@@ -4,8 +4,9 @@
 //! each cubic of the run the difference of both is a cubic again, and nowhere larger than its largest Bézier point.
 //! Both are restricted to that interval; the bounds of their errors, and the roundings of the difference, are added.
 
-use super::{Fit, Outside, Segment, State, Trajectory};
-use crate::error::{Error, MAX_MAGNITUDE};
+use super::fit::{Fit, checked_tolerance};
+use super::{Outside, Segment, State, Trajectory};
+use crate::error::Error;
 use crate::rounding::{UNIT_ROUNDOFF, norm};
 
 impl Trajectory {
@@ -46,9 +47,7 @@ impl Trajectory {
     /// [`Error::FitTolerance`] if the tolerance is not a positive number up to 1e300.
     #[doc(alias("decimate", "reduce", "resample", "compress"))]
     pub fn simplified(&self, tolerance: f64) -> Result<Fit, Error> {
-        if !(tolerance > 0.0 && tolerance <= MAX_MAGNITUDE) {
-            return Err(Error::FitTolerance { metres: tolerance });
-        }
+        let tolerance = checked_tolerance(tolerance)?;
         let (own_knots, own) = (self.knots(), self.segments());
         let mut knots = Vec::new();
         let mut segments = Vec::new();

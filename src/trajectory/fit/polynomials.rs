@@ -1,9 +1,9 @@
 //! Polynomials up to degree 7, approximated by cubics.
 
+use super::Fit;
 use super::options::FitOptions;
-use super::place::{checked_tolerance, place_knots};
+use super::place::{PieceError, checked_tolerance, place_knots};
 use super::reduction::{COEFFICIENTS, PositionPolynomial};
-use super::result::Fit;
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
 use crate::trajectory::build::{check_number, check_times};
 use crate::trajectory::{TimeBase, Trajectory};
@@ -68,7 +68,14 @@ impl Trajectory {
             let polynomial = checked_polynomial(given, base, ends, knot)?;
             let added = times.len() - (knot + 1);
             let max_knots = (FitOptions::MAX_KNOTS + 2).saturating_sub(added);
-            let error_of = |from, to| Ok(polynomial.reduced(from, to).error);
+            let error_of = |from, to| {
+                let reduced = polynomial.reduced(from, to);
+                Ok(PieceError::of(
+                    reduced.remainder,
+                    reduced.rounding,
+                    tolerance,
+                ))
+            };
             let placed = place_knots(ends, tolerance, max_knots, error_of)?;
             error = error.max(placed.error);
             for pair in placed.knots.windows(2) {

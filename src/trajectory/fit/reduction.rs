@@ -1,7 +1,7 @@
 //! A cubic in place of a part of a polynomial of degree 7, with a proven bound of the remainder.
 
-use super::deviation::{EVALUATION, SPARE};
 use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, norm};
+use crate::trajectory::Segment;
 use crate::trajectory::double_double::DoubleDouble;
 use glam::DVec3;
 
@@ -25,8 +25,10 @@ pub(super) struct PositionPolynomial {
 pub(super) struct Reduced {
     /// Coefficients of t³, t², t, 1, with the time since the start of the part (m, s).
     pub(super) cubic: [DVec3; 4],
-    /// Largest distance (m) between the polynomial and positions of a trajectory of the cubic.
-    pub(super) error: f64,
+    /// Bound of the distance (m) between the polynomial and the cubic, in real arithmetic.
+    pub(super) remainder: f64,
+    /// Bound of what rounding adds to it in positions of a trajectory, m.
+    pub(super) rounding: f64,
 }
 
 impl PositionPolynomial {
@@ -40,7 +42,7 @@ impl PositionPolynomial {
     /// Returns a bound of the sum of the terms' absolute values at all times up to `reach` (s) from the origin (m).
     pub(super) fn size(&self, reach: f64) -> f64 {
         let sizes = self.coefficients.iter().rev().copied().map(norm);
-        sizes.fold(0.0, |sum, size| sum * reach + size) * SPARE
+        sizes.fold(0.0, |sum, size| sum * reach + size)
     }
 
     /// Returns the cubic that agrees with the polynomial in position and velocity at both ends of a part (s).
@@ -88,11 +90,14 @@ impl PositionPolynomial {
         let extent = duration * (first + duration * (second + duration * third));
         // The coefficients are rounded, then the points of the segment, then what is returned of it.
         let rounding = UNIT_ROUNDOFF * (3.0 * constant + 16.0 * extent)
-            + EVALUATION * extent
+            + Segment::EVALUATION * extent
             + DOUBLE_DOUBLE * self.size(reach)
             + UNDERFLOW * 64.0 * reach.max(1.0).powi(7);
-        let error = (remainder(high) + rounding) * SPARE;
-        Reduced { cubic, error }
+        Reduced {
+            cubic,
+            remainder: remainder(high),
+            rounding,
+        }
     }
 
     /// Returns one axis's coefficients around another instant.
