@@ -11,7 +11,7 @@
 //! | 2^-100 of what cancels in a polynomial | `trajectory/build` | `segment::tests::points_of_polynomials_that_vanish` |
 //! | errors of a line where a polynomial ends: position, velocity | `trajectory/build` | `segment::tests::lines_at_the_ends_of_polynomials` |
 //! | points of legs | `trajectory/segment` | `curves::tests::legs_are_straight` |
-//! | points of curves: origin, ways | `trajectory/curves/bezier_points` | `curves::tests` |
+//! | points of curves: origin, ways | `trajectory/curves/bezier` | `curves::tests` |
 //! | velocities of end motions of curves | `trajectory/curves` | proof 9 |
 //! | errors of both cubics where several become one | `trajectory/simplified` | `simplified::tests::the_errors_of_both_count` |
 //! | rounding of their difference | `trajectory/simplified` | proof 10 |

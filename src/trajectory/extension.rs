@@ -9,7 +9,6 @@
 #[cfg(test)]
 use super::StraightMotion;
 use super::cuts::DoublingCuts;
-use super::reach::check_reach;
 use super::{Outside, Segment, Trajectory};
 use crate::error::Error;
 use crate::window::Window;
@@ -92,7 +91,8 @@ impl Trajectory {
         if extension.before > 0 {
             // The farthest piece is the first to leave the range of numbers.
             let end = self.cut_before(extension.before - 1);
-            check_reach(&self.segment_before(), (extension.domain.0, end), 0)?;
+            let segment = self.segment_before();
+            segment.check_reach((extension.domain.0, end), 0)?;
         }
         self.lengthen(&mut extension, window.end())?;
         let is_own = extension.before == 0 && extension.after == 0;
@@ -110,7 +110,7 @@ impl Trajectory {
         let mut segment = None;
         for cut in self.cuts_after(end).skip(known as usize) {
             let segment = segment.get_or_insert_with(|| self.segment_after());
-            check_reach(segment, (from, cut), self.knots().len() - 1)?;
+            segment.check_reach((from, cut), self.knots().len() - 1)?;
             (after, from) = (after + 1, cut);
         }
         (extension.after, extension.domain.1) = (after, from);

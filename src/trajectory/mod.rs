@@ -10,7 +10,6 @@ mod fit;
 mod front_gap;
 mod outside;
 mod plan;
-mod reach;
 mod rows;
 mod segment;
 #[cfg(feature = "serde")]

@@ -42,16 +42,10 @@ impl Segment {
         let arrive = second.velocity * duration / 3.0;
         let longest = norm(leave).max(norm(arrive));
         let extent = (norm(end) + longest) * (1.0 + 8.0 * UNIT_ROUNDOFF);
-        Self {
-            start: first.time,
-            end: second.time,
-            origin: first.position,
-            control_points: [leave, end - arrive, end],
-            extent,
-            // numerics: u S for point 3, 3 u W for point 1, u (2 S + 4 W) for point 2.
-            error: 4.0 * UNIT_ROUNDOFF * extent + UNDERFLOW,
-        }
-        .checked(knot)
+        // numerics: u S for point 3, 3 u W for point 1, u (2 S + 4 W) for point 2.
+        let error = 4.0 * UNIT_ROUNDOFF * extent + UNDERFLOW;
+        let (interval, points) = ((first.time, second.time), [leave, end - arrive, end]);
+        Self::from_parts(interval, first.position, points, (extent, error), knot)
     }
 
     /// Builds the straight segment of constant velocity between two instants and positions (s, m); `knot` is the
@@ -66,16 +60,10 @@ impl Segment {
         // Three times the third of a number is that number again (W. Kahan): the last point is as good as the way.
         let step = (second.1 - first.1) / 3.0;
         let extent = norm(3.0 * step) * (1.0 + 8.0 * UNIT_ROUNDOFF);
-        Self {
-            start: first.0,
-            end: second.0,
-            origin: first.1,
-            control_points: [step, DVec3::ZERO, DVec3::ZERO],
-            extent,
-            // A rounding of the way, one of the step; underflow of the step, three times.
-            error: -(2.0 * UNIT_ROUNDOFF * extent + UNDERFLOW),
-        }
-        .checked(knot)
+        // A rounding of the way, one of the step; underflow of the step, three times.
+        let error = -(2.0 * UNIT_ROUNDOFF * extent + UNDERFLOW);
+        let (interval, points) = ((first.0, second.0), [step, DVec3::ZERO, DVec3::ZERO]);
+        Self::from_parts(interval, first.1, points, (extent, error), knot)
     }
 
     /// Builds straight motion through `state`, in both directions of time: `Coast` and rest.
@@ -152,26 +140,18 @@ impl Segment {
     /// Builds a segment from Bézier points relative to `origin`, each good to `error` (m); `knot`
     /// is the number of its end knot.
     pub(super) fn from_control_points(
-        (start, end): (f64, f64),
+        interval: (f64, f64),
         origin: DVec3,
         control_points: [DVec3; 3],
         error: f64,
         knot: usize,
     ) -> Result<Self, Error> {
         let extent = largest_norm(&control_points) * (1.0 + 8.0 * UNIT_ROUNDOFF);
-        Self {
-            start,
-            end,
-            origin,
-            control_points,
-            extent,
-            error: error + UNDERFLOW,
-        }
-        .checked(knot)
+        let bounds = (extent, error + UNDERFLOW);
+        Self::from_parts(interval, origin, control_points, bounds, knot)
     }
 
     /// Builds a segment from its fields: start and end, origin, control points, extent and error.
-    #[cfg(feature = "serde")]
     pub(super) fn from_parts(
         (start, end): (f64, f64),
         origin: DVec3,
@@ -314,33 +294,6 @@ impl Segment {
     /// Returns true if an interval lies between the segment's knots.
     pub(crate) fn covers(&self, from: f64, to: f64) -> bool {
         from >= self.start && to <= self.end
-    }
-
-    /// Returns the size to which all rounding of the part between `from` and `to` is relative, m.
-    /// It bounds the terms of the power form. It is larger where the segment's own error exceeds a
-    /// few roundings of its extent, as for polynomials in absolute time far from the origin.
-    pub(crate) fn rounding_scale(&self, from: f64, to: f64) -> f64 {
-        let (size, error) = if self.covers(from, to) {
-            (self.extent, self.error())
-        } else {
-            let lengths = self.lengths_to(from, to);
-            let size = if self.is_bent() {
-                let [linear, quadratic, cubic] = self.powers().map(|c| c.abs().element_sum());
-                lengths * (linear + lengths * (quadratic + lengths * cubic))
-            } else if self.goes_on() {
-                self.extent * lengths.max(1.0)
-            } else {
-                self.extent * (1.0 + 2.0 * lengths).powi(3)
-            };
-            (size, self.grown_error(lengths, size))
-        };
-        size + error / (16.0 * UNIT_ROUNDOFF)
-    }
-
-    /// Returns the distance that an interval reaches from the start, in durations of the segment.
-    pub(crate) fn lengths_to(&self, from: f64, to: f64) -> f64 {
-        let duration = self.end - self.start;
-        ((from - self.start).abs().max((to - self.start).abs())) / duration
     }
 
     /// Returns true for an end motion: made by [`line`](Self::line), from a knot at `start`

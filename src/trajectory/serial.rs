@@ -1,8 +1,6 @@
 //! Serialised trajectories: the exact internal numbers, checked on reading.
 
 use super::build::{check_number, check_times};
-use super::front_gap::FrontGapVec;
-use super::reach::check_reach;
 use super::{Outside, Segment, StraightMotion, Trajectory};
 use crate::error::{Error, Quantity};
 use crate::rounding::{largest_norm, one_zero};
@@ -75,7 +73,7 @@ impl TryFrom<Numbers> for Trajectory {
         ];
         for (knot, (segment, ends)) in (1..).zip(segments.iter().zip(knots.windows(2))) {
             // A piece may be any part of its cubic, also one beyond it.
-            check_reach(segment, (ends[0], ends[1]), knot)?;
+            segment.check_reach((ends[0], ends[1]), knot)?;
         }
         let is_line = last == 0
             && outside == [Outside::Coast; 2]
@@ -85,11 +83,7 @@ impl TryFrom<Numbers> for Trajectory {
         if let Some(motion) = StraightMotion::of(&ends[0]).filter(|_| is_line) {
             return Ok(Self::of_straight(motion));
         }
-        Ok(Self::of_plan(
-            FrontGapVec::new(&knots, &[]),
-            FrontGapVec::new(&segments, &ends),
-            outside,
-        ))
+        Ok(Self::of_cubics(&knots, &segments, &ends, outside))
     }
 }
 

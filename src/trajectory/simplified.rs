@@ -69,7 +69,10 @@ impl Trajectory {
             return Ok(Fit::proven(self.clone(), 0.0));
         }
         knots.extend(own_knots.last());
-        Ok(Fit::proven(self.with_cubics(&knots, &segments), error))
+        let ends = [self.end_motion_before(), self.end_motion_after()];
+        let rules = [self.outside_before(), self.outside_after()];
+        let simplified = Self::of_cubics(&knots, &segments, &ends, rules);
+        Ok(Fit::proven(simplified, error))
     }
 
     /// Returns true if the first cubic is followed before the first knot as well: where a plan lost its beginning, it

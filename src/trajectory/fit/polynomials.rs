@@ -5,7 +5,7 @@ use super::options::FitOptions;
 use super::place::{PieceError, checked_tolerance, place_knots};
 use super::reduction::{COEFFICIENTS, PositionPolynomial};
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
-use crate::trajectory::build::{check_number, check_times};
+use crate::trajectory::build::{check_vector, checked_knots};
 use crate::trajectory::{TimeBase, Trajectory};
 use glam::DVec3;
 
@@ -51,16 +51,7 @@ impl Trajectory {
     ) -> Result<Fit, Error> {
         const { assert!(N >= 1 && N <= COEFFICIENTS, "degree up to 7") }
         let tolerance = checked_tolerance(tolerance)?;
-        if knots.len() < 2 {
-            return Err(Error::TooFewStates { count: knots.len() });
-        }
-        if knots.len() != coefficients.len() + 1 {
-            return Err(Error::SegmentCount {
-                knots: knots.len(),
-                segments: coefficients.len(),
-            });
-        }
-        check_times(knots.iter().copied())?;
+        let knots = checked_knots(knots, coefficients.len())?;
         let (mut times, mut cubics) = (Vec::from(&knots[..1]), Vec::new());
         let mut error = 0.0_f64;
         for (knot, given) in coefficients.iter().enumerate() {
@@ -101,9 +92,7 @@ fn checked_polynomial(
 ) -> Result<PositionPolynomial, Error> {
     let mut coefficients = [DVec3::ZERO; COEFFICIENTS];
     for (power, (&from, to)) in given.iter().rev().zip(&mut coefficients).enumerate() {
-        for axis in 0..3 {
-            check_number(knot, Quantity::Coefficient { power, axis }, from[axis])?;
-        }
+        check_vector(knot, |axis| Quantity::Coefficient { power, axis }, from)?;
         *to = from;
     }
     let origin = match base {

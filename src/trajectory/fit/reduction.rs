@@ -2,7 +2,7 @@
 
 use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, norm};
 use crate::trajectory::Segment;
-use crate::trajectory::double_double::DoubleDouble;
+use crate::trajectory::double_double::{DoubleDouble, taylor_shift};
 use glam::DVec3;
 
 /// Number of coefficients of a polynomial of degree 7.
@@ -56,8 +56,9 @@ impl PositionPolynomial {
         let mut cubic = [DVec3::ZERO; 4];
         let mut high = [DVec3::ZERO; 4];
         for axis in 0..3 {
-            let around = self.around(shift, axis);
-            let [constant, linear, quadratic, third, c4, c5, c6, c7] = around;
+            let given = self.coefficients.map(|term| DoubleDouble::from(term[axis]));
+            let [constant, linear, quadratic, third, c4, c5, c6, c7] =
+                taylor_shift(given, |&term| term * shift);
             let number = DoubleDouble::from;
             let to_third = number(2.0) * c4
                 + duration
@@ -98,18 +99,6 @@ impl PositionPolynomial {
             remainder: remainder(high),
             rounding,
         }
-    }
-
-    /// Returns one axis's coefficients around another instant.
-    fn around(&self, shift: DoubleDouble, axis: usize) -> [DoubleDouble; COEFFICIENTS] {
-        let axis_of = |coefficient: DVec3| DoubleDouble::from(coefficient[axis]);
-        let mut around = self.coefficients.map(axis_of);
-        for first in 0..COEFFICIENTS - 1 {
-            for power in (first..COEFFICIENTS - 1).rev() {
-                around[power] = around[power] + around[power + 1] * shift;
-            }
-        }
-        around
     }
 }
 
