@@ -323,16 +323,21 @@ fn polynomial_segment(
     base: TimeBase,
     knot: usize,
 ) -> Result<Segment, Error> {
-    for (power, coefficient) in polynomial.iter().rev().enumerate() {
+    for (power, coefficient) in (0..4).rev().zip(polynomial) {
         check_vector(
             knot,
             |axis| Quantity::Coefficient { power, axis },
             *coefficient,
         )?;
     }
-    let shift = match base {
-        TimeBase::Absolute => start,
-        TimeBase::SegmentLocal => 0.0,
+    let size = |time: f64| {
+        let [a, b, c, d] = polynomial.map(norm);
+        let time = time.abs();
+        ((a * time + b) * time + c) * time + d
+    };
+    let (shift, of_origin, terms) = match base {
+        TimeBase::Absolute => (start, UNIT_ROUNDOFF, size(start) + size(end)),
+        TimeBase::SegmentLocal => (0.0, 0.0, size(end - start)),
     };
     let (shift, duration) = (shift.into(), DoubleDouble::difference(end, start));
     let mut origin = DVec3::ZERO;
@@ -349,23 +354,10 @@ fn polynomial_segment(
         control_points[1][axis] = (linear.twice() + quadratic).rounded() / 3.0;
         control_points[2][axis] = (linear + quadratic + cubic).rounded();
     }
-    let size = |time: f64| {
-        let [a, b, c, d] = polynomial.map(norm);
-        let time = time.abs();
-        ((a * time + b) * time + c) * time + d
-    };
     // One rounding of the origin where it was computed, one (and a third's) of each point, and
     // 2^-100 of everything that was added up, which covers the double-double arithmetic.
-    let reached = match base {
-        TimeBase::Absolute => 32.0 * (size(start) + size(end)),
-        TimeBase::SegmentLocal => 32.0 * size(end - start),
-    };
-    let origin_error = match base {
-        TimeBase::Absolute => UNIT_ROUNDOFF * norm(origin),
-        TimeBase::SegmentLocal => 0.0,
-    };
-    let largest = largest_norm(&control_points);
-    let error = origin_error + 4.0 * UNIT_ROUNDOFF * largest + 2f64.powi(-100) * reached;
+    let of_points = 4.0 * UNIT_ROUNDOFF * largest_norm(&control_points);
+    let error = of_origin * norm(origin) + of_points + 2f64.powi(-100) * (32.0 * terms);
     let unusable = [
         origin,
         control_points[0],

@@ -1,6 +1,6 @@
 //! Serialised trajectories: the exact internal numbers, checked on reading.
 
-use super::build::{check_number, check_times};
+use super::build::{check_number, check_times, check_vector};
 use super::{Outside, Segment, StraightMotion, Trajectory};
 use crate::error::{Error, Quantity};
 use crate::rounding::{largest_norm, one_zero};
@@ -99,10 +99,10 @@ impl Segment {
 
     /// Rebuilds an end motion: straight, with the coefficients of a cubic.
     fn going_on(mut numbers: [f64; 16], knot: usize) -> Result<Self, Error> {
-        for (place, value) in numbers[8..14].iter().enumerate() {
-            check_number(knot, Quantity::Position(place % 3), *value)?;
-        }
         let bend = [vector(&numbers, 8), vector(&numbers, 11)];
+        for coefficient in bend {
+            check_vector(knot, Quantity::Position, coefficient)?;
+        }
         numbers[8..14].fill(0.0);
         Ok(Self::from_numbers(numbers, knot)?.with_coefficients(bend))
     }

@@ -5,7 +5,7 @@
 //! Both are restricted to that interval; the bounds of their errors, and the roundings of the difference, are added.
 
 use super::fit::{Fit, checked_tolerance};
-use super::{Outside, Segment, State, Trajectory};
+use super::{Segment, State, Trajectory};
 use crate::error::Error;
 use crate::rounding::{UNIT_ROUNDOFF, norm};
 
@@ -54,7 +54,7 @@ impl Trajectory {
         let mut error = 0.0_f64;
         let mut first = 0;
         while first < own.len() {
-            let (count, merged) = if first == 0 && self.shapes_what_was_before() {
+            let (count, merged) = if first == 0 && self.cubic_before().is_some() {
                 (1, None)
             } else {
                 longest_run(&own[first..], &own_knots[first..], tolerance)
@@ -73,16 +73,6 @@ impl Trajectory {
         let rules = [self.outside_before(), self.outside_after()];
         let simplified = Self::of_cubics(&knots, &segments, &ends, rules);
         Ok(Fit::proven(simplified, error))
-    }
-
-    /// Returns true if the first cubic is followed before the first knot as well: where a plan lost its beginning, it
-    /// is extrapolated by that.
-    fn shapes_what_was_before(&self) -> bool {
-        self.outside_before() == Outside::Extrapolate
-            && self
-                .knots()
-                .first()
-                .is_some_and(|&knot| self.end_motion_before().start() < knot)
     }
 }
 

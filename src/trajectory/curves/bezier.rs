@@ -66,7 +66,7 @@ impl Trajectory {
     ///
     /// [`Error::OutOfRange`].
     pub(super) fn of_control_points(knots: &[f64], pieces: &[BezierPoints]) -> Result<Self, Error> {
-        let interval = |piece: usize| (knots[piece], knots[piece + 1]);
+        let interval = |piece: usize| [knots[piece], knots[piece + 1]];
         let segments = pieces
             .iter()
             .enumerate()
@@ -74,8 +74,8 @@ impl Trajectory {
             .collect::<Result<Vec<_>, _>>()?;
         let last = pieces.len() - 1;
         let ends = [
-            pieces[0].leaving(interval(0), 0)?,
-            pieces[last].arriving(interval(last), last + 1)?,
+            pieces[0].end_motion(0, interval(0), 0)?,
+            pieces[last].end_motion(1, interval(last), last + 1)?,
         ];
         Ok(Self::of_cubics(
             knots,
@@ -104,7 +104,7 @@ impl BezierPoints {
     /// # Errors
     ///
     /// [`Error::OutOfRange`].
-    pub(super) fn segment(&self, interval: (f64, f64), knot: usize) -> Result<Segment, Error> {
+    fn segment(&self, interval: [f64; 2], knot: usize) -> Result<Segment, Error> {
         let (mut origin, mut control_points) = (DVec3::ZERO, [DVec3::ZERO; 3]);
         // What is lost by rounding: of the origin, then of the ways from it.
         let mut lost = [DVec3::ZERO; 4];
@@ -118,53 +118,42 @@ impl BezierPoints {
         // The ways themselves have an error of 3 u², far below 2^-100.
         let of_ways = largest_norm(&lost[1..]) + 2f64.powi(-100) * largest_norm(&control_points);
         let error = (norm(lost[0]) + of_ways + self.error) * (1.0 + 16.0 * UNIT_ROUNDOFF);
-        Segment::from_control_points(interval, origin, control_points, error, knot)
+        Segment::from_control_points(interval.into(), origin, control_points, error, knot)
     }
 
-    /// Returns the end motion from the first point; `knot` is that point's number.
-    pub(super) fn leaving(&self, interval: (f64, f64), knot: usize) -> Result<Segment, Error> {
-        let derivatives = [
-            [-3.0, 3.0, 0.0, 0.0],
-            [3.0, -6.0, 3.0, 0.0],
-            [-1.0, 3.0, -3.0, 1.0],
+    /// Returns the end motion from the first point (`end` 0) or the last one (1); `knot` is that point's number.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfRange`].
+    fn end_motion(&self, end: usize, interval: [f64; 2], knot: usize) -> Result<Segment, Error> {
+        /// Weights of the points in the coefficients of s, s², s³, around the first and around the last one.
+        const WEIGHTS: [[[f64; 4]; 3]; 2] = [
+            [
+                [-3.0, 3.0, 0.0, 0.0],
+                [3.0, -6.0, 3.0, 0.0],
+                [-1.0, 3.0, -3.0, 1.0],
+            ],
+            [
+                [0.0, 0.0, -3.0, 3.0],
+                [0.0, 3.0, -6.0, 3.0],
+                [-1.0, 3.0, -3.0, 1.0],
+            ],
         ];
-        self.end_motion(0, interval, interval.0, derivatives, knot)
-    }
-
-    /// Returns the end motion from the last point; `knot` is that point's number.
-    pub(super) fn arriving(&self, interval: (f64, f64), knot: usize) -> Result<Segment, Error> {
-        let derivatives = [
-            [0.0, 0.0, -3.0, 3.0],
-            [0.0, 3.0, -6.0, 3.0],
-            [-1.0, 3.0, -3.0, 1.0],
-        ];
-        self.end_motion(3, interval, interval.1, derivatives, knot)
-    }
-
-    /// Returns the motion from a point on at an instant `time` (s); `weights` of the points make the coefficients of
-    /// s, s², s³.
-    fn end_motion(
-        &self,
-        point: usize,
-        (start, end): (f64, f64),
-        time: f64,
-        weights: [[f64; 4]; 3],
-        knot: usize,
-    ) -> Result<Segment, Error> {
         let (mut position, mut lost) = (DVec3::ZERO, DVec3::ZERO);
         let mut coefficients = [DVec3::ZERO; 3];
         for (axis, points) in self.points.iter().enumerate() {
-            [position[axis], lost[axis]] = points[point].parts();
-            for (coefficient, weights) in coefficients.iter_mut().zip(weights) {
+            [position[axis], lost[axis]] = points[3 * end].parts();
+            for (coefficient, weights) in coefficients.iter_mut().zip(WEIGHTS[end]) {
                 coefficient[axis] = combination(points, weights);
             }
         }
         let [linear, quadratic, cubic] = coefficients;
-        let duration = end - start;
+        let duration = interval[1] - interval[0];
         // The position is rounded, and the velocity. The error of each point counts once for the position, and six
         // times for the velocity.
         let error = norm(lost) + 8.0 * UNIT_ROUNDOFF * norm(linear) + 8.0 * self.error;
-        let state = State::new(time, position, linear / duration);
+        let state = State::new(interval[end], position, linear / duration);
         let line = Segment::line(&state, duration, error, knot)?;
         Ok(line.with_bend([quadratic, cubic], duration))
     }

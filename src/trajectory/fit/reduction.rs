@@ -48,7 +48,7 @@ impl PositionPolynomial {
     /// Returns the cubic that agrees with the polynomial in position and velocity at both ends of a part (s).
     ///
     /// In s = (t - start) / duration, the powers from the fourth on are
-    /// s^k = (k-3) s³ - (k-4) s² + s² (1-s)² Q(s), with Q = 1, s + 2, s² + 2s + 3, s³ + 2s² + 3s + 4.
+    /// s^k = (k-2) s³ - (k-3) s² + s² (1-s)² Q(s), with Q = 1, s + 2, s² + 2s + 3, s³ + 2s² + 3s + 4.
     /// So the remainder is s² (1-s)² times a cubic.
     pub(super) fn reduced(&self, start: f64, end: f64) -> Reduced {
         let duration = DoubleDouble::difference(end, start);
@@ -57,27 +57,24 @@ impl PositionPolynomial {
         let mut high = [DVec3::ZERO; 4];
         for axis in 0..3 {
             let given = self.coefficients.map(|term| DoubleDouble::from(term[axis]));
-            let [constant, linear, quadratic, third, c4, c5, c6, c7] =
+            let [constant, linear, quadratic, third, from_fourth @ ..] =
                 taylor_shift(given, |&term| term * shift);
-            let number = DoubleDouble::from;
-            let to_third = number(2.0) * c4
-                + duration
-                    * (number(3.0) * c5
-                        + duration * (number(4.0) * c6 + duration * number(5.0) * c7));
-            let to_second = c4
-                + duration
-                    * (number(2.0) * c5
-                        + duration * (number(3.0) * c6 + duration * number(4.0) * c7));
             let square = duration * duration;
+            // The sum of weight c_k duration^(k-4); weights grow by 1 from the first.
+            let sum = |first: f64| {
+                let weighted = from_fourth.into_iter().zip([0.0, 1.0, 2.0, 3.0]).rev();
+                weighted.fold(DoubleDouble::from(0.0), |sum, (coefficient, more)| {
+                    DoubleDouble::from(first + more) * coefficient + duration * sum
+                })
+            };
             let powers = [
-                third + duration * to_third,
-                quadratic + number(-1.0) * square * to_second,
+                third + duration * sum(2.0),
+                quadratic + (square * sum(1.0)).negated(),
                 linear,
                 constant,
             ];
-            let fourth = square * square;
-            let mut factor = fourth;
-            for (coefficient, high) in [c4, c5, c6, c7].into_iter().zip(&mut high) {
+            let mut factor = square * square;
+            for (coefficient, high) in from_fourth.into_iter().zip(&mut high) {
                 high[axis] = (coefficient * factor).rounded();
                 factor = factor * duration;
             }
