@@ -4,7 +4,7 @@
 use std::cmp::Ordering;
 
 /// Returns `work(scratch, index)` for each index below `count`, in index order, with one scratch
-/// per thread. A single one stays on this thread: waking another one takes longer.
+/// per thread. A single item stays on this thread: waking another one takes longer.
 #[cfg(feature = "parallel")]
 pub(crate) fn map<I, S, T>(
     count: I,
@@ -12,7 +12,7 @@ pub(crate) fn map<I, S, T>(
     work: impl Fn(&mut S, I) -> T + Sync + Send,
 ) -> Vec<T>
 where
-    I: Default + PartialOrd + Send,
+    I: Copy + Default + Send,
     std::ops::Range<I>: Iterator<Item = I> + rayon::iter::IntoParallelIterator<Item = I>,
     <std::ops::Range<I> as rayon::iter::IntoParallelIterator>::Iter:
         rayon::iter::IndexedParallelIterator,
@@ -21,7 +21,10 @@ where
     use rayon::iter::{IntoParallelIterator, ParallelIterator};
     let mut indices = I::default()..count;
     match (indices.next(), indices.next()) {
-        (Some(only), None) => vec![work(&mut scratch(), only)],
+        (only, None) => only
+            .into_iter()
+            .map(|index| work(&mut scratch(), index))
+            .collect(),
         _ => (I::default()..count)
             .into_par_iter()
             .map_init(scratch, work)

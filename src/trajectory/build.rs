@@ -10,17 +10,33 @@ use crate::rounding::{UNIT_ROUNDOFF, largest_norm, norm, one_zero};
 use glam::DVec3;
 use std::slice::from_ref;
 
-/// The variable of a segment's polynomial.
+/// The variable of a segment's polynomial. Prefer [`SegmentLocal`](Self::SegmentLocal): far from 0 s coefficients
+/// over absolute time describe a motion badly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum TimeBase {
-    /// The absolute time t of the scene, as in `a t³ + b t² + c t + d`.
+    /// The absolute time t of the scene (s), as in `a t³ + b t² + c t + d`.
     Absolute,
-    /// The time since the segment's first knot.
+    /// The time since the segment's first knot, s.
     SegmentLocal,
 }
 
 impl Trajectory {
     /// Builds cubic Hermite segments through states at irregular, increasing times.
+    ///
+    /// At its knots the body has the positions and velocities given, to a few roundings. Between two states it follows
+    /// the one cubic that has both.
+    ///
+    /// ```
+    /// use nearmiss::{State, Trajectory};
+    ///
+    /// // It brakes from 4 m/s to a stop in three seconds.
+    /// let plan = Trajectory::from_states(&[
+    ///     State::new(0.0, [0.0, 0.0, 0.0], [4.0, 0.0, 0.0]),
+    ///     State::new(3.0, [6.0, 0.0, 0.0], [0.0, 0.0, 0.0]),
+    /// ])?;
+    /// assert_eq!(plan.position(1.5).map(|position| position.x), Some(4.5));
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
     ///
     /// # Errors
     ///

@@ -14,6 +14,17 @@ use glam::DVec3;
 ///
 /// Neither the absolute time nor the absolute position enters the rounding of the control points:
 /// they come from differences of the user's own numbers.
+///
+/// ```
+/// use nearmiss::{State, Trajectory};
+///
+/// let states = [0.0, 3.0].map(|t| State::new(t, [t + 5.0, 0.0, 0.0], [1.0, 0.0, 0.0]));
+/// let plan = Trajectory::from_states(&states)?;
+/// let segment = &plan.segments()[0];
+/// assert_eq!((segment.start(), segment.end(), segment.origin().x), (0.0, 3.0, 5.0));
+/// assert_eq!(segment.control_points().map(|point| point.x), [0.0, 1.0, 2.0, 3.0]);
+/// # Ok::<(), nearmiss::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
     start: f64,
@@ -188,7 +199,7 @@ impl Segment {
             return out_of_range(Quantity::Time, duration);
         }
         if self.extent.is_nan() || self.extent > MAX_MAGNITUDE {
-            // Not a number: what it follows from has left the range of f64.
+            // NaN: a number that it follows from has left the range of f64.
             let reached = Some(self.extent).filter(|extent| !extent.is_nan());
             return out_of_range(Quantity::Distance, reached.unwrap_or(f64::INFINITY));
         }
@@ -268,6 +279,9 @@ impl Segment {
     pub(super) const EVALUATION: f64 = 128.0 * UNIT_ROUNDOFF;
 
     /// Returns position, velocity and acceleration at `time` (m, m/s, m/s²), also beyond the knots.
+    ///
+    /// Between the knots the position has an error of at most one rounding of itself, and 2e-14 of the
+    /// [`extent`](Self::extent).
     #[must_use]
     pub fn motion_at(&self, time: f64) -> (DVec3, DVec3, DVec3) {
         let duration = self.end - self.start;

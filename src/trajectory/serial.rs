@@ -66,7 +66,7 @@ impl TryFrom<Numbers> for Trajectory {
         let [before, after] = ends;
         let segments = (1..).zip(segments).map(segment);
         let segments = segments.collect::<Result<Vec<_>, _>>()?;
-        // What goes on does so beyond the range of times where its knot is at an end of that.
+        // Where a knot lies at an end of the range of times, the motion from there goes on beyond that.
         let ends = [
             Segment::going_on(before, 0)?,
             Segment::going_on(after, last)?,
@@ -136,7 +136,7 @@ impl Segment {
             (extent, error),
             knot,
         )?;
-        // What bounds the others must do so.
+        // The extent must bound the control points.
         let farthest = largest_norm(&segment.control_points());
         if farthest.is_nan() || extent < farthest * (1.0 - 8.0 * f64::EPSILON) {
             return Err(Error::Contradiction { knot });

@@ -124,7 +124,7 @@ fn merged(segments: &[Segment], knots: &[f64], tolerance: f64) -> Option<(Segmen
     let mut largest = 0.0_f64;
     for (other, ends) in segments.iter().zip(knots.windows(2)) {
         let distance = distance(&segment, other, (ends[0], ends[1]));
-        // What is no number is not within it.
+        // NaN is not within the tolerance.
         if distance.is_nan() || distance > tolerance {
             return None;
         }

@@ -61,6 +61,15 @@ impl Trajectory {
     /// Returns this motion without the cubics that end before `time` (s). At least one is kept. If
     /// any are dropped, the body does not exist before the first one kept, whatever the rule before
     /// was.
+    ///
+    /// ```
+    /// use nearmiss::{State, Trajectory};
+    ///
+    /// let states = [0.0, 1.0, 2.0, 3.0].map(|t| State::new(t, [t, 0.0, 0.0], [1.0, 0.0, 0.0]));
+    /// let rest = Trajectory::from_states(&states)?.trimmed_before(1.5);
+    /// assert_eq!(rest.knots(), [1.0, 2.0, 3.0]);
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
     #[must_use]
     pub fn trimmed_before(mut self, time: f64) -> Self {
         if self.knots().len() > 1 {
@@ -100,7 +109,7 @@ impl Trajectory {
             cuts_before = DoublingCuts::of(first, end_motion.start() - end_motion.end(), from);
         }
         let (cuts_after, cuts_before) = (cuts_after.but_last(), cuts_before.but_last());
-        // Where its pieces begin; not copied only to be dropped.
+        // The instants at which its pieces begin; not copied only to be dropped.
         let begins = flown_knots[..cut].iter().copied().chain(cuts_after);
         let is_past = |time: f64| time < since.min(from);
         let mut past = count_at_front(&flown_knots[..cut], is_past);

@@ -106,7 +106,7 @@ impl BezierPoints {
     /// [`Error::OutOfRange`].
     fn segment(&self, interval: [f64; 2], knot: usize) -> Result<Segment, Error> {
         let (mut origin, mut control_points) = (DVec3::ZERO, [DVec3::ZERO; 3]);
-        // What is lost by rounding: of the origin, then of the ways from it.
+        // Losses by rounding: of the origin, then of the ways from it.
         let mut lost = [DVec3::ZERO; 4];
         for (axis, [first, others @ ..]) in self.points.into_iter().enumerate() {
             [origin[axis], lost[0][axis]] = first.parts();

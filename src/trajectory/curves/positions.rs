@@ -153,7 +153,7 @@ impl Trajectory {
         let mut states = Vec::with_capacity(count);
         for (knot, (&(time, position), velocity)) in positions.iter().zip(velocities).enumerate() {
             let value = velocity.abs().max_element();
-            // Nobody gave this velocity: it follows from the positions.
+            // The velocity was not given: it follows from the positions.
             if velocity.is_nan() || value > MAX_MAGNITUDE {
                 return Err(Error::OutOfRange {
                     knot,

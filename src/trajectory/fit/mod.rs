@@ -23,8 +23,8 @@ pub(super) use place::checked_tolerance;
 
 use super::Trajectory;
 
-/// A trajectory that stands for another motion, with the error of doing so: the result of
-/// [`Trajectory::fit`] and [`Trajectory::fit_polynomials`].
+/// A trajectory that stands for another motion, with its error: the result of [`Trajectory::fit`],
+/// [`Trajectory::fit_polynomials`] and [`Trajectory::simplified`].
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Fit {
@@ -44,11 +44,11 @@ impl Fit {
         }
     }
 
-    /// Returns the distance (m) that the trajectory keeps from the motion, at all times between its first and its
-    /// last knot. The distance is never above the tolerance.
+    /// Returns the error: the largest distance (m) between trajectory and motion, from the first to the last knot. It
+    /// is never above the tolerance.
     ///
-    /// The error contains the rounding of [`Trajectory::position`] and of the cubics. It is proven or estimated:
-    /// see [`is_proven`](Self::is_proven). Give it to
+    /// The error is proven or estimated: see [`is_proven`](Self::is_proven). For a fit it contains the rounding of
+    /// [`Trajectory::position`] and of the cubics. Give it to
     /// [`Body::with_model_error`](crate::Body::with_model_error), and answers cover the motion.
     #[must_use]
     pub const fn error(&self) -> f64 {

@@ -145,7 +145,7 @@ fn longest_step(
             from + length * factor.clamp(if hurry { 2.0 } else { 1.01 }, 4.0)
         } else {
             bad = Some(to);
-            // What is not a number shrinks as well.
+            // After NaN the step shrinks as well.
             let factor = if factor >= 0.1 { factor } else { 0.1 };
             from + length * factor.min(if hurry { 0.5 } else { 0.95 })
         };

@@ -50,7 +50,7 @@ impl Segment {
         let size = self.extent * reach;
         Restriction {
             points: [a + a + a, a + a + b, a + b + b, b + b + b].map(|sum| linear * (sum / 3.0)),
-            // As of any cubic: the extent is the length of the linear coefficient.
+            // The error of any cubic: the extent is the length of the linear coefficient.
             error: self.grown_error(reach, size) + 12.0 * UNIT_ROUNDOFF * size + UNDERFLOW,
         }
     }
@@ -162,7 +162,7 @@ impl Segment {
             let time = if far { from } else { to };
             return Err(Error::TooFar { knot, time });
         }
-        // What its rounding amounts to grows as well.
+        // Its rounding grows as well.
         let reach = self.rounding_scale(from, to);
         if reach.is_nan() || reach > MAX_MAGNITUDE {
             return Err(Error::OutOfRange {
