@@ -235,14 +235,14 @@ pub enum Error {
         /// Its value.
         value: f64,
     },
-    /// No cubic from this time on stays within the tolerance of the motion, however short: the tolerance is below
-    /// the rounding, or the position jumps.
+    /// No cubic from this time on stays within the tolerance of the motion, however short: the tolerance is too near the
+    /// rounding, or the position jumps.
     #[error(
         "from {time:?} s on no cubic follows the motion within {tolerance:?} m, only within {reached:?} m: the \
          tolerance is below the rounding, or the position jumps"
     )]
     FitUnreachable {
-        /// The time up to which the motion was fitted, s.
+        /// The time from which on no cubic follows the motion, s.
         time: f64,
         /// The tolerance, m.
         tolerance: f64,

@@ -4,38 +4,38 @@
 use std::cmp::Ordering;
 
 /// Returns `work(scratch, index)` for each index below `count`, in index order, with one scratch
-/// per thread. Up to `few` items stay on this thread: waking another one takes longer.
+/// per thread. A single item stays on this thread: waking another one takes longer.
 #[cfg(feature = "parallel")]
 pub(crate) fn map<I, S, T>(
     count: I,
-    few: I,
     scratch: impl Fn() -> S + Sync + Send,
     work: impl Fn(&mut S, I) -> T + Sync + Send,
 ) -> Vec<T>
 where
-    I: Default + PartialOrd + Send,
+    I: Copy + Default + Send,
     std::ops::Range<I>: Iterator<Item = I> + rayon::iter::IntoParallelIterator<Item = I>,
     <std::ops::Range<I> as rayon::iter::IntoParallelIterator>::Iter:
         rayon::iter::IndexedParallelIterator,
     T: Send,
 {
     use rayon::iter::{IntoParallelIterator, ParallelIterator};
-    if count <= few {
-        let mut scratch = scratch();
-        let indices = I::default()..count;
-        return indices.map(|index| work(&mut scratch, index)).collect();
+    let mut indices = I::default()..count;
+    match (indices.next(), indices.next()) {
+        (only, None) => only
+            .into_iter()
+            .map(|index| work(&mut scratch(), index))
+            .collect(),
+        _ => (I::default()..count)
+            .into_par_iter()
+            .map_init(scratch, work)
+            .collect(),
     }
-    (I::default()..count)
-        .into_par_iter()
-        .map_init(scratch, work)
-        .collect()
 }
 
 /// Returns `work(scratch, index)` for each index below `count`, in index order.
 #[cfg(not(feature = "parallel"))]
 pub(crate) fn map<I, S, T>(
     count: I,
-    _: I,
     scratch: impl Fn() -> S,
     work: impl Fn(&mut S, I) -> T,
 ) -> Vec<T>

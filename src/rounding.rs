@@ -11,7 +11,7 @@
 //! | 2^-100 of what cancels in a polynomial | `trajectory/build` | `segment::tests::points_of_polynomials_that_vanish` |
 //! | errors of a line where a polynomial ends: position, velocity | `trajectory/build` | `segment::tests::lines_at_the_ends_of_polynomials` |
 //! | points of legs | `trajectory/segment` | `curves::tests::legs_are_straight` |
-//! | points of curves: origin, ways | `trajectory/curves/bezier_points` | `curves::tests` |
+//! | points of curves: origin, ways | `trajectory/curves/bezier` | `curves::tests` |
 //! | velocities of end motions of curves | `trajectory/curves` | proof 9 |
 //! | errors of both cubics where several become one | `trajectory/simplified` | `simplified::tests::the_errors_of_both_count` |
 //! | rounding of their difference | `trajectory/simplified` | proof 10 |
@@ -83,9 +83,10 @@
 //! | places of a hull test | `bounds/apart` | `apart::tests` |
 //! | instants of a screening's edges and of a budget's | `monitor/lookahead`, `search/slice_length` | `tests/monitor` `budgets` |
 //! | instants of a question, of a jump | `monitor/lookahead/ask`, `jump` | `tests/monitor` `instants` |
-//! | values of a motion, remainder by a fourth derivative | `trajectory/fit/deviation` | `tests/fit` `proven` |
+//! | values of a motion, remainder by a fourth derivative | `trajectory/fit/motion` | `tests/fit` `proven` |
+//! | values of a motion that are seen | `trajectory/fit/motion` | `tests/fit` `estimated` |
 //! | remainder of a polynomial, rounding of its coefficients | `trajectory/fit/reduction` | `tests/fit` `polynomials` |
-//! | rounding of positions that are returned | `trajectory/fit/deviation` | proof 11 |
+//! | rounding of positions that are returned | `trajectory/segment` | proof 11 |
 //!
 //! 1. Dropped once, the heights' own 64 roundings cover it. The solver's error is 48 roundings of
 //!    the size in the worst case; two or three in tests.

@@ -85,5 +85,5 @@ pub(super) fn needed_radii(surfaces: &[Surface], balls: &[(DVec3, f64)]) -> Vec<
         }
         needed
     };
-    parallel::map(balls.len(), 1, CellScratch::default, one)
+    parallel::map(balls.len(), CellScratch::default, one)
 }

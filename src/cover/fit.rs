@@ -113,11 +113,11 @@ impl<'a> Fitter<'a> {
         let work = |scratch: &mut DescentScratch, chain: u32| {
             self.chain(count, chain, rounds, scratch, &step)
         };
-        let mut found = parallel::map(chains, 1, DescentScratch::default, work);
+        let mut found = parallel::map(chains, DescentScratch::default, work);
         // Of equal ones the first: a stable sort.
         found.sort_by(|a, b| a.overshoot.total_cmp(&b.overshoot));
         found.truncate(3);
-        let polished = parallel::map(found.len(), 1, DescentScratch::default, |scratch, place| {
+        let polished = parallel::map(found.len(), DescentScratch::default, |scratch, place| {
             self.polish(found[place].clone(), scratch)
         });
         let by_overshoot = |a: &Certified, b: &Certified| a.overshoot.total_cmp(&b.overshoot);

@@ -140,7 +140,7 @@ impl Solid {
             });
             distances.fold(f64::INFINITY, f64::min) + self.rounding
         };
-        parallel::map(places.len(), 1, || (), one)
+        parallel::map(places.len(), || (), one)
     }
 }
 

@@ -54,7 +54,6 @@ pub(super) fn deepest(
     const STEPS: u32 = 24;
     parallel::map(
         pool.len(),
-        1,
         || (),
         |(), number| {
             let mut at = pool[number];

@@ -46,7 +46,6 @@ impl PreparedScene<'_> {
         let count = AtomicUsize::new(found.len());
         let compared = parallel::map(
             chunks,
-            1,
             || (),
             |(), chunk| {
                 let (mut near, mut looked_at) = (Vec::new(), 0);

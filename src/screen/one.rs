@@ -56,7 +56,7 @@ impl Scene {
         let range = extremes_of(&own, window);
         let entries: Vec<_> = self.entries().collect();
         let chunks: Vec<_> = entries.chunks(CHUNK).collect();
-        let found = parallel::map(chunks.len(), 1, SolveScratch::default, |scratch, chunk| {
+        let found = parallel::map(chunks.len(), SolveScratch::default, |scratch, chunk| {
             let mut found = Vec::new();
             for &(id, entry) in chunks[chunk] {
                 let other = &entry.body;

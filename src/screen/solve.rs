@@ -46,7 +46,7 @@ impl PreparedScene<'_> {
             .collect();
         let chunks: Vec<&[OfPair<'_>]> = pairs.chunks(CHUNK).collect();
         let done_chunks = AtomicUsize::new(0);
-        let solved = parallel::map(chunks.len(), 1, SolveScratch::default, |scratch, chunk| {
+        let solved = parallel::map(chunks.len(), SolveScratch::default, |scratch, chunk| {
             let mut conflicts = Vec::new();
             if filter.gives_up() {
                 return conflicts;

@@ -75,7 +75,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
             let round = blocks.round.min(blocks.count - first);
             if blocks.is_shared {
                 let take = || self.pool.take();
-                let results = parallel::map(round, 1, take, |scratch, block| {
+                let results = parallel::map(round, take, |scratch, block| {
                     let counted = search(scratch, first + block)?;
                     Ok((scratch.found.clone(), counted))
                 });

@@ -28,7 +28,7 @@
 //! less than 2^-1022, times s³.
 
 use super::State;
-use super::double_double::{DoubleDouble, Expansion};
+use super::double_double::{DoubleDouble, Expansion, taylor_shift};
 use glam::DVec3;
 
 /// Returns the quadratic and cubic coefficient of the cubic through two states, around the first
@@ -62,17 +62,13 @@ pub(super) fn of_polynomial(polynomial: &[DVec3; 4], time: DoubleDouble) -> ([DV
     let mut around = [DVec3::ZERO; 4];
     let mut lost = DVec3::ZERO;
     for axis in 0..3 {
-        let mut sums = polynomial.map(|coefficient| Expansion::from(coefficient[axis]));
-        // Horner's rule, one coefficient less each time: what is left of each pass is one of the shifted.
-        for last in (1..4).rev() {
-            for power in 1..=last {
-                sums[power] = sums[power].clone() + sums[power - 1].times(time);
-            }
+        let [a, b, c, d] = polynomial.map(|coefficient| Expansion::from(coefficient[axis]));
+        let exact = taylor_shift([d, c, b, a], |term| term.times(time));
+        for (sum, around) in exact.iter().zip(&mut around) {
+            around[axis] = sum.rounded();
         }
-        for (power, sum) in sums.iter().enumerate() {
-            around[3 - power][axis] = sum.rounded();
-        }
-        lost[axis] = (sums[3].clone() + Expansion::from(-around[0][axis])).rounded();
+        let [position, ..] = exact;
+        lost[axis] = (position + Expansion::from(-around[0][axis])).rounded();
     }
     (
         around,

@@ -1,7 +1,7 @@
 //! Constructors of trajectories, with all validation.
 
 use super::cuts::DoublingCuts;
-use super::double_double::DoubleDouble;
+use super::double_double::{DoubleDouble, taylor_shift};
 use super::front_gap::FrontGapVec;
 use super::straight::StraightMotion;
 use super::{Form, Outside, Plan, Segment, State, Trajectory, bend};
@@ -10,17 +10,33 @@ use crate::rounding::{UNIT_ROUNDOFF, largest_norm, norm, one_zero};
 use glam::DVec3;
 use std::slice::from_ref;
 
-/// The variable of a segment's polynomial.
+/// The variable of a segment's polynomial. Prefer [`SegmentLocal`](Self::SegmentLocal): far from 0 s coefficients
+/// over absolute time describe a motion badly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum TimeBase {
-    /// The absolute time t of the scene, as in `a t³ + b t² + c t + d`.
+    /// The absolute time t of the scene (s), as in `a t³ + b t² + c t + d`.
     Absolute,
-    /// The time since the segment's first knot.
+    /// The time since the segment's first knot, s.
     SegmentLocal,
 }
 
 impl Trajectory {
     /// Builds cubic Hermite segments through states at irregular, increasing times.
+    ///
+    /// At its knots the body has the positions and velocities given, to a few roundings. Between two states it follows
+    /// the one cubic that has both.
+    ///
+    /// ```
+    /// use nearmiss::{State, Trajectory};
+    ///
+    /// // It brakes from 4 m/s to a stop in three seconds.
+    /// let plan = Trajectory::from_states(&[
+    ///     State::new(0.0, [0.0, 0.0, 0.0], [4.0, 0.0, 0.0]),
+    ///     State::new(3.0, [6.0, 0.0, 0.0], [0.0, 0.0, 0.0]),
+    /// ])?;
+    /// assert_eq!(plan.position(1.5).map(|position| position.x), Some(4.5));
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -60,7 +76,17 @@ impl Trajectory {
         };
         segments.put_beside(0, end(&leaving[0], 0, first_bends[0])?);
         segments.put_beside(1, end(&arriving[last], last, last_bends[1])?);
-        Ok(Self::of_plan(knots, segments, [Outside::Absent; 2]))
+        let [before, after] = [Outside::Absent; 2];
+        let plan = Plan {
+            knots,
+            segments,
+            before,
+            after,
+            has_piece_after: false,
+        };
+        Ok(Self {
+            form: Form::Plan(plan),
+        })
     }
 
     /// Builds one segment per polynomial, `a t³ + b t² + c t + d` as `[a, b, c, d]`, between
@@ -123,38 +149,24 @@ impl Trajectory {
         };
         let last = segments.len() - 1;
         let ends = [end_line(0, 0)?, end_line(last, last + 1)?];
-        Ok(Self::of_cubics(&knots, &segments, &ends))
+        Ok(Self::of_cubics(
+            &knots,
+            &segments,
+            &ends,
+            [Outside::Absent; 2],
+        ))
     }
 
-    /// Returns the motion along cubics between knots, which ends at the first and the last one. `ends` are the end
-    /// motions from there, for another [rule](Outside).
-    pub(super) fn of_cubics(knots: &[f64], segments: &[Segment], ends: &[Segment; 2]) -> Self {
-        let (knots, segments) = (
-            FrontGapVec::new(knots, &[]),
-            FrontGapVec::new(segments, ends),
-        );
-        Self::of_plan(knots, segments, [Outside::Absent; 2])
-    }
-
-    /// Returns this motion with other cubics between its first and its last knot. Beyond them it is the same.
-    pub(super) fn with_cubics(&self, knots: &[f64], segments: &[Segment]) -> Self {
-        let ends = [self.end_motion_before(), self.end_motion_after()];
-        let rules = [self.outside_before(), self.outside_after()];
-        Self::of_plan(
-            FrontGapVec::new(knots, &[]),
-            FrontGapVec::new(segments, &ends),
-            rules,
-        )
-    }
-
-    /// Returns the motion along cubics between knots, with the end motions beside the cubics and these rules.
-    pub(super) const fn of_plan(
-        knots: FrontGapVec<f64>,
-        segments: FrontGapVec<Segment, 2>,
+    /// Returns the motion along cubics between knots, with the end motions before the first and after the last one, and
+    /// the [rules](Outside) there.
+    pub(super) fn of_cubics(
+        knots: &[f64],
+        segments: &[Segment],
+        ends: &[Segment; 2],
         rules: [Outside; 2],
     ) -> Self {
         Self {
-            form: Form::Plan(Plan::new(knots, segments, rules)),
+            form: Form::Plan(Plan::new(knots, segments, ends, rules)),
         }
     }
 
@@ -252,6 +264,20 @@ pub(crate) fn check_number(knot: usize, quantity: Quantity, value: f64) -> Resul
     Ok(())
 }
 
+/// Checks the components of a vector.
+///
+/// # Errors
+///
+/// As [`check_number`].
+pub(super) fn check_vector(
+    knot: usize,
+    quantity: impl Fn(usize) -> Quantity,
+    vector: DVec3,
+) -> Result<(), Error> {
+    let mut components = vector.to_array().into_iter().enumerate();
+    components.try_for_each(|(axis, value)| check_number(knot, quantity(axis), value))
+}
+
 /// Checks that times are usable numbers and increase.
 ///
 /// # Errors
@@ -292,13 +318,16 @@ pub(super) fn checked_knots(knots: &[f64], segments: usize) -> Result<Vec<f64>, 
     Ok(knots.iter().copied().map(one_zero).collect())
 }
 
+/// Checks that the times of states increase, and that all numbers can be used.
+///
+/// # Errors
+///
+/// Those of [`check_times`] and [`check_vector`].
 pub(super) fn check_states(states: &[State]) -> Result<(), Error> {
     check_times(states.iter().map(|state| state.time))?;
     for (knot, state) in states.iter().enumerate() {
-        for axis in 0..3 {
-            check_number(knot, Quantity::Position(axis), state.position[axis])?;
-            check_number(knot, Quantity::Velocity(axis), state.velocity[axis])?;
-        }
+        check_vector(knot, Quantity::Position, state.position)?;
+        check_vector(knot, Quantity::Velocity, state.velocity)?;
     }
     Ok(())
 }
@@ -310,52 +339,41 @@ fn polynomial_segment(
     base: TimeBase,
     knot: usize,
 ) -> Result<Segment, Error> {
-    for (index, coefficient) in polynomial.iter().enumerate() {
-        for axis in 0..3 {
-            let quantity = Quantity::Coefficient {
-                power: 3 - index,
-                axis,
-            };
-            check_number(knot, quantity, coefficient[axis])?;
-        }
-    }
-    let shift = match base {
-        TimeBase::Absolute => start,
-        TimeBase::SegmentLocal => 0.0,
-    };
-    let mut origin = DVec3::ZERO;
-    let mut control_points = [DVec3::ZERO; 3];
-    for axis in 0..3 {
-        let [a, b, c, d] = polynomial.map(|coefficient| DoubleDouble::from(coefficient[axis]));
-        let [shift, two, three] = [shift, 2.0, 3.0].map(DoubleDouble::from);
-        let duration = DoubleDouble::difference(end, start);
-        // Taylor shift to the segment's own time, then to its own unit.
-        let position = ((a * shift + b) * shift + c) * shift + d;
-        let linear = ((three * a * shift + two * b) * shift + c) * duration;
-        let quadratic = (three * a * shift + b) * duration * duration;
-        let cubic = a * duration * duration * duration;
-        origin[axis] = position.rounded();
-        control_points[0][axis] = linear.rounded() / 3.0;
-        control_points[1][axis] = (two * linear + quadratic).rounded() / 3.0;
-        control_points[2][axis] = (linear + quadratic + cubic).rounded();
+    for (power, coefficient) in (0..4).rev().zip(polynomial) {
+        check_vector(
+            knot,
+            |axis| Quantity::Coefficient { power, axis },
+            *coefficient,
+        )?;
     }
     let size = |time: f64| {
         let [a, b, c, d] = polynomial.map(norm);
         let time = time.abs();
         ((a * time + b) * time + c) * time + d
     };
+    let (shift, of_origin, terms) = match base {
+        TimeBase::Absolute => (start, UNIT_ROUNDOFF, size(start) + size(end)),
+        TimeBase::SegmentLocal => (0.0, 0.0, size(end - start)),
+    };
+    let (shift, duration) = (shift.into(), DoubleDouble::difference(end, start));
+    let mut origin = DVec3::ZERO;
+    let mut control_points = [DVec3::ZERO; 3];
+    for axis in 0..3 {
+        let [a, b, c, d] = polynomial.map(|coefficient| DoubleDouble::from(coefficient[axis]));
+        // To the segment's own time, then to its own unit.
+        let [position, c, b, a] = taylor_shift([d, c, b, a], |&term| term * shift);
+        let linear = c * duration;
+        let quadratic = b * duration * duration;
+        let cubic = a * duration * duration * duration;
+        origin[axis] = position.rounded();
+        control_points[0][axis] = linear.rounded() / 3.0;
+        control_points[1][axis] = (linear.twice() + quadratic).rounded() / 3.0;
+        control_points[2][axis] = (linear + quadratic + cubic).rounded();
+    }
     // One rounding of the origin where it was computed, one (and a third's) of each point, and
     // 2^-100 of everything that was added up, which covers the double-double arithmetic.
-    let reached = match base {
-        TimeBase::Absolute => 32.0 * (size(start) + size(end)),
-        TimeBase::SegmentLocal => 32.0 * size(end - start),
-    };
-    let origin_error = match base {
-        TimeBase::Absolute => UNIT_ROUNDOFF * norm(origin),
-        TimeBase::SegmentLocal => 0.0,
-    };
-    let largest = largest_norm(&control_points);
-    let error = origin_error + 4.0 * UNIT_ROUNDOFF * largest + 2f64.powi(-100) * reached;
+    let of_points = 4.0 * UNIT_ROUNDOFF * largest_norm(&control_points);
+    let error = of_origin * norm(origin) + of_points + 2f64.powi(-100) * (32.0 * terms);
     let unusable = [
         origin,
         control_points[0],

@@ -110,6 +110,22 @@ impl Mul for DoubleDouble {
     }
 }
 
+/// Returns the coefficients of a polynomial around another instant, in increasing order of powers as the given ones.
+/// `times_shift` multiplies a term by the way to that instant.
+pub(super) fn taylor_shift<T: Clone + Add<Output = T>, const N: usize>(
+    mut coefficients: [T; N],
+    times_shift: impl Fn(&T) -> T,
+) -> [T; N] {
+    // Horner's rule, one coefficient less each time: what is left of each pass is one of the shifted.
+    for first in 1..N {
+        for power in (first..N).rev() {
+            let shifted = times_shift(&coefficients[power]);
+            coefficients[power - 1] = coefficients[power - 1].clone() + shifted;
+        }
+    }
+    coefficients
+}
+
 /// An exact sum of f64 that do not overlap, by increasing size.
 #[derive(Clone, Debug)]
 pub(super) struct Expansion(Vec<f64>);

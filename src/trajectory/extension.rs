@@ -9,7 +9,6 @@
 #[cfg(test)]
 use super::StraightMotion;
 use super::cuts::DoublingCuts;
-use super::reach::check_reach;
 use super::{Outside, Segment, Trajectory};
 use crate::error::Error;
 use crate::window::Window;
@@ -37,13 +36,19 @@ impl Trajectory {
 
     /// Returns the cubic that the body follows before its first knot.
     pub(crate) fn segment_before(&self) -> Segment {
-        let end = self.end_motion_before();
-        match (self.outside_before(), self.cubics().first()) {
-            // Of what was before the knots that are left nothing is known.
-            (Outside::Extrapolate, Some(first)) if end.start() < self.cuts()[0] => *first,
-            (Outside::Extrapolate, _) => end.extended(),
-            _ => end.straight(),
+        match (self.cubic_before(), self.outside_before()) {
+            (Some(first), _) => *first,
+            (None, Outside::Extrapolate) => self.end_motion_before().extended(),
+            (None, _) => self.end_motion_before().straight(),
         }
+    }
+
+    /// Returns the first cubic if the body follows it before the first knot, too: where a plan that is extrapolated
+    /// has lost its beginning. Nothing is known of the motion before.
+    pub(super) fn cubic_before(&self) -> Option<&Segment> {
+        let is_extrapolated = self.outside_before() == Outside::Extrapolate;
+        let first = self.cubics().first().filter(|_| is_extrapolated)?;
+        (self.end_motion_before().start() < self.cuts()[0]).then_some(first)
     }
 
     /// Returns the cubic that the body follows after its last knot.
@@ -57,14 +62,14 @@ impl Trajectory {
 
     /// Returns the cut with a number from 1 on, counted from the first knot, s.
     pub(crate) fn cut_before(&self, number: u32) -> f64 {
-        let (knot, first) = self.knot_before();
-        DoublingCuts::cut(knot, self.step_before(), first + number)
+        let (knot, step, first) = self.doubling_before();
+        DoublingCuts::cut(knot, step, first + number)
     }
 
     /// Returns the cut with a number from 1 on, counted from the last knot, s.
     pub(crate) fn cut_after(&self, number: u32) -> f64 {
-        let (knot, first) = self.knot_after();
-        DoublingCuts::cut(knot, self.step_after(), first + number)
+        let (knot, step, first) = self.doubling_after();
+        DoublingCuts::cut(knot, step, first + number)
     }
 
     /// Returns the pieces that cover the part of the domain within `window`, or `None` if no piece
@@ -92,7 +97,8 @@ impl Trajectory {
         if extension.before > 0 {
             // The farthest piece is the first to leave the range of numbers.
             let end = self.cut_before(extension.before - 1);
-            check_reach(&self.segment_before(), (extension.domain.0, end), 0)?;
+            let segment = self.segment_before();
+            segment.check_reach((extension.domain.0, end), 0)?;
         }
         self.lengthen(&mut extension, window.end())?;
         let is_own = extension.before == 0 && extension.after == 0;
@@ -110,7 +116,7 @@ impl Trajectory {
         let mut segment = None;
         for cut in self.cuts_after(end).skip(known as usize) {
             let segment = segment.get_or_insert_with(|| self.segment_after());
-            check_reach(segment, (from, cut), self.knots().len() - 1)?;
+            segment.check_reach((from, cut), self.knots().len() - 1)?;
             (after, from) = (after + 1, cut);
         }
         (extension.after, extension.domain.1) = (after, from);
@@ -128,8 +134,8 @@ impl Trajectory {
             return DoublingCuts::NONE;
         }
         let until = start.next_down().max(f64::MIN);
-        let (knot, number) = self.knot_before();
-        DoublingCuts::after(number, knot, self.step_before(), until)
+        let (knot, step, first) = self.doubling_before();
+        DoublingCuts::after(first, knot, step, until)
     }
 
     /// Returns the cuts after the last knot up to the first one at or beyond a window's end (s);
@@ -141,49 +147,35 @@ impl Trajectory {
             return DoublingCuts::NONE;
         }
         let until = end.max(last).next_up().min(f64::MAX);
-        let (knot, number) = self.knot_after();
-        DoublingCuts::after(number, knot, self.step_after(), until)
+        let (knot, step, first) = self.doubling_after();
+        DoublingCuts::after(first, knot, step, until)
     }
 
-    /// Returns the duration of the first piece before the knots, negative, s.
-    fn step_before(&self) -> f64 {
+    /// Returns the knot that the cuts before the motion's own cubics are counted from (s), the duration of the first
+    /// piece from there (negative, s), and the number of the cut at which its own cubics begin.
+    fn doubling_before(&self) -> (f64, f64, u32) {
         let end = self.end_motion_before();
-        let segment = match (self.outside_before(), self.cubics().first()) {
-            (Outside::Extrapolate, Some(first)) if end.start() < self.cuts()[0] => first,
-            _ => &end,
-        };
-        segment.start() - segment.end()
+        let segment = self.cubic_before().unwrap_or(&end);
+        let step = segment.start() - segment.end();
+        match self.straight() {
+            Some((motion, _)) => (motion.start(), step, 1),
+            None => (self.planned().start(), step, 0),
+        }
     }
 
-    /// Returns the duration of the first piece after the knots, s.
-    fn step_after(&self) -> f64 {
-        match self.straight_motions().last() {
+    /// Returns the knot that the cuts after the motion's own cubics are counted from (s), the duration of the first
+    /// piece from there (s), and the number of the cut at which its own cubics end.
+    fn doubling_after(&self) -> (f64, f64, u32) {
+        let step = match self.straight_motions().last() {
             Some(motion) => motion.duration(),
             None => {
                 let end = self.end_motion_after();
                 end.end() - end.start()
             }
-        }
-    }
-
-    /// Returns the knot that the cuts before the motion's own cubics are counted from (s), and the number of
-    /// the one at which these begin.
-    fn knot_before(&self) -> (f64, u32) {
-        match self.straight() {
-            Some((motion, _)) => (motion.start(), 1),
-            None => (self.planned().start(), 0),
-        }
-    }
-
-    /// Returns the knot that the cuts after the motion's own cubics are counted from (s), and the number of
-    /// the one at which these end.
-    fn knot_after(&self) -> (f64, u32) {
-        match self.straight() {
-            Some((motion, _)) => (motion.start(), 1),
-            None => match (self.cuts(), self.knots()) {
-                (cuts, [.., last]) if cuts.len() > self.knots().len() => (*last, 1),
-                _ => (self.planned().end(), 0),
-            },
+        };
+        match (self.cuts(), self.knots()) {
+            (cuts, [.., last]) if cuts.len() > self.knots().len() => (*last, step, 1),
+            _ => (self.planned().end(), step, 0),
         }
     }
 }

@@ -30,7 +30,7 @@ impl<T: Copy, const BESIDE: usize> FrontGapVec<T, BESIDE> {
     pub(super) fn new(list: &[T], beside: &[T; BESIDE]) -> Self {
         let mut all = Vec::with_capacity(BESIDE + ROOM + list.len());
         all.extend_from_slice(beside);
-        // Nobody reads what is there.
+        // The spare places are never read.
         if let Some(&any) = beside.first().or(list.first()) {
             all.extend(repeat_n(any, ROOM));
         }

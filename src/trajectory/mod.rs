@@ -10,7 +10,6 @@ mod fit;
 mod front_gap;
 mod outside;
 mod plan;
-mod reach;
 mod rows;
 mod segment;
 #[cfg(feature = "serde")]
@@ -185,7 +184,8 @@ impl Trajectory {
         }
     }
 
-    /// Returns the times of the knots, s, increasing.
+    /// Returns the times of the knots, s, increasing. A body at rest has a single one, at 0 s. A body that only coasts
+    /// has that of its state.
     #[must_use]
     pub fn knots(&self) -> &[f64] {
         match &self.form {
@@ -195,8 +195,8 @@ impl Trajectory {
         }
     }
 
-    /// Returns the cubics between consecutive knots. If a splice has cut a cubic, only the part between
-    /// its knots is followed.
+    /// Returns the cubics between consecutive knots; none for a body with a single knot. If a splice has cut a
+    /// cubic, only the part between its knots is followed.
     #[must_use]
     pub fn segments(&self) -> &[Segment] {
         match &self.form {
@@ -208,6 +208,16 @@ impl Trajectory {
 
     /// Returns the window in which the body exists: from its first to its last knot, and on
     /// either side for all time unless `Absent`.
+    ///
+    /// ```
+    /// use nearmiss::{Outside, State, Trajectory, Window};
+    ///
+    /// let states = [2.0, 7.0].map(|t| State::new(t, [t, 0.0, 0.0], [1.0, 0.0, 0.0]));
+    /// let plan = Trajectory::from_states(&states)?;
+    /// assert_eq!(plan.domain(), Window::new(2.0, 7.0)?);
+    /// assert_eq!(plan.with_outside(Outside::Coast).domain(), Window::ALL);
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
     #[must_use]
     pub fn domain(&self) -> Window {
         let (planned, all) = (self.planned(), Window::ALL);

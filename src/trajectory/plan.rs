@@ -3,7 +3,6 @@
 use super::cuts::DoublingCuts;
 use super::front_gap::FrontGapVec;
 use super::outside::Outside;
-use super::reach::check_reach;
 use super::segment::Segment;
 use super::straight::StraightMotion;
 use crate::rounding::one_zero;
@@ -23,15 +22,16 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    /// Returns the plan of these knots and segments, with the rules before and after.
-    pub(super) const fn new(
-        knots: FrontGapVec<f64>,
-        segments: FrontGapVec<Segment, 2>,
+    /// Returns the plan of these cubics between knots, with the end motions and the rules before and after.
+    pub(super) fn new(
+        knots: &[f64],
+        segments: &[Segment],
+        ends: &[Segment; 2],
         [before, after]: [Outside; 2],
     ) -> Self {
         Self {
-            knots,
-            segments,
+            knots: FrontGapVec::new(knots, &[]),
+            segments: FrontGapVec::new(segments, ends),
             before,
             after,
             has_piece_after: false,
@@ -55,7 +55,7 @@ impl Plan {
             return;
         };
         let cut = DoublingCuts::cut(last, end_motion.end() - end_motion.start(), 1);
-        let is_piece = cut > last && check_reach(&end_motion, (last, cut), 0).is_ok();
+        let is_piece = cut > last && end_motion.check_reach((last, cut), 0).is_ok();
         if is_piece && !self.has_piece_after {
             self.knots.push(cut);
             self.segments.push(end_motion);

@@ -14,6 +14,17 @@ use glam::DVec3;
 ///
 /// Neither the absolute time nor the absolute position enters the rounding of the control points:
 /// they come from differences of the user's own numbers.
+///
+/// ```
+/// use nearmiss::{State, Trajectory};
+///
+/// let states = [0.0, 3.0].map(|t| State::new(t, [t + 5.0, 0.0, 0.0], [1.0, 0.0, 0.0]));
+/// let plan = Trajectory::from_states(&states)?;
+/// let segment = &plan.segments()[0];
+/// assert_eq!((segment.start(), segment.end(), segment.origin().x), (0.0, 3.0, 5.0));
+/// assert_eq!(segment.control_points().map(|point| point.x), [0.0, 1.0, 2.0, 3.0]);
+/// # Ok::<(), nearmiss::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
     start: f64,
@@ -42,16 +53,10 @@ impl Segment {
         let arrive = second.velocity * duration / 3.0;
         let longest = norm(leave).max(norm(arrive));
         let extent = (norm(end) + longest) * (1.0 + 8.0 * UNIT_ROUNDOFF);
-        Self {
-            start: first.time,
-            end: second.time,
-            origin: first.position,
-            control_points: [leave, end - arrive, end],
-            extent,
-            // numerics: u S for point 3, 3 u W for point 1, u (2 S + 4 W) for point 2.
-            error: 4.0 * UNIT_ROUNDOFF * extent + UNDERFLOW,
-        }
-        .checked(knot)
+        // numerics: u S for point 3, 3 u W for point 1, u (2 S + 4 W) for point 2.
+        let error = 4.0 * UNIT_ROUNDOFF * extent + UNDERFLOW;
+        let (interval, points) = ((first.time, second.time), [leave, end - arrive, end]);
+        Self::from_parts(interval, first.position, points, (extent, error), knot)
     }
 
     /// Builds the straight segment of constant velocity between two instants and positions (s, m); `knot` is the
@@ -66,16 +71,10 @@ impl Segment {
         // Three times the third of a number is that number again (W. Kahan): the last point is as good as the way.
         let step = (second.1 - first.1) / 3.0;
         let extent = norm(3.0 * step) * (1.0 + 8.0 * UNIT_ROUNDOFF);
-        Self {
-            start: first.0,
-            end: second.0,
-            origin: first.1,
-            control_points: [step, DVec3::ZERO, DVec3::ZERO],
-            extent,
-            // A rounding of the way, one of the step; underflow of the step, three times.
-            error: -(2.0 * UNIT_ROUNDOFF * extent + UNDERFLOW),
-        }
-        .checked(knot)
+        // A rounding of the way, one of the step; underflow of the step, three times.
+        let error = -(2.0 * UNIT_ROUNDOFF * extent + UNDERFLOW);
+        let (interval, points) = ((first.0, second.0), [step, DVec3::ZERO, DVec3::ZERO]);
+        Self::from_parts(interval, first.1, points, (extent, error), knot)
     }
 
     /// Builds straight motion through `state`, in both directions of time: `Coast` and rest.
@@ -152,26 +151,18 @@ impl Segment {
     /// Builds a segment from Bézier points relative to `origin`, each good to `error` (m); `knot`
     /// is the number of its end knot.
     pub(super) fn from_control_points(
-        (start, end): (f64, f64),
+        interval: (f64, f64),
         origin: DVec3,
         control_points: [DVec3; 3],
         error: f64,
         knot: usize,
     ) -> Result<Self, Error> {
         let extent = largest_norm(&control_points) * (1.0 + 8.0 * UNIT_ROUNDOFF);
-        Self {
-            start,
-            end,
-            origin,
-            control_points,
-            extent,
-            error: error + UNDERFLOW,
-        }
-        .checked(knot)
+        let bounds = (extent, error + UNDERFLOW);
+        Self::from_parts(interval, origin, control_points, bounds, knot)
     }
 
     /// Builds a segment from its fields: start and end, origin, control points, extent and error.
-    #[cfg(feature = "serde")]
     pub(super) fn from_parts(
         (start, end): (f64, f64),
         origin: DVec3,
@@ -208,7 +199,7 @@ impl Segment {
             return out_of_range(Quantity::Time, duration);
         }
         if self.extent.is_nan() || self.extent > MAX_MAGNITUDE {
-            // Not a number: what it follows from has left the range of f64.
+            // NaN: a number that it follows from has left the range of f64.
             let reached = Some(self.extent).filter(|extent| !extent.is_nan());
             return out_of_range(Quantity::Distance, reached.unwrap_or(f64::INFINITY));
         }
@@ -283,7 +274,14 @@ impl Segment {
         (self.control_points, self.error)
     }
 
+    /// Rounding of a position between the knots, relative to the extent: 80 roundings in the worst case, by the count
+    /// of those in [`motion_at`](Self::motion_at).
+    pub(super) const EVALUATION: f64 = 128.0 * UNIT_ROUNDOFF;
+
     /// Returns position, velocity and acceleration at `time` (m, m/s, m/s²), also beyond the knots.
+    ///
+    /// Between the knots the position has an error of at most one rounding of itself, and 2e-14 of the
+    /// [`extent`](Self::extent).
     #[must_use]
     pub fn motion_at(&self, time: f64) -> (DVec3, DVec3, DVec3) {
         let duration = self.end - self.start;
@@ -310,33 +308,6 @@ impl Segment {
     /// Returns true if an interval lies between the segment's knots.
     pub(crate) fn covers(&self, from: f64, to: f64) -> bool {
         from >= self.start && to <= self.end
-    }
-
-    /// Returns the size to which all rounding of the part between `from` and `to` is relative, m.
-    /// It bounds the terms of the power form. It is larger where the segment's own error exceeds a
-    /// few roundings of its extent, as for polynomials in absolute time far from the origin.
-    pub(crate) fn rounding_scale(&self, from: f64, to: f64) -> f64 {
-        let (size, error) = if self.covers(from, to) {
-            (self.extent, self.error())
-        } else {
-            let lengths = self.lengths_to(from, to);
-            let size = if self.is_bent() {
-                let [linear, quadratic, cubic] = self.powers().map(|c| c.abs().element_sum());
-                lengths * (linear + lengths * (quadratic + lengths * cubic))
-            } else if self.goes_on() {
-                self.extent * lengths.max(1.0)
-            } else {
-                self.extent * (1.0 + 2.0 * lengths).powi(3)
-            };
-            (size, self.grown_error(lengths, size))
-        };
-        size + error / (16.0 * UNIT_ROUNDOFF)
-    }
-
-    /// Returns the distance that an interval reaches from the start, in durations of the segment.
-    pub(crate) fn lengths_to(&self, from: f64, to: f64) -> f64 {
-        let duration = self.end - self.start;
-        ((from - self.start).abs().max((to - self.start).abs())) / duration
     }
 
     /// Returns true for an end motion: made by [`line`](Self::line), from a knot at `start`

@@ -1,8 +1,6 @@
 //! Serialised trajectories: the exact internal numbers, checked on reading.
 
-use super::build::{check_number, check_times};
-use super::front_gap::FrontGapVec;
-use super::reach::check_reach;
+use super::build::{check_number, check_times, check_vector};
 use super::{Outside, Segment, StraightMotion, Trajectory};
 use crate::error::{Error, Quantity};
 use crate::rounding::{largest_norm, one_zero};
@@ -68,14 +66,14 @@ impl TryFrom<Numbers> for Trajectory {
         let [before, after] = ends;
         let segments = (1..).zip(segments).map(segment);
         let segments = segments.collect::<Result<Vec<_>, _>>()?;
-        // What goes on does so beyond the range of times where its knot is at an end of that.
+        // Where a knot lies at an end of the range of times, the motion from there goes on beyond that.
         let ends = [
             Segment::going_on(before, 0)?,
             Segment::going_on(after, last)?,
         ];
         for (knot, (segment, ends)) in (1..).zip(segments.iter().zip(knots.windows(2))) {
             // A piece may be any part of its cubic, also one beyond it.
-            check_reach(segment, (ends[0], ends[1]), knot)?;
+            segment.check_reach((ends[0], ends[1]), knot)?;
         }
         let is_line = last == 0
             && outside == [Outside::Coast; 2]
@@ -85,11 +83,7 @@ impl TryFrom<Numbers> for Trajectory {
         if let Some(motion) = StraightMotion::of(&ends[0]).filter(|_| is_line) {
             return Ok(Self::of_straight(motion));
         }
-        Ok(Self::of_plan(
-            FrontGapVec::new(&knots, &[]),
-            FrontGapVec::new(&segments, &ends),
-            outside,
-        ))
+        Ok(Self::of_cubics(&knots, &segments, &ends, outside))
     }
 }
 
@@ -105,10 +99,10 @@ impl Segment {
 
     /// Rebuilds an end motion: straight, with the coefficients of a cubic.
     fn going_on(mut numbers: [f64; 16], knot: usize) -> Result<Self, Error> {
-        for (place, value) in numbers[8..14].iter().enumerate() {
-            check_number(knot, Quantity::Position(place % 3), *value)?;
-        }
         let bend = [vector(&numbers, 8), vector(&numbers, 11)];
+        for coefficient in bend {
+            check_vector(knot, Quantity::Position, coefficient)?;
+        }
         numbers[8..14].fill(0.0);
         Ok(Self::from_numbers(numbers, knot)?.with_coefficients(bend))
     }
@@ -142,7 +136,7 @@ impl Segment {
             (extent, error),
             knot,
         )?;
-        // What bounds the others must do so.
+        // The extent must bound the control points.
         let farthest = largest_norm(&segment.control_points());
         if farthest.is_nan() || extent < farthest * (1.0 - 8.0 * f64::EPSILON) {
             return Err(Error::Contradiction { knot });

@@ -4,8 +4,9 @@
 //! each cubic of the run the difference of both is a cubic again, and nowhere larger than its largest Bézier point.
 //! Both are restricted to that interval; the bounds of their errors, and the roundings of the difference, are added.
 
-use super::{Fit, Outside, Segment, State, Trajectory};
-use crate::error::{Error, MAX_MAGNITUDE};
+use super::fit::{Fit, checked_tolerance};
+use super::{Segment, State, Trajectory};
+use crate::error::Error;
 use crate::rounding::{UNIT_ROUNDOFF, norm};
 
 impl Trajectory {
@@ -46,16 +47,14 @@ impl Trajectory {
     /// [`Error::FitTolerance`] if the tolerance is not a positive number up to 1e300.
     #[doc(alias("decimate", "reduce", "resample", "compress"))]
     pub fn simplified(&self, tolerance: f64) -> Result<Fit, Error> {
-        if !(tolerance > 0.0 && tolerance <= MAX_MAGNITUDE) {
-            return Err(Error::FitTolerance { metres: tolerance });
-        }
+        let tolerance = checked_tolerance(tolerance)?;
         let (own_knots, own) = (self.knots(), self.segments());
         let mut knots = Vec::new();
         let mut segments = Vec::new();
         let mut error = 0.0_f64;
         let mut first = 0;
         while first < own.len() {
-            let (count, merged) = if first == 0 && self.shapes_what_was_before() {
+            let (count, merged) = if first == 0 && self.cubic_before().is_some() {
                 (1, None)
             } else {
                 longest_run(&own[first..], &own_knots[first..], tolerance)
@@ -70,17 +69,10 @@ impl Trajectory {
             return Ok(Fit::proven(self.clone(), 0.0));
         }
         knots.extend(own_knots.last());
-        Ok(Fit::proven(self.with_cubics(&knots, &segments), error))
-    }
-
-    /// Returns true if the first cubic is followed before the first knot as well: where a plan lost its beginning, it
-    /// is extrapolated by that.
-    fn shapes_what_was_before(&self) -> bool {
-        self.outside_before() == Outside::Extrapolate
-            && self
-                .knots()
-                .first()
-                .is_some_and(|&knot| self.end_motion_before().start() < knot)
+        let ends = [self.end_motion_before(), self.end_motion_after()];
+        let rules = [self.outside_before(), self.outside_after()];
+        let simplified = Self::of_cubics(&knots, &segments, &ends, rules);
+        Ok(Fit::proven(simplified, error))
     }
 }
 
@@ -132,7 +124,7 @@ fn merged(segments: &[Segment], knots: &[f64], tolerance: f64) -> Option<(Segmen
     let mut largest = 0.0_f64;
     for (other, ends) in segments.iter().zip(knots.windows(2)) {
         let distance = distance(&segment, other, (ends[0], ends[1]));
-        // What is no number is not within it.
+        // NaN is not within the tolerance.
         if distance.is_nan() || distance > tolerance {
             return None;
         }

@@ -1,9 +1,7 @@
 //! Changes of a plan in flight: the part already flown stays, bit for bit.
 
 use super::cuts::DoublingCuts;
-use super::front_gap::FrontGapVec;
 use super::plan::{Plan, count_at_front};
-use super::reach::{check_reach, check_straight};
 use super::turned::TurnedMotion;
 use super::{Form, Outside, StraightMotion, Trajectory};
 use crate::error::Error;
@@ -63,6 +61,15 @@ impl Trajectory {
     /// Returns this motion without the cubics that end before `time` (s). At least one is kept. If
     /// any are dropped, the body does not exist before the first one kept, whatever the rule before
     /// was.
+    ///
+    /// ```
+    /// use nearmiss::{State, Trajectory};
+    ///
+    /// let states = [0.0, 1.0, 2.0, 3.0].map(|t| State::new(t, [t, 0.0, 0.0], [1.0, 0.0, 0.0]));
+    /// let rest = Trajectory::from_states(&states)?.trimmed_before(1.5);
+    /// assert_eq!(rest.knots(), [1.0, 2.0, 3.0]);
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
     #[must_use]
     pub fn trimmed_before(mut self, time: f64) -> Self {
         if self.knots().len() > 1 {
@@ -92,17 +99,17 @@ impl Trajectory {
         let beyond = (cut > flown_segments.len()).then(|| flown.segment_after());
         let mut cuts_after = DoublingCuts::NONE;
         if let (Some(end_motion), Some(&last)) = (&beyond, flown_knots.last()) {
-            check_reach(end_motion, (last, from), flown_knots.len() - 1)?;
+            end_motion.check_reach((last, from), flown_knots.len() - 1)?;
             cuts_after = DoublingCuts::of(last, end_motion.end() - end_motion.start(), from);
         }
         let mut cuts_before = DoublingCuts::NONE;
         if let (0, Some(&first)) = (ahead, self.knots().first()) {
             let end_motion = self.segment_before();
-            check_reach(&end_motion, (from, first), 0)?;
+            end_motion.check_reach((from, first), 0)?;
             cuts_before = DoublingCuts::of(first, end_motion.start() - end_motion.end(), from);
         }
         let (cuts_after, cuts_before) = (cuts_after.but_last(), cuts_before.but_last());
-        // Where its pieces begin; not copied only to be dropped.
+        // The instants at which its pieces begin; not copied only to be dropped.
         let begins = flown_knots[..cut].iter().copied().chain(cuts_after);
         let is_past = |time: f64| time < since.min(from);
         let mut past = count_at_front(&flown_knots[..cut], is_past);
@@ -171,18 +178,17 @@ impl Trajectory {
         }
         let number = self.knots().len();
         let is_known = match &self.form {
-            Form::Turned(turned) => check_straight(turned.last(), (last, from), number - 1),
-            _ => check_reach(
-                &self.end_motion_after().straight(),
-                (last, from),
-                number - 1,
-            ),
+            Form::Turned(turned) => turned.last().check_reach((last, from), number - 1),
+            _ => {
+                let straight = self.end_motion_after().straight();
+                straight.check_reach((last, from), number - 1)
+            }
         };
         let mut reached = from;
         is_known.is_ok()
             && DoublingCuts::of(from, motion.duration(), window.end().next_up()).all(|cut| {
                 let piece = (std::mem::replace(&mut reached, cut), cut);
-                check_straight(motion, piece, number).is_ok()
+                motion.check_reach(piece, number).is_ok()
             })
     }
 
@@ -235,11 +241,10 @@ impl Trajectory {
     /// Returns the plan that this is made of, or would be.
     pub(super) fn as_plan(&mut self) -> &mut Plan {
         let other = match &self.form {
-            Form::Straight(motion, _) => Some(Plan::new(
-                FrontGapVec::new(from_ref(motion.start_ref()), &[]),
-                FrontGapVec::new(&[], &[motion.segment(); 2]),
-                [Outside::Coast; 2],
-            )),
+            Form::Straight(motion, _) => {
+                let (knot, ends) = (from_ref(motion.start_ref()), [motion.segment(); 2]);
+                Some(Plan::new(knot, &[], &ends, [Outside::Coast; 2]))
+            }
             Form::Turned(turned) => Some(turned.to_plan()),
             Form::Plan(_) => None,
         };

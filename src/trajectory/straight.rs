@@ -74,7 +74,7 @@ impl StraightMotion {
     pub(super) const DURATION: f64 = 6.0;
 
     /// Returns true if the motion can certainly be followed between two instants (s): all numbers are far below
-    /// the limits of [`check_reach`](super::reach::check_reach).
+    /// the limits of [`Segment::check_reach`].
     #[inline]
     pub(super) fn is_near(&self, from: f64, to: f64) -> bool {
         const LONG: f64 = 1e12;
@@ -82,6 +82,18 @@ impl StraightMotion {
         let is_slow = self.state.velocity.abs().cmple(DVec3::splat(FAST)).all();
         let (start, long) = (self.state.time, LONG * self.duration().min(1.0));
         is_slow && (from - start).abs() <= long && (to - start).abs() <= long && start.abs() <= FAST
+    }
+
+    /// Checks that the motion can be followed between two instants (s) beyond knot number `knot`.
+    ///
+    /// # Errors
+    ///
+    /// As [`Segment::check_reach`].
+    pub(super) fn check_reach(&self, (from, to): (f64, f64), knot: usize) -> Result<(), Error> {
+        if self.is_near(from, to) {
+            return Ok(());
+        }
+        self.segment().check_reach((from, to), knot)
     }
 
     /// Returns the motion whose cubic this is, if there is one.
@@ -143,7 +155,6 @@ impl StraightMotion {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trajectory::reach::check_reach;
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 
@@ -188,7 +199,7 @@ mod tests {
             if motion.is_near(from, to) {
                 near += 1;
                 assert!(
-                    check_reach(&line, (from, to), 0).is_ok(),
+                    line.check_reach((from, to), 0).is_ok(),
                     "{state:?} {from} {to}"
                 );
             }

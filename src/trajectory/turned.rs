@@ -1,10 +1,8 @@
 //! A body that is told a new straight motion again and again: the last few of them, in place.
 
 use super::cuts::DoublingCuts;
-use super::front_gap::FrontGapVec;
 use super::outside::Outside;
 use super::plan::Plan;
-use super::reach::check_straight;
 use super::segment::Segment;
 use super::straight::StraightMotion;
 use crate::rounding::one_zero;
@@ -136,8 +134,7 @@ impl TurnedMotion {
         let pieces = self.pieces + beyond;
         let dropped = past.saturating_sub(1).min(pieces - 1);
         let end = cut_after(from, motion, 1);
-        let is_piece = end > from
-            && (motion.is_near(from, end) || check_straight(motion, (from, end), 0).is_ok());
+        let is_piece = end > from && motion.check_reach((from, end), 0).is_ok();
         let room = Room {
             dropped,
             kept: pieces - dropped,
@@ -177,13 +174,8 @@ impl TurnedMotion {
     /// Returns the plan that this is.
     pub(super) fn to_plan(&self) -> Plan {
         let ends = [self.motions[0], *self.last()].map(|motion| motion.segment());
-        let mut plan = Plan {
-            knots: FrontGapVec::new(self.knots(), &[]),
-            segments: FrontGapVec::new(self.segments(), &ends),
-            before: self.before,
-            after: Outside::Coast,
-            has_piece_after: false,
-        };
+        let rules = [self.before, Outside::Coast];
+        let mut plan = Plan::new(self.knots(), self.segments(), &ends, rules);
         plan.add_piece_after();
         plan
     }

@@ -106,6 +106,32 @@ fn tolerances_below_rounding() {
     assert!(matches!(found, Error::FitUnreachable { .. }), "{found}");
 }
 
+/// Only towards the end of the window the motion is so far away that its rounding exceeds the tolerance.
+#[test]
+fn rounding_is_looked_at_first() {
+    let fit = |end: f64| {
+        let mut calls = 0;
+        let leaving = |t: f64| {
+            calls += 1;
+            let (sin, cos) = (100.0 * t).sin_cos();
+            let far = [1e9 * t.powi(20), 2e10 * t.powi(19)];
+            (
+                [far[0] + sin, cos, 0.0],
+                [far[1] + 100.0 * cos, -100.0 * sin, 0.0],
+            )
+        };
+        let fit = Trajectory::fit(leaving, Window::new(0.0, end).unwrap(), 1e-7);
+        (fit, calls)
+    };
+    let (found, calls) = fit(1.0);
+    let found = refused(found);
+    let is_named = matches!(found, Error::FitUnreachable { time, reached, .. } if time > 0.8 && reached > 1e-7);
+    assert!(is_named && calls < 70, "{found} {calls}");
+    // Up to there it takes many knots.
+    let (found, calls) = fit(0.8);
+    assert!(found.is_ok() && calls > 10_000, "{calls}");
+}
+
 #[test]
 fn positions_that_jump() {
     let jump = |t: f64| ([t, if t < 4.3 { 0.0 } else { 1.0 }, 0.0], DVec3::X);

@@ -23,6 +23,14 @@ impl Case {
         Window::new(self.window[0], self.window[1]).unwrap()
     }
 
+    /// Returns the motion 1e9 m away along each axis.
+    pub(crate) fn far_away(self) -> Self {
+        Self {
+            motion: far_away(self.motion, 1e9, 0.0),
+            ..self
+        }
+    }
+
     /// Asserts that the error of a fit holds at random instants; returns the largest deviation in units of it.
     pub(crate) fn assert_error(&self, fit: &Fit, instants: u32, seed: u64) -> f64 {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);

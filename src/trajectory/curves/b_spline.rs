@@ -3,11 +3,11 @@
 //! L. Ramshaw, "Blossoms are polar forms", 1989: the Bézier points of a cubic between u and w are its blossom at
 //! (u, u, u), (u, u, w), (u, w, w) and (w, w, w). De Boor's algorithm finds each of them from four control points.
 
-use super::bezier_points::BezierPoints;
+use super::bezier::BezierPoints;
 use crate::error::{Error, Quantity};
 use crate::rounding::{norm, one_zero};
 use crate::trajectory::Trajectory;
-use crate::trajectory::build::{check_number, check_times};
+use crate::trajectory::build::{check_number, check_times, check_vector};
 use crate::trajectory::double_double::DoubleDouble;
 use glam::DVec3;
 use std::iter::{once, successors};
@@ -121,10 +121,12 @@ fn check_control_points(control_points: &[DVec3], before: usize) -> Result<usize
         return Err(Error::TooFewControlPoints { count });
     }
     for (point, position) in control_points.iter().enumerate() {
-        for axis in 0..3 {
-            let quantity = Quantity::ControlPoint { point, axis };
-            check_number(point.saturating_sub(before), quantity, position[axis])?;
-        }
+        let knot = point.saturating_sub(before);
+        check_vector(
+            knot,
+            |axis| Quantity::ControlPoint { point, axis },
+            *position,
+        )?;
     }
     Ok(count)
 }

@@ -1,11 +1,10 @@
-//! Bézier pieces.
+//! Bézier pieces: control points to twice the precision of f64, and the segments and end motions that follow from them.
 
-use super::bezier_points::BezierPoints;
 use crate::error::{Error, Quantity};
-use crate::rounding::norm;
-use crate::trajectory::Trajectory;
-use crate::trajectory::build::{check_number, checked_knots};
-use crate::trajectory::double_double::DoubleDouble;
+use crate::rounding::{UNIT_ROUNDOFF, largest_norm, norm};
+use crate::trajectory::build::{check_vector, checked_knots};
+use crate::trajectory::double_double::{DoubleDouble, Expansion};
+use crate::trajectory::{Outside, Segment, State, Trajectory};
 use glam::DVec3;
 
 impl Trajectory {
@@ -39,10 +38,11 @@ impl Trajectory {
         let knots = checked_knots(knots, pieces.len())?;
         for (knot, piece) in pieces.iter().enumerate() {
             for (point, position) in piece.iter().enumerate() {
-                for axis in 0..3 {
-                    let quantity = Quantity::ControlPoint { point, axis };
-                    check_number(knot, quantity, position[axis])?;
-                }
+                check_vector(
+                    knot,
+                    |axis| Quantity::ControlPoint { point, axis },
+                    *position,
+                )?;
             }
         }
         for (knot, pair) in (1..).zip(pieces.windows(2)) {
@@ -66,7 +66,7 @@ impl Trajectory {
     ///
     /// [`Error::OutOfRange`].
     pub(super) fn of_control_points(knots: &[f64], pieces: &[BezierPoints]) -> Result<Self, Error> {
-        let interval = |piece: usize| (knots[piece], knots[piece + 1]);
+        let interval = |piece: usize| [knots[piece], knots[piece + 1]];
         let segments = pieces
             .iter()
             .enumerate()
@@ -74,9 +74,96 @@ impl Trajectory {
             .collect::<Result<Vec<_>, _>>()?;
         let last = pieces.len() - 1;
         let ends = [
-            pieces[0].leaving(interval(0), 0)?,
-            pieces[last].arriving(interval(last), last + 1)?,
+            pieces[0].end_motion(0, interval(0), 0)?,
+            pieces[last].end_motion(1, interval(last), last + 1)?,
         ];
-        Ok(Self::of_cubics(knots, &segments, &ends))
+        Ok(Self::of_cubics(
+            knots,
+            &segments,
+            &ends,
+            [Outside::Absent; 2],
+        ))
     }
+}
+
+/// Bézier points of a cubic, in space.
+pub(super) struct BezierPoints {
+    /// Points 0 to 3, by axis, m.
+    points: [[DoubleDouble; 4]; 3],
+    /// Bound on the distance of each from the one meant, m.
+    error: f64,
+}
+
+impl BezierPoints {
+    pub(super) const fn new(points: [[DoubleDouble; 4]; 3], error: f64) -> Self {
+        Self { points, error }
+    }
+
+    /// Returns the segment; `knot` is the number of its end knot.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfRange`].
+    fn segment(&self, interval: [f64; 2], knot: usize) -> Result<Segment, Error> {
+        let (mut origin, mut control_points) = (DVec3::ZERO, [DVec3::ZERO; 3]);
+        // Losses by rounding: of the origin, then of the ways from it.
+        let mut lost = [DVec3::ZERO; 4];
+        for (axis, [first, others @ ..]) in self.points.into_iter().enumerate() {
+            [origin[axis], lost[0][axis]] = first.parts();
+            for (place, point) in others.into_iter().enumerate() {
+                let way = point + first.negated();
+                [control_points[place][axis], lost[place + 1][axis]] = way.parts();
+            }
+        }
+        // The ways themselves have an error of 3 u², far below 2^-100.
+        let of_ways = largest_norm(&lost[1..]) + 2f64.powi(-100) * largest_norm(&control_points);
+        let error = (norm(lost[0]) + of_ways + self.error) * (1.0 + 16.0 * UNIT_ROUNDOFF);
+        Segment::from_control_points(interval.into(), origin, control_points, error, knot)
+    }
+
+    /// Returns the end motion from the first point (`end` 0) or the last one (1); `knot` is that point's number.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfRange`].
+    fn end_motion(&self, end: usize, interval: [f64; 2], knot: usize) -> Result<Segment, Error> {
+        /// Weights of the points in the coefficients of s, s², s³, around the first and around the last one.
+        const WEIGHTS: [[[f64; 4]; 3]; 2] = [
+            [
+                [-3.0, 3.0, 0.0, 0.0],
+                [3.0, -6.0, 3.0, 0.0],
+                [-1.0, 3.0, -3.0, 1.0],
+            ],
+            [
+                [0.0, 0.0, -3.0, 3.0],
+                [0.0, 3.0, -6.0, 3.0],
+                [-1.0, 3.0, -3.0, 1.0],
+            ],
+        ];
+        let (mut position, mut lost) = (DVec3::ZERO, DVec3::ZERO);
+        let mut coefficients = [DVec3::ZERO; 3];
+        for (axis, points) in self.points.iter().enumerate() {
+            [position[axis], lost[axis]] = points[3 * end].parts();
+            for (coefficient, weights) in coefficients.iter_mut().zip(WEIGHTS[end]) {
+                coefficient[axis] = combination(points, weights);
+            }
+        }
+        let [linear, quadratic, cubic] = coefficients;
+        let duration = interval[1] - interval[0];
+        // The position is rounded, and the velocity. The error of each point counts once for the position, and six
+        // times for the velocity.
+        let error = norm(lost) + 8.0 * UNIT_ROUNDOFF * norm(linear) + 8.0 * self.error;
+        let state = State::new(interval[end], position, linear / duration);
+        let line = Segment::line(&state, duration, error, knot)?;
+        Ok(line.with_bend([quadratic, cubic], duration))
+    }
+}
+
+/// Returns the sum of points by small whole weights, with one rounding or two.
+fn combination(points: &[DoubleDouble; 4], weights: [f64; 4]) -> f64 {
+    let mut sum = Expansion::from(0.0);
+    for (&point, weight) in points.iter().zip(weights) {
+        sum = sum + Expansion::from(point).times(DoubleDouble::from(weight));
+    }
+    sum.rounded()
 }

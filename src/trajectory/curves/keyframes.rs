@@ -16,7 +16,7 @@ pub struct Keyframe {
     pub time: f64,
     /// Velocity with which the body arrives, m/s.
     pub in_tangent: DVec3,
-    /// Metres.
+    /// Position, m.
     pub position: DVec3,
     /// Velocity with which the body leaves, m/s.
     pub out_tangent: DVec3,

@@ -5,7 +5,6 @@
 
 mod b_spline;
 mod bezier;
-mod bezier_points;
 mod keyframes;
 mod positions;
 mod waypoints;

@@ -2,7 +2,7 @@
 
 use super::waypoints::check_positions;
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
-use crate::trajectory::build::check_number;
+use crate::trajectory::build::check_vector;
 use crate::trajectory::{State, Trajectory};
 use glam::DVec3;
 
@@ -135,10 +135,7 @@ impl Trajectory {
         let last = count - 1;
         let given = [(0, options.first_velocity), (last, options.last_velocity)];
         for (knot, velocity) in given {
-            for axis in 0..3 {
-                let number = velocity.map_or(0.0, |velocity| velocity[axis]);
-                check_number(knot, Quantity::Velocity(axis), number)?;
-            }
+            check_vector(knot, Quantity::Velocity, velocity.unwrap_or_default())?;
         }
         let chords = chords(positions);
         let mut velocities = catmull_rom(&chords);
@@ -156,7 +153,7 @@ impl Trajectory {
         let mut states = Vec::with_capacity(count);
         for (knot, (&(time, position), velocity)) in positions.iter().zip(velocities).enumerate() {
             let value = velocity.abs().max_element();
-            // Nobody gave this velocity: it follows from the positions.
+            // The velocity was not given: it follows from the positions.
             if velocity.is_nan() || value > MAX_MAGNITUDE {
                 return Err(Error::OutOfRange {
                     knot,

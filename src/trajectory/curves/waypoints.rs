@@ -2,8 +2,8 @@
 
 use crate::error::{Error, Quantity};
 use crate::rounding::one_zero;
-use crate::trajectory::build::{check_number, check_times};
-use crate::trajectory::{Segment, State, Trajectory};
+use crate::trajectory::build::{check_times, check_vector};
+use crate::trajectory::{Outside, Segment, State, Trajectory};
 use glam::DVec3;
 
 impl Trajectory {
@@ -57,7 +57,7 @@ impl Trajectory {
             end_motion(&legs[0], 0)?,
             end_motion(&legs[count - 2], count - 1)?,
         ];
-        Ok(Self::of_cubics(&knots, &legs, &ends))
+        Ok(Self::of_cubics(&knots, &legs, &ends, [Outside::Absent; 2]))
     }
 }
 
@@ -65,13 +65,10 @@ impl Trajectory {
 ///
 /// # Errors
 ///
-/// Those of [`check_times`] and [`check_number`].
+/// Those of [`check_times`] and [`check_vector`].
 pub(super) fn check_positions(positions: &[(f64, DVec3)]) -> Result<(), Error> {
     check_times(positions.iter().map(|&(time, _)| time))?;
-    for (knot, (_, position)) in positions.iter().enumerate() {
-        for axis in 0..3 {
-            check_number(knot, Quantity::Position(axis), position[axis])?;
-        }
-    }
-    Ok(())
+    let mut positions = positions.iter().enumerate();
+    positions
+        .try_for_each(|(knot, &(_, position))| check_vector(knot, Quantity::Position, position))
 }

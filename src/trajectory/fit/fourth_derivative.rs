@@ -63,7 +63,7 @@ impl FourthDerivative<'_> {
         let Self::Over(_) = self else {
             return Ok(whole);
         };
-        // Where the fourth derivative is large in one part only, the parts together say more.
+        // If the fourth derivative is large in one part only, the parts together say more.
         let rounding = 4.0 * f64::EPSILON * from.abs().max(to.abs());
         let step = (to - from) / PARTS as f64;
         let mut mean = 0.0;

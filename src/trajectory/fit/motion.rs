@@ -1,18 +1,21 @@
 //! Functions of time, approximated by cubics.
 
-use super::deviation::FittedPiece;
+use super::Fit;
 use super::options::FitOptions;
-use super::place::{Approximated, checked_tolerance, place_knots};
-use super::result::Fit;
+use super::place::{Approximated, PieceError, checked_tolerance, place_knots};
 use super::velocity::check_velocity;
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
-use crate::rounding::norm;
-use crate::trajectory::{State, Trajectory};
+use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, norm};
+use crate::trajectory::{Segment, State, Trajectory};
 use crate::window::Window;
 use glam::DVec3;
 
 /// Factor between the largest deviation seen and the error that is reported.
 const SAFETY: f64 = 1.25;
+
+/// Least error that is reported, in units of the rounding. Within a smaller tolerance chance would place the knots:
+/// deviations would have to be smaller than the rounding that is seen with them.
+const LEAST: f64 = 2.5;
 
 /// Shares of a piece at which a motion is examined first. They are uneven, so that no oscillation looks the same at
 /// all of them. A smooth motion deviates most in the middle.
@@ -26,6 +29,9 @@ const INSTANTS: f64 = 1024.0;
 
 /// Fractional part of the golden ratio: its multiples fill an interval evenly.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// Number of equal parts of the window at whose ends rounding is compared with the tolerance before anything else.
+const PARTS: u8 = 64;
 
 impl Trajectory {
     /// Approximates a motion over a window by cubics, with knots where it needs them. `motion` returns position and
@@ -41,8 +47,9 @@ impl Trajectory {
     /// has doubled, and fails if their difference makes the last eight pieces short. With fewer knots such a motion is
     /// fitted, and the error covers it.
     ///
-    /// A tolerance ten thousand times smaller needs ten times as many knots; see [`Fit::knot_count`]. Rounding takes
-    /// its part of the tolerance: 2e-15 of the distance from the origin, or 14 nm at 7000 km.
+    /// A tolerance ten thousand times smaller needs ten times as many knots; see [`Fit::knot_count`]. No smaller one
+    /// than 2.5e-15 of the distance from the origin can be reached, such as 18 nm at 7000 km: values of the motion are
+    /// taken to be rounded by [4 units of the last place](FitOptions::with_ulps).
     ///
     /// ```
     /// use nearmiss::glam::DVec3;
@@ -65,7 +72,7 @@ impl Trajectory {
     /// # Errors
     ///
     /// [`Error::FitTolerance`]; [`Error::FitWindow`]; [`Error::Motion`] where the motion has no usable value;
-    /// [`Error::FitUnreachable`] where the tolerance is below the rounding, or the position jumps;
+    /// [`Error::FitUnreachable`] where the tolerance is too near the rounding, or the position jumps;
     /// [`Error::FitVelocity`] where the velocity is not the derivative of the position; [`Error::FitKnots`] where the
     /// motion needs more than a million knots.
     #[doc(alias = "approximate")]
@@ -122,12 +129,20 @@ impl Trajectory {
         };
         let max_knots = options.max_knots;
         let placed = match options.fourth_derivative {
-            Some(bound) => place_knots(ends, tolerance, max_knots, |from, to| {
-                let remainder = bound.remainder(from, to)?;
-                let piece = examined.piece(from, to)?;
-                Ok(piece.map_or(f64::INFINITY, |piece| piece.bound(remainder)))
-            }),
-            None => place_knots(ends, tolerance, max_knots, &mut examined),
+            Some(bound) => {
+                examined.check_rounding(ends, 1.0)?;
+                place_knots(ends, tolerance, max_knots, |from, to| {
+                    let remainder = bound.remainder(from, to)?;
+                    let piece = examined.piece(from, to)?;
+                    Ok(piece.map_or(PieceError::UNKNOWN, |piece| {
+                        PieceError::of(remainder, piece.rounding, tolerance)
+                    }))
+                })
+            }
+            None => {
+                examined.check_rounding(ends, LEAST)?;
+                place_knots(ends, tolerance, max_knots, &mut examined)
+            }
         }?;
         if let Some(bound) = options.fourth_derivative {
             for pair in placed.knots.windows(2) {
@@ -136,12 +151,41 @@ impl Trajectory {
         }
         let states = placed.knots.iter().map(|&time| examined.state(time));
         let trajectory = Self::from_states(&states.collect::<Result<Vec<_>, _>>()?)?;
-        Ok(if options.fourth_derivative.is_some() {
-            Fit::proven(trajectory, placed.error)
-        } else {
-            Fit::estimated(trajectory, placed.error)
+        Ok(Fit {
+            trajectory,
+            error: placed.error,
+            is_proven: options.fourth_derivative.is_some(),
         })
     }
+}
+
+/// A cubic between two states of a motion.
+struct FittedPiece {
+    segment: Segment,
+    /// Largest distance (m) between positions of the trajectory and of the motion that follows from rounding alone.
+    rounding: f64,
+}
+
+impl FittedPiece {
+    /// Returns the cubic between two states, or `None` if it leaves the range of f64. Values of the motion are good
+    /// to `ulps`.
+    fn between(first: &State, second: &State, ulps: f64) -> Option<Self> {
+        let segment = Segment::hermite(first, second, 0).ok()?;
+        let duration = second.time - first.time;
+        let distance = norm(first.position) + segment.extent();
+        let speed = norm(first.velocity).max(norm(second.velocity));
+        // The weights of the positions add up to 1, those of the velocities to a quarter of the duration.
+        let of_velocities = ulps * f64::EPSILON * duration * speed / 4.0;
+        let of_cubic = segment.error() + Segment::EVALUATION * segment.extent() + UNDERFLOW;
+        let rounding = rounding_at(distance, ulps) + of_velocities + of_cubic;
+        Some(Self { segment, rounding })
+    }
+}
+
+/// Returns the rounding (m) of a motion's position, good to `ulps`, and of the trajectory's at a distance (m) from the
+/// origin.
+fn rounding_at(distance: f64, ulps: f64) -> f64 {
+    (ulps * f64::EPSILON + UNIT_ROUNDOFF) * distance
 }
 
 /// A motion under examination.
@@ -179,6 +223,25 @@ impl<P: Into<DVec3>, V: Into<DVec3>, F: FnMut(f64) -> (P, V)> Examined<F> {
         Ok(state)
     }
 
+    /// Returns an error where rounding alone, times `least`, exceeds the tolerance: no piece there can be within it.
+    /// It is looked at before any knot is placed.
+    fn check_rounding(&mut self, [start, end]: [f64; 2], least: f64) -> Result<(), Error> {
+        for part in 0..=PARTS {
+            let time = start + (end - start) * (f64::from(part) / f64::from(PARTS));
+            let time = time.clamp(start, end);
+            let distance = norm(self.state(time)?.position);
+            let reached = least * rounding_at(distance, self.ulps);
+            if reached > self.tolerance {
+                return Err(Error::FitUnreachable {
+                    time,
+                    tolerance: self.tolerance,
+                    reached,
+                });
+            }
+        }
+        Ok(())
+    }
+
     /// Returns the cubic between two instants, or `None` if it leaves the range of f64.
     fn piece(&mut self, from: f64, to: f64) -> Result<Option<FittedPiece>, Error> {
         let mut ends = [State::default(); 2];
@@ -202,24 +265,31 @@ impl<P: Into<DVec3>, V: Into<DVec3>, F: FnMut(f64) -> (P, V)> Examined<F> {
         Ok((norm(piece.segment.motion_at(time).0 - position), share))
     }
 
-    /// Returns an estimate of the error between two instants (m).
-    fn estimate(&mut self, from: f64, to: f64) -> Result<f64, Error> {
+    /// Returns an estimate of the error between two instants.
+    fn estimate(&mut self, from: f64, to: f64) -> Result<PieceError, Error> {
         let Some(piece) = self.piece(from, to)? else {
-            return Ok(f64::INFINITY);
+            return Ok(PieceError::UNKNOWN);
         };
         let mut largest = (0.0, 0.5);
         let larger = |a: (f64, f64), b: (f64, f64)| if b.0 > a.0 { b } else { a };
         for share in SHARES {
             largest = larger(largest, self.deviation(&piece, share)?);
         }
-        // Values seen and not seen may be off in opposite directions.
-        let error = |seen: f64| SAFETY * seen + 2.0 * piece.rounding;
-        if error(largest.0) > self.tolerance {
+        let tolerance = self.tolerance;
+        // Values seen and not seen may be off in opposite directions. What is seen contains rounding already.
+        let rest = (2.0 - SAFETY) * piece.rounding;
+        let error = |seen: f64| {
+            let PieceError { metres, share } = PieceError::of(SAFETY * seen, rest, tolerance);
+            let metres = metres.max(LEAST * piece.rounding);
+            PieceError { metres, share }
+        };
+        let is_within = |seen: f64| error(seen).metres <= tolerance;
+        if !is_within(largest.0) {
             return Ok(error(largest.0));
         }
         let mut spread = GOLDEN;
         let mut covered = self.interval;
-        while covered < to - from && error(largest.0) <= self.tolerance {
+        while covered < to - from && is_within(largest.0) {
             largest = larger(largest, self.deviation(&piece, spread)?);
             spread = (spread + GOLDEN).fract();
             covered += self.interval;
@@ -238,7 +308,7 @@ impl<P: Into<DVec3>, V: Into<DVec3>, F: FnMut(f64) -> (P, V)> Examined<F> {
         };
         let deviation = self.deviation(&piece, 0.5)?.0;
         // The value in the middle is rounded, too.
-        let bound = piece.bound(remainder) + piece.rounding;
+        let bound = PieceError::of(remainder, 2.0 * piece.rounding, self.tolerance).metres;
         if deviation > bound {
             return Err(Error::FitBound {
                 time: from + 0.5 * (to - from),
@@ -252,7 +322,7 @@ impl<P: Into<DVec3>, V: Into<DVec3>, F: FnMut(f64) -> (P, V)> Examined<F> {
 
 /// The error of a piece is the estimate.
 impl<P: Into<DVec3>, V: Into<DVec3>, F: FnMut(f64) -> (P, V)> Approximated for &mut Examined<F> {
-    fn error(&mut self, from: f64, to: f64) -> Result<f64, Error> {
+    fn error(&mut self, from: f64, to: f64) -> Result<PieceError, Error> {
         self.estimate(from, to)
     }
 

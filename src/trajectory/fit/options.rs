@@ -58,7 +58,8 @@ impl<'a> FitOptions<'a> {
     /// Returns the options with the rounding of the motion's values: no position and no velocity is off by more
     /// than so many units of the last place of its length. 4 by default.
     ///
-    /// Functions that cancel lose more than that: sin(ωt) is off by up to ωt units.
+    /// Functions that cancel lose more than that: sin(ωt) is off by up to ωt units. With fewer units smaller tolerances
+    /// can be reached: those of an estimated error down to 2.5 times (`ulps` + 1/2) units.
     #[must_use]
     pub const fn with_ulps(mut self, ulps: f64) -> Self {
         self.ulps = ulps;

@@ -5,10 +5,10 @@
 
 use crate::error::{Error, MAX_MAGNITUDE};
 
-/// Share of the tolerance that a step aims at.
+/// [Share](PieceError::share) that a step aims at.
 const AIM: f64 = 0.95;
 
-/// Share of the tolerance from which on a step is long enough.
+/// [Share](PieceError::share) from which on a step is long enough.
 const LONG_ENOUGH: f64 = 0.9;
 
 /// Precision to which a step's length is searched for where the error is no power of it.
@@ -35,7 +35,7 @@ pub(super) struct Placed {
 /// # Errors
 ///
 /// [`Error::FitTolerance`].
-pub(super) fn checked_tolerance(metres: f64) -> Result<f64, Error> {
+pub(in crate::trajectory) fn checked_tolerance(metres: f64) -> Result<f64, Error> {
     if metres > 0.0 && metres <= MAX_MAGNITUDE {
         Ok(metres)
     } else {
@@ -43,10 +43,37 @@ pub(super) fn checked_tolerance(metres: f64) -> Result<f64, Error> {
     }
 }
 
+/// The error of a piece of a fit.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PieceError {
+    /// Largest distance between the motion and positions of the trajectory, m.
+    pub(super) metres: f64,
+    /// The motion's deviation from the cubic, without rounding, in units of what rounding leaves of the tolerance.
+    pub(super) share: f64,
+}
+
+impl PieceError {
+    /// Returns the error of a piece whose cubic has left the range of f64.
+    pub(super) const UNKNOWN: Self = Self {
+        metres: f64::INFINITY,
+        share: f64::INFINITY,
+    };
+
+    /// Returns the error by bounds or estimates of the deviation and of the rounding (m).
+    pub(super) fn of(deviation: f64, rounding: f64, tolerance: f64) -> Self {
+        /// Factor on bounds, for their own rounding.
+        const SPARE: f64 = 1.0 + 1e-12;
+        Self {
+            metres: (deviation + rounding) * SPARE,
+            share: deviation / (tolerance - rounding),
+        }
+    }
+}
+
 /// The motion for which knots are placed.
 pub(super) trait Approximated {
-    /// Returns the error of the piece between two instants (m).
-    fn error(&mut self, from: f64, to: f64) -> Result<f64, Error>;
+    /// Returns the error of the piece between two instants.
+    fn error(&mut self, from: f64, to: f64) -> Result<PieceError, Error>;
 
     /// Returns an error if the knots placed so far show that the motion cannot be meant.
     fn examine(&mut self, _knots: &[f64]) -> Result<(), Error> {
@@ -54,8 +81,8 @@ pub(super) trait Approximated {
     }
 }
 
-impl<F: FnMut(f64, f64) -> Result<f64, Error>> Approximated for F {
-    fn error(&mut self, from: f64, to: f64) -> Result<f64, Error> {
+impl<F: FnMut(f64, f64) -> Result<PieceError, Error>> Approximated for F {
+    fn error(&mut self, from: f64, to: f64) -> Result<PieceError, Error> {
         self(from, to)
     }
 }
@@ -72,7 +99,7 @@ pub(super) fn place_knots(
     mut motion: impl Approximated,
 ) -> Result<Placed, Error> {
     let (mut knots, mut from) = (vec![start], start);
-    let (mut step, mut error, mut last_error) = ((end - start) / 8.0, 0.0_f64, 0.0);
+    let (mut step, mut error, mut last_share) = ((end - start) / 8.0, 0.0_f64, 0.0);
     while from < end {
         if knots.len() >= max_knots {
             return Err(Error::FitKnots {
@@ -80,14 +107,13 @@ pub(super) fn place_knots(
                 time: from,
             });
         }
-        let to;
-        (to, last_error) = longest_step([from, end], step, tolerance, &mut motion)?;
-        error = error.max(last_error);
+        let (to, found) = longest_step([from, end], step, tolerance, &mut motion)?;
+        (error, last_share) = (error.max(found.metres), found.share);
         knots.push(to);
         motion.examine(&knots)?;
         (step, from) = (to - from, to);
     }
-    let balanced = evenly_shortened(&knots, last_error / tolerance);
+    let balanced = evenly_shortened(&knots, last_share);
     if let Some(error) = error_within(&balanced, tolerance, &mut motion)? {
         knots = balanced;
         return Ok(Placed { knots, error });
@@ -101,25 +127,25 @@ fn longest_step(
     first: f64,
     tolerance: f64,
     motion: &mut impl Approximated,
-) -> Result<(f64, f64), Error> {
+) -> Result<(f64, PieceError), Error> {
     let least = LEAST_STEP * f64::EPSILON * from.abs().max(f64::MIN_POSITIVE);
     let (mut good, mut bad, mut reached) = (None, None, f64::INFINITY);
     let mut to = (from + first.max(least)).min(end);
     for trial in 0..MOST_TRIALS {
         let (length, error) = (to - from, motion.error(from, to)?);
-        reached = error.min(reached);
-        // The error of a cubic grows with the fourth power of its duration.
-        let factor = (AIM * tolerance / error).sqrt().sqrt();
+        reached = error.metres.min(reached);
+        // The deviation from a cubic grows with the fourth power of its duration.
+        let factor = (AIM / error.share).sqrt().sqrt();
         let hurry = trial > 8;
-        let proposal = if error <= tolerance {
-            if to >= end || error >= LONG_ENOUGH * tolerance {
+        let proposal = if error.metres <= tolerance {
+            if to >= end || error.share >= LONG_ENOUGH {
                 return Ok((to, error));
             }
             good = Some((to, error));
             from + length * factor.clamp(if hurry { 2.0 } else { 1.01 }, 4.0)
         } else {
             bad = Some(to);
-            // What is not a number shrinks as well.
+            // After NaN the step shrinks as well.
             let factor = if factor >= 0.1 { factor } else { 0.1 };
             from + length * factor.min(if hurry { 0.5 } else { 0.95 })
         };
@@ -144,11 +170,10 @@ fn longest_step(
     })
 }
 
-/// Returns the knots with all pieces shortened by one factor, and the last one lengthened in turn. `share` is the
-/// error of the last piece in units of the tolerance.
+/// Returns the knots with all pieces shortened by one factor, and the last one lengthened in turn. `share` is that of
+/// the last piece.
 ///
-/// The last piece could have been longer: as long as the piece before it, or as its error says, where rounding is
-/// no large part of that.
+/// The last piece could have been longer: as long as the piece before it, or as its share says.
 fn evenly_shortened(knots: &[f64], share: f64) -> Vec<f64> {
     let [.., before, from, end] = knots else {
         return Vec::new();
@@ -184,7 +209,7 @@ fn error_within(
         let error = if is_short {
             f64::INFINITY
         } else {
-            motion.error(pair[0], pair[1])?
+            motion.error(pair[0], pair[1])?.metres
         };
         if error.is_nan() || error > tolerance {
             return Ok(None);

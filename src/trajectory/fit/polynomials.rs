@@ -1,11 +1,11 @@
 //! Polynomials up to degree 7, approximated by cubics.
 
+use super::Fit;
 use super::options::FitOptions;
-use super::place::{checked_tolerance, place_knots};
+use super::place::{PieceError, checked_tolerance, place_knots};
 use super::reduction::{COEFFICIENTS, PositionPolynomial};
-use super::result::Fit;
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
-use crate::trajectory::build::{check_number, check_times};
+use crate::trajectory::build::{check_vector, checked_knots};
 use crate::trajectory::{TimeBase, Trajectory};
 use glam::DVec3;
 
@@ -51,16 +51,7 @@ impl Trajectory {
     ) -> Result<Fit, Error> {
         const { assert!(N >= 1 && N <= COEFFICIENTS, "degree up to 7") }
         let tolerance = checked_tolerance(tolerance)?;
-        if knots.len() < 2 {
-            return Err(Error::TooFewStates { count: knots.len() });
-        }
-        if knots.len() != coefficients.len() + 1 {
-            return Err(Error::SegmentCount {
-                knots: knots.len(),
-                segments: coefficients.len(),
-            });
-        }
-        check_times(knots.iter().copied())?;
+        let knots = checked_knots(knots, coefficients.len())?;
         let (mut times, mut cubics) = (Vec::from(&knots[..1]), Vec::new());
         let mut error = 0.0_f64;
         for (knot, given) in coefficients.iter().enumerate() {
@@ -68,7 +59,14 @@ impl Trajectory {
             let polynomial = checked_polynomial(given, base, ends, knot)?;
             let added = times.len() - (knot + 1);
             let max_knots = (FitOptions::MAX_KNOTS + 2).saturating_sub(added);
-            let error_of = |from, to| Ok(polynomial.reduced(from, to).error);
+            let error_of = |from, to| {
+                let reduced = polynomial.reduced(from, to);
+                Ok(PieceError::of(
+                    reduced.remainder,
+                    reduced.rounding,
+                    tolerance,
+                ))
+            };
             let placed = place_knots(ends, tolerance, max_knots, error_of)?;
             error = error.max(placed.error);
             for pair in placed.knots.windows(2) {
@@ -94,9 +92,7 @@ fn checked_polynomial(
 ) -> Result<PositionPolynomial, Error> {
     let mut coefficients = [DVec3::ZERO; COEFFICIENTS];
     for (power, (&from, to)) in given.iter().rev().zip(&mut coefficients).enumerate() {
-        for axis in 0..3 {
-            check_number(knot, Quantity::Coefficient { power, axis }, from[axis])?;
-        }
+        check_vector(knot, |axis| Quantity::Coefficient { power, axis }, from)?;
         *to = from;
     }
     let origin = match base {

@@ -1,8 +1,8 @@
 //! A cubic in place of a part of a polynomial of degree 7, with a proven bound of the remainder.
 
-use super::deviation::{EVALUATION, SPARE};
 use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, norm};
-use crate::trajectory::double_double::DoubleDouble;
+use crate::trajectory::Segment;
+use crate::trajectory::double_double::{DoubleDouble, taylor_shift};
 use glam::DVec3;
 
 /// Number of coefficients of a polynomial of degree 7.
@@ -25,8 +25,10 @@ pub(super) struct PositionPolynomial {
 pub(super) struct Reduced {
     /// Coefficients of t³, t², t, 1, with the time since the start of the part (m, s).
     pub(super) cubic: [DVec3; 4],
-    /// Largest distance (m) between the polynomial and positions of a trajectory of the cubic.
-    pub(super) error: f64,
+    /// Bound of the distance (m) between the polynomial and the cubic, in real arithmetic.
+    pub(super) remainder: f64,
+    /// Bound of what rounding adds to it in positions of a trajectory, m.
+    pub(super) rounding: f64,
 }
 
 impl PositionPolynomial {
@@ -40,13 +42,13 @@ impl PositionPolynomial {
     /// Returns a bound of the sum of the terms' absolute values at all times up to `reach` (s) from the origin (m).
     pub(super) fn size(&self, reach: f64) -> f64 {
         let sizes = self.coefficients.iter().rev().copied().map(norm);
-        sizes.fold(0.0, |sum, size| sum * reach + size) * SPARE
+        sizes.fold(0.0, |sum, size| sum * reach + size)
     }
 
     /// Returns the cubic that agrees with the polynomial in position and velocity at both ends of a part (s).
     ///
     /// In s = (t - start) / duration, the powers from the fourth on are
-    /// s^k = (k-3) s³ - (k-4) s² + s² (1-s)² Q(s), with Q = 1, s + 2, s² + 2s + 3, s³ + 2s² + 3s + 4.
+    /// s^k = (k-2) s³ - (k-3) s² + s² (1-s)² Q(s), with Q = 1, s + 2, s² + 2s + 3, s³ + 2s² + 3s + 4.
     /// So the remainder is s² (1-s)² times a cubic.
     pub(super) fn reduced(&self, start: f64, end: f64) -> Reduced {
         let duration = DoubleDouble::difference(end, start);
@@ -54,27 +56,25 @@ impl PositionPolynomial {
         let mut cubic = [DVec3::ZERO; 4];
         let mut high = [DVec3::ZERO; 4];
         for axis in 0..3 {
-            let around = self.around(shift, axis);
-            let [constant, linear, quadratic, third, c4, c5, c6, c7] = around;
-            let number = DoubleDouble::from;
-            let to_third = number(2.0) * c4
-                + duration
-                    * (number(3.0) * c5
-                        + duration * (number(4.0) * c6 + duration * number(5.0) * c7));
-            let to_second = c4
-                + duration
-                    * (number(2.0) * c5
-                        + duration * (number(3.0) * c6 + duration * number(4.0) * c7));
+            let given = self.coefficients.map(|term| DoubleDouble::from(term[axis]));
+            let [constant, linear, quadratic, third, from_fourth @ ..] =
+                taylor_shift(given, |&term| term * shift);
             let square = duration * duration;
+            // The sum of weight c_k duration^(k-4); weights grow by 1 from the first.
+            let sum = |first: f64| {
+                let weighted = from_fourth.into_iter().zip([0.0, 1.0, 2.0, 3.0]).rev();
+                weighted.fold(DoubleDouble::from(0.0), |sum, (coefficient, more)| {
+                    DoubleDouble::from(first + more) * coefficient + duration * sum
+                })
+            };
             let powers = [
-                third + duration * to_third,
-                quadratic + number(-1.0) * square * to_second,
+                third + duration * sum(2.0),
+                quadratic + (square * sum(1.0)).negated(),
                 linear,
                 constant,
             ];
-            let fourth = square * square;
-            let mut factor = fourth;
-            for (coefficient, high) in [c4, c5, c6, c7].into_iter().zip(&mut high) {
+            let mut factor = square * square;
+            for (coefficient, high) in from_fourth.into_iter().zip(&mut high) {
                 high[axis] = (coefficient * factor).rounded();
                 factor = factor * duration;
             }
@@ -88,23 +88,14 @@ impl PositionPolynomial {
         let extent = duration * (first + duration * (second + duration * third));
         // The coefficients are rounded, then the points of the segment, then what is returned of it.
         let rounding = UNIT_ROUNDOFF * (3.0 * constant + 16.0 * extent)
-            + EVALUATION * extent
+            + Segment::EVALUATION * extent
             + DOUBLE_DOUBLE * self.size(reach)
             + UNDERFLOW * 64.0 * reach.max(1.0).powi(7);
-        let error = (remainder(high) + rounding) * SPARE;
-        Reduced { cubic, error }
-    }
-
-    /// Returns one axis's coefficients around another instant.
-    fn around(&self, shift: DoubleDouble, axis: usize) -> [DoubleDouble; COEFFICIENTS] {
-        let axis_of = |coefficient: DVec3| DoubleDouble::from(coefficient[axis]);
-        let mut around = self.coefficients.map(axis_of);
-        for first in 0..COEFFICIENTS - 1 {
-            for power in (first..COEFFICIENTS - 1).rev() {
-                around[power] = around[power] + around[power + 1] * shift;
-            }
+        Reduced {
+            cubic,
+            remainder: remainder(high),
+            rounding,
         }
-        around
     }
 }
 

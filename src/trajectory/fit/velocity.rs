@@ -60,7 +60,7 @@ pub(super) fn check_velocity(
         let duration = piece[1] - piece[0];
         let whole = mean(piece[0], piece[1])?;
         let error = norm(whole.error());
-        // What is not a number refuses nothing.
+        // NaN refuses nothing.
         let is_harmful = error * duration >= LEAST_SHIFT * tolerance;
         if !is_harmful {
             return Ok(());

@@ -1,7 +1,8 @@
-//! Parts of a segment: control points between two instants, inside its knots and beyond.
+//! Parts of a segment: control points between two instants, inside its knots and beyond, their rounding and their limits.
 
 use super::Segment;
 use crate::blossom::restrict;
+use crate::error::{Error, MAX_MAGNITUDE, Quantity};
 use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, norm};
 use glam::DVec3;
 
@@ -49,7 +50,7 @@ impl Segment {
         let size = self.extent * reach;
         Restriction {
             points: [a + a + a, a + a + b, a + b + b, b + b + b].map(|sum| linear * (sum / 3.0)),
-            // As of any cubic: the extent is the length of the linear coefficient.
+            // The error of any cubic: the extent is the length of the linear coefficient.
             error: self.grown_error(reach, size) + 12.0 * UNIT_ROUNDOFF * size + UNDERFLOW,
         }
     }
@@ -90,6 +91,33 @@ impl Segment {
         }
     }
 
+    /// Returns the size to which all rounding of the part between `from` and `to` is relative, m.
+    /// It bounds the terms of the power form. It is larger where the segment's own error exceeds a
+    /// few roundings of its extent, as for polynomials in absolute time far from the origin.
+    pub(crate) fn rounding_scale(&self, from: f64, to: f64) -> f64 {
+        let (size, error) = if self.covers(from, to) {
+            (self.extent, self.error())
+        } else {
+            let lengths = self.lengths_to(from, to);
+            let size = if self.is_bent() {
+                let [linear, quadratic, cubic] = self.powers().map(|c| c.abs().element_sum());
+                lengths * (linear + lengths * (quadratic + lengths * cubic))
+            } else if self.goes_on() {
+                self.extent * lengths.max(1.0)
+            } else {
+                self.extent * (1.0 + 2.0 * lengths).powi(3)
+            };
+            (size, self.grown_error(lengths, size))
+        };
+        size + error / (16.0 * UNIT_ROUNDOFF)
+    }
+
+    /// Returns the distance that an interval reaches from the start, in durations of the segment.
+    pub(crate) fn lengths_to(&self, from: f64, to: f64) -> f64 {
+        let duration = self.end - self.start;
+        ((from - self.start).abs().max((to - self.start).abs())) / duration
+    }
+
     /// Returns a bound on the segment's own error within `lengths` durations of its start, m;
     /// `size` (m) bounds the terms of its power form there.
     ///
@@ -97,7 +125,7 @@ impl Segment {
     /// [`bend`](super::bend). Otherwise a control point's error (its own, and at most 4 roundings
     /// of the extent from forming the power coefficients) grows like the sum of the Bernstein
     /// weights: (1 + 2 lengths)³.
-    pub(super) fn grown_error(&self, lengths: f64, size: f64) -> f64 {
+    fn grown_error(&self, lengths: f64, size: f64) -> f64 {
         let growth = 1.0 + 2.0 * lengths;
         if !self.goes_on() {
             let points = self.error + 4.0 * UNIT_ROUNDOFF * self.extent + UNDERFLOW;
@@ -112,5 +140,37 @@ impl Segment {
         } else {
             0.0
         }
+    }
+
+    /// Checks that the cubic can be followed between two instants (s) beyond knot number `knot`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfRange`], [`Error::TooFar`].
+    pub(in crate::trajectory) fn check_reach(
+        &self,
+        (from, to): (f64, f64),
+        knot: usize,
+    ) -> Result<(), Error> {
+        /// Largest distance in time, in segment durations: its third power must stay in range.
+        const MAX_LENGTHS: f64 = 1e100;
+        /// Upper bound of cut times, s: the last cut may lie some times farther than the window's end.
+        const FARTHEST: f64 = 10.0 * MAX_MAGNITUDE;
+        let farthest = from.abs().max(to.abs());
+        if self.lengths_to(from, to) > MAX_LENGTHS || farthest > FARTHEST {
+            let far = (from - self.start).abs() > (to - self.start).abs();
+            let time = if far { from } else { to };
+            return Err(Error::TooFar { knot, time });
+        }
+        // Its rounding grows as well.
+        let reach = self.rounding_scale(from, to);
+        if reach.is_nan() || reach > MAX_MAGNITUDE {
+            return Err(Error::OutOfRange {
+                knot,
+                quantity: Quantity::Distance,
+                value: reach,
+            });
+        }
+        Ok(())
     }
 }
