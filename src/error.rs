@@ -164,7 +164,7 @@ pub enum Error {
     },
     /// The length of a rotation's quaternion differs from 1 by more than 1e-9.
     #[error(
-        "knot {knot}: the quaternion of the rotation has the length {length:?}, not 1: normalise it"
+        "knot {knot}: the quaternion of the rotation has the length {length:?}, not 1: normalise it in f64"
     )]
     RotationLength {
         /// The knot, counted from 0.
@@ -329,7 +329,9 @@ pub enum Error {
         value: f64,
     },
     /// The length of a half-space's normal differs from 1 by more than 1e-9.
-    #[error("the normal of the half-space has the length {length:?}, not 1: give a unit vector")]
+    #[error(
+        "the normal of the half-space has the length {length:?}, not 1: give a unit vector, normalised in f64"
+    )]
     NormalLength {
         /// The length; NaN if a component is.
         length: f64,

@@ -19,6 +19,9 @@
 pub mod start_here {}
 
 #[doc = include_str!("guide/choosing_accuracy.md")]
+#[doc = include_str!("../examples/images/tradeoff-pair.svg")]
+#[doc = ""]
+#[doc = include_str!("../examples/images/tradeoff-stepped.svg")]
 pub mod choosing_accuracy {}
 
 #[doc = include_str!("guide/time_frames_units.md")]

@@ -29,7 +29,7 @@ pub struct Sphere {
 /// begin and end a conflict, and those that may be the nearest ones.
 ///
 /// ```
-/// use glam::DVec3;
+/// use nearmiss::glam::DVec3;
 /// use nearmiss::{Hitbox, Sphere};
 ///
 /// let ball = Hitbox::sphere(0.5)?;

@@ -95,6 +95,9 @@
 //! On `wasm32-unknown-unknown` everything runs on the caller's thread without `parallel` and
 //! `live`; the clock that times work and keeps a [`Budget::Time`] is the browser's.
 
+// On docs.rs each item names the features that it needs.
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
 mod accuracy;
 mod blossom;
 mod bounds;

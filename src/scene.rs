@@ -97,7 +97,7 @@ impl Slot {
 /// reused by the next screening.
 ///
 /// ```
-/// use glam::DVec3;
+/// use nearmiss::glam::DVec3;
 /// use nearmiss::{Body, Hitbox, Query, Scene, State, Trajectory};
 ///
 /// let fly = |from: DVec3, to: DVec3| {

@@ -393,6 +393,10 @@ const TABLES: [(&str, &[&str]); 7] = [
         &["tolerance_m", "encounters", "certified", "unresolved", "ms"],
     ),
     ("prices", &["work", "with", "ms", "times_the_first"]),
+    (
+        "existence",
+        &["one_body_with", "ms", "percent_more", "from", "to"],
+    ),
 ];
 
 /// The tables of `tradeoff` have their rows and columns, and what is ours is right.

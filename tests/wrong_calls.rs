@@ -7,7 +7,7 @@
 )]
 
 use nearmiss::glam::{DQuat, DVec3, Quat, Vec3};
-use nearmiss::parry3d::shape::{Ball, Cuboid, TriMesh};
+use nearmiss::parry3d::shape::{Ball, Cuboid, Segment, TriMesh};
 use nearmiss::{
     AlertLevel, Body, BodyId, BodyState, CoverOptions, FitOptions, Hitbox, Keyframe, Monitor,
     Orientation, Outside, PositionOptions, Query, RevisionThreshold, Scene, Sphere, SphereCover,
@@ -120,7 +120,9 @@ fn tetrahedron(corner: Vec3) -> Result<TriMesh, Box<dyn Error>> {
 #[rustfmt::skip]
 const BODIES: &[(Attempt, &str)] = &[
     (|| done(Hitbox::half_space(DVec3::ZERO)?),
-     "the normal of the half-space has the length 0.0, not 1: give a unit vector"),
+     "the normal of the half-space has the length 0.0, not 1: give a unit vector, normalised in f64"),
+    (|| done(Hitbox::half_space(Vec3::new(0.6, 0.8, 0.0))?),
+     "the normal of the half-space has the length 1.000000023841858, not 1: give a unit vector, normalised in f64"),
     (|| {
         let spin = Orientation::spin(0.0, DQuat::IDENTITY, DVec3::Y)?;
         done(Scene::new().insert(body().with_hitbox(Hitbox::half_space(DVec3::X)?).with_orientation(spin))?)
@@ -132,6 +134,11 @@ const BODIES: &[(Attempt, &str)] = &[
      "the cuboid has no points, or a number that is not finite, or a negative length"),
     (|| done(SphereCover::fit(&Ball::new(1.0), &CoverOptions::new(9).with_target_overshoot(-1.0))?),
      "a target overshoot of -1.0 m is not a finite number of at least 0"),
+    (|| done(SphereCover::fit(&Cuboid::new(Vec3::ONE), &CoverOptions::new(3).with_target_overshoot(1e-9))?),
+     "no cover found reaches out by at most 1e-9 m: the best one, of 1 sphere, by 0.7320508140502842 m; allow more \
+      spheres or a larger target"),
+    (|| done(SphereCover::fit(&Segment::new(Vec3::ZERO, Vec3::X), &CoverOptions::new(3))?),
+     "a segment cannot be covered with spheres: give a solid, a compound of solids, or a triangle mesh"),
     (|| done(verify_cover(&[], &Ball::new(1.0))?), "a cluster needs at least one sphere"),
     (|| done(Hitbox::cluster(vec![Sphere { offset: DVec3::ZERO, radius: -0.1 }])?),
      "sphere 0: radius -0.1 m is not a number from 0 to 1e300"),
@@ -188,7 +195,7 @@ const MONITORS: &[(Attempt, &str)] = &[
         let (mut monitor, id) = monitor();
         let rotation = Quat::from_xyzw(0.5, 0.5, 0.5, 0.5001).as_dquat();
         done(monitor.track(1.0, [(id, BodyState::from(state(1.0, 0.0)).with_spin(rotation, DVec3::Z))])?)
-    }, "body 4: knot 0: the quaternion of the rotation has the length 1.0000500120480236, not 1: normalise it"),
+    }, "body 4: knot 0: the quaternion of the rotation has the length 1.0000500120480236, not 1: normalise it in f64"),
     (|| {
         let (mut monitor, id) = monitor();
         monitor.remove(id)?;

@@ -5,8 +5,10 @@
 //!     [--json FILE] [--pictures FOLDER] [--bodies N | --states FILE --radius R --margin M]
 //! ```
 //!
-//! Every line is compared with a certified reference. Times are medians; what is compared runs in turns.
+//! Every line is compared with a certified reference. Times are medians; what is compared runs in turns. With
+//! `--features recording` the price list has a row for it.
 
+mod existence;
 mod modelled;
 mod pair;
 #[allow(dead_code, reason = "the benchmark `kernels` uses more of it")]
@@ -183,7 +185,10 @@ fn measure(
             vec![stepped::table(&world, effort, progress)?]
         }
         Part::Modelled => modelled::tables(effort, progress)?,
-        Part::Prices => vec![prices::table(effort, progress)?],
+        Part::Prices => vec![
+            prices::table(effort, &|share| progress(0.6 * share))?,
+            existence::table(effort, &|share| progress(0.6 + 0.4 * share))?,
+        ],
     })
 }
 

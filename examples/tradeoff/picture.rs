@@ -58,7 +58,8 @@ pub(crate) fn draw(table: &Table) -> Result<String, Failure> {
         page(&area, &axes, &marks)?;
         area.present()?;
     }
-    Ok(drawn)
+    // A page narrower than the picture, in which its text may stand, shows all of it.
+    Ok(drawn.replacen("<svg ", "<svg style=\"max-width:100%;height:auto\" ", 1))
 }
 
 /// Time of a pair against the worst error, of random pairs.

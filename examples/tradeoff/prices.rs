@@ -1,4 +1,4 @@
-//! A price list: what each capability costs the scene that uses it, and one that has a single body which does.
+//! A price list: what each capability costs the scene that uses it.
 
 use crate::scenes::{Shape, generator, normal_vector, swarm};
 use crate::table::Table;
@@ -14,10 +14,9 @@ use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use std::f64::consts::TAU;
 use std::hint::black_box;
-use std::io::sink;
 
 /// Separation that counts, m.
-const MARGIN: f64 = 5.0;
+pub(crate) const MARGIN: f64 = 5.0;
 /// Reach of each body, m.
 const REACH: f64 = 2.0;
 /// Frames a second, and frames that a monitor goes on for in a turn.
@@ -26,7 +25,7 @@ const FRAMES: u32 = 30;
 
 /// A capability that a body may use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Use {
+pub(crate) enum Use {
     Nothing,
     /// One of four layers, each of which admits all.
     Layers,
@@ -68,7 +67,7 @@ fn body(rng: &mut ChaCha8Rng, number: usize, states: &[State], uses: Use) -> Res
 }
 
 /// A swarm, all bodies of which use something, or only one.
-fn scene(count: usize, uses: Use, all: bool) -> Result<Scene, Failure> {
+pub(crate) fn scene(count: usize, uses: Use, all: bool) -> Result<Scene, Failure> {
     let mut rng = generator(2);
     let mut scene = Scene::new();
     for (number, actor) in swarm(count, Shape::Cube, 1).actors.into_iter().enumerate() {
@@ -82,25 +81,20 @@ fn scene(count: usize, uses: Use, all: bool) -> Result<Scene, Failure> {
     Ok(scene)
 }
 
-/// Screenings: each capability used by all, and by one.
+/// Screenings: each capability used by all.
 fn screenings(effort: &Effort, table: &mut Table, progress: &dyn Fn(f64)) -> Result<(), Failure> {
     let count = effort.choose(10_000, 1_000);
     let turns = effort.choose(15, 3);
     let query = Query::default().with_margin(MARGIN);
     let certified = query.with_accuracy(Accuracy::Certified);
     let runs = [
-        ("balls", Use::Nothing, true, &query),
-        ("+ layers", Use::Layers, true, &query),
-        ("+ clusters of 8 spheres", Use::Cluster, true, &query),
-        ("+ clusters that turn", Use::Turning, true, &query),
-        ("+ certified", Use::Nothing, true, &certified),
-        ("one body with layers", Use::Layers, false, &query),
-        ("one cluster", Use::Cluster, false, &query),
-        ("one cluster that turns", Use::Turning, false, &query),
+        ("balls", Use::Nothing, &query),
+        ("+ layers", Use::Layers, &query),
+        ("+ clusters of 8 spheres", Use::Cluster, &query),
+        ("+ clusters that turn", Use::Turning, &query),
+        ("+ certified", Use::Nothing, &certified),
     ];
-    let scenes = runs
-        .iter()
-        .map(|&(_, uses, all, _)| scene(count, uses, all));
+    let scenes = runs.iter().map(|&(_, uses, _)| scene(count, uses, true));
     let scenes = scenes.collect::<Result<Vec<Scene>, Failure>>()?;
     progress(0.2);
     let mut works: Vec<_> = scenes
@@ -153,6 +147,22 @@ fn live_apart(monitor: Monitor) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Begins a recording; what it writes down at first is no part of a tick.
+#[cfg(feature = "recording")]
+fn recorded(mut monitor: Monitor) -> Result<Monitor, Failure> {
+    monitor.start_recording(std::io::sink())?;
+    Ok(monitor)
+}
+
+/// Names of the monitors that are compared.
+const MONITORS: &[&str] = &[
+    "a tick, one level",
+    "+ a second level",
+    "+ a thread of its own",
+    #[cfg(feature = "recording")]
+    "+ recording",
+];
+
 /// Monitors: levels, a thread of its own, a recording.
 fn monitors(effort: &Effort, table: &mut Table, progress: &dyn Fn(f64)) -> Result<(), Failure> {
     let count = effort.choose(10_000, 1_000);
@@ -166,15 +176,14 @@ fn monitors(effort: &Effort, table: &mut Table, progress: &dyn Fn(f64)) -> Resul
     };
     let one = [AlertLevel::at(MARGIN)];
     let two = [AlertLevel::at(MARGIN), AlertLevel::at(0.0)];
-    let mut times = vec![Vec::new(); 4];
+    let mut times = vec![Vec::new(); MONITORS.len()];
     for turn in 0..turns {
-        let mut recorded = monitor(&one)?;
-        recorded.start_recording(sink())?;
-        let lives: [(Monitor, Life); 4] = [
+        let lives: [(Monitor, Life); MONITORS.len()] = [
             (monitor(&one)?, live_through),
             (monitor(&two)?, live_through),
             (monitor(&one)?, live_apart),
-            (recorded, live_through),
+            #[cfg(feature = "recording")]
+            (recorded(monitor(&one)?)?, live_through),
         ];
         for ((monitor, life), times) in lives.into_iter().zip(&mut times) {
             let (done, time) = crate::timing::timed(|| life(monitor));
@@ -184,21 +193,15 @@ fn monitors(effort: &Effort, table: &mut Table, progress: &dyn Fn(f64)) -> Resul
         #[allow(clippy::cast_precision_loss, reason = "shown")]
         progress(0.4 + 0.6 * (turn + 1) as f64 / turns as f64);
     }
-    let names = [
-        "a tick, one level",
-        "+ a second level",
-        "+ a thread of its own",
-        "+ recording",
-    ];
     let ratio = |own: &[f64]| {
         let ratios = own.iter().zip(&times[0]).map(|(own, first)| own / first);
         crate::timing::median(ratios.collect())
     };
-    for (name, own) in names.into_iter().zip(&times) {
+    for (name, own) in MONITORS.iter().zip(&times) {
         let time = crate::timing::median(own.clone());
         table.row(vec![
             "monitor".into(),
-            name.into(),
+            (*name).into(),
             (1e3 * time).into(),
             ratio(own).into(),
         ]);

@@ -9,7 +9,9 @@ pub enum CoverError {
     /// No finite set of spheres contains the shape (a half-space), or the kind of shape has neither
     /// a volume nor triangles (a segment, a polyline), or it is not supported (height fields,
     /// voxels, rounded and custom shapes).
-    #[error("a {kind} cannot be covered with spheres")]
+    #[error(
+        "a {kind} cannot be covered with spheres: give a solid, a compound of solids, or a triangle mesh"
+    )]
     UnsupportedShape {
         /// The kind of shape, as parry3d calls it.
         kind: &'static str,
@@ -37,7 +39,9 @@ pub enum CoverError {
     },
     /// No cover with the allowed number of spheres was found that reaches the target overshoot.
     #[error(
-        "the best cover of {spheres} spheres has an overshoot of {overshoot} m, above the target of {target} m"
+        "no cover found reaches out by at most {target:?} m: the best one, of {spheres} sphere{}, by {overshoot:?} m; \
+         allow more spheres or a larger target",
+        if *.spheres == 1 { "" } else { "s" }
     )]
     TargetMissed {
         /// Number of spheres of the best cover.

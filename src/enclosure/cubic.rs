@@ -6,7 +6,7 @@ use glam::DVec3;
 /// A cubic with a bound on its distance from the exact relative motion.
 ///
 /// ```
-/// use glam::DVec3;
+/// use nearmiss::glam::DVec3;
 /// use nearmiss::internals::enclosure::{Side, Threshold, UncertainCubic};
 ///
 /// // Straight past the origin, 3 m off; the exact motion is within a nanometre of that.

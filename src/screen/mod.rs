@@ -46,6 +46,14 @@ pub struct Screening {
     pub stats: Stats,
 }
 
+impl Screening {
+    /// Returns the conflicts of one body, soonest first. The call goes through all conflicts.
+    pub fn conflicts_of(&self, id: BodyId) -> impl Iterator<Item = &Conflict> {
+        let concerns = move |conflict: &&Conflict| conflict.a == id || conflict.b == id;
+        self.conflicts.iter().filter(concerns)
+    }
+}
+
 impl Scene {
     /// Returns all conflicts of the scene within the query's window and margin.
     ///

@@ -180,7 +180,7 @@ impl Trajectory {
     /// # Errors
     ///
     /// [`Error::NotFinite`] and [`Error::OutOfRange`] if the position is not usable.
-    pub fn at_rest(position: DVec3) -> Result<Self, Error> {
+    pub fn at_rest(position: impl Into<DVec3>) -> Result<Self, Error> {
         // It lasts as long as times go, so that a window however long needs one piece, or two.
         let state = State::new(0.0, position, DVec3::ZERO);
         check_states(&[state])?;

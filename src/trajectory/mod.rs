@@ -44,7 +44,7 @@ use turned::TurnedMotion;
 /// The motion of one body: cubic segments between knots, and a rule for the time outside them.
 ///
 /// ```
-/// use glam::DVec3;
+/// use nearmiss::glam::DVec3;
 /// use nearmiss::{State, Trajectory};
 ///
 /// let plan = Trajectory::from_states(&[

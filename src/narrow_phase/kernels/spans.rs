@@ -19,7 +19,7 @@ use crate::trajectory::Segment;
 /// the polygon's size of the threshold.
 ///
 /// ```
-/// use glam::DVec3;
+/// use nearmiss::glam::DVec3;
 /// use nearmiss::kernels::{InstructionSet, SpanBatch, Verdict};
 /// use nearmiss::{State, Trajectory};
 ///

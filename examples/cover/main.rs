@@ -9,11 +9,9 @@
 //! `{"spheres":[[x,y,z,r],...],"overshoot_percent":...,"volume_ratio":...,"seconds":...}`. The volume
 //! ratio is null for a mesh without interior.
 
-#[path = "cover/mesh.rs"]
 mod mesh;
-#[path = "cover/picture.rs"]
 mod picture;
-#[path = "terminal/mod.rs"]
+#[path = "../terminal/mod.rs"]
 mod terminal;
 
 use clap::builder::TypedValueParser;

@@ -1,0 +1,89 @@
+//! The price of a capability for a scene in which one single body uses it.
+
+use crate::prices::{MARGIN, Use, scene};
+use crate::table::Table;
+use crate::timing::{median, timed};
+use crate::{Effort, Failure};
+use nearmiss::{Query, Scene};
+use std::hint::black_box;
+
+/// Scenes that are compared: the one body, and what it uses. The last one shows the error of this measurement.
+const SCENES: [(&str, Use); 4] = [
+    ("layers", Use::Layers),
+    ("a cluster", Use::Cluster),
+    ("a cluster that turns", Use::Turning),
+    ("nothing (the same scene again)", Use::Nothing),
+];
+
+/// Times of one screening of each scene, s: of the scene without, then those of `SCENES`.
+type Turn = [f64; SCENES.len() + 1];
+
+/// Screens all scenes once, beginning with the one that has this number. Each is then as often the first as the last.
+fn turn(scenes: &[Scene], begin: usize) -> Turn {
+    let query = Query::default().with_margin(MARGIN);
+    let mut times = Turn::default();
+    for step in 0..times.len() {
+        let place = (begin + step) % times.len();
+        times[place] = timed(|| drop(black_box(scenes[place].screen(&query)))).1;
+    }
+    times
+}
+
+/// Returns the median of some values, and an interval that contains the median of all possible ones in 95 of 100 cases.
+fn median_within(mut values: Vec<f64>) -> (f64, [f64; 2]) {
+    values.sort_by(f64::total_cmp);
+    #[allow(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a rank of a few dozen"
+    )]
+    let reach = (0.98 * (values.len() as f64).sqrt()).ceil() as usize;
+    let middle = values.len() / 2;
+    let (low, high) = (middle.saturating_sub(reach), middle + reach);
+    let ends = [values[low], values[high.min(values.len() - 1)]];
+    (median(values), ends)
+}
+
+/// What the body costs, as a share of the screening of a scene without it.
+pub(crate) fn table(effort: &Effort, progress: &dyn Fn(f64)) -> Result<Table, Failure> {
+    let count = effort.choose(10_000, 1_000);
+    // Where a scene lies in memory changes its time by a percent: scenes are made again and again.
+    let (rounds, turns) = effort.choose((16, 6), (3, 3));
+    let mut all: Vec<Turn> = Vec::new();
+    for round in 0..rounds {
+        let with = SCENES.map(|(_, uses)| scene(count, uses, false));
+        let mut scenes = vec![scene(count, Use::Nothing, false)?];
+        scenes.extend(with.into_iter().collect::<Result<Vec<Scene>, Failure>>()?);
+        // Once before: a first screening takes memory.
+        turn(&scenes, 0);
+        all.extend((0..turns).map(|number| turn(&scenes, round + number)));
+        #[allow(clippy::cast_precision_loss, reason = "shown")]
+        progress(f64::from(u32::try_from(round + 1)?) / rounds as f64);
+    }
+    let mut table = Table::new(
+        "existence",
+        format!("One body of {count} with: what the others pay for it (one thread)"),
+        &["one body with", "ms", "percent more", "from", "to"],
+    );
+    for (place, (name, _)) in (1..).zip(SCENES) {
+        let more = all
+            .iter()
+            .map(|times| 100.0 * (times[place] / times[0] - 1.0));
+        let (more, [from, to]) = median_within(more.collect());
+        let time = median(all.iter().map(|times| times[place]).collect());
+        table.row(vec![
+            name.into(),
+            (1e3 * time).into(),
+            more.into(),
+            from.into(),
+            to.into(),
+        ]);
+    }
+    table.note(format!(
+        "{} turns; percent more: median over the turns, within from and to in 95 of 100 cases.",
+        all.len()
+    ));
+    table.note("The last line is no cost: it shows how far off this measurement may be.");
+    Ok(table)
+}
