@@ -103,6 +103,7 @@ mod conflict;
 mod cover;
 mod enclosure;
 mod error;
+mod guess;
 pub mod guide;
 mod hitbox;
 mod id;

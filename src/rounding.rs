@@ -23,7 +23,7 @@
 //! | a sphere's way along a normal | `narrow_phase/half_space` | `half_space::tests::lines_are_within_their_error_of_the_heights` |
 //! | the lowest of several spheres: places, radii | `narrow_phase/half_space` | `half_space::tests::no_sphere_is_lower_than_the_lowest_one` |
 //! | clearances of both comparisons span by span | `narrow_phase/half_space` | `half_space::tests::what_touches_is_not_ruled_out` |
-//! | clearance of the first comparison | `search/heights` | `tests/half_space` `guards` |
+//! | clearance of the first comparison | `scene/heights` | `tests/half_space` `guards` |
 //! | windows of half-spaces | `screen/half_spaces`, `monitor/half_spaces` | `tests/half_space` `guards` |
 //! | the end of a lookahead, what a spent budget leaves | `monitor/half_spaces` | proof 12 |
 //! | model errors above a plane | `narrow_phase/half_space`, `screen/half_spaces` | `tests/half_space` `together` |

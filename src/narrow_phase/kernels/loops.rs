@@ -10,18 +10,15 @@
 )]
 
 use super::batch::Lanes;
-use super::cubic::{
-    CentredCubic, ControlPoints, Vector, coordinates, distance, dot, largest_of, local_time,
-    polygon,
-};
-use super::guess::{
-    Guess, HalleyStep, LaneSquaredDistance, arrive, certify, descend, descend_safely, guess,
-    halley_step, lowest_sample, outline, polish, settle,
-};
+use super::certificate::{Guess, certify, guess};
 use super::rival::{self, certify_against, contest, guess_against_rival};
 use super::screen::{Verdict, screen_eighths, screen_halves};
-use crate::enclosure::{
-    ControlPolygon, Minorant, enclosure, from_nearer, part_error, reversed, split, target,
+use crate::blossom::ControlPolygon;
+use crate::enclosure::{Minorant, enclosure, from_nearer, part_error, reversed, split, target};
+use crate::guess::{
+    CentredCubic, ControlPoints, HalleyStep, LaneSquaredDistance, Vector, arrive, coordinates,
+    descend, descend_safely, distance, dot, halley_step, largest_of, local_time, lowest_sample,
+    outline, polish, polygon, settle,
 };
 use crate::real::Real;
 use crate::simd::{InstructionSet, for_each_instruction_set};

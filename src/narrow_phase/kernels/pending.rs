@@ -1,8 +1,8 @@
 //! Pairs that a kernel could not settle, gathered until they fill a block.
 
 use super::batch::Lanes;
-use super::cubic::ControlPoints;
 use super::loops::BLOCK;
+use crate::guess::ControlPoints;
 use crate::real::Real;
 
 /// Rounds a number of lanes up to whole vectors of 64 bytes.

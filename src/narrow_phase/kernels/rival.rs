@@ -10,9 +10,10 @@
 //! equally low, or the minimum is flat, and there is no proof. Above it, and if the first guess had
 //! settled, that guess stays and only the proof is repeated.
 
-use super::cubic::{CentredCubic, ControlPoints};
-use super::guess::{
-    Deflated, Guess, LaneSquaredDistance, RefinedGuess, descend_safely, outline, polish, settle,
+use super::certificate::{Deflated, Guess};
+use crate::guess::{
+    CentredCubic, ControlPoints, LaneSquaredDistance, RefinedGuess, descend_safely, outline,
+    polish, settle,
 };
 use crate::real::Real;
 

@@ -1,13 +1,13 @@
 //! Verdicts for many pairs: two Bernstein screens, then an enclosure for the few undecided ones.
 
 use super::batch::Lanes;
-use super::cubic::{ControlPoints, largest_coordinate, widened};
 use super::enclosures::enclose;
 use super::loops::{
     BLOCK, EnclosureBlock, LaneBlock, enclose_block, screen_block, screen_block_finely,
 };
 use super::pending::RetryQueue;
 use super::screen::{Verdict, screen_eighths, screen_halves};
+use crate::guess::{ControlPoints, largest_coordinate, widened};
 use crate::real::Real;
 use crate::simd::InstructionSet;
 
