@@ -7,8 +7,8 @@
 //!
 //! 1. `trajectory`: states become [`Segment`](crate::Segment)s. Beyond its knots a body follows an *end
 //!    motion*, the cubic before its first knot and the one after its last. A *piece* is a segment, or a part
-//!    of an end motion between two *cuts*. A *straight motion* is a trajectory from one state. It can *turn*
-//!    into another one in place, as when states are told each frame. (A body that *turns* has a rotation.)
+//!    of an end motion between two *cuts*. A *straight motion* is a trajectory from one state. It is
+//!    *replaced* by another one in place where states are told each frame. A body that *turns* has a rotation.
 //! 2. `orientation`: a rotation becomes cubics of matrices between cuts of its own; it is *baked*. An
 //!    interval between neighbouring cuts of both bodies is a *cell*.
 //! 3. `scene`: a body lies in a *slot*, the number in its id. A *place* is its dense number in one search.
@@ -43,7 +43,7 @@
 //!     Those *at an edge* of the window are read again in each tick.
 //! 12. `monitor/encounters`: a planned encounter that is reported becomes a *tracked encounter*, until it
 //!     ends or is withdrawn. Their differences are the events. An instant up to which events were reported is
-//!     *told*.
+//!     *reported*. A state that the caller gives is *told*.
 
 use crate::query::Query;
 use std::num::NonZeroU32;

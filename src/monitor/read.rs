@@ -96,7 +96,7 @@ impl ReadContext<'_> {
             conflicts.add(slots, conflict);
         }
         let ahead = TickContext {
-            told: f64::NEG_INFINITY,
+            reported: f64::NEG_INFINITY,
             known: f64::INFINITY,
             ..TickContext::default()
         };
@@ -184,7 +184,7 @@ impl ReadContext<'_> {
             let Some(closest) = self.report(slots, clip, hold) else {
                 continue;
             };
-            let flown = (start, exit.min(tick.told));
+            let flown = (start, exit.min(tick.reported));
             visit(PlannedEncounter {
                 a: closest.a,
                 b: closest.b,

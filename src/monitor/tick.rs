@@ -83,7 +83,7 @@ impl Monitor {
         known: f64,
         events: &mut Vec<Event>,
     ) -> Result<(), Error> {
-        let known = known.clamp(self.told, (now + self.lookahead).max(self.told));
+        let known = known.clamp(self.reported, (now + self.lookahead).max(self.reported));
         // There was room for it; but not all was found in the same ticks.
         let limit = std::mem::replace(&mut self.search.max_spans, usize::MAX);
         let done = self.advance_by(now, BudgetMeter::up_to(known), events);
@@ -141,7 +141,7 @@ impl Monitor {
             return Ok(());
         }
         let end = now + self.lookahead;
-        self.choose_grid(now, meter.is_unlimited() && self.told >= self.now)?;
+        self.choose_grid(now, meter.is_unlimited() && self.reported >= self.now)?;
         self.search.extend_beyond(&self.scene, end)?;
         let mut stats = Stats {
             bodies: self.scene.len() as u64,
@@ -154,7 +154,7 @@ impl Monitor {
             self.batch.changed.len(),
             CommandBatch::FEW,
             || {
-                let window = (self.told, end);
+                let window = (self.reported, end);
                 let (meter, stats) = (&mut meter, &mut stats);
                 self.search
                     .catch_up(&self.scene, window, &admission, meter, stats)
@@ -168,8 +168,8 @@ impl Monitor {
         };
         let tick = TickContext {
             now,
-            told: now.min(known),
-            before: self.told,
+            reported: now.min(known),
+            before: self.reported,
             known,
             lookahead: self.lookahead,
             revision_threshold: self.revision_threshold,
@@ -180,7 +180,7 @@ impl Monitor {
         let mut next_id = self.next_id;
         let first = events.len();
         self.read(&tick, &mut next_id, events);
-        (self.now, self.told, self.known) = (now, tick.told, known);
+        (self.now, self.reported, self.known) = (now, tick.reported, known);
         self.next_id = next_id;
         events.append(&mut self.waiting);
         self.tell_plan_ends(end, events);
@@ -224,7 +224,7 @@ impl Monitor {
         self.end_of_removed();
         events.append(&mut self.waiting);
         for encounters in &mut self.encounters {
-            encounters.end(self.told, EndReason::MonitorClosed, |_| true, events);
+            encounters.end(self.reported, EndReason::MonitorClosed, |_| true, events);
         }
         events[first..].sort_unstable_by(Event::order);
     }
@@ -261,7 +261,7 @@ impl Monitor {
             search: &self.search,
             scene: &self.scene,
         };
-        self.readings.update(source, &self.levels, self.told);
+        self.readings.update(source, &self.levels, self.reported);
     }
 
     /// Reads the conflicts from now to the end of the known time, and the planned encounters from the last
@@ -300,7 +300,7 @@ impl Monitor {
                 for ((plains, encounters), alert) in plains.iter_mut().zip(encounters).zip(levels) {
                     let edges = WindowEdges {
                         // What the clock has reached must say how close it came.
-                        within: (tick.told, tick.known),
+                        within: (tick.reported, tick.known),
                         around: (tick.before, tick.known),
                     };
                     if plains.lists_all() {

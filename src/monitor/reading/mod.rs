@@ -127,7 +127,7 @@ mod tests {
             })
         });
         assert_eq!(found.collect::<Vec<_>>(), left);
-        // The others are looked at once more: something may have been told of them.
+        // The others are looked at once more: something may have been reported of them.
         assert_eq!(plains.listed().count(), 10);
     }
 
