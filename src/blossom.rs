@@ -1,5 +1,10 @@
 //! Parts of cubics in Bézier form.
 
+use glam::DVec3;
+
+/// Control points of a cubic or of a part of one, from the end that bounds are formed around.
+pub(crate) type ControlPolygon = [DVec3; 4];
+
 /// Returns the control points of a part of a cubic, each a value of its blossom (L. Ramshaw, 1989).
 ///
 /// `start` and `end` mix two neighbouring points in the ratio in which the part's ends divide the cubic.

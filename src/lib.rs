@@ -106,6 +106,7 @@ mod conflict;
 mod cover;
 mod enclosure;
 mod error;
+mod guess;
 pub mod guide;
 mod hitbox;
 mod id;

@@ -23,7 +23,7 @@
 //! | a sphere's way along a normal | `narrow_phase/half_space` | `half_space::tests::lines_are_within_their_error_of_the_heights` |
 //! | the lowest of several spheres: places, radii | `narrow_phase/half_space` | `half_space::tests::no_sphere_is_lower_than_the_lowest_one` |
 //! | clearances of both comparisons span by span | `narrow_phase/half_space` | `half_space::tests::what_touches_is_not_ruled_out` |
-//! | clearance of the first comparison | `search/heights` | `tests/half_space` `guards` |
+//! | clearance of the first comparison | `scene/heights` | `tests/half_space` `guards` |
 //! | windows of half-spaces | `screen/half_spaces`, `monitor/half_spaces` | `tests/half_space` `guards` |
 //! | the end of a lookahead, what a spent budget leaves | `monitor/half_spaces` | proof 12 |
 //! | model errors above a plane | `narrow_phase/half_space`, `screen/half_spaces` | `tests/half_space` `together` |
@@ -39,12 +39,12 @@
 //! | slack and bend of the least separation of some | `narrow_phase/clusters/chords` | `clusters::tests` |
 //! | tolerance: error, evaluation | `narrow_phase/relative` | `relative::tests::distances_are_within_the_tolerance` |
 //! | instants: step, sum | `narrow_phase/relative` | `relative::tests::instants_are_enclosed` |
-//! | clearance of filters, and of chords: scale, underflow | `narrow_phase/relative` | `relative::tests::filters_keep_clear_of_the_tolerance` |
-//! | squares of filters | `narrow_phase/filter` | the clearance: see there |
+//! | clearance of rejections, and of chords: scale, underflow | `narrow_phase/relative` | `relative::tests::rejections_keep_clear_of_the_tolerance` |
+//! | squares of rejections | `narrow_phase/rejection` | the clearance: see there |
 //! | squares of heights | `narrow_phase/hull` | `hull::tests::what_is_reached_is_not_beyond` |
 //! | tolerance before roots, once | `narrow_phase/stretches` | `stretches::tests` |
 //! | tolerance before roots, once more | `narrow_phase/stretches` | proof 1 |
-//! | differences of heights; tolerance of stretches | `narrow_phase/hull`, `stretches` | `hull::tests`, `filter::tests` |
+//! | differences of heights; tolerance of stretches | `narrow_phase/hull`, `stretches` | `hull::tests`, `rejection::tests` |
 //! | threshold, radii, half-width | `narrow_phase/certified` | `certified::tests` |
 //! | sums with model errors | `shape`, `narrow_phase`, `narrow_phase/certified` | `rounding::tests::sums_are_rounded_up`, `certified::tests` |
 //! | chords: clearance, wherever it is used; parts of clusters | `narrow_phase/clusters` | `clusters::tests` |
@@ -134,12 +134,12 @@ pub(crate) const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
 /// Largest absolute error of a chain of linear operations by underflow: 2^-1022.
 pub(crate) const UNDERFLOW: f64 = f64::MIN_POSITIVE;
 
-/// Clearance of filters, relative to the pair's local scale: 2^-44 = 512 roundings. A filter
+/// Clearance of rejections, relative to the pair's local scale: 2^-44 = 512 roundings. A test
 /// rejects only pairs that exceed the threshold by this.
 ///
 /// The exact solver reports distances within its own rounding of the threshold as contact: at most
-/// 70 roundings of the local scale, with an error as large again. A filter's own error is at
-/// most 170. 512 covers their sum, so no filter rejects a contact that the solver would report.
+/// 70 roundings of the local scale, with an error as large again. A test's own error is at
+/// most 170. 512 covers their sum, so no test rejects a contact that the solver would report.
 pub(crate) const CLEARANCE: f64 = 512.0 * UNIT_ROUNDOFF;
 
 /// Returns the time with -0 replaced by 0: reports are ordered by the bits of times, and of two

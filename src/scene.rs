@@ -4,6 +4,7 @@ mod arena;
 mod body;
 mod body_plan;
 mod entry;
+mod heights;
 mod ignored;
 mod model_error;
 mod partners;
@@ -18,6 +19,7 @@ pub use body::Body;
 pub(crate) use body::checked_model_error;
 pub use body_plan::{BodyPlan, BodyPlanRef};
 pub(crate) use entry::SceneEntry;
+pub(crate) use heights::HeightRange;
 pub(crate) use ignored::IgnoredPairs;
 use partners::{Kinds, Partners};
 pub(crate) use partners::{can_reach, radius};
@@ -42,13 +44,13 @@ pub(crate) struct Slot {
 }
 
 impl Slot {
-    /// Turns the motion of the body, if there is one, which must turn in place.
-    pub(crate) fn turn_in_place(
+    /// Replaces the motion of the body, if there is one, in place, which must be possible.
+    pub(crate) fn replace_in_place(
         &mut self,
         (from, motion, since): (f64, &StraightMotion, f64),
     ) -> Option<&Trajectory> {
         let entry = self.entry.as_mut()?;
-        Some(entry.turn_in_place((from, motion, since)))
+        Some(entry.replace_in_place((from, motion, since)))
     }
 
     /// Prefetches what the body's motion has beside the record.
@@ -273,14 +275,14 @@ impl Scene {
         Ok(entry)
     }
 
-    /// Turns a body's motion: see [`Trajectory::turn`].
-    pub(crate) fn turn(
+    /// Replaces a body's motion: see [`Trajectory::replace`].
+    pub(crate) fn replace_motion(
         &mut self,
         id: BodyId,
         (from, motion, since): (f64, &StraightMotion, f64),
     ) -> Result<&Trajectory, Error> {
         let (entry, arena) = self.entry_mut(id)?;
-        Ok(entry.turn((from, motion, since), arena))
+        Ok(entry.replace_motion((from, motion, since), arena))
     }
 
     /// Replaces a body's hitbox and returns the old one.

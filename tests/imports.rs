@@ -1,4 +1,5 @@
-//! One direction of imports: no file of `src` uses itself through others.
+//! One direction of imports: rooms use rooms before them, and no file of `src` uses itself through
+//! others.
 //!
 //! A file uses another where a `use` or a path names an item defined there, by way of re-exports as
 //! well. Declarations of modules and re-exports are no uses, nor is what tests in `src` name.
@@ -10,6 +11,15 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+
+/// The rooms of `src`, each a file or a folder with the file of that name: one uses those before it.
+const ROOMS: &str = "
+    simd parallel pool wall_clock readable json_number real rounding blossom
+    id error accuracy conflict layers stats window hitbox cover
+    trajectory orientation shape knots spans
+    polynomial guess enclosure bounds narrow_phase
+    broad_phase query search scene screen monitor
+    lib internals guide";
 
 /// One file of `src`.
 #[derive(Default)]
@@ -228,8 +238,8 @@ fn reach(uses: &[BTreeSet<usize>], from: usize, reached: &mut BTreeSet<usize>) {
     }
 }
 
-#[test]
-fn no_file_uses_itself_through_others() {
+/// Returns the files of `src`, their paths relative to it, and the files that each of them uses.
+fn uses_of_files() -> (Vec<PathBuf>, Vec<BTreeSet<usize>>) {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut modules = Vec::new();
     read(&mut modules, &source.join("lib.rs"), 0);
@@ -249,19 +259,43 @@ fn no_file_uses_itself_through_others() {
         "{all} uses among {} files",
         modules.len()
     );
+    let files = modules.iter();
+    let files = files.map(|module| module.file.strip_prefix(&source).unwrap().to_owned());
+    (files.collect(), uses)
+}
 
+#[test]
+fn no_room_uses_a_later_one() {
+    let (files, uses) = uses_of_files();
+    let place = |file: &Path| {
+        let room = Path::new(file.iter().next().unwrap()).with_extension("");
+        let mut rooms = ROOMS.split_whitespace();
+        let place = rooms.position(|name| room == Path::new(name));
+        place.unwrap_or_else(|| panic!("{room:?} is in no order"))
+    };
+    let mut backwards = Vec::new();
+    for (from, uses) in files.iter().zip(&uses) {
+        let later = uses.iter().map(|&to| &files[to]);
+        let later = later.filter(|to| place(to) > place(from));
+        backwards.extend(later.map(|to| (from, to)));
+    }
+    assert!(backwards.is_empty(), "against the order: {backwards:#?}");
+}
+
+#[test]
+fn no_file_uses_itself_through_others() {
+    let (files, uses) = uses_of_files();
     let all_from = |at: usize| {
         let mut reached = BTreeSet::new();
         reach(&uses, at, &mut reached);
         reached
     };
-    let reached: Vec<BTreeSet<usize>> = (0..modules.len()).map(all_from).collect();
+    let reached: Vec<BTreeSet<usize>> = (0..files.len()).map(all_from).collect();
     let circle_of = |at: usize| {
         let back = reached[at].iter().filter(|&&to| reached[to].contains(&at));
-        back.map(|&to| modules[to].file.strip_prefix(&source).unwrap())
-            .collect()
+        back.map(|&to| &files[to]).collect()
     };
-    let circles: BTreeSet<Vec<&Path>> = (0..modules.len()).map(circle_of).collect();
+    let circles: BTreeSet<Vec<&PathBuf>> = (0..files.len()).map(circle_of).collect();
     let circles: Vec<_> = circles.iter().filter(|files| !files.is_empty()).collect();
     assert!(circles.is_empty(), "files in circles: {circles:#?}");
 }

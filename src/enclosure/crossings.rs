@@ -3,11 +3,12 @@
 use super::levels::{SignPattern, SquaredThresholds};
 use super::meeting::{meeting_point, nearest_certain};
 use super::minorant::Minorant;
-use super::part::{ControlPolygon, part, point, reversed, squared_distance};
+use super::part::{part, point, reversed, squared_distance};
 use super::scaled::{SLACK, ScaledCubic, TINY};
 use super::stretches::Stretches;
 use super::{Side, Threshold, UncertainCubic};
-use crate::narrow_phase::kernels::least_point;
+use crate::blossom::ControlPolygon;
+use crate::guess::least_point;
 use crate::real::Real;
 use crate::rounding::UNIT_ROUNDOFF;
 

@@ -1,7 +1,7 @@
 //! Crossings of a threshold: an estimate by Newton's method, then the nearest certain points.
 
-use super::part::ControlPolygon;
 use super::scaled::TINY;
+use crate::blossom::ControlPolygon;
 
 /// Returns an estimate of the crossing of `radius`, from 0 at the inner end to 1 at the outer end,
 /// and the closing rate there. Bracketed Newton; callers do not rely on it.

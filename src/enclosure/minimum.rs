@@ -1,11 +1,12 @@
 //! The certified minimum: split at the guess, bound both sides, branch if needed.
 
 use super::minorant::Minorant;
-use super::part::{ControlPolygon, from_nearer, part, point, split};
+use super::part::{from_nearer, part, point, split};
 use super::scaled::{SLACK, ScaledCubic, TINY};
 use super::stationary::stationary_reach;
 use super::{DistanceEnclosure, Effort, LeastDistance, ParameterEnclosure, UncertainCubic};
-use crate::narrow_phase::kernels::least_point;
+use crate::blossom::ControlPolygon;
+use crate::guess::least_point;
 use crate::real::Real;
 use crate::rounding::UNIT_ROUNDOFF;
 

@@ -1,7 +1,7 @@
 //! Quadratics below the squared distance on a part (module documentation, sections 3 and 4).
 
-use super::part::ControlPolygon;
 use super::scaled::TINY;
+use crate::blossom::ControlPolygon;
 use crate::real::Real;
 use crate::rounding::UNIT_ROUNDOFF;
 

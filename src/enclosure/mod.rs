@@ -206,7 +206,7 @@ pub use cubic::{
 };
 pub(crate) use minimum::{enclosure, target};
 pub(crate) use minorant::Minorant;
-pub(crate) use part::{ControlPolygon, from_nearer, part, reversed, split, squared_distance};
+pub(crate) use part::{from_nearer, part, reversed, split, squared_distance};
 pub(crate) use scaled::part_error;
 pub use stretches::Stretches;
 

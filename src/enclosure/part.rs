@@ -4,11 +4,8 @@
 //! given, however short the part: three levels with at most three roundings per term (weight,
 //! product, sum), and weights that are not negative and sum to one.
 
-use crate::blossom::restrict;
+use crate::blossom::{ControlPolygon, restrict};
 use glam::DVec3;
-
-/// Control points of a cubic or of a part of one, from the end that bounds are formed around.
-pub(crate) type ControlPolygon = [DVec3; 4];
 
 /// Returns the parts before and after `s`, both counted from `s` (de Casteljau).
 #[inline(always)]

@@ -1,7 +1,7 @@
 //! Scaling by powers of two, so that squares and products of squares stay in range.
 
 use super::DistanceEnclosure;
-use super::part::ControlPolygon;
+use crate::blossom::ControlPolygon;
 use crate::real::Real;
 use crate::rounding::{UNIT_ROUNDOFF, normalising_power};
 use glam::DVec3;

@@ -1,7 +1,7 @@
 //! Bounds on the place of a minimiser by slope and curvature (module documentation, section 5).
 
-use super::part::ControlPolygon;
 use super::scaled::{SLACK, TINY, norm_above};
+use crate::blossom::ControlPolygon;
 use crate::real::Real;
 use crate::rounding::UNIT_ROUNDOFF;
 

@@ -6,10 +6,10 @@ use crate::bounds::{CubicSource, FatLine, MovingFrame, Padding};
 use crate::broad_phase::BodyBox;
 use crate::narrow_phase::BodyView;
 use crate::parallel;
-use crate::scene::Scene;
+use crate::scene::{HeightRange, Scene};
 use crate::search::{
-    Bodies, BoxedBodies, FEW_BOXES, FormBounds, FormInPlace, HeightRange, MAX_SLICES, SliceBlock,
-    SlicesToForm, SourcesInPlace,
+    Bodies, BoxedBodies, FEW_BOXES, FormBounds, FormInPlace, MAX_SLICES, SliceBlock, SlicesToForm,
+    SourcesInPlace,
 };
 use crate::simd::InstructionSet;
 use crate::trajectory::Segment;

@@ -11,6 +11,7 @@ use super::sorted_slab::SortedSlab;
 use crate::conflict::ClosestApproach;
 use crate::id::BodyId;
 use crate::scene::Scene;
+use std::cmp::Ordering;
 
 /// An encounter as the plans have it now.
 #[derive(Clone, Copy, Debug)]
@@ -78,13 +79,13 @@ impl SentNumbers {
 pub(super) struct Saved(Vec<TrackedEncounter>);
 
 impl Saved {
-    /// Returns true if a monitor of this scene that has reported all up to `told` (s) can have had these.
-    pub(super) fn could_be(&self, level: usize, told: f64, scene: &Scene) -> bool {
+    /// Returns true if a monitor of this scene that has reported all up to `reported` (s) can have had these.
+    pub(super) fn could_be(&self, level: usize, reported: f64, scene: &Scene) -> bool {
         self.0.iter().all(|TrackedEncounter { now, begun, .. }| {
             let has = |id, tag| scene.body(id).is_some_and(|body| body.tag == tag);
             let are_there = has(now.a, now.tag_a) && has(now.b, now.tag_b);
             let is_of_level = now.level == level;
-            let has_begun = !begun || now.enter <= told;
+            let has_begun = !begun || now.enter <= reported;
             are_there && now.a < now.b && is_of_level && has_begun && now.enter <= now.exit
         })
     }
@@ -124,7 +125,7 @@ pub(super) struct TickContext {
     /// The clock, s.
     pub(super) now: f64,
     /// Instant up to which clock events may be reported, s: the clock, or the end of the known time if sooner.
-    pub(super) told: f64,
+    pub(super) reported: f64,
     /// Instant up to which the last tick reported, s.
     pub(super) before: f64,
     /// End of the known time, s.
@@ -194,28 +195,24 @@ impl EncounterTracker {
     fn update_pair<'p>(
         &mut self,
         slots: SlotPair,
-        plain: impl Iterator<Item = &'p PlannedEncounter>,
+        planned: impl Iterator<Item = &'p PlannedEncounter>,
         tick: &TickContext,
         next_id: &mut u64,
         events: &mut Vec<Event>,
     ) {
         let mut old = self.tracked.of(&slots);
-        let mut new = plain.peekable();
+        let mut new = planned.peekable();
         loop {
             let first = (!old.is_empty()).then(|| *self.tracked.nth(old.start));
-            let matched = match (first, new.peek()) {
-                (None, None) => break,
-                (Some(_), None) => Match::OldOnly,
-                (None, Some(_)) => Match::NewOnly,
-                (Some(old), Some(new)) => compare(&old, new, tick),
+            let order = match (&first, new.peek()) {
+                (Some(old), Some(new)) => compare(old, new, tick),
+                (Some(_), None) => Ordering::Less,
+                (None, _) => Ordering::Greater,
             };
-            let (first, plain) = match matched {
-                Match::OldOnly => (first, None),
-                Match::NewOnly => (None, new.next()),
-                Match::Both => (first, new.next()),
-            };
+            let first = first.filter(|_| order.is_le());
+            let second = new.next_if(|_| order.is_ge());
             old.start += usize::from(first.is_some());
-            let goes_on = match (first, plain) {
+            let goes_on = match (first, second) {
                 (None, None) => break,
                 (Some(old), None) => unmatched(&old, tick, events),
                 (None, Some(new)) => appear(new, self.level, tick, next_id, events),
@@ -274,20 +271,11 @@ impl EncounterTracker {
     }
 }
 
-enum Match {
-    OldOnly,
-    NewOnly,
-    Both,
-}
-
-fn compare(old: &TrackedEncounter, new: &PlannedEncounter, tick: &TickContext) -> Match {
-    let (x, y) = ((old.now.a, old.now.b), (new.a, new.b));
-    if x != y {
-        return if x < y {
-            Match::OldOnly
-        } else {
-            Match::NewOnly
-        };
+/// Returns which comes first: an old encounter, or a new one; equal if the new one is the old one as it is now.
+fn compare(old: &TrackedEncounter, new: &PlannedEncounter, tick: &TickContext) -> Ordering {
+    let order = (old.now.a, old.now.b).cmp(&(new.a, new.b));
+    if order.is_ne() {
+        return order;
     }
     let old_is_over = if old.begun {
         // Where the last tick stood it was under way: so it is still, or plans have changed.
@@ -297,11 +285,11 @@ fn compare(old: &TrackedEncounter, new: &PlannedEncounter, tick: &TickContext) -
         !old.now.open && old.now.exit < new.enter.unwrap_or(new.start)
     };
     if old_is_over {
-        Match::OldOnly
+        Ordering::Less
     } else if new.exit < old.now.enter {
-        Match::NewOnly
+        Ordering::Greater
     } else {
-        Match::Both
+        Ordering::Equal
     }
 }
 
@@ -336,7 +324,7 @@ fn unmatched(
         // Beyond what is known nothing is said: it waits.
         return Some(*old);
     }
-    // A change takes effect where the last tick stood: what had been told by then stays.
+    // A change takes effect where the last tick stood: what had been reported by then stays.
     let time = if old.begun { tick.before } else { tick.now };
     events.push(over_at(old, time, EndReason::PlanChanged));
     None
@@ -372,7 +360,7 @@ fn appear(
         with_trajectory: new.with_trajectory,
         passed: None,
     };
-    if enter > tick.told {
+    if enter > tick.reported {
         events.push(Event {
             time: tick.now,
             kind: EventKind::Predicted(encounter),
@@ -403,7 +391,7 @@ fn go_on(
         tracked.now.closest = new.closest;
     }
     let revised = differs(&tracked.now, &tracked.sent, tick);
-    // What ends in this very tick is told with its last numbers, not revised first.
+    // What ends in this very tick is reported with its last numbers, not revised first.
     let mut tracked = clock(tracked, new, tick, events)?;
     if revised {
         tracked.sent = SentNumbers::of(&tracked.now);
@@ -422,7 +410,7 @@ fn clock(
     tick: &TickContext,
     events: &mut Vec<Event>,
 ) -> Option<TrackedEncounter> {
-    if !tracked.begun && tracked.now.enter <= tick.told {
+    if !tracked.begun && tracked.now.enter <= tick.reported {
         tracked.begun = true;
         events.push(Event {
             time: tracked.now.enter,
@@ -433,7 +421,7 @@ fn clock(
         if let Some(passed) = new.passed {
             tracked.passed = Some(lower(tracked.passed, passed));
         }
-        if !tracked.now.open && tracked.now.exit < tick.told {
+        if !tracked.now.open && tracked.now.exit < tick.reported {
             let reason = if tracked.with_trajectory {
                 EndReason::TrajectoryEnded
             } else {
@@ -469,7 +457,7 @@ fn closest_differs(now: &SentNumbers, sent: &SentNumbers, tick: &TickContext) ->
     let threshold = &tick.revision_threshold;
     let is_lower = now.separation < sent.separation - threshold.separation;
     if !sent.knows_closest() {
-        // While they close in it is told once a lookahead at most.
+        // While they close in it is reported once a lookahead at most.
         let is_later = now.closest_time >= sent.closest_time + tick.lookahead;
         return now.knows_closest() || is_later && is_lower;
     }

@@ -12,7 +12,8 @@ use super::monitored_bodies::MonitoredBodies;
 use crate::broad_phase::PairFilter;
 use crate::narrow_phase::{BodyView, may_touch};
 use crate::rounding::{seen_from, seen_until};
-use crate::search::{HeightRange, LimitExceeded};
+use crate::scene::HeightRange;
+use crate::search::LimitExceeded;
 use crate::spans::{SpanKey, spans};
 
 /// The comparison of half-spaces with all other bodies.

@@ -19,7 +19,7 @@ mod rows;
 mod run;
 mod sample;
 
-use self::compare_all::{BoxesSoA, CompareAll};
+use self::compare_all::CompareAll;
 use self::layout::GridLayout;
 use self::partition::Partition;
 use self::quantizer::Quantizer;
@@ -41,7 +41,8 @@ pub struct Sweep {
     instructions: InstructionSet,
     survey: BoxSample,
     rows: SortedRows,
-    faces: BoxesSoA,
+    /// Memory of comparisons of all boxes.
+    faces: [[Vec<f32>; 3]; 2],
     /// Divided boxes, by depth.
     parts: Vec<Partition>,
     /// Number of copies that dividing may still make in this slice.
@@ -69,7 +70,7 @@ impl Sweep {
             instructions,
             survey: BoxSample::default(),
             rows: SortedRows::default(),
-            faces: BoxesSoA::default(),
+            faces: Default::default(),
             parts: Vec::new(),
             copies_left: 0,
         }

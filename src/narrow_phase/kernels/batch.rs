@@ -1,6 +1,6 @@
 //! Relative cubics of many pairs, coordinate by coordinate.
 
-use super::cubic::ControlPoints;
+use crate::guess::ControlPoints;
 use crate::real::Real;
 use std::slice;
 

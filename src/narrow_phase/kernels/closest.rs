@@ -1,14 +1,16 @@
 //! The closest approach of many pairs: guess, prove, try again, and finally branch and bound.
 
 use super::batch::Lanes;
-use super::cubic::{ControlPoints, distance, largest_coordinate, local_time, widened};
 use super::enclosures::enclose;
 use super::loops::{
     BLOCK, EnclosureBlock, LaneBlock, enclose_block_finely, guess_block, guess_block_again,
     guess_pair,
 };
 use super::pending::{RetryQueue, whole_vectors};
-use super::refine::{QUICK, THOROUGH, normalised, refined};
+use crate::guess::{
+    ControlPoints, QUICK, THOROUGH, distance, largest_coordinate, local_time, normalised, refined,
+    widened,
+};
 use crate::real::Real;
 use crate::simd::InstructionSet;
 

@@ -1,11 +1,10 @@
 //! Enclosures of the least distance: one split for blocks, then quarters, then branch and bound.
 
 use super::batch::Lanes;
-use super::cubic::{ControlPoints, polygon};
 use super::loops::{BLOCK, EnclosureBlock, LaneBlock, enclose_block, enclose_block_finely};
 use super::pending::RetryQueue;
-use super::refine::{QUICK, refined};
 use crate::enclosure::UncertainCubic;
+use crate::guess::{ControlPoints, QUICK, polygon, refined};
 use crate::simd::InstructionSet;
 
 /// An enclosure of a pair's least distance, with a time that attains it.

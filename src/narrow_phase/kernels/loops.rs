@@ -10,18 +10,15 @@
 )]
 
 use super::batch::Lanes;
-use super::cubic::{
-    CentredCubic, ControlPoints, Vector, coordinates, distance, dot, largest_of, local_time,
-    polygon,
-};
-use super::guess::{
-    Guess, HalleyStep, LaneSquaredDistance, arrive, certify, descend, descend_safely, guess,
-    halley_step, lowest_sample, outline, polish, settle,
-};
+use super::certificate::{Guess, certify, guess};
 use super::rival::{self, certify_against, contest, guess_against_rival};
-use super::screen::{Verdict, screen_eighths, screen_halves};
-use crate::enclosure::{
-    ControlPolygon, Minorant, enclosure, from_nearer, part_error, reversed, split, target,
+use super::screen::Verdict;
+use crate::blossom::ControlPolygon;
+use crate::enclosure::{Minorant, enclosure, from_nearer, part_error, reversed, split, target};
+use crate::guess::{
+    CentredCubic, ControlPoints, HalleyStep, LaneSquaredDistance, Vector, arrive, coordinates,
+    descend, descend_safely, distance, dot, halley_step, largest_of, local_time, lowest_sample,
+    outline, polish, polygon, settle,
 };
 use crate::real::Real;
 use crate::simd::{InstructionSet, for_each_instruction_set};
@@ -444,8 +441,10 @@ fn finish_bounds(
 }
 
 for_each_instruction_set! {
-    /// Screens each pair of a block on the halves of its span.
+    /// Screens each pair of a block: on the [halves](super::screen::screen_halves) of its span, or on the
+    /// [eighths](super::screen::screen_eighths).
     fn screen_block<R: Real>(
+        screen: impl Fn(ControlPoints<R>, R, R) -> Verdict,
         lanes: &Lanes<'_, R>,
         inner: &[R],
         outer: &[R],
@@ -455,24 +454,7 @@ for_each_instruction_set! {
         let lanes = lanes.first(count);
         let (inner, outer) = (&inner[..count], &outer[..count]);
         for i in 0..count {
-            verdicts[i] = screen_halves(lanes.control_points(i), inner[i], outer[i]);
-        }
-    }
-}
-
-for_each_instruction_set! {
-    /// Screens each pair of a block on the eighths of its span.
-    fn screen_block_finely<R: Real>(
-        lanes: &Lanes<'_, R>,
-        inner: &[R],
-        outer: &[R],
-        verdicts: &mut [Verdict],
-    ) {
-        let count = verdicts.len();
-        let lanes = lanes.first(count);
-        let (inner, outer) = (&inner[..count], &outer[..count]);
-        for i in 0..count {
-            verdicts[i] = screen_eighths(lanes.control_points(i), inner[i], outer[i]);
+            verdicts[i] = screen(lanes.control_points(i), inner[i], outer[i]);
         }
     }
 }

@@ -25,7 +25,7 @@
 //!
 //! # How
 //!
-//! *Guess, then prove the guess* (`guess.rs`): the lowest of nine samples, one or two steps of
+//! *Guess, then prove the guess* (`src/guess`, `certificate.rs`): the lowest of nine samples, one or two steps of
 //! high order on the slope of the squared distance, one more on the vectors. Then the squared
 //! distance, less its value at the guess, is divided twice by the distance in time from the guess;
 //! if the Bernstein coefficients of the quotient, a quartic, show on both halves of the span that
@@ -82,29 +82,26 @@
 //! its closest approach meaningless.
 
 mod batch;
+mod certificate;
 mod closest;
-mod cubic;
 mod enclosures;
 #[cfg(test)]
 mod exactly;
-mod guess;
 mod loops;
 #[cfg(feature = "parallel")]
 pub mod parallel;
 mod pending;
-mod refine;
 mod rival;
 pub mod scalar;
 mod screen;
 mod spans;
 mod within;
 
+pub use crate::guess::ControlPoints;
 pub use crate::real::Real;
 pub use crate::simd::InstructionSet;
 pub use batch::{CubicBatch, Lanes};
-pub use cubic::ControlPoints;
 pub use enclosures::Enclosure;
-pub(crate) use refine::least_point;
 pub use screen::Verdict;
 pub use spans::SpanBatch;
 

@@ -1,8 +1,8 @@
 //! Pairs that a kernel could not settle, gathered until they fill a block.
 
 use super::batch::Lanes;
-use super::cubic::ControlPoints;
 use super::loops::BLOCK;
+use crate::guess::ControlPoints;
 use crate::real::Real;
 
 /// Rounds a number of lanes up to whole vectors of 64 bytes.
@@ -71,11 +71,7 @@ impl<R: Real, const EXTRAS: usize> RetryQueue<R, EXTRAS> {
 
     #[inline]
     pub(super) fn control_points(&self, i: usize) -> ControlPoints<R> {
-        let at = |point: usize| {
-            let [x, y, z] = &self.coordinates;
-            [x[point][i], y[point][i], z[point][i]]
-        };
-        [at(0), at(1), at(2), at(3)]
+        self.lanes().control_points(i)
     }
 
     /// Returns the number of lanes: that of the pairs, rounded up to whole vectors of 64 bytes so

@@ -10,9 +10,10 @@
 //! equally low, or the minimum is flat, and there is no proof. Above it, and if the first guess had
 //! settled, that guess stays and only the proof is repeated.
 
-use super::cubic::{CentredCubic, ControlPoints};
-use super::guess::{
-    Deflated, Guess, LaneSquaredDistance, RefinedGuess, descend_safely, outline, polish, settle,
+use super::certificate::{Deflated, Guess};
+use crate::guess::{
+    CentredCubic, ControlPoints, LaneSquaredDistance, RefinedGuess, descend_safely, outline,
+    polish, settle,
 };
 use crate::real::Real;
 
@@ -224,30 +225,12 @@ fn cut(k: [f32; 6], s: f32) -> ([f32; 6], [f32; 6]) {
     (left, right)
 }
 
-/// Returns the Bernstein coefficients on the two halves of a piece.
-#[inline(always)]
-fn halves(k: [f32; 6]) -> ([f32; 6], [f32; 6]) {
-    let mut left = k;
-    let mut right = k;
-    let mut level = 1;
-    while level < 6 {
-        let mut i = 0;
-        while i < 6 - level {
-            right[i] = 0.5 * (right[i] + right[i + 1]);
-            i += 1;
-        }
-        left[level] = right[0];
-        level += 1;
-    }
-    (left, right)
-}
-
 /// Returns the least coefficient on the four quarters of a piece.
 #[inline(always)]
 fn least_of_quarters(k: [f32; 6]) -> f32 {
-    let (low, high) = halves(k);
-    let (a, b) = halves(low);
-    let (c, d) = halves(high);
+    let (low, high) = cut(k, 0.5);
+    let (a, b) = cut(low, 0.5);
+    let (c, d) = cut(high, 0.5);
     (least(a).or_less(least(b))).or_less(least(c).or_less(least(d)))
 }
 

@@ -1,11 +1,10 @@
 //! The kernels for one pair, and the exhaustive method for comparison.
 
 use super::closest::closest_approach_of;
-use super::cubic::{CentredCubic, distance, local_time};
 use super::enclosures;
-use super::refine::{normalised, square_at};
 use super::within::within_of;
-use super::{ControlPoints, Enclosure, Real, Verdict};
+use super::{Enclosure, Real, Verdict};
+use crate::guess::{CentredCubic, ControlPoints, distance, local_time, normalised};
 use crate::polynomial::{Polynomial, Roots};
 
 /// Returns the closest approach of a pair: local time in 0..=1, distance in metres. The bits are
@@ -28,9 +27,9 @@ pub fn closest_approach_by_roots(points: &ControlPoints<f64>, tolerance: f64) ->
     let [_, a1, a2, a3, a4, a5, a6] = cubic.squared_distance();
     let slope = Polynomial::new([a1, 2.0 * a2, 3.0 * a3, 4.0 * a4, 5.0 * a5, 6.0 * a6]);
 
-    let mut best = (-1.0, square_at(&cubic, -1.0));
+    let mut best = (-1.0, cubic.square(-1.0));
     let mut consider = |u: f64| {
-        let square = square_at(&cubic, u);
+        let square = cubic.square(u);
         if square < best.1 {
             best = (u, square);
         }

@@ -6,7 +6,7 @@
 //! points before they were rounded to the type of the lanes; a halving adds 6 u M² at most. The
 //! margins below are at least twice that.
 
-use super::cubic::{ControlPoints, dot, largest_of};
+use crate::guess::{ControlPoints, dot, largest_of};
 use crate::real::Real;
 
 /// The relation of a pair of bodies to a threshold during a span.

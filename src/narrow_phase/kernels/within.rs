@@ -1,13 +1,11 @@
 //! Verdicts for many pairs: two Bernstein screens, then an enclosure for the few undecided ones.
 
 use super::batch::Lanes;
-use super::cubic::{ControlPoints, largest_coordinate, widened};
 use super::enclosures::enclose;
-use super::loops::{
-    BLOCK, EnclosureBlock, LaneBlock, enclose_block, screen_block, screen_block_finely,
-};
+use super::loops::{BLOCK, EnclosureBlock, LaneBlock, enclose_block, screen_block};
 use super::pending::RetryQueue;
 use super::screen::{Verdict, screen_eighths, screen_halves};
+use crate::guess::{ControlPoints, largest_coordinate, widened};
 use crate::real::Real;
 use crate::simd::InstructionSet;
 
@@ -88,6 +86,7 @@ pub(super) fn within<R: Real>(
         let found = &mut screening.verdicts[start..end];
         screen_block(
             instructions,
+            screen_halves,
             &block,
             &inner[start..end],
             &outer[start..end],
@@ -120,8 +119,9 @@ impl<R: Real> WithinBatch<'_, R> {
         let mut verdicts = [Verdict::Undecided; BLOCK];
         let verdicts = &mut verdicts[..self.second.width()];
         let [inner, outer] = self.second.extras();
-        screen_block_finely(
+        screen_block(
             self.instructions,
+            screen_eighths,
             &self.second.lanes(),
             inner,
             outer,

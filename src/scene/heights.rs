@@ -1,6 +1,6 @@
 //! Heights of bodies above half-spaces, for a first comparison without cubics.
 
-use crate::scene::SceneEntry;
+use super::SceneEntry;
 use glam::DVec3;
 
 /// The lowest and the highest coordinate of a motion along a normal, m.

@@ -1,10 +1,10 @@
 //! One relative cubic, and vectors of three numbers.
 
-use crate::enclosure::ControlPolygon;
+use crate::blossom::ControlPolygon;
 use crate::real::Real;
 use glam::DVec3;
 
-pub(super) type Vector<R> = [R; 3];
+pub(crate) type Vector<R> = [R; 3];
 
 /// The motion of one body relative to another over a span: four Bezier control points, metres.
 ///
@@ -13,22 +13,22 @@ pub(super) type Vector<R> = [R; 3];
 pub type ControlPoints<R> = [[R; 3]; 4];
 
 #[inline(always)]
-pub(super) fn add<R: Real>(a: Vector<R>, b: Vector<R>) -> Vector<R> {
+fn add<R: Real>(a: Vector<R>, b: Vector<R>) -> Vector<R> {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
 #[inline(always)]
-pub(super) fn subtract<R: Real>(a: Vector<R>, b: Vector<R>) -> Vector<R> {
+fn subtract<R: Real>(a: Vector<R>, b: Vector<R>) -> Vector<R> {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 #[inline(always)]
-pub(super) fn scale<R: Real>(factor: R, a: Vector<R>) -> Vector<R> {
+fn scale<R: Real>(factor: R, a: Vector<R>) -> Vector<R> {
     [factor * a[0], factor * a[1], factor * a[2]]
 }
 
 #[inline(always)]
-pub(super) fn dot<R: Real>(a: Vector<R>, b: Vector<R>) -> R {
+pub(crate) fn dot<R: Real>(a: Vector<R>, b: Vector<R>) -> R {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
@@ -42,13 +42,13 @@ fn rough<R: Real>(a: Vector<R>) -> Vector<f32> {
 /// The factor saves the divisions; distances are divided by eight at the end. Around the middle
 /// the coefficients are as small as they get (`numerics`: 5 M in sum for a polygon within M).
 #[derive(Clone, Copy, Debug)]
-pub(super) struct CentredCubic<R> {
-    pub(super) coefficients: [Vector<R>; 4],
+pub(crate) struct CentredCubic<R> {
+    pub(crate) coefficients: [Vector<R>; 4],
 }
 
 impl<R: Real> CentredCubic<R> {
     #[inline(always)]
-    pub(super) fn new(points: ControlPoints<R>) -> Self {
+    pub(crate) fn new(points: ControlPoints<R>) -> Self {
         let three = R::from_f64(3.0);
         let [p0, p1, p2, p3] = points;
         let outer_sum = add(p0, p3);
@@ -67,7 +67,7 @@ impl<R: Real> CentredCubic<R> {
 
     /// Returns the cubic rounded to `f32`.
     #[inline(always)]
-    pub(super) fn rough(&self) -> CentredCubic<f32> {
+    pub(crate) fn rough(&self) -> CentredCubic<f32> {
         let [c0, c1, c2, c3] = self.coefficients;
         CentredCubic {
             coefficients: [rough(c0), rough(c1), rough(c2), rough(c3)],
@@ -76,15 +76,22 @@ impl<R: Real> CentredCubic<R> {
 
     /// Returns the position at `u`, times eight.
     #[inline(always)]
-    pub(super) fn position(&self, u: R) -> Vector<R> {
+    pub(crate) fn position(&self, u: R) -> Vector<R> {
         let [c0, c1, c2, c3] = self.coefficients;
         add(c0, scale(u, add(c1, scale(u, add(c2, scale(u, c3))))))
+    }
+
+    /// Returns the squared distance at `u`, times 64.
+    #[inline(always)]
+    pub(crate) fn square(&self, u: R) -> R {
+        let position = self.position(u);
+        dot(position, position)
     }
 
     /// Returns position, velocity, half the second and a sixth of the third derivative at `u`, all
     /// times eight, by repeated division by `u - u*`.
     #[inline(always)]
-    pub(super) fn derivatives(&self, u: R) -> [Vector<R>; 4] {
+    pub(crate) fn derivatives(&self, u: R) -> [Vector<R>; 4] {
         let [c0, c1, c2, c3] = self.coefficients;
         let p2 = add(c2, scale(u, c3));
         let p1 = add(c1, scale(u, p2));
@@ -97,7 +104,7 @@ impl<R: Real> CentredCubic<R> {
 
     /// Returns the coefficients of the squared distance in powers of `u`, times 64.
     #[inline(always)]
-    pub(super) fn squared_distance(&self) -> [R; 7] {
+    pub(crate) fn squared_distance(&self) -> [R; 7] {
         let [c0, c1, c2, c3] = self.coefficients;
         let two = R::from_f64(2.0);
         [
@@ -114,7 +121,7 @@ impl<R: Real> CentredCubic<R> {
 
 /// Converts control points for the enclosures.
 #[inline(always)]
-pub(super) fn polygon([p0, p1, p2, p3]: &ControlPoints<f64>) -> ControlPolygon {
+pub(crate) fn polygon([p0, p1, p2, p3]: &ControlPoints<f64>) -> ControlPolygon {
     [
         DVec3::from_array(*p0),
         DVec3::from_array(*p1),
@@ -125,26 +132,26 @@ pub(super) fn polygon([p0, p1, p2, p3]: &ControlPoints<f64>) -> ControlPolygon {
 
 /// Converts control points for the kernels.
 #[inline(always)]
-pub(super) fn coordinates([p0, p1, p2, p3]: &ControlPolygon) -> ControlPoints<f64> {
+pub(crate) fn coordinates([p0, p1, p2, p3]: &ControlPolygon) -> ControlPoints<f64> {
     [p0.to_array(), p1.to_array(), p2.to_array(), p3.to_array()]
 }
 
 #[inline]
-pub(super) fn widened<R: Real>([p0, p1, p2, p3]: &ControlPoints<R>) -> ControlPoints<f64> {
+pub(crate) fn widened<R: Real>([p0, p1, p2, p3]: &ControlPoints<R>) -> ControlPoints<f64> {
     let wide = |p: &Vector<R>| [p[0].to_f64(), p[1].to_f64(), p[2].to_f64()];
     [wide(p0), wide(p1), wide(p2), wide(p3)]
 }
 
 /// Returns the largest of four squares, or NaN if one of them is NaN or their sum overflows.
 #[inline(always)]
-pub(super) fn largest_of<R: Real>([a, b, c, d]: [R; 4]) -> R {
+pub(crate) fn largest_of<R: Real>([a, b, c, d]: [R; 4]) -> R {
     // What is no number is lost where the larger one of two is taken, but not in a product.
     let sum = (a + b) + (c + d);
     (a.or_more(b)).or_more(c.or_more(d)) + R::from_f64(0.0) * sum
 }
 
 #[inline]
-pub(super) fn largest_coordinate(points: &ControlPoints<f64>) -> f64 {
+pub(crate) fn largest_coordinate(points: &ControlPoints<f64>) -> f64 {
     let mut largest = 0.0;
     for coordinate in points.iter().flatten() {
         let size = coordinate.abs();
@@ -160,12 +167,12 @@ pub(super) fn largest_coordinate(points: &ControlPoints<f64>) -> f64 {
 
 /// Returns the local time 0..=1 of a centred time -1..=1.
 #[inline(always)]
-pub(super) fn local_time<R: Real>(centred: R) -> R {
+pub(crate) fn local_time<R: Real>(centred: R) -> R {
     R::from_f64(0.5) * (centred + R::from_f64(1.0))
 }
 
 /// Returns the distance from 64 times its square.
 #[inline(always)]
-pub(super) fn distance<R: Real>(square: R) -> R {
+pub(crate) fn distance<R: Real>(square: R) -> R {
     R::from_f64(0.125) * square.sqrt()
 }

@@ -14,7 +14,7 @@ use std::sync::OnceLock;
 ///
 /// The last one is followed for ever. Its first piece after the last knot is one of those that are listed here.
 #[derive(Clone, Debug)]
-pub(super) struct TurnedMotion {
+pub(super) struct RecentMotions {
     motions: [StraightMotion; Self::ROOM],
     /// The knots, and the end of the first piece after the last one: one more than there are pieces.
     cuts: [f64; Self::ROOM + 1],
@@ -24,7 +24,7 @@ pub(super) struct TurnedMotion {
     segments: OnceLock<Box<[Segment]>>,
 }
 
-impl TurnedMotion {
+impl RecentMotions {
     /// Largest number of pieces. A body that is told a state each frame has as many: the piece that ended when the
     /// clock was last advanced, the piece until the state is told, and the piece from then on.
     const ROOM: usize = 3;
@@ -32,26 +32,26 @@ impl TurnedMotion {
     /// Returns a plan in this form, if it is one of a few straight motions.
     pub(super) fn of(plan: &Plan) -> Option<Self> {
         let pieces = plan.segments.len();
-        let is_turned = plan.has_piece_after && plan.before != Outside::Extrapolate;
-        if !is_turned || pieces > Self::ROOM {
+        let is_recent = plan.has_piece_after && plan.before != Outside::Extrapolate;
+        if !is_recent || pieces > Self::ROOM {
             return None;
         }
-        let mut turned = Self {
+        let mut recent = Self {
             motions: [StraightMotion::NONE; Self::ROOM],
             cuts: [0.0; Self::ROOM + 1],
             pieces,
             before: plan.before,
             segments: OnceLock::new(),
         };
-        for (motion, segment) in turned.motions.iter_mut().zip(&*plan.segments) {
+        for (motion, segment) in recent.motions.iter_mut().zip(&*plan.segments) {
             *motion = StraightMotion::of(segment)?;
         }
-        turned.cuts[..=pieces].copy_from_slice(&plan.knots);
+        recent.cuts[..=pieces].copy_from_slice(&plan.knots);
         let [before, after] = plan.segments.beside() else {
             return None;
         };
-        let is_whole = turned.before == Outside::Absent || *before == turned.motions[0].segment();
-        (is_whole && *after == turned.last().segment()).then_some(turned)
+        let is_whole = recent.before == Outside::Absent || *before == recent.motions[0].segment();
+        (is_whole && *after == recent.last().segment()).then_some(recent)
     }
 
     /// Returns the knots and the end of the first piece after the last one, s.
@@ -87,9 +87,9 @@ impl TurnedMotion {
         &self.motions[self.pieces - 1]
     }
 
-    /// Turns it as [`Trajectory::turn`](super::Trajectory::turn) does. Returns false, and changes nothing, if
-    /// there is no room.
-    pub(super) fn turn(&mut self, from: f64, motion: &StraightMotion, since: f64) -> bool {
+    /// Replaces the motion as [`Trajectory::replace`](super::Trajectory::replace) does. Returns false, and
+    /// changes nothing, if there is no room.
+    pub(super) fn replace(&mut self, from: f64, motion: &StraightMotion, since: f64) -> bool {
         let Some(room) = self.room(from, motion, since) else {
             return false;
         };
@@ -115,7 +115,7 @@ impl TurnedMotion {
         true
     }
 
-    /// Returns what [`turn`](Self::turn) makes of the pieces, if there is room.
+    /// Returns what [`replace`](Self::replace) makes of the pieces, if there is room.
     pub(super) fn room(&self, from: f64, motion: &StraightMotion, since: f64) -> Option<Room> {
         let from = one_zero(from);
         // The motion so far goes on up to there, in the pieces that it is cut into.
@@ -143,10 +143,11 @@ impl TurnedMotion {
         (is_piece && room.kept < Self::ROOM).then_some(room)
     }
 
-    /// Returns true if [`Trajectory::turns_as_usual`](super::Trajectory::turns_as_usual) does: this motion is known up
-    /// to `from`, the new one differs from it, and the new one's first piece lasts for all of `window`.
+    /// Returns true if [`Trajectory::replaces_as_usual`](super::Trajectory::replaces_as_usual) does: this
+    /// motion is known up to `from`, the new one differs from it, and the new one's first piece lasts for all of
+    /// `window`.
     #[inline]
-    pub(super) fn turns_as_usual(
+    pub(super) fn replaces_as_usual(
         &self,
         (from, since): (f64, f64),
         motion: &StraightMotion,
@@ -181,7 +182,7 @@ impl TurnedMotion {
     }
 }
 
-/// The number of pieces that a turn drops and keeps, and the end of the new one.
+/// The number of pieces that a replacement drops and keeps, and the end of the new one.
 pub(super) struct Room {
     dropped: usize,
     /// Pieces that are left before the new motion.

@@ -1,17 +1,17 @@
 //! A guess of the closest approach refined in f64.
 
 use super::cubic::{
-    CentredCubic, ControlPoints, coordinates, distance, dot, largest_coordinate, local_time,
+    CentredCubic, ControlPoints, coordinates, distance, largest_coordinate, local_time,
 };
-use super::guess::{descend, halley_step, long_step, lowest_sample, outline, polish, settle};
-use crate::enclosure::ControlPolygon;
+use super::{descend, halley_step, long_step, lowest_sample, outline, polish, settle};
+use crate::blossom::ControlPolygon;
 use crate::real::Real;
 use crate::rounding::normalising_power;
 
 /// Steps of refinement before a proof, and after a failed one: at a root of multiplicity five a
 /// step shortens the error by a third.
-pub(super) const QUICK: u32 = 6;
-pub(super) const THOROUGH: u32 = 10;
+pub(crate) const QUICK: u32 = 6;
+pub(crate) const THOROUGH: u32 = 10;
 
 /// Returns the local time at which the distance of a cubic of size one, or of a part of it, seems
 /// least. Not proven.
@@ -23,17 +23,17 @@ pub(crate) fn least_point(points: &ControlPolygon) -> f64 {
 }
 
 /// Returns time and distance of a guess, refined until the distance shrinks no more.
-pub(super) fn refined(points: &ControlPoints<f64>, time: f64, steps: u32) -> (f64, f64) {
+pub(crate) fn refined(points: &ControlPoints<f64>, time: f64, steps: u32) -> (f64, f64) {
     let (points, unit) = normalised(points);
     let cubic = CentredCubic::new(points);
     let mut u = 2.0 * time - 1.0;
-    let mut square = square_at(&cubic, u);
+    let mut square = cubic.square(u);
     for _ in 0..steps {
         let derivatives = cubic.derivatives(u);
         let steps = [long_step(&derivatives), halley_step(&derivatives).step];
         let better = steps.into_iter().find_map(|step| {
             let next = (u - step).clamp(-1.0, 1.0);
-            let there = square_at(&cubic, next);
+            let there = cubic.square(next);
             // Not where the step is not a number.
             (there < square).then_some((next, there))
         });
@@ -45,16 +45,10 @@ pub(super) fn refined(points: &ControlPoints<f64>, time: f64, steps: u32) -> (f6
     (local_time(u), distance(square) * unit)
 }
 
-#[inline]
-pub(super) fn square_at(cubic: &CentredCubic<f64>, u: f64) -> f64 {
-    let position = cubic.position(u);
-    dot(position, position)
-}
-
 /// Returns the polygon divided by a power of two if its squares could leave the range, and that
 /// power. Exact except for underflow.
 #[inline]
-pub(super) fn normalised(points: &ControlPoints<f64>) -> (ControlPoints<f64>, f64) {
+pub(crate) fn normalised(points: &ControlPoints<f64>) -> (ControlPoints<f64>, f64) {
     let largest = largest_coordinate(points);
     if (1e-60..=1e60).contains(&largest) {
         return (*points, 1.0);

@@ -1,72 +1,50 @@
-//! The guess: the lowest of a few samples, refined, and certified by deflation.
-//!
-//! With `d(u)` the squared distance, `u*` the guess and `d* = d(u*)`,
-//!
-//! `d(u) - d* = (u - u*) r + (u - u*)² q(u)`
-//!
-//! with a number `r` (the residual slope) and a quartic `q`, from dividing twice by `u - u*`. If
-//! the Bernstein coefficients of `q` on both halves of -1..=1 show that it is positive, no other
-//! point is lower, but for the residual slope, which is of the order of the rounding.
+//! The guess of a relative cubic's closest approach: the lowest of a few samples, refined. Not proven.
 //!
 //! The stages are functions of their own, so that a block of pairs can pass them one after
 //! the other: many short dependency chains at once instead of a long one.
 
-use super::cubic::{CentredCubic, ControlPoints, Vector, dot};
+mod cubic;
+mod refine;
+
+pub use cubic::ControlPoints;
+pub(crate) use cubic::{
+    CentredCubic, Vector, coordinates, distance, dot, largest_coordinate, largest_of, local_time,
+    polygon, widened,
+};
+pub(crate) use refine::{QUICK, THOROUGH, least_point, normalised, refined};
+
 use crate::real::Real;
 
-/// Units of rounding of the deflated coefficients, and that of the slope as a part of it (the
-/// derivation is in the documentation of `kernels`).
+/// Units of rounding of the deflated coefficients (the derivation is in the documentation of
+/// `kernels`).
 const MARGIN: f32 = 40.0;
-const SLOPE_MARGIN: f32 = 0.75;
 
 /// Squares of the distance above this are large enough for the test whether a pair is at rest.
 const STILL: f32 = 1e-10;
 
-/// A guessed closest approach.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Guess<R> {
-    pub(super) settled: RefinedGuess<R>,
-    /// Positive if the guess is certainly the global minimum up to rounding; may be NaN.
-    pub(super) certificate: f32,
-}
-
 /// A squared distance in powers of the centred time, with the effect of its rounding.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct LaneSquaredDistance {
-    pub(super) square: [f32; 7],
+pub(crate) struct LaneSquaredDistance {
+    pub(crate) square: [f32; 7],
     /// Threshold of the least deflated coefficient: minus infinity if nothing moves, infinity if
     /// squares may have left the range.
-    pub(super) margin: f32,
+    pub(crate) margin: f32,
 }
 
 /// A refined guess without its certificate.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct RefinedGuess<R> {
+pub(crate) struct RefinedGuess<R> {
     /// Centred local time, -1..=1.
-    pub(super) time: R,
+    pub(crate) time: R,
     /// 64 times the squared distance there.
-    pub(super) square: R,
+    pub(crate) square: R,
     /// Factor on the margin of the certificate: 1, or infinity if the refinement has not settled.
-    pub(super) doubt: f32,
-}
-
-/// Guesses from nine samples and certifies on the halves of the span.
-#[inline(always)]
-pub(super) fn guess<R: Real>(points: ControlPoints<R>) -> Guess<R> {
-    let cubic = CentredCubic::new(points);
-    let outline = outline::<R>(cubic.rough().coefficients);
-    let start = lowest_sample(&outline.square);
-    let rough = descend(&outline.square, start, R::STEPS);
-    let settled = settle(&cubic, R::from_f64(f64::from(rough)));
-    Guess {
-        settled,
-        certificate: certify(&outline, settled.time.to_f32(), settled.doubt),
-    }
+    pub(crate) doubt: f32,
 }
 
 /// First stage: returns the squared distance of a cubic rounded from the type `R`.
 #[inline(always)]
-pub(super) fn outline<R: Real>(coefficients: [Vector<f32>; 4]) -> LaneSquaredDistance {
+pub(crate) fn outline<R: Real>(coefficients: [Vector<f32>; 4]) -> LaneSquaredDistance {
     let [c0, c1, c2, c3] = coefficients;
     let (s0, s1, s2, s3) = (dot(c0, c0), dot(c1, c1), dot(c2, c2), dot(c3, c3));
     let square = [
@@ -97,7 +75,7 @@ pub(super) fn outline<R: Real>(coefficients: [Vector<f32>; 4]) -> LaneSquaredDis
 /// selections, which are branches in scalar code. Samples that differ by less than 1e-6 of their
 /// value are equally good.
 #[inline(always)]
-pub(super) fn lowest_sample(square: &[f32; 7]) -> f32 {
+pub(crate) fn lowest_sample(square: &[f32; 7]) -> f32 {
     let [a0, a1, a2, a3, a4, a5, a6] = *square;
     let mut samples = [marked(a0, 0); 5];
     let mut i = 1_u8;
@@ -134,7 +112,7 @@ fn narrow_place(place: u32) -> f32 {
 
 /// Third stage: takes a few steps on the slope, kept between the neighbours of the sample.
 #[inline(always)]
-pub(super) fn descend(square: &[f32; 7], start: f32, steps: u32) -> f32 {
+pub(crate) fn descend(square: &[f32; 7], start: f32, steps: u32) -> f32 {
     let slope = Slope::new(square);
     let (low, high) = neighbours(start);
     let mut u = start;
@@ -151,7 +129,7 @@ pub(super) fn descend(square: &[f32; 7], start: f32, steps: u32) -> f32 {
 /// Descends like [`descend`], but on the falling side only, with a bisection where a step leaves the
 /// bracket. It is for starts at which the slope bends away from its root.
 #[inline(always)]
-pub(super) fn descend_safely(square: &[f32; 7], start: f32, steps: u32) -> f32 {
+pub(crate) fn descend_safely(square: &[f32; 7], start: f32, steps: u32) -> f32 {
     let slope = Slope::new(square);
     let (mut low, mut high) = neighbours(start);
     let mut u = start;
@@ -220,13 +198,13 @@ impl Slope {
 /// Fourth stage: takes one Halley step on the scalar product of position and velocity, in the type
 /// of the lanes and without the cancellation of the expanded coefficients.
 #[inline(always)]
-pub(super) fn settle<R: Real>(cubic: &CentredCubic<R>, u: R) -> RefinedGuess<R> {
+pub(crate) fn settle<R: Real>(cubic: &CentredCubic<R>, u: R) -> RefinedGuess<R> {
     arrive(cubic, u, &halley_step(&cubic.derivatives(u)))
 }
 
 /// Second part of the fourth stage: returns the target of a Halley step, and the doubt about it.
 #[inline(always)]
-pub(super) fn arrive<R: Real>(
+pub(crate) fn arrive<R: Real>(
     cubic: &CentredCubic<R>,
     u: R,
     found: &HalleyStep<R>,
@@ -236,8 +214,7 @@ pub(super) fn arrive<R: Real>(
     // Not above 0 at an end with the slope inward, where there is nothing to settle.
     let inside = (one - u.abs()).or_more(slope * u);
     let time = downhill(u, slope, step);
-    let position = cubic.position(time);
-    let square = dot(position, position);
+    let square = cubic.square(time);
     // Not above 0 where the step is short and accurate; one that is cut off at an end counts in
     // full. The least of both, or `inside` if the step is not a number.
     let off = (error - R::from_f64(4.0) * R::ROUNDING).or_more(step.abs() - R::SETTLED);
@@ -252,7 +229,7 @@ pub(super) fn arrive<R: Real>(
 /// Returns a time after one more step in the type of the lanes, without a doubt: for a guess that
 /// `f32` cannot bring near enough.
 #[inline(always)]
-pub(super) fn polish<R: Real>(cubic: &CentredCubic<R>, u: R) -> R {
+pub(crate) fn polish<R: Real>(cubic: &CentredCubic<R>, u: R) -> R {
     let HalleyStep { slope, step, .. } = halley_step(&cubic.derivatives(u));
     downhill(u, slope, step)
 }
@@ -268,19 +245,19 @@ fn downhill<R: Real>(u: R, slope: R, step: R) -> R {
 
 /// A step of Halley's method towards a stationary point of the distance.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct HalleyStep<R> {
+pub(crate) struct HalleyStep<R> {
     /// Half the slope of the squared distance.
-    pub(super) slope: R,
+    pub(crate) slope: R,
     /// Centred time to subtract.
-    pub(super) step: R,
+    pub(crate) step: R,
     /// An estimate of the error after the step, from the curvature of the slope: of third order
     /// at a simple root, of the order of the step itself at a multiple one.
-    pub(super) error: R,
+    pub(crate) error: R,
 }
 
 /// Returns the step from position, velocity, half the acceleration and a sixth of the jerk.
 #[inline(always)]
-pub(super) fn halley_step<R: Real>(derivatives: &[Vector<R>; 4]) -> HalleyStep<R> {
+pub(crate) fn halley_step<R: Real>(derivatives: &[Vector<R>; 4]) -> HalleyStep<R> {
     let [slope, first, second] = slopes(derivatives);
     let inverse = R::from_f64(1.0) / (first * first - slope * second);
     let step = slope * first * inverse;
@@ -294,7 +271,7 @@ pub(super) fn halley_step<R: Real>(derivatives: &[Vector<R>; 4]) -> HalleyStep<R
 
 /// Returns the step of Schroeder's method, which is as fast at a multiple root as at a simple one.
 #[inline(always)]
-pub(super) fn long_step<R: Real>(derivatives: &[Vector<R>; 4]) -> R {
+pub(crate) fn long_step<R: Real>(derivatives: &[Vector<R>; 4]) -> R {
     let [slope, first, second] = slopes(derivatives);
     slope * first / (first * first - R::from_f64(2.0) * (slope * second))
 }
@@ -308,91 +285,6 @@ fn slopes<R: Real>([position, velocity, bend, twist]: &[Vector<R>; 4]) -> [R; 3]
         dot(*velocity, *velocity) + two * dot(*position, *bend),
         three * (dot(*velocity, *bend) + dot(*position, *twist)),
     ]
-}
-
-/// The quartic left of the squared distance after dividing twice by the time from a guess.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Deflated {
-    /// Coefficients; of reversed time if `turn` is negative.
-    pub(super) quartic: [f32; 5],
-    /// At an end of the span, a lower bound of the inward slope; 0 elsewhere. Then
-    /// `(u + 1) q + inward` has to be positive.
-    pub(super) inward: f32,
-    /// -1 if the guess is above 0, else 1: so that an end is always the low one.
-    pub(super) turn: f32,
-}
-
-impl Deflated {
-    /// Returns the quartic at a guess. `margin` is that of [`LaneSquaredDistance`].
-    #[inline(always)]
-    pub(super) fn new(square: &[f32; 7], u: f32, margin: f32) -> Self {
-        let [_, a1, a2, a3, a4, a5, a6] = *square;
-        // The first division by (u - u*), then the second.
-        let b4 = a5 + u * a6;
-        let b3 = a4 + u * b4;
-        let b2 = a3 + u * b3;
-        let b1 = a2 + u * b2;
-        let b0 = a1 + u * b1;
-        let q4 = a6;
-        let q3 = b4 + u * q4;
-        let q2 = b3 + u * q3;
-        let q1 = b2 + u * q2;
-        let q0 = b1 + u * q1;
-        let r = b0 + u * q0;
-
-        // At an end with the slope inward the product is negative. The slope has a rounding of
-        // its own, and enters with factors of up to 20.
-        let inward = if u.abs() >= 1.0 { -(r * u) } else { 0.0 };
-        let turn = 1.0_f32.copysign(-u);
-        Self {
-            quartic: [q0, turn * q1, q2, turn * q3, q4],
-            inward: (inward - SLOPE_MARGIN * margin).or_more(0.0),
-            turn,
-        }
-    }
-}
-
-/// Returns a positive number if the quartic is certainly positive on both halves of the span.
-#[inline(always)]
-pub(super) fn certify(outline: &LaneSquaredDistance, u: f32, doubt: f32) -> f32 {
-    let Deflated {
-        quartic: [q0, q1, q2, q3, q4],
-        inward,
-        ..
-    } = Deflated::new(&outline.square, u, outline.margin);
-    // Bernstein coefficients from the middle outward, to both sides at once.
-    let even = [q0 + (1.0 / 6.0) * q2, q0 + 0.5 * q2, q0 + (q2 + q4)];
-    let odd = [0.25 * q1, 0.5 * q1, 0.75 * q1 + 0.25 * q3, q1 + q3];
-    // Where the slope is inward, `inward / (u + 1)` is added. Above the middle it is not below the
-    // quartic with the coefficients 1, 0.75, 0.65, 0.55, 0.5 times `inward`: `u + 1` times that has
-    // the coefficients 1, 1, 0.99, 1, 0.98, 1.
-    let high = [
-        q0 + inward,
-        (q0 + odd[0]) + 0.75 * inward,
-        (even[0] + odd[1]) + 0.65 * inward,
-        (even[1] + odd[2]) + 0.55 * inward,
-        (even[2] + odd[3]) + 0.5 * inward,
-    ];
-    // On the side of the end `(u + 1) q + inward` is a quintic: coefficient i, from the end on, is
-    // i / 5 times that of the quartic, plus `inward`. The middle counts once.
-    let low = [
-        (q0 - odd[0]) + (5.0 / 4.0) * inward,
-        (even[0] - odd[1]) + (5.0 / 3.0) * inward,
-        (even[1] - odd[2]) + (5.0 / 2.0) * inward,
-        (even[2] - odd[3]) + 5.0 * inward,
-    ];
-    // The second coefficient of a half, from its end on, may be as far below 0 as the lesser of the
-    // two next to it is above: these make up for it, since the product of the first and the third
-    // Bernstein polynomial is 3 / 8 of the square of the second, and their sum not less than twice
-    // the root of the product. The factor `u + 1` changes nothing in that.
-    let [h0, h1, h2, h3, h4] = high;
-    let [l3, l2, l1, l0] = low;
-    let (beside_high, beside_low) = (h0.or_less(h2), l0.or_less(l2));
-    let second = (0.5 * (h1 + beside_high)).or_less(0.5 * (l1 + beside_low));
-    let least = (beside_high.or_less(beside_low))
-        .or_less(h3.or_less(h4))
-        .or_less(second.or_less(l3));
-    least - outline.margin * doubt
 }
 
 #[inline(always)]
