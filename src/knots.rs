@@ -44,35 +44,22 @@ impl<'a> Knots<'a> {
         }
     }
 
+    /// Returns the knots of a motion with those of its extension.
     pub(crate) fn over(plan: &'a Trajectory, extension: Option<&Extension>) -> Self {
         Self::of(plan.cuts()).extended(plan, extension)
     }
 
-    /// Returns the knots of straight motions, which are no list of cubics.
-    const fn formed(self, plan: &'a Trajectory) -> Self {
-        Self {
-            plan: Some(plan),
-            ..self
+    /// Returns these knots of a motion with those of its extension.
+    pub(crate) fn extended(mut self, plan: &'a Trajectory, extension: Option<&Extension>) -> Self {
+        // Straight motions are no list of cubics.
+        if extension.is_some() || !plan.straight_motions().is_empty() {
+            self.plan = Some(plan);
         }
-    }
-
-    /// Returns these knots of a plan with those of its extension.
-    pub(crate) fn extended(self, plan: &'a Trajectory, extension: Option<&Extension>) -> Self {
-        match extension {
-            None if plan.straight_motions().is_empty() => self,
-            None => self.formed(plan),
-            Some(&Extension {
-                before,
-                after,
-                domain,
-            }) => Self {
-                ends: domain,
-                plan: Some(plan),
-                before,
-                after,
-                ..self
-            },
+        if let Some(extension) = extension {
+            (self.before, self.after) = (extension.before, extension.after);
+            self.ends = extension.domain;
         }
+        self
     }
 
     /// Returns the first and the last knot, s; the first is later only if there are none.

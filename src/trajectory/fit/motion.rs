@@ -127,22 +127,17 @@ impl Trajectory {
             interval: (ends[1] - ends[0]) / INSTANTS,
             known: [None; 2],
         };
-        let max_knots = options.max_knots;
+        let (max_knots, is_proven) = (options.max_knots, options.fourth_derivative.is_some());
+        examined.check_rounding(ends, if is_proven { 1.0 } else { LEAST })?;
         let placed = match options.fourth_derivative {
-            Some(bound) => {
-                examined.check_rounding(ends, 1.0)?;
-                place_knots(ends, tolerance, max_knots, |from, to| {
-                    let remainder = bound.remainder(from, to)?;
-                    let piece = examined.piece(from, to)?;
-                    Ok(piece.map_or(PieceError::UNKNOWN, |piece| {
-                        PieceError::of(remainder, piece.rounding, tolerance)
-                    }))
-                })
-            }
-            None => {
-                examined.check_rounding(ends, LEAST)?;
-                place_knots(ends, tolerance, max_knots, &mut examined)
-            }
+            Some(bound) => place_knots(ends, tolerance, max_knots, |from, to| {
+                let remainder = bound.remainder(from, to)?;
+                let piece = examined.piece(from, to)?;
+                let error =
+                    |piece: FittedPiece| PieceError::of(remainder, piece.rounding, tolerance);
+                Ok(piece.map_or(PieceError::UNKNOWN, error))
+            }),
+            None => place_knots(ends, tolerance, max_knots, &mut examined),
         }?;
         if let Some(bound) = options.fourth_derivative {
             for pair in placed.knots.windows(2) {
@@ -154,7 +149,7 @@ impl Trajectory {
         Ok(Fit {
             trajectory,
             error: placed.error,
-            is_proven: options.fourth_derivative.is_some(),
+            is_proven,
         })
     }
 }

@@ -53,7 +53,7 @@ pub(super) struct PieceError {
 }
 
 impl PieceError {
-    /// Returns the error of a piece whose cubic has left the range of f64.
+    /// The error of a piece whose cubic has left the range of f64.
     pub(super) const UNKNOWN: Self = Self {
         metres: f64::INFINITY,
         share: f64::INFINITY,
