@@ -23,6 +23,19 @@
 //! # Ok::<(), nearmiss::Error>(())
 //! ```
 //!
+//! The [`guide`] leads on from here: [games](guide::games), [fleets and traffic](guide::fleets_and_traffic),
+//! [satellites](guide::satellites), [your motion as splines](guide::from_your_motion_to_splines), and a
+//! [cookbook](guide::cookbook).
+//!
+//! | you want | call |
+//! |---|---|
+//! | all conflicts in a time | [`Scene::screen`] |
+//! | those of a body that is not in the scene | [`Scene::conflicts_with`] |
+//! | those of two bodies, without a scene | the functions of [`pair`] |
+//! | events while bodies move and plans change | [`Monitor`] |
+//! | a plan tried before it is flown | [`Monitor::what_if`] |
+//! | closest approaches of cubics in batches | the module [`kernels`] |
+//!
 //! # The way the data flows
 //!
 //! ```text

@@ -339,7 +339,7 @@ fn what_is_said() {
 
 /// Tables of `tradeoff` by key, with columns that they have.
 #[cfg(all(feature = "parallel", feature = "live", feature = "recording"))]
-const TABLES: [(&str, &[&str]); 7] = [
+const TABLES: [(&str, &[&str]); 8] = [
     (
         "pair",
         &[

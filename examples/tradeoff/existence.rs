@@ -49,7 +49,7 @@ fn median_within(mut values: Vec<f64>) -> (f64, [f64; 2]) {
 pub(crate) fn table(effort: &Effort, progress: &dyn Fn(f64)) -> Result<Table, Failure> {
     let count = effort.choose(10_000, 1_000);
     // Where a scene lies in memory changes its time by a percent: scenes are made again and again.
-    let (rounds, turns) = effort.choose((16, 6), (3, 3));
+    let (rounds, turns) = effort.choose((12, 6), (3, 3));
     let mut all: Vec<Turn> = Vec::new();
     for round in 0..rounds {
         let with = SCENES.map(|(_, uses)| scene(count, uses, false));

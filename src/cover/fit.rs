@@ -102,7 +102,7 @@ impl<'a> Fitter<'a> {
 
     /// Returns the best cover found with at most `count` balls. `progress` gets the share done,
     /// below 1, on any thread.
-    pub(super) fn fit(&self, count: usize, progress: &(impl Fn(f64) + Sync)) -> Certified {
+    pub(super) fn fit(&self, count: usize, progress: &(dyn Fn(f64) + Sync)) -> Certified {
         if let Some(certified) = closed_form(self.solid, count) {
             return certified;
         }

@@ -85,13 +85,23 @@ impl SphereCover {
         options: &CoverOptions,
         progress: impl Fn(f64) + Sync,
     ) -> Result<Self, CoverError> {
+        Self::fit_with_progress_dyn(shape, options, &progress)
+    }
+
+    /// Does the work of [`fit_with_progress`](Self::fit_with_progress), compiled once: as a generic function it would
+    /// be compiled again for each caller.
+    fn fit_with_progress_dyn(
+        shape: &dyn Shape,
+        options: &CoverOptions,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<Self, CoverError> {
         let most = options.max_spheres();
         if !(1..=CoverOptions::MOST_SPHERES).contains(&most) {
             return Err(CoverError::SphereCount { count: most });
         }
         let solid = read(shape)?;
         let fitter = Fitter::new(&solid, options.seed(), options.effort());
-        let fit = |count: usize| fitter.fit(count, &progress);
+        let fit = |count: usize| fitter.fit(count, progress);
         let certified = match options.target_overshoot() {
             None => fit(most),
             Some(target) if target >= 0.0 && target.is_finite() => {

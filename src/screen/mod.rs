@@ -107,6 +107,16 @@ impl Scene {
         query: &Query,
         progress: impl Fn(f64) -> ControlFlow<()> + Sync,
     ) -> Result<Screening, Error> {
+        self.screen_with_progress_dyn(query, &progress)
+    }
+
+    /// Does the work of [`screen_with_progress`](Self::screen_with_progress), compiled once: as a generic function
+    /// it would be compiled again for each caller.
+    fn screen_with_progress_dyn(
+        &self,
+        query: &Query,
+        progress: &(dyn Fn(f64) -> ControlFlow<()> + Sync),
+    ) -> Result<Screening, Error> {
         let begin = Instant::now();
         let prepared = PreparedScene::new(self, query)?;
         let is_cancelled = AtomicBool::new(false);
