@@ -49,6 +49,31 @@ where
         .collect()
 }
 
+/// Returns the values of consecutive shares of the indices below `count`, in index order. The value
+/// of a share begins as `new()`, and `work(value, index)` adds each index. Up to `few` items make one
+/// share, and so do all on one thread.
+pub(crate) fn fold<T: Send>(
+    count: usize,
+    few: usize,
+    new: impl Fn() -> T + Sync + Send,
+    work: impl Fn(&mut T, usize) + Sync + Send,
+) -> Vec<T> {
+    #[cfg(feature = "parallel")]
+    if count > few && threads() > 1 {
+        use rayon::iter::{IntoParallelIterator, ParallelIterator};
+        let shares = (0..count).into_par_iter().fold(&new, |mut value, index| {
+            work(&mut value, index);
+            value
+        });
+        return shares.collect();
+    }
+    #[cfg(not(feature = "parallel"))]
+    let _ = few;
+    let mut value = new();
+    (0..count).for_each(|index| work(&mut value, index));
+    vec![value]
+}
+
 /// Replaces the content of a list by `work(index)` for each index below `count`. Up to `few` are
 /// computed on this thread.
 pub(crate) fn map_into<T: Send>(

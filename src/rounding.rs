@@ -182,28 +182,39 @@ pub(crate) fn normalising_power(magnitude: f64) -> f64 {
 /// Returns the Euclidean norm, correct to a few roundings for all magnitudes.
 #[inline]
 pub(crate) fn norm(vector: DVec3) -> f64 {
-    let largest = vector.abs().max_element();
-    if (1e-140..1e140).contains(&largest) {
-        vector.length()
+    let square = vector.length_squared();
+    if is_ordinary(square) {
+        square.sqrt()
     } else {
-        let power = normalising_power(largest);
-        (vector * power).length() / power
+        norm_of_any_size(vector)
     }
 }
 
 /// Returns the largest norm of some vectors, with the bits of [`norm`], but only one root in all.
 #[inline]
 pub(crate) fn largest_norm(vectors: &[DVec3]) -> f64 {
-    let (mut largest, mut square) = (DVec3::ZERO, 0.0_f64);
+    let mut largest = 0.0_f64;
     for vector in vectors {
-        largest = largest.max(vector.abs());
-        square = square.max(vector.length_squared());
+        largest = largest.max(vector.length_squared());
     }
-    if (1e-140..1e140).contains(&largest.max_element()) {
-        square.sqrt()
+    if is_ordinary(largest) {
+        largest.sqrt()
     } else {
         vectors.iter().copied().map(norm).fold(0.0, f64::max)
     }
+}
+
+/// Returns true if a squared norm is far from the ends of the range of f64.
+#[inline]
+fn is_ordinary(square: f64) -> bool {
+    (1e-280..1e280).contains(&square)
+}
+
+#[cold]
+fn norm_of_any_size(vector: DVec3) -> f64 {
+    let largest = vector.abs().max_element();
+    let power = normalising_power(largest);
+    (vector * power).length() / power
 }
 
 /// Returns the earliest exact instant (s) that may be reported as `time`, by rounding.

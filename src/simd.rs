@@ -110,17 +110,14 @@ pub(crate) fn prefetch<T>(values: &[T]) {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
         const LINE: usize = 64;
         let first = values.as_ptr().cast::<i8>();
-        // Values that begin within a line may end in one more than they would fill.
-        let before = if align_of::<T>() < LINE {
-            first.addr() % LINE
-        } else {
-            0
-        };
-        let mut line = 0;
-        while line < before + size_of_val(values) {
+        let size = size_of_val(values);
+        // Values that begin within a line may end in one more than they would fill. It is fetched in any case:
+        // their number of lines is known then, and no branch is mispredicted.
+        let more = usize::from(align_of::<T>() < LINE);
+        for line in 0..size.div_ceil(LINE) + more {
+            let place = (line * LINE).min(size.saturating_sub(1));
             // SAFETY: a prefetch reads nothing that a program can see, whatever the address.
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(first.wrapping_sub(before).wrapping_add(line)) };
-            line += LINE;
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(first.wrapping_add(place)) };
         }
     }
     #[cfg(not(target_arch = "x86_64"))]

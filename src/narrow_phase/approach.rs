@@ -10,53 +10,132 @@ use glam::Vec3A;
 /// only between the roots of a quadratic. The slacks include all rounding of the fat lines. They
 /// exceed that of this function a million times: 2^-22 of the coordinates, where f64 rounds 2^-53.
 #[inline]
-pub(crate) fn approaching(a: &FatLine, b: &FatLine, (from, to): (f64, f64)) -> Option<(f64, f64)> {
-    /// Factor on the distance for the rounding of the roots. With slacks of 2^-22 of the
-    /// coordinates it adds at least 2^-42 of the distance travelled, or 2^10 of its roundings.
-    const WIDER: f64 = 1.0 + 1e-6;
+pub(crate) fn approaching(a: &FatLine, b: &FatLine, interval: (f64, f64)) -> Option<(f64, f64)> {
     if lines_apart(a, b) {
         return None;
     }
-    let apart = [0, 1, 2].map(|axis| f64::from(a.start[axis]) - f64::from(b.start[axis]));
-    let change = [0, 1, 2].map(|axis| f64::from(a.change[axis]) - f64::from(b.change[axis]));
-    let radius = (f64::from(a.slack) + f64::from(b.slack)) * WIDER;
-    let reach = radius * radius;
-    let dot = |x: [f64; 3], y: [f64; 3]| x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
-    let square_at = |share: f64| {
-        let place = [0, 1, 2].map(|axis| apart[axis] + share * change[axis]);
+    let passage = Passage::of(a, b);
+    (!passage.is_beyond()).then(|| passage.interval(interval))
+}
+
+/// Removes the candidates that their fat lines show to be apart: those for which [`approaching`]
+/// returns `None`. `lines` returns the two fat lines of a candidate, and fetches those of later ones,
+/// given its place.
+///
+/// Whether lines are apart cannot be predicted. So each test is made of all that are left, without a
+/// branch, and the tests of several candidates overlap.
+#[inline]
+pub(crate) fn keep_approaching<'f, T: Copy>(
+    candidates: &mut Vec<T>,
+    lines: impl Fn(T) -> [&'f FatLine; 2],
+    fetch: impl Fn(usize),
+) {
+    keep(candidates, |place, one| {
+        fetch(place);
+        let [a, b] = lines(one);
+        !lines_apart(a, b)
+    });
+    keep(candidates, |_, one| {
+        let [a, b] = lines(one);
+        !Passage::of(a, b).is_beyond()
+    });
+}
+
+/// Keeps the items of a list that pass a test, in order, without a branch.
+#[inline]
+fn keep<T: Copy>(list: &mut Vec<T>, passes: impl Fn(usize, T) -> bool) {
+    let mut kept = 0;
+    for place in 0..list.len() {
+        let one = list[place];
+        list[kept] = one;
+        kept += usize::from(passes(place, one));
+    }
+    list.truncate(kept);
+}
+
+/// The straight motion of one fat line's middle relative to another over a slice.
+struct Passage {
+    apart: [f64; 3],
+    change: [f64; 3],
+    /// Square of the distance within which the bodies may be near.
+    reach: f64,
+    /// Square of the change.
+    square: f64,
+    /// Share of the slice at which the two are nearest, if they moved so for ever.
+    nearest: f64,
+}
+
+impl Passage {
+    #[inline]
+    fn of(a: &FatLine, b: &FatLine) -> Self {
+        /// Factor on the distance for the rounding of the roots. With slacks of 2^-22 of the
+        /// coordinates it adds at least 2^-42 of the distance travelled, or 2^10 of its roundings.
+        const WIDER: f64 = 1.0 + 1e-6;
+        let apart = [0, 1, 2].map(|axis| f64::from(a.start[axis]) - f64::from(b.start[axis]));
+        let change = [0, 1, 2].map(|axis| f64::from(a.change[axis]) - f64::from(b.change[axis]));
+        let radius = (f64::from(a.slack) + f64::from(b.slack)) * WIDER;
+        let square = dot(change, change);
+        Self {
+            apart,
+            change,
+            reach: radius * radius,
+            square,
+            nearest: -dot(apart, change) / square,
+        }
+    }
+
+    /// Returns the squared distance at a share of the slice.
+    #[inline]
+    fn square_at(&self, share: f64) -> f64 {
+        let place = [0, 1, 2].map(|axis| self.apart[axis] + share * self.change[axis]);
         dot(place, place)
-    };
-    let square = dot(change, change);
-    let nearest = -dot(apart, change) / square;
-    // Most others end here, so it is one comparison. Without motion any instant will do, and
-    // what is no number is not beyond.
-    let share = if nearest > 0.0 { nearest.min(1.0) } else { 0.0 };
-    if square_at(share) > reach {
-        return None;
     }
-    // Without motion, or beyond the range of numbers, there is no telling when.
-    if !nearest.is_finite() {
-        return Some((from, to));
+
+    /// Returns true if the two are never near in the slice.
+    #[inline]
+    fn is_beyond(&self) -> bool {
+        // Without motion any instant will do, and what is no number is not beyond.
+        let share = if self.nearest > 0.0 {
+            self.nearest.min(1.0)
+        } else {
+            0.0
+        };
+        self.square_at(share) > self.reach
     }
-    // Not below zero but for rounding: the nearest instant of all is no farther.
-    let room = (reach - square_at(nearest)).max(0.0);
-    let half = (room / square).sqrt();
-    let (enter, exit) = (nearest - half, nearest + half);
-    let instant = |share: f64| from + share * (to - from);
-    // Instants are rounded, and between two of them bodies may go a long way.
-    let resolution = 4.0 * f64::EPSILON * from.abs().max(to.abs());
-    let first = if enter > 0.0 {
-        instant(enter) - resolution
-    } else {
-        from
-    };
-    let last = if exit < 1.0 {
-        instant(exit) + resolution
-    } else {
-        to
-    };
-    // Numbers that are not comparable leave the whole slice.
-    Some((from.max(first), to.min(last)))
+
+    /// Returns the part of the slice in which the two may be near.
+    #[inline]
+    fn interval(&self, (from, to): (f64, f64)) -> (f64, f64) {
+        let nearest = self.nearest;
+        // Without motion, or beyond the range of numbers, there is no telling when.
+        if !nearest.is_finite() {
+            return (from, to);
+        }
+        // Not below zero but for rounding: the nearest instant of all is no farther.
+        let room = (self.reach - self.square_at(nearest)).max(0.0);
+        let half = (room / self.square).sqrt();
+        let (enter, exit) = (nearest - half, nearest + half);
+        let instant = |share: f64| from + share * (to - from);
+        // Instants are rounded, and between two of them bodies may go a long way.
+        let resolution = 4.0 * f64::EPSILON * from.abs().max(to.abs());
+        let first = if enter > 0.0 {
+            instant(enter) - resolution
+        } else {
+            from
+        };
+        let last = if exit < 1.0 {
+            instant(exit) + resolution
+        } else {
+            to
+        };
+        // Numbers that are not comparable leave the whole slice.
+        (from.max(first), to.min(last))
+    }
+}
+
+#[inline]
+fn dot(x: [f64; 3], y: [f64; 3]) -> f64 {
+    x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
 }
 
 /// Returns true if the lines of two bodies, extended to all times, stay apart.
@@ -76,7 +155,7 @@ fn lines_apart(a: &FatLine, b: &FatLine) -> bool {
     let square = apart.cross(change).length_squared();
     // Smaller squares have lost digits (that of the radius has not: no slack is below 1e-18). Where those of
     // bodies that meet overflow, so does the bound, and nothing is above it.
-    square > bound && along > 1e-30 && bound > 1e-30
+    (square > bound) & (along > 1e-30) & (bound > 1e-30)
 }
 
 #[cfg(test)]
@@ -155,6 +234,29 @@ mod tests {
             }
         }
         assert!(near > 2_000 && apart > 2_000, "{near} {apart}");
+    }
+
+    /// The test of many candidates at once keeps those that the test of one keeps, in order.
+    #[test]
+    fn many_are_kept_as_one_by_one() {
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        let mut kept = 0;
+        for count in 0..200 {
+            let lines: Vec<[FatLine; 2]> = (0..count)
+                .map(|_| [fat_line(&mut rng, 8.0, 10.0), fat_line(&mut rng, 8.0, 10.0)])
+                .collect();
+            let is_kept = |&number: &usize| {
+                let [a, b] = &lines[number];
+                approaching(a, b, SLICE).is_some()
+            };
+            let expected: Vec<usize> = (0..count).filter(is_kept).collect();
+            let mut numbers: Vec<usize> = (0..count).collect();
+            let pair = |number: usize| lines[number].each_ref();
+            keep_approaching(&mut numbers, pair, |_| ());
+            assert_eq!(numbers, expected);
+            kept += expected.len();
+        }
+        assert!((3_000..17_000).contains(&kept), "{kept}");
     }
 
     /// Two bodies whose least distance is exactly their slacks, seen from a hundred times as far or

@@ -22,7 +22,7 @@ mod stationary;
 mod stretches;
 mod turning;
 
-pub(crate) use approach::approaching;
+pub(crate) use approach::{approaching, keep_approaching};
 pub(crate) use certified::{CertifiedContact, Workspace, certified_approach, certified_contacts};
 pub(crate) use contact::{SolvedSpan, closest_approach, contacts, contacts_of, may_touch, solve};
 pub(crate) use sphere_pair::{Approach, Contact};

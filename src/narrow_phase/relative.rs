@@ -256,12 +256,18 @@ impl RelativeMotion {
     /// [`points`](Self::points).
     pub(super) fn of_spheres(&self, offset: DVec3) -> RelativeCubic {
         let apart = self.apart + offset;
-        let points = self.points(offset);
+        let points = self.local.map(|local| apart + local);
         let (size, spread) = (largest_norm(&points), largest_norm(&self.local));
+        // The centre of a lone sphere is its body's position.
+        let aside = if offset == DVec3::ZERO {
+            0.0
+        } else {
+            norm(offset)
+        };
         // One rounding each of the origins' difference, of the offset's (and the sum with it), of
         // the local difference and of the last sum. Second-order terms are covered by the 2^-40. Sums do
         // not underflow, and what does in the bound is in both parts' errors.
-        let roundings = 2.0 * norm(apart) + 2.0 * norm(offset) + spread + size;
+        let roundings = 2.0 * norm(apart) + 2.0 * aside + spread + size;
         let error = (self.error + UNIT_ROUNDOFF * roundings) * (1.0 + 2f64.powi(-40));
         RelativeCubic {
             start: self.start,

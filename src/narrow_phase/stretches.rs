@@ -9,7 +9,7 @@ use super::dips::{DistanceExtrema, may_be_hidden};
 use super::hull::SquaredDistance;
 use super::relative::RelativeCubic;
 use super::stationary::{MAX_STATIONARY, stationary_points};
-use crate::rounding::normalising_power;
+use crate::rounding::{norm, normalising_power};
 
 /// An instant of a span with its centre distance.
 #[derive(Clone, Copy, Debug)]
@@ -38,6 +38,24 @@ struct ProfileNode {
 }
 
 impl ProfileNode {
+    /// Returns the node at the start of a span: [`at`](Self::at) 0.
+    fn first(cubic: &RelativeCubic) -> Self {
+        Self {
+            s: 0.0,
+            time: cubic.start,
+            distance: norm(cubic.points[0]),
+        }
+    }
+
+    /// Returns the node at the end of a span: [`at`](Self::at) 1.
+    fn last(cubic: &RelativeCubic) -> Self {
+        Self {
+            s: 1.0,
+            time: cubic.end,
+            distance: norm(cubic.points[3]),
+        }
+    }
+
     fn at(cubic: &RelativeCubic, s: f64) -> Self {
         Self {
             s,
@@ -72,12 +90,12 @@ impl DistanceProfile {
     /// Returns the profile of a constant distance: differences at the ends are rounding.
     #[cold]
     fn constant(cubic: &RelativeCubic) -> Self {
-        let first = ProfileNode::at(cubic, 0.0);
+        let first = ProfileNode::first(cubic);
         let mut profile = Self::from(first);
         profile.plateau = cubic.tolerance();
         profile.push(ProfileNode {
             distance: first.distance,
-            ..ProfileNode::at(cubic, 1.0)
+            ..ProfileNode::last(cubic)
         });
         profile
     }
@@ -85,15 +103,15 @@ impl DistanceProfile {
     // Not inlined: a profile is formed where its caller wants it, instead of moved there.
     #[inline(never)]
     fn changing(cubic: &RelativeCubic, heights: &SquaredDistance) -> Self {
-        let mut profile = Self::from(ProfileNode::at(cubic, 0.0));
+        let mut profile = Self::from(ProfileNode::first(cubic));
         if heights.are_monotonic() {
-            profile.push(ProfileNode::at(cubic, 1.0));
+            profile.push(ProfileNode::last(cubic));
             return profile;
         }
         for &s in stationary_points(cubic).as_slice() {
             profile.push(ProfileNode::at(cubic, s));
         }
-        profile.push(ProfileNode::at(cubic, 1.0));
+        profile.push(ProfileNode::last(cubic));
         let distances = profile.nodes().iter().map(|node| node.distance);
         if may_be_hidden(cubic, distances.fold(f64::INFINITY, f64::min)) {
             profile.turn_at(cubic, &DistanceExtrema::of(cubic));

@@ -14,12 +14,19 @@ use crate::spans::Span;
 use crate::spans::SpanKey;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Buffers that one thread reuses from pair to pair.
+/// Buffers that are reused from pair to pair.
 #[derive(Default)]
 pub(super) struct SolveScratch {
     pub(super) contacts: Vec<Contact>,
     pub(super) certified: Vec<CertifiedContact>,
     pub(super) workspace: Workspace,
+}
+
+/// The conflicts of consecutive pairs.
+#[derive(Default)]
+struct SolvedPairs {
+    conflicts: Vec<Conflict>,
+    scratch: SolveScratch,
 }
 
 /// Share of the slices in the progress reported.
@@ -46,24 +53,32 @@ impl PreparedScene<'_> {
             .collect();
         let chunks: Vec<&[OfPair<'_>]> = pairs.chunks(CHUNK).collect();
         let done_chunks = AtomicUsize::new(0);
-        let solved = parallel::map(chunks.len(), SolveScratch::default, |scratch, chunk| {
-            let mut conflicts = Vec::new();
+        let solved = parallel::fold(chunks.len(), 1, SolvedPairs::default, |solved, chunk| {
             if filter.gives_up() {
-                return conflicts;
+                return;
             }
+            let SolvedPairs { conflicts, scratch } = solved;
             let chunk = chunks[chunk];
             match self.accuracy {
-                Accuracy::Exact => self.exact(bodies, chunk, scratch, &mut conflicts),
-                Accuracy::Certified => self.certified(bodies, chunk, scratch, &mut conflicts),
+                Accuracy::Exact => self.exact(bodies, chunk, scratch, conflicts),
+                Accuracy::Certified => self.certified(bodies, chunk, scratch, conflicts),
             }
             let done = done_chunks.fetch_add(1, Ordering::Relaxed) + 1;
             if done < chunks.len() {
                 let share = ratio(done, chunks.len());
                 progress(SHARE_OF_SLICES + (1.0 - SHARE_OF_SLICES) * share);
             }
-            conflicts
         });
-        in_order(&solved)
+        let mut conflicts = Vec::new();
+        for mut some in solved {
+            if conflicts.is_empty() {
+                conflicts = some.conflicts;
+            } else {
+                conflicts.append(&mut some.conflicts);
+            }
+        }
+        order(&mut conflicts);
+        conflicts
     }
 
     fn exact(
@@ -159,28 +174,27 @@ fn fetch(bodies: &impl Bodies, pairs: &[OfPair<'_>], number: usize) {
     }
 }
 
-/// Returns all conflicts in the order of reports, from lists in pair order.
+/// Brings conflicts from the order of pairs into that of reports.
 ///
 /// Pairs ascend, and the conflicts of a pair are in time order. So the order is that of the
-/// beginnings, and of the places where these tie. Conflicts are large, so each is moved only once.
-fn in_order(found: &[Vec<Conflict>]) -> Vec<Conflict> {
-    let places = (0_u32..).zip(found).flat_map(|(chunk, conflicts)| {
-        let places = (0_u32..).zip(conflicts);
-        places.map(move |(place, conflict)| (conflict.enter, chunk, place))
-    });
-    let mut places: Vec<(f64, u32, u32)> = places.collect();
-    parallel::sort(&mut places, |x, y| {
-        x.0.total_cmp(&y.0).then((x.1, x.2).cmp(&(y.1, y.2)))
-    });
-    let ordered: Vec<Conflict> = places
-        .iter()
-        .map(|&(_, chunk, place)| found[chunk as usize][place as usize])
-        .collect();
+/// beginnings, and of the places where these tie. Conflicts are large: they are exchanged in their
+/// list, and another one is not needed.
+fn order(conflicts: &mut [Conflict]) {
+    let enters = conflicts.iter().map(|conflict| conflict.enter);
+    let mut places: Vec<(f64, u32)> = enters.zip(0..).collect();
+    parallel::sort(&mut places, |x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
+    for next in 0..places.len() {
+        let mut place = places[next].1 as usize;
+        // It has been exchanged with the one that was to come there.
+        while place < next {
+            place = places[place].1 as usize;
+        }
+        conflicts.swap(next, place);
+    }
     debug_assert!(
-        ordered.is_sorted_by(|x, y| x.order(y).is_le()),
+        conflicts.is_sorted_by(|x, y| x.order(y).is_le()),
         "pairs ascend"
     );
-    ordered
 }
 
 /// Two bodies with the spans in which they may be in contact.

@@ -8,7 +8,7 @@
 use super::Bodies;
 use crate::bounds::{FatLine, HullTest};
 use crate::broad_phase::Candidate;
-use crate::narrow_phase::{approaching, may_touch};
+use crate::narrow_phase::{approaching, keep_approaching, may_touch};
 use crate::simd::prefetch;
 use crate::spans::{Span, SpanKey, each_span};
 use crate::window::Window;
@@ -83,6 +83,7 @@ impl PairSpan {
 /// Refines candidates to spans; owns the batches between its stages.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CandidateRefiner {
+    candidates: Vec<Candidate>,
     near: Vec<NearPair>,
     spans: Vec<PairSpan>,
 }
@@ -133,20 +134,28 @@ impl CandidateRefiner {
             interval,
             ..
         } = *question;
+        let line = |place: u32| &fat_lines[place as usize];
+        self.candidates.clear();
+        self.candidates.extend_from_slice(batch);
+        keep_approaching(
+            &mut self.candidates,
+            |candidate| [line(candidate.a), line(candidate.b)],
+            |place| {
+                if let Some(later) = batch.get(place + Self::AHEAD_OF_CANDIDATES) {
+                    prefetch(from_ref(line(later.a)));
+                    prefetch(from_ref(line(later.b)));
+                }
+            },
+        );
         self.near.clear();
-        for (i, &candidate) in batch.iter().enumerate() {
-            if let Some(later) = batch.get(i + Self::AHEAD_OF_CANDIDATES) {
-                prefetch(from_ref(&fat_lines[later.a as usize]));
-                prefetch(from_ref(&fat_lines[later.b as usize]));
-            }
-            let (a, b) = (candidate.a as usize, candidate.b as usize);
-            let Some(interval) = approaching(&fat_lines[a], &fat_lines[b], interval) else {
-                continue;
-            };
-            if let Some(bodies) = pair(candidate) {
+        for &candidate in &self.candidates {
+            let (a, b) = (line(candidate.a), line(candidate.b));
+            if let Some(interval) = approaching(a, b, interval)
+                && let Some(bodies) = pair(candidate)
+            {
                 self.near.push(NearPair {
                     bodies,
-                    hints: [fat_lines[a].first, fat_lines[b].first],
+                    hints: [a.first, b.first],
                     interval,
                 });
             }

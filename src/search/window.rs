@@ -356,7 +356,9 @@ impl SliceBlocks {
     /// Least number of slices in a block, for slices with less than one cubic per body, and with
     /// more. With more slices, cubics are read less often, but the lists of boxes leave the caches.
     const FEW_SLICES: [usize; 2] = [4, 8];
-    const CACHED_BOXES: f64 = 2048.0;
+    /// Boxes that make longer blocks where bodies are few. More of them save less than their memory
+    /// costs when it is first touched.
+    const CACHED_BOXES: f64 = 512.0;
     /// Largest number of boxes in a block, which bounds its memory: 64 bytes each.
     const MAX_BOXES: usize = 1 << 20;
     /// Approximate largest number of boxes in a round.

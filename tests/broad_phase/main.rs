@@ -14,7 +14,7 @@ use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
 
 /// Everything from the degenerate to several sets of every structure.
-const COUNTS: [usize; 14] = [0, 1, 2, 3, 4, 15, 16, 17, 127, 128, 200, 500, 1_000, 2_200];
+const COUNTS: [usize; 14] = [0, 1, 2, 3, 4, 15, 16, 17, 255, 256, 300, 500, 1_000, 2_200];
 
 /// The pairs that meet, by comparisons written down once more, and from nothing else.
 fn expected<F: PairFilter>(boxes: &[BodyBox], filter: &F) -> Vec<Candidate> {

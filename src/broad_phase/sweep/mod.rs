@@ -51,7 +51,7 @@ pub struct Sweep {
 
 impl Sweep {
     /// Number of boxes below which all are compared directly.
-    const FEW: usize = 128;
+    const FEW: usize = 256;
     /// Number of boxes above which all are compared directly, too: their copies could not be counted in 32 bits.
     const MAX: usize = 1 << 28;
     /// Largest number of copies by dividing in a slice, per box.
