@@ -249,16 +249,23 @@ impl LookaheadSearch {
         self.half_spaces.note(&self.flights, &self.dirty);
         loop {
             self.survivors.clear();
-            let (mut reached, is_done) = self.look(scene, (from, to), filter, meter, stats)?;
+            let mut known = to;
+            if !self.half_spaces.is_idle() {
+                // First: slices, and the search over a jump, go on no farther than half-spaces are known.
+                let begin = Instant::now();
+                let bodies = BodyTable::of(scene, &self.flights, &self.grid, self.margin);
+                let times = (from, to, self.laid_out(to));
+                let found = (&mut self.survivors, self.max_spans);
+                known = self
+                    .half_spaces
+                    .look(&bodies, times, filter, meter, found)?;
+                stats.narrow_time += begin.elapsed();
+            }
+            let (reached, is_done) = self.look(scene, (from, to), filter, meter, stats)?;
+            let reached = reached.min(known);
             self.dirty.clear();
             let begin = Instant::now();
             let bodies = BodyTable::of(scene, &self.flights, &self.grid, self.margin);
-            if !self.half_spaces.is_idle() {
-                let times = (from, to, self.laid_out(to));
-                let found = (&mut self.survivors, self.max_spans);
-                let known = self.half_spaces.look(&bodies, times, filter, meter, found);
-                reached = reached.min(known?);
-            }
             self.solved.forget_before(from);
             self.sorter
                 .sort_and_dedup(&mut self.survivors, self.flights.len());

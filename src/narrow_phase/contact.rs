@@ -107,12 +107,7 @@ pub(crate) fn solve(
         }
     };
     if let Some(turning) = TurningPair::of(a, b, span, Accuracy::Exact) {
-        let reached = turning.each_within_after(margin, (clip, after), solve);
-        return if reached < span.end {
-            reached
-        } else {
-            f64::INFINITY
-        };
+        return turning.each_within_after(margin, (clip, after), solve);
     }
     match lone_pair(a, b, span) {
         Some(pair) => solve(&pair, span),

@@ -91,8 +91,9 @@ impl BakedRotation {
         debug_assert!(self.start <= start && end <= self.end, "a part");
         let is_whole = start <= self.start && end >= self.end;
         let [p0, p1, p2, p3] = self.points;
-        if is_whole || p0 == p3 {
-            // Held, or unknown.
+        // A rotation between equal ends may still move in between.
+        let is_held = p0 == p1 && p1 == p2 && p2 == p3;
+        if is_whole || is_held {
             return Self {
                 start,
                 end,

@@ -2,10 +2,10 @@
 
 use super::invariance::{bodies, body};
 use super::vector;
-use nearmiss::glam::DVec3;
+use nearmiss::glam::{DQuat, DVec3};
 use nearmiss::{
-    AlertLevel, BodyId, Budget, Command, Conflict, Event, Hitbox, Layers, Monitor, Query, Scene,
-    State, Trajectory, Window,
+    AlertLevel, BodyId, Budget, Command, Conflict, Event, EventKind, Hitbox, Layers, Monitor,
+    Orientation, Query, Scene, Sphere, State, Trajectory, Window,
 };
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -234,4 +234,37 @@ fn what_lies_far_ahead_is_met_in_time() {
     }
     assert!(events.len() > 2, "{events:?}");
     assert!(events[0].time < 20_000.0 && (events[1].time - 20_000.0).abs() < 1e-6);
+}
+
+/// A body that turns for ever, and is to come down beyond the time that is searched, is met when its time has
+/// come. Until then the parts of its turning are not gone through.
+#[test]
+fn a_turning_body_that_comes_later_is_met_in_time() {
+    let floor = nearmiss::Body::new(Trajectory::at_rest(DVec3::ZERO).unwrap())
+        .with_hitbox(Hitbox::half_space(DVec3::Z).unwrap());
+    let arm = Sphere {
+        offset: 0.1 * DVec3::X,
+        radius: 0.6,
+    };
+    let beam = nearmiss::Body::new(Trajectory::at_rest(100.0 * DVec3::Z).unwrap())
+        .with_hitbox(Hitbox::cluster(vec![arm]).unwrap())
+        .with_orientation(Orientation::spin(0.0, DQuat::IDENTITY, DVec3::Y).unwrap());
+    for from in [3.5, 4.5, 5.5, 6.5, 9.0] {
+        let mut scene = Scene::new();
+        scene.insert(floor.clone()).unwrap();
+        let id = scene.insert(beam.clone()).unwrap();
+        let levels = [AlertLevel::at(0.0)];
+        let mut monitor = Monitor::new(scene, 0.0, 3.0, &levels).unwrap();
+        let down = Trajectory::at_rest(0.5 * DVec3::Z).unwrap();
+        monitor.replan(id, from, down).unwrap();
+        let mut events = Vec::new();
+        for tick in 0..100 {
+            monitor.advance(0.1 * f64::from(tick), &mut events).unwrap();
+        }
+        let began = events.iter().find_map(|event| match event.kind {
+            EventKind::Began(_) => Some(event.time),
+            _ => None,
+        });
+        assert_eq!(began, Some(from));
+    }
 }

@@ -71,10 +71,15 @@ impl World {
 
     fn scene(&self, rng: &mut ChaCha8Rng) -> (Scene, Vec<BodyId>) {
         let mut scene = Scene::new();
+        let has_floor = rng.random_bool(0.5);
         let ids = (0..rng.random_range(2..30))
-            .map(|_| {
+            .map(|number| {
                 let plan = self.plan(rng, (self.start, self.end()));
-                let hitbox = Hitbox::sphere(rng.random_range(0.0..1.0)).unwrap();
+                let hitbox = if has_floor && number == 0 {
+                    Hitbox::half_space(vector(rng, 1.0).normalize()).unwrap()
+                } else {
+                    Hitbox::sphere(rng.random_range(0.0..1.0)).unwrap()
+                };
                 scene.insert(Body::new(plan).with_hitbox(hitbox)).unwrap()
             })
             .collect();

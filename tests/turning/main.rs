@@ -9,7 +9,7 @@ mod turned_world;
 use nearmiss::glam::{DQuat, DVec3};
 use nearmiss::{
     Accuracy, Body, BodyId, Conflict, Hitbox, Orientation, Outside, Query, Scene, Sphere, State,
-    Trajectory, Window,
+    Trajectory, Window, pair,
 };
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -420,6 +420,43 @@ fn campaign(seeds: std::ops::Range<u64>) -> Tally {
         tally
     });
     tallies.reduce(|| Tally::NONE, Tally::with)
+}
+
+/// Between two equal rotations a body may swing to one side and back. Where a segment of its plan is a part of that
+/// time, so is its swing.
+#[test]
+fn a_part_of_a_swing_is_not_all_of_it() {
+    let knots = [(0.0, 0.0), (1.0, 0.2), (2.0, 0.2), (3.0, 0.0)];
+    let knots = knots.map(|(time, angle)| (time, DQuat::from_rotation_z(angle)));
+    let swing = Orientation::normalized_cubic(&knots).unwrap();
+    let arm = Sphere {
+        offset: 10.0 * DVec3::X,
+        radius: 0.0,
+    };
+    let states = [0.0, 1.4, 1.6, 3.0].map(|time| State::new(time, DVec3::ZERO, DVec3::ZERO));
+    let other = Body::new(Trajectory::at_rest(10.0 * DVec3::X).unwrap());
+    for tolerance in [1e-2, 1e-3] {
+        let swinging = Body::new(Trajectory::from_states(&states).unwrap())
+            .with_hitbox(Hitbox::cluster(vec![arm]).unwrap())
+            .with_orientation(swing.clone().with_tolerance(tolerance).unwrap());
+        for time in [1.0, 1.3, 1.4, 1.45, 1.5, 1.6, 2.0] {
+            let window = Window::new(time, time).unwrap();
+            let place = swinging.spheres_at(time).unwrap()[0].offset;
+            let expected = place.distance(other.trajectory.position(time).unwrap());
+            let nearest = pair::closest_approach(&swinging, &other, window).unwrap();
+            let separation = nearest.unwrap().separation;
+            assert!(
+                separation <= expected && expected < separation + 20.0 * tolerance,
+                "{time} s, tolerance {tolerance}: {separation} m, not {expected} m"
+            );
+            let proven = pair::certified_closest_approach(&swinging, &other, window).unwrap();
+            let (proven, separation) = (proven.unwrap(), proven.unwrap().approach.separation);
+            assert!(
+                (separation - expected).abs() <= proven.error,
+                "{time} s, tolerance {tolerance}: {separation} m is not within {proven:?}"
+            );
+        }
+    }
 }
 
 #[test]

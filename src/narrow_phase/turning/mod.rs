@@ -73,14 +73,18 @@ impl<'a> TurningPair<'a> {
     }
 
     /// Solves the pairs of spheres that may come within `margin` in a part of the span that meets
-    /// `clip` and does not begin before `after` (s). Returns the end of the last such part: the next
-    /// value of `after`.
+    /// `clip` and does not begin before `after` (s). Returns the end of the last such part, the next
+    /// value of `after`; infinity if it ends with the span.
     pub(super) fn each_within_after(
         &self,
         margin: f64,
         (clip, after): ((f64, f64), f64),
         mut solve: impl FnMut(&SpherePair, Span),
     ) -> f64 {
+        if clip.1 < self.span.start {
+            // A span may last for ever: its parts are not gone through before the interval comes there.
+            return self.span.start;
+        }
         let last = self.cells((clip.1, clip.1)).last();
         let reached = last.map_or(self.span.end, |cell| cell.span.end);
         // The last part may have bounding spheres that come near after `clip` alone: it is solved as a whole.
@@ -90,7 +94,11 @@ impl<'a> TurningPair<'a> {
                 solve(pair, part);
             }
         });
-        reached
+        if reached < self.span.end {
+            reached
+        } else {
+            f64::INFINITY
+        }
     }
 
     /// Solves the pairs of spheres that may come nearer in `clip` than `reached` (m); `solve` gets
