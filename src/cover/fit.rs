@@ -105,7 +105,7 @@ impl<'a> Fitter<'a> {
             25
         } else {
             // The descents after them are longer.
-            14
+            16
         };
         (chains, rounds)
     }
@@ -225,7 +225,7 @@ impl<'a> Fitter<'a> {
         };
         /// Few samples leave the balls farther from where they should be.
         const AFTER_SAMPLES: Schedule = Schedule {
-            steps: 600,
+            steps: 800,
             first: 0.1,
             ..LAST
         };
