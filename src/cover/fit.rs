@@ -7,7 +7,7 @@ use super::points::Samples;
 use super::random::Random;
 use super::search::improve;
 use super::solid::Solid;
-use super::starts::{deepest, lattices, pool, spread};
+use super::starts::{deepest, even, lattices, pool, spread};
 use super::surface::Surface;
 use crate::parallel;
 use glam::DVec3;
@@ -24,6 +24,9 @@ const SAMPLES: usize = 1_000;
 
 /// Points from which centres are chosen.
 const POOL: usize = 8_192;
+
+/// Covers that are polished: samples do not tell which one is best then.
+const POLISHED: usize = 4;
 
 /// Points that are moved to ridges.
 const RIDGE_POINTS: usize = 1_024;
@@ -96,7 +99,14 @@ impl<'a> Fitter<'a> {
             chains
         };
         let chains = if count == 1 { 2 } else { chains } * self.effort;
-        let rounds = if (2..=256).contains(&count) { 25 } else { 0 };
+        let rounds = if !(2..=256).contains(&count) {
+            0
+        } else if self.samples.is_empty() {
+            25
+        } else {
+            // The descents after them are longer.
+            16
+        };
         (chains, rounds)
     }
 
@@ -116,7 +126,7 @@ impl<'a> Fitter<'a> {
         let mut found = parallel::map(chains, DescentScratch::default, work);
         // Of equal ones the first: a stable sort.
         found.sort_by(|a, b| a.overshoot.total_cmp(&b.overshoot));
-        found.truncate(3);
+        found.truncate(POLISHED);
         let polished = parallel::map(found.len(), DescentScratch::default, |scratch, place| {
             self.polish(found[place].clone(), scratch)
         });
@@ -166,9 +176,9 @@ impl<'a> Fitter<'a> {
         let mut random = Random::new(self.seed, u64::from(chain));
         let target = self.target();
         let mut best = None;
-        // The first chain begins with the best lattice.
+        // The first chain begins with the best lattice, or with points all along the ridges.
         if chain == 0 {
-            for centres in lattices(self.solid, count) {
+            for centres in lattices(self.solid, count).chain(even(&self.ridges, count)) {
                 let overshoot = scratch.measure(self.solid, &target, &centres, f64::NAN);
                 let is_better = |best: &CoverCandidate| overshoot < best.overshoot;
                 if best.as_ref().is_none_or(is_better) {
@@ -213,14 +223,20 @@ impl<'a> Fitter<'a> {
             last: 1e-4,
             temperature: 0.4,
         };
+        /// Few samples leave the balls farther from where they should be.
+        const AFTER_SAMPLES: Schedule = Schedule {
+            steps: 800,
+            first: 0.1,
+            ..LAST
+        };
         let certified = self.certify(&best);
         let finer = self.solid.surfaces(3 * COARSE);
-        let target = if self.samples.is_empty() {
-            Target::Surfaces(&finer)
+        let (target, schedule) = if self.samples.is_empty() {
+            (Target::Surfaces(&finer), &LAST)
         } else {
-            Target::Samples(&self.more_samples)
+            (Target::Samples(&self.more_samples), &AFTER_SAMPLES)
         };
-        best = descend(self.solid, &target, best.centres, &LAST, scratch);
+        best = descend(self.solid, &target, best.centres, schedule, scratch);
         let polished = self.certify(&best);
         if polished.overshoot < certified.overshoot {
             polished

@@ -7,7 +7,7 @@ use super::recording::Record;
 use super::tracked_motions::{TrackedChange, TrackedMotions, TrackedPlan};
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::id::BodyId;
-use crate::orientation::{Orientation, TrackedSpin};
+use crate::orientation::TrackedSpin;
 use crate::parallel;
 use crate::scene::BodyState;
 use crate::trajectory::Trajectory;
@@ -113,7 +113,7 @@ impl Monitor {
             }
         }
         let terms = self.terms()?;
-        if !self.find_usual(now, tracked, &terms) || tracked.has_spins() {
+        if !self.find_usual(now, tracked, &terms) {
             tracked.list_others();
         }
         let others = &mut tracked.others;
@@ -149,7 +149,12 @@ impl Monitor {
             return Err(Error::UnknownBody { id });
         }
         let motion = state.motion().map_err(in_body)?;
-        tracked.put((id, motion), state.tracked_spin().map_err(in_body)?);
+        let spin = state.tracked_spin().map_err(in_body)?;
+        let body = self.scene.body(id).filter(|_| spin.is_some());
+        if body.is_some_and(|body| body.hitbox.is_half_space()) {
+            return Err(in_body(Error::TurningHalfSpace));
+        }
+        tracked.put((id, motion), spin);
         Ok(())
     }
 
@@ -202,7 +207,7 @@ impl Monitor {
         }
     }
 
-    /// Finds the change of a body that is told a motion, and maybe an orientation, at an instant (s).
+    /// Finds the change of a body that is told a motion at an instant (s).
     fn work_out_change(
         &self,
         now: f64,
@@ -215,12 +220,6 @@ impl Monitor {
         let in_body = |error: Error| error.in_body(body.tag);
         let plan = || Trajectory::of_straight(motion);
         let from = terms.follows_from(flown, &plan(), now);
-        if change.spin.is_some() {
-            Orientation::checked_start(now).map_err(in_body)?;
-            if body.hitbox.is_half_space() {
-                return Err(in_body(Error::TurningHalfSpace));
-            }
-        }
         let from = from.map_err(in_body)?;
         change.plan = if flown.follows(&motion, from) {
             TrackedPlan::Same
@@ -252,10 +251,10 @@ impl Monitor {
                     self.plan_ends.set(id.slot, f64::INFINITY);
                 }
             }
-            // Last: what the body takes with another plan was worked out for the old shape.
-            if let Some(spin) = &change.spin {
-                self.take_spin(id, spin, (now, since))?;
-            }
+        }
+        // Last: what a body takes with another plan was worked out for the old shape.
+        for (place, spin) in &tracked.spins {
+            self.take_spin(tracked.ids[*place], spin, (now, since))?;
         }
         Ok(())
     }

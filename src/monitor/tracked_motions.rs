@@ -19,8 +19,8 @@ pub(super) struct TrackedMotions {
     /// Place in these lists of each slot's body, valid if that entry is of this slot.
     place_of: Vec<usize>,
     /// Spins that were given, with the place of the body.
-    spins: Vec<(usize, TrackedSpin)>,
-    /// Changes of bodies whose motion is not replaced in place, or to which a spin was given.
+    pub(super) spins: Vec<(usize, TrackedSpin)>,
+    /// Changes of bodies whose motion is not replaced in place.
     pub(super) others: Vec<TrackedChange>,
 }
 
@@ -33,25 +33,13 @@ impl TrackedMotions {
         self.others.clear();
     }
 
-    /// Returns true if spins were given.
-    pub(super) const fn has_spins(&self) -> bool {
-        !self.spins.is_empty()
-    }
-
     /// Lists the other changes, once it is known which motions are replaced in place.
     pub(super) fn list_others(&mut self) {
-        for (place, _) in &self.spins {
-            self.in_place[*place] = false;
-        }
-        self.spins.sort_unstable_by_key(|(place, _)| *place);
-        let mut spins = self.spins.drain(..).peekable();
         let places = self.in_place.iter().enumerate();
         for (place, _) in places.filter(|(_, is_replaced)| !**is_replaced) {
-            let given = spins.next_if(|(other, _)| *other == place);
             self.others.push(TrackedChange {
                 id: self.ids[place],
                 motion: self.motions[place],
-                spin: given.map(|(_, spin)| spin),
                 plan: TrackedPlan::Same,
             });
         }
@@ -93,8 +81,6 @@ impl TrackedMotions {
 pub(super) struct TrackedChange {
     pub(super) id: BodyId,
     pub(super) motion: StraightMotion,
-    /// Spin that was given.
-    pub(super) spin: Option<TrackedSpin>,
     pub(super) plan: TrackedPlan,
 }
 

@@ -1,7 +1,7 @@
 //! A turning motion over an interval as a cubic, which carries every point of the body.
 
 use crate::accuracy::Accuracy;
-use crate::rounding::{UNIT_ROUNDOFF, norm};
+use crate::rounding::{UNIT_ROUNDOFF, norm, seen_until};
 use glam::{DMat3, DVec3};
 
 /// The Bézier control points of a rotation over `start..end` (s), as matrices: applied to a point
@@ -53,7 +53,8 @@ impl BakedRotation {
     /// Returns the control points of the way of a point of the body, relative to its position, m.
     #[inline]
     pub(crate) fn way(&self, point: DVec3) -> [DVec3; 4] {
-        self.points.map(|matrix| matrix * point)
+        let [m0, m1, m2, m3] = &self.points;
+        [*m0 * point, *m1 * point, *m2 * point, *m3 * point]
     }
 
     /// Returns the vectors whose scalar products with a point of the body are those of its way's
@@ -69,6 +70,29 @@ impl BakedRotation {
         // this bound: the error is 1 at most, but for rounding.
         let error = self.error + 32.0 * UNIT_ROUNDOFF;
         error * norm(point) + f64::MIN_POSITIVE
+    }
+
+    /// Returns a bound on what a centre's error adds to a sphere's radius, or leaves out of it, for spheres
+    /// within `reach` (m).
+    pub(crate) fn error_within(&self, reach: f64) -> f64 {
+        // Radius and error are at most twice the reach: their sum is rounded, and then up.
+        self.error_of(DVec3::new(reach, 0.0, 0.0)) + 16.0 * UNIT_ROUNDOFF * reach
+    }
+
+    /// Returns a bound on the motion of points within `reach` (m) around the body's position, between an
+    /// instant and its rounded value, m; or infinity.
+    pub(crate) fn blur_within(&self, reach: f64) -> f64 {
+        let steps = self.points.windows(2).map(|two| two[1] - two[0]);
+        // A matrix lengthens a vector at most by the root of the sum of its squares.
+        let length = |step: DMat3| {
+            (step.x_axis.length_squared() + step.y_axis.length_squared())
+                + step.z_axis.length_squared()
+        };
+        let speed =
+            3.0 * steps.map(length).fold(0.0, f64::max).sqrt() * reach / (self.end - self.start);
+        let latest = self.start.abs().max(self.end.abs());
+        let blur = speed * (seen_until(latest) - latest);
+        if blur.is_nan() { f64::INFINITY } else { blur }
     }
 
     /// Returns the radius of a sphere for the separation, and the bound on its centre's error that the

@@ -83,12 +83,28 @@ fn in_capsule(half: f64, radius: f64) -> impl Fn(&mut ChaCha8Rng) -> DVec3 + Sen
 /// A torus around z of radii 1 and 0.3.
 pub(crate) fn torus(around: u32, across: u32) -> TriMesh {
     let angle = |step: u32, of: u32| std::f32::consts::TAU * step as f32 / of as f32;
+    torus_of(around, across, |i, j| {
+        let (a, b) = (angle(i, around), angle(j, across));
+        let away = 1.0 + 0.3 * b.cos();
+        Vector::new(away * a.cos(), away * a.sin(), 0.3 * b.sin())
+    })
+}
+
+/// The torus whose corners are rounded once, from f64.
+pub(crate) fn rounded_torus(around: u32, across: u32) -> TriMesh {
+    let angle = |step: u32, of: u32| std::f64::consts::TAU * f64::from(step) / f64::from(of);
+    torus_of(around, across, |i, j| {
+        let (a, b) = (angle(i, around), angle(j, across));
+        let away = 1.0 + 0.3 * b.cos();
+        DVec3::new(away * a.cos(), away * a.sin(), 0.3 * b.sin()).as_vec3()
+    })
+}
+
+fn torus_of(around: u32, across: u32, point: impl Fn(u32, u32) -> Vector) -> TriMesh {
     let (mut points, mut triangles) = (Vec::new(), Vec::new());
     for i in 0..around {
         for j in 0..across {
-            let (a, b) = (angle(i, around), angle(j, across));
-            let away = 1.0 + 0.3 * b.cos();
-            points.push(Vector::new(away * a.cos(), away * a.sin(), 0.3 * b.sin()));
+            points.push(point(i, j));
             let at = |i: u32, j: u32| (i % around) * across + j % across;
             let (first, next) = (at(i, j), at(i + 1, j));
             let (second, far) = (at(i, j + 1), at(i + 1, j + 1));
@@ -96,6 +112,16 @@ pub(crate) fn torus(around: u32, across: u32) -> TriMesh {
         }
     }
     TriMesh::new(points, triangles).unwrap()
+}
+
+/// The torus whose quadrangles are cut along the other diagonal.
+pub(crate) fn other_diagonals(torus: &TriMesh) -> TriMesh {
+    let quadrangles = torus.indices().chunks(2);
+    let cut = quadrangles.flat_map(|two| {
+        let ([first, next, far], [_, _, second]) = (two[0], two[1]);
+        [[first, next, second], [next, far, second]]
+    });
+    TriMesh::new(torus.vertices().to_vec(), cut.collect()).unwrap()
 }
 
 fn points_of(mesh: &TriMesh) -> Vec<DVec3> {

@@ -1,10 +1,10 @@
 //! Chords of a relative motion, for lower bounds of the separation of spheres.
 
 use super::ClusterPair;
-use super::known::farthest;
 use crate::enclosure::part;
 use crate::hitbox::Sphere;
 use crate::narrow_phase::relative::rejection_threshold;
+use crate::narrow_phase::sphere_pair::farthest;
 use crate::narrow_phase::widened;
 use crate::rounding::{norm, normalising_power};
 use glam::DVec3;
@@ -112,7 +112,11 @@ impl PiecewiseLinearBound {
         let ClusterPair { a, b, .. } = *clusters;
         let toward = self.nearest_point(a.bounding.offset - b.bounding.offset);
         let toward = toward.normalize_or_zero();
-        let other = farthest(b.spheres, |one| one.radius + one.offset.dot(toward));
+        let reaches = b
+            .spheres
+            .iter()
+            .map(|one| one.radius + one.offset.dot(toward));
+        let other = farthest(reaches);
         let other = &b.spheres[other as usize];
         let low = |one: &Sphere| {
             let radii = one.radius + other.radius;
@@ -140,7 +144,7 @@ impl PiecewiseLinearBound {
             let middle = line.start + 0.5 * line.change;
             let toward = (middle + apart).normalize_or_zero();
             let behind = |sphere: &Sphere| sphere.radius - sphere.offset.dot(toward);
-            let facing = &a.spheres[farthest(a.spheres, behind) as usize];
+            let facing = &a.spheres[farthest(a.spheres.iter().map(behind)) as usize];
             let mut nearest = (f64::INFINITY, facing, &b.spheres[0]);
             for one in a.spheres.iter().step_by(step).chain([facing]) {
                 for other in b.spheres {

@@ -2,6 +2,7 @@
 
 use super::{ClusterPair, ProvenContact, SpherePairBound};
 use crate::hitbox::Sphere;
+use crate::narrow_phase::sphere_pair::farthest;
 use crate::rounding::{norm, seen_from, seen_until};
 use glam::DVec3;
 
@@ -201,8 +202,8 @@ impl<'a> ProvenIntervals<'a> {
         let direction = directions.find(|direction| !direction.is_asked)?;
         direction.is_asked = true;
         let along = |sphere: &Sphere| sphere.offset.dot(direction.unit);
-        let support_a = farthest(a.spheres, |sphere| sphere.radius - along(sphere));
-        let support_b = farthest(b.spheres, |sphere| sphere.radius + along(sphere));
+        let support_a = farthest(a.spheres.iter().map(|one| one.radius - along(one)));
+        let support_b = farthest(b.spheres.iter().map(|one| one.radius + along(one)));
         Some((support_a, support_b))
     }
 
@@ -230,13 +231,6 @@ impl<'a> ProvenIntervals<'a> {
             !gap.directions.iter().any(is_apart) && !is_beyond(&gap.points, self.margin)
         })
     }
-}
-
-/// Returns the sphere with the largest value.
-pub(super) fn farthest(spheres: &[Sphere], reach: impl Fn(&Sphere) -> f64) -> u32 {
-    let reaches = (0..).zip(spheres.iter().map(reach));
-    let farther = |x: (u32, f64), y: (u32, f64)| if y.1 > x.1 { y } else { x };
-    reaches.reduce(farther).map_or(0, |(number, _)| number)
 }
 
 #[cfg(test)]

@@ -159,9 +159,13 @@ impl Iterator for Cells<'_> {
     }
 }
 
-/// The cubics of both bodies' rotations over the cells met last.
+/// The cubics of both bodies' rotations, over the cells met last and over the parts of these.
 #[derive(Debug, Default)]
-pub(super) struct Rotations([Option<(TurningCell, BakedRotation)>; 2]);
+pub(super) struct Rotations {
+    cells: [Option<(TurningCell, BakedRotation)>; 2],
+    /// `None` for a part that is the whole cell.
+    parts: [Option<BakedRotation>; 2],
+}
 
 impl Rotations {
     /// Returns the rotations over a part, `None` for a body that does not turn.
@@ -170,17 +174,22 @@ impl Rotations {
         views: [&BodyView<'_>; 2],
         cell: &Cell,
         accuracy: Accuracy,
-    ) -> [Option<BakedRotation>; 2] {
-        let mut found = [None; 2];
+    ) -> [Option<&BakedRotation>; 2] {
+        let ends = (cell.span.start, cell.span.end);
         for body in 0..2 {
-            let (Some(turning), Some(turn)) = (views[body].turning, cell.turns[body]) else {
+            let (Some(turning), Some(turn)) = (views[body].turning, &cell.turns[body]) else {
                 continue;
             };
-            let known = self.0[body].filter(|(other, _)| *other == turn);
-            let (_, baked) = known.unwrap_or_else(|| (turn, turning.bake(&turn, accuracy)));
-            self.0[body] = Some((turn, baked));
-            found[body] = Some(baked.part((cell.span.start, cell.span.end)));
+            if self.cells[body].as_ref().is_none_or(|(met, _)| met != turn) {
+                self.cells[body] = Some((*turn, turning.bake(turn, accuracy)));
+            }
+            let whole = self.cells[body].as_ref().map(|(_, baked)| baked);
+            let cut = whole.filter(|_| ends != (turn.start, turn.end));
+            self.parts[body] = cut.map(|baked| baked.part(ends));
         }
-        found
+        [0, 1].map(|body| {
+            let whole = self.cells[body].as_ref().map(|(_, baked)| baked);
+            self.parts[body].as_ref().or(whole)
+        })
     }
 }

@@ -142,13 +142,15 @@ impl<'a> TurningOverPlane<'a> {
         if margin < f64::INFINITY && least > self.pair.bound(margin, cell.span) {
             return None;
         }
-        let [of_a, of_b] = rotations.over(self.views, cell, self.accuracy);
-        let rotation = if self.is_first { of_b } else { of_a };
+        let rotations = rotations.over(self.views, cell, self.accuracy);
+        let rotation = rotations[usize::from(self.is_first)];
         let spheres = (0..).zip(self.pair.body.spheres);
         ways.clear();
-        ways.extend(spheres.map(|(number, sphere)| {
-            self.sphere(number, (sphere.offset, sphere.radius), rotation.as_ref())
-        }));
+        ways.extend(
+            spheres.map(|(number, sphere)| {
+                self.sphere(number, (sphere.offset, sphere.radius), rotation)
+            }),
+        );
         // Those that are lowest at a control point.
         let mut lowest_ones = [(f64::INFINITY, [0.0; 4]); 4];
         for sphere in &*ways {
@@ -213,11 +215,12 @@ impl TurningOverPlane<'_> {
         let span = self.pair.span;
         for cell in self.cells((span.start, span.end)) {
             let heights = self.pair.heights(cell.span);
-            let rotations = Rotations::default().over(self.views, &cell, self.accuracy);
+            let mut rotations = Rotations::default();
+            let rotations = rotations.over(self.views, &cell, self.accuracy);
             let rotation = rotations[usize::from(self.is_first)];
             for (number, sphere) in (0..).zip(self.pair.body.spheres) {
                 let sphere = (sphere.offset, sphere.radius);
-                let sphere = self.sphere(number, sphere, rotation.as_ref());
+                let sphere = self.sphere(number, sphere, rotation);
                 visit(
                     &self.pair.sphere_pair(cell.span, &heights, &sphere),
                     cell.span,

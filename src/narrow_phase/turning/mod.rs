@@ -196,12 +196,15 @@ impl<'a> TurningPair<'a> {
 
     /// Returns the spheres over a part of the span, or `None` if the bounding spheres are certainly
     /// farther apart than `margin`, which may be infinite.
-    fn part(
+    fn part<'r>(
         &self,
         cell: &Cell,
         margin: f64,
-        rotations: &mut Rotations,
-    ) -> Option<SpheresOverPart<'a>> {
+        rotations: &'r mut Rotations,
+    ) -> Option<SpheresOverPart<'r>>
+    where
+        'a: 'r,
+    {
         let (motion, scale) = (self.motion(cell.span), self.scale(cell.span));
         if margin < f64::INFINITY && self.is_beyond(&motion, margin, scale) {
             return None;

@@ -5,12 +5,12 @@
 //! remains suffices for contacts within any margin, and for the closest approach, in any window.
 
 use crate::accuracy::Accuracy;
-use crate::enclosure::squared_distance;
+use crate::enclosure::{part, squared_distance};
 use crate::hitbox::Sphere;
 use crate::narrow_phase::BodyView;
 use crate::narrow_phase::contact_radius;
 use crate::narrow_phase::relative::{RelativeMotion, rejection_threshold};
-use crate::narrow_phase::sphere_pair::{SpherePair, difference_of_squares};
+use crate::narrow_phase::sphere_pair::{SpherePair, difference_of_squares, farthest};
 use crate::orientation::BakedRotation;
 use crate::rounding::{norm, normalising_power};
 use glam::DVec3;
@@ -19,12 +19,14 @@ use glam::DVec3;
 pub(super) struct SpheresOverPart<'a> {
     views: [&'a BodyView<'a>; 2],
     accuracy: Accuracy,
-    rotations: [Option<BakedRotation>; 2],
+    rotations: [Option<&'a BakedRotation>; 2],
     motion: RelativeMotion,
     /// Control points of the bodies' relative position, m.
     base: [DVec3; 4],
     /// Magnitude to which all rounding is relative, m.
     scale: f64,
+    /// Bound of both centres' errors, for any two spheres, m.
+    error: f64,
 }
 
 /// Buffers that one part leaves to the next.
@@ -32,75 +34,52 @@ pub(super) struct SpheresOverPart<'a> {
 pub(super) struct PartScratch {
     /// Reach of each sphere of both bodies along a direction, m.
     reaches: [Vec<f64>; 2],
-    /// Spheres of b that may be near some of a's, by number.
-    near_b: Vec<(u32, SphereWay)>,
+    /// Spheres of b that may be near some of a's, by number, with their control points in the unit of lengths.
+    near_b: Vec<(u32, [DVec3; 4])>,
     candidates: Vec<SphereCandidate>,
-}
-
-/// A sphere's centre over the part.
-#[derive(Clone, Copy, Debug)]
-struct SphereWay {
-    /// Control points relative to the body's position, m.
-    points: [DVec3; 4],
-    /// Radius for the separation, m.
-    radius: f64,
-    /// Bound on the error of the points that the radius does not contain, m.
-    error: f64,
+    /// The candidates over a piece of the part.
+    in_piece: Vec<SphereCandidate>,
+    /// True for each candidate that may be the nearest one in some piece.
+    are_nearest: Vec<bool>,
+    /// Lower bound of the separation of two spheres that may come near, in the unit of lengths, and their numbers.
+    bounds: Vec<(f64, (u32, u32))>,
 }
 
 /// Two spheres that may come within the margin.
 #[derive(Clone, Copy, Debug)]
 struct SphereCandidate {
-    a: u32,
-    b: u32,
+    /// Numbers of a's sphere and b's.
+    spheres: (u32, u32),
     /// Control points of the centres' relative position, in the unit of lengths.
     points: [DVec3; 4],
     /// Control heights of the squared distance, in the square of that unit.
     heights: [f64; 7],
-    /// Lower bound of the separation, without errors, to rounding; sum of the radii and of the errors:
-    /// all in that unit.
-    least: f64,
+    /// Least height, at least 0.
+    lowest: f64,
+    /// Sum of the radii, in that unit.
     radii: f64,
-    error: f64,
 }
 
 impl PartScratch {
     /// Returns two spheres that reach far towards each other's bodies: probably among the nearest.
     fn facing(&self) -> (u32, u32) {
-        let smallest = |reaches: &[f64], sign: f64| {
-            let mut least = (f64::INFINITY, 0);
-            for (number, reach) in (0..).zip(reaches) {
-                if sign * reach < least.0 {
-                    least = (sign * reach, number);
-                }
-            }
-            least.1
-        };
         let [reaches_a, reaches_b] = &self.reaches;
-        (smallest(reaches_a, 1.0), smallest(reaches_b, -1.0))
-    }
-}
-
-impl SphereWay {
-    #[inline]
-    fn of(sphere: &Sphere, rotation: Option<&BakedRotation>, accuracy: Accuracy) -> Self {
-        let Some(rotation) = rotation else {
-            return Self {
-                points: [sphere.offset; 4],
-                radius: sphere.radius,
-                error: 0.0,
-            };
-        };
-        let (radius, error) = rotation.radius_and_error((sphere.offset, sphere.radius), accuracy);
-        Self {
-            points: rotation.way(sphere.offset),
-            radius,
-            error,
-        }
+        let toward_b = farthest(reaches_a.iter().map(|reach| -reach));
+        (toward_b, farthest(reaches_b.iter().copied()))
     }
 }
 
 impl SphereCandidate {
+    /// Returns the two spheres over a piece of the part, given by the local parameters of its ends.
+    fn over(&self, (start, end): (f64, f64)) -> Self {
+        let points = part(&self.points, start, end);
+        Self {
+            points,
+            heights: squared_distance(&points),
+            ..*self
+        }
+    }
+
     /// Returns the separation at the start, in the middle and at the end of the part, in the unit
     /// of lengths.
     fn separations(&self) -> [f64; 3] {
@@ -109,27 +88,62 @@ impl SphereCandidate {
         [p0, middle, p3].map(|place| place.length() - self.radii)
     }
 
-    /// Returns true if another pair is nearer by more than `slack` over the whole part.
-    fn is_behind(&self, near: &Self, slack: f64) -> bool {
-        let excess = (self.radii - near.radii).max(0.0) + slack + (self.error + near.error);
-        let squares = near.points.map(DVec3::length_squared);
-        let reach = squares.into_iter().fold(0.0, f64::max).sqrt();
-        let least = difference_of_squares(reach, excess);
+    /// Returns a bound of the distance, to rounding, in the unit of lengths.
+    fn farthest(&self) -> f64 {
+        let squares = self.points.map(DVec3::length_squared);
+        squares.into_iter().fold(0.0, f64::max).sqrt()
+    }
+
+    /// Returns true if another pair, which stays within a distance, is nearer by more than `slack` over the
+    /// whole part.
+    fn is_behind(&self, (near, distance): &(Self, f64), slack: f64) -> bool {
+        let excess = (self.radii - near.radii).max(0.0) + slack;
+        let least = difference_of_squares(*distance, excess);
         let mut heights = self.heights.iter().zip(&near.heights);
         heights.all(|(far, near)| far - near > least)
+    }
+}
+
+/// Keeps the candidates that are marked.
+fn keep_marked(candidates: &mut Vec<SphereCandidate>, are_marked: &[bool]) {
+    let mut are_marked = are_marked.iter();
+    candidates.retain(|_| are_marked.next() == Some(&true));
+}
+
+/// Marks the candidates that may be the nearest ones at some time: no other one is nearer by more than
+/// `slack` all the time.
+fn mark_nearest(candidates: &[SphereCandidate], slack: f64, are_nearest: &mut [bool]) {
+    // Those that are nearest at three instants.
+    let mut nearest = [(f64::INFINITY, 0); 3];
+    for (number, candidate) in candidates.iter().enumerate() {
+        for (nearest, separation) in nearest.iter_mut().zip(candidate.separations()) {
+            if separation < nearest.0 {
+                *nearest = (separation, number);
+            }
+        }
+    }
+    let nearest = nearest.map(|(_, number)| (candidates[number], candidates[number].farthest()));
+    for (candidate, is_nearest) in candidates.iter().zip(are_nearest) {
+        let is_behind = |near: &(SphereCandidate, f64)| candidate.is_behind(near, slack);
+        *is_nearest = *is_nearest || !nearest.iter().any(is_behind);
     }
 }
 
 impl<'a> SpheresOverPart<'a> {
     /// Largest number of candidates of which all are solved.
     const FEW: usize = 2;
+    /// Pieces in which candidates are compared.
+    const PIECES: [(f64, f64); 2] = [(0.0, 0.5), (0.5, 1.0)];
 
     pub(super) fn new(
         views: [&'a BodyView<'a>; 2],
         accuracy: Accuracy,
         (motion, scale): (RelativeMotion, f64),
-        rotations: [Option<BakedRotation>; 2],
+        rotations: [Option<&'a BakedRotation>; 2],
     ) -> Self {
+        let error = |body: usize| {
+            rotations[body].map_or(0.0, |one| one.error_within(views[body].bounding.radius))
+        };
         Self {
             views,
             accuracy,
@@ -137,12 +151,17 @@ impl<'a> SpheresOverPart<'a> {
             base: motion.points(DVec3::ZERO),
             motion,
             scale,
+            error: error(0) + error(1),
         }
     }
 
+    /// Returns the control points of a sphere's centre relative to its body's position, m.
     #[inline]
-    fn way(&self, body: usize, sphere: &Sphere) -> SphereWay {
-        SphereWay::of(sphere, self.rotations[body].as_ref(), self.accuracy)
+    fn way(&self, body: usize, sphere: &Sphere) -> [DVec3; 4] {
+        match self.rotations[body] {
+            Some(rotation) => rotation.way(sphere.offset),
+            None => [sphere.offset; 4],
+        }
     }
 
     /// Calls `visit` with each pair of spheres that may come within `margin` and be the nearest one
@@ -154,32 +173,55 @@ impl<'a> SpheresOverPart<'a> {
         mut visit: impl FnMut(&SpherePair),
     ) {
         self.find_reaches(scratch);
-        self.find_candidates(margin, scratch);
-        let candidates = &scratch.candidates;
+        let mut candidates = std::mem::take(&mut scratch.candidates);
+        candidates.clear();
+        self.each_candidate(margin, scratch, |candidate| candidates.push(candidate));
+        self.keep_nearest(&mut candidates, scratch);
+        for candidate in &candidates {
+            visit(&self.pair(candidate.spheres));
+        }
+        scratch.candidates = candidates;
+    }
+
+    /// Keeps the candidates that may be the nearest ones at some time, unless they are few.
+    fn keep_nearest(&self, candidates: &mut Vec<SphereCandidate>, scratch: &mut PartScratch) {
         if candidates.len() <= Self::FEW {
-            for candidate in candidates {
-                visit(&self.pair((candidate.a, candidate.b)));
-            }
             return;
         }
-        // Those that are nearest at three instants.
-        let mut nearest = [(f64::INFINITY, 0); 3];
-        for (number, candidate) in candidates.iter().enumerate() {
-            for (nearest, separation) in nearest.iter_mut().zip(candidate.separations()) {
-                if separation < nearest.0 {
-                    *nearest = (separation, number);
-                }
-            }
+        let PartScratch {
+            in_piece,
+            are_nearest,
+            ..
+        } = scratch;
+        // One is farther by the errors of its centres, the other one is nearer by its own. A window may begin
+        // between an instant and what that is rounded to.
+        let rounding = rejection_threshold(0.0, self.scale) + self.blur();
+        let slack = 2.0 * (rounding + self.error) * normalising_power(self.scale);
+        are_nearest.clear();
+        are_nearest.resize(candidates.len(), false);
+        mark_nearest(candidates, slack, are_nearest);
+        keep_marked(candidates, are_nearest);
+        if candidates.len() <= Self::FEW {
+            return;
         }
-        let power = normalising_power(self.scale);
-        let slack = 2.0 * rejection_threshold(0.0, self.scale) * power;
-        for candidate in candidates {
-            let is_behind =
-                |&(_, near): &(f64, usize)| candidate.is_behind(&candidates[near], slack);
-            if !nearest.iter().any(is_behind) {
-                visit(&self.pair((candidate.a, candidate.b)));
-            }
+        // Few are behind one other all the time: the rest are compared piece by piece.
+        are_nearest.clear();
+        are_nearest.resize(candidates.len(), false);
+        for piece in Self::PIECES {
+            in_piece.clear();
+            in_piece.extend(candidates.iter().map(|candidate| candidate.over(piece)));
+            mark_nearest(in_piece, slack, are_nearest);
         }
+        keep_marked(candidates, are_nearest);
+    }
+
+    /// Returns a bound on the motion of two centres between an instant and its rounded value, m; or infinity.
+    fn blur(&self) -> f64 {
+        let turning = |body: usize| {
+            let reach = self.views[body].bounding.radius;
+            self.rotations[body].map_or(0.0, |one| one.blur_within(reach))
+        };
+        self.motion.blur() + turning(0) + turning(1)
     }
 
     /// Solves the pairs of spheres that may come nearer than `reached` (m); `solve` returns the new
@@ -196,81 +238,93 @@ impl<'a> SpheresOverPart<'a> {
         if let Some(pair) = facing {
             reached = reached.min(solve(&self.pair(pair)));
         }
-        self.find_candidates(reached, scratch);
+        let mut bounds = std::mem::take(&mut scratch.bounds);
+        bounds.clear();
+        self.each_candidate(reached, scratch, |candidate| {
+            let least = candidate.lowest.sqrt() - candidate.radii;
+            bounds.push((least, candidate.spheres));
+        });
         let power = normalising_power(self.scale);
-        let candidates = &scratch.candidates;
-        let first = candidates.iter().min_by(|x, y| x.least.total_cmp(&y.least));
+        let first = bounds.iter().min_by(|x, y| x.0.total_cmp(&y.0));
         let (first, mut solved) = (first.into_iter(), [facing, None]);
-        for candidate in first.chain(candidates) {
-            let pair = (candidate.a, candidate.b);
-            let near = rejection_threshold(reached, self.scale + reached.abs()) * power;
-            if candidate.least - candidate.error > near || solved.contains(&Some(pair)) {
+        for &(least, pair) in first.chain(&bounds) {
+            let near = rejection_threshold(reached, self.scale + reached.abs()) + self.error;
+            if least > near * power || solved.contains(&Some(pair)) {
                 continue;
             }
             solved[1] = solved[1].or(Some(pair));
             reached = reached.min(solve(&self.pair(pair)));
         }
+        scratch.bounds = bounds;
         reached
     }
 
-    /// Finds the pairs of spheres that cheap tests cannot rule out to come within `margin`, in the
-    /// order of their numbers.
-    fn find_candidates(&self, margin: f64, scratch: &mut PartScratch) {
+    /// Calls `visit` with the pairs of spheres that cheap tests cannot rule out to come within `margin`, in
+    /// the order of their numbers.
+    #[inline(always)]
+    fn each_candidate(
+        &self,
+        margin: f64,
+        scratch: &mut PartScratch,
+        mut visit: impl FnMut(SphereCandidate),
+    ) {
         let PartScratch {
             reaches: [reaches_a, reaches_b],
             near_b,
-            candidates,
+            ..
         } = scratch;
-        candidates.clear();
         near_b.clear();
         // Infinite, or a distance: rounding of the reaches and of the sums is that of a rejection.
         let bound = rejection_threshold(margin, self.scale + margin.abs());
+        let power = normalising_power(self.scale);
         let nearest = reaches_a.iter().copied().fold(f64::INFINITY, f64::min);
         let [spheres_a, spheres_b] = self.views.map(|view| view.spheres);
         for (number, (sphere, most)) in (0..).zip(spheres_b.iter().zip(&*reaches_b)) {
             if nearest - most <= bound {
-                near_b.push((number, self.way(1, sphere)));
+                let [p0, p1, p2, p3] = self.way(1, sphere);
+                near_b.push((number, [p0 * power, p1 * power, p2 * power, p3 * power]));
             }
         }
-        let power = normalising_power(self.scale);
         let farthest = reaches_b.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let [b0, b1, b2, b3] = self.base;
         for (number_a, (sphere, least)) in (0..).zip(spheres_a.iter().zip(&*reaches_a)) {
             if least - farthest > bound {
                 continue;
             }
-            let way_a = self.way(0, sphere);
-            let places = [0, 1, 2, 3].map(|k| self.base[k] + way_a.points[k]);
-            for (number_b, way_b) in &*near_b {
-                if least - reaches_b[*number_b as usize] > bound {
+            let [p0, p1, p2, p3] = self.way(0, sphere);
+            let [p0, p1, p2, p3] = [
+                (b0 + p0) * power,
+                (b1 + p1) * power,
+                (b2 + p2) * power,
+                (b3 + p3) * power,
+            ];
+            for &(number_b, [q0, q1, q2, q3]) in &*near_b {
+                if least - reaches_b[number_b as usize] > bound {
                     continue;
                 }
-                let error = way_a.error + way_b.error;
+                let radius_b = spheres_b[number_b as usize].radius;
                 let radius = if margin < f64::INFINITY {
-                    contact_radius(way_a.radius, way_b.radius, margin) + error
+                    contact_radius(sphere.radius, radius_b, margin) + self.error
                 } else {
                     margin
                 };
                 if radius < 0.0 {
                     continue;
                 }
-                let points = [0, 1, 2, 3].map(|k| (places[k] - way_b.points[k]) * power);
+                let points = [p0 - q0, p1 - q1, p2 - q2, p3 - q3];
                 let heights = squared_distance(&points);
-                let lowest = heights.into_iter().fold(f64::INFINITY, f64::min);
+                let lowest = least_of(heights);
                 // The clearance contains their rounding: see the rejection by coefficients.
                 let threshold = rejection_threshold(radius, self.scale) * power;
-                if lowest > threshold * threshold {
-                    continue;
+                if lowest <= threshold * threshold {
+                    visit(SphereCandidate {
+                        spheres: (number_a, number_b),
+                        points,
+                        heights,
+                        lowest: lowest.max(0.0),
+                        radii: (sphere.radius + radius_b) * power,
+                    });
                 }
-                let radii = (way_a.radius + way_b.radius) * power;
-                candidates.push(SphereCandidate {
-                    a: number_a,
-                    b: *number_b,
-                    points,
-                    heights,
-                    least: lowest.max(0.0).sqrt() - radii,
-                    radii,
-                    error: error * power,
-                });
             }
         }
     }
@@ -282,28 +336,33 @@ impl<'a> SpheresOverPart<'a> {
         let direction = self.direction();
         let base = self.base.map(|point| point.dot(direction));
         let [reaches_a, reaches_b] = &mut scratch.reaches;
-        let still = [direction; 4];
         let along = |body: usize| {
-            let rotation = self.rotations[body].as_ref();
-            rotation.map_or(still, |rotation| rotation.seen_along(direction))
+            let rotation = self.rotations[body];
+            rotation.map_or([direction; 4], |rotation| rotation.seen_along(direction))
         };
-        let error = |body: usize| {
-            let farthest = DVec3::new(self.views[body].bounding.radius, 0.0, 0.0);
-            let rotation = self.rotations[body].as_ref();
-            rotation.map_or(0.0, |rotation| rotation.error_of(farthest))
+        let places = |[m0, m1, m2, m3]: [DVec3; 4], offset: DVec3| {
+            [
+                m0.dot(offset),
+                m1.dot(offset),
+                m2.dot(offset),
+                m3.dot(offset),
+            ]
         };
-        let (axes, excess) = (along(0), error(0));
+        let axes = along(0);
         reaches_a.clear();
         reaches_a.extend(self.views[0].spheres.iter().map(|sphere| {
-            let places = [0, 1, 2, 3].map(|k| base[k] + axes[k].dot(sphere.offset));
-            places.into_iter().fold(f64::INFINITY, f64::min) - (sphere.radius + excess)
+            let [h0, h1, h2, h3] = places(axes, sphere.offset);
+            let heights = [base[0] + h0, base[1] + h1, base[2] + h2, base[3] + h3];
+            least_of(heights) - (sphere.radius + self.error)
         }));
-        let (axes, excess) = (along(1), error(1));
+        let axes = along(1).map(|axis| -axis);
         reaches_b.clear();
-        reaches_b.extend(self.views[1].spheres.iter().map(|sphere| {
-            let places = axes.map(|axis| axis.dot(sphere.offset));
-            places.into_iter().fold(f64::NEG_INFINITY, f64::max) + (sphere.radius + excess)
-        }));
+        reaches_b.extend(
+            self.views[1]
+                .spheres
+                .iter()
+                .map(|sphere| sphere.radius - least_of(places(axes, sphere.offset))),
+        );
     }
 
     /// Returns a direction in which body a lies from body b in this part: a unit vector, up to
@@ -322,15 +381,32 @@ impl<'a> SpheresOverPart<'a> {
     /// Returns two spheres over the part.
     pub(super) fn pair(&self, (a, b): (u32, u32)) -> SpherePair {
         let sphere = |body: usize, number: u32| &self.views[body].spheres[number as usize];
-        let (way_a, way_b) = (self.way(0, sphere(0, a)), self.way(1, sphere(1, b)));
-        let ways = [0, 1, 2, 3].map(|k| way_a.points[k] - way_b.points[k]);
+        let (sphere_a, sphere_b) = (sphere(0, a), sphere(1, b));
+        let radius_and_error = |body: usize, sphere: &Sphere| match self.rotations[body] {
+            Some(one) => one.radius_and_error((sphere.offset, sphere.radius), self.accuracy),
+            None => (sphere.radius, 0.0),
+        };
+        let (radius_a, error_a) = radius_and_error(0, sphere_a);
+        let (radius_b, error_b) = radius_and_error(1, sphere_b);
+        let [p0, p1, p2, p3] = self.way(0, sphere_a);
+        let [q0, q1, q2, q3] = self.way(1, sphere_b);
         SpherePair {
             a,
             b,
-            radius_a: way_a.radius,
-            radius_b: way_b.radius,
-            baking: way_a.error + way_b.error,
-            cubic: self.motion.along(&ways),
+            radius_a,
+            radius_b,
+            baking: error_a + error_b,
+            cubic: self.motion.along(&[p0 - q0, p1 - q1, p2 - q2, p3 - q3]),
         }
     }
+}
+
+/// Returns the least of some numbers.
+#[inline(always)]
+fn least_of<const N: usize>(numbers: [f64; N]) -> f64 {
+    let mut least = f64::INFINITY;
+    for number in numbers {
+        least = if number < least { number } else { least };
+    }
+    least
 }

@@ -32,11 +32,16 @@ fn vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
     DVec3::from_array([0; 3].map(|_| rng.random_range(-half..=half)))
 }
 
-fn turner(rng: &mut ChaCha8Rng, kind: usize) -> Turner {
+/// Returns the first instant of the plans of a kind, s: some are late, where instants are rounded.
+fn first_instant(kind: usize) -> f64 {
+    [0.0, 0.0, 1e9][kind / 4 % 3]
+}
+
+fn turner(rng: &mut ChaCha8Rng, kind: usize, first: f64) -> Turner {
     let size = [1.0, 1e-6, 1e6][kind % 3];
     let speed = [0.5, 4.0][kind / 3 % 2] * size;
-    let states =
-        [0.0, 0.4, 1.0].map(|time| State::new(time, vector(rng, 2.0 * size), vector(rng, speed)));
+    let states = [0.0, 0.4, 1.0]
+        .map(|time| State::new(first + time, vector(rng, 2.0 * size), vector(rng, speed)));
     let count = rng.random_range(1..9);
     let spheres = (0..count).map(|number| {
         // Some alike, some small, some points.
@@ -50,7 +55,7 @@ fn turner(rng: &mut ChaCha8Rng, kind: usize) -> Turner {
         Orientation::FIXED
     } else {
         let rotation = DQuat::from_scaled_axis(vector(rng, 3.0));
-        Orientation::spin(rng.random_range(-1.0..1.0), rotation, spin).unwrap()
+        Orientation::spin(first + rng.random_range(-1.0..1.0), rotation, spin).unwrap()
     };
     Turner {
         plan: Trajectory::from_states(&states).unwrap(),
@@ -62,7 +67,7 @@ fn turner(rng: &mut ChaCha8Rng, kind: usize) -> Turner {
 
 /// A body at rest whose spheres are all at one place, but for rounding: their bounds leave nothing to
 /// spare. Or a half-space at rest. Some are far apart, of some the middles meet.
-fn hub(rng: &mut ChaCha8Rng, kind: usize, is_plane: bool) -> Turner {
+fn hub(rng: &mut ChaCha8Rng, kind: usize, is_plane: bool, first: f64) -> Turner {
     let size = [1.0, 1e-6, 1e6][kind % 3];
     // Distances are constant in all parts, or in none: which of both wins a tie depends on what else does.
     let arm = [1e-16, 1e-9][kind / 3 % 2] * size;
@@ -74,7 +79,7 @@ fn hub(rng: &mut ChaCha8Rng, kind: usize, is_plane: bool) -> Turner {
     } else {
         (vector(rng, size), 1e-9)
     };
-    let states = [0.0, 0.4, 1.0].map(|time| State::new(time, place, DVec3::ZERO));
+    let states = [0.0, 0.4, 1.0].map(|time| State::new(first + time, place, DVec3::ZERO));
     let radius = size * rng.random_range(0.1..1.0);
     let spheres = (0..rng.random_range(1..9)).map(|number: u32| Sphere {
         offset: base + vector(rng, arm),
@@ -87,7 +92,7 @@ fn hub(rng: &mut ChaCha8Rng, kind: usize, is_plane: bool) -> Turner {
         let normal = vector(rng, 1.0).normalize();
         (Hitbox::half_space(normal), Orientation::FIXED)
     } else {
-        let spin = Orientation::spin(rng.random_range(-1.0..1.0), rotation, spin);
+        let spin = Orientation::spin(first + rng.random_range(-1.0..1.0), rotation, spin);
         (Hitbox::cluster(spheres), spin.unwrap())
     };
     Turner {
@@ -130,7 +135,8 @@ fn each(
             continue;
         }
         for cell in pair.cells((span.start, span.end)) {
-            let part = pair.part(&cell, f64::INFINITY, &mut Rotations::default());
+            let mut rotations = Rotations::default();
+            let part = pair.part(&cell, f64::INFINITY, &mut rotations);
             let part = part.unwrap();
             for number_a in (0_u32..).take(a.spheres.len()) {
                 for number_b in (0_u32..).take(b.spheres.len()) {
@@ -149,20 +155,25 @@ fn omitted_pairs_change_nothing() {
     let mut workspace = Workspace::default();
     for kind in 0..720 {
         let (turns, other) = (kind / 3, kind / 3 - kind / 3 % 5 + 1);
+        let begin = first_instant(turns);
         let bodies = match kind % 3 {
-            0 => [turner(rng, turns), turner(rng, other)],
-            1 => [hub(rng, turns, false), hub(rng, turns, turns % 2 == 1)],
-            _ => [turner(rng, 5 * turns + 1), hub(rng, 5 * turns + 1, true)],
+            0 => [turner(rng, turns, begin), turner(rng, other, begin)],
+            1 => [
+                hub(rng, turns, false, begin),
+                hub(rng, turns, turns % 2 == 1, begin),
+            ],
+            _ => [
+                turner(rng, 5 * turns + 1, begin),
+                hub(rng, 5 * turns + 1, true, begin),
+            ],
         };
         let kind = turns;
         let views = [bodies[0].view(), bodies[1].view()];
         let [a, b] = &views;
-        let all: Vec<Span> = spans(&a.knots, &b.knots, 0.0, 1.0).collect();
+        let all: Vec<Span> = spans(&a.knots, &b.knots, begin, begin + 1.0).collect();
         let whole = (f64::MIN, f64::MAX);
-        let clip = [
-            whole,
-            (rng.random_range(0.0..0.5), rng.random_range(0.5..1.0)),
-        ][kind % 2];
+        let cut = [0.0..0.5, 0.5..1.0].map(|range| begin + rng.random_range(range));
+        let clip = [whole, (cut[0], cut[1])][kind % 2];
 
         let mut nearest = ClosestSearch::new();
         each(&views, &all, Accuracy::Exact, |pair, span| {
@@ -191,7 +202,7 @@ fn omitted_pairs_change_nothing() {
         let ends = found.iter().flat_map(|one| [one.enter, one.exit]);
         let cut = a
             .turning
-            .map(|turning| turning.cell_at(0.5, Accuracy::Exact).end);
+            .map(|turning| turning.cell_at(begin + 0.5, Accuracy::Exact).end);
         let instants: Vec<f64> = ends.take(4).chain(cut).collect();
         let beside = instants
             .iter()
