@@ -6,18 +6,12 @@ use super::run::mask;
 use crate::broad_phase::{BodyBox, Candidate, PairFilter, emit};
 use crate::simd::Task;
 
-/// Faces of boxes, one array per face, each followed by enough unused elements for a whole step.
-#[derive(Clone, Debug, Default)]
-pub(super) struct BoxesSoA {
-    low: [Vec<f32>; 3],
-    high: [Vec<f32>; 3],
-}
-
 /// Finds overlapping pairs by comparing each box with all others.
 pub(super) struct CompareAll<'a, F> {
     pub(super) boxes: &'a [BodyBox],
     pub(super) region: &'a Region,
-    pub(super) faces: &'a mut BoxesSoA,
+    /// Low and high faces by axis, each list followed by enough unused elements for a whole step.
+    pub(super) faces: &'a mut [[Vec<f32>; 3]; 2],
     pub(super) filter: &'a F,
     pub(super) candidates: &'a mut Vec<Candidate>,
 }
@@ -29,7 +23,7 @@ impl<F: PairFilter> Task for CompareAll<'_, F> {
     fn run(self) {
         let Self { boxes, faces, .. } = self;
         let length = boxes.len() + STEP;
-        let BoxesSoA { low, high } = faces;
+        let [low, high] = faces;
         for face in low.iter_mut().chain(high.iter_mut()) {
             if face.len() < length {
                 face.resize(length, 0.0);
