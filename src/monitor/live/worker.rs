@@ -90,9 +90,12 @@ impl Worker {
         };
         // The request that panicked has come to no other end.
         self.shared.refused(in_hand);
+        // All that can be derived from the scene is worked out anew.
+        let mut monitor = self.monitor;
+        let is_whole = monitor.look_anew().is_ok();
         Err(Box::new(Panicked {
             message,
-            monitor: repaired(self.monitor).ok().map(Box::new),
+            monitor: is_whole.then(|| Box::new(monitor)),
             reports,
             unapplied,
             counts,
@@ -255,12 +258,6 @@ impl Worker {
             recv(self.stop) -> message => message,
         }
     }
-}
-
-/// Rebuilds from the scene all state that can be derived from it.
-fn repaired(mut monitor: Monitor) -> Result<Monitor, Error> {
-    monitor.look_anew()?;
-    Ok(monitor)
 }
 
 /// Returns the message of a panic.
