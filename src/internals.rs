@@ -33,7 +33,7 @@
 //! 8. `enclosure`: branch and bound over the parts of a span. A *minorant* is a quadratic below the control
 //!    heights; a part is certainly inside a threshold, certainly outside, or undecided.
 //! 9. `screen`: contacts become conflicts. This is the end of a screening.
-//! 10. `monitor`: the *lookahead search* keeps *solved spans* (`finds`), and knows everything up to an instant,
+//! 10. `monitor`: the *lookahead search* keeps *solved spans* (`solved`), and knows everything up to an instant,
 //!     the end of the *known time*. It holds bodies as *monitored bodies* (`flights`) and notes the changed
 //!     ones (`dirty`, their bounds `moved`). A slice is *fresh* when these are compared with all bodies, which
 //!     have boxes in its tree. Work on the next slice is *due* in shares; it is *put off* where there is too

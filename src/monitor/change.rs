@@ -423,8 +423,8 @@ impl Monitor {
             }
             self.review = RescheduleTrigger::made(bodies, now);
             let velocity = grid.frame.velocity();
-            let signs = SceneSignature::of(&self.scene, margin, span, velocity);
-            if grid.suits(&self.scene, margin, &signs) {
+            let signature = SceneSignature::of(&self.scene, margin, span, velocity);
+            if grid.suits(&self.scene, margin, &signature) {
                 return Ok(());
             }
         }

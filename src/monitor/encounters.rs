@@ -11,6 +11,7 @@ use super::sorted_slab::SortedSlab;
 use crate::conflict::ClosestApproach;
 use crate::id::BodyId;
 use crate::scene::Scene;
+use std::cmp::Ordering;
 
 /// An encounter as the plans have it now.
 #[derive(Clone, Copy, Debug)]
@@ -194,28 +195,24 @@ impl EncounterTracker {
     fn update_pair<'p>(
         &mut self,
         slots: SlotPair,
-        plain: impl Iterator<Item = &'p PlannedEncounter>,
+        planned: impl Iterator<Item = &'p PlannedEncounter>,
         tick: &TickContext,
         next_id: &mut u64,
         events: &mut Vec<Event>,
     ) {
         let mut old = self.tracked.of(&slots);
-        let mut new = plain.peekable();
+        let mut new = planned.peekable();
         loop {
             let first = (!old.is_empty()).then(|| *self.tracked.nth(old.start));
-            let matched = match (first, new.peek()) {
-                (None, None) => break,
-                (Some(_), None) => Match::OldOnly,
-                (None, Some(_)) => Match::NewOnly,
-                (Some(old), Some(new)) => compare(&old, new, tick),
+            let order = match (&first, new.peek()) {
+                (Some(old), Some(new)) => compare(old, new, tick),
+                (Some(_), None) => Ordering::Less,
+                (None, _) => Ordering::Greater,
             };
-            let (first, plain) = match matched {
-                Match::OldOnly => (first, None),
-                Match::NewOnly => (None, new.next()),
-                Match::Both => (first, new.next()),
-            };
+            let first = first.filter(|_| order.is_le());
+            let second = new.next_if(|_| order.is_ge());
             old.start += usize::from(first.is_some());
-            let goes_on = match (first, plain) {
+            let goes_on = match (first, second) {
                 (None, None) => break,
                 (Some(old), None) => unmatched(&old, tick, events),
                 (None, Some(new)) => appear(new, self.level, tick, next_id, events),
@@ -274,20 +271,11 @@ impl EncounterTracker {
     }
 }
 
-enum Match {
-    OldOnly,
-    NewOnly,
-    Both,
-}
-
-fn compare(old: &TrackedEncounter, new: &PlannedEncounter, tick: &TickContext) -> Match {
-    let (x, y) = ((old.now.a, old.now.b), (new.a, new.b));
-    if x != y {
-        return if x < y {
-            Match::OldOnly
-        } else {
-            Match::NewOnly
-        };
+/// Returns which comes first: an old encounter, or a new one; equal if the new one is the old one as it is now.
+fn compare(old: &TrackedEncounter, new: &PlannedEncounter, tick: &TickContext) -> Ordering {
+    let order = (old.now.a, old.now.b).cmp(&(new.a, new.b));
+    if order.is_ne() {
+        return order;
     }
     let old_is_over = if old.begun {
         // Where the last tick stood it was under way: so it is still, or plans have changed.
@@ -297,11 +285,11 @@ fn compare(old: &TrackedEncounter, new: &PlannedEncounter, tick: &TickContext) -
         !old.now.open && old.now.exit < new.enter.unwrap_or(new.start)
     };
     if old_is_over {
-        Match::OldOnly
+        Ordering::Less
     } else if new.exit < old.now.enter {
-        Match::NewOnly
+        Ordering::Greater
     } else {
-        Match::Both
+        Ordering::Equal
     }
 }
 

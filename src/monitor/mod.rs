@@ -284,7 +284,7 @@ impl Monitor {
         #[cfg(feature = "recording")]
         self.write_down(|| Record::RevisionThreshold(revision_threshold));
         self.revision_threshold = revision_threshold;
-        self.read_all_plains();
+        self.read_all_encounters();
         Ok(())
     }
 

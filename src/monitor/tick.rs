@@ -256,7 +256,7 @@ pub(super) fn plan_end(trajectory: &Trajectory) -> Option<f64> {
 impl Monitor {
     /// Reads the pairs that have changed.
     pub(super) fn read_changed_pairs(&mut self) {
-        self.search.finds.take_changed(&mut self.readings.changed);
+        self.search.solved.take_changed(&mut self.readings.changed);
         let source = ReadContext {
             search: &self.search,
             scene: &self.scene,
@@ -275,7 +275,7 @@ impl Monitor {
         };
         let LevelCaches {
             conflicts,
-            plains,
+            planned,
             scratch: [scratch, other_scratch],
             ..
         } = &mut self.readings;
@@ -294,33 +294,33 @@ impl Monitor {
             }
         };
         let encounters = &mut self.encounters;
-        let read_plains = || {
+        let read_encounters = || {
             // Up to an instant that was reached before, nothing new is known.
             if tick.before < tick.known {
-                for ((plains, encounters), alert) in plains.iter_mut().zip(encounters).zip(levels) {
+                for ((planned, tracker), alert) in planned.iter_mut().zip(encounters).zip(levels) {
                     let edges = WindowEdges {
                         // What the clock has reached must say how close it came.
                         within: (tick.reported, tick.known),
                         around: (tick.before, tick.known),
                     };
-                    if plains.lists_all() {
-                        encounters.wait_for_all();
+                    if planned.lists_all() {
+                        tracker.wait_for_all();
                     }
-                    plains.list(edges, encounters.waiting(), |pair, found| {
-                        source.plains(pair, alert, tick, other_scratch, found);
+                    planned.list(edges, tracker.waiting(), |pair, found| {
+                        source.planned(pair, alert, tick, other_scratch, found);
                     });
-                    encounters.update(plains.listed(), tick, next_id, events);
+                    tracker.update(planned.listed(), tick, next_id, events);
                 }
             }
         };
-        let count = self.search.finds.len();
-        parallel::join(count, FEW, read_plains, read_conflicts);
+        let count = self.search.solved.len();
+        parallel::join(count, FEW, read_encounters, read_conflicts);
     }
 
     /// Reads all encounters again, so that changes below an earlier threshold are reported.
-    pub(super) fn read_all_plains(&mut self) {
+    pub(super) fn read_all_encounters(&mut self) {
         self.readings
-            .plains
+            .planned
             .iter_mut()
             .for_each(EncounterCache::list_all);
     }
