@@ -216,7 +216,7 @@ impl PartitionSearch {
     }
 
     /// Appends the stretches of `start..end`, from left to right.
-    fn examine(&mut self, start: f64, end: f64, turn: u32) {
+    fn examine(&mut self, start: f64, end: f64, depth: u32) {
         self.work += 1;
         if self.work > MAX_WORK {
             self.found.give_up();
@@ -243,14 +243,14 @@ impl PartitionSearch {
                 if end - start < SHORTEST || self.is_undecidable(&mixed) {
                     self.found.append(end, Side::Undecided);
                 } else {
-                    self.divide(start, end, &points, &mixed, turn);
+                    self.divide(start, end, &points, &mixed, depth);
                 }
             }
         }
     }
 
     /// Cuts off the part that the minorant shows to be outside, or divides.
-    fn divide(&mut self, start: f64, end: f64, points: &ControlPolygon, mixed: &Mixed, turn: u32) {
+    fn divide(&mut self, start: f64, end: f64, points: &ControlPolygon, mixed: &Mixed, depth: u32) {
         let is_falling = points[3].length_squared() < points[0].length_squared();
         let inner = if is_falling {
             reversed(*points)
@@ -267,14 +267,14 @@ impl PartitionSearch {
             (false, false) => {}
             _ => {
                 let cut = self.cut(&inner, mixed.least);
-                if self.cut_off((start, end), is_falling, &cut, turn) {
+                if self.cut_off((start, end), is_falling, &cut, depth) {
                     return;
                 }
             }
         }
-        let s = start + dividing_fraction(points, turn) * (end - start);
-        self.examine(start, s, turn + 1);
-        self.examine(s, end, turn + 1);
+        let s = start + dividing_fraction(points, depth) * (end - start);
+        self.examine(start, s, depth + 1);
+        self.examine(s, end, depth + 1);
     }
 
     /// Appends the part divided at the cut, if there is one.
@@ -283,14 +283,14 @@ impl PartitionSearch {
         (start, end): (f64, f64),
         is_falling: bool,
         cut: &Cut,
-        turn: u32,
+        depth: u32,
     ) -> bool {
         let (Cut::Examine(x) | Cut::Undecided(x)) = *cut else {
             return false;
         };
         let (width, rounding) = (end - start, 4.0 * UNIT_ROUNDOFF * end);
         let inner = |search: &mut Self, start: f64, end: f64| match cut {
-            Cut::Examine(_) => search.examine(start, end, turn + 1),
+            Cut::Examine(_) => search.examine(start, end, depth + 1),
             Cut::Undecided(_) | Cut::None => search.found.append(end, Side::Undecided),
         };
         if is_falling {
@@ -306,9 +306,9 @@ impl PartitionSearch {
 }
 
 /// Returns, in turns, the middle, and the place of the apparent minimum if not next to an end.
-fn dividing_fraction(points: &ControlPolygon, turn: u32) -> f64 {
+fn dividing_fraction(points: &ControlPolygon, depth: u32) -> f64 {
     const NEAR_END: f64 = 1.0 / 64.0;
-    if turn % 2 == 1 {
+    if depth % 2 == 1 {
         let x = least_point(points);
         if NEAR_END < x && x < 1.0 - NEAR_END {
             return x;

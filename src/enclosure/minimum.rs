@@ -18,9 +18,9 @@ const MAX_PARTS: usize = 256;
 /// then that end and the other one.
 #[inline(always)]
 fn minorant_between(points: &ControlPolygon, a: f64, b: f64) -> (Minorant, f64, f64) {
-    let (part, is_turned) = from_nearer(&part(points, a, b));
+    let (part, is_reversed) = from_nearer(&part(points, a, b));
     // Without a branch, which nobody could predict.
-    let (base, tip) = if is_turned { (b, a) } else { (a, b) };
+    let (base, tip) = if is_reversed { (b, a) } else { (a, b) };
     (Minorant::of(&part), base, tip)
 }
 

@@ -34,14 +34,14 @@ pub(crate) fn reversed([a, b, c, d]: ControlPolygon) -> ControlPolygon {
 #[inline(always)]
 pub(crate) fn from_nearer(points: &ControlPolygon) -> (ControlPolygon, bool) {
     let [p0, p1, p2, p3] = *points;
-    let is_turned = p3.length_squared() < p0.length_squared();
+    let is_reversed = p3.length_squared() < p0.length_squared();
     let points = [
-        select(is_turned, p3, p0),
-        select(is_turned, p2, p1),
-        select(is_turned, p1, p2),
-        select(is_turned, p0, p3),
+        select(is_reversed, p3, p0),
+        select(is_reversed, p2, p1),
+        select(is_reversed, p1, p2),
+        select(is_reversed, p0, p3),
     ];
-    (points, is_turned)
+    (points, is_reversed)
 }
 
 #[inline(always)]

@@ -36,15 +36,14 @@ pub(super) struct BudgetMeter {
 
 impl BudgetMeter {
     pub(super) fn start(budget: Budget) -> Self {
+        let (deadline, left) = match budget {
+            Budget::Unlimited => (None, None),
+            Budget::Time(time) => (Instant::now().checked_add(time), None),
+            Budget::Work(work) => (None, Some(work)),
+        };
         Self {
-            deadline: match budget {
-                Budget::Time(time) => Instant::now().checked_add(time),
-                Budget::Unlimited | Budget::Work(_) => None,
-            },
-            left: match budget {
-                Budget::Work(work) => Some(work),
-                Budget::Unlimited | Budget::Time(_) => None,
-            },
+            deadline,
+            left,
             until: None,
             done: 0,
         }
@@ -53,10 +52,8 @@ impl BudgetMeter {
     /// Returns the meter of a tick that is to know everything up to `until` (s), and no more.
     pub(super) fn up_to(until: f64) -> Self {
         Self {
-            deadline: None,
-            left: None,
             until: Some(until),
-            done: 0,
+            ..Self::start(Budget::Unlimited)
         }
     }
 

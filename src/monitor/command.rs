@@ -163,12 +163,8 @@ struct PendingSplice {
     command: usize,
 }
 
-/// A refused command, and the reason.
-#[derive(Debug)]
-struct Rejection {
-    command: usize,
-    error: Error,
-}
+/// The number of a refused command, and the reason.
+type Rejection = (usize, Error);
 
 impl CommandBatch {
     /// Number of changes that one thread settles at a time.
@@ -211,10 +207,8 @@ impl CommandBatch {
         });
         let changed = self.changed.iter_mut();
         let refusals = changed.filter_map(|revision| revision.refusal.take());
-        let first = refusals
-            .chain(refused)
-            .min_by_key(|refusal| refusal.command);
-        first.map_or(Ok(()), |first| Err(first.error))
+        let first = refusals.chain(refused).min_by_key(|refusal| refusal.0);
+        first.map_or(Ok(()), |(_, error)| Err(error))
     }
 
     /// Returns the bodies whose last plan was late, and from when on they follow it (s).
@@ -236,10 +230,7 @@ impl CommandBatch {
         (number, command): (usize, Command),
         terms: &ChangeContext<'_>,
     ) -> Result<(), Rejection> {
-        let refuse = |error| Rejection {
-            command: number,
-            error,
-        };
+        let refuse = |error| (number, error);
         let id = match command {
             Command::Insert(body) => {
                 let flight = terms.flight_of(&body).map_err(refuse)?;
@@ -376,10 +367,8 @@ impl PendingChange {
 
     /// Returns the current body.
     fn body<'s>(&self, scene: &'s Scene) -> Result<&'s Body, Rejection> {
-        scene.body(self.id).ok_or(Rejection {
-            command: self.first,
-            error: Error::UnknownBody { id: self.id },
-        })
+        let unknown = (self.first, Error::UnknownBody { id: self.id });
+        scene.body(self.id).ok_or(unknown)
     }
 
     /// Joins the plan so far, up to `from` (none: its last knot), and `plan`.
@@ -421,10 +410,7 @@ impl PendingChange {
         };
         let (flown, plan) = (&body.trajectory, Trajectory::of_straight(pending.motion));
         let from = terms.follows_from(flown, &plan, pending.from);
-        let from = from.map_err(|error| Rejection {
-            command: pending.command,
-            error: error.in_body(body.tag),
-        })?;
+        let from = from.map_err(|error| (pending.command, error.in_body(body.tag)))?;
         let keeps_shape =
             self.hitbox.is_none() && self.orientation.is_none() && self.model_error.is_none();
         let can = keeps_shape && flown.can_replace(from, &pending.motion, terms.window);
@@ -461,10 +447,7 @@ impl PendingChange {
             self.late = splice.from.filter(|asked| *asked < from).map(|_| from);
             plan.precede_by(flown, from, terms.forget_before)
         });
-        spliced.map_err(|error| Rejection {
-            command: splice.command,
-            error: error.in_body(tag),
-        })
+        spliced.map_err(|error| (splice.command, error.in_body(tag)))
     }
 
     /// Prepares the outcome for the body.
@@ -482,15 +465,9 @@ impl PendingChange {
             let model_error = self.model_error.unwrap_or(body.model_error());
             let shape = BodyShape::new(hitbox, orientation.turning(), model_error);
             let turns = Body::check_turning(hitbox, orientation, body.tag);
-            turns.map_err(|error| Rejection {
-                command: self.last,
-                error,
-            })?;
+            turns.map_err(|error| (self.last, error))?;
             let flight = terms.flight(trajectory, shape, body.tag);
-            self.flight = Some(flight.map_err(|error| Rejection {
-                command: self.last,
-                error,
-            })?);
+            self.flight = Some(flight.map_err(|error| (self.last, error))?);
         }
         Ok(())
     }

@@ -8,7 +8,7 @@
 //!
 //! The grid is chosen from a `sample` of the boxes; nothing has to be configured. Box sets that one
 //! grid serves badly are divided first (`partition`): distant clusters, and sets in which most
-//! comparisons fail. Few boxes, and sets in which nearly all boxes overlap, are compared directly.
+//! comparisons fail. Few boxes are compared directly.
 
 mod compare_all;
 mod layout;
@@ -33,13 +33,13 @@ use crate::simd::InstructionSet;
 /// Sorts boxes on a 16-bit grid into rows and sweeps along them: the default method.
 ///
 /// At even density the time is about linear in the number of boxes; if nearly all boxes overlap,
-/// all pairs are compared. Buffers are reused from slice to slice, so a steady scene allocates
+/// nearly all pairs are compared. Buffers are reused from slice to slice, so a steady scene allocates
 /// nothing. They take 40 to 130 bytes a box in the scenes measured, and never more than 1 KiB a box
 /// of the largest slice so far.
 #[derive(Clone, Debug)]
 pub struct Sweep {
     instructions: InstructionSet,
-    survey: BoxSample,
+    sample: BoxSample,
     rows: SortedRows,
     /// Memory of comparisons of all boxes.
     faces: [[Vec<f32>; 3]; 2],
@@ -60,15 +60,13 @@ impl Sweep {
     const LONG_RUNS: f64 = 256.0;
     /// Hit rate below which boxes are divided.
     const IN_VAIN: f64 = 1.0 / 16.0;
-    /// Share of overlapping pairs above which comparing all is fastest.
-    const CROWDED: f64 = 1.0 / 4.0;
 
     /// Returns a sweep with an instruction set. All sets find the same pairs in the same order.
     #[must_use]
     pub fn with_instruction_set(instructions: InstructionSet) -> Self {
         Self {
             instructions,
-            survey: BoxSample::default(),
+            sample: BoxSample::default(),
             rows: SortedRows::default(),
             faces: Default::default(),
             parts: Vec::new(),
@@ -94,36 +92,28 @@ impl Sweep {
         if boxes.len() < Self::FEW || boxes.len() > Self::MAX {
             return self.compare_all(boxes, &region, filter, candidates);
         }
-        self.survey.take(boxes, &region);
+        self.sample.take(boxes, &region);
         if depth == self.parts.len() {
             self.parts.push(Partition::default());
         }
         let parts = &mut self.parts[depth];
-        if self.survey.cut_at_gaps(parts) && parts.divide(boxes, &mut self.copies_left) {
+        if self.sample.cut_at_gaps(parts) && parts.divide(boxes, &mut self.copies_left) {
             return self.find_in_parts(region, depth, filter, candidates);
         }
-        let scale = Quantizer::new(self.survey.ranges());
-        let plan = GridLayout::choose(boxes.len(), self.survey.shares());
+        let quantizer = Quantizer::new(self.sample.ranges());
+        let layout = GridLayout::choose(boxes.len(), self.sample.shares());
         let comparisons = self.instructions.run(SortIntoRows {
             boxes,
-            scale: &scale,
-            plan,
+            quantizer: &quantizer,
+            layout,
             rows: &mut self.rows,
         });
-        let (comparisons, count) = (comparisons as f64, boxes.len() as f64);
-        let pairs = 0.5 * count * count;
-        let long = comparisons > Self::LONG_RUNS * count;
-        if long || comparisons > 0.5 * pairs {
-            let share = self.rows.hit_rate(boxes);
-            if share * comparisons > Self::CROWDED * pairs {
-                return self.compare_all(boxes, &region, filter, candidates);
-            }
-            if long && share < Self::IN_VAIN {
-                let parts = &mut self.parts[depth];
-                self.survey.cut_evenly(parts);
-                if parts.divide(boxes, &mut self.copies_left) {
-                    return self.find_in_parts(region, depth, filter, candidates);
-                }
+        let are_long = comparisons as f64 > Self::LONG_RUNS * boxes.len() as f64;
+        if are_long && self.rows.hit_rate(boxes) < Self::IN_VAIN {
+            let parts = &mut self.parts[depth];
+            self.sample.cut_evenly(parts);
+            if parts.divide(boxes, &mut self.copies_left) {
+                return self.find_in_parts(region, depth, filter, candidates);
             }
         }
         self.instructions.run(SweepRows {

@@ -75,8 +75,8 @@ impl RecordSource {
 /// Sorts boxes into rows; returns the number of comparisons of a sweep over them.
 pub(super) struct SortIntoRows<'a> {
     pub(super) boxes: &'a [BodyBox],
-    pub(super) scale: &'a Quantizer,
-    pub(super) plan: GridLayout,
+    pub(super) quantizer: &'a Quantizer,
+    pub(super) layout: GridLayout,
     pub(super) rows: &'a mut SortedRows,
 }
 
@@ -87,41 +87,41 @@ impl Task for SortIntoRows<'_> {
     fn run(self) -> u64 {
         let Self {
             boxes,
-            scale,
-            mut plan,
+            quantizer,
+            mut layout,
             rows,
         } = self;
-        pack(boxes, scale, &plan, rows);
-        if further_copies(&plan, rows) > MAX_COPIES * boxes.len() as u64 {
-            // Sizes that the plan did not foresee. One row takes no copies.
-            plan = plan.in_one_row();
-            pack(boxes, scale, &plan, rows);
+        pack(boxes, quantizer, &layout, rows);
+        if further_copies(&layout, rows) > MAX_COPIES * boxes.len() as u64 {
+            // Sizes that the layout did not foresee. One row takes no copies.
+            layout = layout.in_one_row();
+            pack(boxes, quantizer, &layout, rows);
         }
-        count(&plan, rows);
+        count(&layout, rows);
         let copies = starts_from_counts(&mut rows.cell_ends);
-        scatter(&plan, rows, copies);
-        unfold(&plan, rows)
+        scatter(&layout, rows, copies);
+        unfold(&layout, rows)
     }
 }
 
 /// Converts boxes to grid coordinates, with the cells of their low corners.
 #[inline(always)]
-fn pack(boxes: &[BodyBox], scale: &Quantizer, plan: &GridLayout, rows: &mut SortedRows) {
+fn pack(boxes: &[BodyBox], quantizer: &Quantizer, layout: &GridLayout, rows: &mut SortedRows) {
     let SortedRows { packed, spread, .. } = rows;
     packed.resize(boxes.len(), QuantizedBox::default());
     spread.resize(boxes.len(), 0);
-    let [first, second] = plan.across;
+    let [first, second] = layout.across;
     let mut parts = [0; 8];
     for lane in [0, 3] {
-        parts[plan.sweep + lane] = plan.bins;
-        parts[first + lane] = plan.rows[0];
-        parts[second + lane] = plan.rows[1];
+        parts[layout.sweep + lane] = layout.bins;
+        parts[first + lane] = layout.rows[0];
+        parts[second + lane] = layout.rows[1];
     }
     let mut spread_count = 0;
     // Loops instead of iterators with closures: a closure that is not inlined is compiled without
     // the level's instructions.
     for ((number, one), packed) in (0..).zip(boxes).zip(packed.iter_mut()) {
-        let grid = scale.grid(&one.aabb);
+        let grid = quantizer.grid(&one.aabb);
         let mut place = [0; 8];
         for lane in 0..8 {
             place[lane] = part(grid[lane], parts[lane]);
@@ -130,7 +130,7 @@ fn pack(boxes: &[BodyBox], scale: &Quantizer, plan: &GridLayout, rows: &mut Sort
         *packed = QuantizedBox {
             low: [grid[0], grid[1], grid[2]],
             high: [grid[3], grid[4], grid[5]],
-            cell: (outer * plan.rows[1] + inner) * plan.bins + place[plan.sweep],
+            cell: (outer * layout.rows[1] + inner) * layout.bins + place[layout.sweep],
         };
         // Written in any case, kept where it spans: whether it does cannot be predicted.
         spread[spread_count] = number;
@@ -142,10 +142,10 @@ fn pack(boxes: &[BodyBox], scale: &Quantizer, plan: &GridLayout, rows: &mut Sort
 
 /// Returns the number of copies besides those in the cells of low corners.
 #[inline(always)]
-fn further_copies(plan: &GridLayout, rows: &SortedRows) -> u64 {
+fn further_copies(layout: &GridLayout, rows: &SortedRows) -> u64 {
     let mut copies = 0;
     for &number in &rows.spread {
-        let spans = spans(&rows.packed[number as usize], plan);
+        let spans = spans(&rows.packed[number as usize], layout);
         copies += u64::from((spans[0] + 1) * (spans[1] + 1) - 1);
     }
     copies
@@ -153,9 +153,9 @@ fn further_copies(plan: &GridLayout, rows: &SortedRows) -> u64 {
 
 /// Returns the number of rows, besides the first, that a box reaches on each axis of rows.
 #[inline(always)]
-fn spans(packed: &QuantizedBox, plan: &GridLayout) -> [u32; 2] {
-    let [first, second] = plan.across;
-    let rows = plan.rows;
+fn spans(packed: &QuantizedBox, layout: &GridLayout) -> [u32; 2] {
+    let [first, second] = layout.across;
+    let rows = layout.rows;
     [
         part(packed.high[first], rows[0]) - part(packed.low[first], rows[0]),
         part(packed.high[second], rows[1]) - part(packed.low[second], rows[1]),
@@ -164,7 +164,7 @@ fn spans(packed: &QuantizedBox, plan: &GridLayout) -> [u32; 2] {
 
 /// Counts the copies of each cell.
 #[inline(always)]
-fn count(plan: &GridLayout, rows: &mut SortedRows) {
+fn count(layout: &GridLayout, rows: &mut SortedRows) {
     let SortedRows {
         packed,
         spread,
@@ -172,12 +172,12 @@ fn count(plan: &GridLayout, rows: &mut SortedRows) {
         ..
     } = rows;
     cell_ends.clear();
-    cell_ends.resize(plan.cells() as usize, 0);
+    cell_ends.resize(layout.cells() as usize, 0);
     for packed in packed.iter() {
         cell_ends[packed.cell as usize] += 1;
     }
     for &number in spread.iter() {
-        let mut cells = ExtraCells::of(&packed[number as usize], plan);
+        let mut cells = ExtraCells::of(&packed[number as usize], layout);
         while let Some(cell) = cells.next() {
             cell_ends[cell] += 1;
         }
@@ -196,7 +196,7 @@ fn starts_from_counts(cells: &mut [u32]) -> usize {
 
 /// Writes every copy to its place; the starts of cells become their ends.
 #[inline(always)]
-fn scatter(plan: &GridLayout, rows: &mut SortedRows, count: usize) {
+fn scatter(layout: &GridLayout, rows: &mut SortedRows, count: usize) {
     let SortedRows {
         packed,
         spread,
@@ -211,7 +211,7 @@ fn scatter(plan: &GridLayout, rows: &mut SortedRows, count: usize) {
         *place += 1;
     }
     for &number in spread.iter() {
-        let mut cells = ExtraCells::of(&packed[number as usize], plan);
+        let mut cells = ExtraCells::of(&packed[number as usize], layout);
         while let Some(cell) = cells.next() {
             let place = &mut cell_ends[cell];
             source[*place as usize] = RecordSource(number | cells.earlier());
@@ -222,7 +222,7 @@ fn scatter(plan: &GridLayout, rows: &mut SortedRows, count: usize) {
 
 /// Writes the faces of all records to their arrays, and the ends of their runs.
 #[inline(always)]
-fn unfold(plan: &GridLayout, rows: &mut SortedRows) -> u64 {
+fn unfold(layout: &GridLayout, rows: &mut SortedRows) -> u64 {
     let SortedRows {
         packed,
         cell_ends,
@@ -252,13 +252,13 @@ fn unfold(plan: &GridLayout, rows: &mut SortedRows) -> u64 {
     let (source, run_ends) = (&source[..count], &mut run_ends[..count]);
     let mut comparisons = 0;
     let mut start = 0;
-    for row_ends in cell_ends.chunks_exact(plan.bins as usize) {
+    for row_ends in cell_ends.chunks_exact(layout.bins as usize) {
         let end = row_ends[row_ends.len() - 1] as usize;
         for k in start..end {
             let one = &packed[source[k].number()];
             [low_x[k], low_y[k], low_z[k]] = one.low;
             [high_x[k], high_y[k], high_z[k]] = one.high;
-            let run_end = row_ends[part(one.high[plan.sweep], plan.bins) as usize];
+            let run_end = row_ends[part(one.high[layout.sweep], layout.bins) as usize];
             run_ends[k] = run_end;
             comparisons += u64::from(run_end) - k as u64;
         }
@@ -284,9 +284,9 @@ struct ExtraCells {
 
 impl ExtraCells {
     #[inline(always)]
-    fn of(packed: &QuantizedBox, plan: &GridLayout) -> Self {
+    fn of(packed: &QuantizedBox, layout: &GridLayout) -> Self {
         let cell = packed.cell as usize;
-        let [lines, span] = spans(packed, plan);
+        let [lines, span] = spans(packed, layout);
         Self {
             cell,
             line: cell,
@@ -294,8 +294,8 @@ impl ExtraCells {
             lines,
             left: span,
             span,
-            stride: plan.bins as usize,
-            line_stride: (plan.rows[1] * plan.bins) as usize,
+            stride: layout.bins as usize,
+            line_stride: (layout.rows[1] * layout.bins) as usize,
         }
     }
 
@@ -340,7 +340,7 @@ mod tests {
     use super::*;
     use crate::simd::InstructionSet;
 
-    const PLAN: GridLayout = GridLayout {
+    const LAYOUT: GridLayout = GridLayout {
         sweep: 1,
         across: [0, 2],
         rows: [4, 8],
@@ -361,8 +361,8 @@ mod tests {
         let mut rows = SortedRows::default();
         let comparisons = InstructionSet::best().run(SortIntoRows {
             boxes: &boxes,
-            scale: &Quantizer::new([(0.0, 64.0); 3]),
-            plan: PLAN,
+            quantizer: &Quantizer::new([(0.0, 64.0); 3]),
+            layout: LAYOUT,
             rows: &mut rows,
         });
         (rows, comparisons)

@@ -138,8 +138,8 @@ pub(super) fn scattered(size: usize, count: usize) -> impl Iterator<Item = usize
         if size == count {
             k
         } else {
-            let turn = (k as u32).wrapping_mul(0x9E37_79B9);
-            ((u64::from(turn) * count as u64) >> 32) as usize
+            let fraction = (k as u32).wrapping_mul(0x9E37_79B9);
+            ((u64::from(fraction) * count as u64) >> 32) as usize
         }
     })
 }

@@ -62,7 +62,7 @@ pub struct Counts {
 }
 
 /// State shared by the thread and the handles.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Shared {
     now: AtomicU64,
     complete_until: AtomicU64,
@@ -113,19 +113,9 @@ pub struct Handle {
 
 impl Handle {
     pub(super) fn new(requests: Sender<(Ticket, Request)>, now: f64, complete_until: f64) -> Self {
-        Self {
-            requests,
-            shared: Arc::new(Shared {
-                now: AtomicU64::new(now.to_bits()),
-                complete_until: AtomicU64::new(complete_until.to_bits()),
-                sent: AtomicU64::new(0),
-                applied: AtomicU64::new(0),
-                superseded: AtomicU64::new(0),
-                refused: AtomicU64::new(0),
-                tickets: AtomicU64::new(0),
-                closed: RwLock::new(false),
-            }),
-        }
+        let shared = Arc::<Shared>::default();
+        shared.publish(now, complete_until);
+        Self { requests, shared }
     }
 
     pub(super) const fn shared(&self) -> &Arc<Shared> {
@@ -145,8 +135,18 @@ impl Handle {
         if *closed {
             return Err(Unsent::Closed(request));
         }
-        // Still held: the thread does not empty the queue for the last time before this is in it.
-        self.try_send(request)
+        // The lock is held: the thread does not empty the queue for the last time before this is in it.
+        let ticket = Ticket(self.shared.tickets.fetch_add(1, Ordering::Relaxed));
+        // Counted before it can be applied, so that the sum is never short.
+        self.shared.sent.fetch_add(1, Ordering::Relaxed);
+        self.requests.try_send((ticket, request)).map_err(|error| {
+            self.shared.sent.fetch_sub(1, Ordering::Relaxed);
+            match error {
+                TrySendError::Full((_, request)) => Unsent::Busy(request),
+                TrySendError::Disconnected((_, request)) => Unsent::Closed(request),
+            }
+        })?;
+        Ok(ticket)
     }
 
     /// Lets each of these bodies follow a straight motion from its state, from `now` (s) on: see
@@ -217,22 +217,6 @@ impl Handle {
     /// [`ReportKind::Refused`](super::ReportKind::Refused).
     pub fn what_if_body(&self, body: Body, level: usize) -> Result<Ticket, Unsent> {
         self.send(Request::WhatIfBody(Box::new(body), level))
-    }
-
-    fn try_send(&self, request: Request) -> Result<Ticket, Unsent> {
-        let ticket = Ticket(self.shared.tickets.fetch_add(1, Ordering::Relaxed));
-        // Counted before it can be applied, so that the sum is never short.
-        self.shared.sent.fetch_add(1, Ordering::Relaxed);
-        match self.requests.try_send((ticket, request)) {
-            Ok(()) => Ok(ticket),
-            Err(error) => {
-                self.shared.sent.fetch_sub(1, Ordering::Relaxed);
-                Err(match error {
-                    TrySendError::Full((_, request)) => Unsent::Busy(request),
-                    TrySendError::Disconnected((_, request)) => Unsent::Closed(request),
-                })
-            }
-        }
     }
 
     /// Returns the monitor's clock, s.

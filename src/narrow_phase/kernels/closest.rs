@@ -46,7 +46,7 @@ fn searched(points: &ControlPoints<f64>, time: f64, error: f64) -> (f64, f64) {
 }
 
 /// Returns the error of a cubic, m, for which an enclosure is as tight as the lanes' type can tell;
-/// a quarter of it may be missing (`enclosure.rs`).
+/// a quarter of it may be missing (`src/enclosure`, section 5).
 #[inline]
 fn allowance<R: Real>(points: &ControlPoints<f64>) -> f64 {
     if R::IS_SINGLE {
