@@ -42,13 +42,14 @@ pub(crate) struct Slot {
 }
 
 impl Slot {
-    /// Turns the motion of the body, if there is one, which must turn in place.
-    pub(crate) fn turn_in_place(
+    /// Turns the motion of the body, if there is one, which must [turn as usual](Trajectory::turns_as_usual).
+    #[inline]
+    pub(crate) fn turn_as_usual(
         &mut self,
         (from, motion, since): (f64, &StraightMotion, f64),
     ) -> Option<&Trajectory> {
         let entry = self.entry.as_mut()?;
-        Some(entry.turn_in_place((from, motion, since)))
+        Some(entry.turn_as_usual((from, motion, since)))
     }
 
     /// Prefetches what the body's motion has beside the record.

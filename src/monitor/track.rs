@@ -276,30 +276,37 @@ impl Monitor {
     fn turn_in_place(&mut self, now: f64, tracked: &TrackedMotions) -> Result<(), Error> {
         let terms = self.terms()?;
         let (window, since) = (terms.window, terms.forget_before);
-        let is_shared = parallel::threads() > 1 && 2 * tracked.ids.len() > self.scene.slots();
-        if is_shared {
+        if parallel::threads() > 1 && 2 * tracked.ids.len() > self.scene.slots() {
             self.share_turns((now, since), window, tracked)?;
+        } else {
+            self.turn_each((now, since), window, tracked)?;
         }
+        let turned = self.search.forget_all(tracked.slots_in_place());
+        self.count_changes(turned);
+        Ok(())
+    }
+
+    /// Turns them in the order in which they were told.
+    fn turn_each(
+        &mut self,
+        (now, since): (f64, f64),
+        window: Window,
+        tracked: &TrackedMotions,
+    ) -> Result<(), Error> {
         for (place, turns) in tracked.turns_in_place.iter().enumerate() {
-            let slot = tracked.ids[place].slot;
-            if !is_shared {
-                self.prefetch_motion(&tracked.ids, place);
-                if let Some(later) = tracked.ids.get(place + 2 * CommandBatch::AHEAD) {
-                    self.search.flights.prefetch(later.slot);
-                }
+            self.prefetch_motion(&tracked.ids, place);
+            if let Some(later) = tracked.ids.get(place + 2 * CommandBatch::AHEAD) {
+                self.search.flights.prefetch(later.slot);
             }
             if !turns {
                 continue;
             }
-            if !is_shared {
-                let flown = &mut self.scene.slots_mut()[slot as usize];
-                let motion = &tracked.motions[place];
-                if let Some(turned) = flown.turn_in_place((now, motion, since)) {
-                    self.search.flights.replan(slot, turned, window)?;
-                }
+            let slot = tracked.ids[place].slot;
+            let flown = &mut self.scene.slots_mut()[slot as usize];
+            let motion = &tracked.motions[place];
+            if let Some(turned) = flown.turn_as_usual((now, motion, since)) {
+                self.search.flights.replan(slot, turned, window)?;
             }
-            self.search.forget(slot);
-            self.count_change();
         }
         Ok(())
     }
@@ -327,7 +334,7 @@ impl Monitor {
                 let (Some(motion), Some(flight)) = (motion, flight) else {
                     continue;
                 };
-                let turned = slots[place].turn_in_place((now, motion, since));
+                let turned = slots[place].turn_as_usual((now, motion, since));
                 let followed = turned.map_or(Ok(()), |turned| flight.replan(turned, window));
                 match (&mut *end, followed) {
                     (Ok(end), Ok(())) => *end = end.min(flight.until),

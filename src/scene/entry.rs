@@ -155,6 +155,7 @@ impl SceneEntry {
     }
 
     /// Gives the body a straight motion.
+    #[inline]
     pub(super) fn follow_straight(&mut self, motion: &StraightMotion, arena: &mut CubicArena) {
         self.forget_summary(arena);
         self.body.trajectory = Trajectory::of_straight(*motion);
@@ -167,15 +168,18 @@ impl SceneEntry {
         arena: &mut CubicArena,
     ) -> &Trajectory {
         self.forget_summary(arena);
-        self.turn_in_place((from, motion, since))
+        self.body.trajectory.turn(from, motion, since);
+        &self.body.trajectory
     }
 
-    /// Turns a motion that has no summary, since it is one of straight ones.
-    pub(super) fn turn_in_place(
+    /// Turns a motion that [turns as usual](Trajectory::turns_as_usual). It has no summary, since it is one of straight
+    /// ones.
+    #[inline]
+    pub(super) fn turn_as_usual(
         &mut self,
         (from, motion, since): (f64, &StraightMotion, f64),
     ) -> &Trajectory {
-        self.body.trajectory.turn(from, motion, since);
+        self.body.trajectory.turn_as_usual(from, motion, since);
         &self.body.trajectory
     }
 

@@ -218,6 +218,15 @@ impl Trajectory {
         }
     }
 
+    /// Turns it as [`turn`](Self::turn) does, where it [turns as usual](Self::turns_as_usual).
+    #[inline]
+    pub(crate) fn turn_as_usual(&mut self, from: f64, motion: &StraightMotion, since: f64) {
+        match &mut self.form {
+            Form::Turned(turned) => turned.turn_as_usual(from, motion, since),
+            Form::Straight(..) | Form::Plan(_) => self.turn(from, motion, since),
+        }
+    }
+
     /// Returns true if it goes on from `from` (s) just as a straight motion does.
     pub(crate) fn follows(&self, motion: &StraightMotion, from: f64) -> bool {
         let is_past = self.knots().last().is_some_and(|&last| last <= from);
@@ -358,7 +367,11 @@ mod tests {
                 }
                 let is_usual = one.turns_as_usual((now, since), &motion, window(now));
                 let memory = one.straight_motions().as_ptr();
-                one.turn(now, &motion, since);
+                if is_usual {
+                    one.turn_as_usual(now, &motion, since);
+                } else {
+                    one.turn(now, &motion, since);
+                }
                 let is_kept = memory == one.straight_motions().as_ptr();
                 assert!(is_kept || !is_usual);
                 other.as_plan().turn(now, &motion, since);

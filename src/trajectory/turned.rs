@@ -95,6 +95,34 @@ impl TurnedMotion {
         let Some(room) = self.room(from, motion, since) else {
             return false;
         };
+        self.fill(&room, from, motion);
+        true
+    }
+
+    /// Turns it where it [turns as usual](Self::turns_as_usual): there is room, and the motion so far goes on in one
+    /// piece.
+    #[inline]
+    pub(super) fn turn_as_usual(&mut self, from: f64, motion: &StraightMotion, since: f64) {
+        let dropped = self.past(since);
+        let room = Room {
+            dropped,
+            kept: self.pieces - dropped,
+            end: cut_after(one_zero(from), motion, 1),
+        };
+        debug_assert!(room.kept < Self::ROOM && from <= self.cuts[self.pieces]);
+        self.fill(&room, from, motion);
+    }
+
+    /// Returns the number of pieces, not all of them, that end before an instant (s).
+    #[inline]
+    fn past(&self, since: f64) -> usize {
+        let past = self.knots().iter().take_while(|knot| **knot < since);
+        past.count().saturating_sub(1).min(self.pieces - 1)
+    }
+
+    /// Drops the first pieces, and lets the motion follow the others from an instant (s) on.
+    #[inline]
+    fn fill(&mut self, room: &Room, from: f64, motion: &StraightMotion) {
         let (before, last, last_knot) = (self.pieces, *self.last(), self.last_knot());
         for place in 0..room.kept {
             let number = room.dropped + place;
@@ -114,7 +142,6 @@ impl TurnedMotion {
             self.before = Outside::Absent;
         }
         self.segments.take();
-        true
     }
 
     /// Returns what [`turn`](Self::turn) makes of the pieces, if there is room.
@@ -156,8 +183,7 @@ impl TurnedMotion {
         window: Window,
     ) -> bool {
         let end = from + motion.duration();
-        let past = self.knots().iter().take_while(|knot| **knot < since);
-        let kept = self.pieces - past.count().saturating_sub(1).min(self.pieces - 1);
+        let kept = self.pieces - self.past(since);
         let begins = self.before == Outside::Absent || self.cuts[0] < window.start();
         begins
             && kept < Self::ROOM

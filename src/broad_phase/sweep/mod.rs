@@ -28,7 +28,9 @@ use self::rows::{SortIntoRows, SortedRows};
 use self::run::SweepRows;
 use self::sample::BoxSample;
 use super::{BodyBox, BroadPhase, Candidate, PairFilter};
+use crate::parallel;
 use crate::simd::InstructionSet;
+use std::ops::Range;
 
 /// Sorts boxes on a 16-bit grid into rows and sweeps along them: the default method.
 ///
@@ -46,11 +48,15 @@ pub struct Sweep {
     parts: Vec<Partition>,
     /// Number of copies that dividing may still make in this slice.
     copies_left: usize,
+    /// Candidates found by several threads, in the order of their records.
+    shares: Vec<Vec<Candidate>>,
 }
 
 impl Sweep {
     /// Number of boxes below which all are compared directly.
     const FEW: usize = 128;
+    /// Number of boxes from which several threads share the sweep of one slice.
+    const SHARED: usize = 1 << 15;
     /// Number of boxes above which all are compared directly, too: their copies could not be counted in 32 bits.
     const MAX: usize = 1 << 28;
     /// Largest number of copies by dividing in a slice, per box.
@@ -72,6 +78,7 @@ impl Sweep {
             faces: BoxesSoA::default(),
             parts: Vec::new(),
             copies_left: 0,
+            shares: Vec::new(),
         }
     }
 
@@ -125,13 +132,51 @@ impl Sweep {
                 }
             }
         }
-        self.instructions.run(SweepRows {
-            boxes,
-            rows: &self.rows,
-            region: (depth > 0).then_some(&region),
-            filter,
-            candidates,
+        let region = (depth > 0).then_some(&region);
+        self.sweep_rows(boxes, region, filter, candidates);
+    }
+
+    /// Appends the pairs of boxes that are sorted into rows; several threads share many of them.
+    fn sweep_rows<F: PairFilter>(
+        &mut self,
+        boxes: &[BodyBox],
+        region: Option<&Region>,
+        filter: &F,
+        candidates: &mut Vec<Candidate>,
+    ) {
+        let Self {
+            instructions,
+            rows,
+            shares,
+            ..
+        } = self;
+        let records = rows.run_ends.len();
+        let sweep = |records: Range<usize>, candidates: &mut Vec<Candidate>| {
+            instructions.run(SweepRows {
+                boxes,
+                rows,
+                records,
+                region,
+                filter,
+                candidates,
+            });
+        };
+        let threads = parallel::threads();
+        if threads == 1 || boxes.len() < Self::SHARED {
+            return sweep(0..records, candidates);
+        }
+        // Rows differ in length.
+        let share = records.div_ceil(4 * threads);
+        shares.resize_with(records.div_ceil(share), Vec::new);
+        parallel::for_each_chunk(shares, 1, (boxes.len(), 0), |number, shares| {
+            for found in shares {
+                let first = number * share;
+                sweep(first..records.min(first + share), found);
+            }
         });
+        for found in shares {
+            candidates.append(found);
+        }
     }
 
     /// Appends the pairs of boxes that belong to a region, comparing each with each.
