@@ -35,7 +35,9 @@ use crate::simd::prefetch;
 use crate::trajectory::{StraightMotion, Trajectory};
 use std::slice::from_ref;
 
+/// A place for a body: three cache lines.
 #[derive(Debug, Default)]
+#[repr(align(64))]
 pub(crate) struct Slot {
     generation: u32,
     entry: Option<SceneEntry>,

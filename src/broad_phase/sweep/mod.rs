@@ -231,3 +231,53 @@ impl BroadPhase for Sweep {
         self.find(boxes, Region::EVERYWHERE, 0, filter, candidates);
     }
 }
+
+#[cfg(all(test, feature = "parallel"))]
+mod tests {
+    use super::super::{CandidateLimit, Everyone};
+    use super::*;
+    use parry3d::bounding_volume::Aabb;
+    use parry3d::math::Vector;
+    use rand::rngs::ChaCha8Rng;
+    use rand::{RngExt, SeedableRng};
+
+    /// Several threads find the same candidates in the same order, and count all of them.
+    #[test]
+    fn a_shared_sweep_equals_that_of_one_thread() {
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let count = short(Sweep::SHARED + 777);
+        let boxes: Vec<BodyBox> = (0..count)
+            .map(|body| {
+                let low = Vector::from_array([0; 3].map(|_| rng.random_range(-99.0_f32..99.0)));
+                let aabb = Aabb::new(low, low + 2.0);
+                BodyBox { aabb, body }
+            })
+            .collect();
+        let pairs = |threads: usize, most: u64| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            let pool = pool.unwrap_or_else(|error| unreachable!("{error}"));
+            pool.install(|| {
+                let (mut sweep, mut found) = (Sweep::default(), Vec::new());
+                let mut is_short = false;
+                for _ in 0..2 {
+                    found.clear();
+                    let room = CandidateLimit::new(&Everyone, most);
+                    sweep.pairs(&boxes, &room, &mut found);
+                    is_short = room.is_short();
+                }
+                (found, is_short)
+            })
+        };
+        let (alone, _) = pairs(1, u64::MAX);
+        let count = alone.len() as u64;
+        assert!(count > 1_000, "{count}");
+        for threads in [2, 3] {
+            assert_eq!(pairs(threads, count), (alone.clone(), false), "{threads}");
+            assert!(pairs(threads, count - 1).1, "{threads}");
+        }
+    }
+
+    fn short(count: usize) -> u32 {
+        u32::try_from(count).unwrap_or(u32::MAX)
+    }
+}
