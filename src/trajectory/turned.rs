@@ -24,6 +24,7 @@ pub(super) struct TurnedMotion {
     cuts: [f64; Self::ROOM + 1],
     /// The cubics between the knots, for those who ask for a list of them.
     segments: OnceLock<Box<[Segment]>>,
+    /// Number of pieces.
     count: u32,
     before: Outside,
     motions: [StraightMotion; Self::ROOM],
