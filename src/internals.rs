@@ -7,8 +7,8 @@
 //!
 //! 1. `trajectory`: states become [`Segment`](crate::Segment)s. Beyond its knots a body follows an *end
 //!    motion*, the cubic before its first knot and the one after its last. A *piece* is a segment, or a part
-//!    of an end motion between two *cuts*. A *straight motion* is a trajectory from one state. It can *turn*
-//!    into another one in place, as when states are told each frame. (A body that *turns* has a rotation.)
+//!    of an end motion between two *cuts*. A *straight motion* is a trajectory from one state. It is
+//!    *replaced* by another one in place where states are told each frame. A body that *turns* has a rotation.
 //! 2. `orientation`: a rotation becomes cubics of matrices between cuts of its own; it is *baked*. An
 //!    interval between neighbouring cuts of both bodies is a *cell*.
 //! 3. `scene`: a body lies in a *slot*, the number in its id. A *place* is its dense number in one search.
@@ -33,7 +33,7 @@
 //! 8. `enclosure`: branch and bound over the parts of a span. A *minorant* is a quadratic below the control
 //!    heights; a part is certainly inside a threshold, certainly outside, or undecided.
 //! 9. `screen`: contacts become conflicts. This is the end of a screening.
-//! 10. `monitor`: the *lookahead search* keeps *solved spans* (`finds`), and knows everything up to an instant,
+//! 10. `monitor`: the *lookahead search* keeps *solved spans* (`solved`), and knows everything up to an instant,
 //!     the end of the *known time*. It holds bodies as *monitored bodies* (`flights`) and notes the changed
 //!     ones (`dirty`, their bounds `moved`). A slice is *fresh* when these are compared with all bodies, which
 //!     have boxes in its tree. Work on the next slice is *due* in shares; it is *put off* where there is too
@@ -43,7 +43,7 @@
 //!     Those *at an edge* of the window are read again in each tick.
 //! 12. `monitor/encounters`: a planned encounter that is reported becomes a *tracked encounter*, until it
 //!     ends or is withdrawn. Their differences are the events. An instant up to which events were reported is
-//!     *told*.
+//!     *reported*. A state that the caller gives is *told*.
 
 use crate::query::Query;
 use std::num::NonZeroU32;

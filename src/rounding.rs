@@ -39,12 +39,12 @@
 //! | slack and bend of the least separation of some | `narrow_phase/clusters/chords` | `clusters::tests` |
 //! | tolerance: error, evaluation | `narrow_phase/relative` | `relative::tests::distances_are_within_the_tolerance` |
 //! | instants: step, sum | `narrow_phase/relative` | `relative::tests::instants_are_enclosed` |
-//! | clearance of filters, and of chords: scale, underflow | `narrow_phase/relative` | `relative::tests::filters_keep_clear_of_the_tolerance` |
-//! | squares of filters | `narrow_phase/filter` | the clearance: see there |
+//! | clearance of rejections, and of chords: scale, underflow | `narrow_phase/relative` | `relative::tests::rejections_keep_clear_of_the_tolerance` |
+//! | squares of rejections | `narrow_phase/rejection` | the clearance: see there |
 //! | squares of heights | `narrow_phase/hull` | `hull::tests::what_is_reached_is_not_beyond` |
 //! | tolerance before roots, once | `narrow_phase/stretches` | `stretches::tests` |
 //! | tolerance before roots, once more | `narrow_phase/stretches` | proof 1 |
-//! | differences of heights; tolerance of stretches | `narrow_phase/hull`, `stretches` | `hull::tests`, `filter::tests` |
+//! | differences of heights; tolerance of stretches | `narrow_phase/hull`, `stretches` | `hull::tests`, `rejection::tests` |
 //! | threshold, radii, half-width | `narrow_phase/certified` | `certified::tests` |
 //! | sums with model errors | `shape`, `narrow_phase`, `narrow_phase/certified` | `rounding::tests::sums_are_rounded_up`, `certified::tests` |
 //! | chords: clearance, wherever it is used; parts of clusters | `narrow_phase/clusters` | `clusters::tests` |
@@ -133,12 +133,12 @@ pub(crate) const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
 /// Largest absolute error of a chain of linear operations by underflow: 2^-1022.
 pub(crate) const UNDERFLOW: f64 = f64::MIN_POSITIVE;
 
-/// Clearance of filters, relative to the pair's local scale: 2^-44 = 512 roundings. A filter
+/// Clearance of rejections, relative to the pair's local scale: 2^-44 = 512 roundings. A test
 /// rejects only pairs that exceed the threshold by this.
 ///
 /// The exact solver reports distances within its own rounding of the threshold as contact: at most
-/// 70 roundings of the local scale, with an error as large again. A filter's own error is at
-/// most 170. 512 covers their sum, so no filter rejects a contact that the solver would report.
+/// 70 roundings of the local scale, with an error as large again. A test's own error is at
+/// most 170. 512 covers their sum, so no test rejects a contact that the solver would report.
 pub(crate) const CLEARANCE: f64 = 512.0 * UNIT_ROUNDOFF;
 
 /// Returns the time with -0 replaced by 0: reports are ordered by the bits of times, and of two

@@ -276,14 +276,14 @@ impl Scene {
         Ok(entry)
     }
 
-    /// Turns a body's motion: see [`Trajectory::turn`].
-    pub(crate) fn turn(
+    /// Replaces a body's motion: see [`Trajectory::replace`].
+    pub(crate) fn replace_motion(
         &mut self,
         id: BodyId,
         (from, motion, since): (f64, &StraightMotion, f64),
     ) -> Result<&Trajectory, Error> {
         let (entry, arena) = self.entry_mut(id)?;
-        Ok(entry.turn((from, motion, since), arena))
+        Ok(entry.replace_motion((from, motion, since), arena))
     }
 
     /// Replaces a body's hitbox and returns the old one.

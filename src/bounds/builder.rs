@@ -238,7 +238,7 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         let moved = rounding + middle.abs() * ROUNDING;
         let fat_line = fat_line(start, change, (deviation, moved), placement.reach, first);
         // Of the place, of the two sums with it, and of the subtraction below: 4; and more than the
-        // clearance of filters. Of the way at an instant: six at most, with that of the difference.
+        // clearance of rejections. Of the way at an instant: six at most, with that of the difference.
         let rounding = rounding + (placement.place.abs() + way) * (6.0 * ROUNDING);
         let low = (placement.low + low - rounding).max(Vec4::splat(f32::MIN));
         let high = (placement.high + high + rounding).min(Vec4::splat(f32::MAX));

@@ -13,9 +13,9 @@ use bytemuck::{Pod, Zeroable, cast_slice, cast_slice_mut};
 /// One cache line of untyped storage.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
-pub(crate) struct Line([f64; 8]);
+pub(crate) struct CacheLine([f64; 8]);
 
-impl Line {
+impl CacheLine {
     pub(crate) const BLANK: Self = Self([0.0; Self::KNOTS]);
 
     /// Knots in a line.
@@ -49,12 +49,16 @@ pub(crate) struct CompactView<'a> {
 impl CompactTrajectory {
     /// Returns the number of lines for a motion with these counts of knots and cubics.
     pub(crate) const fn lines(knots: usize, cubics: usize) -> usize {
-        knots.div_ceil(Line::KNOTS) + cubics + count_of_runs(cubics)
+        knots.div_ceil(CacheLine::KNOTS) + cubics + count_of_runs(cubics)
     }
 
     /// Writes the cubics of a motion, each between two knots, to its lines; returns the header and
     /// the motion's extremes.
-    pub(crate) fn write(knots: &[f64], segments: &[Segment], lines: &mut [Line]) -> (Self, DAabb) {
+    pub(crate) fn write(
+        knots: &[f64],
+        segments: &[Segment],
+        lines: &mut [CacheLine],
+    ) -> (Self, DAabb) {
         let (mut extremes, mut spread) = (DAabb::NOTHING, 0.0_f64);
         for (segment, ends) in segments.iter().zip(knots.windows(2)) {
             let part = PaddedPoints::of(segment, (ends[0], ends[1]));
@@ -76,7 +80,7 @@ impl CompactTrajectory {
             compact.frame.power = normalising_power(size);
             compact.size = size * compact.frame.power;
         }
-        let (of_knots, rest) = lines.split_at_mut(knots.len().div_ceil(Line::KNOTS));
+        let (of_knots, rest) = lines.split_at_mut(knots.len().div_ceil(CacheLine::KNOTS));
         let (compact_cubics, runs) = rest.split_at_mut(segments.len());
         cast_slice_mut(of_knots)[..knots.len()].copy_from_slice(knots);
         let compact_cubics: &mut [CompactCubic] = cast_slice_mut(compact_cubics);
@@ -98,8 +102,8 @@ impl CompactTrajectory {
     }
 
     /// Returns the view of the data on these lines.
-    pub(crate) fn on<'a>(&self, lines: &'a [Line]) -> CompactView<'a> {
-        let (knots, rest) = lines.split_at(self.knots.div_ceil(Line::KNOTS));
+    pub(crate) fn on<'a>(&self, lines: &'a [CacheLine]) -> CompactView<'a> {
+        let (knots, rest) = lines.split_at(self.knots.div_ceil(CacheLine::KNOTS));
         let (compact_cubics, runs) = rest.split_at(self.cubics);
         CompactView {
             frame: self.frame,
@@ -112,8 +116,8 @@ impl CompactTrajectory {
 
     /// Returns a compact trajectory on lines of its own.
     #[cfg(test)]
-    pub(crate) fn of(knots: &[f64], segments: &[Segment]) -> (Self, Vec<Line>) {
-        let mut lines = vec![Line::BLANK; Self::lines(knots.len(), segments.len())];
+    pub(crate) fn of(knots: &[f64], segments: &[Segment]) -> (Self, Vec<CacheLine>) {
+        let mut lines = vec![CacheLine::BLANK; Self::lines(knots.len(), segments.len())];
         (Self::write(knots, segments, &mut lines).0, lines)
     }
 }

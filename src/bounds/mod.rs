@@ -2,7 +2,7 @@
 //!
 //! A box contains every position from which the exact solver would report a contact, including the
 //! solver's own rounding. Its padding is the hitbox, half the margin and the clearance of all
-//! filters (see `rounding`). A [`FatLine`] is a closer bound: a straight line and a radius.
+//! rejections (see `rounding`). A [`FatLine`] is a closer bound: a straight line and a radius.
 //!
 //! From a trajectory to a box, all in f32: the cubics of a [`CompactTrajectory`] (or its segments,
 //! if few boxes are needed) are split at the ends of slices into [`SubCubic`]s. A [`BoundsBuilder`]
@@ -11,7 +11,7 @@
 //! Rounding, in units of 2^-24: each split of a cubic costs some 24 relative to its size and three
 //! relative to its distance from the trajectory's middle. Six more are relative to that distance,
 //! and six to the distance from the scene's middle. Each count is given where it arises. The
-//! clearance of filters, 2^-44, is negligible against it.
+//! clearance of rejections, 2^-44, is negligible against it.
 
 mod apart;
 mod builder;
@@ -32,7 +32,7 @@ mod sub_cubic;
 pub(crate) use apart::{BodyCubic, HullTest, hull_test};
 pub(crate) use builder::BoundsBuilder;
 pub(crate) use compact_cubic::CompactCubic;
-pub(crate) use compact_trajectory::{CompactTrajectory, CompactView, Line};
+pub(crate) use compact_trajectory::{CacheLine, CompactTrajectory, CompactView};
 pub(crate) use cubic_run::CubicRun;
 pub(crate) use fat_line::FatLine;
 pub(crate) use frame::{DAabb, Frame, MovingFrame, Padding};

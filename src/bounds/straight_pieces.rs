@@ -89,8 +89,8 @@ mod tests {
         let window = Window::new(-0.5, 3.0).unwrap_or_else(|_| unreachable!());
         for told in [-0.8, -0.5, -0.2, 0.0] {
             let next = motion(told);
-            if flown.can_turn(told, &next, window) {
-                flown.turn(told, &next, told - 0.25);
+            if flown.can_replace(told, &next, window) {
+                flown.replace(told, &next, told - 0.25);
             } else {
                 let mut plan = Trajectory::of_straight(next);
                 assert!(plan.precede_by(&flown, told, told - 0.1).is_ok());
@@ -100,13 +100,13 @@ mod tests {
         flown
     }
 
-    /// Boxes and fat lines of slices in which a body turns hold it, and more than twice the solver's error around
+    /// Boxes and fat lines of slices in which a motion is replaced hold the body, and more than twice the solver's error around
     /// it: also where its states are old, and their way cancels with their place.
     #[test]
     fn motions_told_one_after_another_are_held() {
         const SEEN: f64 = 2.25;
         let mut rng = ChaCha8Rng::seed_from_u64(11);
-        let (mut tightest, mut turns) = (f64::INFINITY, 0);
+        let (mut tightest, mut replaced) = (f64::INFINITY, 0);
         for round in 0..600 {
             let age = [0.0, 1.0, 1e6, 1e9, 1e13][round % 5];
             let far = [1.0, 1e5][round / 5 % 2];
@@ -143,7 +143,7 @@ mod tests {
                         .iter()
                         .take_while(|&&cut| cut < time)
                         .count();
-                    turns += usize::from(piece > 0);
+                    replaced += usize::from(piece > 0);
                     let motion =
                         &flown.straight_motions()[piece.min(flown.straight_motions().len() - 1)];
                     let since = number(time) - number(motion.start());
@@ -179,6 +179,6 @@ mod tests {
         }
         // Where that error is all there is, it is held about eight times; that of a state whose time is coarse is three
         // times as large.
-        assert!(tightest < 12.0 && turns > 1_000, "{tightest} {turns}");
+        assert!(tightest < 12.0 && replaced > 1_000, "{tightest} {replaced}");
     }
 }

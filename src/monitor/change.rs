@@ -68,7 +68,7 @@ impl Monitor {
         let is_gone = |slot| self.removed.binary_search(&slot).is_ok();
         for encounters in &mut self.encounters {
             encounters.end(
-                self.told,
+                self.reported,
                 EndReason::BodyRemoved,
                 is_gone,
                 &mut self.waiting,
@@ -296,11 +296,11 @@ impl Monitor {
                 drop(self.take_out(id)?);
                 continue;
             }
-            if let Some(turn) = revision.turn.take() {
+            if let Some(pending) = revision.motion.take() {
                 if let Some(layers) = revision.layers {
                     self.scene.set_layers(id, layers)?;
                 }
-                self.turn(id, (turn.from, &turn.motion))?;
+                self.replace_motion(id, (pending.from, &pending.motion))?;
                 self.search.find_partners(&self.scene, Some(id.slot));
                 continue;
             }
@@ -372,9 +372,9 @@ impl Monitor {
         let end = self.search.laid_out(self.now + self.lookahead);
         Ok(ChangeContext {
             reach: self.search.reach(),
-            window: Window::new(self.told, end)?,
+            window: Window::new(self.reported, end)?,
             now: self.now,
-            forget_before: self.told - self.history,
+            forget_before: self.reported - self.history,
         })
     }
 
@@ -413,7 +413,7 @@ impl Monitor {
     /// not lag.
     pub(super) fn choose_grid(&mut self, now: f64, may_wait: bool) -> Result<(), Error> {
         let (margin, _) = self.search.reach();
-        let span = (self.told, self.lookahead);
+        let span = (self.reported, self.lookahead);
         let grid = &self.search.grid;
         let can_stay = grid.has_room(now) && !grid.is_too_fine(&self.scene);
         if can_stay {
@@ -423,8 +423,8 @@ impl Monitor {
             }
             self.review = RescheduleTrigger::made(bodies, now);
             let velocity = grid.frame.velocity();
-            let signs = SceneSignature::of(&self.scene, margin, span, velocity);
-            if grid.suits(&self.scene, margin, &signs) {
+            let signature = SceneSignature::of(&self.scene, margin, span, velocity);
+            if grid.suits(&self.scene, margin, &signature) {
                 return Ok(());
             }
         }
@@ -438,15 +438,15 @@ impl Monitor {
     }
 
     /// Turns a body's plan, which must allow it, to a straight motion from an instant (s) on.
-    pub(super) fn turn(
+    pub(super) fn replace_motion(
         &mut self,
         id: BodyId,
         (from, motion): (f64, &StraightMotion),
     ) -> Result<(), Error> {
         let terms = self.terms()?;
         let (window, since) = (terms.window, terms.forget_before);
-        let turned = self.scene.turn(id, (from, motion, since))?;
-        self.search.replan(id.slot, turned, window)?;
+        let flown = self.scene.replace_motion(id, (from, motion, since))?;
+        self.search.replan(id.slot, flown, window)?;
         self.plan_ends.set(id.slot, f64::INFINITY);
         self.count_change();
         Ok(())

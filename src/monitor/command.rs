@@ -130,8 +130,8 @@ pub(super) struct PendingChange {
     pub(super) id: BodyId,
     pub(super) is_removed: bool,
     pub(super) trajectory: Option<Trajectory>,
-    /// A straight motion to which the body's own plan turns; nothing else is replaced.
-    pub(super) turn: Option<PendingTurn>,
+    /// A straight motion that replaces the body's own in place; nothing else changes.
+    pub(super) motion: Option<PendingMotion>,
     /// Set while the trajectory is a bare plan, which the past motion must precede.
     splice: Option<PendingSplice>,
     /// Instant from which the body follows its last plan, if that was late, s.
@@ -150,7 +150,7 @@ pub(super) struct PendingChange {
 
 /// A straight motion, from an instant (s) on.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PendingTurn {
+pub(super) struct PendingMotion {
     pub(super) from: f64,
     pub(super) motion: StraightMotion,
     command: usize,
@@ -269,7 +269,7 @@ impl CommandBatch {
             Command::Insert(_) | Command::IgnorePair(..) | Command::UnignorePair(..) => {}
             Command::Remove(_) => revision.is_removed = true,
             Command::SetTrajectory(_, trajectory) => {
-                revision.turn_to_splice();
+                revision.motion_to_splice();
                 revision.splice(scene, terms)?;
                 revision.trajectory = Some(trajectory);
                 revision.late = None;
@@ -291,9 +291,11 @@ impl CommandBatch {
                 revision.orientation = Some(both);
             }
             Command::Replan(_, from, plan) => match plan.straight() {
-                Some((&motion, _)) if revision.trajectory.is_none() && revision.turn.is_none() => {
+                Some((&motion, _))
+                    if revision.trajectory.is_none() && revision.motion.is_none() =>
+                {
                     let command = number;
-                    revision.turn = Some(PendingTurn {
+                    revision.motion = Some(PendingMotion {
                         from,
                         motion,
                         command,
@@ -358,7 +360,7 @@ impl PendingChange {
             id,
             is_removed: false,
             trajectory: None,
-            turn: None,
+            motion: None,
             splice: None,
             late: None,
             hitbox: None,
@@ -388,7 +390,7 @@ impl PendingChange {
         plan: Trajectory,
         terms: &ChangeContext<'_>,
     ) -> Result<(), Rejection> {
-        self.turn_to_splice();
+        self.motion_to_splice();
         self.splice(scene, terms)?;
         let flown = self.trajectory.replace(plan);
         self.splice = Some(PendingSplice {
@@ -401,34 +403,34 @@ impl PendingChange {
         })
     }
 
-    /// Converts a pending turn to a plan, since more than the turn is replaced.
-    fn turn_to_splice(&mut self) {
-        if let Some(turn) = self.turn.take() {
-            self.trajectory = Some(Trajectory::of_straight(turn.motion));
+    /// Converts a pending motion to a plan, since more than the motion changes.
+    fn motion_to_splice(&mut self) {
+        if let Some(pending) = self.motion.take() {
+            self.trajectory = Some(Trajectory::of_straight(pending.motion));
             self.splice = Some(PendingSplice {
-                from: Some(turn.from),
-                command: turn.command,
+                from: Some(pending.from),
+                command: pending.command,
             });
         }
     }
 
-    /// Returns true if the body's own plan can be turned; notes from when on (s).
-    fn can_turn(&mut self, body: &Body, terms: &ChangeContext<'_>) -> Result<bool, Rejection> {
-        let Some(turn) = &mut self.turn else {
+    /// Returns true if the body's motion can be replaced in place; notes from when on (s).
+    fn can_replace(&mut self, body: &Body, terms: &ChangeContext<'_>) -> Result<bool, Rejection> {
+        let Some(pending) = &mut self.motion else {
             return Ok(false);
         };
-        let (flown, plan) = (&body.trajectory, Trajectory::of_straight(turn.motion));
-        let from = terms.follows_from(flown, &plan, turn.from);
+        let (flown, plan) = (&body.trajectory, Trajectory::of_straight(pending.motion));
+        let from = terms.follows_from(flown, &plan, pending.from);
         let from = from.map_err(|error| Rejection {
-            command: turn.command,
+            command: pending.command,
             error: error.in_body(body.tag),
         })?;
         let keeps_shape =
             self.hitbox.is_none() && self.orientation.is_none() && self.model_error.is_none();
-        let can = keeps_shape && flown.can_turn(from, &turn.motion, terms.window);
+        let can = keeps_shape && flown.can_replace(from, &pending.motion, terms.window);
         if can {
-            self.late = Some(from).filter(|from| turn.from < *from);
-            turn.from = from;
+            self.late = Some(from).filter(|from| pending.from < *from);
+            pending.from = from;
         }
         Ok(can)
     }
@@ -468,10 +470,10 @@ impl PendingChange {
     /// Prepares the outcome for the body.
     fn settle(&mut self, scene: &Scene, terms: &ChangeContext<'_>) -> Result<(), Rejection> {
         let body = self.body(scene)?;
-        if !self.is_removed && self.can_turn(body, terms)? {
+        if !self.is_removed && self.can_replace(body, terms)? {
             return Ok(());
         }
-        self.turn_to_splice();
+        self.motion_to_splice();
         self.splice(scene, terms)?;
         if !self.is_removed {
             let trajectory = self.trajectory.as_ref().unwrap_or(&body.trajectory);

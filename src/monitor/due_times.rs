@@ -64,7 +64,7 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(8);
         let mut times = DueTimes::default();
         let mut plain = vec![f64::INFINITY; SLOTS as usize];
-        let mut told = 0;
+        let mut announced = 0;
         for round in 0..20_000 {
             let now = 0.5 * f64::from(round);
             for _ in 0..rng.random_range(0..4) {
@@ -72,7 +72,7 @@ mod tests {
                 let time = match rng.random_range(0..5) {
                     0 => f64::INFINITY,
                     1 => now - 1.0,
-                    // Ever sooner, for as long as nobody is told.
+                    // Ever sooner, for as long as nobody asks.
                     2 => 1e5 - f64::from(round),
                     _ => (now + rng.random_range(0.0..9.0)).round(),
                 };
@@ -86,8 +86,8 @@ mod tests {
             let due =
                 due.map(|(slot, due)| (slot, std::mem::replace(due, f64::INFINITY).to_bits()));
             assert_eq!(found, due.collect::<Vec<_>>(), "{now}");
-            told += found.len();
+            announced += found.len();
         }
-        assert!(told > 5_000, "{told}");
+        assert!(announced > 5_000, "{announced}");
     }
 }

@@ -78,13 +78,13 @@ impl SentNumbers {
 pub(super) struct Saved(Vec<TrackedEncounter>);
 
 impl Saved {
-    /// Returns true if a monitor of this scene that has reported all up to `told` (s) can have had these.
-    pub(super) fn could_be(&self, level: usize, told: f64, scene: &Scene) -> bool {
+    /// Returns true if a monitor of this scene that has reported all up to `reported` (s) can have had these.
+    pub(super) fn could_be(&self, level: usize, reported: f64, scene: &Scene) -> bool {
         self.0.iter().all(|TrackedEncounter { now, begun, .. }| {
             let has = |id, tag| scene.body(id).is_some_and(|body| body.tag == tag);
             let are_there = has(now.a, now.tag_a) && has(now.b, now.tag_b);
             let is_of_level = now.level == level;
-            let has_begun = !begun || now.enter <= told;
+            let has_begun = !begun || now.enter <= reported;
             are_there && now.a < now.b && is_of_level && has_begun && now.enter <= now.exit
         })
     }
@@ -124,7 +124,7 @@ pub(super) struct TickContext {
     /// The clock, s.
     pub(super) now: f64,
     /// Instant up to which clock events may be reported, s: the clock, or the end of the known time if sooner.
-    pub(super) told: f64,
+    pub(super) reported: f64,
     /// Instant up to which the last tick reported, s.
     pub(super) before: f64,
     /// End of the known time, s.
@@ -194,13 +194,13 @@ impl EncounterTracker {
     fn update_pair<'p>(
         &mut self,
         slots: SlotPair,
-        plain: impl Iterator<Item = &'p PlannedEncounter>,
+        planned: impl Iterator<Item = &'p PlannedEncounter>,
         tick: &TickContext,
         next_id: &mut u64,
         events: &mut Vec<Event>,
     ) {
         let mut old = self.tracked.of(&slots);
-        let mut new = plain.peekable();
+        let mut new = planned.peekable();
         loop {
             let first = (!old.is_empty()).then(|| *self.tracked.nth(old.start));
             let matched = match (first, new.peek()) {
@@ -215,7 +215,7 @@ impl EncounterTracker {
                 Match::Both => (first, new.next()),
             };
             old.start += usize::from(first.is_some());
-            let goes_on = match (first, plain) {
+            let goes_on = match (first, second) {
                 (None, None) => break,
                 (Some(old), None) => unmatched(&old, tick, events),
                 (None, Some(new)) => appear(new, self.level, tick, next_id, events),
@@ -336,7 +336,7 @@ fn unmatched(
         // Beyond what is known nothing is said: it waits.
         return Some(*old);
     }
-    // A change takes effect where the last tick stood: what had been told by then stays.
+    // A change takes effect where the last tick stood: what had been reported by then stays.
     let time = if old.begun { tick.before } else { tick.now };
     events.push(over_at(old, time, EndReason::PlanChanged));
     None
@@ -372,7 +372,7 @@ fn appear(
         with_trajectory: new.with_trajectory,
         passed: None,
     };
-    if enter > tick.told {
+    if enter > tick.reported {
         events.push(Event {
             time: tick.now,
             kind: EventKind::Predicted(encounter),
@@ -403,7 +403,7 @@ fn go_on(
         tracked.now.closest = new.closest;
     }
     let revised = differs(&tracked.now, &tracked.sent, tick);
-    // What ends in this very tick is told with its last numbers, not revised first.
+    // What ends in this very tick is reported with its last numbers, not revised first.
     let mut tracked = clock(tracked, new, tick, events)?;
     if revised {
         tracked.sent = SentNumbers::of(&tracked.now);
@@ -422,7 +422,7 @@ fn clock(
     tick: &TickContext,
     events: &mut Vec<Event>,
 ) -> Option<TrackedEncounter> {
-    if !tracked.begun && tracked.now.enter <= tick.told {
+    if !tracked.begun && tracked.now.enter <= tick.reported {
         tracked.begun = true;
         events.push(Event {
             time: tracked.now.enter,
@@ -433,7 +433,7 @@ fn clock(
         if let Some(passed) = new.passed {
             tracked.passed = Some(lower(tracked.passed, passed));
         }
-        if !tracked.now.open && tracked.now.exit < tick.told {
+        if !tracked.now.open && tracked.now.exit < tick.reported {
             let reason = if tracked.with_trajectory {
                 EndReason::TrajectoryEnded
             } else {
@@ -469,7 +469,7 @@ fn closest_differs(now: &SentNumbers, sent: &SentNumbers, tick: &TickContext) ->
     let threshold = &tick.revision_threshold;
     let is_lower = now.separation < sent.separation - threshold.separation;
     if !sent.knows_closest() {
-        // While they close in it is told once a lookahead at most.
+        // While they close in it is reported once a lookahead at most.
         let is_later = now.closest_time >= sent.closest_time + tick.lookahead;
         return now.knows_closest() || is_later && is_lower;
     }

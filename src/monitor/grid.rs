@@ -20,7 +20,7 @@ pub(super) struct Grid {
     /// Number of slices that make up the lookahead.
     pub(super) ahead: f64,
     /// Signature of the scene when that was chosen.
-    signs: SceneSignature,
+    signature: SceneSignature,
 }
 
 /// An estimate of the number of slices of a lookahead, by a rule of thumb, from some of the bodies. Two
@@ -143,14 +143,14 @@ impl Grid {
         // Whole: else part of the next one would be due with the first tick.
         let ahead = Self::number(cheapest, scene.len()).round();
         let velocity = scene.common_velocity((origin, origin + lookahead));
-        let signs = SceneSignature::of(scene, margin, (origin, lookahead), velocity);
+        let signature = SceneSignature::of(scene, margin, (origin, lookahead), velocity);
         let grid = Self {
-            frame: Frame::amid(scene.extremes(), signs.middle, margin.abs()).moving(velocity),
+            frame: Frame::amid(scene.extremes(), signature.middle, margin.abs()).moving(velocity),
             origin,
             length: lookahead / ahead,
             search_length: lookahead / cheapest,
             ahead,
-            signs,
+            signature,
         };
         Ok(if grid.has_room(now) {
             grid
@@ -180,26 +180,26 @@ impl Grid {
     }
 
     /// Returns true if the grid still suits a scene as it is now.
-    pub(super) fn suits(&self, scene: &Scene, margin: f64, signs: &SceneSignature) -> bool {
+    pub(super) fn suits(&self, scene: &Scene, margin: f64, signature: &SceneSignature) -> bool {
         /// Times more slices, or fewer, that a tick hardly notices.
         const FEW: f64 = 3.0;
-        let [before, now] =
-            [&self.signs, signs].map(|signs| Self::number(signs.slices, scene.len()));
+        let [before, now] = [&self.signature, signature]
+            .map(|signature| Self::number(signature.slices, scene.len()));
         let is_alike = now <= FEW * before && before <= FEW * now;
-        let frame = Frame::around(self.signs.middle, margin.abs());
-        is_alike && frame.suits(signs.middle, signs.middle, margin.abs())
+        let frame = Frame::around(self.signature.middle, margin.abs());
+        is_alike && frame.suits(signature.middle, signature.middle, margin.abs())
     }
 
     /// Returns true if it serves a scene about as well as another one that was chosen for it.
     pub(super) fn serves(&self, scene: &Scene, margin: f64, other: &Self) -> bool {
         let is_alike = self.ahead <= 1.5 * other.ahead && other.ahead <= 1.5 * self.ahead;
-        let most = other.signs.middle;
+        let most = other.signature.middle;
         is_alike && self.frame.suits(scene.extremes(), most, margin.abs())
     }
 
     /// Notes that the grid suits the scene as it is now, too.
     pub(super) const fn confirm(&mut self, other: &Self) {
-        self.signs = other.signs;
+        self.signature = other.signature;
     }
 
     /// Returns true if it would have far too many boxes for a scene: one that has grown.

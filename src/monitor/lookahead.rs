@@ -48,7 +48,7 @@ use std::sync::atomic::Ordering::Relaxed;
 #[derive(Debug)]
 pub(super) struct LookaheadSearch {
     pub(super) flights: MonitoredBodies,
-    pub(super) finds: SolvedSpans,
+    pub(super) solved: SolvedSpans,
     margin: f64,
     pub(super) grid: Grid,
     /// Slices of the lookahead, and the next one.
@@ -88,7 +88,7 @@ impl LookaheadSearch {
     pub(super) fn new(margin: f64, grid: Grid, max_spans: usize) -> Self {
         Self {
             flights: MonitoredBodies::default(),
-            finds: SolvedSpans::default(),
+            solved: SolvedSpans::default(),
             margin,
             grid,
             slices: VecDeque::new(),
@@ -219,7 +219,7 @@ impl LookaheadSearch {
         let (is_dirty, left_out) = (&self.is_dirty, &mut self.left_out);
         let is_dirty = |slot: u32| is_dirty.get(slot as usize) == Some(&true);
         left_out.sort_unstable();
-        self.finds.forget(|pair| {
+        self.solved.forget(|pair| {
             let is_left_out = !left_out.is_empty() && left_out.binary_search(&pair).is_ok();
             is_dirty(pair.0) || is_dirty(pair.1) || is_left_out
         });
@@ -270,12 +270,12 @@ impl LookaheadSearch {
                 let known = self.half_spaces.look(&bodies, times, filter, meter, found);
                 reached = reached.min(known?);
             }
-            self.finds.forget_before(from);
+            self.solved.forget_before(from);
             self.sorter
                 .sort_and_dedup(&mut self.survivors, self.flights.len());
             let most = self.max_spans;
             let window = (from, self.laid_out(to));
-            stats.survivors += self.finds.add(&self.survivors, &bodies, window, most)?;
+            stats.survivors += self.solved.add(&self.survivors, &bodies, window, most)?;
             stats.narrow_time += begin.elapsed();
             if is_done {
                 return Ok(meter.until().unwrap_or(reached));
@@ -411,7 +411,7 @@ impl LookaheadSearch {
             }
         }
         // What is found ahead of time must leave room for what is needed.
-        let room = (self.max_spans / 2).saturating_sub(self.finds.len());
+        let room = (self.max_spans / 2).saturating_sub(self.solved.len());
         for (number, slice) in slices.iter_mut().enumerate() {
             let has_room = slice.check_room();
             if number >= needed && (has_room.is_err() || slice.survivors.len() > room) {

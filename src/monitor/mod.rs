@@ -139,13 +139,13 @@ pub struct Monitor {
     now: f64,
     lookahead: f64,
     /// Instant up to which clock events have been reported, s.
-    told: f64,
+    reported: f64,
     /// Instant up to which all is known, s.
     known: f64,
     history: f64,
     revision_threshold: RevisionThreshold,
     next_id: u64,
-    /// Events of changes before the last tick that could be told.
+    /// Events of changes before the last tick that could be reported.
     waiting: Vec<Event>,
     /// Slots of bodies that were taken out since.
     removed: Vec<u32>,
@@ -246,7 +246,7 @@ impl Monitor {
             conflicts: vec![Vec::new(); levels.len()],
             now,
             lookahead,
-            told: now,
+            reported: now,
             known: now,
             history: 0.0,
             revision_threshold: RevisionThreshold::default(),

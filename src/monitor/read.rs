@@ -19,7 +19,7 @@ use crate::screen::conflict;
 #[derive(Debug)]
 pub(super) struct LevelCaches {
     pub(super) conflicts: Vec<ConflictCache>,
-    pub(super) plains: Vec<EncounterCache>,
+    pub(super) planned: Vec<EncounterCache>,
     /// Pairs to be read.
     pub(super) changed: Vec<SlotPair>,
     /// Memory of two threads.
@@ -46,7 +46,7 @@ impl LevelCaches {
     pub(super) fn of_levels(count: usize) -> Self {
         Self {
             conflicts: (0..count).map(|_| ConflictCache::default()).collect(),
-            plains: (0..count).map(|_| EncounterCache::default()).collect(),
+            planned: (0..count).map(|_| EncounterCache::default()).collect(),
             changed: Vec::new(),
             scratch: Default::default(),
         }
@@ -54,22 +54,22 @@ impl LevelCaches {
 
     /// Returns true if all is to be read next.
     pub(super) fn reads_all(&self) -> bool {
-        self.plains.iter().any(EncounterCache::lists_all)
+        self.planned.iter().any(EncounterCache::lists_all)
     }
 
     /// Takes over what is known of pairs that have not changed, unless it has ended before an
     /// instant, and reads the others.
     pub(super) fn update(&mut self, source: ReadContext<'_>, levels: &[AlertLevel], before: f64) {
         let (changed, [scratch, _]) = (&self.changed, &mut self.scratch);
-        let readings = self.conflicts.iter_mut().zip(&mut self.plains);
-        for ((conflicts, plains), alert) in readings.zip(levels) {
+        let readings = self.conflicts.iter_mut().zip(&mut self.planned);
+        for ((conflicts, planned), alert) in readings.zip(levels) {
             conflicts.drop_changed(changed, before);
-            plains.drop_changed(changed, before);
+            planned.drop_changed(changed, before);
             for &slots in changed {
-                source.always(slots, alert, scratch, conflicts, plains);
+                source.always(slots, alert, scratch, conflicts, planned);
             }
             conflicts.settle();
-            plains.settle();
+            planned.settle();
         }
     }
 }
@@ -82,7 +82,7 @@ impl ReadContext<'_> {
         alert: &AlertLevel,
         scratch: &mut ReadScratch,
         conflicts: &mut ConflictCache,
-        plains: &mut EncounterCache,
+        planned: &mut EncounterCache,
     ) {
         let Some(always) = self.search.domain(self.scene, slots) else {
             return;
@@ -96,13 +96,20 @@ impl ReadContext<'_> {
             conflicts.add(slots, conflict);
         }
         let ahead = TickContext {
-            told: f64::NEG_INFINITY,
+            reported: f64::NEG_INFINITY,
             known: f64::INFINITY,
             ..TickContext::default()
         };
-        self.each_plain(slots, alert, &ahead, (always, always.1), scratch, |plain| {
-            plains.add(slots, plain);
-        });
+        self.each_planned(
+            slots,
+            alert,
+            &ahead,
+            (always, always.1),
+            scratch,
+            |planned| {
+                planned.add(slots, planned);
+            },
+        );
     }
 
     /// Returns the time in which both bodies of a pair exist within a window, and when they cease to, s.
@@ -132,28 +139,28 @@ impl ReadContext<'_> {
     }
 
     /// Appends the planned encounters of a pair as a tick sees them.
-    pub(super) fn plains(
+    pub(super) fn planned(
         &self,
         slots: SlotPair,
         alert: &AlertLevel,
         tick: &TickContext,
         scratch: &mut ReadScratch,
-        plains: &mut Vec<PlannedEncounter>,
+        found: &mut Vec<PlannedEncounter>,
     ) {
         let window = (tick.before, tick.known);
         if let Some((clip, ends)) = self.clip(slots, window) {
             let contacts = &mut scratch.contacts;
             self.contacts(slots, alert.margin, clip, contacts);
             let period = (clip, ends);
-            self.each_plain(slots, alert, tick, period, scratch, |plain| {
-                plains.push(plain)
+            self.each_planned(slots, alert, tick, period, scratch, |planned| {
+                found.push(planned)
             });
         }
     }
 
     /// Computes the planned encounters of a pair within `clip`, of which `scratch` has the contacts
     /// at the margin. `ends` is when one of its bodies ceases to exist.
-    fn each_plain(
+    fn each_planned(
         &self,
         slots: SlotPair,
         alert: &AlertLevel,
@@ -184,7 +191,7 @@ impl ReadContext<'_> {
             let Some(closest) = self.report(slots, clip, hold) else {
                 continue;
             };
-            let flown = (start, exit.min(tick.told));
+            let flown = (start, exit.min(tick.reported));
             visit(PlannedEncounter {
                 a: closest.a,
                 b: closest.b,
@@ -224,7 +231,7 @@ impl ReadContext<'_> {
     /// the content of `found`.
     fn contacts(&self, slots: SlotPair, margin: f64, clip: (f64, f64), found: &mut Vec<Contact>) {
         let margin = self.scene.widened(slots, margin);
-        self.search.finds.contacts(slots, margin, clip, found);
+        self.search.solved.contacts(slots, margin, clip, found);
     }
 
     fn report(&self, (a, b): SlotPair, clip: (f64, f64), contact: &Contact) -> Option<Conflict> {

@@ -33,12 +33,12 @@ impl Monitor {
         let mut encounters: Vec<Saved> =
             self.encounters.iter().map(EncounterTracker::save).collect();
         for saved in &mut encounters {
-            saved.end_of_removed(self.told, &self.removed, &mut waiting);
+            saved.end_of_removed(self.reported, &self.removed, &mut waiting);
         }
         Snapshot {
             scene: self.scene.clone(),
             now: self.now,
-            told: self.told,
+            reported: self.reported,
             lookahead: self.lookahead,
             levels: self.levels.clone(),
             revision_threshold: self.revision_threshold,
@@ -67,15 +67,15 @@ impl Monitor {
         let Snapshot {
             scene,
             now,
-            told,
+            reported,
             lookahead,
             levels,
             ..
         } = snapshot;
-        let mut monitor = Self::new(scene, told, lookahead, &levels)?;
-        if !(now >= told && now <= MAX_MAGNITUDE) {
+        let mut monitor = Self::new(scene, reported, lookahead, &levels)?;
+        if !(now >= reported && now <= MAX_MAGNITUDE) {
             return Err(Error::ClockWentBack {
-                now: told,
+                now: reported,
                 time: now,
             });
         }
@@ -85,7 +85,7 @@ impl Monitor {
             return contradiction("its lists do not fit its scene");
         }
         let could_be =
-            |(level, saved): (usize, &Saved)| saved.could_be(level, told, monitor.scene());
+            |(level, saved): (usize, &Saved)| saved.could_be(level, reported, monitor.scene());
         if !snapshot.encounters.iter().enumerate().all(could_be) {
             return contradiction("its encounters cannot be");
         }
@@ -93,7 +93,7 @@ impl Monitor {
         for event in &snapshot.waiting {
             match event.kind {
                 EventKind::Ended(it, _) | EventKind::Withdrawn(it) => ids.push(it.id.0),
-                _ => return contradiction("what waits to be told is no end"),
+                _ => return contradiction("what waits to be reported is no end"),
             }
         }
         ids.extend(snapshot.encounters.iter().flat_map(Saved::ids));
@@ -106,9 +106,9 @@ impl Monitor {
         check_revision_threshold(snapshot.revision_threshold)?;
         check_setting("history", snapshot.history)?;
         monitor.now = one_zero(now);
-        monitor.known = told;
+        monitor.known = reported;
         if snapshot.settled {
-            // All of it has been told.
+            // All of it has been reported.
             monitor.advance_to(now, now + lookahead, &mut Vec::new())?;
         }
         monitor.revision_threshold = snapshot.revision_threshold;

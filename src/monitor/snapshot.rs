@@ -14,7 +14,7 @@ use crate::scene::Scene;
 pub struct Snapshot {
     pub(super) scene: Scene,
     pub(super) now: f64,
-    pub(super) told: f64,
+    pub(super) reported: f64,
     pub(super) lookahead: f64,
     pub(super) levels: Vec<AlertLevel>,
     pub(super) revision_threshold: RevisionThreshold,

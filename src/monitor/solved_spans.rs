@@ -18,7 +18,7 @@ fn pair_of(key: &SpanKey) -> SlotPair {
 #[derive(Debug, Default)]
 pub(super) struct SolvedSpans {
     /// The solution of each span for each two spheres.
-    finds: SortedSlab<SpanKey, SolvedSpan>,
+    spans: SortedSlab<SpanKey, SolvedSpan>,
     /// Pairs to which spans were added, or with a body of which all was forgotten, since they were
     /// [taken](Self::take_changed). (Not those of which something has passed: that changes nothing
     /// that is still to come, and who reads them sees when.)
@@ -30,13 +30,13 @@ pub(super) struct SolvedSpans {
 impl SolvedSpans {
     /// Returns the number of solved spans.
     pub(super) fn len(&self) -> usize {
-        self.finds.entries().len()
+        self.spans.entries().len()
     }
 
     /// Forgets all that concerns some pairs.
     pub(super) fn forget(&mut self, is_gone: impl Fn(SlotPair) -> bool) {
         let changed = &mut self.changed;
-        self.finds.retain(|find, _| {
+        self.spans.retain(|find, _| {
             let is_gone = is_gone(pair_of(&find.key));
             if is_gone {
                 changed.push(pair_of(&find.key));
@@ -48,7 +48,7 @@ impl SolvedSpans {
 
     /// Forgets spans that end before `from` (s).
     pub(super) fn forget_before(&mut self, from: f64) {
-        self.finds.retain(|find, _| find.interval.1 >= from);
+        self.spans.retain(|find, _| find.interval.1 >= from);
         self.begun.retain(|_, until| *until >= from);
     }
 
@@ -70,7 +70,7 @@ impl SolvedSpans {
         let (mut count, mut added) = (0, 0);
         for &key in survivors {
             let begun = self.begun.get(&key).copied();
-            if begun.is_none() && self.finds.has(&key) {
+            if begun.is_none() && self.spans.has(&key) {
                 continue;
             }
             let after = begun.unwrap_or(f64::NEG_INFINITY);
@@ -86,7 +86,7 @@ impl SolvedSpans {
             let before = added;
             let part = (window, after);
             let reached = solve(&a, &b, span, bodies.margin, part, |interval, solved| {
-                self.finds.add(key, interval, solved);
+                self.spans.add(key, interval, solved);
                 added += 1;
             });
             if reached < f64::INFINITY {
@@ -98,11 +98,11 @@ impl SolvedSpans {
                 self.changed.push(pair_of(&key));
             }
             if added > room {
-                self.finds.settle();
+                self.spans.settle();
                 return Err(LimitExceeded);
             }
         }
-        self.finds.settle();
+        self.spans.settle();
         Ok(count)
     }
 
@@ -115,7 +115,7 @@ impl SolvedSpans {
     }
 
     fn of(&self, pair: SlotPair) -> impl Iterator<Item = &IndexEntry<SpanKey>> {
-        let entries = self.finds.entries();
+        let entries = self.spans.entries();
         let first = entries.partition_point(|find| pair_of(&find.key) < pair);
         let of_pair = move |find: &&IndexEntry<SpanKey>| pair_of(&find.key) == pair;
         entries[first..].iter().take_while(of_pair)
@@ -131,7 +131,7 @@ impl SolvedSpans {
         found: &mut Vec<Contact>,
     ) {
         found.clear();
-        let solved = self.of(pair).map(|find| self.finds.at(find.place));
+        let solved = self.of(pair).map(|find| self.spans.at(find.place));
         contacts_of(solved, margin, clip, found);
     }
 }

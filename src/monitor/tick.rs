@@ -83,7 +83,7 @@ impl Monitor {
         known: f64,
         events: &mut Vec<Event>,
     ) -> Result<(), Error> {
-        let known = known.clamp(self.told, (now + self.lookahead).max(self.told));
+        let known = known.clamp(self.reported, (now + self.lookahead).max(self.reported));
         // There was room for it; but not all was found in the same ticks.
         let limit = std::mem::replace(&mut self.search.max_spans, usize::MAX);
         let done = self.advance_by(now, BudgetMeter::up_to(known), events);
@@ -141,7 +141,7 @@ impl Monitor {
             return Ok(());
         }
         let end = now + self.lookahead;
-        self.choose_grid(now, meter.is_unlimited() && self.told >= self.now)?;
+        self.choose_grid(now, meter.is_unlimited() && self.reported >= self.now)?;
         self.search.extend_beyond(&self.scene, end)?;
         let mut stats = Stats {
             bodies: self.scene.len() as u64,
@@ -154,7 +154,7 @@ impl Monitor {
             self.batch.changed.len(),
             CommandBatch::FEW,
             || {
-                let window = (self.told, end);
+                let window = (self.reported, end);
                 let (meter, stats) = (&mut meter, &mut stats);
                 self.search
                     .catch_up(&self.scene, window, &admission, meter, stats)
@@ -168,8 +168,8 @@ impl Monitor {
         };
         let tick = TickContext {
             now,
-            told: now.min(known),
-            before: self.told,
+            reported: now.min(known),
+            before: self.reported,
             known,
             lookahead: self.lookahead,
             revision_threshold: self.revision_threshold,
@@ -180,7 +180,7 @@ impl Monitor {
         let mut next_id = self.next_id;
         let first = events.len();
         self.read(&tick, &mut next_id, events);
-        (self.now, self.told, self.known) = (now, tick.told, known);
+        (self.now, self.reported, self.known) = (now, tick.reported, known);
         self.next_id = next_id;
         events.append(&mut self.waiting);
         self.tell_plan_ends(end, events);
@@ -224,7 +224,7 @@ impl Monitor {
         self.end_of_removed();
         events.append(&mut self.waiting);
         for encounters in &mut self.encounters {
-            encounters.end(self.told, EndReason::MonitorClosed, |_| true, events);
+            encounters.end(self.reported, EndReason::MonitorClosed, |_| true, events);
         }
         events[first..].sort_unstable_by(Event::order);
     }
@@ -256,12 +256,12 @@ pub(super) fn plan_end(trajectory: &Trajectory) -> Option<f64> {
 impl Monitor {
     /// Reads the pairs that have changed.
     pub(super) fn read_changed_pairs(&mut self) {
-        self.search.finds.take_changed(&mut self.readings.changed);
+        self.search.solved.take_changed(&mut self.readings.changed);
         let source = ReadContext {
             search: &self.search,
             scene: &self.scene,
         };
-        self.readings.update(source, &self.levels, self.told);
+        self.readings.update(source, &self.levels, self.reported);
     }
 
     /// Reads the conflicts from now to the end of the known time, and the planned encounters from the last
@@ -275,7 +275,7 @@ impl Monitor {
         };
         let LevelCaches {
             conflicts,
-            plains,
+            planned,
             scratch: [scratch, other_scratch],
             ..
         } = &mut self.readings;
@@ -297,30 +297,30 @@ impl Monitor {
         let read_plains = || {
             // Up to an instant that was reached before, nothing new is known.
             if tick.before < tick.known {
-                for ((plains, encounters), alert) in plains.iter_mut().zip(encounters).zip(levels) {
+                for ((planned, tracker), alert) in planned.iter_mut().zip(encounters).zip(levels) {
                     let edges = WindowEdges {
                         // What the clock has reached must say how close it came.
-                        within: (tick.told, tick.known),
+                        within: (tick.reported, tick.known),
                         around: (tick.before, tick.known),
                     };
-                    if plains.lists_all() {
+                    if planned.lists_all() {
                         encounters.wait_for_all();
                     }
-                    plains.list(edges, encounters.waiting(), |pair, found| {
-                        source.plains(pair, alert, tick, other_scratch, found);
+                    planned.list(edges, encounters.waiting(), |pair, found| {
+                        source.planned(pair, alert, tick, other_scratch, found);
                     });
-                    encounters.update(plains.listed(), tick, next_id, events);
+                    tracker.update(planned.listed(), tick, next_id, events);
                 }
             }
         };
-        let count = self.search.finds.len();
+        let count = self.search.solved.len();
         parallel::join(count, FEW, read_plains, read_conflicts);
     }
 
     /// Reads all encounters again, so that changes below an earlier threshold are reported.
     pub(super) fn read_all_plains(&mut self) {
         self.readings
-            .plains
+            .planned
             .iter_mut()
             .for_each(EncounterCache::list_all);
     }

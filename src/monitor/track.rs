@@ -153,7 +153,7 @@ impl Monitor {
         Ok(())
     }
 
-    /// Notes which motions are turned in place; returns true if all are.
+    /// Notes which motions are replaced in place; returns true if all are.
     fn find_usual(
         &self,
         now: f64,
@@ -168,21 +168,24 @@ impl Monitor {
         let TrackedMotions {
             ids,
             motions,
-            turns_in_place,
+            in_place,
             ..
         } = tracked;
-        turns_in_place.resize(ids.len(), false);
-        parallel::for_each_chunk(turns_in_place, CHUNK, few, |number, some| {
+        in_place.resize(ids.len(), false);
+        parallel::for_each_chunk(in_place, CHUNK, few, |number, some| {
             let first = number * CHUNK;
             let (ids, motions) = (&ids[first..], &motions[first..]);
-            for (place, turns) in some.iter_mut().enumerate() {
+            for (place, is_replaced) in some.iter_mut().enumerate() {
                 self.prefetch_motion(ids, place);
-                *turns = self.scene.body(ids[place]).is_some_and(|body| {
+                *is_replaced = self.scene.body(ids[place]).is_some_and(|body| {
                     let flown = &body.trajectory;
-                    flown.turns_as_usual(times, &motions[place], terms.window)
+                    flown.replaces_as_usual(times, &motions[place], terms.window)
                 });
             }
-            is_usual.fetch_and(some.iter().all(|turns| *turns), Ordering::Relaxed);
+            is_usual.fetch_and(
+                some.iter().all(|is_replaced| *is_replaced),
+                Ordering::Relaxed,
+            );
         });
         is_usual.into_inner()
     }
@@ -221,8 +224,8 @@ impl Monitor {
         let from = from.map_err(in_body)?;
         change.plan = if flown.follows(&motion, from) {
             TrackedPlan::Same
-        } else if flown.can_turn(from, &motion, terms.window) {
-            TrackedPlan::Turn(from)
+        } else if flown.can_replace(from, &motion, terms.window) {
+            TrackedPlan::InPlace(from)
         } else {
             let mut plan = plan();
             let done = plan.precede_by(flown, from, terms.forget_before);
@@ -235,13 +238,13 @@ impl Monitor {
 
     /// Lets all take effect. Nothing is refused.
     fn take_changes(&mut self, now: f64, tracked: &mut TrackedMotions) -> Result<(), Error> {
-        self.turn_in_place(now, tracked)?;
+        self.replace_in_place(now, tracked)?;
         let since = self.terms()?.forget_before;
         for change in tracked.others.drain(..) {
             let id = change.id;
             match change.plan {
                 TrackedPlan::Same | TrackedPlan::Refused(_) => {}
-                TrackedPlan::Turn(from) => self.turn(id, (from, &change.motion))?,
+                TrackedPlan::InPlace(from) => self.replace_motion(id, (from, &change.motion))?,
                 TrackedPlan::Replan(replanned) => {
                     let (mut plan, flight) = *replanned;
                     self.scene.swap_trajectory(id, &mut plan)?;
@@ -272,12 +275,12 @@ impl Monitor {
         Ok(())
     }
 
-    /// Turns the motions that turn in place.
-    fn turn_in_place(&mut self, now: f64, tracked: &TrackedMotions) -> Result<(), Error> {
+    /// Replaces the motions that can be replaced in place.
+    fn replace_in_place(&mut self, now: f64, tracked: &TrackedMotions) -> Result<(), Error> {
         let terms = self.terms()?;
         let (window, since) = (terms.window, terms.forget_before);
         if parallel::threads() > 1 && 2 * tracked.ids.len() > self.scene.slots() {
-            self.share_turns((now, since), window, tracked)?;
+            self.share_replacements((now, since), window, tracked)?;
         } else {
             self.turn_each((now, since), window, tracked)?;
         }
@@ -293,26 +296,26 @@ impl Monitor {
         window: Window,
         tracked: &TrackedMotions,
     ) -> Result<(), Error> {
-        for (place, turns) in tracked.turns_in_place.iter().enumerate() {
+        for (place, is_replaced) in tracked.in_place.iter().enumerate() {
             self.prefetch_motion(&tracked.ids, place);
             if let Some(later) = tracked.ids.get(place + 2 * CommandBatch::AHEAD) {
                 self.search.flights.prefetch(later.slot);
             }
-            if !turns {
+            if !is_replaced {
                 continue;
             }
             let slot = tracked.ids[place].slot;
             let flown = &mut self.scene.slots_mut()[slot as usize];
             let motion = &tracked.motions[place];
-            if let Some(turned) = flown.turn_as_usual((now, motion, since)) {
-                self.search.flights.replan(slot, turned, window)?;
+            if let Some(flown) = flown.turn_as_usual((now, motion, since)) {
+                self.search.flights.replan(slot, flown, window)?;
             }
         }
         Ok(())
     }
 
     /// Turns them on several threads.
-    fn share_turns(
+    fn share_replacements(
         &mut self,
         (now, since): (f64, f64),
         window: Window,
@@ -334,8 +337,8 @@ impl Monitor {
                 let (Some(motion), Some(flight)) = (motion, flight) else {
                     continue;
                 };
-                let turned = slots[place].turn_as_usual((now, motion, since));
-                let followed = turned.map_or(Ok(()), |turned| flight.replan(turned, window));
+                let flown = slots[place].turn_as_usual((now, motion, since));
+                let followed = flown.map_or(Ok(()), |flown| flight.replan(flown, window));
                 match (&mut *end, followed) {
                     (Ok(end), Ok(())) => *end = end.min(flight.until),
                     (_, Err(error)) => *end = Err(error),

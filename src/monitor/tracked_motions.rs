@@ -13,14 +13,14 @@ pub(super) struct TrackedMotions {
     pub(super) ids: Vec<BodyId>,
     /// Straight motions, one for each body.
     pub(super) motions: Vec<StraightMotion>,
-    /// True for each body whose few straight motions are turned in place, from the time of the call on: most are.
+    /// True for each body whose motion is replaced in place, from the time of the call on: most are.
     /// In a list of its own: motions are many times as long and do not change any more.
-    pub(super) turns_in_place: Vec<bool>,
+    pub(super) in_place: Vec<bool>,
     /// Place in these lists of each slot's body, valid if that entry is of this slot.
     place_of: Vec<usize>,
     /// Spins that were given, with the place of the body.
     spins: Vec<(usize, TrackedSpin)>,
-    /// Changes of bodies whose motion is not turned in place, or to which a spin was given.
+    /// Changes of bodies whose motion is not replaced in place, or to which a spin was given.
     pub(super) others: Vec<TrackedChange>,
 }
 
@@ -28,7 +28,7 @@ impl TrackedMotions {
     pub(super) fn clear(&mut self) {
         self.ids.clear();
         self.motions.clear();
-        self.turns_in_place.clear();
+        self.in_place.clear();
         self.spins.clear();
         self.others.clear();
     }
@@ -38,15 +38,15 @@ impl TrackedMotions {
         !self.spins.is_empty()
     }
 
-    /// Lists the other changes, once it is known which motions turn in place.
+    /// Lists the other changes, once it is known which motions are replaced in place.
     pub(super) fn list_others(&mut self) {
         for (place, _) in &self.spins {
-            self.turns_in_place[*place] = false;
+            self.in_place[*place] = false;
         }
         self.spins.sort_unstable_by_key(|(place, _)| *place);
         let mut spins = self.spins.drain(..).peekable();
-        let places = self.turns_in_place.iter().enumerate();
-        for (place, _) in places.filter(|(_, turns)| !**turns) {
+        let places = self.in_place.iter().enumerate();
+        for (place, _) in places.filter(|(_, is_replaced)| !**is_replaced) {
             let given = spins.next_if(|(other, _)| *other == place);
             self.others.push(TrackedChange {
                 id: self.ids[place],
@@ -82,15 +82,15 @@ impl TrackedMotions {
 
     /// Returns the slots of the bodies whose motions are turned in place.
     pub(super) fn slots_in_place(&self) -> impl Iterator<Item = u32> {
-        let places = self.ids.iter().zip(&self.turns_in_place);
+        let places = self.ids.iter().zip(&self.in_place);
         places.filter_map(|(id, turns)| turns.then_some(id.slot))
     }
 
-    /// Returns the motion of the body in a slot, if it is turned in place.
+    /// Returns the motion of the body in a slot, if it is replaced in place.
     pub(super) fn in_place(&self, slot: usize) -> Option<&StraightMotion> {
         let place = *self.place_of.get(slot)?;
         let is_own = self.ids.get(place)?.slot as usize == slot;
-        (is_own && self.turns_in_place[place]).then(|| &self.motions[place])
+        (is_own && self.in_place[place]).then(|| &self.motions[place])
     }
 }
 
@@ -109,8 +109,8 @@ pub(super) struct TrackedChange {
 pub(super) enum TrackedPlan {
     /// The body follows the motion already.
     Same,
-    /// The body's plan is turned at an instant (s).
-    Turn(f64),
+    /// The body's motion is replaced in place at an instant (s).
+    InPlace(f64),
     /// The body takes another plan.
     Replan(Box<(Trajectory, MonitoredBody)>),
     /// The motion is refused.

@@ -11,7 +11,7 @@
 //! the world: |s - w| <= e at all times, and nothing else is known of w. A part is certainly inside
 //! where s < margin - e, certainly outside where s > margin + e: the threshold is an interval of
 //! that width. With m the least s of an interval, the least w lies in m ± e. It is attained only
-//! where s <= m + 2 e, which one more partition tells. So filters keep what is within margin + e
+//! where s <= m + 2 e, which one more partition tells. So rejections keep what is within margin + e
 //! for contacts, and what is within m + 2 e for closest approaches. (A pair of spheres that is behind
 //! another one at all times adds nothing, whatever e.)
 //!

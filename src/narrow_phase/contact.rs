@@ -1,9 +1,9 @@
 //! Contacts and closest approach of one pair, over all its spans and all its spheres.
 
 use super::clusters::{ClusterPair, ProvenContact};
-use super::filter::{certainly_beyond, segments_apart};
 use super::half_space::{self, may_touch_plane};
-use super::relative::{RelativeCubic, RelativeMotion, filter_threshold, local_scale};
+use super::rejection::{certainly_beyond, segments_apart};
+use super::relative::{RelativeCubic, RelativeMotion, local_scale, rejection_threshold};
 use super::sphere_pair::{Approach, Contact, SpherePair};
 use super::stretches::DistanceProfile;
 use super::turning::TurningPair;
@@ -60,7 +60,7 @@ pub(crate) fn may_touch(
     let [segment_a, segment_b] = &a.segments_in(b, span);
     let offset = a.bounding.offset - b.bounding.offset;
     let whole = (span.start, span.end);
-    let threshold = filter_threshold(radius, local_scale(segment_a, segment_b, whole, offset));
+    let threshold = rejection_threshold(radius, local_scale(segment_a, segment_b, whole, offset));
     let within_knots = segment_a.covers(whole.0, whole.1) && segment_b.covers(whole.0, whole.1);
     if within_knots && segments_apart(segment_a, segment_b, offset, threshold) {
         return false;

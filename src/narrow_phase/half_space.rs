@@ -9,7 +9,9 @@
 //! The height of the body above the plane is formed first: motion along the plane does not enter
 //! its rounding, but for that of the body's own cubic.
 
-use super::relative::{HeightCubic, RelativeCubic, RelativeMotion, filter_threshold, local_scale};
+use super::relative::{
+    HeightCubic, RelativeCubic, RelativeMotion, local_scale, rejection_threshold,
+};
 use super::sphere_pair::SpherePair;
 use super::{BodyView, widened};
 use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, normalising_power};
@@ -153,7 +155,7 @@ impl<'a> PlanePair<'a> {
     /// exceeds `margin` over a part of the span.
     pub(super) fn bound(&self, margin: f64, part: Span) -> f64 {
         let scale = self.rounding_scale(part) + margin.abs();
-        filter_threshold(self.body.bounding.radius + margin, scale)
+        rejection_threshold(self.body.bounding.radius + margin, scale)
     }
 
     /// Returns the coordinate of a vector along the normal, m: good to 8 roundings.

@@ -333,8 +333,8 @@ pub(crate) fn local_scale(
         + b.rounding_scale(start, end)
 }
 
-/// Returns the distance below which a filter must let a pair pass, for the threshold `radius` (m).
-pub(crate) fn filter_threshold(radius: f64, scale: f64) -> f64 {
+/// Returns the distance below which a test must not reject a pair, for the threshold `radius` (m).
+pub(crate) fn rejection_threshold(radius: f64, scale: f64) -> f64 {
     // Twice the solver's tolerance, in which each body has one.
     radius + CLEARANCE * scale + 8.0 * UNDERFLOW
 }

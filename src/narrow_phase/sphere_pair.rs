@@ -1,7 +1,7 @@
 //! Two spheres over one span, their contacts and closest approach.
 
-use super::filter::certainly_beyond;
-use super::relative::{RelativeCubic, filter_threshold, local_scale};
+use super::rejection::certainly_beyond;
+use super::relative::{RelativeCubic, local_scale, rejection_threshold};
 use super::stretches::{DistanceProfile, ProfilePoint};
 use super::{BodyView, contact_radius};
 use crate::enclosure::UncertainCubic;
@@ -184,7 +184,7 @@ pub(super) fn spheres_beyond(
 ) -> bool {
     let radius = contact_radius(radius_a, radius_b, margin);
     // Below zero no distance is small enough, whatever the rounding.
-    radius < 0.0 || certainly_beyond(points, filter_threshold(radius, scale))
+    radius < 0.0 || certainly_beyond(points, rejection_threshold(radius, scale))
 }
 
 /// Returns the difference of squared distances above which one distance exceeds another one by more

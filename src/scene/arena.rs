@@ -3,7 +3,7 @@
 //! A screening reads all of them, time and again, and they exceed every cache. So they are stored
 //! contiguously, in large pages where the system has these.
 
-use crate::bounds::Line;
+use crate::bounds::CacheLine;
 use bytemuck::{cast_slice, cast_slice_mut};
 use memmap2::MmapMut;
 use std::fmt;
@@ -31,7 +31,7 @@ pub(crate) struct ArenaRange {
 
 /// A contiguous allocation of lines.
 enum Memory {
-    Few(Vec<Line>),
+    Few(Vec<CacheLine>),
     Pages(MmapMut),
 }
 
@@ -92,14 +92,14 @@ impl CubicArena {
         other
     }
 
-    pub(crate) fn at(&self, range: &ArenaRange) -> &[Line] {
+    pub(crate) fn at(&self, range: &ArenaRange) -> &[CacheLine] {
         if range.lines == 0 {
             return &[];
         }
         &self.chunks[range.chunk].lines()[range.first..][..range.lines]
     }
 
-    pub(crate) fn at_mut(&mut self, range: &ArenaRange) -> &mut [Line] {
+    pub(crate) fn at_mut(&mut self, range: &ArenaRange) -> &mut [CacheLine] {
         if range.lines == 0 {
             return &mut [];
         }
@@ -127,11 +127,11 @@ impl Memory {
     /// Allocates at least this number of lines.
     fn with(lines: usize) -> Self {
         if lines < CubicArena::FEW {
-            return Self::Few(vec![Line::BLANK; lines]);
+            return Self::Few(vec![CacheLine::BLANK; lines]);
         }
         let lines = lines.next_multiple_of(CubicArena::PAGE);
         match memmap2::MmapOptions::new()
-            .len(lines * size_of::<Line>())
+            .len(lines * size_of::<CacheLine>())
             .map_anon()
         {
             Ok(pages) => {
@@ -141,18 +141,18 @@ impl Memory {
                 Self::Pages(pages)
             }
             // There are systems without.
-            Err(_) => Self::Few(vec![Line::BLANK; lines]),
+            Err(_) => Self::Few(vec![CacheLine::BLANK; lines]),
         }
     }
 
-    fn lines(&self) -> &[Line] {
+    fn lines(&self) -> &[CacheLine] {
         match self {
             Self::Few(lines) => lines,
             Self::Pages(pages) => cast_slice(pages),
         }
     }
 
-    fn lines_mut(&mut self) -> &mut [Line] {
+    fn lines_mut(&mut self) -> &mut [CacheLine] {
         match self {
             Self::Few(lines) => lines,
             Self::Pages(pages) => cast_slice_mut(pages),

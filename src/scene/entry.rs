@@ -2,7 +2,7 @@
 
 use super::arena::{ArenaRange, CubicArena};
 use super::body::Body;
-use crate::bounds::{CompactTrajectory, CompactView, DAabb, Line};
+use crate::bounds::{CacheLine, CompactTrajectory, CompactView, DAabb};
 use crate::trajectory::{Segment, StraightMotion, Trajectory};
 use std::sync::OnceLock;
 
@@ -18,7 +18,7 @@ pub(crate) struct MotionSummary {
 }
 
 impl MotionSummary {
-    fn of(trajectory: &Trajectory, lines: &mut [Line]) -> Self {
+    fn of(trajectory: &Trajectory, lines: &mut [CacheLine]) -> Self {
         let (knots, segments) = (trajectory.cuts(), trajectory.cubics());
         let (compact, extremes) = CompactTrajectory::write(knots, segments, lines);
         let mut summary = Self {
@@ -41,17 +41,17 @@ impl MotionSummary {
 
 /// The storage of a body's compact trajectory.
 #[derive(Debug)]
-enum Lines {
+enum CompactStorage {
     /// Lines in the scene's arena.
     Shared(ArenaRange),
     /// Allocated on its own, by a read access to the scene.
-    Own(Vec<Line>),
+    Own(Vec<CacheLine>),
 }
 
-impl Lines {
+impl CompactStorage {
     /// Computes the summary of a trajectory on lines of its own.
     fn of(trajectory: &Trajectory) -> (MotionSummary, Self) {
-        let mut lines = vec![Line::BLANK; lines_for(trajectory)];
+        let mut lines = vec![CacheLine::BLANK; lines_for(trajectory)];
         let summary = MotionSummary::of(trajectory, &mut lines);
         (summary, Self::Own(lines))
     }
@@ -81,7 +81,7 @@ fn lines_for(trajectory: &Trajectory) -> usize {
 pub(crate) struct SceneEntry {
     pub(crate) body: Body,
     /// The summary of a plan. Beside the record: straight motions need none.
-    summary: OnceLock<Box<(MotionSummary, Lines)>>,
+    summary: OnceLock<Box<(MotionSummary, CompactStorage)>>,
 }
 
 impl SceneEntry {
@@ -111,17 +111,18 @@ impl SceneEntry {
         &self.cached().0
     }
 
-    fn cached(&self) -> &(MotionSummary, Lines) {
+    fn cached(&self) -> &(MotionSummary, CompactStorage) {
         let trajectory = &self.body.trajectory;
-        self.summary.get_or_init(|| Box::new(Lines::of(trajectory)))
+        self.summary
+            .get_or_init(|| Box::new(CompactStorage::of(trajectory)))
     }
 
     /// Returns the compact trajectory; the arena is that of the body's scene.
     pub(crate) fn compact_view<'a>(&'a self, arena: &'a CubicArena) -> CompactView<'a> {
         let (summary, lines) = self.cached();
         summary.compact.on(match lines {
-            Lines::Shared(range) => arena.at(range),
-            Lines::Own(lines) => lines,
+            CompactStorage::Shared(range) => arena.at(range),
+            CompactStorage::Own(lines) => lines,
         })
     }
 
@@ -138,19 +139,23 @@ impl SceneEntry {
     }
 
     /// Computes the summary of a plan, in place of a previous one.
-    fn sum_up(&mut self, before: Option<Box<(MotionSummary, Lines)>>, arena: &mut CubicArena) {
+    fn sum_up(
+        &mut self,
+        before: Option<Box<(MotionSummary, CompactStorage)>>,
+        arena: &mut CubicArena,
+    ) {
         self.summary = before.map_or_else(OnceLock::new, OnceLock::from);
         let trajectory = &self.body.trajectory;
         if !trajectory.straight_motions().is_empty() {
             self.forget_summary(arena);
         } else if let Some(kept) = self.summary.get_mut() {
             let range = match &mut kept.1 {
-                Lines::Shared(range) => Some(std::mem::take(range)),
-                Lines::Own(_) => None,
+                CompactStorage::Shared(range) => Some(std::mem::take(range)),
+                CompactStorage::Own(_) => None,
             };
-            **kept = Lines::shared(trajectory, range, arena);
+            **kept = CompactStorage::shared(trajectory, range, arena);
         } else {
-            self.summary = Box::new(Lines::shared(trajectory, None, arena)).into();
+            self.summary = Box::new(CompactStorage::shared(trajectory, None, arena)).into();
         }
     }
 
@@ -161,14 +166,14 @@ impl SceneEntry {
         self.body.trajectory = Trajectory::of_straight(*motion);
     }
 
-    /// Turns the motion in place: see [`Trajectory::turn`].
-    pub(super) fn turn(
+    /// Replaces the motion in place: see [`Trajectory::replace`].
+    pub(super) fn replace_motion(
         &mut self,
         (from, motion, since): (f64, &StraightMotion, f64),
         arena: &mut CubicArena,
     ) -> &Trajectory {
         self.forget_summary(arena);
-        self.body.trajectory.turn(from, motion, since);
+        self.body.trajectory.replace(from, motion, since);
         &self.body.trajectory
     }
 
@@ -198,13 +203,15 @@ impl SceneEntry {
 
     /// Copies the compact trajectory from the scene's old arena to the new one.
     pub(super) fn move_compact(&mut self, old: &CubicArena, arena: &mut CubicArena) {
-        if let Some((_, Lines::Shared(range))) = self.summary.get_mut().map(|kept| &mut **kept) {
+        if let Some((_, CompactStorage::Shared(range))) =
+            self.summary.get_mut().map(|kept| &mut **kept)
+        {
             *range = arena.take_copy(old, range);
         }
     }
 
     fn forget_summary(&mut self, arena: &mut CubicArena) {
-        if let Some((_, Lines::Shared(range))) = self.summary.take().map(|kept| *kept) {
+        if let Some((_, CompactStorage::Shared(range))) = self.summary.take().map(|kept| *kept) {
             arena.give_back(range);
         }
     }
@@ -214,8 +221,10 @@ impl SceneEntry {
         let summary = self.summary.get().map(|kept| {
             let (summary, lines) = &**kept;
             let lines = match lines {
-                Lines::Shared(range) => Lines::Shared(copy.take_copy(arena, range)),
-                Lines::Own(lines) => Lines::Own(lines.clone()),
+                CompactStorage::Shared(range) => {
+                    CompactStorage::Shared(copy.take_copy(arena, range))
+                }
+                CompactStorage::Own(lines) => CompactStorage::Own(lines.clone()),
             };
             Box::new((*summary, lines))
         });

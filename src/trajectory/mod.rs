@@ -11,6 +11,7 @@ mod front_gap;
 mod outside;
 mod plan;
 mod reach;
+mod recent_motions;
 mod rows;
 mod segment;
 #[cfg(feature = "serde")]
@@ -19,7 +20,6 @@ mod simplified;
 mod splice;
 mod state;
 mod straight;
-mod turned;
 
 pub use build::TimeBase;
 pub(crate) use build::{check_number, check_times};
@@ -39,8 +39,8 @@ pub(crate) use straight::StraightMotion;
 use crate::window::Window;
 use glam::DVec3;
 use plan::Plan;
+use recent_motions::RecentMotions;
 use std::slice::from_ref;
-use turned::TurnedMotion;
 
 /// The motion of one body: cubic segments between knots, and a rule for the time outside them.
 ///
@@ -75,7 +75,7 @@ enum Form {
     /// (s). Farther away the motion is cut into [pieces](extension), as beyond the knots of a plan.
     Straight(StraightMotion, [f64; 2]),
     /// A few straight motions, one after another.
-    Turned(Box<TurnedMotion>),
+    Recent(Box<RecentMotions>),
     Plan(Plan),
 }
 
@@ -110,7 +110,7 @@ impl Trajectory {
     pub const fn outside_before(&self) -> Outside {
         match &self.form {
             Form::Straight(..) => Outside::Coast,
-            Form::Turned(turned) => turned.before(),
+            Form::Recent(recent) => recent.before(),
             Form::Plan(plan) => plan.before,
         }
     }
@@ -121,7 +121,7 @@ impl Trajectory {
     #[must_use]
     pub const fn outside_after(&self) -> Outside {
         match &self.form {
-            Form::Straight(..) | Form::Turned(_) => Outside::Coast,
+            Form::Straight(..) | Form::Recent(_) => Outside::Coast,
             Form::Plan(plan) => plan.after,
         }
     }
@@ -135,7 +135,7 @@ impl Trajectory {
     pub(crate) const fn straight(&self) -> Option<(&StraightMotion, [f64; 2])> {
         match &self.form {
             Form::Straight(motion, ends) => Some((motion, *ends)),
-            Form::Turned(_) | Form::Plan(_) => None,
+            Form::Recent(_) | Form::Plan(_) => None,
         }
     }
 
@@ -144,7 +144,7 @@ impl Trajectory {
     pub(crate) fn cuts(&self) -> &[f64] {
         match &self.form {
             Form::Straight(_, ends) => ends,
-            Form::Turned(turned) => turned.cuts(),
+            Form::Recent(recent) => recent.cuts(),
             Form::Plan(plan) => &plan.knots,
         }
     }
@@ -153,7 +153,7 @@ impl Trajectory {
     /// [straight motions](Self::straight_motions).
     pub(crate) fn cubics(&self) -> &[Segment] {
         match &self.form {
-            Form::Straight(..) | Form::Turned(_) => &[],
+            Form::Straight(..) | Form::Recent(_) => &[],
             Form::Plan(plan) => &plan.segments,
         }
     }
@@ -162,7 +162,7 @@ impl Trajectory {
     pub(crate) fn straight_motions(&self) -> &[StraightMotion] {
         match &self.form {
             Form::Straight(motion, _) => from_ref(motion),
-            Form::Turned(turned) => turned.motions(),
+            Form::Recent(recent) => recent.motions(),
             Form::Plan(_) => &[],
         }
     }
@@ -171,7 +171,7 @@ impl Trajectory {
     fn end_motion_before(&self) -> Segment {
         match &self.form {
             Form::Straight(motion, _) => motion.segment(),
-            Form::Turned(turned) => turned.motions()[0].segment(),
+            Form::Recent(recent) => recent.motions()[0].segment(),
             Form::Plan(plan) => plan.segments.beside()[0],
         }
     }
@@ -180,7 +180,7 @@ impl Trajectory {
     fn end_motion_after(&self) -> Segment {
         match &self.form {
             Form::Straight(motion, _) => motion.segment(),
-            Form::Turned(turned) => turned.last().segment(),
+            Form::Recent(recent) => recent.last().segment(),
             Form::Plan(plan) => plan.segments.beside()[1],
         }
     }
@@ -190,7 +190,7 @@ impl Trajectory {
     pub fn knots(&self) -> &[f64] {
         match &self.form {
             Form::Straight(motion, _) => from_ref(motion.start_ref()),
-            Form::Turned(turned) => turned.knots(),
+            Form::Recent(recent) => recent.knots(),
             Form::Plan(plan) => plan.knots(),
         }
     }
@@ -201,7 +201,7 @@ impl Trajectory {
     pub fn segments(&self) -> &[Segment] {
         match &self.form {
             Form::Straight(..) => &[],
-            Form::Turned(turned) => turned.segments(),
+            Form::Recent(recent) => recent.segments(),
             Form::Plan(plan) => plan.segments(),
         }
     }

@@ -71,8 +71,8 @@ impl Plan {
         }
     }
 
-    /// Turns the plan as [`Trajectory::turn`](super::Trajectory::turn) does.
-    pub(super) fn turn(&mut self, from: f64, motion: &StraightMotion, since: f64) {
+    /// Replaces the motion as [`Trajectory::replace`](super::Trajectory::replace) does.
+    pub(super) fn replace(&mut self, from: f64, motion: &StraightMotion, since: f64) {
         self.drop_piece_after();
         let end_motion = self.segments.beside()[1].straight();
         let step = end_motion.end() - end_motion.start();

@@ -4,7 +4,7 @@ use super::cuts::DoublingCuts;
 use super::front_gap::FrontGapVec;
 use super::plan::{Plan, count_at_front};
 use super::reach::{check_reach, check_straight};
-use super::turned::TurnedMotion;
+use super::recent_motions::RecentMotions;
 use super::{Form, Outside, StraightMotion, Trajectory};
 use crate::error::Error;
 use crate::rounding::one_zero;
@@ -30,10 +30,10 @@ impl Trajectory {
     /// };
     /// let ahead = line(0.0, DVec3::ZERO, DVec3::X)?;
     /// let aside = line(5.0, 5.0 * DVec3::X, DVec3::Y)?;
-    /// let turn = ahead.spliced(5.0, &aside)?;
-    /// assert_eq!(turn.knots(), [0.0, 5.0, 15.0]);
-    /// assert_eq!(turn.position(3.0), ahead.position(3.0));
-    /// assert_eq!(turn.position(8.0), aside.position(8.0));
+    /// let detour = ahead.spliced(5.0, &aside)?;
+    /// assert_eq!(detour.knots(), [0.0, 5.0, 15.0]);
+    /// assert_eq!(detour.position(3.0), ahead.position(3.0));
+    /// assert_eq!(detour.position(8.0), aside.position(8.0));
     /// # Ok::<(), nearmiss::Error>(())
     /// ```
     ///
@@ -155,8 +155,8 @@ impl Trajectory {
         Ok(())
     }
 
-    /// Returns true if [`turn`](Self::turn) can be done, and the motion followed over `window` then.
-    pub(crate) fn can_turn(&self, from: f64, motion: &StraightMotion, window: Window) -> bool {
+    /// Returns true if [`replace`](Self::replace) can be done, and the motion followed over `window` then.
+    pub(crate) fn can_replace(&self, from: f64, motion: &StraightMotion, window: Window) -> bool {
         let [first, .., last] = match self.knots() {
             _ if self.straight().is_some() => return false,
             [] => return false,
@@ -171,7 +171,7 @@ impl Trajectory {
         }
         let number = self.knots().len();
         let is_known = match &self.form {
-            Form::Turned(turned) => check_straight(turned.last(), (last, from), number - 1),
+            Form::Recent(recent) => check_straight(recent.last(), (last, from), number - 1),
             _ => check_reach(
                 &self.end_motion_after().straight(),
                 (last, from),
@@ -188,42 +188,42 @@ impl Trajectory {
 
     /// Makes it the motion so far up to `from` (s), then a straight one: what
     /// [`precede_by`](Self::precede_by) makes of the other one, in this one's memory. Does nothing where that
-    /// [cannot be done](Self::can_turn).
-    pub(crate) fn turn(&mut self, from: f64, motion: &StraightMotion, since: f64) {
-        if let Form::Turned(turned) = &mut self.form
-            && turned.turn(from, motion, since)
+    /// [cannot be done](Self::can_replace).
+    pub(crate) fn replace(&mut self, from: f64, motion: &StraightMotion, since: f64) {
+        if let Form::Recent(recent) = &mut self.form
+            && recent.replace(from, motion, since)
         {
             return;
         }
         let plan = self.as_plan();
-        plan.turn(from, motion, since);
-        if let Some(turned) = TurnedMotion::of(plan) {
-            self.form = Form::Turned(Box::new(turned));
+        plan.replace(from, motion, since);
+        if let Some(recent) = RecentMotions::of(plan) {
+            self.form = Form::Recent(Box::new(recent));
         }
     }
 
-    /// Returns true if it can [turn](Self::turn) from an instant on for sure, changing nothing but its own few numbers,
+    /// Returns true if it can [replace it](Self::replace) from an instant on for sure, changing nothing but its own few numbers,
     /// and does not yet [follow](Self::follows) the motion: so it usually is where a state is told each frame. `times`:
     /// that instant, and up to when the past is forgotten, s.
     #[inline]
-    pub(crate) fn turns_as_usual(
+    pub(crate) fn replaces_as_usual(
         &self,
         times: (f64, f64),
         motion: &StraightMotion,
         window: Window,
     ) -> bool {
         match &self.form {
-            Form::Turned(turned) => turned.turns_as_usual(times, motion, window),
+            Form::Recent(recent) => recent.replaces_as_usual(times, motion, window),
             Form::Straight(..) | Form::Plan(_) => false,
         }
     }
 
-    /// Turns it as [`turn`](Self::turn) does, where it [turns as usual](Self::turns_as_usual).
+    /// Turns it as [`replace`](Self::replace) does, where it [turns as usual](Self::replaces_as_usual).
     #[inline]
     pub(crate) fn turn_as_usual(&mut self, from: f64, motion: &StraightMotion, since: f64) {
         match &mut self.form {
-            Form::Turned(turned) => turned.turn_as_usual(from, motion, since),
-            Form::Straight(..) | Form::Plan(_) => self.turn(from, motion, since),
+            Form::Recent(recent) => turned.turn_as_usual(from, motion, since),
+            Form::Straight(..) | Form::Plan(_) => self.replace(from, motion, since),
         }
     }
 
@@ -233,7 +233,7 @@ impl Trajectory {
         is_past
             && match &self.form {
                 Form::Straight(own, _) => own.is_same_as(motion),
-                Form::Turned(turned) => turned.last().is_same_as(motion),
+                Form::Recent(recent) => recent.last().is_same_as(motion),
                 Form::Plan(plan) => {
                     plan.after == Outside::Coast
                         && plan.segments.beside()[1].straight() == motion.segment()
@@ -249,7 +249,7 @@ impl Trajectory {
                 FrontGapVec::new(&[], &[motion.segment(); 2]),
                 [Outside::Coast; 2],
             )),
-            Form::Turned(turned) => Some(turned.to_plan()),
+            Form::Recent(recent) => Some(recent.to_plan()),
             Form::Plan(_) => None,
         };
         if let Some(other) = other {
@@ -257,7 +257,7 @@ impl Trajectory {
         }
         match &mut self.form {
             Form::Plan(plan) => plan,
-            Form::Straight(..) | Form::Turned(_) => unreachable!("it was made a plan"),
+            Form::Straight(..) | Form::Recent(_) => unreachable!("it was made a plan"),
         }
     }
 
@@ -267,7 +267,7 @@ impl Trajectory {
         const KNOTS: usize = 8;
         match &self.form {
             Form::Straight(..) => {}
-            Form::Turned(turned) => prefetch(from_ref(&**turned)),
+            Form::Recent(recent) => prefetch(from_ref(&**recent)),
             Form::Plan(plan) => {
                 prefetch(&plan.knots[..plan.knots.len().min(KNOTS)]);
                 prefetch(plan.segments.beside());
@@ -339,9 +339,9 @@ mod tests {
             flown = spliced;
         }
     }
-    /// A plan that is turned in place is what one with lists is, wherever there is room for it.
+    /// A plan replaced in place is what one with lists is, wherever there is room for it.
     #[test]
-    fn what_is_turned_in_place_is_the_same_plan() {
+    fn what_is_replaced_in_place_is_the_same_plan() {
         let window = |from: f64| Window::new(from - 1.0, from + 5.0).unwrap_or(Window::ALL);
         let (mut in_place, mut in_lists, mut usual) = (0, 0, 0);
         for round in 0..200_u32 {
@@ -359,22 +359,22 @@ mod tests {
                 let Ok(motion) = Trajectory::coasting_motion(&state) else {
                     unreachable!("it is usable")
                 };
-                assert!(one.can_turn(now, &motion, window(now)));
-                assert!(other.can_turn(now, &motion, window(now)));
-                if one.turns_as_usual((now, since), &motion, window(now)) {
+                assert!(one.can_replace(now, &motion, window(now)));
+                assert!(other.can_replace(now, &motion, window(now)));
+                if one.replaces_as_usual((now, since), &motion, window(now)) {
                     usual += 1;
                     assert!(one.domain().contains(now) && !one.follows(&motion, now));
                 }
-                let is_usual = one.turns_as_usual((now, since), &motion, window(now));
+                let is_usual = one.replaces_as_usual((now, since), &motion, window(now));
                 let memory = one.straight_motions().as_ptr();
                 if is_usual {
                     one.turn_as_usual(now, &motion, since);
                 } else {
-                    one.turn(now, &motion, since);
+                    one.replace(now, &motion, since);
                 }
                 let is_kept = memory == one.straight_motions().as_ptr();
                 assert!(is_kept || !is_usual);
-                other.as_plan().turn(now, &motion, since);
+                other.as_plan().replace(now, &motion, since);
                 in_place += usize::from(!one.straight_motions().is_empty());
                 in_lists += usize::from(one.straight_motions().is_empty());
                 assert_eq!((one.knots(), one.cuts()), (other.knots(), other.cuts()));

@@ -31,7 +31,7 @@ const SLICE_BY_SLICE: Budget = Budget::Work(u64::MAX);
 /// The same life of two monitors: shares of all bodies change, bodies come and go, and the clock jumps.
 #[test]
 fn a_search_from_nothing_tells_what_slices_tell() {
-    let (mut told, mut differ) = (0, 0);
+    let (mut reported, mut differ) = (0, 0);
     for seed in 0..12 {
         let mut rng = rng(seed);
         let mut scene = Scene::new();
@@ -81,11 +81,11 @@ fn a_search_from_nothing_tells_what_slices_tell() {
             let answers =
                 [&monitors[0], &monitors[1]].map(|one| bits(&one.what_if(id, &idea, 0).unwrap()));
             assert_eq!(answers[0], answers[1], "{seed} {step}");
-            told += events[0].len();
+            reported += events[0].len();
             let [one, other] = [&monitors[0], &monitors[1]].map(|one| one.stats().boxes);
             differ += usize::from(one != other);
         }
     }
-    assert!(told > 10_000, "{told}");
+    assert!(reported > 10_000, "{reported}");
     assert!(differ > 100, "both ways were gone: {differ}");
 }

@@ -108,7 +108,7 @@ fn lived(events: &[Event]) -> Vec<(usize, u32, u32, i64, i64, String)> {
 }
 
 /// Plans change while the clock is far ahead of what the poorer monitor knows. (After the clock's own
-/// instant: what is at that instant the richer one has told, and the poorer one has not.)
+/// instant: what is at that instant the richer one has reported, and the poorer one has not.)
 fn replan(rng: &mut ChaCha8Rng, world: &World, monitors: [&mut Monitor; 2], id: BodyId, now: f64) {
     let from = now
         + if rng.random_bool(0.3) {
@@ -176,12 +176,12 @@ const LEVEL: AlertLevel = AlertLevel {
 
 /// Advances to `now` as often as it takes to know all; returns how often that was. What is known up to
 /// then is never taken back, and all that a screening finds there.
-fn catch_up(monitor: &mut Monitor, now: f64, time: Duration, told: &mut Vec<Event>) -> u32 {
+fn catch_up(monitor: &mut Monitor, now: f64, time: Duration, reported: &mut Vec<Event>) -> u32 {
     let mut calls: u32 = 0;
     loop {
         let known = monitor.complete_until();
         monitor
-            .advance_within(now, Budget::Time(time), told)
+            .advance_within(now, Budget::Time(time), reported)
             .unwrap();
         assert!(monitor.complete_until() >= known, "{known} was known");
         calls += 1;

@@ -32,7 +32,7 @@ fn a_jump_over_an_encounter_tells_both_its_ends() {
 }
 
 /// A jump over 3e12 slices: bodies rest, some touching, some fly past each other early on or after
-/// a long time, and what happened meanwhile is told, whatever the budget of a tick.
+/// a long time, and what happened meanwhile is reported, whatever the budget of a tick.
 #[test]
 fn the_clock_may_jump_as_far_as_it_can_show() {
     let (lookahead, end) = (1e-3, 1e9);

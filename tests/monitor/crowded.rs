@@ -60,10 +60,10 @@ fn refuse_and_go_on((to, steps): (f64, u32), budget: Budget) {
     let mut step = 0;
     let now = loop {
         let now = to * f64::from(step.min(steps)) / f64::from(steps);
-        let (before, told) = (state(&monitor), events.len());
+        let (before, reported) = (state(&monitor), events.len());
         if let Err(error) = monitor.advance_within(now, budget, &mut events) {
             assert_eq!(error, REFUSED);
-            assert_eq!((state(&monitor), events.len()), (before, told));
+            assert_eq!((state(&monitor), events.len()), (before, reported));
             break now;
         }
         roomy.advance_within(now, budget, &mut as_roomy).unwrap();

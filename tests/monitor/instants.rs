@@ -1,4 +1,4 @@
-//! Late on the clock, where instants are far apart: what begins or ends between two of them is told at one, and
+//! Late on the clock, where instants are far apart: what begins or ends between two of them is reported at one, and
 //! questions and jumps of the clock see it there.
 
 use super::support::{line, rng};
@@ -53,7 +53,7 @@ fn screened(scene: &Scene, from: f64, to: f64) -> Vec<Conflict> {
     scene.screen(&query).unwrap().conflicts
 }
 
-/// A contact that ends a third of a spacing before the clock, or begins as long after the lookahead: told at
+/// A contact that ends a third of a spacing before the clock, or begins as long after the lookahead: reported at
 /// the clock, or at the end.
 #[test]
 fn questions_see_what_is_told_at_their_ends() {

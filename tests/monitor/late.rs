@@ -1,6 +1,6 @@
 //! Plans that come late: their beginning, or that of their body, lies before the clock.
 
-use super::reference::{Reference, order, told};
+use super::reference::{Reference, order, reported};
 use super::scenarios::tick;
 use super::support::{line, rng, wander};
 use super::{Ledger, is_as_screened};
@@ -261,7 +261,7 @@ fn random_late_plans(seed: u64, history: f64, seen: &mut Seen) {
         let known = monitor.complete_until();
         let mut expected = reference.tick(monitor.scene(), now, known);
         expected.sort_by(order);
-        let mut found: Vec<_> = events.iter().map(told).collect();
+        let mut found: Vec<_> = events.iter().map(reported).collect();
         found.sort_by(order);
         assert_eq!(found, expected, "seed {seed}, step {step}");
         if known > now {

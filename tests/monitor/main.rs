@@ -1,5 +1,5 @@
 //! The monitor against one-shot screening at every tick, and its events against a plain reference;
-//! beside it, scenarios of two bodies that are told step by step.
+//! beside it, scenarios of two bodies, step by step.
 
 #![allow(
     clippy::unwrap_used,
@@ -29,7 +29,7 @@ use nearmiss::{
 };
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
-use reference::{Reference, order, told};
+use reference::{Reference, order, reported};
 use scenarios::tick;
 use std::collections::BTreeMap;
 use support::{bits, rng, vector, wander, with_every_change};
@@ -282,7 +282,7 @@ fn long_run(seed: u64, lookahead: f64) {
         // Two encounters of one pair at one level may change in one tick: their order is open.
         let mut expected = reference.tick(monitor.scene(), now, known);
         expected.sort_by(order);
-        let mut found: Vec<_> = events.iter().map(told).collect();
+        let mut found: Vec<_> = events.iter().map(reported).collect();
         found.sort_by(order);
         for (found, expected) in found.iter().zip(&expected) {
             assert_eq!(found, expected, "seed {seed}, tick {tick}");

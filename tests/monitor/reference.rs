@@ -2,7 +2,7 @@
 //!
 //! At each tick the scene is screened from where the last tick's clock stood to the end of what is
 //! known, at every level. What comes out is matched, pair by pair and in order, with what was there
-//! before; everything else follows. Nothing is kept between ticks but what a listener was told.
+//! before; everything else follows. Nothing is kept between ticks but what was reported to a listener.
 
 use nearmiss::{
     AlertLevel, Body, BodyId, ClosestApproach, Conflict, EndReason, Event, EventKind, Query, Scene,
@@ -11,7 +11,7 @@ use nearmiss::{
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-/// An encounter as it was last told.
+/// An encounter as it was last reported.
 #[derive(Clone, Copy)]
 struct Followed {
     enter: f64,
@@ -40,16 +40,16 @@ struct Planned {
 }
 
 /// An event without its id.
-pub(crate) type Told = (f64, u8, BodyId, BodyId, usize, Vec<u64>);
+pub(crate) type Reported = (f64, u8, BodyId, BodyId, usize, Vec<u64>);
 
 pub(crate) struct Reference {
     levels: Vec<AlertLevel>,
     lookahead: f64,
     /// By level and pair, in order of time.
     followed: Vec<BTreeMap<(BodyId, BodyId), Vec<Followed>>>,
-    /// Up to where clock events were told.
+    /// Up to where clock events were reported.
     before: f64,
-    /// The plans at the last tick, and whether their end was told.
+    /// The plans at the last tick, and whether their end was reported.
     plans: BTreeMap<BodyId, (Trajectory, bool)>,
 }
 
@@ -57,7 +57,7 @@ pub(crate) struct Reference {
 #[derive(Clone, Copy)]
 struct Tick {
     now: f64,
-    told: f64,
+    reported: f64,
     before: f64,
     known: f64,
     lookahead: f64,
@@ -75,15 +75,15 @@ impl Reference {
     }
 
     /// The events of a tick after which everything up to `known` is known, in no order.
-    pub(crate) fn tick(&mut self, scene: &Scene, now: f64, known: f64) -> Vec<Told> {
+    pub(crate) fn tick(&mut self, scene: &Scene, now: f64, known: f64) -> Vec<Reported> {
         let tick = Tick {
             now,
-            told: now.min(known),
+            reported: now.min(known),
             before: self.before,
             known,
             lookahead: self.lookahead,
         };
-        let mut told = Vec::new();
+        let mut reported = Vec::new();
         for level in 0..self.levels.len() {
             let mut planned = planned(scene, self.levels[level], &tick);
             let mut pairs: Vec<_> = self.followed[level].keys().copied().collect();
@@ -95,7 +95,7 @@ impl Reference {
                 let new = planned.remove(&pair).unwrap_or_default();
                 let mut tell = |time: f64, kind: u8, encounter: &Followed, reason: u64| {
                     let numbers = numbers(encounter, reason);
-                    told.push((time, kind, pair.0, pair.1, level, numbers));
+                    reported.push((time, kind, pair.0, pair.1, level, numbers));
                 };
                 let left = follow(scene, pair, old, new, &tick, &mut tell);
                 if !left.is_empty() {
@@ -103,12 +103,12 @@ impl Reference {
                 }
             }
         }
-        self.plan_ends(scene, now, &mut told);
-        self.before = tick.told;
-        told
+        self.plan_ends(scene, now, &mut reported);
+        self.before = tick.reported;
+        reported
     }
 
-    fn plan_ends(&mut self, scene: &Scene, now: f64, told: &mut Vec<Told>) {
+    fn plan_ends(&mut self, scene: &Scene, now: f64, reported: &mut Vec<Reported>) {
         let old = std::mem::take(&mut self.plans);
         for (id, Body { trajectory, .. }) in scene.bodies() {
             let was_told = old
@@ -117,7 +117,7 @@ impl Reference {
             let end = trajectory.domain().end();
             let is_due = end <= now + self.lookahead;
             if is_due && !was_told {
-                told.push((end, 5, id, id, 0, Vec::new()));
+                reported.push((end, 5, id, id, 0, Vec::new()));
             }
             self.plans.insert(id, (trajectory.clone(), is_due));
         }
@@ -232,7 +232,7 @@ fn gone(
         EndReason::BodyRemoved
     };
     if followed.has_begun {
-        // What was told up to then stays.
+        // What was reported up to then stays.
         let ended = Followed {
             exit: tick.before,
             open: false,
@@ -270,7 +270,7 @@ fn go_on(
             passed: None,
         },
     };
-    if is_new && this.enter > tick.told {
+    if is_new && this.enter > tick.reported {
         tell(tick.now, 0, &this, 0);
     }
     (this.exit, this.open, this.closest) = (planned.exit, planned.open, planned.closest);
@@ -281,18 +281,18 @@ fn go_on(
         this.enter = planned.enter.unwrap_or(this.enter);
     }
     let is_revised = !is_new && is_revised(&this, tick);
-    if !this.has_begun && this.enter <= tick.told {
+    if !this.has_begun && this.enter <= tick.reported {
         this.has_begun = true;
         tell(this.enter, 3, &this, 0);
     }
     if this.has_begun {
-        let end = this.exit.min(tick.told);
+        let end = this.exit.min(tick.reported);
         if planned.start <= end {
             let flown = Window::new(planned.start, end).unwrap();
             let least = scene.closest_approach(a, b, flown).unwrap().unwrap();
             this.passed = Some(nearer(this.passed, least));
         }
-        if !this.open && this.exit < tick.told {
+        if !this.open && this.exit < tick.reported {
             let reason = if planned.is_last {
                 EndReason::TrajectoryEnded
             } else {
@@ -317,7 +317,7 @@ fn nearer(passed: Option<ClosestApproach>, planned: ClosestApproach) -> ClosestA
 }
 
 /// Whether what is known differs at all from what was sent. The end of what is known moves: what
-/// lies at it, or beyond it, is no number yet, and told once a lookahead only.
+/// lies at it, or beyond it, is no number yet, and reported once a lookahead only.
 fn is_revised(this: &Followed, tick: &Tick) -> bool {
     let (enter, exit, open, closest) = this.sent;
     if this.enter != enter {
@@ -355,14 +355,22 @@ fn numbers(encounter: &Followed, reason: u64) -> Vec<u64> {
     ]
 }
 
-/// By time, kind, bodies and level, then whatever else is told.
-pub(crate) fn order(x: &Told, y: &Told) -> Ordering {
-    let key = |told: &Told| (told.1, told.2, told.3, told.4, told.5.clone());
+/// By time, kind, bodies and level, then whatever else is reported.
+pub(crate) fn order(x: &Reported, y: &Reported) -> Ordering {
+    let key = |reported: &Reported| {
+        (
+            reported.1,
+            reported.2,
+            reported.3,
+            reported.4,
+            reported.5.clone(),
+        )
+    };
     x.0.total_cmp(&y.0).then_with(|| key(x).cmp(&key(y)))
 }
 
 /// The monitor's own events in the same form.
-pub(crate) fn told(event: &Event) -> Told {
+pub(crate) fn reported(event: &Event) -> Reported {
     let (kind, encounter, reason) = match event.kind {
         EventKind::Predicted(encounter) => (0, encounter, 0),
         EventKind::Revised(encounter) => (1, encounter, 0),

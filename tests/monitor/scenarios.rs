@@ -59,10 +59,10 @@ fn an_encounter_from_first_sight_to_end() {
     // Enters 2 m at 10 - sqrt(3.75)/2 = 9.03: within the lookahead of 10 s, its exit is not.
     assert_eq!(kinds(&tick(&mut monitor, 0.0)), ["predicted 0"]);
     assert!(monitor.encounters().next().unwrap().open);
-    // The closest approach at 10 s is inside the lookahead now, and told once.
+    // The closest approach at 10 s is inside the lookahead now, and reported once.
     assert_eq!(kinds(&tick(&mut monitor, 0.5)), ["revised 0"]);
     assert_eq!(kinds(&tick(&mut monitor, 0.6)), [""; 0]);
-    // Now the whole of it is known: the exit is told once.
+    // Now the whole of it is known: the exit is reported once.
     assert_eq!(kinds(&tick(&mut monitor, 2.0)), ["revised 0"]);
     assert_eq!(kinds(&tick(&mut monitor, 2.0)), [""; 0]);
     let began = tick(&mut monitor, 9.5);
@@ -99,7 +99,7 @@ fn how_near_bodies_come_that_close_in_for_long_is_told_once_a_lookahead() {
             revised.push((now, encounter.closest.separation.round()));
         }
     }
-    // Each 1 m, and then 1.6 m, since what was told last.
+    // Each 1 m, and then 1.6 m, since what was reported last.
     let first = (1..=8).map(|k| (10 * k, f64::from(29 - k)));
     let expected: Vec<_> = first.chain([(96, 19.0), (112, 18.0)]).collect();
     assert_eq!(revised, expected);
@@ -186,10 +186,10 @@ fn trajectories_and_plans_that_end() {
     );
     let (mut monitor, id, _) = two(a, b, &[AlertLevel::at(2.0)]);
     assert_eq!(kinds(&tick(&mut monitor, 1.0)), ["began 0"]);
-    let told = tick(&mut monitor, 2.0);
+    let reported = tick(&mut monitor, 2.0);
     // The exit is known now, and so is the end of the plan.
-    assert_eq!(kinds(&told), ["revised 0", "plan ends"]);
-    assert_eq!(told[1].time, 12.0);
+    assert_eq!(kinds(&reported), ["revised 0", "plan ends"]);
+    assert_eq!(reported[1].time, 12.0);
     // Extended: the end moves out of sight again.
     let more = line(12.0, 60.0, DVec3::ZERO, DVec3::ZERO);
     monitor.extend(id, more).unwrap();
@@ -250,7 +250,7 @@ fn small_changes_are_not_told() {
     // Measured from what was last sent, not from the last tick.
     monitor.set_trajectory(id, nudged(0.15)).unwrap();
     assert_eq!(kinds(&tick(&mut monitor, 2.2)), ["revised 0"]);
-    // What was kept back is told once it is no longer too little.
+    // What was kept back is reported once it is no longer too little.
     monitor.set_trajectory(id, nudged(0.2)).unwrap();
     assert_eq!(kinds(&tick(&mut monitor, 2.3)), [""; 0]);
     monitor
@@ -260,7 +260,7 @@ fn small_changes_are_not_told() {
     assert_eq!(kinds(&tick(&mut monitor, 2.5)), [""; 0]);
 }
 
-/// A distance that changes by less than a billionth of a metre: told by a monitor that tells all.
+/// A distance that changes by less than a billionth of a metre: reported by a monitor that reports all.
 #[test]
 fn rounding_is_not_told() {
     let (a, b) = head_on();
@@ -272,8 +272,8 @@ fn rounding_is_not_told() {
         }
         tick(&mut monitor, 2.0);
         monitor.set_trajectory(id, nudged.clone()).unwrap();
-        let told = kinds(&tick(&mut monitor, 2.1)).len();
-        assert_eq!(told, usize::from(threshold.is_none()), "{threshold:?}");
+        let reported = kinds(&tick(&mut monitor, 2.1)).len();
+        assert_eq!(reported, usize::from(threshold.is_none()), "{threshold:?}");
     }
 }
 
@@ -404,11 +404,11 @@ fn a_release_margin_next_to_the_margin_loses_no_encounter() {
         let level = AlertLevel { margin, release };
         let mut monitor =
             with_every_change(Monitor::new(scene.clone(), 0.0, 10.0, &[level]).unwrap());
-        let told = tick(&mut monitor, 0.0);
+        let reported = tick(&mut monitor, 0.0);
         let conflicts = monitor.conflicts(0).unwrap();
         assert!(conflicts.len() > 200, "{}", conflicts.len());
         let is_told = |conflict: &&nearmiss::Conflict| {
-            told.iter().any(|event| {
+            reported.iter().any(|event| {
                 event.kind.encounter().is_some_and(|encounter| {
                     let ids = (encounter.a, encounter.b) == (conflict.a, conflict.b);
                     ids && encounter.enter <= conflict.enter && encounter.exit >= conflict.exit

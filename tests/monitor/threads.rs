@@ -20,7 +20,7 @@ fn plan(rng: &mut ChaCha8Rng, now: f64) -> Trajectory {
     plan.with_outside(outside)
 }
 
-/// All that is told on the way, and how much of it there was.
+/// All that is reported on the way, and how much of it there was.
 fn flown(threads: usize) -> (Vec<u64>, usize, usize) {
     let mut rng = rng(43);
     let mut scene = Scene::new();
@@ -33,7 +33,7 @@ fn flown(threads: usize) -> (Vec<u64>, usize, usize) {
         .collect();
     on_threads(threads, || {
         let mut monitor = with_every_change(Monitor::new(scene, 0.0, 2.0, &LEVELS).unwrap());
-        let (mut told, mut conflicts, mut events) = (Vec::new(), 0, 0);
+        let (mut reported, mut conflicts, mut events) = (Vec::new(), 0, 0);
         for tick in 0..24 {
             let now = monitor.now();
             let count = [0, 3, 40, 600, BODIES][tick % 5];
@@ -49,12 +49,12 @@ fn flown(threads: usize) -> (Vec<u64>, usize, usize) {
             for level in 0..LEVELS.len() {
                 hashes.push(hash_of(&bits(monitor.conflicts(level).unwrap())));
             }
-            told.push(hash_of(&hashes));
+            reported.push(hash_of(&hashes));
             conflicts += monitor.conflicts(0).unwrap().len();
             events += news.len();
         }
         is_as_screened(&monitor, LEVELS[0]);
-        (told, conflicts, events)
+        (reported, conflicts, events)
     })
 }
 
@@ -71,7 +71,7 @@ fn threads_make_no_difference() {
 /// So many that threads share their boxes and their turns.
 const TRACKED: usize = 5_000;
 
-/// What is told, and found by screenings, where the states of nearly all bodies are told each frame.
+/// What is reported, and found by screenings, where the states of nearly all bodies are told each frame.
 fn tracked(threads: usize) -> (Vec<u64>, usize, usize) {
     const CUBE: f64 = 90.0;
     const FRAME: f64 = 0.05;
@@ -96,7 +96,7 @@ fn tracked(threads: usize) -> (Vec<u64>, usize, usize) {
     on_threads(threads, || {
         let monitor = Monitor::new(scene.clone(), 0.0, 1.0, &LEVELS).unwrap();
         let mut monitor = with_every_change(monitor);
-        let (mut told, mut conflicts, mut events) = (Vec::new(), 0, 0);
+        let (mut reported, mut conflicts, mut events) = (Vec::new(), 0, 0);
         for tick in 0..12 {
             let now = FRAME * f64::from(tick);
             for (place, velocity) in &mut world {
@@ -117,15 +117,15 @@ fn tracked(threads: usize) -> (Vec<u64>, usize, usize) {
             let window = Window::new(now, now + 1.0).unwrap();
             let found = scene.screen(&Query::new(window).with_margin(1.0)).unwrap();
             conflicts += found.conflicts.len();
-            told.push(hash_of(&bits(&found.conflicts)));
+            reported.push(hash_of(&bits(&found.conflicts)));
             monitor.track(now, states).unwrap();
             let mut news = Vec::new();
             monitor.advance(now, &mut news).unwrap();
-            told.push(hash_of(&format!("{news:?}")));
+            reported.push(hash_of(&format!("{news:?}")));
             events += news.len();
         }
         is_as_screened(&monitor, LEVELS[0]);
-        (told, conflicts, events)
+        (reported, conflicts, events)
     })
 }
 

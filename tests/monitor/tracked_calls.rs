@@ -149,7 +149,7 @@ fn a_call_with_a_state_that_is_refused_changes_nothing() {
 }
 
 /// The first of them begins later than the instant it is told for; the last is what the body does already, or
-/// turns it anew.
+/// replaces it anew.
 #[test]
 fn of_a_body_that_is_named_twice_the_last_state_counts() {
     let mut scene = Scene::new();
@@ -175,7 +175,7 @@ fn of_a_body_that_is_named_twice_the_last_state_counts() {
     }
 }
 
-/// Plans that were turned in place, written down and read again.
+/// Plans that were replaced in place, written down and read again.
 #[cfg(feature = "serde")]
 #[test]
 fn trajectories_of_tracked_bodies_are_read_as_they_were_written() {

@@ -2,10 +2,10 @@
 //! of those in a window.
 
 mod conflicts;
-mod plains;
+mod encounters;
 
 pub(super) use conflicts::ConflictCache;
-pub(super) use plains::EncounterCache;
+pub(super) use encounters::EncounterCache;
 
 /// The ends of a window, twice: a contact between the ends of `within` is within the window, one
 /// that does not overlap `around` is beyond it, and any other is at its edge.
@@ -80,7 +80,7 @@ mod tests {
         }
     }
 
-    fn plain(slots: (u32, u32), (start, exit): (f64, f64)) -> PlannedEncounter {
+    fn planned(slots: (u32, u32), (start, exit): (f64, f64)) -> PlannedEncounter {
         let (a, b) = ids(slots);
         PlannedEncounter {
             a,
@@ -99,93 +99,93 @@ mod tests {
     /// Else a monitor would never forget encounters of bodies whose plans do not change.
     #[test]
     fn what_has_ended_is_dropped() {
-        let (mut conflicts, mut plains) = (ConflictCache::default(), EncounterCache::default());
+        let (mut conflicts, mut planned) = (ConflictCache::default(), EncounterCache::default());
         for number in 0..10 {
             let (slots, start) = ((0, number + 1), f64::from(number));
             conflicts.add(slots, conflict(slots, (start, start + 0.5)));
-            plains.add(slots, plain(slots, (start, start + 0.5)));
+            planned.add(slots, planned(slots, (start, start + 0.5)));
         }
         conflicts.settle();
-        plains.settle();
+        planned.settle();
         let all = (f64::NEG_INFINITY, f64::INFINITY);
         let edges = WindowEdges {
             within: all,
             around: all,
         };
         conflicts.drop_changed(&[(0, 9)], 5.2);
-        plains.drop_changed(&[(0, 9)], 5.2);
+        planned.drop_changed(&[(0, 9)], 5.2);
         let left = [6, 7, 8, 10].map(|other| (0, other));
         let mut listed = Vec::new();
         conflicts.list(all, |_, _, _| {}, &mut listed);
         let found = listed.iter().map(|one| one.b.slot);
         assert_eq!(found.collect::<Vec<_>>(), left.map(|(_, other)| other));
-        plains.list(edges, &[], |_, _| {});
-        let found = plains.listed().filter_map(|(slots, mut plains)| {
-            plains.next().map(|plain| {
-                assert_eq!(plain.b.slot, slots.1);
+        planned.list(edges, &[], |_, _| {});
+        let found = planned.listed().filter_map(|(slots, mut planned)| {
+            planned.next().map(|planned| {
+                assert_eq!(planned.b.slot, slots.1);
                 slots
             })
         });
         assert_eq!(found.collect::<Vec<_>>(), left);
-        // The others are looked at once more: something may have been told of them.
-        assert_eq!(plains.listed().count(), 10);
+        // The others are looked at once more: something may have been reported of them.
+        assert_eq!(planned.listed().count(), 10);
     }
 
     /// A monitor that never gets anywhere, since its budget is too small for the plans that change,
     /// does not fill the memory: it looks at all pairs once it does.
     #[test]
     fn changes_that_nobody_lists_do_not_add_up() {
-        let mut plains = EncounterCache::default();
+        let mut planned = EncounterCache::default();
         let edges = WindowEdges {
             within: (0.0, 1.0),
             around: (0.0, 1.0),
         };
-        plains.list(edges, &[], |_, _| {});
-        assert!(!plains.lists_all());
+        planned.list(edges, &[], |_, _| {});
+        assert!(!planned.lists_all());
         for round in 0..2_000 {
             let slots = (round, round + 1);
-            plains.drop_changed(&[(round.max(1) - 1, round), slots], 0.0);
-            plains.add(slots, plain(slots, (0.25, 0.5)));
-            plains.settle();
+            planned.drop_changed(&[(round.max(1) - 1, round), slots], 0.0);
+            planned.add(slots, planned(slots, (0.25, 0.5)));
+            planned.settle();
         }
-        assert!(plains.lists_all());
-        plains.list(edges, &[(7, 8)], |_, _| {});
-        let listed = plains
+        assert!(planned.lists_all());
+        planned.list(edges, &[(7, 8)], |_, _| {});
+        let listed = planned
             .listed()
-            .map(|(slots, plains)| (slots, plains.count()));
+            .map(|(slots, planned)| (slots, planned.count()));
         assert!(listed.eq([((7, 8), 0), ((1_999, 2_000), 1)]));
-        assert!(!plains.lists_all());
+        assert!(!planned.lists_all());
     }
 
     /// Pairs of which nothing has changed are not looked at again.
     #[test]
     fn only_what_may_have_changed_is_listed() {
-        let mut plains = EncounterCache::default();
+        let mut planned = EncounterCache::default();
         for number in 0..10 {
             let (slots, start) = ((0, number + 1), f64::from(number));
-            plains.add(slots, plain(slots, (start, start + 0.5)));
+            planned.add(slots, planned(slots, (start, start + 0.5)));
         }
-        plains.settle();
-        let listed = |plains: &mut EncounterCache, now: f64, known: f64, wait: &[(u32, u32)]| {
+        planned.settle();
+        let listed = |planned: &mut EncounterCache, now: f64, known: f64, wait: &[(u32, u32)]| {
             let edges = WindowEdges {
                 within: (now, known),
                 around: (now - 0.1, known),
             };
             let mut read = Vec::new();
-            plains.list(edges, wait, |slots, _| read.push(slots.1));
-            let all: Vec<_> = plains.listed().map(|(slots, _)| slots.1).collect();
+            planned.list(edges, wait, |slots, _| read.push(slots.1));
+            let all: Vec<_> = planned.listed().map(|(slots, _)| slots.1).collect();
             (all, read)
         };
         let all: Vec<u32> = (1..=10).collect();
-        assert_eq!(listed(&mut plains, 0.9, 4.2, &[]), (all.clone(), vec![5]));
-        assert_eq!(listed(&mut plains, 0.9, 4.3, &[]), (vec![5], vec![5]));
+        assert_eq!(listed(&mut planned, 0.9, 4.2, &[]), (all.clone(), vec![5]));
+        assert_eq!(listed(&mut planned, 0.9, 4.3, &[]), (vec![5], vec![5]));
         // The clock comes to one; another one lies ahead now with all of it.
-        assert_eq!(listed(&mut plains, 1.1, 4.8, &[]), (vec![2, 5], vec![2]));
+        assert_eq!(listed(&mut planned, 1.1, 4.8, &[]), (vec![2, 5], vec![2]));
         assert_eq!(
-            listed(&mut plains, 1.2, 4.9, &[(0, 7)]),
+            listed(&mut planned, 1.2, 4.9, &[(0, 7)]),
             (vec![2, 7], vec![2])
         );
-        plains.list_all();
-        assert_eq!(listed(&mut plains, 1.2, 4.9, &[]), (all, vec![2]));
+        planned.list_all();
+        assert_eq!(listed(&mut planned, 1.2, 4.9, &[]), (all, vec![2]));
     }
 }

@@ -1,6 +1,6 @@
 //! Bodies that may come near a plan that is not in place.
 
-use super::state::{Index, LookaheadSlice, SliceScratch};
+use super::state::{BoxIndex, LookaheadSlice, SliceScratch};
 use crate::bounds::CubicSource;
 use crate::monitor::bodies::{BodyTable, form};
 use crate::narrow_phase::approaching;
@@ -55,8 +55,8 @@ impl LookaheadSlice {
     }
 
     /// Returns the boxes of all bodies.
-    fn index_of(&self, bodies: &BodyTable<'_>) -> Index {
-        let mut index = Index::default();
+    fn index_of(&self, bodies: &BodyTable<'_>) -> BoxIndex {
+        let mut index = BoxIndex::default();
         index
             .fat_lines
             .resize(bodies.flights.len(), Self::NO_FAT_LINE);

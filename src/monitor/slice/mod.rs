@@ -50,7 +50,7 @@ impl LookaheadSlice {
         self.due = 0.0;
         self.boxed.clear();
         self.candidates.clear();
-        self.sifted = 0;
+        self.refined = 0;
         self.is_crowded = false;
         self.is_put_off = false;
         self.survivors.clear();
@@ -155,7 +155,7 @@ impl LookaheadSlice {
         is_there
             && self.changed.is_empty()
             && self.rest.is_none()
-            && self.sifted == self.candidates.len()
+            && self.refined == self.candidates.len()
     }
 
     /// Returns how many boxes are to be formed, at most.
@@ -215,12 +215,12 @@ impl LookaheadSlice {
         goes_on: impl FnMut(usize) -> bool,
     ) {
         self.take_steps(task, scratch, goes_on);
-        let is_used = self.sifted < self.candidates.len();
+        let is_used = self.refined < self.candidates.len();
         if !is_used
             && self.candidates.capacity() > Self::FEW_CANDIDATES + 4 * self.index.fat_lines.len()
         {
             self.candidates = Vec::new();
-            self.sifted = 0;
+            self.refined = 0;
         }
     }
 
@@ -233,7 +233,7 @@ impl LookaheadSlice {
         self.is_crowded = false;
         while !self.is_fresh(task.bodies) {
             let begin = Instant::now();
-            let work = if self.sifted < self.candidates.len() {
+            let work = if self.refined < self.candidates.len() {
                 let work = self.refine(task.bodies, task.filter, scratch);
                 self.stats.narrow_time += begin.elapsed();
                 work
@@ -259,7 +259,7 @@ impl LookaheadSlice {
         scratch: &mut SliceScratch,
     ) -> usize {
         self.candidates.clear();
-        self.sifted = 0;
+        self.refined = 0;
         if let Some(from) = self.rest {
             return self.search_rest(from, task, scratch);
         }

@@ -49,9 +49,9 @@ impl LookaheadSlice {
         filter: &F,
         scratch: &mut SliceScratch,
     ) -> usize {
-        let first = self.sifted;
-        self.sifted = self.candidates.len().min(first + Self::STEP);
-        let question = RefineContext {
+        let first = self.refined;
+        self.refined = self.candidates.len().min(first + Self::STEP);
+        let context = RefineContext {
             bodies,
             fat_lines: &self.index.fat_lines,
             interval: self.interval,
@@ -65,9 +65,9 @@ impl LookaheadSlice {
                 !is_changed(pair.a) && !is_changed(pair.b) && filter.admits(pair.a, pair.b);
             is_wanted.then_some([pair.a, pair.b])
         };
-        let some = &self.candidates[first..self.sifted];
+        let some = &self.candidates[first..self.refined];
         let found = &mut self.survivors;
-        self.stats.spans += scratch.refiner.refine(&question, some, pair, found);
-        self.sifted - first
+        self.stats.spans += scratch.refiner.refine(&context, some, pair, found);
+        self.refined - first
     }
 }

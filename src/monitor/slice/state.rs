@@ -16,9 +16,9 @@ pub(in crate::monitor) struct LookaheadSlice {
     /// Place on the monitor's grid of time.
     pub(in crate::monitor) number: i64,
     pub(super) interval: (f64, f64),
-    pub(super) index: Index,
-    /// Index for questions about a slice that has no boxes yet.
-    pub(super) asked: OnceLock<Index>,
+    pub(super) index: BoxIndex,
+    /// BoxIndex for questions about a slice that has no boxes yet.
+    pub(super) asked: OnceLock<BoxIndex>,
     pub(super) stage: BuildStage,
     /// Share of the slice that is to be compared now, 0 to 1: all of it if it is needed.
     pub(super) due: f64,
@@ -29,7 +29,7 @@ pub(in crate::monitor) struct LookaheadSlice {
     pub(super) boxed: Vec<BodyBox>,
     pub(super) candidates: Vec<Candidate>,
     /// Candidates before this one have been looked at.
-    pub(super) sifted: usize,
+    pub(super) refined: usize,
     /// Spans that were found and not taken yet.
     pub(in crate::monitor) survivors: Vec<SpanKey>,
     /// Instant from which on all bodies are to be searched from nothing, s: boxes of the whole slice overlap
@@ -44,7 +44,7 @@ pub(in crate::monitor) struct LookaheadSlice {
 
 /// Boxes and fat lines of the bodies in a slice.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Index {
+pub(super) struct BoxIndex {
     pub(super) boxes: BoxTree,
     /// Fat lines by slot: nearer to the body than its box, as long as it has one.
     pub(super) fat_lines: Vec<FatLine>,

@@ -4,7 +4,7 @@ use super::ClusterPair;
 use super::known::farthest;
 use crate::enclosure::part;
 use crate::hitbox::Sphere;
-use crate::narrow_phase::relative::filter_threshold;
+use crate::narrow_phase::relative::rejection_threshold;
 use crate::narrow_phase::widened;
 use crate::rounding::{norm, normalising_power};
 use glam::DVec3;
@@ -87,9 +87,9 @@ impl PiecewiseLinearBound {
             unit: 1.0 / power,
             lines,
             bend: most,
-            // A filter's, twice: the pieces have as many roundings again. Distances that are constant tie
+            // A rejection's, twice: the pieces have as many roundings again. Distances that are constant tie
             // within their tolerance, of which a clearance has two: what may matter for a tie has to be seen.
-            slack: 2.0 * filter_threshold(0.0, scale),
+            slack: 2.0 * rejection_threshold(0.0, scale),
         }
     }
 

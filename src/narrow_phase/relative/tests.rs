@@ -151,10 +151,10 @@ fn resting(position: DVec3) -> Segment {
     }
 }
 
-/// A filter keeps twice the solver's tolerance, and a hundred roundings of its own, whatever
+/// A rejection keeps twice the solver's tolerance, and a hundred roundings of its own, whatever
 /// dominates the scale: origins, offsets, displacement, the motion's own error.
 #[test]
-fn filters_keep_clear_of_the_tolerance() {
+fn rejections_keep_clear_of_the_tolerance() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     for round in 0..ROUNDS {
         let [far, offset, way] = [
@@ -194,9 +194,12 @@ fn filters_keep_clear_of_the_tolerance() {
             let scale = local_scale(a, b, span, offset);
             let size = a.extent() + b.extent() + norm(a.origin() - b.origin()) + norm(offset);
             let needed = 2.0 * cubic.tolerance() + 100.0 * UNIT_ROUNDOFF * size;
-            assert!(filter_threshold(0.0, scale) >= needed, "{round} {cubic:?}");
+            assert!(
+                rejection_threshold(0.0, scale) >= needed,
+                "{round} {cubic:?}"
+            );
             let radius = cubic.size;
-            let kept = filter_threshold(radius, scale) - radius;
+            let kept = rejection_threshold(radius, scale) - radius;
             assert!(kept >= needed * (1.0 - 1e-3), "{round} {cubic:?}");
         }
     }

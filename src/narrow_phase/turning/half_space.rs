@@ -9,7 +9,7 @@ use super::cells::{Cell, Cells, Rotations, each_near, nearest_first};
 use crate::accuracy::Accuracy;
 use crate::narrow_phase::BodyView;
 use crate::narrow_phase::half_space::{PlanePair, SphereAlong, lowest};
-use crate::narrow_phase::relative::{HeightCubic, filter_threshold};
+use crate::narrow_phase::relative::{HeightCubic, rejection_threshold};
 use crate::narrow_phase::sphere_pair::SpherePair;
 use crate::orientation::BakedRotation;
 use crate::spans::Span;
@@ -55,7 +55,7 @@ impl<'a> TurningOverPlane<'a> {
             let whole = self.bounding();
             let radius = whole.radius(margin);
             let scale = self.pair.rounding_scale(span) + whole.cubic.size + margin.abs();
-            let threshold = filter_threshold(radius, scale);
+            let threshold = rejection_threshold(radius, scale);
             (radius >= 0.0).then(|| (whole.cubic, whole.uncertain(), threshold))
         };
         let (mut rotations, mut ways) = (Rotations::default(), Vec::new());
@@ -160,9 +160,9 @@ impl<'a> TurningOverPlane<'a> {
             }
         }
         let scale = self.pair.rounding_scale(cell.span);
-        let slack = 2.0 * filter_threshold(0.0, scale);
+        let slack = 2.0 * rejection_threshold(0.0, scale);
         let margin = if margin < f64::INFINITY {
-            filter_threshold(margin, scale + margin.abs())
+            rejection_threshold(margin, scale + margin.abs())
         } else {
             margin
         };

@@ -15,8 +15,8 @@ mod tests;
 
 use super::BodyView;
 use super::contact_radius;
-use super::filter::certainly_beyond;
-use super::relative::{RelativeCubic, RelativeMotion, filter_threshold, local_scale};
+use super::rejection::certainly_beyond;
+use super::relative::{RelativeCubic, RelativeMotion, local_scale, rejection_threshold};
 use super::sphere_pair::SpherePair;
 use crate::accuracy::Accuracy;
 use crate::spans::Span;
@@ -159,7 +159,7 @@ impl<'a> TurningPair<'a> {
     /// may be `margin`, or `None` if it never is.
     fn threshold(&self, margin: f64, scale: f64) -> Option<f64> {
         let radius = contact_radius(self.a.bounding.radius, self.b.bounding.radius, margin);
-        (radius >= 0.0).then(|| filter_threshold(radius, scale))
+        (radius >= 0.0).then(|| rejection_threshold(radius, scale))
     }
 
     /// Returns the relative motion of the bounding spheres' centres over the whole span.

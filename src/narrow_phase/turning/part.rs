@@ -9,7 +9,7 @@ use crate::enclosure::squared_distance;
 use crate::hitbox::Sphere;
 use crate::narrow_phase::BodyView;
 use crate::narrow_phase::contact_radius;
-use crate::narrow_phase::relative::{RelativeMotion, filter_threshold};
+use crate::narrow_phase::relative::{RelativeMotion, rejection_threshold};
 use crate::narrow_phase::sphere_pair::{SpherePair, difference_of_squares};
 use crate::orientation::BakedRotation;
 use crate::rounding::{norm, normalising_power};
@@ -172,7 +172,7 @@ impl<'a> SpheresOverPart<'a> {
             }
         }
         let power = normalising_power(self.scale);
-        let slack = 2.0 * filter_threshold(0.0, self.scale) * power;
+        let slack = 2.0 * rejection_threshold(0.0, self.scale) * power;
         for candidate in candidates {
             let is_behind =
                 |&(_, near): &(f64, usize)| candidate.is_behind(&candidates[near], slack);
@@ -203,7 +203,7 @@ impl<'a> SpheresOverPart<'a> {
         let (first, mut solved) = (first.into_iter(), [facing, None]);
         for candidate in first.chain(candidates) {
             let pair = (candidate.a, candidate.b);
-            let near = filter_threshold(reached, self.scale + reached.abs()) * power;
+            let near = rejection_threshold(reached, self.scale + reached.abs()) * power;
             if candidate.least - candidate.error > near || solved.contains(&Some(pair)) {
                 continue;
             }
@@ -223,8 +223,8 @@ impl<'a> SpheresOverPart<'a> {
         } = scratch;
         candidates.clear();
         near_b.clear();
-        // Infinite, or a distance: rounding of the reaches and of the sums is that of a filter.
-        let bound = filter_threshold(margin, self.scale + margin.abs());
+        // Infinite, or a distance: rounding of the reaches and of the sums is that of a rejection.
+        let bound = rejection_threshold(margin, self.scale + margin.abs());
         let nearest = reaches_a.iter().copied().fold(f64::INFINITY, f64::min);
         let [spheres_a, spheres_b] = self.views.map(|view| view.spheres);
         for (number, (sphere, most)) in (0..).zip(spheres_b.iter().zip(&*reaches_b)) {
@@ -256,8 +256,8 @@ impl<'a> SpheresOverPart<'a> {
                 let points = [0, 1, 2, 3].map(|k| (places[k] - way_b.points[k]) * power);
                 let heights = squared_distance(&points);
                 let lowest = heights.into_iter().fold(f64::INFINITY, f64::min);
-                // The clearance contains their rounding: see the filter by coefficients.
-                let threshold = filter_threshold(radius, self.scale) * power;
+                // The clearance contains their rounding: see the rejection by coefficients.
+                let threshold = rejection_threshold(radius, self.scale) * power;
                 if lowest > threshold * threshold {
                     continue;
                 }

@@ -1,7 +1,7 @@
 //! Allocation, release and copies of ranges, alone and under the bodies of a scene.
 
 use super::{ArenaRange, CubicArena};
-use crate::bounds::{CompactTrajectory, Line};
+use crate::bounds::{CacheLine, CompactTrajectory};
 use crate::scene::{Body, Scene};
 use crate::trajectory::{State, Trajectory};
 use glam::DVec3;
@@ -198,6 +198,6 @@ fn is_drawn_right(scene: &Scene) {
 }
 
 fn is_marked(arena: &CubicArena, range: &ArenaRange, mark: f64) -> bool {
-    let knots: &[f64] = bytemuck::cast_slice::<Line, f64>(arena.at(range));
+    let knots: &[f64] = bytemuck::cast_slice::<CacheLine, f64>(arena.at(range));
     knots.iter().all(|knot| knot.to_bits() == mark.to_bits())
 }

@@ -11,7 +11,7 @@ use glam::DVec3;
 
 /// Returns true if two bodies stay farther apart than `threshold` (m) along this cubic.
 ///
-/// `threshold` comes from [`filter_threshold`](super::relative::filter_threshold).
+/// `threshold` comes from [`rejection_threshold`](super::relative::rejection_threshold).
 pub(crate) fn certainly_beyond(points: &[DVec3; 4], threshold: f64) -> bool {
     let [p0, p1, p2, p3] = *points;
     let low = p0.min(p1).min(p2.min(p3));
@@ -72,7 +72,7 @@ fn beyond_by_coefficients(points: &[DVec3; 4], largest: DVec3, threshold: f64) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::narrow_phase::relative::{RelativeCubic, filter_threshold, local_scale};
+    use crate::narrow_phase::relative::{RelativeCubic, local_scale, rejection_threshold};
     use crate::narrow_phase::stretches::DistanceProfile;
     use crate::trajectory::{State, Trajectory};
     use rand::rngs::ChaCha8Rng;
@@ -89,7 +89,7 @@ mod tests {
         Trajectory::from_states(&states).unwrap_or_else(|error| unreachable!("{error}"))
     }
 
-    /// No filter rejects a contact that the solver reports at a threshold within a few roundings of
+    /// No test rejects a contact that the solver reports at a threshold within a few roundings of
     /// the minimum, on the whole span or on any part with the contact.
     #[test]
     fn filters_never_reject_what_the_solver_reports() {
@@ -105,7 +105,7 @@ mod tests {
             let least = profile.closest(&cubic, whole.0, whole.1);
             let off = rng.random_range(-2.0..2.0) * cubic.tolerance();
             let radius = (least.distance + off).max(0.0);
-            let threshold = filter_threshold(radius, scale);
+            let threshold = rejection_threshold(radius, scale);
             let mut contacts = Vec::new();
             profile.stretches(&cubic, radius, whole, |ends, _| contacts.push(ends));
             if contacts.is_empty() {
@@ -120,8 +120,8 @@ mod tests {
                 let part = RelativeCubic::between(a, b, (from, to), DVec3::ZERO);
                 assert!(!certainly_beyond(&part.points, threshold), "{enter} {exit}");
             }
-            // The filters do reject: a radius of half the least distance, mostly.
-            let half = filter_threshold(0.5 * radius, scale);
+            // The tests do reject: a radius of half the least distance, mostly.
+            let half = rejection_threshold(0.5 * radius, scale);
             rejected += u32::from(certainly_beyond(&cubic.points, half));
         }
         assert!(reported > 10_000, "{reported}");

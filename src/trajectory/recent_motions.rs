@@ -19,7 +19,7 @@ use std::sync::OnceLock;
 /// Four cache lines: these numbers, and one for each motion.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub(super) struct TurnedMotion {
+pub(super) struct RecentMotions {
     /// The knots, and the end of the first piece after the last one: one more than there are pieces.
     cuts: [f64; Self::ROOM + 1],
     /// The cubics between the knots, for those who ask for a list of them.
@@ -30,7 +30,7 @@ pub(super) struct TurnedMotion {
     motions: [StraightMotion; Self::ROOM],
 }
 
-impl TurnedMotion {
+impl RecentMotions {
     /// Largest number of pieces. A body that is told a state each frame has as many: the piece that ended when the
     /// clock was last advanced, the piece until the state is told, and the piece from then on.
     const ROOM: usize = 3;
@@ -38,26 +38,26 @@ impl TurnedMotion {
     /// Returns a plan in this form, if it is one of a few straight motions.
     pub(super) fn of(plan: &Plan) -> Option<Self> {
         let pieces = plan.segments.len();
-        let is_turned = plan.has_piece_after && plan.before != Outside::Extrapolate;
-        if !is_turned || pieces > Self::ROOM {
+        let is_recent = plan.has_piece_after && plan.before != Outside::Extrapolate;
+        if !is_recent || pieces > Self::ROOM {
             return None;
         }
-        let mut turned = Self {
+        let mut recent = Self {
             cuts: [0.0; Self::ROOM + 1],
             segments: OnceLock::new(),
             count: short(pieces),
             before: plan.before,
             motions: [StraightMotion::NONE; Self::ROOM],
         };
-        for (motion, segment) in turned.motions.iter_mut().zip(&*plan.segments) {
+        for (motion, segment) in recent.motions.iter_mut().zip(&*plan.segments) {
             *motion = StraightMotion::of(segment)?;
         }
-        turned.cuts[..=pieces].copy_from_slice(&plan.knots);
+        recent.cuts[..=pieces].copy_from_slice(&plan.knots);
         let [before, after] = plan.segments.beside() else {
             return None;
         };
-        let is_whole = turned.before == Outside::Absent || *before == turned.motions[0].segment();
-        (is_whole && *after == turned.last().segment()).then_some(turned)
+        let is_whole = recent.before == Outside::Absent || *before == recent.motions[0].segment();
+        (is_whole && *after == recent.last().segment()).then_some(recent)
     }
 
     const fn pieces(&self) -> usize {
@@ -97,9 +97,9 @@ impl TurnedMotion {
         &self.motions[self.pieces() - 1]
     }
 
-    /// Turns it as [`Trajectory::turn`](super::Trajectory::turn) does. Returns false, and changes nothing, if
+    /// Replaces the motion as [`Trajectory::replace`](super::Trajectory::replace) does. Returns false, and changes nothing, if
     /// there is no room.
-    pub(super) fn turn(&mut self, from: f64, motion: &StraightMotion, since: f64) -> bool {
+    pub(super) fn replace(&mut self, from: f64, motion: &StraightMotion, since: f64) -> bool {
         let Some(room) = self.room(from, motion, since) else {
             return false;
         };
@@ -107,7 +107,7 @@ impl TurnedMotion {
         true
     }
 
-    /// Turns it where it [turns as usual](Self::turns_as_usual): there is room, and the motion so far goes on in one
+    /// Turns it where it [turns as usual](Self::replaces_as_usual): there is room, and the motion so far goes on in one
     /// piece.
     #[inline]
     pub(super) fn turn_as_usual(&mut self, from: f64, motion: &StraightMotion, since: f64) {
@@ -152,7 +152,7 @@ impl TurnedMotion {
         self.segments.take();
     }
 
-    /// Returns what [`turn`](Self::turn) makes of the pieces, if there is room.
+    /// Returns what [`replace`](Self::replace) makes of the pieces, if there is room.
     pub(super) fn room(&self, from: f64, motion: &StraightMotion, since: f64) -> Option<Room> {
         let from = one_zero(from);
         // The motion so far goes on up to there, in the pieces that it is cut into.
@@ -181,10 +181,10 @@ impl TurnedMotion {
         (is_piece && room.kept < Self::ROOM).then_some(room)
     }
 
-    /// Returns true if [`Trajectory::turns_as_usual`](super::Trajectory::turns_as_usual) does: this motion is known up
+    /// Returns true if [`Trajectory::replaces_as_usual`](super::Trajectory::replaces_as_usual) does: this motion is known up
     /// to `from`, the new one differs from it, and the new one's first piece lasts for all of `window`.
     #[inline]
-    pub(super) fn turns_as_usual(
+    pub(super) fn replaces_as_usual(
         &self,
         (from, since): (f64, f64),
         motion: &StraightMotion,
@@ -223,7 +223,7 @@ impl TurnedMotion {
     }
 }
 
-/// The number of pieces that a turn drops and keeps, and the end of the new one.
+/// The number of pieces that a replacement drops and keeps, and the end of the new one.
 pub(super) struct Room {
     dropped: usize,
     /// Pieces that are left before the new motion.
@@ -251,6 +251,6 @@ mod tests {
 
     #[test]
     fn a_turned_motion_takes_four_cache_lines() {
-        assert_eq!(size_of::<TurnedMotion>(), 256);
+        assert_eq!(size_of::<RecentMotions>(), 256);
     }
 }

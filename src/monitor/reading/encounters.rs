@@ -37,9 +37,10 @@ impl EncounterCache {
     }
 
     /// Adds the planned encounters of a pair; pairs come in order.
-    pub(in crate::monitor) fn add(&mut self, slots: SlotPair, plain: PlannedEncounter) {
+    pub(in crate::monitor) fn add(&mut self, slots: SlotPair, planned: PlannedEncounter) {
         self.touched.push(slots);
-        self.always.add(slots, (plain.start, plain.exit), plain);
+        self.always
+            .add(slots, (planned.start, planned.exit), planned);
     }
 
     /// Sorts in what was added.
