@@ -37,20 +37,23 @@ use crate::simd::prefetch;
 use crate::trajectory::{StraightMotion, Trajectory};
 use std::slice::from_ref;
 
+/// A place for a body: three cache lines.
 #[derive(Debug, Default)]
+#[repr(align(64))]
 pub(crate) struct Slot {
     generation: u32,
     entry: Option<SceneEntry>,
 }
 
 impl Slot {
-    /// Replaces the motion of the body, if there is one, in place, which must be possible.
-    pub(crate) fn replace_in_place(
+    /// Replaces the motion of the body, if there is one, which must be [replaced as usual](Trajectory::replaces_as_usual).
+    #[inline]
+    pub(crate) fn replace_as_usual(
         &mut self,
         (from, motion, since): (f64, &StraightMotion, f64),
     ) -> Option<&Trajectory> {
         let entry = self.entry.as_mut()?;
-        Some(entry.replace_in_place((from, motion, since)))
+        Some(entry.replace_as_usual((from, motion, since)))
     }
 
     /// Prefetches what the body's motion has beside the record.

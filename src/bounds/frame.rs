@@ -117,7 +117,7 @@ fn smaller(one: DVec3, other: DVec3) -> DVec3 {
 ///
 /// The minimum and maximum of f64 take four instructions where this takes one.
 #[inline(always)]
-pub(super) fn larger(one: DVec3, other: DVec3) -> DVec3 {
+fn larger(one: DVec3, other: DVec3) -> DVec3 {
     let larger = |one: f64, other: f64| if other > one { other } else { one };
     DVec3::new(
         larger(one.x, other.x),
@@ -215,7 +215,7 @@ impl Padding {
     };
 
     /// Returns the padding by a body's shape and half a margin (m), in a frame's unit.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn of<'a>(shape: impl Into<BodyShape<'a>>, margin: f64, frame: &Frame) -> Self {
         let shape = shape.into();
         let mut half = 0.5 * margin;

@@ -1,6 +1,6 @@
 //! Parts of straight motions.
 
-use super::frame::{Frame, larger};
+use super::frame::Frame;
 use super::{FAR, ROUNDING, nearest};
 use crate::rounding::UNIT_ROUNDOFF;
 use crate::trajectory::StraightMotion;
@@ -21,16 +21,30 @@ impl StraightPart {
     /// Returns the part of a motion between two instants (s), relative to a frame's origin and in its unit.
     #[inline(always)]
     pub(super) fn new(motion: &StraightMotion, (from, to): (f64, f64), frame: &Frame) -> Self {
-        let (first, last) = (motion.way_to(from), motion.way_to(to));
-        let offset = motion.origin() - frame.origin;
         // A box is larger by four roundings of `near`. Each way has two roundings, and two where it cancels with the
         // offset. The solver's error, of at most 36, is held more than twice, as that of any cubic is.
         const ERROR: f64 = 24.0 * UNIT_ROUNDOFF / ROUNDING as f64;
-        let error = larger(first.abs(), last.abs()) * ERROR;
-        let near = ((last - first).abs() + error).element_sum() * frame.power;
-        let [start, end] = [first, last].map(|way| (offset + way) * frame.power);
-        let size = start.abs() + near;
-        if !(size.x < FAR && size.y < FAR && size.z < FAR) {
+        let lanes = |DVec3 { x, y, z }: DVec3| [x, y, z, 0.0];
+        let (origin, velocity) = (lanes(motion.origin()), lanes(motion.velocity()));
+        let (middle, power) = (lanes(frame.origin), frame.power);
+        let since = [from - motion.start(), to - motion.start()];
+        // Loops over four lanes, the last of which is zero: the compiler takes one instruction for all.
+        let (mut start, mut end, mut near) = ([0.0; 4], [0.0; 4], [0.0; 4]);
+        for lane in 0..4 {
+            let (first, last) = (velocity[lane] * since[0], velocity[lane] * since[1]);
+            let (far, farther) = (first.abs(), last.abs());
+            let way = if farther > far { farther } else { far };
+            near[lane] = (last - first).abs() + way * ERROR;
+            let offset = origin[lane] - middle[lane];
+            start[lane] = (offset + first) * power;
+            end[lane] = (offset + last) * power;
+        }
+        let near = (near[0] + near[1] + near[2]) * power;
+        let mut is_served = true;
+        for lane in start {
+            is_served &= lane.abs() + near < FAR;
+        }
+        if !is_served {
             return Self {
                 first: Vec4::ZERO,
                 last: Vec4::ZERO,
@@ -39,10 +53,14 @@ impl StraightPart {
                 to,
             };
         }
-        let lanes = |DVec3 { x, y, z }: DVec3| Vec4::new(nearest(x), nearest(y), nearest(z), 0.0);
+        let (mut first, mut last) = ([0.0; 4], [0.0; 4]);
+        for lane in 0..4 {
+            first[lane] = nearest(start[lane]);
+            last[lane] = nearest(end[lane]);
+        }
         Self {
-            first: lanes(start),
-            last: lanes(end),
+            first: Vec4::from_array(first),
+            last: Vec4::from_array(last),
             near: nearest(near),
             from,
             to,

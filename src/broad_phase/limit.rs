@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub(crate) struct CandidateLimit<'f, F> {
     filter: &'f F,
     most: u64,
-    /// Written by one thread; atomic since filters are shared.
+    /// Counted by all threads that share a sweep.
     admitted: AtomicU64,
 }
 
@@ -33,10 +33,8 @@ impl<F: PairFilter> PairFilter for CandidateLimit<'_, F> {
         if !self.filter.admits(a, b) {
             return false;
         }
-        let admitted = self.admitted.load(Ordering::Relaxed);
         // One more than there is room for tells that it was needed.
-        self.admitted.store(admitted + 1, Ordering::Relaxed);
-        admitted < self.most
+        self.admitted.fetch_add(1, Ordering::Relaxed) < self.most
     }
 
     #[inline]

@@ -453,8 +453,12 @@ impl Monitor {
     }
 
     pub(super) const fn count_change(&mut self) {
-        self.changed_bodies += 1;
-        self.review.changes += 1;
+        self.count_changes(1);
+    }
+
+    pub(super) const fn count_changes(&mut self, count: usize) {
+        self.changed_bodies += count as u64;
+        self.review.changes += count;
     }
 
     pub(super) fn place(&mut self, id: BodyId, flight: Option<MonitoredBody>) {

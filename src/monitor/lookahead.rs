@@ -40,6 +40,7 @@ use crate::wall_clock::Instant;
 use crate::window::Window;
 use ahead::due_ahead;
 use std::collections::VecDeque;
+use std::iter::once;
 use std::sync::atomic::AtomicUsize;
 use std::sync::atomic::Ordering::Relaxed;
 
@@ -187,17 +188,27 @@ impl LookaheadSearch {
 
     /// Looks for a body's pairs anew: its filter changed.
     pub(super) fn forget(&mut self, slot: u32) {
-        let place = slot as usize;
-        if self.is_dirty.len() <= place {
-            self.is_dirty.resize(place + 1, false);
+        self.forget_all(once(slot));
+    }
+
+    /// Looks for the pairs of some bodies anew; returns the number of bodies.
+    pub(super) fn forget_all(&mut self, slots: impl Iterator<Item = u32>) -> usize {
+        let mut count = 0;
+        for slot in slots {
+            let place = slot as usize;
+            if self.is_dirty.len() <= place {
+                self.is_dirty.resize(place + 1, false);
+            }
+            if !std::mem::replace(&mut self.is_dirty[place], true) {
+                self.dirty.push(slot);
+            }
+            self.recent.push(slot);
+            count += 1;
         }
-        if !std::mem::replace(&mut self.is_dirty[place], true) {
-            self.dirty.push(slot);
-        }
-        self.recent.push(slot);
         if self.recent.len() > Self::MANY_CHANGES + 2 * self.dirty.len() {
             self.recent.reset(&self.dirty);
         }
+        count
     }
 
     /// Drops what was found of changed bodies: once for all of them.

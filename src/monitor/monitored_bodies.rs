@@ -13,22 +13,25 @@ use std::ops::Range;
 use std::slice::from_ref;
 
 /// The facts about a body's plan and hitbox that are computed once, when they are set.
+///
+/// The first cache line changes with the plan. The second one is of the hitbox.
 #[derive(Debug)]
+#[repr(C, align(64))]
 pub(super) struct MonitoredBody {
-    pub(super) padding: Padding,
-    /// The pieces beyond the knots, where the body exists there and the monitor's window reaches it. They
-    /// begin with that window at the time the plan was set, so that their numbers stay as its end moves on.
-    extension: Option<Extension>,
     begin: f64,
-    /// Ends of the knots, s.
+    /// First and last instant of the knots, or of the pieces beyond them, s.
     ends: (f64, f64),
-    /// Number of the plan's own cubics.
-    cubics: u32,
     /// Instant up to which a plan without end is followed, s; infinite for a plan with an end.
     pub(super) until: f64,
+    /// Number of the plan's own cubics.
+    cubics: u32,
+    /// Numbers of the pieces before and after the knots, where the body exists there and the monitor's window reaches
+    /// it. They begin with that window at the time the plan was set, so that they stay as its end moves on.
+    beyond: Option<(u32, u32)>,
     /// True if the body may be part of a pair of boxes.
     pub(super) has_partner: bool,
     is_half_space: bool,
+    pub(super) padding: Padding,
 }
 
 impl MonitoredBody {
@@ -40,14 +43,14 @@ impl MonitoredBody {
         window: Window,
     ) -> Result<Self, Error> {
         let mut flight = Self {
-            padding: Padding::of(shape, margin, frame),
-            extension: None,
             begin: 0.0,
             ends: (0.0, 0.0),
-            cubics: 0,
             until: f64::INFINITY,
+            cubics: 0,
+            beyond: None,
             has_partner: true,
             is_half_space: shape.is_half_space(),
+            padding: Padding::of(shape, margin, frame),
         };
         flight.replan(trajectory, window)?;
         Ok(flight)
@@ -56,7 +59,7 @@ impl MonitoredBody {
     /// Takes another plan of the same body over `window`.
     #[inline]
     pub(super) fn replan(&mut self, trajectory: &Trajectory, window: Window) -> Result<(), Error> {
-        self.extension = None;
+        self.beyond = None;
         self.begin = window.start();
         let knots = Knots::of(trajectory.cuts());
         self.ends = knots.ends();
@@ -92,14 +95,14 @@ impl MonitoredBody {
             let extension = self.extended(trajectory, far).ok().flatten();
             let extension = extension.unwrap_or(needed);
             self.ends = extension.domain;
-            self.extension = Some(extension);
+            self.beyond = Some((extension.before, extension.after));
         }
         self.note_until(trajectory);
         Ok(())
     }
 
     fn extended(&self, trajectory: &Trajectory, end: f64) -> Result<Option<Extension>, Error> {
-        let Some(mut extension) = self.extension else {
+        let Some(mut extension) = self.extension() else {
             return trajectory.extension(Window::new(self.begin, end)?);
         };
         trajectory.lengthen(&mut extension, end)?;
@@ -108,8 +111,18 @@ impl MonitoredBody {
 
     /// Returns the number of cubics, those beyond the knots included.
     fn all_cubics(&self) -> u32 {
-        let beyond = |extension: &Extension| extension.before + extension.after;
-        self.cubics + self.extension.as_ref().map_or(0, beyond)
+        let (before, after) = self.beyond.unwrap_or_default();
+        self.cubics + before + after
+    }
+
+    /// Returns the pieces beyond the knots.
+    #[inline]
+    fn extension(&self) -> Option<Extension> {
+        self.beyond.map(|(before, after)| Extension {
+            before,
+            after,
+            domain: self.ends,
+        })
     }
 
     /// Returns the plan and the hitbox as the narrow phase takes them.
@@ -125,7 +138,7 @@ impl MonitoredBody {
     #[inline]
     pub(super) fn knots<'s>(&self, trajectory: &'s Trajectory) -> Knots<'s> {
         let knots = Knots::with_ends(trajectory.cuts(), self.ends);
-        knots.extended(trajectory, self.extension.as_ref())
+        knots.extended(trajectory, self.extension().as_ref())
     }
 }
 

@@ -278,30 +278,37 @@ impl Monitor {
     fn replace_in_place(&mut self, now: f64, tracked: &TrackedMotions) -> Result<(), Error> {
         let terms = self.terms()?;
         let (window, since) = (terms.window, terms.forget_before);
-        let is_shared = parallel::threads() > 1 && 2 * tracked.ids.len() > self.scene.slots();
-        if is_shared {
+        if parallel::threads() > 1 && 2 * tracked.ids.len() > self.scene.slots() {
             self.share_replacements((now, since), window, tracked)?;
+        } else {
+            self.replace_each((now, since), window, tracked)?;
         }
+        let count = self.search.forget_all(tracked.slots_in_place());
+        self.count_changes(count);
+        Ok(())
+    }
+
+    /// Replaces them in the order in which they were told.
+    fn replace_each(
+        &mut self,
+        (now, since): (f64, f64),
+        window: Window,
+        tracked: &TrackedMotions,
+    ) -> Result<(), Error> {
         for (place, is_replaced) in tracked.in_place.iter().enumerate() {
-            let slot = tracked.ids[place].slot;
-            if !is_shared {
-                self.prefetch_motion(&tracked.ids, place);
-                if let Some(later) = tracked.ids.get(place + 2 * CommandBatch::AHEAD) {
-                    self.search.flights.prefetch(later.slot);
-                }
+            self.prefetch_motion(&tracked.ids, place);
+            if let Some(later) = tracked.ids.get(place + 2 * CommandBatch::AHEAD) {
+                self.search.flights.prefetch(later.slot);
             }
             if !is_replaced {
                 continue;
             }
-            if !is_shared {
-                let flown = &mut self.scene.slots_mut()[slot as usize];
-                let motion = &tracked.motions[place];
-                if let Some(flown) = flown.replace_in_place((now, motion, since)) {
-                    self.search.flights.replan(slot, flown, window)?;
-                }
+            let slot = tracked.ids[place].slot;
+            let flown = &mut self.scene.slots_mut()[slot as usize];
+            let motion = &tracked.motions[place];
+            if let Some(flown) = flown.replace_as_usual((now, motion, since)) {
+                self.search.flights.replan(slot, flown, window)?;
             }
-            self.search.forget(slot);
-            self.count_change();
         }
         Ok(())
     }
@@ -329,7 +336,7 @@ impl Monitor {
                 let (Some(motion), Some(flight)) = (motion, flight) else {
                     continue;
                 };
-                let flown = slots[place].replace_in_place((now, motion, since));
+                let flown = slots[place].replace_as_usual((now, motion, since));
                 let followed = flown.map_or(Ok(()), |flown| flight.replan(flown, window));
                 match (&mut *end, followed) {
                     (Ok(end), Ok(())) => *end = end.min(flight.until),

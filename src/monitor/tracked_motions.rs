@@ -68,6 +68,12 @@ impl TrackedMotions {
         self.spins.extend(spin.map(|spin| (*place, spin)));
     }
 
+    /// Returns the slots of the bodies whose motions are replaced in place.
+    pub(super) fn slots_in_place(&self) -> impl Iterator<Item = u32> {
+        let places = self.ids.iter().zip(&self.in_place);
+        places.filter_map(|(id, is_replaced)| is_replaced.then_some(id.slot))
+    }
+
     /// Returns the motion of the body in a slot, if it is replaced in place.
     pub(super) fn in_place(&self, slot: usize) -> Option<&StraightMotion> {
         let place = *self.place_of.get(slot)?;

@@ -160,6 +160,7 @@ impl SceneEntry {
     }
 
     /// Gives the body a straight motion.
+    #[inline]
     pub(super) fn follow_straight(&mut self, motion: &StraightMotion, arena: &mut CubicArena) {
         self.forget_summary(arena);
         self.body.trajectory = Trajectory::of_straight(*motion);
@@ -172,15 +173,18 @@ impl SceneEntry {
         arena: &mut CubicArena,
     ) -> &Trajectory {
         self.forget_summary(arena);
-        self.replace_in_place((from, motion, since))
+        self.body.trajectory.replace(from, motion, since);
+        &self.body.trajectory
     }
 
-    /// Turns a motion that has no summary, since it is one of straight ones.
-    pub(super) fn replace_in_place(
+    /// Replaces a motion that is [replaced as usual](Trajectory::replaces_as_usual). It has no summary, since it is one of straight
+    /// ones.
+    #[inline]
+    pub(super) fn replace_as_usual(
         &mut self,
         (from, motion, since): (f64, &StraightMotion, f64),
     ) -> &Trajectory {
-        self.body.trajectory.replace(from, motion, since);
+        self.body.trajectory.replace_as_usual(from, motion, since);
         &self.body.trajectory
     }
 

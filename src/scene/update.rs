@@ -161,8 +161,11 @@ impl Scene {
                 if let Some((later, _)) = told.get(place + AHEAD) {
                     self.prefetch(later.slot);
                 }
-                let (entry, arena) = self.entry_mut(*id)?;
-                entry.follow_straight(motion, arena);
+                // It was found above.
+                let slot = self.slots.get_mut(id.slot as usize);
+                if let Some(entry) = slot.and_then(|slot| slot.entry.as_mut()) {
+                    entry.follow_straight(motion, &mut self.arena);
+                }
             }
             for (id, orientation) in turning {
                 drop(self.set_orientation(id, orientation)?);

@@ -13,15 +13,19 @@ use std::sync::OnceLock;
 /// A few straight motions, one after another. They take no memory beside this.
 ///
 /// The last one is followed for ever. Its first piece after the last knot is one of those that are listed here.
+///
+/// Four cache lines: these numbers, and one for each motion.
 #[derive(Clone, Debug)]
+#[repr(C, align(64))]
 pub(super) struct RecentMotions {
-    motions: [StraightMotion; Self::ROOM],
     /// The knots, and the end of the first piece after the last one: one more than there are pieces.
     cuts: [f64; Self::ROOM + 1],
-    pieces: usize,
-    before: Outside,
     /// The cubics between the knots, for those who ask for a list of them.
     segments: OnceLock<Box<[Segment]>>,
+    /// Number of pieces.
+    count: u32,
+    before: Outside,
+    motions: [StraightMotion; Self::ROOM],
 }
 
 impl RecentMotions {
@@ -37,11 +41,11 @@ impl RecentMotions {
             return None;
         }
         let mut recent = Self {
-            motions: [StraightMotion::NONE; Self::ROOM],
             cuts: [0.0; Self::ROOM + 1],
-            pieces,
-            before: plan.before,
             segments: OnceLock::new(),
+            count: short(pieces),
+            before: plan.before,
+            motions: [StraightMotion::NONE; Self::ROOM],
         };
         for (motion, segment) in recent.motions.iter_mut().zip(&*plan.segments) {
             *motion = StraightMotion::of(segment)?;
@@ -54,19 +58,23 @@ impl RecentMotions {
         (is_whole && *after == recent.last().segment()).then_some(recent)
     }
 
+    const fn pieces(&self) -> usize {
+        self.count as usize
+    }
+
     /// Returns the knots and the end of the first piece after the last one, s.
     pub(super) fn cuts(&self) -> &[f64] {
-        &self.cuts[..=self.pieces]
+        &self.cuts[..=self.pieces()]
     }
 
     /// Returns the knots, s.
     pub(super) fn knots(&self) -> &[f64] {
-        &self.cuts[..self.pieces]
+        &self.cuts[..self.pieces()]
     }
 
     /// Returns the motions between the [cuts](Self::cuts).
     pub(super) fn motions(&self) -> &[StraightMotion] {
-        &self.motions[..self.pieces]
+        &self.motions[..self.pieces()]
     }
 
     /// Returns the rule before the first knot.
@@ -77,14 +85,14 @@ impl RecentMotions {
     /// Returns the cubics between the knots.
     pub(super) fn segments(&self) -> &[Segment] {
         self.segments.get_or_init(|| {
-            let motions = &self.motions[..self.pieces - 1];
+            let motions = &self.motions[..self.pieces() - 1];
             motions.iter().map(StraightMotion::segment).collect()
         })
     }
 
     /// Returns the motion after the last knot.
     pub(super) fn last(&self) -> &StraightMotion {
-        &self.motions[self.pieces - 1]
+        &self.motions[self.pieces() - 1]
     }
 
     /// Replaces the motion as [`Trajectory::replace`](super::Trajectory::replace) does. Returns false, and
@@ -93,7 +101,35 @@ impl RecentMotions {
         let Some(room) = self.room(from, motion, since) else {
             return false;
         };
-        let (before, last, last_knot) = (self.pieces, *self.last(), self.last_knot());
+        self.fill(&room, from, motion);
+        true
+    }
+
+    /// Replaces the motion where it is [replaced as usual](Self::replaces_as_usual): there is room, and the motion so far goes on in one
+    /// piece.
+    #[inline]
+    pub(super) fn replace_as_usual(&mut self, from: f64, motion: &StraightMotion, since: f64) {
+        let dropped = self.past(since);
+        let room = Room {
+            dropped,
+            kept: self.pieces() - dropped,
+            end: cut_after(one_zero(from), motion, 1),
+        };
+        debug_assert!(room.kept < Self::ROOM && from <= self.cuts[self.pieces()]);
+        self.fill(&room, from, motion);
+    }
+
+    /// Returns the number of pieces, not all of them, that end before an instant (s).
+    #[inline]
+    fn past(&self, since: f64) -> usize {
+        let past = self.knots().iter().take_while(|knot| **knot < since);
+        past.count().saturating_sub(1).min(self.pieces() - 1)
+    }
+
+    /// Drops the first pieces, and lets the motion follow the others from an instant (s) on.
+    #[inline]
+    fn fill(&mut self, room: &Room, from: f64, motion: &StraightMotion) {
+        let (before, last, last_knot) = (self.pieces(), *self.last(), self.last_knot());
         for place in 0..room.kept {
             let number = room.dropped + place;
             if let Some(beyond) = number.checked_sub(before) {
@@ -107,12 +143,11 @@ impl RecentMotions {
         self.motions[room.kept] = *motion;
         self.cuts[room.kept] = one_zero(from);
         self.cuts[room.kept + 1] = room.end;
-        self.pieces = room.kept + 1;
+        self.count = short(room.kept + 1);
         if room.dropped > 0 {
             self.before = Outside::Absent;
         }
         self.segments.take();
-        true
     }
 
     /// Returns what [`replace`](Self::replace) makes of the pieces, if there is room.
@@ -120,18 +155,18 @@ impl RecentMotions {
         let from = one_zero(from);
         // The motion so far goes on up to there, in the pieces that it is cut into.
         let cut = |number: usize| cut_after(self.last_knot(), self.last(), number);
-        let beyond = if from <= self.cuts[self.pieces] {
+        let beyond = if from <= self.cuts[self.pieces()] {
             0
         } else {
             (1..).take_while(|&number| cut(number) < from).count()
         };
         let is_past = |knot: &f64| *knot < since;
         let mut past = self.knots().iter().take_while(|knot| is_past(knot)).count();
-        if past == self.pieces {
+        if past == self.pieces() {
             let later = (1..=beyond).map(cut).chain(once(from));
             past += later.take_while(is_past).count();
         }
-        let pieces = self.pieces + beyond;
+        let pieces = self.pieces() + beyond;
         let dropped = past.saturating_sub(1).min(pieces - 1);
         let end = cut_after(from, motion, 1);
         let is_piece = end > from && motion.check_reach((from, end), 0).is_ok();
@@ -154,13 +189,12 @@ impl RecentMotions {
         window: Window,
     ) -> bool {
         let end = from + motion.duration();
-        let past = self.knots().iter().take_while(|knot| **knot < since);
-        let kept = self.pieces - past.count().saturating_sub(1).min(self.pieces - 1);
+        let kept = self.pieces() - self.past(since);
         let begins = self.before == Outside::Absent || self.cuts[0] < window.start();
         begins
             && kept < Self::ROOM
             && self.last_knot() < from
-            && from <= self.cuts[self.pieces]
+            && from <= self.cuts[self.pieces()]
             && motion.start() <= from
             && window.end() < end
             && self.last().is_near(self.last_knot(), from)
@@ -169,7 +203,7 @@ impl RecentMotions {
     }
 
     fn last_knot(&self) -> f64 {
-        self.cuts[self.pieces - 1]
+        self.cuts[self.pieces() - 1]
     }
 
     /// Returns the plan that this is.
@@ -191,9 +225,25 @@ pub(super) struct Room {
     end: f64,
 }
 
+/// Converts a number of pieces, of which there are few, to 32 bits.
+#[allow(clippy::cast_possible_truncation, reason = "see above")]
+const fn short(pieces: usize) -> u32 {
+    pieces as u32
+}
+
 /// Returns the cut with a number from 1 on of a motion that goes on from a knot (s).
 fn cut_after(knot: f64, motion: &StraightMotion, number: usize) -> f64 {
     // There are far fewer: each is twice as far from the knot.
     let number = u32::try_from(number).unwrap_or(u32::MAX);
     DoublingCuts::cut(knot, motion.duration(), number)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn recent_motions_take_four_cache_lines() {
+        assert_eq!(size_of::<RecentMotions>(), 256);
+    }
 }

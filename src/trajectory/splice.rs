@@ -224,6 +224,15 @@ impl Trajectory {
         }
     }
 
+    /// Replaces the motion as [`replace`](Self::replace) does, where it is [replaced as usual](Self::replaces_as_usual).
+    #[inline]
+    pub(crate) fn replace_as_usual(&mut self, from: f64, motion: &StraightMotion, since: f64) {
+        match &mut self.form {
+            Form::Recent(recent) => recent.replace_as_usual(from, motion, since),
+            Form::Straight(..) | Form::Plan(_) => self.replace(from, motion, since),
+        }
+    }
+
     /// Returns true if it goes on from `from` (s) just as a straight motion does.
     pub(crate) fn follows(&self, motion: &StraightMotion, from: f64) -> bool {
         let is_past = self.knots().last().is_some_and(|&last| last <= from);
@@ -363,7 +372,11 @@ mod tests {
                 }
                 let is_usual = one.replaces_as_usual((now, since), &motion, window(now));
                 let memory = one.straight_motions().as_ptr();
-                one.replace(now, &motion, since);
+                if is_usual {
+                    one.replace_as_usual(now, &motion, since);
+                } else {
+                    one.replace(now, &motion, since);
+                }
                 let is_kept = memory == one.straight_motions().as_ptr();
                 assert!(is_kept || !is_usual);
                 other.as_plan().replace(now, &motion, since);

@@ -28,7 +28,9 @@ use self::rows::{SortIntoRows, SortedRows};
 use self::run::SweepRows;
 use self::sample::BoxSample;
 use super::{BodyBox, BroadPhase, Candidate, PairFilter};
+use crate::parallel;
 use crate::simd::InstructionSet;
+use std::ops::Range;
 
 /// Sorts boxes on a 16-bit grid into rows and sweeps along them: the default method.
 ///
@@ -47,11 +49,15 @@ pub struct Sweep {
     parts: Vec<Partition>,
     /// Number of copies that dividing may still make in this slice.
     copies_left: usize,
+    /// Candidates found by several threads, in the order of their records.
+    shares: Vec<Vec<Candidate>>,
 }
 
 impl Sweep {
     /// Number of boxes below which all are compared directly.
     const FEW: usize = 256;
+    /// Number of boxes from which several threads share the sweep of one slice.
+    const SHARED: usize = 1 << 15;
     /// Number of boxes above which all are compared directly, too: their copies could not be counted in 32 bits.
     const MAX: usize = 1 << 28;
     /// Largest number of copies by dividing in a slice, per box.
@@ -71,6 +77,7 @@ impl Sweep {
             faces: Default::default(),
             parts: Vec::new(),
             copies_left: 0,
+            shares: Vec::new(),
         }
     }
 
@@ -116,13 +123,51 @@ impl Sweep {
                 return self.find_in_parts(region, depth, filter, candidates);
             }
         }
-        self.instructions.run(SweepRows {
-            boxes,
-            rows: &self.rows,
-            region: (depth > 0).then_some(&region),
-            filter,
-            candidates,
+        let region = (depth > 0).then_some(&region);
+        self.sweep_rows(boxes, region, filter, candidates);
+    }
+
+    /// Appends the pairs of boxes that are sorted into rows; several threads share many of them.
+    fn sweep_rows<F: PairFilter>(
+        &mut self,
+        boxes: &[BodyBox],
+        region: Option<&Region>,
+        filter: &F,
+        candidates: &mut Vec<Candidate>,
+    ) {
+        let Self {
+            instructions,
+            rows,
+            shares,
+            ..
+        } = self;
+        let records = rows.run_ends.len();
+        let sweep = |records: Range<usize>, candidates: &mut Vec<Candidate>| {
+            instructions.run(SweepRows {
+                boxes,
+                rows,
+                records,
+                region,
+                filter,
+                candidates,
+            });
+        };
+        let threads = parallel::threads();
+        if threads == 1 || boxes.len() < Self::SHARED {
+            return sweep(0..records, candidates);
+        }
+        // Rows differ in length.
+        let share = records.div_ceil(4 * threads);
+        shares.resize_with(records.div_ceil(share), Vec::new);
+        parallel::for_each_chunk(shares, 1, (boxes.len(), 0), |number, shares| {
+            for found in shares {
+                let first = number * share;
+                sweep(first..records.min(first + share), found);
+            }
         });
+        for found in shares {
+            candidates.append(found);
+        }
     }
 
     /// Appends the pairs of boxes that belong to a region, comparing each with each.
@@ -175,5 +220,55 @@ impl BroadPhase for Sweep {
     ) {
         self.copies_left = Self::MAX_COPIES * boxes.len();
         self.find(boxes, Region::EVERYWHERE, 0, filter, candidates);
+    }
+}
+
+#[cfg(all(test, feature = "parallel"))]
+mod tests {
+    use super::super::{CandidateLimit, Everyone};
+    use super::*;
+    use parry3d::bounding_volume::Aabb;
+    use parry3d::math::Vector;
+    use rand::rngs::ChaCha8Rng;
+    use rand::{RngExt, SeedableRng};
+
+    /// Several threads find the same candidates in the same order, and count all of them.
+    #[test]
+    fn a_shared_sweep_equals_that_of_one_thread() {
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let count = short(Sweep::SHARED + 777);
+        let boxes: Vec<BodyBox> = (0..count)
+            .map(|body| {
+                let low = Vector::from_array([0; 3].map(|_| rng.random_range(-99.0_f32..99.0)));
+                let aabb = Aabb::new(low, low + 2.0);
+                BodyBox { aabb, body }
+            })
+            .collect();
+        let pairs = |threads: usize, most: u64| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            let pool = pool.unwrap_or_else(|error| unreachable!("{error}"));
+            pool.install(|| {
+                let (mut sweep, mut found) = (Sweep::default(), Vec::new());
+                let mut is_short = false;
+                for _ in 0..2 {
+                    found.clear();
+                    let room = CandidateLimit::new(&Everyone, most);
+                    sweep.pairs(&boxes, &room, &mut found);
+                    is_short = room.is_short();
+                }
+                (found, is_short)
+            })
+        };
+        let (alone, _) = pairs(1, u64::MAX);
+        let count = alone.len() as u64;
+        assert!(count > 1_000, "{count}");
+        for threads in [2, 3] {
+            assert_eq!(pairs(threads, count), (alone.clone(), false), "{threads}");
+            assert!(pairs(threads, count - 1).1, "{threads}");
+        }
+    }
+
+    fn short(count: usize) -> u32 {
+        u32::try_from(count).unwrap_or(u32::MAX)
     }
 }

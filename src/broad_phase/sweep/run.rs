@@ -4,6 +4,7 @@ use super::region::Region;
 use super::rows::{STEP, SortedRows};
 use crate::broad_phase::{BodyBox, Candidate, PairFilter, emit};
 use crate::simd::Task;
+use std::ops::Range;
 
 /// Number of hits that are buffered.
 const HITS: usize = 256;
@@ -21,6 +22,8 @@ struct Hit {
 pub(super) struct SweepRows<'a, F> {
     pub(super) boxes: &'a [BodyBox],
     pub(super) rows: &'a SortedRows,
+    /// The records that are compared with what follows them.
+    pub(super) records: Range<usize>,
     pub(super) region: Option<&'a Region>,
     pub(super) filter: &'a F,
     pub(super) candidates: &'a mut Vec<Candidate>,
@@ -47,7 +50,7 @@ impl<F: PairFilter> Task for SweepRows<'_, F> {
             lanes: [0; STEP],
         }; HITS];
         let mut count = 0;
-        for record in 0..run_ends.len() {
+        for record in self.records.clone() {
             let low = [lows[0][record], lows[1][record], lows[2][record]];
             let high = [highs[0][record], highs[1][record], highs[2][record]];
             let run_end = run_ends[record] as usize;
