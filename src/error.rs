@@ -1,6 +1,6 @@
 //! The error of all invalid inputs.
 
-use crate::id::BodyId;
+use crate::id::{BodyId, NamedBody};
 use std::fmt;
 
 /// Magnitude beyond which an input, or a quantity that follows from it, is refused (SI units).
@@ -296,12 +296,13 @@ pub enum Error {
         /// The row, counted from 0 over all rows.
         row: usize,
     },
-    /// An error of one body. Bodies are named by their tags: without
-    /// [`Body::with_tag`](crate::Body::with_tag) all are called 0.
-    #[error("body {body}: {error}")]
+    /// An error of one body, which is named by its id where it has one, and by its tag.
+    #[error("{}: {error}", NamedBody(*id, *body))]
     InBody {
-        /// The body's tag.
+        /// The body's tag: 0 without [`Body::with_tag`](crate::Body::with_tag).
         body: u64,
+        /// The body's id; `None` for a body that is not in a scene yet.
+        id: Option<BodyId>,
         /// The error of this body.
         #[source]
         error: Box<Error>,
@@ -485,15 +486,25 @@ pub enum Error {
 }
 
 impl Error {
-    /// Returns the error wrapped in the body's.
+    /// Returns the error wrapped in that of a body with this tag. An error of a body stays as it is.
     #[must_use]
     pub fn in_body(self, body: u64) -> Self {
         match self {
             Self::InBody { .. } => self,
             other => Self::InBody {
                 body,
+                id: None,
                 error: Box::new(other),
             },
         }
+    }
+
+    /// Returns the error of a body with the body's id. Other errors stay as they are.
+    #[must_use]
+    pub fn with_id(mut self, of: BodyId) -> Self {
+        if let Self::InBody { id, .. } = &mut self {
+            *id = Some(of);
+        }
+        self
     }
 }

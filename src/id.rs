@@ -68,6 +68,18 @@ impl fmt::Display for BodyId {
 /// A body as answers name it: by its id, and by its tag where it has one.
 pub(crate) struct TaggedBody(pub(crate) BodyId, pub(crate) u64);
 
+/// A body as errors name it: by its tag alone while it has no id.
+pub(crate) struct NamedBody(pub(crate) Option<BodyId>, pub(crate) u64);
+
+impl fmt::Display for NamedBody {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self(Some(id), tag) => TaggedBody(id, tag).fmt(f),
+            Self(None, tag) => write!(f, "body {tag}"),
+        }
+    }
+}
+
 impl fmt::Display for TaggedBody {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -295,7 +295,8 @@ impl Scene {
     /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::TurningHalfSpace`].
     pub fn set_hitbox(&mut self, id: BodyId, hitbox: Hitbox) -> Result<Hitbox, Error> {
         let body = &mut self.entry_mut(id)?.0.body;
-        Body::check_turning(&hitbox, &body.orientation, body.tag)?;
+        let checked = Body::check_turning(&hitbox, &body.orientation, body.tag);
+        checked.map_err(|error| error.with_id(id))?;
         let old = std::mem::replace(&mut body.hitbox, hitbox);
         self.note_shape(id);
         Ok(old)

@@ -149,22 +149,26 @@ fn an_update_that_is_refused_changes_nothing() {
         (
             ids[30],
             at(DVec3::ZERO, DVec3::new(0.0, nan, 0.0)),
-            not_finite(Quantity::Velocity(1), nan).in_body(30),
+            not_finite(Quantity::Velocity(1), nan)
+                .in_body(30)
+                .with_id(ids[30]),
         ),
         (
             ids[31],
             at(DVec3::new(-inf, 0.0, 0.0), DVec3::X),
-            not_finite(Quantity::Position(0), -inf).in_body(31),
+            not_finite(Quantity::Position(0), -inf)
+                .in_body(31)
+                .with_id(ids[31]),
         ),
         (
             ids[32],
             at(DVec3::new(0.0, 0.0, 1e301), DVec3::X),
-            too_large.in_body(32),
+            too_large.in_body(32).with_id(ids[32]),
         ),
         (
             ids[33],
             State::new(nan, DVec3::ZERO, DVec3::X),
-            not_finite(Quantity::Time, nan).in_body(33),
+            not_finite(Quantity::Time, nan).in_body(33).with_id(ids[33]),
         ),
         (
             removed,

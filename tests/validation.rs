@@ -305,7 +305,7 @@ fn an_extrapolation_out_of_range_is_an_error() {
     let far = Query::new(Window::new(0.0, 1e120).unwrap());
     assert!(matches!(
         scene.screen(&far).unwrap_err(),
-        Error::InBody { body: 5, error } if matches!(*error, Error::OutOfRange { .. })
+        Error::InBody { body: 5, error, .. } if matches!(*error, Error::OutOfRange { .. })
     ));
 }
 
@@ -358,7 +358,10 @@ fn what_a_monitor_refuses() {
     // Over, or not begun: no plan to follow from now on, as a replan would say.
     for start in [-20.0, 1.5] {
         let refused = monitor.what_if(id, &line(start), 0).unwrap_err();
-        assert_eq!(refused, Error::NoPlanAt { time: 1.0 }.in_body(7));
+        assert_eq!(
+            refused,
+            Error::NoPlanAt { time: 1.0 }.in_body(7).with_id(id)
+        );
         let replanned = monitor.replan(id, 1.0, line(start)).unwrap_err();
         assert_eq!(replanned, refused);
     }

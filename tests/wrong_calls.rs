@@ -182,20 +182,20 @@ const MONITORS: &[(Attempt, &str)] = &[
     (|| {
         let (mut monitor, id) = monitor();
         done(monitor.replan(id, f64::NAN, flying())?)
-    }, "body 4: the clock cannot show NaN s: not within ±1e300, or too far from 0 for the lookahead"),
+    }, "body 0v0 (tag 4): the clock cannot show NaN s: not within ±1e300, or too far from 0 for the lookahead"),
     (|| {
         let (mut monitor, id) = monitor();
         done(monitor.orient(id, f64::INFINITY, Orientation::FIXED)?)
-    }, "body 4: a plan or an orientation cannot change at inf s: give a finite time"),
+    }, "body 0v0 (tag 4): a plan or an orientation cannot change at inf s: give a finite time"),
     (|| {
         let (mut monitor, id) = monitor();
         done(monitor.track(1.0, [(id, state(1.0, f64::NAN))])?)
-    }, "body 4: knot 0: position x is NaN, not a finite number"),
+    }, "body 0v0 (tag 4): knot 0: position x is NaN, not a finite number"),
     (|| {
         let (mut monitor, id) = monitor();
         let rotation = Quat::from_xyzw(0.5, 0.5, 0.5, 0.5001).as_dquat();
         done(monitor.track(1.0, [(id, BodyState::from(state(1.0, 0.0)).with_spin(rotation, DVec3::Z))])?)
-    }, "body 4: knot 0: the quaternion of the rotation has the length 1.0000500120480236, not 1: normalise it in f64"),
+    }, "body 0v0 (tag 4): knot 0: the quaternion of the rotation has the length 1.0000500120480236, not 1: normalise it in f64"),
     (|| {
         let (mut monitor, id) = monitor();
         monitor.remove(id)?;
@@ -205,7 +205,7 @@ const MONITORS: &[(Attempt, &str)] = &[
         let (mut monitor, id) = monitor();
         let late = Trajectory::from_states(&[state(12.0, 0.0), state(13.0, 0.0)])?;
         done(monitor.extend(id, late)?)
-    }, "body 4: there is no plan to splice at 10.0 s: the old plan or the new one does not exist then, or the new one \
+    }, "body 0v0 (tag 4): there is no plan to splice at 10.0 s: the old plan or the new one does not exist then, or the new one \
         ends; give one that goes on from then, or set the trajectory as a whole"),
     (|| {
         let (monitor, id) = monitor();

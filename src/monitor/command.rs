@@ -271,14 +271,14 @@ impl CommandBatch {
             Command::SetModelError(_, metres) => {
                 let tag = revision.body(scene)?.tag;
                 let checked = checked_model_error(metres);
-                let checked = checked.map_err(|error| refuse(error.in_body(tag)))?;
+                let checked = checked.map_err(|error| refuse(error.in_body(tag).with_id(id)))?;
                 revision.model_error = Some(checked);
             }
             Command::Orient(_, from, next) => {
                 let body = revision.body(scene)?;
                 let before = revision.orientation.as_ref().unwrap_or(&body.orientation);
                 let both = before.followed_by(&next, from, terms.forget_before);
-                let both = both.map_err(|error| refuse(error.in_body(body.tag)))?;
+                let both = both.map_err(|error| refuse(error.in_body(body.tag).with_id(id)))?;
                 revision.orientation = Some(both);
             }
             Command::Replan(_, from, plan) => match plan.straight() {
@@ -410,7 +410,10 @@ impl PendingChange {
         };
         let (flown, plan) = (&body.trajectory, Trajectory::of_straight(pending.motion));
         let from = terms.follows_from(flown, &plan, pending.from);
-        let from = from.map_err(|error| (pending.command, error.in_body(body.tag)))?;
+        let from = from.map_err(|error| {
+            let error = error.in_body(body.tag).with_id(self.id);
+            (pending.command, error)
+        })?;
         let keeps_shape =
             self.hitbox.is_none() && self.orientation.is_none() && self.model_error.is_none();
         let can = keeps_shape && flown.can_replace(from, &pending.motion, terms.window);
@@ -447,7 +450,7 @@ impl PendingChange {
             self.late = splice.from.filter(|asked| *asked < from).map(|_| from);
             plan.precede_by(flown, from, terms.forget_before)
         });
-        spliced.map_err(|error| (splice.command, error.in_body(tag)))
+        spliced.map_err(|error| (splice.command, error.in_body(tag).with_id(self.id)))
     }
 
     /// Prepares the outcome for the body.
@@ -465,9 +468,9 @@ impl PendingChange {
             let model_error = self.model_error.unwrap_or(body.model_error());
             let shape = BodyShape::new(hitbox, orientation.turning(), model_error);
             let turns = Body::check_turning(hitbox, orientation, body.tag);
-            turns.map_err(|error| (self.last, error))?;
+            turns.map_err(|error| (self.last, error.with_id(self.id)))?;
             let flight = terms.flight(trajectory, shape, body.tag);
-            self.flight = Some(flight.map_err(|error| (self.last, error))?);
+            self.flight = Some(flight.map_err(|error| (self.last, error.with_id(self.id)))?);
         }
         Ok(())
     }

@@ -307,13 +307,13 @@ impl MonitoredBodies {
         }
         let mut until = f64::INFINITY;
         for (flight, slot) in self.by_slot.iter_mut().zip(0_u32..) {
-            let (Some(flight), Some((_, entry))) = (flight, scene.in_slot(slot)) else {
+            let (Some(flight), Some((id, entry))) = (flight, scene.in_slot(slot)) else {
                 continue;
             };
             let body = &entry.body;
             if flight.until <= end {
                 let done = flight.follow(&body.trajectory, end);
-                done.map_err(|error| error.in_body(body.tag))?;
+                done.map_err(|error| error.in_body(body.tag).with_id(id))?;
             }
             until = until.min(flight.until);
         }

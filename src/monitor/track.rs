@@ -121,7 +121,7 @@ impl Monitor {
         parallel::for_each_chunk(others, CHUNK, few, |_, some| {
             for other in some {
                 if let Err(error) = self.work_out_change(now, other, &terms) {
-                    other.plan = TrackedPlan::Refused(Box::new(error));
+                    other.plan = TrackedPlan::Refused(Box::new(error.with_id(other.id)));
                 }
             }
         });
@@ -143,7 +143,9 @@ impl Monitor {
     ) -> Result<(), Error> {
         let in_body = |error: Error| {
             let body = self.scene.body(id);
-            body.map_or(Error::UnknownBody { id }, |body| error.in_body(body.tag))
+            body.map_or(Error::UnknownBody { id }, |body| {
+                error.in_body(body.tag).with_id(id)
+            })
         };
         if id.slot as usize >= self.scene.slots() {
             return Err(Error::UnknownBody { id });

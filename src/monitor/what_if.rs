@@ -41,10 +41,13 @@ impl Monitor {
         let alert = self.levels.get(level);
         let alert = alert.ok_or(Error::UnknownAlertLevel { level })?;
         if !body.trajectory.domain().contains(self.now) || !plan.goes_on_from(self.now) {
-            return Err(Error::NoPlanAt { time: self.now }.in_body(body.tag));
+            return Err(Error::NoPlanAt { time: self.now }
+                .in_body(body.tag)
+                .with_id(id));
         }
         let orientation = orientation.unwrap_or(&body.orientation);
-        Body::check_turning(&body.hitbox, orientation, body.tag)?;
+        let checked = Body::check_turning(&body.hitbox, orientation, body.tag);
+        checked.map_err(|error| error.with_id(id))?;
         let shape = BodyShape::new(&body.hitbox, orientation.turning(), body.model_error());
         let (margin, _) = self.search.reach();
         let filter = SlotAdmission::of(&self.scene, margin, None);

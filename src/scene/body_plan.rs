@@ -88,7 +88,9 @@ impl Scene {
         orientation: Orientation,
     ) -> Result<Orientation, Error> {
         let (entry, _) = self.entry_mut(id)?;
-        Body::check_turning(&entry.body.hitbox, &orientation, entry.body.tag)?;
+        let body = &entry.body;
+        let checked = Body::check_turning(&body.hitbox, &orientation, body.tag);
+        checked.map_err(|error| error.with_id(id))?;
         Ok(std::mem::replace(&mut entry.body.orientation, orientation))
     }
 

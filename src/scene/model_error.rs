@@ -14,7 +14,8 @@ impl Scene {
     /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::ModelError`].
     pub fn set_model_error(&mut self, id: BodyId, metres: f64) -> Result<f64, Error> {
         let body = &mut self.entry_mut(id)?.0.body;
-        let checked = checked_model_error(metres).map_err(|error| error.in_body(body.tag))?;
+        let checked =
+            checked_model_error(metres).map_err(|error| error.in_body(body.tag).with_id(id))?;
         let old = std::mem::replace(&mut body.model_error, checked);
         self.note_shape(id);
         Ok(old)

@@ -150,7 +150,7 @@ impl Scene {
             }
             let taken = self.check_state(id, told_state, &mut told, &mut turning);
             if taken.is_err() {
-                checked = taken;
+                checked = taken.map_err(|error| error.with_id(id));
                 break;
             }
         }

@@ -68,7 +68,8 @@ impl<'a> PreparedScene<'a> {
         let mut extensions = Vec::new();
         let mut half_spaces = Vec::new();
         for (place, (id, entry)) in scene.entries().enumerate() {
-            let extension = entry.body.extension(asked)?;
+            let extension = entry.body.extension(asked);
+            let extension = extension.map_err(|error| error.with_id(id))?;
             let has_partner = partners.has(&entry.body);
             if entry.body.hitbox.is_half_space() {
                 half_spaces.extend(u32::try_from(place));

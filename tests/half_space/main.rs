@@ -250,7 +250,7 @@ fn half_spaces_do_not_turn() {
     let is_refused = |result: Result<(), Error>| {
         assert!(matches!(
             result,
-            Err(Error::InBody { body: 7, error }) if *error == Error::TurningHalfSpace
+            Err(Error::InBody { body: 7, error, .. }) if *error == Error::TurningHalfSpace
         ));
     };
     let spin = Orientation::spin(0.0, DQuat::IDENTITY, DVec3::X).unwrap();

@@ -116,7 +116,7 @@ fn what_cannot_be_asked() {
     let turning = floor(0.0).with_orientation(spin).with_tag(7);
     let refused = Error::TurningHalfSpace;
     let is_refused =
-        |error: Error| matches!(error, Error::InBody { body: 7, error } if *error == refused);
+        |error: Error| matches!(error, Error::InBody { body: 7, error, .. } if *error == refused);
     assert!(is_refused(
         pair::conflicts(&turning, &other, &query).unwrap_err()
     ));

@@ -194,7 +194,7 @@ fn what_is_no_model_error_is_refused() {
         for error in refused {
             let error = error.unwrap_err();
             assert_eq!(error.to_string(), text);
-            let Error::InBody { body: 9, error } = error else {
+            let Error::InBody { body: 9, error, .. } = error else {
                 panic!("{error}");
             };
             assert!(

@@ -82,7 +82,7 @@ fn a_plan_that_does_not_reach_the_clock_is_refused() {
         for (start, end) in [(1.5, 2.1), (1.5, 2.2), (2.21, 5.0)] {
             let short = line(start, end, DVec3::ZERO, DVec3::X);
             let error = monitor.replan(id, 1.5, short).unwrap_err();
-            assert_eq!(error, Error::NoPlanAt { time: 2.2 }.in_body(0));
+            assert_eq!(error, Error::NoPlanAt { time: 2.2 }.in_body(0).with_id(id));
             assert!(
                 error
                     .to_string()
@@ -92,7 +92,7 @@ fn a_plan_that_does_not_reach_the_clock_is_refused() {
         }
         for time in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             let error = monitor.replan(id, time, away(2.0, DVec3::X)).unwrap_err();
-            let expected = Error::Clock { time }.in_body(0);
+            let expected = Error::Clock { time }.in_body(0).with_id(id);
             assert_eq!(error.to_string(), expected.to_string());
         }
         assert_eq!(monitor.replan(id, 2.15, away(2.15, DVec3::X)), Ok(2.15));
@@ -101,7 +101,7 @@ fn a_plan_that_does_not_reach_the_clock_is_refused() {
     let (mut monitor, id) = alone(line(5.0, 9.0, DVec3::ZERO, DVec3::Z));
     tick(&mut monitor, 2.2);
     let error = monitor.replan(id, 2.0, away(2.0, DVec3::X)).unwrap_err();
-    assert_eq!(error, Error::NoPlanAt { time: 2.2 }.in_body(0));
+    assert_eq!(error, Error::NoPlanAt { time: 2.2 }.in_body(0).with_id(id));
     // Parts of a plan come one after the other, though all are over.
     let (mut monitor, id) = alone(line(0.0, 1.0, DVec3::ZERO, DVec3::Z));
     tick(&mut monitor, 9.0);

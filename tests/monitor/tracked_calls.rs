@@ -93,7 +93,9 @@ fn a_call_with_a_state_that_is_refused_changes_nothing() {
     for (state, quantity, value) in refused_states() {
         let mut states = fresh.clone();
         states[middle].1 = state;
-        let error = refusal(quantity, value).in_body(tag_of(&asked, id));
+        let error = refusal(quantity, value)
+            .in_body(tag_of(&asked, id))
+            .with_id(id);
         calls.push((now, states, error));
     }
     for now in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e301] {
@@ -115,7 +117,10 @@ fn a_call_with_a_state_that_is_refused_changes_nothing() {
     }
     let (absent, removed) = gone.unwrap();
     let errors = [
-        (absent, Error::NoPlanAt { time: now }.in_body(77)),
+        (
+            absent,
+            Error::NoPlanAt { time: now }.in_body(77).with_id(absent),
+        ),
         (removed, Error::UnknownBody { id: removed }),
     ];
     for (id, error) in errors {

@@ -7,7 +7,7 @@ use nearmiss::{Error, Quantity};
 
 /// Explains why the rows make no trajectories. It begins with the place in the file.
 pub(super) fn explain(error: &Error, rows: &[Row], labels: &Labels) -> String {
-    let Error::InBody { body, error } = error else {
+    let Error::InBody { body, error, .. } = error else {
         return error.to_string();
     };
     let name = labels.told(*body);

@@ -127,7 +127,7 @@ impl Labels {
     /// Returns an error of the library with the name of its body.
     pub(crate) fn explain(&self, error: &Error) -> String {
         match error {
-            Error::InBody { body, error } => format!("body {}: {error}", self.told(*body)),
+            Error::InBody { body, error, .. } => format!("body {}: {error}", self.told(*body)),
             error => error.to_string(),
         }
     }
