@@ -3,7 +3,7 @@
 
 #[cfg(feature = "recording")]
 use super::late::Recording;
-use super::reference::{Reference, order, told};
+use super::reference::{Reference, order, reported};
 use super::support::{bits, rng, vector, wander, with_every_change};
 use super::{Ledger, one_shot};
 use glam::DVec3;
@@ -385,7 +385,7 @@ fn life(seed: u64, seen: &mut Seen) {
         let known = pair.tracked.complete_until();
         let mut expected = reference.tick(pair.tracked.scene(), next, known);
         expected.sort_by(order);
-        let mut found: Vec<_> = events.iter().map(told).collect();
+        let mut found: Vec<_> = events.iter().map(reported).collect();
         found.sort_by(order);
         assert_eq!(found, expected, "{at:?}");
         if known > next {
