@@ -277,7 +277,7 @@ fn random_late_plans(seed: u64, history: f64, seen: &mut Seen) {
 /// What a monitor writes.
 #[cfg(feature = "recording")]
 #[derive(Clone, Default)]
-pub(super) struct Recording(Arc<Mutex<Vec<u8>>>);
+pub(super) struct Recording(pub(super) Arc<Mutex<Vec<u8>>>);
 
 #[cfg(feature = "recording")]
 impl io::Write for Recording {
