@@ -42,8 +42,10 @@ fn what_has_been_flown_stays() {
     let (mut spliced_often, mut refused, mut beyond) = (0, 0, 0);
     for _ in 0..60 {
         let start = rng.random_range(-3.0..3.0);
-        let (flown, new) = (plans(&mut rng, start), plans(&mut rng, 0.0));
-        let froms = [-6.0, -1.0, flown[2].knots()[0], 0.3, 2.2, 9.0];
+        let (mut flown, new) = (plans(&mut rng, start), plans(&mut rng, 0.0));
+        let trimmed = flown[2].clone().trimmed_before(start + 2.5);
+        let froms = [-6.0, -1.0, start, 0.3, 2.2, trimmed.knots()[0], 9.0];
+        flown.extend(RULES.map(|outside| trimmed.clone().with_outside(outside)));
         for (old, plan) in flown
             .iter()
             .flat_map(|old| new.iter().map(move |new| (old, new)))
@@ -76,6 +78,152 @@ fn what_has_been_flown_stays() {
         }
     }
     assert!(spliced_often > 4_000 && refused > 1_000 && beyond > 100_000);
+}
+
+/// Checks that a plan, which has lost its beginning, goes on before its first knot as the other rules say.
+fn check_before(trimmed: &Trajectory) {
+    let first = trimmed.knots()[0];
+    let state = trimmed.state(first).unwrap();
+    let coasting = trimmed.clone().with_outside(Outside::Coast);
+    let extrapolated = trimmed.clone().with_outside(Outside::Extrapolate);
+    let cubic = trimmed.segments()[0];
+    assert!(trimmed.position(first.next_down()).is_none());
+    for step in 0..40 {
+        let time = first - 0.1 * f64::from(step);
+        let straight = state.position + (time - first) * state.velocity;
+        let scale = 1.0 + cubic.extent() + straight.length();
+        let off = |plan: &Trajectory, place| plan.position(time).unwrap().distance(place) / scale;
+        assert!(off(&coasting, straight) < 1e-12, "{time} {trimmed:?}");
+        let velocity = coasting.velocity(time).unwrap();
+        assert!(velocity.distance(state.velocity) < 1e-12 * (1.0 + state.velocity.length()));
+        assert!(off(&extrapolated, cubic.motion_at(time).0) < 1e-12);
+    }
+    // One rule after the other.
+    let both = coasting.clone().with_outside(Outside::Extrapolate);
+    assert_eq!(both, extrapolated);
+    assert_eq!(both.with_outside(Outside::Coast), coasting);
+}
+
+/// A plan that is trimmed or was trimmed by a monitor, at a knot, at a splice, and where it was extrapolated.
+#[test]
+fn what_has_lost_its_beginning_goes_on_from_its_first_knot() {
+    let known = [
+        State::new(0.0, DVec3::ZERO, DVec3::X),
+        State::new(1.0, DVec3::new(1.0, 1.0, 0.0), DVec3::Y),
+        State::new(2.0, DVec3::new(1.0, 2.0, 0.0), DVec3::Y),
+    ];
+    let known = Trajectory::from_states(&known).unwrap().trimmed_before(1.5);
+    check_before(&known);
+    let known = known.with_outside(Outside::Coast);
+    assert_eq!(known.position(0.5), Some(DVec3::new(1.0, 0.5, 0.0)));
+
+    let mut rng = rng(46);
+    let mut checked = [0; 4];
+    for round in 0..100 {
+        for flown in plans(&mut rng, 0.0) {
+            let trimmed = flown.clone().trimmed_before(2.5);
+            if trimmed.knots() != flown.knots() {
+                check_before(&trimmed);
+                // Once more, and with what comes before the first knot of a part.
+                check_before(&trimmed.trimmed_before(3.5));
+                checked[0] += 1;
+            }
+            // Cut in the middle of a cubic, or where the plan goes on beyond its knots.
+            for from in [2.3, 40.0] {
+                let next = plans(&mut rng, from)[round % 5].clone();
+                let Ok(spliced) = flown.spliced(from, &next) else {
+                    continue;
+                };
+                for since in [from - 0.1, from + 1.1] {
+                    let trimmed = spliced.clone().trimmed_before(since);
+                    if trimmed.knots() != spliced.knots() && !trimmed.segments().is_empty() {
+                        check_before(&trimmed);
+                        checked[1] += 1;
+                    }
+                }
+            }
+            // A plan for a time before its own first knot.
+            let Ok(spliced) = flown.spliced(-9.0, &plans(&mut rng, 2.0)[round % 5]) else {
+                continue;
+            };
+            for since in [-6.0, 0.0, 2.5] {
+                let trimmed = spliced.clone().trimmed_before(since);
+                if trimmed.knots() != spliced.knots() {
+                    check_before(&trimmed);
+                    checked[2] += 1;
+                }
+            }
+        }
+        let old = plans(&mut rng, -6.0)[3 + round % 2].clone();
+        let (mut monitor, bodies) = monitor(std::slice::from_ref(&old));
+        monitor.set_history([0.0, 1.0][round % 2]).unwrap();
+        monitor.advance(-2.5, &mut Vec::new()).unwrap();
+        let new = plans(&mut rng, -2.2)[round / 3 % 5].clone();
+        monitor.replan(bodies[0], -2.2, new).unwrap();
+        let flown = &monitor.scene().body(bodies[0]).unwrap().trajectory;
+        assert!(flown.knots()[0] > old.knots()[0]);
+        check_before(flown);
+        checked[3] += 1;
+    }
+    assert!(checked.iter().all(|&count| count >= 100), "{checked:?}");
+}
+
+/// The numbers of a file are all there is to know.
+#[cfg(feature = "recording")]
+#[test]
+fn what_was_read_from_a_file_goes_on_as_well() {
+    use std::io::Write;
+    use std::sync::{Arc, Mutex};
+
+    #[derive(Clone, Default)]
+    struct File(Arc<Mutex<Vec<u8>>>);
+    impl Write for File {
+        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+            self.0.lock().unwrap().write(bytes)
+        }
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+
+    let mut rng = rng(47);
+    for _ in 0..20 {
+        let mut all = Vec::new();
+        for flown in plans(&mut rng, -6.0) {
+            for from in [-2.2, 3.0] {
+                let next = plans(&mut rng, from)[2].clone();
+                all.extend(flown.spliced(from, &next));
+            }
+            all.extend(flown.spliced(-9.0, &plans(&mut rng, -1.0)[2]));
+            all.push(flown);
+        }
+        let trimmed = |plan: &Trajectory| plan.clone().trimmed_before(-2.3);
+        for plan in all.clone() {
+            let rest = trimmed(&plan);
+            all.extend(RULES.map(|outside| rest.clone().with_outside(outside)));
+            all.extend(RULES.map(|outside| plan.clone().with_outside(outside)));
+            for outside in [Outside::Coast, Outside::Extrapolate] {
+                let rest = rest.clone().with_outside(outside);
+                all.extend(rest.spliced(-8.0, &plan));
+            }
+        }
+        let (mut monitor, bodies) = monitor(&all);
+        let file = File::default();
+        monitor.start_recording(file.clone()).unwrap();
+        monitor.stop_recording().unwrap();
+        let bytes = file.0.lock().unwrap().clone();
+        let read = nearmiss::recording::Replay::open(&bytes[..]).unwrap();
+        for (id, plan) in bodies.into_iter().zip(&all) {
+            let again = &read.monitor().scene().body(id).unwrap().trajectory;
+            assert_eq!(again, plan);
+            for outside in RULES {
+                let [again, plan] = [again, plan].map(|plan| plan.clone().with_outside(outside));
+                for time in [-30.0, -8.5, -2.4, 0.0, 50.0] {
+                    assert_eq!(again.state(time), plan.state(time));
+                }
+            }
+        }
+    }
 }
 
 /// What is dropped is dropped: the body was not there.

@@ -7,10 +7,10 @@
 
 mod support;
 
-use nearmiss::glam::DVec3;
+use nearmiss::glam::{DQuat, DVec3};
 use nearmiss::{
-    Accuracy, Body, BodyId, BodyState, Error, Hitbox, Outside, Quantity, Query, Scene, State,
-    Trajectory, Window,
+    Accuracy, AlertLevel, Body, BodyId, BodyState, Error, Hitbox, Monitor, Orientation, Outside,
+    Quantity, Query, Scene, State, Trajectory, Window,
 };
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
@@ -208,4 +208,50 @@ fn a_scene_without_any_spline_left_can_be_screened_and_cloned() {
     scene.insert(spline()).unwrap();
     assert_eq!(screen(&scene, window, 1.5).len(), 4);
     assert_eq!(screen(&scene.clone(), window, 1.5).len(), 4);
+}
+
+/// Also one without a spin: it leaves the orientation that the body had before. A monitor agrees.
+#[test]
+fn the_last_state_of_a_body_that_is_named_twice_counts() {
+    let told = |x: f64| BodyState::from(State::new(0.0, x * DVec3::X, DVec3::Y));
+    let spinning = |x: f64| told(x).with_spin(DQuat::IDENTITY, x * DVec3::Z);
+    let turned = DQuat::from_rotation_x(1.0);
+    let before = Orientation::spin(0.0, turned, DVec3::X).unwrap();
+    let body = Body::new(Trajectory::at_rest(DVec3::ZERO).unwrap());
+    let mut scene = Scene::new();
+    let ids = [(); 5].map(|()| {
+        let body = body.clone().with_orientation(before.clone());
+        scene.insert(body).unwrap()
+    });
+    let states = [
+        (ids[0], spinning(1.0)),
+        (ids[1], told(2.0)),
+        (ids[2], spinning(3.0)),
+        (ids[0], told(4.0)),
+        (ids[1], spinning(5.0)),
+        (ids[2], spinning(6.0)),
+        (ids[3], spinning(7.0)),
+        (ids[4], spinning(8.0)),
+        (ids[4], told(9.0)),
+        (ids[4], spinning(10.0)),
+    ];
+    let mut monitor = Monitor::new(scene.clone(), 0.0, 5.0, &[AlertLevel::at(1.0)]).unwrap();
+    scene.update(states).unwrap();
+    monitor.track(0.0, states).unwrap();
+    let spin = |x: f64| Orientation::spin(0.0, DQuat::IDENTITY, x * DVec3::Z).unwrap();
+    let expected = [
+        (4.0, before),
+        (5.0, spin(5.0)),
+        (6.0, spin(6.0)),
+        (7.0, spin(7.0)),
+        (10.0, spin(10.0)),
+    ];
+    for (id, (x, orientation)) in ids.into_iter().zip(expected) {
+        let found = scene.body(id).unwrap();
+        assert_eq!(found.trajectory.position(0.0), Some(x * DVec3::X));
+        assert_eq!(found.orientation, orientation, "{x}");
+        let tracked = monitor.scene().body(id).unwrap();
+        let [found, tracked] = [found, tracked].map(|body| body.orientation.rotation(2.0));
+        assert!(found.angle_between(tracked) < 1e-9, "{x}");
+    }
 }

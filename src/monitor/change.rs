@@ -115,8 +115,8 @@ impl Monitor {
     /// # Errors
     ///
     /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::ChangeTime`] if `from` is not finite,
-    /// or with [`Error::RotationVanishes`] if the tolerance of the one orientation is too small for
-    /// the other.
+    /// with [`Error::RotationVanishes`] if the tolerance of the one orientation is too small for
+    /// the other, or with [`Error::TurningHalfSpace`].
     pub fn orient(&mut self, id: BodyId, from: f64, orientation: Orientation) -> Result<(), Error> {
         self.apply([Command::Orient(id, from, orientation)])
             .map(drop)
@@ -186,6 +186,8 @@ impl Monitor {
     /// - One of the two plans does not exist at that instant, or the new one ends there.
     ///   ([`set_trajectory`](Self::set_trajectory) needs no old plan.)
     /// - A late plan does not continue from the clock on, where the body's plan still exists.
+    ///
+    /// With an orientation in the plan, the errors of [`orient`](Self::orient), too.
     pub fn replan(
         &mut self,
         id: BodyId,
@@ -226,8 +228,8 @@ impl Monitor {
     }
 
     /// Applies several changes together, or none if one is refused. Returns the ids of the inserted
-    /// bodies, in order. A late plan is followed from the instant given by the rule at
-    /// [`replan`](Self::replan), with the body's trajectory before the batch.
+    /// bodies, in order. A late plan is followed from the instant given by the rule at [`replan`](Self::replan).
+    /// The body's trajectory is then that after the commands before, which may have dropped cubics.
     ///
     /// ```
     /// # use nearmiss::glam::DVec3;

@@ -54,6 +54,7 @@ struct SentNumbers {
     open: bool,
     closest_time: f64,
     separation: f64,
+    model_error: f64,
 }
 
 impl SentNumbers {
@@ -64,6 +65,7 @@ impl SentNumbers {
             open: encounter.open,
             closest_time: encounter.closest.time,
             separation: encounter.closest.separation,
+            model_error: encounter.closest.model_error,
         }
     }
 
@@ -134,9 +136,14 @@ pub(super) struct TickContext {
     pub(super) revision_threshold: RevisionThreshold,
 }
 
+/// Returns the lower one of a closest approach that has passed, if there is one, and a newer one.
 fn lower(x: Option<ClosestApproach>, y: ClosestApproach) -> ClosestApproach {
     match x {
-        Some(x) if x.separation <= y.separation => x,
+        // The model errors are those of the bodies as they are now.
+        Some(x) if x.separation <= y.separation => ClosestApproach {
+            model_error: y.model_error,
+            ..x
+        },
         _ => y,
     }
 }
@@ -450,7 +457,8 @@ fn differs(now: &Encounter, sent: &SentNumbers, tick: &TickContext) -> bool {
         (true, false) => now.exit > sent.exit + threshold.time,
         (false, true) => true,
     };
-    moved(now.enter, sent.enter) || exit || closest_differs(now, sent, tick)
+    let model_error = (now.model_error - sent.model_error).abs() > threshold.separation;
+    moved(now.enter, sent.enter) || exit || model_error || closest_differs(now, sent, tick)
 }
 
 fn closest_differs(now: &SentNumbers, sent: &SentNumbers, tick: &TickContext) -> bool {

@@ -69,7 +69,9 @@ pub struct Encounter {
     pub open: bool,
     /// Least separation over the past and the planned part, as far as the monitor has looked. While
     /// the encounter is `open`, the bodies may come nearer later. A [`Revised`](EventKind::Revised)
-    /// reports the nearest point once it is in sight, and until then once a lookahead.
+    /// reports the nearest point once it is in sight, and until then once a lookahead. Its
+    /// [`model_error`](ClosestApproach::model_error) is that of the bodies as they are now, also where the nearest
+    /// point has passed.
     pub closest: ClosestApproach,
 }
 
@@ -137,7 +139,8 @@ pub enum EventKind {
     /// reported once a lookahead. [`Monitor::encounters`](crate::Monitor::encounters) gives it at
     /// each tick.
     Predicted(Encounter),
-    /// The encounter changed by more than the revision threshold since its last event.
+    /// The encounter changed by more than the [revision threshold](crate::RevisionThreshold) since its last event:
+    /// its enter or exit, its closest approach, or the model error of its bodies.
     Revised(Encounter),
     /// The encounter will not take place. It had not begun.
     Withdrawn(Encounter),

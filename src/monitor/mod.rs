@@ -329,7 +329,7 @@ impl Monitor {
     pub fn set_max_spans(&mut self, limit: usize) {
         self.search.max_spans = limit;
         #[cfg(feature = "recording")]
-        self.write_down(|| Record::MostSpans(limit));
+        self.write_down(|| Record::MaxSpans(limit));
     }
 
     /// Returns the limit of spans that may hold an encounter.

@@ -13,7 +13,7 @@ pub struct RevisionThreshold {
     /// Change of enter, exit and the time of closest approach, s; 1e-9 by default.
     #[cfg_attr(feature = "serde", serde(with = "crate::json_number"))]
     pub time: f64,
-    /// Change of the least separation, m; 1e-9 by default.
+    /// Change of the least separation, or of the sum of both model errors, m; 1e-9 by default.
     #[cfg_attr(feature = "serde", serde(with = "crate::json_number"))]
     pub separation: f64,
 }

@@ -6,6 +6,7 @@ use crate::id::BodyId;
 use crate::orientation::{Orientation, TrackedSpin};
 use crate::trajectory::{State, StraightMotion, Trajectory};
 use glam::{DQuat, DVec3};
+use std::collections::BTreeMap;
 
 /// The state of a body at one instant, as [`Scene::update`] and
 /// [`Monitor::track`](crate::Monitor::track) take it.
@@ -104,8 +105,8 @@ impl Scene {
     /// engine or a network tells of all bodies, each frame. A state with a [spin](BodyState::with_spin)
     /// gives the body the [orientation](Orientation::spin) as well.
     ///
-    /// A body that is left out keeps its course. The last state of a body that is named twice counts. A body
-    /// that had another trajectory of one state takes no memory for the new one.
+    /// A body that is left out keeps its course. The last state of a body that is named twice counts, also one
+    /// without a spin. A body that had another trajectory of one state takes no memory for the new one.
     ///
     /// ```
     /// use nearmiss::glam::DVec3;
@@ -139,12 +140,13 @@ impl Scene {
         let mut told = std::mem::take(&mut self.told);
         told.clear();
         let mut checked = Ok(());
-        let mut turning: Vec<(BodyId, Orientation)> = Vec::new();
+        let mut turning: BTreeMap<BodyId, Orientation> = BTreeMap::new();
         for (id, state) in states {
             let told_state: BodyState = state.into();
             if let Some(motion) = told_state.ordinary_motion()
                 && self.body(id).is_some()
             {
+                turning.remove(&id);
                 told.push((id, motion));
                 continue;
             }
@@ -176,21 +178,23 @@ impl Scene {
         checked
     }
 
-    /// Appends the motion and the orientation of a state to the lists.
+    /// Notes the motion and the orientation of a state.
     #[inline(never)]
     fn check_state(
         &self,
         id: BodyId,
         state: BodyState,
         told: &mut Vec<(BodyId, StraightMotion)>,
-        turning: &mut Vec<(BodyId, Orientation)>,
+        turning: &mut BTreeMap<BodyId, Orientation>,
     ) -> Result<(), Error> {
         let body = self.body(id).ok_or(Error::UnknownBody { id })?;
         let motion = state.motion().map_err(|error| error.in_body(body.tag))?;
         let orientation = state.orientation();
+        // The last state of a body counts, also one that leaves the orientation as it is.
+        turning.remove(&id);
         if let Some(orientation) = orientation.map_err(|error| error.in_body(body.tag))? {
             Body::check_turning(&body.hitbox, &orientation, body.tag)?;
-            turning.push((id, orientation));
+            turning.insert(id, orientation);
         }
         told.push((id, motion));
         Ok(())

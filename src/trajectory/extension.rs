@@ -36,19 +36,15 @@ impl Trajectory {
 
     /// Returns the cubic that the body follows before its first knot.
     pub(crate) fn segment_before(&self) -> Segment {
-        match (self.cubic_before(), self.outside_before()) {
-            (Some(first), _) => *first,
-            (None, Outside::Extrapolate) => self.end_motion_before().extended(),
-            (None, _) => self.end_motion_before().straight(),
+        let (end, first) = (self.end_motion_before(), self.knots()[0]);
+        let begins_there = end.goes_on() && end.start().total_cmp(&first).is_eq();
+        match self.outside_before() {
+            Outside::Extrapolate if begins_there => end.extended(),
+            Outside::Extrapolate => end,
+            _ if begins_there || end.is_straight() => end.straight(),
+            // The plan has lost its beginning, or was spliced where it was extrapolated.
+            _ => end.line_at(first),
         }
-    }
-
-    /// Returns the first cubic if the body follows it before the first knot, too: where a plan that is extrapolated
-    /// has lost its beginning. Nothing is known of the motion before.
-    pub(super) fn cubic_before(&self) -> Option<&Segment> {
-        let is_extrapolated = self.outside_before() == Outside::Extrapolate;
-        let first = self.cubics().first().filter(|_| is_extrapolated)?;
-        (self.end_motion_before().start() < self.cuts()[0]).then_some(first)
     }
 
     /// Returns the cubic that the body follows after its last knot.
@@ -153,10 +149,9 @@ impl Trajectory {
 
     /// Returns the knot that the cuts before the motion's own cubics are counted from (s), the duration of the first
     /// piece from there (negative, s), and the number of the cut at which its own cubics begin.
-    fn doubling_before(&self) -> (f64, f64, u32) {
+    pub(super) fn doubling_before(&self) -> (f64, f64, u32) {
         let end = self.end_motion_before();
-        let segment = self.cubic_before().unwrap_or(&end);
-        let step = segment.start() - segment.end();
+        let step = end.start() - end.end();
         match self.straight() {
             Some((motion, _)) => (motion.start(), step, 1),
             None => (self.planned().start(), step, 0),

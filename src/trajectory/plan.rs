@@ -13,7 +13,8 @@ use std::iter::once;
 pub(super) struct Plan {
     /// Knots, s: one more than segments. No segment lies between them where one straight motion follows another.
     pub(super) knots: FrontGapVec<f64>,
-    /// Segments between the knots; beside them, the end motions before and after.
+    /// Segments between the knots; beside them, the end motions before and after. The one before is the first cubic
+    /// of a plan that has lost its beginning.
     pub(super) segments: FrontGapVec<Segment, 2>,
     pub(super) before: Outside,
     pub(super) after: Outside,
@@ -95,8 +96,15 @@ impl Plan {
         if dropped > 0 {
             self.knots.drop_front(dropped);
             self.segments.drop_front(dropped);
-            self.before = Outside::Absent;
+            self.begin_anew();
         }
+    }
+
+    /// Notes that nothing is known of the motion before the first cubic.
+    pub(super) fn begin_anew(&mut self) {
+        self.before = Outside::Absent;
+        let first = self.segments[0];
+        self.segments.put_beside(0, first);
     }
 }
 

@@ -140,6 +140,17 @@ impl Segment {
         self.with_coefficients([DVec3::ZERO; 2])
     }
 
+    /// Returns the straight motion that has the position and velocity of this cubic at an instant (s).
+    pub(super) fn line_at(&self, time: f64) -> Self {
+        let (position, velocity, _) = self.motion_at(time);
+        let state = State::new(time, position, velocity);
+        // The position is rounded once more than its way from the origin. The cubic's error counts once for the
+        // position, and six times for the velocity; an evaluation's is below 128 roundings for each.
+        let error = 2.0 * Self::EVALUATION * self.rounding_scale(time, time)
+            + UNIT_ROUNDOFF * norm(position);
+        Self::through(&state, time + (self.end - self.start), error)
+    }
+
     /// Returns the cubic motion from the knot on.
     pub(super) fn extended(mut self) -> Self {
         let [linear, quadratic, cubic] = self.powers().map(norm);
@@ -312,7 +323,7 @@ impl Segment {
 
     /// Returns true for an end motion: made by [`line`](Self::line), from a knot at `start`
     /// outwards. Only such segments have an error of zero or less.
-    fn goes_on(&self) -> bool {
+    pub(super) fn goes_on(&self) -> bool {
         self.error <= 0.0
     }
 

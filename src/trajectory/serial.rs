@@ -68,7 +68,12 @@ impl TryFrom<Numbers> for Trajectory {
         let segments = segments.collect::<Result<Vec<_>, _>>()?;
         // Where a knot lies at an end of the range of times, the motion from there goes on beyond that.
         let ends = [
-            Segment::going_on(before, 0)?,
+            // The first cubic of a plan that has lost its beginning.
+            if before[15] > 0.0 {
+                Segment::from_numbers(before, 0)?
+            } else {
+                Segment::going_on(before, 0)?
+            },
             Segment::going_on(after, last)?,
         ];
         for (knot, (segment, ends)) in (1..).zip(segments.iter().zip(knots.windows(2))) {

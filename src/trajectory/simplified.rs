@@ -54,11 +54,7 @@ impl Trajectory {
         let mut error = 0.0_f64;
         let mut first = 0;
         while first < own.len() {
-            let (count, merged) = if first == 0 && self.cubic_before().is_some() {
-                (1, None)
-            } else {
-                longest_run(&own[first..], &own_knots[first..], tolerance)
-            };
+            let (count, merged) = longest_run(&own[first..], &own_knots[first..], tolerance);
             knots.push(own_knots[first]);
             let (segment, distance) = merged.unwrap_or((own[first], 0.0));
             segments.push(segment);

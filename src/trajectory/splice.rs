@@ -60,7 +60,7 @@ impl Trajectory {
 
     /// Returns this motion without the cubics that end before `time` (s). At least one is kept. If
     /// any are dropped, the body does not exist before the first one kept, whatever the rule before
-    /// was.
+    /// was. With another [rule](Self::with_outside) it goes on from there.
     ///
     /// ```
     /// use nearmiss::{State, Trajectory};
@@ -106,7 +106,7 @@ impl Trajectory {
         if let (0, Some(&first)) = (ahead, self.knots().first()) {
             let end_motion = self.segment_before();
             end_motion.check_reach((from, first), 0)?;
-            cuts_before = DoublingCuts::of(first, end_motion.start() - end_motion.end(), from);
+            cuts_before = DoublingCuts::of(first, self.doubling_before().1, from);
         }
         let (cuts_after, cuts_before) = (cuts_after.but_last(), cuts_before.but_last());
         // The instants at which its pieces begin; not copied only to be dropped.
@@ -134,14 +134,17 @@ impl Trajectory {
             .flat_map(|beyond| repeat_n(beyond, beyond_count));
         let cut_before = cuts_before.clone().count();
         let to_come = if goes_on { 1 + cut_before } else { 0 };
+        // The motion before a splice ahead of the flown knots is not that from the new first knot.
+        let before = if flown_knots.first().is_some_and(|&first| from < first) {
+            flown.segment_before()
+        } else {
+            flown.end_motion_before()
+        };
         let is_line = self.straight().is_some();
         let plan = self.as_plan();
         plan.drop_piece_after();
-        plan.segments.put_beside(0, flown.end_motion_before());
+        plan.segments.put_beside(0, before);
         plan.before = flown.outside_before();
-        if dropped > 0 {
-            plan.before = Outside::Absent;
-        }
         plan.segments.replace_front(
             ahead.min(plan.segments.len()),
             kept + to_come,
@@ -150,6 +153,9 @@ impl Trajectory {
                 .chain(beyond)
                 .chain(repeat_n(present, to_come)),
         );
+        if dropped > 0 {
+            plan.begin_anew();
+        }
         let count = kept + 1 + cut_before;
         let knots = begins.chain(once(from)).chain(cuts_before);
         plan.knots.replace_front(ahead, count, knots);

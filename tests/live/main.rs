@@ -6,6 +6,7 @@
     reason = "a monitor that cannot be built fails the test"
 )]
 
+mod queue;
 mod readers;
 #[path = "../support/mod.rs"]
 mod support;

@@ -3,8 +3,8 @@
 use crate::support::{bits, hash, on_threads, rng, screen, sliced, swarm};
 use nearmiss::internals::{Method, QueryInternals};
 use nearmiss::{
-    Accuracy, AlertLevel, Body, BodyId, Command, Error, Hitbox, Monitor, Outside, Query, Scene,
-    State, Trajectory, Window, pair,
+    Accuracy, AlertLevel, Body, BodyId, Command, Error, Event, EventKind, Hitbox, Monitor, Outside,
+    Query, Scene, State, Trajectory, Window, pair,
 };
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
@@ -168,6 +168,51 @@ fn a_monitor_says_what_a_screening_says() {
         }
         assert!(seen > 200, "{seen}");
     }
+}
+
+/// The model errors of an encounter are those of the bodies as they are, also where they come no nearer again.
+#[test]
+fn an_encounter_has_the_model_error_of_its_bodies() {
+    let mut scene = Scene::new();
+    let rest = |x: f64| Trajectory::at_rest(glam::DVec3::X * x).unwrap();
+    let a = scene.insert(Body::new(rest(0.0))).unwrap();
+    let b = scene.insert(Body::new(rest(1.0))).unwrap();
+    let mut monitor = Monitor::new(scene, 0.0, 10.0, &[AlertLevel::at(5.0)]).unwrap();
+    let mut events = Vec::new();
+    for now in [0.0, 1.0] {
+        monitor.advance(now, &mut events).unwrap();
+    }
+    for (now, error) in [(2.0, 0.5), (3.0, 0.25), (4.0, 0.0)] {
+        monitor.set_model_error(a, error).unwrap();
+        events.clear();
+        monitor.advance(now, &mut events).unwrap();
+        let [conflict] = monitor.conflicts(0).unwrap() else {
+            panic!("one pair");
+        };
+        assert_eq!(conflict.closest.model_error, error);
+        let encounter = *monitor.encounters().next().unwrap();
+        assert_eq!(encounter.closest.model_error, error);
+        // The approach that came first is still the closest one.
+        assert_eq!(encounter.closest.time, 0.0);
+        let is_revised = |event: &Event| event.kind == EventKind::Revised(encounter);
+        assert!(events.len() == 1 && is_revised(&events[0]), "{events:?}");
+        // Nothing is said twice; nor is what is less than the threshold.
+        events.clear();
+        monitor.advance(now + 0.5, &mut events).unwrap();
+        monitor.set_model_error(a, error + 1e-10).unwrap();
+        monitor.advance(now + 0.6, &mut events).unwrap();
+        assert_eq!(events, []);
+    }
+    // What has passed is reported with it as well.
+    monitor.set_model_error(a, 0.5).unwrap();
+    monitor.advance(5.0, &mut events).unwrap();
+    monitor.remove(b).unwrap();
+    events.clear();
+    monitor.advance(6.0, &mut events).unwrap();
+    let EventKind::Ended(encounter, _) = events[0].kind else {
+        panic!("{events:?}");
+    };
+    assert_eq!(encounter.closest.model_error, 0.5);
 }
 
 fn state(rng: &mut ChaCha8Rng, time: f64) -> State {

@@ -5,7 +5,7 @@ use super::is_as_screened;
 use super::scenarios::tick;
 use super::support::{rng, vector, wander, with_every_change};
 use glam::DVec3;
-use nearmiss::{AlertLevel, Body, Monitor, Query, Scene, State, Trajectory, Window};
+use nearmiss::{AlertLevel, Body, Budget, Monitor, Query, Scene, State, Trajectory, Window};
 
 const LEVEL: AlertLevel = AlertLevel::at(1.0);
 
@@ -179,4 +179,31 @@ fn no_tick_stands_out() {
         let most = work.iter().max().unwrap();
         assert!(mean > 0 && *most < 20 * mean, "{most} {mean}");
     }
+}
+
+/// A crowd is searched in parts of a slice, however late the clock: at least to the next instant that there is.
+#[test]
+fn a_crowd_late_on_the_clock_is_searched_to_the_end() {
+    let mut rng = rng(23);
+    // Neighbouring instants are a quarter of a second apart.
+    let now = (1_u64 << 50) as f64;
+    let mut scene = Scene::new();
+    for _ in 0..400 {
+        let (position, velocity) = (vector(&mut rng, 500.0), vector(&mut rng, 20_000.0));
+        let plan = Trajectory::coasting(State::new(now, position, velocity)).unwrap();
+        scene.insert(Body::new(plan)).unwrap();
+    }
+    let mut monitor = Monitor::new(scene, now, 4.0, &[LEVEL]).unwrap();
+    let (mut ticks, mut events) = (0, Vec::new());
+    while !monitor.is_caught_up() {
+        let budget = Budget::Work(100_000);
+        monitor.advance_within(now, budget, &mut events).unwrap();
+        ticks += 1;
+        assert!(
+            ticks < 100,
+            "known up to {}",
+            monitor.complete_until() - now
+        );
+    }
+    is_as_screened(&monitor, LEVEL);
 }

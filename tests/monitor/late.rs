@@ -72,6 +72,29 @@ fn a_newer_plan_that_begins_earlier_is_followed() {
     assert_eq!(monitor.replan(id, 2.4, away(2.4, DVec3::Y)), Ok(2.4));
 }
 
+/// In a batch, each plan is judged against what those before it leave.
+#[test]
+fn a_late_plan_of_a_batch_follows_those_before_it() {
+    let states = [0.0, 4.0, 10.0].map(|time| State::new(time, time * DVec3::Z, DVec3::Z));
+    let own = Trajectory::from_states(&states).unwrap();
+    let (mut together, id) = alone(own.clone());
+    let (mut in_turn, _) = alone(own);
+    for monitor in [&mut together, &mut in_turn] {
+        tick(monitor, 5.0);
+    }
+    let plan = |start: f64, velocity| Command::Replan(id, start, away(start, velocity));
+    // What the body did before 3 s is forgotten with the first one.
+    let plans = [plan(3.0, DVec3::X), plan(2.0, DVec3::Y)];
+    for plan in plans.clone() {
+        in_turn.apply([plan]).unwrap();
+    }
+    together.apply(plans).unwrap();
+    assert_eq!(place(&together, id, 2.9), None);
+    assert_eq!(place(&together, id, 3.0), Some(DVec3::Y));
+    let body = |monitor: &Monitor| monitor.scene().body(id).unwrap().clone();
+    assert_eq!(body(&together), body(&in_turn));
+}
+
 #[test]
 fn a_plan_that_does_not_reach_the_clock_is_refused() {
     let (mut monitor, id) = alone(line(0.0, 9.0, DVec3::ZERO, DVec3::Z));
@@ -277,7 +300,7 @@ fn random_late_plans(seed: u64, history: f64, seen: &mut Seen) {
 /// What a monitor writes.
 #[cfg(feature = "recording")]
 #[derive(Clone, Default)]
-pub(super) struct Recording(Arc<Mutex<Vec<u8>>>);
+pub(super) struct Recording(pub(super) Arc<Mutex<Vec<u8>>>);
 
 #[cfg(feature = "recording")]
 impl io::Write for Recording {

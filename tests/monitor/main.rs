@@ -15,6 +15,8 @@ mod grid;
 mod instants;
 mod late;
 mod questions;
+#[cfg(feature = "recording")]
+mod recorded;
 mod reference;
 mod scenarios;
 #[path = "../support/mod.rs"]

@@ -89,7 +89,8 @@ fn replaces(later: &Request, earlier: &Request, clock: f64) -> bool {
 /// Requests received and not yet applied, superseded ones taken out.
 #[derive(Debug, Default)]
 pub(super) struct RequestQueue {
-    /// Clock after the last clock request, s.
+    /// Latest of the monitor's clock and the clock requests that wait or were carried out, s. Where such a request
+    /// is refused, the clock is no later.
     clock: f64,
     requests: VecDeque<Option<(Ticket, Request)>>,
     /// Number of requests taken from the front: the number of the first in `requests`.
@@ -140,7 +141,8 @@ impl RequestQueue {
                 plans.push_back(self.taken + self.requests.len());
             }
             (Request::Clock(time), _) => {
-                self.clock = *time;
+                // A clock that goes back is refused.
+                self.clock = self.clock.max(*time);
                 if let Some(Some((_, Request::Clock(before)))) = self.requests.back()
                     && before <= time
                 {
@@ -161,6 +163,16 @@ impl RequestQueue {
         }
         self.requests.push_back(Some((ticket, request)));
         superseded
+    }
+
+    /// Forgets a clock request that was taken out and refused; the monitor's clock still shows this, s.
+    pub(super) fn stay_at(&mut self, clock: f64) {
+        let waiting = self.requests.iter().flatten();
+        let clocks = waiting.filter_map(|(_, request)| match request {
+            Request::Clock(time) => Some(*time),
+            _ => None,
+        });
+        self.clock = clocks.fold(clock, f64::max);
     }
 
     /// Takes out the next request.

@@ -153,7 +153,13 @@ impl Worker {
             Request::Change(command) => self.apply(ticket, [command]),
             Request::Batch(commands) => self.apply(ticket, commands),
             Request::Track(now, states) => self.monitor.track(now, states).map(|()| None),
-            Request::Clock(now) => self.tick(now).map(|()| None),
+            Request::Clock(now) => {
+                let done = self.tick(now);
+                if done.is_err() {
+                    self.waiting.stay_at(self.monitor.now());
+                }
+                done.map(|()| None)
+            }
             Request::WhatIf(id, plan, level) => {
                 let conflicts = self.monitor.what_if(id, &plan, level);
                 conflicts.map(|conflicts| Some(self.what_if(ticket, conflicts)))

@@ -24,7 +24,7 @@ pub(in crate::monitor) enum Record {
     RevisionThreshold(RevisionThreshold),
     /// Time, s.
     History(#[serde(with = "crate::json_number")] f64),
-    MostSpans(usize),
+    MaxSpans(usize),
     Tick {
         now: f64,
         known: f64,

@@ -194,7 +194,7 @@ impl<R: BufRead> Replay<R> {
                 monitor.set_revision_threshold(threshold).map_err(refused)?
             }
             Record::History(history) => monitor.set_history(history).map_err(refused)?,
-            Record::MostSpans(limit) => monitor.set_max_spans(limit),
+            Record::MaxSpans(limit) => monitor.set_max_spans(limit),
             Record::Tick { now, known, .. } => {
                 monitor.advance_to(now, known, events).map_err(refused)?;
                 return Ok(Some(now));

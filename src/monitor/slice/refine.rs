@@ -19,7 +19,9 @@ impl LookaheadSlice {
         /// Slices that are searched between two looks at a budget.
         const SLICES: f64 = 8.0;
         let SliceTask { bodies, filter, .. } = *task;
-        let end = (from + SLICES * bodies.search_length).min(self.interval.1);
+        // Late on the clock they may be shorter than the way to the next instant.
+        let end = (from + SLICES * bodies.search_length).max(from.next_up());
+        let end = end.min(self.interval.1);
         let prepared = PreparedBodies::of(*bodies, &mut Lifetimes::default());
         let before = self.stats.boxes;
         let done = prepared

@@ -279,3 +279,42 @@ fn lines_at_the_ends_of_polynomials() {
         }
     }
 }
+
+/// A line with the position and velocity of a cubic at an instant is off by their rounding: far from the origin, and
+/// where the cubic is nearly at rest.
+#[test]
+fn lines_from_within_cubics() {
+    let mut rng = ChaCha8Rng::seed_from_u64(8);
+    for round in 0..ROUNDS {
+        let far = DVec3::splat([0.0, 1e6][round as usize % 2]);
+        let mut state = |time: f64, speed: f64| State {
+            time,
+            position: far + vector(&mut rng, 1.0),
+            velocity: vector(&mut rng, speed),
+        };
+        let speed = [0.0, 1.0, 1.0][round as usize % 3];
+        let (first, second) = (state(0.7, 1.0), state(2.0, speed));
+        let segment = made(Segment::hermite(&first, &second, 1));
+        let lasting = segment.end() - segment.start();
+        let share = [rng.random_range(0.0..1.0), 1.0 - 1e-9][round as usize / 2 % 2];
+        let time = segment.start() + share * lasting;
+        let line = segment.line_at(time);
+        let lasting = number(segment.end()) - number(segment.start());
+        let share = (number(time) - number(segment.start())) / &lasting;
+        let shares = [share.clone(), share + RBig::ONE];
+        let points = segment.control_points().map(Exact::of);
+        let [here, next] = [0, 1].map(|place| Exact::blossom(&points, place, &shares));
+        let position = here.plus(&Exact::of(segment.origin()));
+        // Over a third of the cubic's duration.
+        let way = next.minus(&here);
+        let thirds = (number(line.end()) - number(line.start())) / &lasting;
+        let whole = line.restrict(line.start(), line.end());
+        for (count, point) in (0_u8..).zip(whole.points) {
+            let exact = way.times(&(&thirds * RBig::from(count))).plus(&position);
+            let off = Exact::of(line.origin())
+                .plus(&Exact::of(point))
+                .minus(&exact);
+            assert!(off.is_within(whole.error), "{round} {line:?} {off:?}");
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! Requests that wait: what is superseded is not needed, whatever becomes of the requests around it.
+
+use super::{LOOKAHEAD, PATIENCE, crowd};
+use glam::DVec3;
+use nearmiss::live::{Live, LiveOptions, ReportKind, Request};
+use nearmiss::{BodyId, Command, State, Trajectory};
+
+/// A live monitor that carries out what it is asked once its reports are read.
+fn held(live: &Live) {
+    let rest = Trajectory::at_rest(DVec3::ZERO).unwrap();
+    let body = nearmiss::Body::new(rest);
+    // There is room for one answer.
+    for _ in 0..3 {
+        live.handle().what_if_body(body.clone(), 0).unwrap();
+    }
+}
+
+fn live() -> (Live, Vec<BodyId>) {
+    let (mut monitor, ids) = crowd(3, 2);
+    monitor.advance(0.0, &mut Vec::new()).unwrap();
+    let options = LiveOptions::default().with_reports(1);
+    (monitor.spawn(options).unwrap(), ids)
+}
+
+/// From 0 s to an end (s).
+fn until(end: f64, y: f64) -> Trajectory {
+    let states = [0.0, end].map(|time| State::new(time, y * DVec3::Y, DVec3::ZERO));
+    Trajectory::from_states(&states).unwrap()
+}
+
+/// A request for an earlier clock is refused: the plan that goes on from that clock alone, too.
+#[test]
+fn a_clock_that_goes_back_supersedes_no_plan() {
+    let (live, ids) = live();
+    let handle = live.handle();
+    held(&live);
+    for time in [10.0, 5.0] {
+        handle.send(Request::Clock(time)).unwrap();
+    }
+    let always = Trajectory::coasting(State::new(0.0, DVec3::X, DVec3::ZERO)).unwrap();
+    for plan in [always.clone(), until(7.0, 9.0)] {
+        handle.send(Command::Replan(ids[0], 0.0, plan)).unwrap();
+    }
+    live.stop_requests();
+    let reports: Vec<_> = live.reports().iter().collect();
+    let refused = reports.iter();
+    let refused = refused.filter(|report| matches!(report.kind, ReportKind::Refused { .. }));
+    assert_eq!(refused.count(), 2, "{reports:?}");
+    let stopped = live.shutdown().unwrap();
+    assert_eq!(stopped.counts.superseded, 0);
+    let flown = &stopped.monitor.scene().body(ids[0]).unwrap().trajectory;
+    assert_eq!(flown.position(12.0), always.position(12.0));
+}
+
+/// Plans that end long before such a clock are superseded as ever once it was refused.
+#[test]
+fn a_clock_that_is_refused_is_forgotten() {
+    let (live, ids) = live();
+    let handle = live.handle();
+    for time in [1e299, f64::INFINITY] {
+        let ticket = handle.send(Request::Clock(time)).unwrap();
+        let is_refused =
+            |kind| matches!(kind, ReportKind::Refused { ticket: it, .. } if it == ticket);
+        while !is_refused(live.reports().recv_timeout(PATIENCE).unwrap().kind) {}
+    }
+    held(&live);
+    handle.send(Request::Clock(0.5)).unwrap();
+    for y in [1.0, 2.0, 3.0] {
+        let replan = Command::Replan(ids[0], 0.0, until(20.0 + LOOKAHEAD, y));
+        handle.send(replan).unwrap();
+    }
+    live.stop_requests();
+    while live.reports().recv().is_ok() {}
+    let stopped = live.shutdown().unwrap();
+    assert_eq!(stopped.counts.superseded, 2);
+    let flown = &stopped.monitor.scene().body(ids[0]).unwrap().trajectory;
+    assert_eq!(flown.position(9.0), Some(3.0 * DVec3::Y));
+}
