@@ -110,7 +110,7 @@ fn spans_from<'k, const EXTENDED: bool>(
             spans.j = skip::<EXTENDED>(b, spans.j, from);
         }
         shared => {
-            // One shared instant is the only span that is a point; no cubic has another.
+            // Only a single shared instant gives a span of no duration: every cubic lasts.
             (spans.i, spans.j) = (a.cubics(), b.cubics());
             spans.lone = shared
                 .filter(|&(instant, _)| from <= instant && instant <= to)

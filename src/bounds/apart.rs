@@ -66,9 +66,9 @@ fn see<const EXTENDED: bool>(
     }
     let sum = (p0 + p3) + (p1 + p2);
     let square = sum.length_squared();
-    // Products of coordinates have three roundings of their own. So many are to spare in those of places and
-    // points, three of each of which are used. The bound has seven of the radius: placements have eight on each
-    // axis.
+    // Products of coordinates have three roundings of their own. `rounding` counts six of each place and point, and
+    // the difference uses three of them: three are left. The bound has seven roundings of the radius; `steady`
+    // counts eight on each axis.
     let blur = rounding.element_sum();
     let beyond = (radius + blur) * square.sqrt();
     // With smaller squares digits are lost, with larger ones everything.

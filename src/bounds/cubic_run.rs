@@ -9,7 +9,6 @@ use glam::Vec4;
 /// uniformly parametrised line by at most d, it deviates from another one by at most d plus the
 /// larger deviation between the two lines' end points (per axis and side). The line is the chord,
 /// moved to the middle between the extreme deviations.
-/// either side of the line between its ends.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(crate) struct CubicRun {

@@ -50,7 +50,7 @@ impl FramePlacement {
         if largest.is_nan() || largest >= FAR {
             return Self::ANYWHERE;
         }
-        // Too large only where all coordinates are zero.
+        // The factor exceeds the range of f32 only if all coordinates are zero.
         let factor = nearest(factor).min(f32::MAX);
         Self {
             anchor: Frame {

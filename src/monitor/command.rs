@@ -386,7 +386,7 @@ impl PendingChange {
             from,
             command: self.last,
         });
-        // What is flown on is settled, unless it is the body's own.
+        // An earlier plan of this batch is joined now, the body's own in `settle`.
         flown.map_or(Ok(()), |flown| {
             self.precede_by(&flown, self.body(scene)?.tag, terms)
         })

@@ -226,7 +226,7 @@ impl EncounterTracker {
                 (Some(old), Some(new)) => go_on(&old, new, tick, events),
             };
             if let Some(tracked) = goes_on {
-                // Only one that is not found again.
+                // Only an encounter that was not found again can begin beyond the known time here.
                 let waiting = &mut self.waiting;
                 if tracked.now.enter > tick.known && waiting.last() != Some(&slots) {
                     waiting.push(slots);
@@ -288,7 +288,7 @@ fn compare(old: &TrackedEncounter, new: &PlannedEncounter, tick: &TickContext) -
         // Where the last tick stood it was under way: so it is still, or plans have changed.
         new.start > tick.before
     } else {
-        // An open end reaches as far as the new one needs.
+        // An open encounter has no known exit: it may last until the new one.
         !old.now.open && old.now.exit < new.enter.unwrap_or(new.start)
     };
     if old_is_over {

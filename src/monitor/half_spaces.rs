@@ -80,7 +80,8 @@ impl HalfSpaceSearch {
         let most = found.len().saturating_add(most);
         let horizon = seen_until(to);
         let since = seen_from(from);
-        // Looked at less often, and not much farther than is needed.
+        // As far again beyond `to`: each body is then compared about once per lookahead, and not much farther than is
+        // needed.
         let until = to + (to - from);
         self.ground.clear();
         self.ground.extend(self.planes.iter().map(|&plane| {

@@ -3,10 +3,10 @@
 //! The lookahead is cut into slices on a fixed grid of time. A slice knows the boxes of all bodies
 //! in it, and which bodies have changed since they were compared. Catching up goes through the
 //! slices in the order of time, so that what is known is always complete up to some instant. The
-//! slice that comes next is compared as time passes, a share with each tick: none stands out. (Later,
-//! and in fewer ticks, where many plans change: see [`due_ahead`].) Where the clock has jumped far, what
-//! it passed over is [searched](JumpSearch) once. Where most is to be compared with most, all of the lookahead
-//! is searched from nothing, and slices have no boxes until few bodies change.
+//! slice that comes next is compared as time passes, a share with each tick, so that no tick takes
+//! much longer than others. (Later, and in fewer ticks, where many plans change: see [`due_ahead`].) Where the
+//! clock has jumped far, what it passed over is [searched](JumpSearch) once. Where most is to be compared with
+//! most, all of the lookahead is searched from nothing, and slices have no boxes until few bodies change.
 
 mod ahead;
 mod ask;
@@ -70,7 +70,7 @@ pub(super) struct LookaheadSearch {
     moved: ChangedBounds,
     /// Ends of the slices of the lookahead, s.
     ends: Vec<f64>,
-    /// Last [revision of partners](Scene::partners_revision) that was taken over.
+    /// Last revision of the [partners](Scene::partners) that was taken over.
     partners: Option<(u64, u64)>,
     /// End of the lookahead when it was last caught up with, s.
     reached: f64,
@@ -307,7 +307,7 @@ impl LookaheadSearch {
         let present = self.start(self.index(to - self.grid.ahead * self.grid.length));
         let jump = (self.laid_until(from), present);
         if self.jump.is_needed(jump, self.grid.length) {
-            // They lie behind, or not yet ahead.
+            // Slices before the lookahead are needed no more; those in it are laid out again below.
             self.spare.extend(self.slices.drain(..));
             let jump = (from, present);
             if let Some(stop) = self.cross(scene, jump, filter, meter, stats)? {

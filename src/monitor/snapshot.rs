@@ -25,7 +25,7 @@ pub struct Snapshot {
     /// Encounters by level.
     pub(super) encounters: Vec<Saved>,
     pub(super) waiting: Vec<Event>,
-    /// True, by slot, if the plan has an end that has been reported.
+    /// By slot: false only if the plan has an end that is still to be reported.
     pub(super) end_told: Vec<bool>,
     /// True if another tick at the same time would change nothing.
     pub(super) settled: bool,

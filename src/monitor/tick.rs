@@ -1,6 +1,7 @@
 //! A tick: it catches up with the clock, reads what is known, and reports what changed.
 //!
-//! Everything is computed first and takes effect at the end, so that a tick that fails changes nothing.
+//! The clock and the events change at the end, after all that can fail. A tick that fails reports nothing and
+//! leaves the clock where it was; what its search has found may stay.
 
 use super::budget::{Budget, BudgetMeter};
 use super::command::CommandBatch;

@@ -133,7 +133,7 @@ pub(crate) fn contacts(
     let margin = widened(margin, a.model_error_with(b));
     let first = found.len();
     for span in spans {
-        // Lone spheres have been through the test that those of clusters are still to pass.
+        // For lone spheres the caller has run the test that each pair of spheres of clusters still has to pass.
         if let Some(pair) = lone_pair(a, b, span) {
             solved_contacts(&pair, span, margin, clip, found);
         } else {

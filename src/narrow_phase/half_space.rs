@@ -129,7 +129,7 @@ impl<'a> PlanePair<'a> {
     /// Returns true if the body is so far above the plane over a part of the span that rounding does not
     /// matter.
     fn is_far_above(&self, margin: f64, part: Span) -> bool {
-        /// Bound far above all rounding, and above the normal's length is off, relative to the coordinates.
+        /// Bound far above all rounding and the error of the normal's length, relative to the coordinates.
         const CLEARANCE: f64 = 4e-9;
         let [body, plane] = &self.segments();
         let range = |segment| SegmentHeights::of(segment, (part.start, part.end), self.normal);

@@ -23,8 +23,7 @@ impl QuaternionCubic {
         point * (1.0 / point.length())
     }
 
-    /// Returns the angular velocity at the first or last knot, rad per duration, and half of the
-    /// bound of its error.
+    /// Returns the angular velocity at the first or last knot, rad per duration.
     pub(super) fn end_velocities(&self) -> [DVec3; 2] {
         let [q0, q1, q2, q3] = self.points;
         let velocity = |rate: DQuat, at: DQuat| {

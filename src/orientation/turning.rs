@@ -101,7 +101,8 @@ impl Turning {
     /// whose radius is enlarged by the error of its centre, at any accuracy: for spheres within
     /// `reach` (m), with centres within `arm` (m).
     pub(crate) fn reach(&self, reach: f64, arm: f64) -> f64 {
-        // Once for the centre, once for the radius. What is unknown stays at the body's position.
+        // Twice: the centre may be off by the error, and the radius is enlarged by it. The cubic of an unknown
+        // rotation leaves the centre at the body's position.
         let error = 2.0 * Self::largest_error(self.tolerance(Accuracy::Exact));
         (reach + error * arm) * (1.0 + 1e-12) + f64::MIN_POSITIVE
     }

@@ -177,8 +177,8 @@ impl SceneEntry {
         &self.body.trajectory
     }
 
-    /// Replaces a motion that is [replaced as usual](Trajectory::replaces_as_usual). It has no summary, since it is one of straight
-    /// ones.
+    /// Replaces a motion that is [replaced as usual](Trajectory::replaces_as_usual). A trajectory of
+    /// straight motions has no summary that could be out of date.
     #[inline]
     pub(super) fn replace_as_usual(
         &mut self,

@@ -32,7 +32,8 @@ impl SliceBounds {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SliceBlock {
     pub(crate) slices: Vec<SliceBounds>,
-    /// Each body's first cubic in the block, then its last one, where the next search begins.
+    /// The number of a cubic of each body: the first one in the block until the body is walked, then the last one.
+    /// In the next block the search for the first one begins there.
     pieces: Vec<u32>,
 }
 

@@ -30,15 +30,16 @@ pub(crate) struct RefineContext<'a, B> {
 impl<B> RefineContext<'_, B> {
     /// Returns true if a span that may hold a contact goes to the solver without another test.
     ///
-    /// Few such spans hold none, which the solver finds sooner than a proof. A span cut by the
-    /// window is always tested: the solver could take motion beyond the window for a contact of no
-    /// duration, and the result would then depend on other bodies.
+    /// Most such spans hold a contact. Where one does not, the solver finds that sooner than
+    /// another test. A span cut by the window is always tested: the solver could take motion beyond the
+    /// window for a contact of no duration, and the result would then depend on other bodies.
     fn solves_at_once(&self, span: Span) -> bool {
         span.start >= self.window.start() && span.end <= self.window.end()
     }
 }
 
-/// A pair that may be near by its fat lines: interval, and a cubic of each that is not later.
+/// A pair that may be near by its fat lines, in an interval (s). The hints are the number of a cubic of each body:
+/// not after its first cubic that overlaps the interval.
 #[derive(Clone, Copy, Debug)]
 struct NearPair {
     bodies: [u32; 2],

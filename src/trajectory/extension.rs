@@ -138,7 +138,7 @@ impl Trajectory {
     /// none if the window ends earlier.
     fn cuts_after(&self, end: f64) -> DoublingCuts {
         let last = self.planned().end();
-        // Without a cubic of its own a body goes on beyond its knot, whatever the window.
+        // With a single knot there is no cubic: one piece is needed at least, whatever the window.
         if self.outside_after() == Outside::Absent || !(self.cuts().len() < 2 || end >= last) {
             return DoublingCuts::NONE;
         }

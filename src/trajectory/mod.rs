@@ -70,8 +70,8 @@ pub struct Trajectory {
 enum Form {
     /// Straight motion for all time, from one state. It takes no memory beside this.
     ///
-    /// One cubic serves from its duration before the state to its duration after it: between these two instants
-    /// (s). Farther away the motion is cut into [pieces](extension), as beyond the knots of a plan.
+    /// Between the two instants (s), a duration of its cubic before the state and one after it, the motion is one
+    /// cubic. Farther away the motion is cut into [pieces](extension), as beyond the knots of a plan.
     Straight(StraightMotion, [f64; 2]),
     /// A few straight motions, one after another.
     Recent(Box<RecentMotions>),

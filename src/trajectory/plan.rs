@@ -11,7 +11,7 @@ use std::iter::once;
 /// Cubics between knots.
 #[derive(Clone, Debug)]
 pub(super) struct Plan {
-    /// Knots, s: one more than segments. No segment lies between them where one straight motion follows another.
+    /// Knots, s: one more than segments.
     pub(super) knots: FrontGapVec<f64>,
     /// Segments between the knots; beside them, the end motions before and after. The one before is the first cubic
     /// of a plan that has lost its beginning.

@@ -68,7 +68,8 @@ impl Segment {
         second: (f64, DVec3),
         knot: usize,
     ) -> Result<Self, Error> {
-        // Three times the third of a number is that number again (W. Kahan): the last point is as good as the way.
+        // Three times the third of a number is that number again (W. Kahan): point 3 has only the
+        // rounding of the difference.
         let step = (second.1 - first.1) / 3.0;
         let extent = norm(3.0 * step) * (1.0 + 8.0 * UNIT_ROUNDOFF);
         // A rounding of the way, one of the step; underflow of the step, three times.
@@ -79,10 +80,9 @@ impl Segment {
 
     /// Builds straight motion through `state`, in both directions of time: `Coast` and rest.
     ///
-    /// `duration` (s) is only the unit of its parameter, rounded to three times a power of two. All
-    /// control points but the last are then exact, if instants are as fine at its end as at its
-    /// start. `error` (m) is that of the state's position; it must be positive if its velocity is
-    /// rounded.
+    /// `duration` (s) is only the unit of its parameter, rounded to three times a power of two. Control
+    /// points 1 and 2 are then exact, unless the end is rounded. `error` (m) is that of the state's position; it
+    /// must be positive if its velocity is rounded.
     pub(super) fn line(
         state: &State,
         duration: f64,
@@ -99,8 +99,7 @@ impl Segment {
 
     /// Returns straight motion through a state, with a duration up to `end` (s) as [`line`](Self::line) rounds it.
     pub(super) fn through(state: &State, end: f64, error: f64) -> Self {
-        // The parameter runs between the two as they are: beyond a power of two the end was rounded, and the
-        // third is not exact.
+        // The unit of the parameter is the rounded end minus the start. A third of it may have a rounding.
         let duration = end - state.time;
         let third = duration / 3.0;
         let is_exact = is_power_of_two(third) && (duration - 3.0 * third).abs() <= 0.0;
@@ -122,7 +121,8 @@ impl Segment {
     }
 
     /// Adds the quadratic and cubic coefficient of a cubic through the same state, in units of
-    /// `duration` (s). Only [`extended`](Self::extended) uses them.
+    /// `duration` (s). [`straight`](Self::straight) drops them again,
+    /// [`extended`](Self::extended) includes them in the bounds.
     pub(super) fn with_bend(self, [quadratic, cubic]: [DVec3; 2], duration: f64) -> Self {
         let ratio = (self.end - self.start) / 3.0 / duration;
         self.with_coefficients([quadratic * ratio * ratio, cubic * ratio * ratio * ratio])
@@ -296,8 +296,8 @@ impl Segment {
     #[must_use]
     pub fn motion_at(&self, time: f64) -> (DVec3, DVec3, DVec3) {
         let duration = self.end - self.start;
-        // Power form around the nearer knot, so that the states themselves are met exactly. What goes on
-        // from a knot has its state at the start: far from there anything else would be all there is.
+        // Power form around the nearer knot, so that the states themselves are met exactly. An end motion has
+        // its state at the start: far from there, powers around its other end would cancel and lose the state.
         if self.is_bent() {
             // A power of two.
             let unit = duration / 3.0;

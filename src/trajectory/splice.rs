@@ -94,8 +94,8 @@ impl Trajectory {
         // end motion, which becomes a piece like any other.
         let (flown_knots, flown_segments) = (flown.knots(), flown.segments());
         let cut = count_at_front(flown_knots, |knot| knot < from);
-        // Cut where it was before, so that what is found there stays the same bits; and so that a cubic
-        // that is followed far from its knots is not looked at as a whole.
+        // The end motion keeps its doubling cuts, so that what is solved there keeps its bits. Without cuts, a cubic
+        // that is followed far from its knots would be examined as a whole.
         let beyond = (cut > flown_segments.len()).then(|| flown.segment_after());
         let mut cuts_after = DoublingCuts::NONE;
         if let (Some(end_motion), Some(&last)) = (&beyond, flown_knots.last()) {

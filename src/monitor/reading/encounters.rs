@@ -48,7 +48,7 @@ impl EncounterCache {
         /// So many are not too many, whatever there is.
         const FEW: usize = 1024;
         self.always.settle();
-        // Those that are gone add up where nothing is listed for long: time does not go on, say.
+        // `touched` grows as long as nothing is listed: while nothing is known beyond the reported time.
         let most = FEW + 2 * self.always.entries().len();
         if self.lists_all() || self.touched.len() > most {
             self.list_all();

@@ -7,7 +7,7 @@ mod encounters;
 pub(super) use conflicts::ConflictCache;
 pub(super) use encounters::EncounterCache;
 
-/// The ends of a window, twice: a contact between the ends of `within` is within the window, one
+/// An inner and an outer window: a contact between the ends of `within` is within the window, one
 /// that does not overlap `around` is beyond it, and any other is at its edge.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WindowEdges {

@@ -142,7 +142,7 @@ impl LookaheadSlice {
                 let due = self.due_slots(bodies);
                 return self.due < 1.0 && slots >= due && slots < bodies.flights.len();
             }
-            // With the last of them they are to be joined.
+            // When all boxes are placed, joining has to begin: the slice is not fresh.
             BuildStage::Placing(slots) => {
                 let due = self.due_slots(bodies);
                 self.due < 1.0 && slots >= due && slots < bodies.flights.len()

@@ -98,7 +98,7 @@ pub(super) enum BuildStage {
     /// All bodies were compared with each other, but for changed ones; slots below this number have their
     /// boxes in `boxed`.
     Compared(usize),
-    /// Slots below this have their boxes in `listed`.
+    /// Slots below this have their boxes in `boxed`.
     Listing(usize),
     /// Slots below this have their boxes in `boxes`, in the order of the slice before.
     Placing(usize),

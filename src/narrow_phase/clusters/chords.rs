@@ -126,7 +126,7 @@ impl PiecewiseLinearBound {
         let least = lows.fold(f64::INFINITY, f64::min);
         // A window may begin between an instant and what that is rounded to.
         let least = least + 2.0 * (self.bend * self.unit + clusters.motion.blur());
-        // Both errors: what may be nearer in the world, and what may be nearer than that.
+        // The error counts twice: the nearest spheres may be farther apart by it, and others nearer by it.
         let error = a.model_error_with(b);
         widened(widened(least, error), error)
     }

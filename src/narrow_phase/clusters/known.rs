@@ -130,7 +130,8 @@ impl<'a> ProvenIntervals<'a> {
                 self.find_gaps();
             }
         }
-        // The nearest of each stretch matters, not that of all of them.
+        // Each stretch has a least separation of its own. A pair must be farther than the largest of these to
+        // matter in none.
         let separations = self.stretches.iter().map(|one| one.shown.separation);
         let nearest = separations.fold(f64::NEG_INFINITY, f64::max);
         self.near = nearest + self.slack;

@@ -113,8 +113,8 @@ impl<'a> Cells<'a> {
             turning: [a.turning, b.turning],
             accuracy,
             turns: [None; 2],
-            // The part that ends there is included. An instant is rounded to one of the part, so that no other
-            // part has results in the interval.
+            // One step of f64 early, so that a part that ends at `from` is included. Parts that end earlier have no
+            // results in the interval: results are rounded to instants of their part.
             time: from.next_down().max(span.start),
             until: to.min(span.end),
             is_done: from > span.end || to < span.start,
