@@ -19,7 +19,7 @@ pub(crate) struct BoundsBuilder<const MOVES: bool> {
     low: Vec4,
     high: Vec4,
     /// The other magnitude of rounding, and the largest number of splits of a piece.
-    near: f32,
+    spread: f32,
     splits: f32,
     /// Least and largest deviation from the line on each axis.
     least: Vec4,
@@ -30,32 +30,36 @@ pub(crate) struct BoundsBuilder<const MOVES: bool> {
     /// Point on the line at the end of the pieces so far, and the elapsed share of the slice.
     line: Vec4,
     share: f32,
-    period: SliceInterval<MOVES>,
+    slice_interval: SliceInterval<MOVES>,
 }
 
 impl<const MOVES: bool> BoundsBuilder<MOVES> {
     /// Starts a builder with the first piece of a slice, on the line to the end of the last one.
     #[inline(always)]
-    pub(crate) fn between(head: &SubCubic, tail: &SubCubic, period: &SliceInterval<MOVES>) -> Self {
-        let mut builder = Self::toward((head.points[0], head.from), tail.points[3], period);
+    pub(crate) fn between(
+        head: &SubCubic,
+        tail: &SubCubic,
+        slice_interval: &SliceInterval<MOVES>,
+    ) -> Self {
+        let mut builder = Self::toward((head.points[0], head.from), tail.points[3], slice_interval);
         builder.follow(head);
         builder
     }
 
     /// Returns the bounds of a single piece that fills the slice.
     #[inline(always)]
-    pub(crate) fn alone(piece: &SubCubic, period: &SliceInterval<MOVES>) -> Self {
+    pub(crate) fn alone(piece: &SubCubic, slice_interval: &SliceInterval<MOVES>) -> Self {
         let [p0, p1, p2, p3] = piece.points;
         let change = p3 - p0;
         let third = change * (1.0 / 3.0);
         // The piece begins and ends on the line. Its deviation is 3 s (1 - s) times a mean of d1 and d2: at most
         // 3/4 of the larger one.
         let (d1, d2) = ((p1 - p0) - third, (p2 - p3) + third);
-        let [q0, q1, q2, q3] = period.relative(piece.points, 0.0, 1.0);
+        let [q0, q1, q2, q3] = slice_interval.relative(piece.points, 0.0, 1.0);
         Self {
             low: q0.min(q1).min(q2.min(q3)),
             high: q0.max(q1).max(q2.max(q3)),
-            near: piece.near,
+            spread: piece.spread,
             splits: piece.splits,
             least: d1.min(d2).min(Vec4::ZERO) * 0.75,
             most: d1.max(d2).max(Vec4::ZERO) * 0.75,
@@ -63,7 +67,7 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
             change,
             line: p3,
             share: 1.0,
-            period: *period,
+            slice_interval: *slice_interval,
         }
     }
 
@@ -71,13 +75,13 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
     pub(super) fn between_runs(
         first: &ScaledRun,
         last: &ScaledRun,
-        period: &SliceInterval<MOVES>,
+        slice_interval: &SliceInterval<MOVES>,
     ) -> Self {
         Self {
             // It does not go through the ends of their lines.
             low: first.low,
             high: first.high,
-            ..Self::toward((first.start, period.from), last.end, period)
+            ..Self::toward((first.start, slice_interval.from), last.end, slice_interval)
         }
     }
 
@@ -86,9 +90,9 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
     pub(super) fn along(
         head: &StraightPart,
         tail: &StraightPart,
-        period: &SliceInterval<MOVES>,
+        slice_interval: &SliceInterval<MOVES>,
     ) -> Self {
-        let mut builder = Self::toward((head.first, head.from), tail.last, period);
+        let mut builder = Self::toward((head.first, head.from), tail.last, slice_interval);
         builder.go_straight(head);
         builder
     }
@@ -96,33 +100,37 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
     /// Adds a straight piece that begins when the previous one ends: between its ends it strays no farther.
     #[inline(always)]
     pub(super) fn go_straight(&mut self, part: &StraightPart) {
-        let place = self.period.relative_at(part.first, self.share);
+        let place = self.slice_interval.relative_at(part.first, self.share);
         (self.low, self.high) = (self.low.min(place), self.high.max(place));
         self.include_deviation(part.first - self.line);
-        self.share = self.period.share(part.to);
+        self.share = self.slice_interval.share(part.to);
         self.line = self.start + self.change * self.share;
-        let place = self.period.relative_at(part.last, self.share);
+        let place = self.slice_interval.relative_at(part.last, self.share);
         (self.low, self.high) = (self.low.min(place), self.high.max(place));
         self.include_deviation(part.last - self.line);
-        self.near = self.near.max(part.near);
+        self.spread = self.spread.max(part.spread);
     }
 
     /// Starts a builder on the line from a point at an instant (s) to another point.
     #[inline(always)]
-    fn toward((start, from): (Vec4, f64), end: Vec4, period: &SliceInterval<MOVES>) -> Self {
+    fn toward(
+        (start, from): (Vec4, f64),
+        end: Vec4,
+        slice_interval: &SliceInterval<MOVES>,
+    ) -> Self {
         // The line of a slice of no duration is a point: any distance from it counts as deviation.
-        let change = if period.rate > 0.0 {
+        let change = if slice_interval.rate > 0.0 {
             end - start
         } else {
             Vec4::ZERO
         };
-        let share = period.share(from);
+        let share = slice_interval.share(from);
         let line = start + change * share;
-        let place = period.relative_at(start, share);
+        let place = slice_interval.relative_at(start, share);
         Self {
             low: place,
             high: place,
-            near: 0.0,
+            spread: 0.0,
             splits: 0.0,
             least: start - line,
             most: start - line,
@@ -130,7 +138,7 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
             change,
             line,
             share,
-            period: *period,
+            slice_interval: *slice_interval,
         }
     }
 
@@ -138,7 +146,7 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
     #[inline(always)]
     pub(crate) fn follow_from_start(&mut self, piece: &SubCubic) {
         let start = piece.points[0];
-        let place = self.period.relative_at(start, self.share);
+        let place = self.slice_interval.relative_at(start, self.share);
         self.low = self.low.min(place);
         self.high = self.high.max(place);
         self.include_deviation(start - self.line);
@@ -150,11 +158,13 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
     #[inline(always)]
     fn follow(&mut self, piece: &SubCubic) {
         let [_, p1, p2, p3] = piece.points;
-        let share = self.period.share(piece.to);
-        let [_, q1, q2, q3] = self.period.relative(piece.points, self.share, share);
+        let share = self.slice_interval.share(piece.to);
+        let [_, q1, q2, q3] = self
+            .slice_interval
+            .relative(piece.points, self.share, share);
         self.low = self.low.min(q1.min(q2).min(q3));
         self.high = self.high.max(q1.max(q2).max(q3));
-        self.near = self.near.max(piece.near);
+        self.spread = self.spread.max(piece.spread);
         self.splits = self.splits.max(piece.splits);
         let line_3 = self.start + self.change * share;
         let third = (line_3 - self.line) * (1.0 / 3.0);
@@ -175,10 +185,10 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
     /// Adds a run of cubics that lasts until an instant (s).
     #[inline(always)]
     pub(super) fn pass(&mut self, run: &ScaledRun, until: f64) {
-        let share = self.period.share(until);
+        let share = self.slice_interval.share(until);
         let (low, high) = if MOVES {
-            let first = self.period.relative_at(run.start, self.share);
-            let last = self.period.relative_at(run.end, share);
+            let first = self.slice_interval.relative_at(run.start, self.share);
+            let last = self.slice_interval.relative_at(run.end, share);
             (
                 first.min(last) - run.deviation,
                 first.max(last) + run.deviation,
@@ -188,7 +198,7 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         };
         self.low = self.low.min(low);
         self.high = self.high.max(high);
-        self.near = self.near.max(run.near);
+        self.spread = self.spread.max(run.spread);
         let line = self.start + self.change * share;
         let (first, last) = (run.start - self.line, run.end - line);
         self.least = self.least.min(first.min(last) - run.deviation);
@@ -218,7 +228,7 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
             end: end + middle,
             low: self.low,
             high: self.high,
-            near: self.near,
+            spread: self.spread,
             deviation: (deviation + rounding + turned) * (1.0 + 4.0 * ROUNDING),
         })
     }
@@ -229,9 +239,9 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
     pub(crate) fn finish(&self, placement: &FramePlacement, first: u32) -> (FatLine, Aabb) {
         let Self { low, high, .. } = *self;
         // How far rounding can have moved each coordinate, before it was measured from a moving box.
-        let way = self.period.way().abs();
+        let way = self.slice_interval.way().abs();
         let largest = low.abs().max(high.abs()) + way;
-        let rounding = SubCubic::roundings(largest, self.near, self.splits) + placement.steady;
+        let rounding = SubCubic::roundings(largest, self.spread, self.splits) + placement.steady;
         let (middle, deviation) = self.middle();
         let (start, change) = (placement.place + (self.start + middle), self.change);
         // One where the line is moved.
@@ -262,7 +272,7 @@ fn fat_line(
     let deviation = deviation * deviation;
     // Eight of the line's change; of where it starts in its own place, `rounding` holds those.
     let rounding = rounding + (start.abs() + change.abs()) * (8.0 * ROUNDING);
-    let slack = (deviation.x + deviation.y + deviation.z).sqrt()
+    let radius = (deviation.x + deviation.y + deviation.z).sqrt()
         + VANISHING
         + reach
         + (rounding.x + rounding.y + rounding.z);
@@ -270,7 +280,7 @@ fn fat_line(
         start: [start.x, start.y, start.z],
         change: [change.x, change.y, change.z],
         // A few roundings of itself.
-        slack: slack * (1.0 + 8.0 * ROUNDING),
+        radius: radius * (1.0 + 8.0 * ROUNDING),
         first,
     }
 }
@@ -336,7 +346,7 @@ mod tests {
                 "{count} {fat_line:?}"
             );
             assert!(
-                fat_line.slack > 1.0 && fat_line.slack < 1.15,
+                fat_line.radius > 1.0 && fat_line.radius < 1.15,
                 "{count} {fat_line:?}"
             );
         }
@@ -376,10 +386,10 @@ mod tests {
                 unreachable!("there is one of four cubics at least")
             };
             lengths[count] += 1;
-            let period = SliceInterval::new(knots[first] - 1.0, knots[first + count] + 2.0);
+            let slice_interval = SliceInterval::new(knots[first] - 1.0, knots[first + count] + 2.0);
             let mut anywhere = || Vec4::from_array([0; 4].map(|_| rng.random_range(-1.0..=1.0)));
             let (start, end) = (anywhere(), anywhere());
-            let mut whole = BoundsBuilder::toward((start, knots[first]), end, &period);
+            let mut whole = BoundsBuilder::toward((start, knots[first]), end, &slice_interval);
             let mut by_run = whole;
             by_run.pass(&run.unpack(1.0), knots[first + count]);
             for number in first..first + count {
@@ -414,7 +424,7 @@ mod tests {
             let found = fat_line(Vec4::ZERO, Vec4::ZERO, (deviation, rounding), reach, 0);
             let parts = [reach, rounding.x, rounding.y, rounding.z];
             let others = parts.map(|part| number(f64::from(part))).into_iter();
-            let left = number(f64::from(found.slack)) - others.fold(number(0.0), |a, b| a + b);
+            let left = number(f64::from(found.radius)) - others.fold(number(0.0), |a, b| a + b);
             let deviation = Exact::of(deviation.truncate().as_dvec3());
             assert!(
                 deviation.is_within_exactly(&left),
@@ -452,7 +462,7 @@ mod tests {
             let (way, aside) = (vector(1e6).as_vec3().as_dvec3(), vector(1.0));
             let from = [0.0_f32, 0.5, 0.999, 0.999_999][round % 4] * rng.random_range(0.9_f32..1.0);
             let from = f64::from(from);
-            let period = SliceInterval::new(0.0, 1.0).moving(way);
+            let slice_interval = SliceInterval::new(0.0, 1.0).moving(way);
             let rests = round % 3 == 0;
             let points = [0.0, 1.0, 2.0, 3.0].map(|step| {
                 let share = if rests {
@@ -462,15 +472,15 @@ mod tests {
                 };
                 (way * share + aside).as_vec3().extend(0.0)
             });
-            let near = (points[3] - points[0]).truncate().length();
+            let spread = (points[3] - points[0]).truncate().length();
             let piece = SubCubic {
                 points,
-                near,
+                spread,
                 splits: 0.0,
                 from,
                 to: 1.0,
             };
-            let builder = BoundsBuilder::between(&piece, &piece, &period);
+            let builder = BoundsBuilder::between(&piece, &piece, &slice_interval);
             let (_, aabb) = builder.finish(&FramePlacement::NONE, 0);
             let [low, high] = [aabb.mins, aabb.maxs]
                 .map(|edge| DVec3::new(edge.x.into(), edge.y.into(), edge.z.into()));
@@ -487,7 +497,7 @@ mod tests {
         let points = [0.0, 0.25, 0.5, 1.0].map(|x| Vec4::new(x, 0.0, 0.0, 0.0));
         let piece = SubCubic {
             points,
-            near: 1.0,
+            spread: 1.0,
             splits: 0.0,
             from: 1.0,
             to: 1.0,

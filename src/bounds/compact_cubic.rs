@@ -21,16 +21,16 @@ impl CompactCubic {
     #[inline(always)]
     pub(super) fn of(segment: &Segment, ends: (f64, f64), frame: &Frame) -> Option<Self> {
         let part = PaddedPoints::of(segment, ends);
-        let (offset, near) = (segment.origin() - frame.origin, part.spread() * frame.power);
+        let (offset, spread) = (segment.origin() - frame.origin, part.spread() * frame.power);
         let lanes = |point: DVec3, last: f64| {
             let DVec3 { x, y, z } = (offset + point) * frame.power;
             Vec4::new(nearest(x), nearest(y), nearest(z), nearest(last))
         };
         let [p0, p1, p2, p3] = part.points;
-        let is_served = (offset + p0).abs().max_element() * frame.power + near < FAR;
+        let is_served = (offset + p0).abs().max_element() * frame.power + spread < FAR;
         is_served.then(|| {
             Self([
-                lanes(p0, near),
+                lanes(p0, spread),
                 lanes(p1, 0.0),
                 lanes(p2, 0.0),
                 lanes(p3, 0.0),

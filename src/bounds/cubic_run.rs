@@ -26,7 +26,7 @@ pub(super) struct ScaledRun {
     pub(super) end: Vec4,
     pub(super) low: Vec4,
     pub(super) high: Vec4,
-    pub(super) near: f32,
+    pub(super) spread: f32,
     pub(super) deviation: Vec4,
 }
 
@@ -38,7 +38,7 @@ impl CubicRun {
     pub(super) fn new(unpacked: &ScaledRun) -> Self {
         let with = |lanes: Vec4, last: f32| lanes.truncate().extend(last);
         Self {
-            start: with(unpacked.start, unpacked.near),
+            start: with(unpacked.start, unpacked.spread),
             end: with(unpacked.end, unpacked.deviation.x),
             low: with(unpacked.low, unpacked.deviation.y),
             high: with(unpacked.high, unpacked.deviation.z),
@@ -54,7 +54,7 @@ impl CubicRun {
             end,
             low,
             high,
-            near: start.w,
+            spread: start.w,
             deviation: Vec4::new(end.w, low.w, high.w, 0.0),
         }
     }

@@ -3,13 +3,13 @@
 /// A fat line (Sederberg, Nishita, 1990) over a slice: a line with a radius, in the frame's unit.
 ///
 /// At the share `s` of the slice, 0..=1, every sphere of the body, enlarged by half the margin, is
-/// within `slack` of `start + s change`. The exact solver's rounding is included.
+/// within `radius` of `start + s change`. The exact solver's rounding is included.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct FatLine {
     pub(crate) start: [f32; 3],
     pub(crate) change: [f32; 3],
     /// Infinite where the frame does not serve.
-    pub(crate) slack: f32,
+    pub(crate) radius: f32,
     /// Number of the cubic that the body follows first in the slice.
     pub(crate) first: u32,
 }

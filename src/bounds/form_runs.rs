@@ -14,8 +14,8 @@ impl CubicRun {
             SubCubic::whole(&compact_cubics[number], ends, 1.0)
         };
         let (head, tail) = (piece(0), piece(Self::SIZE - 1));
-        let period = SliceInterval::new(knots[0], knots[Self::SIZE]);
-        let mut builder = BoundsBuilder::between(&head, &tail, &period);
+        let slice_interval = SliceInterval::new(knots[0], knots[Self::SIZE]);
+        let mut builder = BoundsBuilder::between(&head, &tail, &slice_interval);
         for number in 1..Self::SIZE {
             builder.follow_from_start(&piece(number));
         }
@@ -26,8 +26,8 @@ impl CubicRun {
     fn of_runs(runs: &[Self], knots: &[f64]) -> Self {
         let [first, last] = [0, Self::SIZE - 1].map(|number| runs[number].unpack(1.0));
         let step = (knots.len() - 1) / Self::SIZE;
-        let period = SliceInterval::new(knots[0], knots[knots.len() - 1]);
-        let mut builder = BoundsBuilder::between_runs(&first, &last, &period);
+        let slice_interval = SliceInterval::new(knots[0], knots[knots.len() - 1]);
+        let mut builder = BoundsBuilder::between_runs(&first, &last, &slice_interval);
         for (run, number) in runs.iter().zip(1..) {
             builder.pass(&run.unpack(1.0), knots[number * step]);
         }

@@ -60,7 +60,7 @@ impl PaddedPoints {
     }
 
     /// Returns the magnitude to which f32 rounding of the points is relative, besides their size,
-    /// m. A box takes at least four roundings of it ([`SubCubic::NEAR`](super::SubCubic::NEAR)),
+    /// m. A box takes at least four roundings of it ([`SubCubic::OF_SPREAD`](super::SubCubic::OF_SPREAD)),
     /// hence four times the error.
     pub(super) fn spread(&self) -> f64 {
         self.extent + self.error / f64::from(ROUNDING)
@@ -272,7 +272,7 @@ mod tests {
                         let deviation = place.distance(line);
                         assert!(low.cmple(place).all() && high.cmpge(place).all(), "{round}");
                         assert!(
-                            deviation <= f64::from(fat_line.slack),
+                            deviation <= f64::from(fat_line.radius),
                             "{round} {deviation} {fat_line:?}"
                         );
                     }
@@ -350,8 +350,8 @@ mod tests {
                         let size = f64::from(aabb.extents().max_element());
                         let needed = (way.high - way.low).max_element();
                         assert!(size < 1.1 * needed + FINE, "{begin}: {size} {needed}");
-                        let slack = f64::from(slice.fat_lines[0].slack);
-                        assert!(slack < needed + FINE, "{begin}: {slack} {needed}");
+                        let radius = f64::from(slice.fat_lines[0].radius);
+                        assert!(radius < needed + FINE, "{begin}: {radius} {needed}");
                     }
                 });
             }

@@ -272,7 +272,7 @@ mod tests {
             let way = way.as_vec3();
             let piece = SubCubic {
                 points: [0.0, 1.0, 2.0, 3.0].map(|step| (way * (step / 3.0)).extend(0.0)),
-                near: 0.0,
+                spread: 0.0,
                 splits: 0.0,
                 from: 0.0,
                 to: 1.0,
@@ -288,7 +288,7 @@ mod tests {
                 let deviation =
                     place.distance(line(fat_line.start) + share * line(fat_line.change));
                 assert!(
-                    deviation <= f64::from(fat_line.slack),
+                    deviation <= f64::from(fat_line.radius),
                     "{deviation} {fat_line:?}"
                 );
             }

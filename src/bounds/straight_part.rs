@@ -12,7 +12,7 @@ pub(super) struct StraightPart {
     pub(super) first: Vec4,
     pub(super) last: Vec4,
     /// The other magnitude to which rounding is relative, as of a [cubic](super::SubCubic).
-    pub(super) near: f32,
+    pub(super) spread: f32,
     pub(super) from: f64,
     pub(super) to: f64,
 }
@@ -21,7 +21,7 @@ impl StraightPart {
     /// Returns the part of a motion between two instants (s), relative to a frame's origin and in its unit.
     #[inline(always)]
     pub(super) fn new(motion: &StraightMotion, (from, to): (f64, f64), frame: &Frame) -> Self {
-        // A box is larger by four roundings of `near`. Each way has two roundings, and two where it cancels with the
+        // A box is larger by four roundings of `spread`. Each way has two roundings, and two where it cancels with the
         // offset. The solver's error, of at most 36, is held more than twice, as that of any cubic is.
         const ERROR: f64 = 24.0 * UNIT_ROUNDOFF / ROUNDING as f64;
         let lanes = |DVec3 { x, y, z }: DVec3| [x, y, z, 0.0];
@@ -29,26 +29,26 @@ impl StraightPart {
         let (middle, power) = (lanes(frame.origin), frame.power);
         let since = [from - motion.start(), to - motion.start()];
         // Loops over four lanes, the last of which is zero: the compiler takes one instruction for all.
-        let (mut start, mut end, mut near) = ([0.0; 4], [0.0; 4], [0.0; 4]);
+        let (mut start, mut end, mut spread) = ([0.0; 4], [0.0; 4], [0.0; 4]);
         for lane in 0..4 {
             let (first, last) = (velocity[lane] * since[0], velocity[lane] * since[1]);
             let (far, farther) = (first.abs(), last.abs());
             let way = if farther > far { farther } else { far };
-            near[lane] = (last - first).abs() + way * ERROR;
+            spread[lane] = (last - first).abs() + way * ERROR;
             let offset = origin[lane] - middle[lane];
             start[lane] = (offset + first) * power;
             end[lane] = (offset + last) * power;
         }
-        let near = (near[0] + near[1] + near[2]) * power;
+        let spread = (spread[0] + spread[1] + spread[2]) * power;
         let mut is_served = true;
         for lane in start {
-            is_served &= lane.abs() + near < FAR;
+            is_served &= lane.abs() + spread < FAR;
         }
         if !is_served {
             return Self {
                 first: Vec4::ZERO,
                 last: Vec4::ZERO,
-                near: f32::INFINITY,
+                spread: f32::INFINITY,
                 from,
                 to,
             };
@@ -61,7 +61,7 @@ impl StraightPart {
         Self {
             first: Vec4::from_array(first),
             last: Vec4::from_array(last),
-            near: nearest(near),
+            spread: nearest(spread),
             from,
             to,
         }

@@ -24,25 +24,30 @@ impl StraightPieces<'_> {
     #[inline(always)]
     pub(crate) fn bounds<const MOVES: bool>(
         &self,
-        period: &SliceInterval<MOVES>,
+        slice_interval: &SliceInterval<MOVES>,
     ) -> (BoundsBuilder<MOVES>, usize) {
         let count = self.motions.len();
         let ends = &self.knots[1..count];
         // A piece that ends as the slice begins counts with its last point, as one does that begins at its end.
-        let first = ends.iter().take_while(|&&end| end < period.from).count();
-        let later = ends[first..].iter().take_while(|&&end| end <= period.to);
+        let first = ends
+            .iter()
+            .take_while(|&&end| end < slice_interval.from)
+            .count();
+        let later = ends[first..]
+            .iter()
+            .take_while(|&&end| end <= slice_interval.to);
         let last = first + later.count();
-        let head = self.part(first, period);
+        let head = self.part(first, slice_interval);
         if first == last {
             return (
-                BoundsBuilder::along(&head, &head, period),
+                BoundsBuilder::along(&head, &head, slice_interval),
                 self.before + first,
             );
         }
-        let tail = self.part(last, period);
-        let mut builder = BoundsBuilder::along(&head, &tail, period);
+        let tail = self.part(last, slice_interval);
+        let mut builder = BoundsBuilder::along(&head, &tail, slice_interval);
         for number in first + 1..last {
-            builder.go_straight(&self.part(number, period));
+            builder.go_straight(&self.part(number, slice_interval));
         }
         builder.go_straight(&tail);
         (builder, self.before + first)
@@ -53,10 +58,10 @@ impl StraightPieces<'_> {
     fn part<const MOVES: bool>(
         &self,
         number: usize,
-        period: &SliceInterval<MOVES>,
+        slice_interval: &SliceInterval<MOVES>,
     ) -> StraightPart {
-        let from = self.knots[number].max(period.from);
-        let to = self.knots[number + 1].min(period.to);
+        let from = self.knots[number].max(slice_interval.from);
+        let to = self.knots[number + 1].min(slice_interval.to);
         StraightPart::new(&self.motions[number], (from, to), &self.anchor)
     }
 }
@@ -171,7 +176,7 @@ mod tests {
                     let on_line = Exact::of(lane(line.start))
                         .plus(&Exact::of(lane(line.change)).times(&number(share)));
                     assert!(
-                        place.minus(&on_line).is_within(line.slack.into()),
+                        place.minus(&on_line).is_within(line.radius.into()),
                         "{round} {time}"
                     );
                 }

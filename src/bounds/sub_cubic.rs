@@ -11,7 +11,7 @@ pub(crate) struct SubCubic {
     pub(super) points: [Vec4; 4],
     /// The other magnitude to which rounding is relative, besides the coordinates: no two points
     /// are farther apart than twice this.
-    pub(super) near: f32,
+    pub(super) spread: f32,
     /// Number of splits from the rest of the cubic.
     pub(super) splits: f32,
     pub(super) from: f64,
@@ -19,25 +19,25 @@ pub(crate) struct SubCubic {
 }
 
 impl SubCubic {
-    /// Roundings of the points at first, and per split: of coordinates (far) and of `near`.
+    /// Roundings of the points at first, and per split: of coordinates and of `spread`.
     ///
-    /// Far: one per point of a compact trajectory. A split has three levels of de Casteljau, each
+    /// Coordinates: one per point of a compact trajectory. A split has three levels of de Casteljau, each
     /// with one rounding of its sum. Two more for the sums of a box, or three for the line of a fat
     /// line and one for its place, and one spare.
     ///
-    /// Near: differences of points are at most 2. At each level a difference and its product with
+    /// Spread: differences of points are at most 2. At each level a difference and its product with
     /// the share are rounded, 3 (2 + 2). The share's own rounding moves a point by up to 6.
-    /// Coordinates of a part may be smaller than the rounded ones, by 2 for each of Far's: 2 at
+    /// Coordinates of a part may be smaller than the rounded ones, by 2 for each of the coordinates': 2 at
     /// first, with 2 spare. Of a split's, the share has 3 spare: below 1 it is rounded half as
     /// much.
-    pub(super) const FAR: [f32; 2] = [6.0, 3.0];
-    pub(super) const NEAR: [f32; 2] = [4.0, 24.0];
+    pub(super) const OF_COORDINATES: [f32; 2] = [6.0, 3.0];
+    pub(super) const OF_SPREAD: [f32; 2] = [4.0, 24.0];
 
     /// Returns a cubic that f32 does not serve: its bounds are infinite.
     pub(super) const fn anywhere((from, to): (f64, f64)) -> Self {
         Self {
             points: [Vec4::ZERO; 4],
-            near: f32::INFINITY,
+            spread: f32::INFINITY,
             splits: 0.0,
             from,
             to,
@@ -46,10 +46,10 @@ impl SubCubic {
 
     #[inline(always)]
     pub(super) fn whole(compact_cubic: &CompactCubic, (from, to): (f64, f64), factor: f32) -> Self {
-        let (points, near) = compact_cubic.points(factor);
+        let (points, spread) = compact_cubic.points(factor);
         Self {
             points,
-            near,
+            spread,
             splits: 0.0,
             from,
             to,
@@ -64,8 +64,10 @@ impl SubCubic {
 
     /// Returns true if the cubic covers the whole slice, and the slice has a duration.
     #[inline(always)]
-    pub(crate) fn fills<const MOVES: bool>(&self, period: &SliceInterval<MOVES>) -> bool {
-        period.rate > 0.0 && self.from <= period.from && self.to >= period.to
+    pub(crate) fn fills<const MOVES: bool>(&self, slice_interval: &SliceInterval<MOVES>) -> bool {
+        slice_interval.rate > 0.0
+            && self.from <= slice_interval.from
+            && self.to >= slice_interval.to
     }
 
     /// Returns the part between two instants (s).
@@ -83,14 +85,14 @@ impl SubCubic {
     #[inline]
     pub(super) fn rounding(&self) -> Vec4 {
         let [p0, p1, p2, p3] = self.points.map(Vec4::abs);
-        Self::roundings(p0.max(p1).max(p2.max(p3)), self.near, self.splits)
+        Self::roundings(p0.max(p1).max(p2.max(p3)), self.spread, self.splits)
     }
 
     /// Returns that bound for points with these largest coordinates.
     #[inline(always)]
-    pub(super) fn roundings(largest: Vec4, near: f32, splits: f32) -> Vec4 {
+    pub(super) fn roundings(largest: Vec4, spread: f32, splits: f32) -> Vec4 {
         let count = |[once, each]: [f32; 2]| ROUNDING * (once + each * splits);
-        largest * count(Self::FAR) + near * count(Self::NEAR)
+        largest * count(Self::OF_COORDINATES) + spread * count(Self::OF_SPREAD)
     }
 
     /// Returns the parts before and after an instant (s).
@@ -108,7 +110,7 @@ impl SubCubic {
         let middle = between(r0, r1);
         let part = |points, from, to| Self {
             points,
-            near: self.near,
+            spread: self.spread,
             splits: self.splits + 1.0,
             from,
             to,
@@ -143,10 +145,10 @@ mod tests {
             let place = vector(far);
             let points = [0; 4].map(|_| (place + vector(1.0)).extend(0.0));
             let exact = points.map(|point| Exact::of(wide(point)));
-            let near = points.map(|point| wide(point).distance(wide(points[0])));
+            let spread = points.map(|point| wide(point).distance(wide(points[0])));
             let whole = SubCubic {
                 points,
-                near: nearest(near.into_iter().fold(0.0, f64::max)),
+                spread: nearest(spread.into_iter().fold(0.0, f64::max)),
                 splits: 0.0,
                 from: 0.0,
                 to: 1.0,
@@ -160,8 +162,8 @@ mod tests {
                     let ends = [number(piece.from), number(piece.to)];
                     let largest = piece.points.map(Vec4::abs).into_iter();
                     let largest = largest.reduce(Vec4::max).unwrap_or_default();
-                    let all = SubCubic::roundings(largest, piece.near, piece.splits);
-                    let once = SubCubic::roundings(largest, piece.near, 0.0);
+                    let all = SubCubic::roundings(largest, piece.spread, piece.splits);
+                    let once = SubCubic::roundings(largest, piece.spread, 0.0);
                     for (j, point) in piece.points.into_iter().enumerate() {
                         let off = Exact::of(wide(point)).minus(&Exact::blossom(&exact, j, &ends));
                         let holds = off.is_within_box(wide(all - once));

@@ -163,7 +163,7 @@ impl PartitionSearch {
         /// Limits beyond which halving is as good.
         const WORTHWHILE: f64 = 0.375;
         const SETTLED: f64 = 0.875;
-        let reach = Minorant::of(points).reach(self.computed.outside);
+        let reach = Minorant::of(points).parameter_bound(self.computed.outside);
         if reach < WORTHWHILE {
             // Twice as far, where outside is certain by a margin: then the next look settles it.
             return Cut::Examine(2.0 * reach);

@@ -31,7 +31,7 @@ fn can_reach(minorant: &Minorant, level: f64, base: f64, tip: f64) -> Option<Par
     if minorant.lower() > level {
         return None;
     }
-    let reach = minorant.reach(level) * (tip - base);
+    let reach = minorant.parameter_bound(level) * (tip - base);
     let farthest = if reach < 0.0 {
         outward(base + reach, -1.0).or_more(tip)
     } else {

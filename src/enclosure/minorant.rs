@@ -79,7 +79,7 @@ impl Minorant {
 
     /// Returns an x beyond which the squared distance is certainly above `level`, or 1 if unknown.
     #[inline]
-    pub(super) fn reach(&self, level: f64) -> f64 {
+    pub(super) fn parameter_bound(&self, level: f64) -> f64 {
         let (slope, bend) = (self.slope, self.bend);
         let base = self.base * (1.0 - 8.0 * UNIT_ROUNDOFF) - TINY;
         // Room above the base; the quadratic exceeds it beyond its larger root.

@@ -71,7 +71,7 @@ impl Monitor {
                 self.reported,
                 EndReason::BodyRemoved,
                 is_gone,
-                &mut self.waiting,
+                &mut self.pending_events,
             );
         }
         self.removed.clear();
@@ -268,8 +268,8 @@ impl Monitor {
         commands: impl IntoIterator<Item = Command>,
     ) -> Result<Vec<BodyId>, Error> {
         let mut batch = std::mem::take(&mut self.batch);
-        let terms = self.terms()?;
-        let ids = match batch.work_out(&self.scene, commands, &terms) {
+        let context = self.terms()?;
+        let ids = match batch.work_out(&self.scene, commands, &context) {
             Ok(()) => self.take_over(&mut batch),
             Err(error) => Err(error),
         };
@@ -292,37 +292,37 @@ impl Monitor {
                 self.scene.prefetch(later.id.slot);
                 self.search.flights.prefetch(later.id.slot);
             }
-            let revision = &mut batch.changed[place];
-            let id = revision.id;
-            if revision.is_removed {
+            let change = &mut batch.changed[place];
+            let id = change.id;
+            if change.is_removed {
                 drop(self.take_out(id)?);
                 continue;
             }
-            if let Some(pending) = revision.motion.take() {
-                if let Some(layers) = revision.layers {
+            if let Some(pending) = change.motion.take() {
+                if let Some(layers) = change.layers {
                     self.scene.set_layers(id, layers)?;
                 }
                 self.replace_motion(id, (pending.from, &pending.motion))?;
                 self.search.find_partners(&self.scene, Some(id.slot));
                 continue;
             }
-            if let Some(trajectory) = &mut revision.trajectory {
+            if let Some(trajectory) = &mut change.trajectory {
                 self.scene.swap_trajectory(id, trajectory)?;
                 self.watch_plan_end(id);
             }
-            if let Some(hitbox) = revision.hitbox.take() {
+            if let Some(hitbox) = change.hitbox.take() {
                 drop(self.scene.set_hitbox(id, hitbox)?);
             }
-            if let Some(orientation) = revision.orientation.take() {
+            if let Some(orientation) = change.orientation.take() {
                 drop(self.scene.set_orientation(id, orientation)?);
             }
-            if let Some(layers) = revision.layers {
+            if let Some(layers) = change.layers {
                 self.scene.set_layers(id, layers)?;
             }
-            if let Some(model_error) = revision.model_error {
+            if let Some(model_error) = change.model_error {
                 self.scene.set_model_error(id, model_error)?;
             }
-            self.place(id, revision.flight.take());
+            self.place(id, change.flight.take());
         }
         let inserted = batch.inserted.drain(..);
         inserted
@@ -373,7 +373,7 @@ impl Monitor {
     pub(super) fn terms(&self) -> Result<ChangeContext<'_>, Error> {
         let end = self.search.laid_out(self.now + self.lookahead);
         Ok(ChangeContext {
-            reach: self.search.reach(),
+            margin_and_frame: self.search.margin_and_frame(),
             window: Window::new(self.reported, end)?,
             now: self.now,
             forget_before: self.reported - self.history,
@@ -382,9 +382,9 @@ impl Monitor {
 
     /// Prepares all bodies for a search that knows none yet.
     pub(super) fn lay_out(&mut self) -> Result<(), Error> {
-        let terms = self.terms()?;
+        let context = self.terms()?;
         let bodies = self.scene.bodies();
-        let flights = bodies.map(|(id, body)| Ok((id, terms.flight_of(body)?)));
+        let flights = bodies.map(|(id, body)| Ok((id, context.flight_of(body)?)));
         for (id, flight) in flights.collect::<Result<Vec<_>, Error>>()? {
             self.search.set(id.slot, Some(flight));
         }
@@ -414,16 +414,16 @@ impl Monitor {
     /// suits the scene is replaced, too, if the tick may wait for the rebuild: it has no budget and does
     /// not lag.
     pub(super) fn choose_grid(&mut self, now: f64, may_wait: bool) -> Result<(), Error> {
-        let (margin, _) = self.search.reach();
+        let (margin, _) = self.search.margin_and_frame();
         let span = (self.reported, self.lookahead);
         let grid = &self.search.grid;
         let can_stay = grid.has_room(now) && !grid.is_too_fine(&self.scene);
         if can_stay {
             let bodies = self.scene.len();
-            if !(may_wait && self.review.is_due(bodies, now, self.lookahead)) {
+            if !(may_wait && self.reschedule.is_due(bodies, now, self.lookahead)) {
                 return Ok(());
             }
-            self.review = RescheduleTrigger::made(bodies, now);
+            self.reschedule = RescheduleTrigger::made(bodies, now);
             let velocity = grid.frame.velocity();
             let signature = SceneSignature::of(&self.scene, margin, span, velocity);
             if grid.suits(&self.scene, margin, &signature) {
@@ -432,7 +432,7 @@ impl Monitor {
         }
         let other = Grid::for_scene(&self.scene, margin, span, now)?;
         if can_stay && self.search.grid.serves(&self.scene, margin, &other) {
-            self.review.was_in_vain();
+            self.reschedule.was_in_vain();
             self.search.grid.confirm(&other);
             return Ok(());
         }
@@ -445,8 +445,8 @@ impl Monitor {
         id: BodyId,
         (from, motion): (f64, &StraightMotion),
     ) -> Result<(), Error> {
-        let terms = self.terms()?;
-        let (window, since) = (terms.window, terms.forget_before);
+        let context = self.terms()?;
+        let (window, since) = (context.window, context.forget_before);
         let flown = self.scene.replace_motion(id, (from, motion, since))?;
         self.search.replan(id.slot, flown, window)?;
         self.plan_ends.set(id.slot, f64::INFINITY);
@@ -460,7 +460,7 @@ impl Monitor {
 
     pub(super) const fn count_changes(&mut self, count: usize) {
         self.changed_bodies += count as u64;
-        self.review.changes += count;
+        self.reschedule.changes += count;
     }
 
     pub(super) fn place(&mut self, id: BodyId, flight: Option<MonitoredBody>) {

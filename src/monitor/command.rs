@@ -51,7 +51,7 @@ pub enum Command {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ChangeContext<'m> {
     /// Largest margin (m), and the frame of boxes.
-    pub(super) reach: (f64, &'m Frame),
+    pub(super) margin_and_frame: (f64, &'m Frame),
     /// Window over which plans are followed.
     pub(super) window: Window,
     /// The clock of the last tick, s.
@@ -68,7 +68,7 @@ impl ChangeContext<'_> {
         shape: BodyShape<'_>,
         tag: u64,
     ) -> Result<MonitoredBody, Error> {
-        let flight = MonitoredBody::of(trajectory, shape, self.reach, self.window);
+        let flight = MonitoredBody::of(trajectory, shape, self.margin_and_frame, self.window);
         flight.map_err(|error| error.in_body(tag))
     }
 
@@ -180,33 +180,33 @@ impl CommandBatch {
         &mut self,
         scene: &Scene,
         commands: impl IntoIterator<Item = Command>,
-        terms: &ChangeContext<'_>,
+        context: &ChangeContext<'_>,
     ) -> Result<(), Error> {
         self.clear();
         let mut refused = None;
         for (number, command) in commands.into_iter().enumerate() {
-            if let Err(refusal) = self.take(scene, (number, command), terms) {
+            if let Err(refusal) = self.take(scene, (number, command), context) {
                 refused = Some(refusal);
                 break;
             }
         }
         let few = (self.changed.len(), Self::FEW);
-        parallel::for_each_chunk(&mut self.changed, Self::CHUNK, few, |_, revisions| {
-            for index in 0..revisions.len() {
-                if let Some(later) = revisions.get(index + 2 * Self::AHEAD) {
+        parallel::for_each_chunk(&mut self.changed, Self::CHUNK, few, |_, changes| {
+            for index in 0..changes.len() {
+                if let Some(later) = changes.get(index + 2 * Self::AHEAD) {
                     scene.prefetch(later.id.slot);
                 }
-                if let Some(later) = revisions.get(index + Self::AHEAD) {
+                if let Some(later) = changes.get(index + Self::AHEAD) {
                     let flown = scene.body(later.id).map(|body| &body.trajectory);
                     let both = flown.into_iter().chain(&later.trajectory);
                     both.for_each(Trajectory::prefetch);
                 }
-                let revision = &mut revisions[index];
-                revision.refusal = revision.settle(scene, terms).err();
+                let change = &mut changes[index];
+                change.refusal = change.settle(scene, context).err();
             }
         });
         let changed = self.changed.iter_mut();
-        let refusals = changed.filter_map(|revision| revision.refusal.take());
+        let refusals = changed.filter_map(|change| change.refusal.take());
         let first = refusals.chain(refused).min_by_key(|refusal| refusal.0);
         first.map_or(Ok(()), |(_, error)| Err(error))
     }
@@ -228,12 +228,12 @@ impl CommandBatch {
         &mut self,
         scene: &Scene,
         (number, command): (usize, Command),
-        terms: &ChangeContext<'_>,
+        context: &ChangeContext<'_>,
     ) -> Result<(), Rejection> {
         let refuse = |error| (number, error);
         let id = match command {
             Command::Insert(body) => {
-                let flight = terms.flight_of(&body).map_err(refuse)?;
+                let flight = context.flight_of(&body).map_err(refuse)?;
                 self.inserted.push((body, flight));
                 return Ok(());
             }
@@ -255,46 +255,44 @@ impl CommandBatch {
             | Command::Replan(id, ..)
             | Command::Extend(id, _) => id,
         };
-        let revision = self.revision(scene, id, number).map_err(refuse)?;
+        let change = self.change_of(scene, id, number).map_err(refuse)?;
         match command {
             Command::Insert(_) | Command::IgnorePair(..) | Command::UnignorePair(..) => {}
-            Command::Remove(_) => revision.is_removed = true,
+            Command::Remove(_) => change.is_removed = true,
             Command::SetTrajectory(_, trajectory) => {
-                revision.motion_to_splice();
-                revision.splice(scene, terms)?;
-                revision.trajectory = Some(trajectory);
-                revision.late = None;
+                change.motion_to_splice();
+                change.splice(scene, context)?;
+                change.trajectory = Some(trajectory);
+                change.late = None;
             }
-            Command::SetHitbox(_, hitbox) => revision.hitbox = Some(hitbox),
-            Command::SetOrientation(_, orientation) => revision.orientation = Some(orientation),
-            Command::SetLayers(_, layers) => revision.layers = Some(layers),
+            Command::SetHitbox(_, hitbox) => change.hitbox = Some(hitbox),
+            Command::SetOrientation(_, orientation) => change.orientation = Some(orientation),
+            Command::SetLayers(_, layers) => change.layers = Some(layers),
             Command::SetModelError(_, metres) => {
-                let tag = revision.body(scene)?.tag;
+                let tag = change.body(scene)?.tag;
                 let checked = checked_model_error(metres);
                 let checked = checked.map_err(|error| refuse(error.in_body(tag).with_id(id)))?;
-                revision.model_error = Some(checked);
+                change.model_error = Some(checked);
             }
             Command::Orient(_, from, next) => {
-                let body = revision.body(scene)?;
-                let before = revision.orientation.as_ref().unwrap_or(&body.orientation);
-                let both = before.followed_by(&next, from, terms.forget_before);
+                let body = change.body(scene)?;
+                let before = change.orientation.as_ref().unwrap_or(&body.orientation);
+                let both = before.followed_by(&next, from, context.forget_before);
                 let both = both.map_err(|error| refuse(error.in_body(body.tag).with_id(id)))?;
-                revision.orientation = Some(both);
+                change.orientation = Some(both);
             }
             Command::Replan(_, from, plan) => match plan.straight() {
-                Some((&motion, _))
-                    if revision.trajectory.is_none() && revision.motion.is_none() =>
-                {
+                Some((&motion, _)) if change.trajectory.is_none() && change.motion.is_none() => {
                     let command = number;
-                    revision.motion = Some(PendingMotion {
+                    change.motion = Some(PendingMotion {
                         from,
                         motion,
                         command,
                     });
                 }
-                _ => revision.follow(scene, Some(from), plan, terms)?,
+                _ => change.follow(scene, Some(from), plan, context)?,
             },
-            Command::Extend(_, plan) => revision.follow(scene, None, plan, terms)?,
+            Command::Extend(_, plan) => change.follow(scene, None, plan, context)?,
         }
         Ok(())
     }
@@ -320,7 +318,7 @@ impl CommandBatch {
 
     /// Returns the pending change of a body. Settling, after the prefetch, checks that the body
     /// exists.
-    fn revision(
+    fn change_of(
         &mut self,
         scene: &Scene,
         id: BodyId,
@@ -336,12 +334,12 @@ impl CommandBatch {
             *place = self.changed.len();
             self.changed.push(PendingChange::nothing(id, command));
         }
-        let revision = &mut self.changed[*place];
-        if revision.is_removed {
+        let change = &mut self.changed[*place];
+        if change.is_removed {
             return Err(Error::UnknownBody { id });
         }
-        revision.last = command;
-        Ok(revision)
+        change.last = command;
+        Ok(change)
     }
 }
 
@@ -377,10 +375,10 @@ impl PendingChange {
         scene: &Scene,
         from: Option<f64>,
         plan: Trajectory,
-        terms: &ChangeContext<'_>,
+        context: &ChangeContext<'_>,
     ) -> Result<(), Rejection> {
         self.motion_to_splice();
-        self.splice(scene, terms)?;
+        self.splice(scene, context)?;
         let flown = self.trajectory.replace(plan);
         self.splice = Some(PendingSplice {
             from,
@@ -388,7 +386,7 @@ impl PendingChange {
         });
         // An earlier plan of this batch is joined now, the body's own in `settle`.
         flown.map_or(Ok(()), |flown| {
-            self.precede_by(&flown, self.body(scene)?.tag, terms)
+            self.precede_by(&flown, self.body(scene)?.tag, context)
         })
     }
 
@@ -404,19 +402,19 @@ impl PendingChange {
     }
 
     /// Returns true if the body's motion can be replaced in place; notes from when on (s).
-    fn can_replace(&mut self, body: &Body, terms: &ChangeContext<'_>) -> Result<bool, Rejection> {
+    fn can_replace(&mut self, body: &Body, context: &ChangeContext<'_>) -> Result<bool, Rejection> {
         let Some(pending) = &mut self.motion else {
             return Ok(false);
         };
         let (flown, plan) = (&body.trajectory, Trajectory::of_straight(pending.motion));
-        let from = terms.follows_from(flown, &plan, pending.from);
+        let from = context.follows_from(flown, &plan, pending.from);
         let from = from.map_err(|error| {
             let error = error.in_body(body.tag).with_id(self.id);
             (pending.command, error)
         })?;
         let keeps_shape =
             self.hitbox.is_none() && self.orientation.is_none() && self.model_error.is_none();
-        let can = keeps_shape && flown.can_replace(from, &pending.motion, terms.window);
+        let can = keeps_shape && flown.can_replace(from, &pending.motion, context.window);
         if can {
             self.late = Some(from).filter(|from| pending.from < *from);
             pending.from = from;
@@ -425,42 +423,42 @@ impl PendingChange {
     }
 
     /// Joins the body's own trajectory and the plan, if that is pending.
-    fn splice(&mut self, scene: &Scene, terms: &ChangeContext<'_>) -> Result<(), Rejection> {
+    fn splice(&mut self, scene: &Scene, context: &ChangeContext<'_>) -> Result<(), Rejection> {
         if self.splice.is_none() {
             return Ok(());
         }
         let body = self.body(scene)?;
-        self.precede_by(&body.trajectory, body.tag, terms)
+        self.precede_by(&body.trajectory, body.tag, context)
     }
 
     fn precede_by(
         &mut self,
         flown: &Trajectory,
         tag: u64,
-        terms: &ChangeContext<'_>,
+        context: &ChangeContext<'_>,
     ) -> Result<(), Rejection> {
         let (Some(plan), Some(splice)) = (&mut self.trajectory, self.splice.take()) else {
             return Ok(());
         };
         let from = match splice.from {
-            Some(from) => terms.follows_from(flown, plan, from),
+            Some(from) => context.follows_from(flown, plan, from),
             None => Ok(flown.knots().last().copied().unwrap_or(0.0)),
         };
         let spliced = from.and_then(|from| {
             self.late = splice.from.filter(|asked| *asked < from).map(|_| from);
-            plan.precede_by(flown, from, terms.forget_before)
+            plan.precede_by(flown, from, context.forget_before)
         });
         spliced.map_err(|error| (splice.command, error.in_body(tag).with_id(self.id)))
     }
 
     /// Prepares the outcome for the body.
-    fn settle(&mut self, scene: &Scene, terms: &ChangeContext<'_>) -> Result<(), Rejection> {
+    fn settle(&mut self, scene: &Scene, context: &ChangeContext<'_>) -> Result<(), Rejection> {
         let body = self.body(scene)?;
-        if !self.is_removed && self.can_replace(body, terms)? {
+        if !self.is_removed && self.can_replace(body, context)? {
             return Ok(());
         }
         self.motion_to_splice();
-        self.splice(scene, terms)?;
+        self.splice(scene, context)?;
         if !self.is_removed {
             let trajectory = self.trajectory.as_ref().unwrap_or(&body.trajectory);
             let hitbox = self.hitbox.as_ref().unwrap_or(&body.hitbox);
@@ -469,7 +467,7 @@ impl PendingChange {
             let shape = BodyShape::new(hitbox, orientation.turning(), model_error);
             let turns = Body::check_turning(hitbox, orientation, body.tag);
             turns.map_err(|error| (self.last, error.with_id(self.id)))?;
-            let flight = terms.flight(trajectory, shape, body.tag);
+            let flight = context.flight(trajectory, shape, body.tag);
             self.flight = Some(flight.map_err(|error| (self.last, error.with_id(self.id)))?);
         }
         Ok(())

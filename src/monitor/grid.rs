@@ -18,7 +18,7 @@ pub(super) struct Grid {
     /// Length of the slices in which all bodies are searched from nothing, s.
     pub(super) search_length: f64,
     /// Number of slices that make up the lookahead.
-    pub(super) ahead: f64,
+    pub(super) slice_count: f64,
     /// Signature of the scene when that was chosen.
     signature: SceneSignature,
 }
@@ -141,15 +141,15 @@ impl Grid {
         let query = Query::new(Window::new(origin, origin + lookahead)?).with_margin(margin);
         let cheapest = f64::from(scene.cheapest_slices(&query)?);
         // Whole: else part of the next one would be due with the first tick.
-        let ahead = Self::number(cheapest, scene.len()).round();
+        let slice_count = Self::number(cheapest, scene.len()).round();
         let velocity = scene.common_velocity((origin, origin + lookahead));
         let signature = SceneSignature::of(scene, margin, (origin, lookahead), velocity);
         let grid = Self {
             frame: Frame::amid(scene.extremes(), signature.middle, margin.abs()).moving(velocity),
             origin,
-            length: lookahead / ahead,
+            length: lookahead / slice_count,
             search_length: lookahead / cheapest,
-            ahead,
+            slice_count,
             signature,
         };
         Ok(if grid.has_room(now) {
@@ -157,7 +157,7 @@ impl Grid {
         } else {
             Self {
                 length: lookahead / Self::FEWEST,
-                ahead: Self::FEWEST,
+                slice_count: Self::FEWEST,
                 ..grid
             }
         })
@@ -192,7 +192,8 @@ impl Grid {
 
     /// Returns true if it serves a scene about as well as another one that was chosen for it.
     pub(super) fn serves(&self, scene: &Scene, margin: f64, other: &Self) -> bool {
-        let is_alike = self.ahead <= 1.5 * other.ahead && other.ahead <= 1.5 * self.ahead;
+        let is_alike = self.slice_count <= 1.5 * other.slice_count
+            && other.slice_count <= 1.5 * self.slice_count;
         let most = other.signature.middle;
         is_alike && self.frame.suits(scene.extremes(), most, margin.abs())
     }
@@ -205,13 +206,14 @@ impl Grid {
     /// Returns true if it would have far too many boxes for a scene: one that has grown.
     #[allow(clippy::cast_precision_loss, reason = "a number of bodies")]
     pub(super) fn is_too_fine(&self, scene: &Scene) -> bool {
-        self.ahead > Self::FEWEST && self.ahead * scene.len() as f64 > 2.0 * Self::MAX_BOXES
+        self.slice_count > Self::FEWEST
+            && self.slice_count * scene.len() as f64 > 2.0 * Self::MAX_BOXES
     }
 
     /// Returns true if its slices can be told apart on a clock that shows `now` (s), with bits to spare; the
     /// fewest there can be need none.
     pub(super) fn has_room(&self, now: f64) -> bool {
-        self.ahead <= Self::FEWEST || can_tell_apart(now, self.length / 1024.0)
+        self.slice_count <= Self::FEWEST || can_tell_apart(now, self.length / 1024.0)
     }
 }
 

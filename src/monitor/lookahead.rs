@@ -70,10 +70,10 @@ pub(super) struct LookaheadSearch {
     moved: ChangedBounds,
     /// Ends of the slices of the lookahead, s.
     ends: Vec<f64>,
-    /// Last revision of the [partners](Scene::partners) that was taken over.
+    /// Last version of the [partners](Scene::partners) that was taken over.
     partners: Option<(u64, u64)>,
     /// End of the lookahead when it was last caught up with, s.
-    reached: f64,
+    last_end: f64,
     /// True if most was unknown at the last catching up.
     was_unknown: bool,
     /// Largest number of spans; with more the scene is too crowded.
@@ -107,7 +107,7 @@ impl LookaheadSearch {
             moved: ChangedBounds::default(),
             ends: Vec::new(),
             partners: None,
-            reached: grid.origin,
+            last_end: grid.origin,
             was_unknown: false,
             max_spans,
         }
@@ -124,7 +124,7 @@ impl LookaheadSearch {
     }
 
     /// Returns the largest margin of pairs (m), and the frame of boxes.
-    pub(super) fn reach(&self) -> (f64, &Frame) {
+    pub(super) fn margin_and_frame(&self) -> (f64, &Frame) {
         (self.margin, &self.grid.frame)
     }
 
@@ -162,13 +162,13 @@ impl LookaheadSearch {
     /// Finds which bodies may be part of a pair: of the one in a slot, and of all if that may have changed.
     pub(super) fn find_partners(&mut self, scene: &Scene, slot: Option<u32>) {
         let partners = scene.partners(self.margin);
-        let revision = Some(partners.revision());
+        let version = Some(partners.version());
         let has = |slot: u32| {
             scene
                 .in_slot(slot)
                 .is_some_and(|(_, one)| partners.has(&one.body))
         };
-        if std::mem::replace(&mut self.partners, revision) == revision {
+        if std::mem::replace(&mut self.partners, version) == version {
             if let Some(slot) = slot {
                 self.flights.set_partner(slot, has(slot));
             }
@@ -304,7 +304,7 @@ impl LookaheadSearch {
         meter: &mut BudgetMeter,
         stats: &mut Stats,
     ) -> Result<(f64, bool), LimitExceeded> {
-        let present = self.start(self.index(to - self.grid.ahead * self.grid.length));
+        let present = self.start(self.index(to - self.grid.slice_count * self.grid.length));
         let jump = (self.laid_until(from), present);
         if self.jump.is_needed(jump, self.grid.length) {
             // Slices before the lookahead are needed no more; those in it are laid out again below.
@@ -320,7 +320,7 @@ impl LookaheadSearch {
         if meter.is_unlimited() && self.is_unknown_again(needed) {
             self.screen(scene, (from, needed), filter, (&mut *meter, &mut *stats))?;
             if !filter.gives_up() {
-                self.reached = to;
+                self.last_end = to;
                 return Ok((to, true));
             }
         }
@@ -355,11 +355,11 @@ impl LookaheadSearch {
             // It is due when the lookahead's end has passed through the last one.
             let start = self.grid.start(last.number);
             let share = ((to - start) / self.grid.length).clamp(0.0, 1.0);
-            let step = (to - self.reached) / self.grid.length;
+            let step = (to - self.last_end) / self.grid.length;
             let changed = (self.dirty.len(), self.flights.len());
             next.foresee(due_ahead(share, step, changed), last);
         }
-        self.reached = to;
+        self.last_end = to;
         let stale = slices.iter().filter(|slice| !slice.is_fresh(&bodies));
         let is_parallel = meter.is_unlimited() && stale.count() > 1;
         if is_parallel {

@@ -146,14 +146,14 @@ pub struct Monitor {
     revision_threshold: RevisionThreshold,
     next_id: u64,
     /// Events of changes before the last tick that could be reported.
-    waiting: Vec<Event>,
+    pending_events: Vec<Event>,
     /// Slots of bodies that were taken out since.
     removed: Vec<u32>,
     /// Ends of plans that are still to be reported.
     plan_ends: DueTimes,
     stats: Stats,
     changed_bodies: u64,
-    review: RescheduleTrigger,
+    reschedule: RescheduleTrigger,
     batch: CommandBatch,
     /// Memory of [`track`](Self::track).
     tracked: TrackedMotions,
@@ -251,12 +251,12 @@ impl Monitor {
             history: 0.0,
             revision_threshold: RevisionThreshold::default(),
             next_id: 0,
-            waiting: Vec::new(),
+            pending_events: Vec::new(),
             removed: Vec::new(),
             plan_ends: DueTimes::default(),
             stats: Stats::default(),
             changed_bodies: 0,
-            review: RescheduleTrigger::made(scene.len(), now),
+            reschedule: RescheduleTrigger::made(scene.len(), now),
             batch: CommandBatch::default(),
             tracked: TrackedMotions::default(),
             readings: LevelCaches::of_levels(levels.len()),

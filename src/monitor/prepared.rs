@@ -32,31 +32,36 @@ impl<'m> PreparedBodies<'m> {
     ) -> (Self, SceneStatistics) {
         /// Slots that one thread goes through together.
         const SHARE: usize = 1024;
-        let mut traffic = SceneStatistics::default();
+        let mut statistics = SceneStatistics::default();
         let mut presence = std::mem::take(memory);
         let (flights, count) = (table.flights, table.flights.len());
         if parallel::threads() > 1 && count > 2 * SHARE {
             let mut shares = vec![SceneStatistics::default(); count.div_ceil(SHARE)];
             // One list alone is shared; the other one is empty.
             let lists = (presence.room(count), &mut vec![(); count][..]);
-            parallel::for_each_share(lists, &mut shares, SHARE, |share, (lives, _), traffic| {
-                let slots = share * SHARE..share * SHARE + lives.len();
-                for (life, body) in lives.iter_mut().zip(flights.present(slots)) {
-                    add(traffic, body, window);
-                    *life = body.0;
-                }
-            });
+            parallel::for_each_share(
+                lists,
+                &mut shares,
+                SHARE,
+                |share, (lives, _), statistics| {
+                    let slots = share * SHARE..share * SHARE + lives.len();
+                    for (life, body) in lives.iter_mut().zip(flights.present(slots)) {
+                        add(statistics, body, window);
+                        *life = body.0;
+                    }
+                },
+            );
             for share in shares {
-                traffic.body_time += share.body_time;
-                traffic.segments += share.segments;
+                statistics.body_time += share.body_time;
+                statistics.segments += share.segments;
             }
         } else {
             presence.fill(flights.present(0..count).map(|body| {
-                add(&mut traffic, body, window);
+                add(&mut statistics, body, window);
                 body.0
             }));
         }
-        (Self { table, presence }, traffic)
+        (Self { table, presence }, statistics)
     }
 
     /// Leaves the memory for other ones.
@@ -101,8 +106,8 @@ impl<'m> PreparedBodies<'m> {
         length: f64,
         pool: &Pool<SearchScratch>,
     ) -> TimeSlices {
-        let traffic = self.traffic((from, to));
-        let count = ((to - from) / length).min(traffic.most_slices((from, to)));
+        let statistics = self.traffic((from, to));
+        let count = ((to - from) / length).min(statistics.most_slices((from, to)));
         let trials = SliceTrials {
             presence: &self.presence,
             frame: self.table.frame,
@@ -114,27 +119,31 @@ impl<'m> PreparedBodies<'m> {
             slots.map(|slot| self.table.source_of(slot)).collect()
         };
         let slices = TimeSlices::whole(from, to).with_count(count);
-        trials.cheapest(slices, &traffic, some)
+        trials.cheapest(slices, &statistics, some)
     }
 
     /// Returns how much moves in a window (s), as far as the number of slices depends on it.
     pub(super) fn traffic(&self, window: (f64, f64)) -> SceneStatistics {
-        let mut traffic = SceneStatistics::default();
+        let mut statistics = SceneStatistics::default();
         let bodies = self.table.flights.cubics();
         for (&life, cubics) in self.presence.lives().iter().zip(bodies) {
-            add(&mut traffic, (life, cubics), window);
+            add(&mut statistics, (life, cubics), window);
         }
-        traffic
+        statistics
     }
 }
 
 /// Adds what a body with so many cubics does in a window (s), given when it exists (s).
 #[inline]
-fn add(traffic: &mut SceneStatistics, (life, cubics): ((f64, f64), u32), (from, to): (f64, f64)) {
+fn add(
+    statistics: &mut SceneStatistics,
+    (life, cubics): ((f64, f64), u32),
+    (from, to): (f64, f64),
+) {
     let (first, last) = life;
     let time = (last.min(to) - first.max(from)).max(0.0);
-    traffic.body_time += time;
+    statistics.body_time += time;
     if last > first {
-        traffic.segments += f64::from(cubics) * (time / (last - first));
+        statistics.segments += f64::from(cubics) * (time / (last - first));
     }
 }

@@ -29,7 +29,7 @@ impl Monitor {
     /// ```
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
-        let mut waiting = self.waiting.clone();
+        let mut waiting = self.pending_events.clone();
         let mut encounters: Vec<Saved> =
             self.encounters.iter().map(EncounterTracker::save).collect();
         for saved in &mut encounters {
@@ -51,7 +51,7 @@ impl Monitor {
                 .take(self.scene.slots())
                 .map(|slot| !self.plan_ends.has(slot))
                 .collect(),
-            settled: self.has_told_all(),
+            settled: self.has_reported_all(),
         }
     }
 
@@ -118,7 +118,7 @@ impl Monitor {
         for (number, saved) in snapshot.encounters.into_iter().enumerate() {
             monitor.encounters[number] = EncounterTracker::restored(number, saved);
         }
-        monitor.waiting = snapshot.waiting;
+        monitor.pending_events = snapshot.waiting;
         for (slot, _) in (0..)
             .zip(snapshot.end_told)
             .filter(|(_, was_told)| *was_told)

@@ -124,7 +124,7 @@ impl Monitor {
         if now > MAX_MAGNITUDE || !can_tell_apart(now, length) {
             return Err(Error::Clock { time: now });
         }
-        if now <= self.now && self.has_told_all() {
+        if now <= self.now && self.has_reported_all() {
             self.stats = Stats {
                 bodies: self.scene.len() as u64,
                 conflicts: self.stats.conflicts,
@@ -149,7 +149,7 @@ impl Monitor {
             changed: self.changed_bodies,
             ..Stats::default()
         };
-        let (margin, _) = self.search.reach();
+        let (margin, _) = self.search.margin_and_frame();
         let admission = SlotAdmission::of(&self.scene, margin, self.interrupt.as_deref());
         let (known, ()) = parallel::join(
             self.batch.changed.len(),
@@ -183,8 +183,8 @@ impl Monitor {
         self.read(&tick, &mut next_id, events);
         (self.now, self.reported, self.known) = (now, tick.reported, known);
         self.next_id = next_id;
-        events.append(&mut self.waiting);
-        self.tell_plan_ends(end, events);
+        events.append(&mut self.pending_events);
+        self.report_plan_ends(end, events);
         events[first..].sort_unstable_by(Event::order);
         self.changed_bodies = 0;
         stats.conflicts = self.conflicts.iter().map(|level| level.len() as u64).sum();
@@ -200,8 +200,8 @@ impl Monitor {
     }
 
     /// Returns true if another tick at the same time would change nothing.
-    pub(super) fn has_told_all(&self) -> bool {
-        self.is_caught_up() && self.waiting.is_empty() && !self.readings.reads_all()
+    pub(super) fn has_reported_all(&self) -> bool {
+        self.is_caught_up() && self.pending_events.is_empty() && !self.readings.reads_all()
     }
 
     /// Closes the monitor and returns the scene: each encounter under way ends, each one ahead is
@@ -223,7 +223,7 @@ impl Monitor {
     pub(super) fn end_all(&mut self, events: &mut Vec<Event>) {
         let first = events.len();
         self.end_of_removed();
-        events.append(&mut self.waiting);
+        events.append(&mut self.pending_events);
         for encounters in &mut self.encounters {
             encounters.end(self.reported, EndReason::MonitorClosed, |_| true, events);
         }
@@ -231,7 +231,7 @@ impl Monitor {
     }
 
     /// Reports each plan that ends within the lookahead, once.
-    fn tell_plan_ends(&mut self, end: f64, events: &mut Vec<Event>) {
+    fn report_plan_ends(&mut self, end: f64, events: &mut Vec<Event>) {
         let scene = &self.scene;
         self.plan_ends.take(end, |slot, _| {
             let Some((id, entry)) = scene.in_slot(slot) else {

@@ -6,8 +6,8 @@ use glam::Vec3A;
 /// Returns the part of a slice (first and last instant, s) in which two bodies may be within the
 /// margin of each other, by their fat lines alone. `None` if they certainly never are.
 ///
-/// The difference of two straight motions is straight, and within the sum of the slacks of zero
-/// only between the roots of a quadratic. The slacks include all rounding of the fat lines. They
+/// The difference of two straight motions is straight, and within the sum of the radii of zero
+/// only between the roots of a quadratic. The radii include all rounding of the fat lines. They
 /// exceed that of this function a million times: 2^-22 of the coordinates, where f64 rounds 2^-53.
 #[inline]
 pub(crate) fn approaching(a: &FatLine, b: &FatLine, interval: (f64, f64)) -> Option<(f64, f64)> {
@@ -68,12 +68,12 @@ struct Passage {
 impl Passage {
     #[inline]
     fn of(a: &FatLine, b: &FatLine) -> Self {
-        /// Factor on the distance for the rounding of the roots. With slacks of 2^-22 of the
+        /// Factor on the distance for the rounding of the roots. With radii of 2^-22 of the
         /// coordinates it adds at least 2^-42 of the distance travelled, or 2^10 of its roundings.
         const WIDER: f64 = 1.0 + 1e-6;
         let apart = [0, 1, 2].map(|axis| f64::from(a.start[axis]) - f64::from(b.start[axis]));
         let change = [0, 1, 2].map(|axis| f64::from(a.change[axis]) - f64::from(b.change[axis]));
-        let radius = (f64::from(a.slack) + f64::from(b.slack)) * WIDER;
+        let radius = (f64::from(a.radius) + f64::from(b.radius)) * WIDER;
         let square = dot(change, change);
         Self {
             apart,
@@ -149,11 +149,11 @@ fn lines_apart(a: &FatLine, b: &FatLine) -> bool {
     const ROUNDING: f32 = 0.5 * f32::EPSILON;
     let difference = |x: [f32; 3], y: [f32; 3]| Vec3A::from_array(x) - Vec3A::from_array(y);
     let (apart, change) = (difference(a.start, b.start), difference(a.change, b.change));
-    let radius = (a.slack + b.slack) + apart.abs().element_sum() * (16.0 * ROUNDING);
+    let radius = (a.radius + b.radius) + apart.abs().element_sum() * (16.0 * ROUNDING);
     let along = change.length_squared();
     let bound = radius * radius * along;
     let square = apart.cross(change).length_squared();
-    // Smaller squares have lost digits (that of the radius has not: no slack is below 1e-18). Where those of
+    // Smaller squares have lost digits (that of the radius has not: no radius is below 1e-18). Where those of
     // bodies that meet overflow, so does the bound, and nothing is above it.
     (square > bound) & (along > 1e-30) & (bound > 1e-30)
 }
@@ -171,7 +171,7 @@ mod tests {
         FatLine {
             start: vector(far),
             change: vector(fast),
-            slack: rng.random_range(0.0..4.0),
+            radius: rng.random_range(0.0..4.0),
             first: 0,
         }
     }
@@ -184,7 +184,7 @@ mod tests {
         (lane(0).powi(2) + lane(1).powi(2) + lane(2).powi(2)).sqrt()
     }
 
-    /// Every instant within the slacks is in the interval, and its ends are close to such instants.
+    /// Every instant within the radii is in the interval, and its ends are close to such instants.
     #[test]
     fn intervals_hold_what_is_near() {
         let mut rng = ChaCha8Rng::seed_from_u64(2);
@@ -201,12 +201,12 @@ mod tests {
                 let fat_line = fat_line(&mut rng, far, fast);
                 FatLine {
                     start: fat_line.start.map(|lane| lane * size),
-                    slack: fat_line.slack * size,
+                    radius: fat_line.radius * size,
                     ..fat_line
                 }
             };
             let (a, b) = (any(), any());
-            let radius = f64::from(a.slack) + f64::from(b.slack);
+            let radius = f64::from(a.radius) + f64::from(b.radius);
             let found = approaching(&a, &b, SLICE);
             let share_of = |time: f64| (time - SLICE.0) / (SLICE.1 - SLICE.0);
             for step in 0..=100 {
@@ -259,7 +259,7 @@ mod tests {
         assert!((3_000..17_000).contains(&kept), "{kept}");
     }
 
-    /// Two bodies whose least distance is exactly their slacks, seen from a hundred times as far or
+    /// Two bodies whose least distance is exactly their radii, seen from a hundred times as far or
     /// farther: in f32 they appear to stay apart about as often as not.
     #[test]
     fn grazing_passes_far_out_are_not_ruled_out() {
@@ -273,7 +273,7 @@ mod tests {
             let one = |start, change| FatLine {
                 start,
                 change,
-                slack: 0.0,
+                radius: 0.0,
                 first: 0,
             };
             // Half way the other is a step aside.
@@ -292,7 +292,7 @@ mod tests {
             }
             #[allow(clippy::cast_possible_truncation, reason = "rounded up after that")]
             let half = (0.5 * distance(&a, &b, share)) as f32;
-            (a.slack, b.slack) = (half.next_up(), half.next_up());
+            (a.radius, b.radius) = (half.next_up(), half.next_up());
             assert!(!lines_apart(&a, &b), "{a:?} {b:?}");
             assert!(approaching(&a, &b, SLICE).is_some(), "{a:?} {b:?}");
             passes += 1;
@@ -329,21 +329,21 @@ mod tests {
             });
             let least = (x * x + y * y + z * z).sqrt() / square(change).sqrt();
             #[allow(clippy::cast_possible_truncation, reason = "rounded up after that")]
-            let slack = (least * (1.0 + 1e-15)) as f32;
-            let fat_line = |start, change, slack| FatLine {
+            let radius = (least * (1.0 + 1e-15)) as f32;
+            let fat_line = |start, change, radius| FatLine {
                 start,
                 change,
-                slack,
+                radius,
                 first: 0,
             };
-            let moving = fat_line(start, change, slack.next_up().max(1e-18));
+            let moving = fat_line(start, change, radius.next_up().max(1e-18));
             let resting = fat_line([0.0; 3], [0.0; 3], 0.0);
             assert!(!lines_apart(&moving, &resting), "{moving:?} {least:e}");
         }
     }
 
-    /// Two bodies whose distance is exactly their slacks at some share of the slice, each starting
-    /// at nearly the largest distance that slacks allow.
+    /// Two bodies whose distance is exactly their radii at some share of the slice, each starting
+    /// at nearly the largest distance that radii allow.
     #[test]
     fn passes_that_touch_are_not_ruled_out() {
         let mut rng = ChaCha8Rng::seed_from_u64(7);
@@ -359,13 +359,13 @@ mod tests {
             let moving = FatLine {
                 start: lanes([2 - x, 2 - y, 1 - z]),
                 change: lanes(way.map(|lane| i32::from(parts) * lane)),
-                slack: 3.0,
+                radius: 3.0,
                 first: 0,
             };
             let resting = FatLine {
                 start: [0.0; 3],
                 change: [0.0; 3],
-                slack: 0.0,
+                radius: 0.0,
                 first: 0,
             };
             let found = approaching(&moving, &resting, (0.0, f64::from(parts)));
@@ -383,7 +383,7 @@ mod tests {
         let mut near = 0;
         for round in 0..5_000 {
             let (a, b) = (fat_line(&mut rng, 8.0, 30.0), fat_line(&mut rng, 8.0, 30.0));
-            let radius = f64::from(a.slack) + f64::from(b.slack);
+            let radius = f64::from(a.radius) + f64::from(b.radius);
             let found = approaching(&a, &b, (from, to));
             for step in 0..=100 {
                 let share = f64::from(step) / 100.0;
@@ -403,10 +403,10 @@ mod tests {
     fn what_is_not_known_rules_nothing_out() {
         let mut rng = ChaCha8Rng::seed_from_u64(2);
         let known = fat_line(&mut rng, 10.0, 10.0);
-        for slack in [f32::INFINITY, f32::NAN] {
+        for radius in [f32::INFINITY, f32::NAN] {
             let unknown = FatLine {
                 start: [f32::NAN, f32::INFINITY, 0.0],
-                slack,
+                radius,
                 ..known
             };
             assert_eq!(approaching(&known, &unknown, SLICE), Some(SLICE));
@@ -414,7 +414,7 @@ mod tests {
         // A slice that is a single instant.
         let (apart, instant) = (fat_line(&mut rng, 10.0, 10.0), (5.0, 5.0));
         let close = FatLine {
-            slack: 40.0,
+            radius: 40.0,
             ..apart
         };
         assert_eq!(approaching(&known, &close, instant), Some(instant));

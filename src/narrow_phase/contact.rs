@@ -241,39 +241,43 @@ pub(crate) fn closest_approach(
 ) -> Option<Approach> {
     let mut nearest = ClosestSearch::new();
     for span in spans {
-        let reached = nearest.reached;
+        let least_so_far = nearest.least_so_far;
         let accuracy = Accuracy::Exact;
-        each_for_nearest((a, b), span, accuracy, (from, to), reached, |pair, span| {
-            nearest.push(pair, span, (from, to))
-        });
+        each_for_nearest(
+            (a, b),
+            span,
+            accuracy,
+            (from, to),
+            least_so_far,
+            |pair, span| nearest.push(pair, span, (from, to)),
+        );
         nearest.settle();
     }
     nearest.closest
 }
 
-/// Solves the pairs of spheres over a span that may come nearer in `clip` than `reached` (m);
+/// Solves the pairs of spheres over a span that may come nearer in `clip` than `least_so_far` (m);
 /// `solve` gets the span, or the part of it that was solved, and returns the new value of
-/// `reached`.
+/// `least_so_far`.
 pub(super) fn each_for_nearest(
     (a, b): (&BodyView<'_>, &BodyView<'_>),
     span: Span,
     accuracy: Accuracy,
     clip: (f64, f64),
-    reached: f64,
+    least_so_far: f64,
     mut solve: impl FnMut(&SpherePair, Span) -> f64,
 ) {
     if let Some(turning) = TurningPair::of(a, b, span, accuracy) {
-        return turning.each_for_nearest(clip, reached, solve);
+        return turning.each_for_nearest(clip, least_so_far, solve);
     }
     match lone_pair(a, b, span) {
         Some(pair) => {
-            if !(reached < f64::INFINITY && pair.is_beyond(a, b, span, reached)) {
+            if !(least_so_far < f64::INFINITY && pair.is_beyond(a, b, span, least_so_far)) {
                 solve(&pair, span);
             }
         }
-        None => {
-            ClusterPair::of(a, b, span).each_for_nearest(clip, reached, |pair| solve(pair, span))
-        }
+        None => ClusterPair::of(a, b, span)
+            .each_for_nearest(clip, least_so_far, |pair| solve(pair, span)),
     }
 }
 
@@ -284,7 +288,7 @@ pub(super) struct ClosestSearch {
     /// Results for the sphere pairs of the current span, in the order of solving.
     found: Vec<Approach>,
     /// Upper bound of the least separation, m: others matter only if below.
-    pub(super) reached: f64,
+    pub(super) least_so_far: f64,
 }
 
 impl ClosestSearch {
@@ -292,17 +296,17 @@ impl ClosestSearch {
         Self {
             closest: None,
             found: Vec::new(),
-            reached: f64::INFINITY,
+            least_so_far: f64::INFINITY,
         }
     }
 
-    /// Adds a pair of spheres over a span; returns the new value of `reached`, m.
+    /// Adds a pair of spheres over a span; returns the new value of `least_so_far`, m.
     pub(super) fn push(&mut self, pair: &SpherePair, span: Span, (from, to): (f64, f64)) -> f64 {
         let instant = DistanceProfile::of(&pair.cubic).closest(&pair.cubic, from, to);
         let approach = pair.approach(span, instant);
         self.found.push(approach);
-        self.reached = self.reached.min(approach.separation);
-        self.reached
+        self.least_so_far = self.least_so_far.min(approach.separation);
+        self.least_so_far
     }
 
     /// Ends a span. Ties are broken by sphere numbers, not by the order of solving.
@@ -319,6 +323,6 @@ impl ClosestSearch {
             .reduce(Approach::or_lower);
         // Of distances that are constant the earliest counts, though another may be lower by rounding.
         let closest = self.closest.map(|closest| closest.separation);
-        self.reached = closest.unwrap_or(f64::INFINITY);
+        self.least_so_far = closest.unwrap_or(f64::INFINITY);
     }
 }

@@ -53,16 +53,16 @@ impl DistanceExtrema {
     /// Returns the extrema of a whole span.
     #[cold]
     pub(super) fn of(cubic: &RelativeCubic) -> Self {
-        let mut turns = Self {
+        let mut extrema = Self {
             places: [Extremum::default(); Self::ROOM],
             count: 0,
         };
-        turns.push(cubic, 0.0);
-        turns.search(cubic, (0.0, 1.0), 0);
+        extrema.push(cubic, 0.0);
+        extrema.search(cubic, (0.0, 1.0), 0);
         // The end is one whatever came before.
-        turns.push(cubic, 1.0);
-        turns.reduce(Self::MAX);
-        turns
+        extrema.push(cubic, 1.0);
+        extrema.reduce(Self::MAX);
+        extrema
     }
 
     pub(super) fn as_slice(&self) -> &[Extremum] {
@@ -160,16 +160,16 @@ mod tests {
             0.0,
             5.0,
         ];
-        let mut turns = DistanceExtrema {
+        let mut extrema = DistanceExtrema {
             places: [Extremum::default(); DistanceExtrema::ROOM],
             count: distances.len(),
         };
-        for (place, (s, distance)) in turns.places.iter_mut().zip((0_u8..).zip(distances)) {
+        for (place, (s, distance)) in extrema.places.iter_mut().zip((0_u8..).zip(distances)) {
             let s = f64::from(s);
             *place = Extremum { s, distance };
         }
-        turns.reduce(DistanceExtrema::MAX);
-        let left: Vec<f64> = turns.as_slice().iter().map(|place| place.s).collect();
+        extrema.reduce(DistanceExtrema::MAX);
+        let left: Vec<f64> = extrema.as_slice().iter().map(|place| place.s).collect();
         assert_eq!(left, [0.0, 1.0, 4.0, 5.0, 6.0, 9.0, 10.0]);
     }
 }

@@ -121,9 +121,9 @@ impl DistanceProfile {
 
     /// Replaces the nodes by the extrema found.
     #[cold]
-    fn turn_at(&mut self, cubic: &RelativeCubic, turns: &DistanceExtrema) {
+    fn turn_at(&mut self, cubic: &RelativeCubic, extrema: &DistanceExtrema) {
         self.count = 0;
-        for place in turns.as_slice() {
+        for place in extrema.as_slice() {
             self.push(ProfileNode {
                 s: place.s,
                 time: cubic.time(place.s),

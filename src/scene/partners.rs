@@ -15,7 +15,7 @@ pub(super) struct Kinds {
     /// True if a body so far had a model error.
     pub(super) has_model_errors: bool,
     /// Changes when layers get their first partner or lose the last one.
-    revision: u64,
+    version: u64,
 }
 
 impl Kinds {
@@ -79,7 +79,7 @@ impl Kinds {
                 own.admits(other) && (own != other || count > 1)
             };
             let found = are_many || known.iter().any(admits);
-            self.revision += u64::from(std::mem::replace(has_partner, found) != found);
+            self.version += u64::from(std::mem::replace(has_partner, found) != found);
         }
     }
 }
@@ -121,8 +121,8 @@ impl<'s> Partners<'s> {
     }
 
     /// Returns a value that changes if [`has`](Self::has) changes for unchanged bodies.
-    pub(crate) const fn revision(&self) -> (u64, u64) {
-        (self.kinds.revision, self.kinds.largest.to_bits())
+    pub(crate) const fn version(&self) -> (u64, u64) {
+        (self.kinds.version, self.kinds.largest.to_bits())
     }
 }
 

@@ -215,7 +215,7 @@ impl Scene {
         if prepared.ids.len() < 2 {
             return Ok(1);
         }
-        let slices = prepared.slices(&prepared.traffic(), |places| prepared.sources(places));
+        let slices = prepared.slices(&prepared.statistics(), |places| prepared.sources(places));
         Ok(slices.count())
     }
 }
@@ -243,14 +243,14 @@ impl PreparedScene<'_> {
     /// that may be reported in it. `sources` returns those of the bodies at some places.
     fn slices<'p>(
         &self,
-        traffic: &SceneStatistics,
+        statistics: &SceneStatistics,
         sources: impl FnOnce(&[usize]) -> Vec<CubicSource<'p, CompactCubic>>,
     ) -> TimeSlices {
         let window = (
             seen_from(self.window.start()),
             seen_until(self.window.end()),
         );
-        let slices = TimeSlices::choose(window, traffic);
+        let slices = TimeSlices::choose(window, statistics);
         if let Some(count) = self.prescribed {
             return slices.with_count(f64::from(count.get()));
         }
@@ -260,19 +260,19 @@ impl PreparedScene<'_> {
             instructions: self.instructions,
             pool: self.pool,
         };
-        trials.cheapest(slices, traffic, sources)
+        trials.cheapest(slices, statistics, sources)
     }
 
     /// Returns the box sources of all bodies and the slices; computed in parallel if there are many bodies.
     fn laid_out(
         &self,
-        traffic: &SceneStatistics,
+        statistics: &SceneStatistics,
         memory: &mut SourceMemory,
     ) -> (SourceList<'_>, TimeSlices) {
         /// Fewer are prepared before another thread wakes up.
         const FEW: usize = 1024;
         if parallel::threads() > 1 && self.ids.len() > FEW {
-            let slices = || self.slices(traffic, |places| self.sources(places));
+            let slices = || self.slices(statistics, |places| self.sources(places));
             let sources = || self.all_sources(memory);
             let (slices, sources) = parallel::join(self.ids.len(), FEW, slices, sources);
             return (sources, slices);
@@ -280,7 +280,7 @@ impl PreparedScene<'_> {
         // Then it is cheaper to copy some than to look at their bodies again.
         let sources = self.all_sources(memory);
         let some = |places: &[usize]| places.iter().map(|&place| sources[place]).collect();
-        let slices = self.slices(traffic, some);
+        let slices = self.slices(statistics, some);
         (sources, slices)
     }
 
@@ -301,13 +301,13 @@ impl PreparedScene<'_> {
         if self.ids.len() < 2 {
             return Ok(screening);
         }
-        let traffic = self.traffic();
+        let statistics = self.statistics();
         if self.is_in_place() {
-            let slices = self.slices(&traffic, |places| self.sources(places));
+            let slices = self.slices(&statistics, |places| self.sources(places));
             let bodies = BodiesInPlace(self);
             self.search(
                 &bodies,
-                (&slices, &traffic),
+                (&slices, &statistics),
                 (method, filter),
                 progress,
                 &mut screening,
@@ -315,14 +315,14 @@ impl PreparedScene<'_> {
             return Ok(screening);
         }
         let mut memory = self.pool.take();
-        let (sources, slices) = self.laid_out(&traffic, &mut memory.sources);
+        let (sources, slices) = self.laid_out(&statistics, &mut memory.sources);
         let bodies = ListedBodies {
             prepared: self,
             sources: &sources,
         };
         self.search(
             &bodies,
-            (&slices, &traffic),
+            (&slices, &statistics),
             (method, filter),
             progress,
             &mut screening,

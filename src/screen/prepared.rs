@@ -175,8 +175,8 @@ impl<'a> PreparedScene<'a> {
     }
 
     /// Returns the statistics of motion in the window.
-    pub(super) fn traffic(&self) -> SceneStatistics {
-        self.survey.traffic()
+    pub(super) fn statistics(&self) -> SceneStatistics {
+        self.survey.statistics()
     }
 }
 

@@ -21,7 +21,7 @@ pub(super) struct SceneSurvey {
     plans: DAabb,
     /// Approximate extremes of their motion beyond the plans, m.
     beyond: DAabb,
-    traffic: SceneStatistics,
+    statistics: SceneStatistics,
     /// Largest relevant distance from a body's position, m.
     pub(super) size: f64,
     /// Number of cubics, pieces beyond the knots in the window included.
@@ -40,12 +40,12 @@ impl SceneSurvey {
             existence: (f64::INFINITY, f64::NEG_INFINITY),
             plans: DAabb::NOTHING,
             beyond: DAabb::NOTHING,
-            traffic: SceneStatistics {
+            statistics: SceneStatistics {
                 body_time: 0.0,
                 path: 0.0,
                 segments: 0.0,
                 world: [0.0; 3],
-                reach: margin.max(0.0),
+                separation: margin.max(0.0),
             },
             size: 0.0,
             cubics: 0,
@@ -122,10 +122,10 @@ impl SceneSurvey {
                 });
             }
             let time = to - from;
-            self.traffic.body_time += time;
+            self.statistics.body_time += time;
             if time > 0.0 {
-                self.traffic.path += motion.velocity().length() * time;
-                self.traffic.segments += 1.0;
+                self.statistics.path += motion.velocity().length() * time;
+                self.statistics.segments += 1.0;
             }
         }
         self.beyond.include(extremes);
@@ -149,14 +149,14 @@ impl SceneSurvey {
     fn count(&mut self, (from, to): (f64, f64), (path, segments): (f64, usize)) {
         let (start, end) = (self.window.start(), self.window.end());
         let time = (to.min(end) - from.max(start)).max(0.0);
-        self.traffic.body_time += time;
+        self.statistics.body_time += time;
         let duration = to - from;
         if duration > 0.0 {
             let share = time / duration;
             #[allow(clippy::cast_precision_loss, reason = "an estimate")]
             let segments = segments as f64;
-            self.traffic.path += path * share;
-            self.traffic.segments += segments * share;
+            self.statistics.path += path * share;
+            self.statistics.segments += segments * share;
         }
     }
 
@@ -172,10 +172,10 @@ impl SceneSurvey {
     }
 
     /// Returns the statistics of motion in the window.
-    pub(super) fn traffic(&self) -> SceneStatistics {
+    pub(super) fn statistics(&self) -> SceneStatistics {
         SceneStatistics {
             world: (self.plans.high - self.plans.low).to_array(),
-            ..self.traffic
+            ..self.statistics
         }
     }
 }

@@ -9,15 +9,15 @@ pub(crate) const MAX_SLICES: usize = 32;
 
 /// Returns the intervals of some slices, given their ends (s): the first ones of an array.
 #[inline(always)]
-pub(super) fn periods_of<const MOVES: bool>(
+pub(super) fn slice_intervals_of<const MOVES: bool>(
     ends: &[f64],
-    period: impl Fn(f64, f64) -> SliceInterval<MOVES>,
+    slice_interval: impl Fn(f64, f64) -> SliceInterval<MOVES>,
 ) -> [SliceInterval<MOVES>; MAX_SLICES] {
-    let mut periods = [period(0.0, 0.0); MAX_SLICES];
-    for (place, ends) in periods.iter_mut().zip(ends.windows(2)) {
-        *place = period(ends[0], ends[1]);
+    let mut slice_intervals = [slice_interval(0.0, 0.0); MAX_SLICES];
+    for (place, ends) in slice_intervals.iter_mut().zip(ends.windows(2)) {
+        *place = slice_interval(ends[0], ends[1]);
     }
-    periods
+    slice_intervals
 }
 
 /// Calls `put` with each slice in which a body exists, by number, and the bounds there. Returns the body's last cubic
@@ -25,42 +25,46 @@ pub(super) fn periods_of<const MOVES: bool>(
 #[inline(always)]
 pub(super) fn walk<'a, C: BoundingCubic, const MOVES: bool>(
     source: &'a CubicSource<'a, C>,
-    periods: &'a [SliceInterval<MOVES>],
+    slice_intervals: &'a [SliceInterval<MOVES>],
     (ahead, first): (Ahead<'a, C>, impl FnOnce() -> usize),
     mut put: impl FnMut(usize, (FatLine, Aabb)),
 ) -> Option<usize> {
-    if !exists(source, periods) {
+    if !exists(source, slice_intervals) {
         return None;
     }
-    if let Some(pieces) = source.straight_over(ends_of(periods)) {
-        for (slice, period) in periods.iter().enumerate() {
-            let (bounds, first) = pieces.bounds(period);
+    if let Some(pieces) = source.straight_over(ends_of(slice_intervals)) {
+        for (slice, slice_interval) in slice_intervals.iter().enumerate() {
+            let (bounds, first) = pieces.bounds(slice_interval);
             put(slice, bounds.finish(&source.placement, short(first)));
         }
         return None;
     }
     let first = first();
     Some(if source.knots.are_extended() {
-        BodyWalk::<_, _, true>::new(source, periods, ahead, first).through_extended(&mut put)
+        BodyWalk::<_, _, true>::new(source, slice_intervals, ahead, first)
+            .through_extended(&mut put)
     } else {
-        BodyWalk::<_, _, false>::new(source, periods, ahead, first).through(&mut put)
+        BodyWalk::<_, _, false>::new(source, slice_intervals, ahead, first).through(&mut put)
     })
 }
 
 /// Returns the beginning and end of a block, s.
 #[inline(always)]
-pub(super) fn ends_of<const MOVES: bool>(periods: &[SliceInterval<MOVES>]) -> (f64, f64) {
-    (periods[0].from, periods[periods.len() - 1].to)
+pub(super) fn ends_of<const MOVES: bool>(slice_intervals: &[SliceInterval<MOVES>]) -> (f64, f64) {
+    (
+        slice_intervals[0].from,
+        slice_intervals[slice_intervals.len() - 1].to,
+    )
 }
 
 /// Returns true if a body exists in a block.
 #[inline(always)]
 pub(super) fn exists<C, const MOVES: bool>(
     source: &CubicSource<'_, C>,
-    periods: &[SliceInterval<MOVES>],
+    slice_intervals: &[SliceInterval<MOVES>],
 ) -> bool {
     let (first, last) = source.knots.ends();
-    let (from, to) = ends_of(periods);
+    let (from, to) = ends_of(slice_intervals);
     first <= to && last >= from
 }
 
@@ -109,7 +113,7 @@ pub(super) fn cubic_at<const EXTENDED: bool>(knots: &Knots<'_>, time: f64, numbe
 /// The walk of one body through the slices of a block.
 struct BodyWalk<'a, C, const MOVES: bool, const EXTENDED: bool> {
     source: &'a CubicSource<'a, C>,
-    periods: &'a [SliceInterval<MOVES>],
+    slice_intervals: &'a [SliceInterval<MOVES>],
     ahead: Ahead<'a, C>,
     begin: usize,
 }
@@ -124,13 +128,13 @@ impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
     #[inline(always)]
     const fn new(
         source: &'a CubicSource<'a, C>,
-        periods: &'a [SliceInterval<MOVES>],
+        slice_intervals: &'a [SliceInterval<MOVES>],
         ahead: Ahead<'a, C>,
         begin: usize,
     ) -> Self {
         Self {
             source,
-            periods,
+            slice_intervals,
             ahead,
             begin,
         }
@@ -171,36 +175,36 @@ impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
     fn through(&self, put: &mut impl FnMut(usize, (FatLine, Aabb))) -> usize {
         let Self {
             source,
-            periods,
+            slice_intervals,
             begin: mut number,
             ..
         } = *self;
         let knots = &source.knots;
         let (first, last) = knots.ends();
         let mut rest = self.piece(number);
-        if knots.at(number) < periods[0].from {
-            rest = rest.split(periods[0].from).1;
+        if knots.at(number) < slice_intervals[0].from {
+            rest = rest.split(slice_intervals[0].from).1;
         }
-        for (slice, period) in periods.iter().enumerate() {
-            if first > period.to || last < period.from {
+        for (slice, slice_interval) in slice_intervals.iter().enumerate() {
+            if first > slice_interval.to || last < slice_interval.from {
                 continue;
             }
             let begin = number;
-            number = cubic_at::<EXTENDED>(knots, period.to, number);
+            number = cubic_at::<EXTENDED>(knots, slice_interval.to, number);
             let builder = if number == begin {
-                let (piece, after) = rest.split(period.to.min(rest.end()));
+                let (piece, after) = rest.split(slice_interval.to.min(rest.end()));
                 rest = after;
-                if piece.fills(period) {
-                    BoundsBuilder::alone(&piece, period)
+                if piece.fills(slice_interval) {
+                    BoundsBuilder::alone(&piece, slice_interval)
                 } else {
-                    BoundsBuilder::between(&piece, &piece, period)
+                    BoundsBuilder::between(&piece, &piece, slice_interval)
                 }
             } else {
                 let head = rest;
                 let whole = self.piece(number);
-                let (tail, after) = whole.split(period.to.min(whole.end()));
+                let (tail, after) = whole.split(slice_interval.to.min(whole.end()));
                 rest = after;
-                let mut builder = BoundsBuilder::between(&head, &tail, period);
+                let mut builder = BoundsBuilder::between(&head, &tail, slice_interval);
                 self.follow_whole(&mut builder, begin + 1, number);
                 builder.follow_from_start(&tail);
                 builder

@@ -1,6 +1,8 @@
 //! Boxes and fat lines of all bodies in a few slices.
 
-use super::body_walk::{Ahead, cubic_at, cubic_before, ends_of, exists, periods_of, short, walk};
+use super::body_walk::{
+    Ahead, cubic_at, cubic_before, ends_of, exists, short, slice_intervals_of, walk,
+};
 use crate::bounds::{BoundingCubic, CubicRun, CubicSource, FatLine, MovingFrame, SliceInterval};
 use crate::broad_phase::BodyBox;
 use crate::simd::Task;
@@ -73,7 +75,7 @@ impl<C: BoundingCubic> Task for FormBounds<'_, C> {
     fn run(self) {
         let frame = self.frame;
         if frame.moves() {
-            self.form(|from, to| frame.period(from, to));
+            self.form(|from, to| frame.slice_interval(from, to));
         } else {
             self.form(SliceInterval::new);
         }
@@ -86,24 +88,27 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
     const AHEAD: usize = 4;
 
     #[inline(always)]
-    fn form<const MOVES: bool>(mut self, period: impl Fn(f64, f64) -> SliceInterval<MOVES>) {
+    fn form<const MOVES: bool>(
+        mut self,
+        slice_interval: impl Fn(f64, f64) -> SliceInterval<MOVES>,
+    ) {
         let Self { ends, present, .. } = self;
         let count = ends.len() - 1;
         self.block.clear(count, present.len());
-        let periods = &periods_of(ends, period)[..count];
+        let slice_intervals = &slice_intervals_of(ends, slice_interval)[..count];
         self.block.pieces.resize(self.sources.len(), 0);
         for number in 0..Self::AHEAD {
-            self.look_up(number, periods);
+            self.look_up(number, slice_intervals);
         }
         for (number, &place) in present.iter().enumerate() {
             self.prefetch_knots(number + 2 * Self::AHEAD);
-            let ahead = self.look_up(number + Self::AHEAD, periods);
+            let ahead = self.look_up(number + Self::AHEAD, slice_intervals);
             let body = place as usize;
             let source = &self.sources[body];
             let SliceBlock { slices, pieces } = &mut *self.block;
             let first = || pieces[body] as usize;
             let put = |slice: usize, bounds| slices[slice].push(place, bounds);
-            if let Some(last) = walk(source, periods, (ahead, first), put) {
+            if let Some(last) = walk(source, slice_intervals, (ahead, first), put) {
                 pieces[body] = short(last);
             }
         }
@@ -125,18 +130,18 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
     fn look_up<const MOVES: bool>(
         &mut self,
         number: usize,
-        periods: &[SliceInterval<MOVES>],
+        slice_intervals: &[SliceInterval<MOVES>],
     ) -> Ahead<'a, C> {
         let &place = self.present.get(number)?;
         let source = &self.sources[place as usize];
         let piece = &mut self.block.pieces[place as usize];
-        let first = cubic_before(&source.knots, periods[0].from, *piece);
+        let first = cubic_before(&source.knots, slice_intervals[0].from, *piece);
         *piece = short(first);
-        if !goes_in_runs(source, periods) {
+        if !goes_in_runs(source, slice_intervals) {
             return Some((source, first.wrapping_sub(source.knots.before())));
         }
-        if exists(source, periods) {
-            fetch_route(source, periods, first);
+        if exists(source, slice_intervals) {
+            fetch_route(source, slice_intervals, first);
         }
         None
     }
@@ -146,13 +151,16 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
 #[inline(always)]
 fn goes_in_runs<C: BoundingCubic, const MOVES: bool>(
     source: &CubicSource<'_, C>,
-    periods: &[SliceInterval<MOVES>],
+    slice_intervals: &[SliceInterval<MOVES>],
 ) -> bool {
     let (first, last) = source.knots.ends();
-    let (from, to) = ends_of(periods);
+    let (from, to) = ends_of(slice_intervals);
     #[allow(clippy::cast_precision_loss, reason = "an estimate")]
-    let [cubics, runs] =
-        [source.knots.cubics(), 2 * CubicRun::SIZE * periods.len()].map(|count| count as f64);
+    let [cubics, runs] = [
+        source.knots.cubics(),
+        2 * CubicRun::SIZE * slice_intervals.len(),
+    ]
+    .map(|count| count as f64);
     source.is_in_runs() && cubics * (to - from) > runs * (last - first)
 }
 
@@ -160,12 +168,12 @@ fn goes_in_runs<C: BoundingCubic, const MOVES: bool>(
 #[inline(always)]
 fn fetch_route<C: BoundingCubic, const MOVES: bool>(
     source: &CubicSource<'_, C>,
-    periods: &[SliceInterval<MOVES>],
+    slice_intervals: &[SliceInterval<MOVES>],
     mut number: usize,
 ) {
     source.fetch(number);
-    for period in periods {
-        let end = cubic_at::<false>(&source.knots, period.to, number);
+    for slice_interval in slice_intervals {
+        let end = cubic_at::<false>(&source.knots, slice_interval.to, number);
         let mut next = number + 1;
         while next < end {
             next = source.fetch_first(next, end);
@@ -263,10 +271,10 @@ mod tests {
                                 .map(|lanes| DVec3::from_array(lanes.map(f64::from)));
                             let deviation = (position - (start + share * change)).length();
                             assert!(
-                                deviation <= f64::from(fat_line.slack),
+                                deviation <= f64::from(fat_line.radius),
                                 "{deviation} {fat_line:?}"
                             );
-                            tightest = tightest.min(f64::from(fat_line.slack) - deviation);
+                            tightest = tightest.min(f64::from(fat_line.radius) - deviation);
                             let position = position - common * (time - from);
                             sampled.include(DAabb {
                                 low: position,
@@ -286,7 +294,7 @@ mod tests {
                 }
             }
         }
-        // The slack is that of the farthest control point, and seldom far from what is needed.
+        // The radius is that of the farthest control point, and seldom far from what is needed.
         assert!(tightest < 0.05, "{tightest}");
     }
 }

@@ -1,6 +1,6 @@
 //! Boxes and fat lines of bodies in lists, or of each body from where it lies.
 
-use super::body_walk::{cubic_before, periods_of, short, walk};
+use super::body_walk::{cubic_before, short, slice_intervals_of, walk};
 use super::form::{FormBounds, SliceBlock, SliceBounds};
 use crate::bounds::{BoundingCubic, CubicSource, FatLine, MovingFrame, SliceInterval};
 use crate::broad_phase::BodyBox;
@@ -136,7 +136,7 @@ where
     fn run(self) {
         let frame = self.frame;
         if frame.moves() {
-            self.form(|from, to| frame.period(from, to));
+            self.form(|from, to| frame.slice_interval(from, to));
         } else {
             self.form(SliceInterval::new);
         }
@@ -153,8 +153,11 @@ where
     const AHEAD: usize = 4;
 
     #[inline(always)]
-    fn form<const MOVES: bool>(mut self, period: impl Fn(f64, f64) -> SliceInterval<MOVES>) {
-        let periods = &periods_of(self.ends, period)[..self.ends.len() - 1];
+    fn form<const MOVES: bool>(
+        mut self,
+        slice_interval: impl Fn(f64, f64) -> SliceInterval<MOVES>,
+    ) {
+        let slice_intervals = &slice_intervals_of(self.ends, slice_interval)[..self.ends.len() - 1];
         let mut motions = self.present.clone();
         let mut records = self.present.clone();
         for body in records.by_ref().take(2 * Self::AHEAD) {
@@ -171,9 +174,9 @@ where
                 self.bodies.fetch_motion(later);
             }
             let source = self.bodies.source(body);
-            let first = || cubic_before(&source.knots, periods[0].from, 0);
+            let first = || cubic_before(&source.knots, slice_intervals[0].from, 0);
             let put = |slice: usize, bounds| (self.put)((number, body), slice, bounds);
-            walk(&source, periods, (None, first), put);
+            walk(&source, slice_intervals, (None, first), put);
         }
     }
 }

@@ -102,7 +102,7 @@ impl CandidateRefiner {
     /// is asked only about candidates that may be near.
     pub(crate) fn refine<B: Bodies>(
         &mut self,
-        question: &RefineContext<'_, B>,
+        context: &RefineContext<'_, B>,
         candidates: &[Candidate],
         pair: impl Fn(Candidate) -> Option<[u32; 2]>,
         found: &mut Vec<SpanKey>,
@@ -111,14 +111,14 @@ impl CandidateRefiner {
         // Of earlier slices.
         let before = found.len();
         for batch in candidates.chunks(Self::BATCH) {
-            if found.len() - before > question.max_spans {
+            if found.len() - before > context.max_spans {
                 break;
             }
-            self.judge(question, batch, &pair);
-            self.list_spans(question.bodies);
+            self.judge(context, batch, &pair);
+            self.list_spans(context.bodies);
             looked_at += self.spans.len() as u64;
-            self.compare_compact(question, found);
-            self.compare(question, found);
+            self.compare_compact(context, found);
+            self.compare(context, found);
         }
         looked_at
     }
@@ -126,7 +126,7 @@ impl CandidateRefiner {
     /// Lists the candidates that may be near by their fat lines.
     fn judge<B>(
         &mut self,
-        question: &RefineContext<'_, B>,
+        context: &RefineContext<'_, B>,
         batch: &[Candidate],
         pair: impl Fn(Candidate) -> Option<[u32; 2]>,
     ) {
@@ -134,7 +134,7 @@ impl CandidateRefiner {
             fat_lines,
             interval,
             ..
-        } = *question;
+        } = *context;
         let line = |place: u32| &fat_lines[place as usize];
         self.candidates.clear();
         self.candidates.extend_from_slice(batch);
@@ -193,10 +193,10 @@ impl CandidateRefiner {
     /// appended to `found`, the others stay.
     fn compare_compact<B: Bodies>(
         &mut self,
-        question: &RefineContext<'_, B>,
+        context: &RefineContext<'_, B>,
         found: &mut Vec<SpanKey>,
     ) {
-        let bodies = question.bodies;
+        let bodies = context.bodies;
         let mut kept = 0;
         for number in 0..self.spans.len() {
             if let Some(later) = self.spans.get(number + Self::AHEAD) {
@@ -209,7 +209,7 @@ impl CandidateRefiner {
             let one = self.spans[number];
             match bodies.hull_test(one.key().cubics(), one.part()) {
                 HullTest::Apart => {}
-                HullTest::Near if question.solves_at_once(one.span) => found.push(one.key()),
+                HullTest::Near if context.solves_at_once(one.span) => found.push(one.key()),
                 HullTest::Near | HullTest::Blurred => {
                     self.spans[kept] = one;
                     kept += 1;
@@ -220,8 +220,8 @@ impl CandidateRefiner {
     }
 
     /// Appends the spans that their segments do not show to be apart either.
-    fn compare<B: Bodies>(&self, question: &RefineContext<'_, B>, found: &mut Vec<SpanKey>) {
-        let bodies = question.bodies;
+    fn compare<B: Bodies>(&self, context: &RefineContext<'_, B>, found: &mut Vec<SpanKey>) {
+        let bodies = context.bodies;
         for (i, one) in self.spans.iter().enumerate() {
             if let Some(later) = self.spans.get(i + Self::AHEAD) {
                 later
@@ -231,7 +231,7 @@ impl CandidateRefiner {
                     .for_each(|cubic| bodies.fetch_segment(cubic));
             }
             let (a, b) = (bodies.view(one.a), bodies.view(one.b));
-            if may_touch(&a, &b, one.span, question.margin, one.interval) {
+            if may_touch(&a, &b, one.span, context.margin, one.interval) {
                 found.push(one.key());
             }
         }

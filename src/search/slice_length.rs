@@ -151,7 +151,7 @@ impl SliceTrials<'_> {
     pub(crate) fn cheapest<'p, C: BoundingCubic + 'p>(
         &self,
         mut slices: TimeSlices,
-        traffic: &SceneStatistics,
+        statistics: &SceneStatistics,
         sources: impl FnOnce(&[usize]) -> Vec<CubicSource<'p, C>>,
     ) -> TimeSlices {
         /// Fewer bodies are not worth a trial, unless they have more boxes than `FEW_BOXES`.
@@ -165,10 +165,10 @@ impl SliceTrials<'_> {
         if bodies == 0 {
             return slices;
         }
-        let present = traffic.present(window);
+        let present = statistics.present(window);
         let sample = sample(bodies, present, slices.count());
         // Where everybody is near everybody all the time slices save nothing.
-        let spans = traffic.spans(window);
+        let spans = statistics.spans(window);
         let boxes = present * f64::from(slices.count());
         let most_near = 0.5 * present * boxes;
         if sample.len() < FEW && boxes <= FEW_BOXES && most_near <= spans {
@@ -181,9 +181,9 @@ impl SliceTrials<'_> {
         // The cheapest crowded slices.
         let mut crowded: Option<(f64, TimeSlices)> = None;
         for _ in 0..MAX_TRIALS {
-            let cubics = 1.0 + traffic.cubics_in(slices.length());
+            let cubics = 1.0 + statistics.cubics_in(slices.length());
             let trial = self.trial(&presence, &sampled, &slices, whole, cubics);
-            let most = traffic.most_slices(window).min(spans / trial.near);
+            let most = statistics.most_slices(window).min(spans / trial.near);
             let count = f64::from(slices.count());
             let cost = trial.cost(1.0, &Growth::ASSUMED) * count;
             let least = crowded.map_or(f64::INFINITY, |(cost, _)| cost);

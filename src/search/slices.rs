@@ -22,7 +22,7 @@ pub(crate) struct SceneStatistics {
     /// Extent of the world on each axis, m.
     pub(crate) world: [f64; 3],
     /// Typical relevant separation, hitboxes and margin, m.
-    pub(crate) reach: f64,
+    pub(crate) separation: f64,
 }
 
 impl SceneStatistics {
@@ -73,22 +73,22 @@ impl TimeSlices {
     const MAX_SLICES: f64 = 1e6;
 
     /// Returns slices of `start..=end` (s, finite) by the rule above, from counts alone.
-    pub(crate) fn choose((start, end): (f64, f64), traffic: &SceneStatistics) -> Self {
+    pub(crate) fn choose((start, end): (f64, f64), statistics: &SceneStatistics) -> Self {
         let duration = end - start;
-        let present = traffic.present((start, end));
-        let speed = traffic.path / traffic.body_time;
-        let volume: f64 = traffic
+        let present = statistics.present((start, end));
+        let speed = statistics.path / statistics.body_time;
+        let volume: f64 = statistics
             .world
             .iter()
-            .map(|&side| side.max(traffic.reach).max(f64::MIN_POSITIVE))
+            .map(|&side| side.max(statistics.separation).max(f64::MIN_POSITIVE))
             .map(f64::cbrt)
             .product();
-        let spacing = (volume / present.max(1.0).cbrt()).max(traffic.reach);
+        let spacing = (volume / present.max(1.0).cbrt()).max(statistics.separation);
         let length = (Self::SPACINGS_PER_SLICE * spacing / speed)
-            .min(Self::MAX_SEGMENTS_PER_SLICE * traffic.body_time / traffic.segments)
-            .max(traffic.body_time / Self::MAX_BOXES);
+            .min(Self::MAX_SEGMENTS_PER_SLICE * statistics.body_time / statistics.segments)
+            .max(statistics.body_time / Self::MAX_BOXES);
         let count = (duration / length).ceil();
-        Self::whole(start, end).with_count(count.min(traffic.most_slices((start, end))))
+        Self::whole(start, end).with_count(count.min(statistics.most_slices((start, end))))
     }
 
     /// Returns one slice from `start` to `end` (s, finite).
@@ -179,14 +179,14 @@ mod tests {
 
     #[test]
     fn slices_cover_the_window_without_gaps() {
-        let traffic = SceneStatistics {
+        let statistics = SceneStatistics {
             body_time: 600.0,
             path: 6000.0,
             segments: 100.0,
             world: [100.0; 3],
-            reach: 1.0,
+            separation: 1.0,
         };
-        let slices = TimeSlices::choose((5.0, 65.0), &traffic);
+        let slices = TimeSlices::choose((5.0, 65.0), &statistics);
         assert!(slices.count() > 10);
         assert!(slices.interval(0).0.to_bits() == 5.0_f64.to_bits());
         assert!(slices.interval(slices.count() - 1).1.to_bits() == 65.0_f64.to_bits());
@@ -213,7 +213,7 @@ mod tests {
             path: 0.0,
             segments: 0.0,
             world: [0.0; 3],
-            reach: 0.0,
+            separation: 0.0,
         };
         assert_eq!(TimeSlices::choose((0.0, 1.0), &nothing_moves).count(), 1);
         assert_eq!(TimeSlices::choose((2.0, 2.0), &nothing_moves).count(), 1);

@@ -45,13 +45,13 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
     pub(crate) fn spans<B: BroadPhase, F: PairFilter>(
         &self,
         method: impl Fn(&mut SearchScratch) -> &mut B + Sync + Send,
-        (slices, traffic): (&TimeSlices, &SceneStatistics),
+        (slices, statistics): (&TimeSlices, &SceneStatistics),
         filter: &F,
         progress: &(impl Fn(f64) + Sync),
         (found, stats): (&mut Vec<SpanKey>, &mut Stats),
     ) -> Result<(), LimitExceeded> {
         let bodies = self.presence.len();
-        let blocks = SliceBlocks::of(slices, traffic, (bodies, self.threads));
+        let blocks = SliceBlocks::of(slices, statistics, (bodies, self.threads));
         let done_blocks = AtomicU32::new(0);
         let is_exceeded = AtomicBool::new(false);
         let search = |scratch: &mut SearchScratch, block: u32| {
@@ -371,11 +371,11 @@ impl SliceBlocks {
     )]
     fn of(
         slices: &TimeSlices,
-        traffic: &SceneStatistics,
+        statistics: &SceneStatistics,
         (bodies, threads): (usize, usize),
     ) -> Self {
-        let present = traffic.present(slices.window());
-        let cubics = traffic.cubics_in(slices.length());
+        let present = statistics.present(slices.window());
+        let cubics = statistics.cubics_in(slices.length());
         let slices = slices.count();
         let cached = (Self::CACHED_BOXES / present) as usize;
         let few = Self::FEW_SLICES[usize::from(cubics >= 1.0)];

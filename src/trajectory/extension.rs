@@ -94,7 +94,7 @@ impl Trajectory {
             // The farthest piece is the first to leave the range of numbers.
             let end = self.cut_before(extension.before - 1);
             let segment = self.segment_before();
-            segment.check_reach((extension.domain.0, end), 0)?;
+            segment.check_range((extension.domain.0, end), 0)?;
         }
         self.lengthen(&mut extension, window.end())?;
         let is_own = extension.before == 0 && extension.after == 0;
@@ -112,7 +112,7 @@ impl Trajectory {
         let mut segment = None;
         for cut in self.cuts_after(end).skip(known as usize) {
             let segment = segment.get_or_insert_with(|| self.segment_after());
-            segment.check_reach((from, cut), self.knots().len() - 1)?;
+            segment.check_range((from, cut), self.knots().len() - 1)?;
             (after, from) = (after + 1, cut);
         }
         (extension.after, extension.domain.1) = (after, from);

@@ -56,7 +56,7 @@ impl Plan {
             return;
         };
         let cut = DoublingCuts::cut(last, end_motion.end() - end_motion.start(), 1);
-        let is_piece = cut > last && end_motion.check_reach((last, cut), 0).is_ok();
+        let is_piece = cut > last && end_motion.check_range((last, cut), 0).is_ok();
         if is_piece && !self.has_piece_after {
             self.knots.push(cut);
             self.segments.push(end_motion);

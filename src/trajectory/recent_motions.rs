@@ -169,7 +169,7 @@ impl RecentMotions {
         let pieces = self.pieces() + beyond;
         let dropped = past.saturating_sub(1).min(pieces - 1);
         let end = cut_after(from, motion, 1);
-        let is_piece = end > from && motion.check_reach((from, end), 0).is_ok();
+        let is_piece = end > from && motion.check_range((from, end), 0).is_ok();
         let room = Room {
             dropped,
             kept: pieces - dropped,

@@ -89,7 +89,7 @@ impl Trajectory {
         if !flown.domain().contains(from) || !self.goes_on_from(from) {
             return Err(Error::NoPlanAt { time: from });
         }
-        let ahead = count_at_front(self.knots(), |knot| knot <= from);
+        let knots_before = count_at_front(self.knots(), |knot| knot <= from);
         // Flown: whole pieces, then the one that is cut. Beyond its knots a plan goes on along its
         // end motion, which becomes a piece like any other.
         let (flown_knots, flown_segments) = (flown.knots(), flown.segments());
@@ -99,13 +99,13 @@ impl Trajectory {
         let beyond = (cut > flown_segments.len()).then(|| flown.segment_after());
         let mut cuts_after = DoublingCuts::NONE;
         if let (Some(end_motion), Some(&last)) = (&beyond, flown_knots.last()) {
-            end_motion.check_reach((last, from), flown_knots.len() - 1)?;
+            end_motion.check_range((last, from), flown_knots.len() - 1)?;
             cuts_after = DoublingCuts::of(last, end_motion.end() - end_motion.start(), from);
         }
         let mut cuts_before = DoublingCuts::NONE;
-        if let (0, Some(&first)) = (ahead, self.knots().first()) {
+        if let (0, Some(&first)) = (knots_before, self.knots().first()) {
             let end_motion = self.segment_before();
-            end_motion.check_reach((from, first), 0)?;
+            end_motion.check_range((from, first), 0)?;
             cuts_before = DoublingCuts::of(first, self.doubling_before().1, from);
         }
         let (cuts_after, cuts_before) = (cuts_after.but_last(), cuts_before.but_last());
@@ -122,10 +122,10 @@ impl Trajectory {
         let own = flown_segments.len();
         let flown_segments = flown_segments[dropped.min(own)..cut.min(own)].iter();
         // To come: the piece of this plan that holds at `from`, and the rest.
-        let goes_on = ahead < self.knots().len();
-        let present = match ahead {
+        let goes_on = knots_before < self.knots().len();
+        let present = match knots_before {
             0 => self.segment_before(),
-            _ if goes_on => self.segments()[ahead - 1],
+            _ if goes_on => self.segments()[knots_before - 1],
             _ => self.segment_after(),
         };
         let beyond_count = kept - flown_segments.len();
@@ -146,7 +146,7 @@ impl Trajectory {
         plan.segments.put_beside(0, before);
         plan.before = flown.outside_before();
         plan.segments.replace_front(
-            ahead.min(plan.segments.len()),
+            knots_before.min(plan.segments.len()),
             kept + to_come,
             flown_segments
                 .copied()
@@ -158,7 +158,7 @@ impl Trajectory {
         }
         let count = kept + 1 + cut_before;
         let knots = begins.chain(once(from)).chain(cuts_before);
-        plan.knots.replace_front(ahead, count, knots);
+        plan.knots.replace_front(knots_before, count, knots);
         // They come from the knot outwards.
         plan.knots.front_mut(count)[kept + 1..].reverse();
         plan.forget_before(since);
@@ -184,17 +184,17 @@ impl Trajectory {
         }
         let number = self.knots().len();
         let is_known = match &self.form {
-            Form::Recent(recent) => recent.last().check_reach((last, from), number - 1),
+            Form::Recent(recent) => recent.last().check_range((last, from), number - 1),
             _ => {
                 let straight = self.end_motion_after().straight();
-                straight.check_reach((last, from), number - 1)
+                straight.check_range((last, from), number - 1)
             }
         };
         let mut reached = from;
         is_known.is_ok()
             && DoublingCuts::of(from, motion.duration(), window.end().next_up()).all(|cut| {
                 let piece = (std::mem::replace(&mut reached, cut), cut);
-                motion.check_reach(piece, number).is_ok()
+                motion.check_range(piece, number).is_ok()
             })
     }
 

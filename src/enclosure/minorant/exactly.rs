@@ -69,7 +69,7 @@ fn the_quadratic_is_above_a_level_beyond_its_reach() {
         let minorant = any(&mut rng);
         let above = [0.0, 1e-15, 1e-3, 1.0][round % 4] * size_of(&mut rng);
         let level = minorant.base + above;
-        let reach = minorant.reach(level);
+        let reach = minorant.parameter_bound(level);
         if reach >= 1.0 {
             continue;
         }

@@ -93,38 +93,38 @@ fn after_a_panic_only_what_is_planned_is_reported() {
 #[test]
 fn waiting_orders_coalesce_as_the_contract_says() {
     let (_, [a, b]) = monitor();
-    let mut waiting = RequestQueue::default();
+    let mut queue = RequestQueue::default();
     let mut number = 0;
-    let mut push = |waiting: &mut RequestQueue, request: Request| {
+    let mut push = |queue: &mut RequestQueue, request: Request| {
         number += 1;
-        waiting.push(Ticket(number), request)
+        queue.push(Ticket(number), request)
     };
     let plan = |id, from| Request::Change(Command::Replan(id, from, rest(0.0)));
     let set = |id| Request::Change(Command::SetTrajectory(id, rest(0.0)));
     let layers = |id| Request::Change(Command::SetLayers(id, Layers::NONE));
     // The latest plan wins, whatever else lies between.
-    assert_eq!(push(&mut waiting, plan(a, 5.0)), 0);
-    assert_eq!(push(&mut waiting, plan(b, 5.0)), 0);
-    assert_eq!(push(&mut waiting, layers(a)), 0);
-    assert_eq!(push(&mut waiting, plan(a, 5.0)), 1);
+    assert_eq!(push(&mut queue, plan(a, 5.0)), 0);
+    assert_eq!(push(&mut queue, plan(b, 5.0)), 0);
+    assert_eq!(push(&mut queue, layers(a)), 0);
+    assert_eq!(push(&mut queue, plan(a, 5.0)), 1);
     // A later beginning leaves a part of the earlier plan: both are needed.
-    assert_eq!(push(&mut waiting, plan(a, 6.0)), 0);
-    assert_eq!(push(&mut waiting, set(a)), 2);
+    assert_eq!(push(&mut queue, plan(a, 6.0)), 0);
+    assert_eq!(push(&mut queue, set(a)), 2);
     // Not across a clock request; clock requests merge only side by side, and only forwards.
-    assert_eq!(push(&mut waiting, Request::Clock(1.0)), 0);
-    assert_eq!(push(&mut waiting, Request::Clock(2.0)), 1);
-    assert_eq!(push(&mut waiting, Request::Clock(1.5)), 0);
-    assert_eq!(push(&mut waiting, set(a)), 0);
-    assert_eq!(push(&mut waiting, Request::Clock(3.0)), 0);
+    assert_eq!(push(&mut queue, Request::Clock(1.0)), 0);
+    assert_eq!(push(&mut queue, Request::Clock(2.0)), 1);
+    assert_eq!(push(&mut queue, Request::Clock(1.5)), 0);
+    assert_eq!(push(&mut queue, set(a)), 0);
+    assert_eq!(push(&mut queue, Request::Clock(3.0)), 0);
     // Nor across a batch.
-    assert_eq!(push(&mut waiting, set(b)), 0);
-    assert_eq!(push(&mut waiting, Request::Batch(vec![])), 0);
-    assert_eq!(push(&mut waiting, set(b)), 0);
+    assert_eq!(push(&mut queue, set(b)), 0);
+    assert_eq!(push(&mut queue, Request::Batch(vec![])), 0);
+    assert_eq!(push(&mut queue, set(b)), 0);
     // Nor across a question.
     let question = || Request::WhatIf(a, rest(0.0).into(), 0);
-    assert_eq!(push(&mut waiting, question()), 0);
-    assert_eq!(push(&mut waiting, set(b)), 0);
-    let left: Vec<Request> = std::iter::from_fn(|| waiting.pop())
+    assert_eq!(push(&mut queue, question()), 0);
+    assert_eq!(push(&mut queue, set(b)), 0);
+    let left: Vec<Request> = std::iter::from_fn(|| queue.pop())
         .map(|(_, request)| request)
         .collect();
     assert_eq!(
@@ -145,9 +145,9 @@ fn waiting_orders_coalesce_as_the_contract_says() {
         ]
     );
     // Numbers go on after requests were taken.
-    assert_eq!(push(&mut waiting, set(a)), 0);
-    assert_eq!(push(&mut waiting, set(a)), 1);
-    assert_eq!(waiting.pop().map(|(_, request)| request), Some(set(a)));
+    assert_eq!(push(&mut queue, set(a)), 0);
+    assert_eq!(push(&mut queue, set(a)), 1);
+    assert_eq!(queue.pop().map(|(_, request)| request), Some(set(a)));
     // A plan that will be refused replaces nothing: it ends before it is to begin.
     let over = |id, from| {
         let states = [0.0, 1.0].map(|time| State::new(time, DVec3::ZERO, DVec3::ZERO));
@@ -157,36 +157,36 @@ fn waiting_orders_coalesce_as_the_contract_says() {
             Trajectory::from_states(&states).unwrap(),
         ))
     };
-    assert_eq!(push(&mut waiting, plan(a, 5.0)), 0);
-    assert_eq!(push(&mut waiting, over(a, 4.0)), 0);
+    assert_eq!(push(&mut queue, plan(a, 5.0)), 0);
+    assert_eq!(push(&mut queue, over(a, 4.0)), 0);
     // Or before the clock by then.
-    assert_eq!(push(&mut waiting, Request::Clock(4.0)), 0);
-    assert_eq!(push(&mut waiting, plan(a, 3.0)), 0);
-    assert_eq!(push(&mut waiting, over(a, 0.5)), 0);
-    assert_eq!(push(&mut waiting, plan(a, 0.5)), 2);
+    assert_eq!(push(&mut queue, Request::Clock(4.0)), 0);
+    assert_eq!(push(&mut queue, plan(a, 3.0)), 0);
+    assert_eq!(push(&mut queue, over(a, 0.5)), 0);
+    assert_eq!(push(&mut queue, plan(a, 0.5)), 2);
     // Nor does one replace what another one may rest on.
     let extend = |id| Request::Change(Command::Extend(id, rest(1.0)));
-    assert_eq!(push(&mut waiting, plan(b, 5.0)), 0);
-    assert_eq!(push(&mut waiting, extend(b)), 0);
-    assert_eq!(push(&mut waiting, plan(b, 5.0)), 0);
-    assert_eq!(push(&mut waiting, set(b)), 3);
+    assert_eq!(push(&mut queue, plan(b, 5.0)), 0);
+    assert_eq!(push(&mut queue, extend(b)), 0);
+    assert_eq!(push(&mut queue, plan(b, 5.0)), 0);
+    assert_eq!(push(&mut queue, set(b)), 3);
 }
 
 /// Nothing is remembered of requests that were taken, however long others wait.
 #[test]
 fn orders_that_were_taken_leave_nothing() {
-    let mut waiting = RequestQueue::default();
+    let mut queue = RequestQueue::default();
     for number in 0..1_000 {
         let id = BodyId {
             slot: number % 90,
             generation: number,
         };
         let request = Command::SetTrajectory(id, rest(0.0)).into();
-        waiting.push(Ticket(number.into()), request);
+        queue.push(Ticket(number.into()), request);
         if number >= 10 {
-            assert!(waiting.pop().is_some());
+            assert!(queue.pop().is_some());
         }
-        assert!(waiting.plans() <= waiting.len());
+        assert!(queue.plans() <= queue.len());
     }
 }
 

@@ -22,7 +22,7 @@ pub(super) struct Worker {
     stop: Receiver<()>,
     shared: Arc<Shared>,
     options: LiveOptions,
-    waiting: RequestQueue,
+    queue: RequestQueue,
     /// Reports that the reader has no room for.
     outbox: VecDeque<Report>,
     /// Number of reports so far.
@@ -40,7 +40,7 @@ impl Worker {
         options: LiveOptions,
     ) -> Self {
         Self {
-            waiting: RequestQueue::at(monitor.now()),
+            queue: RequestQueue::at(monitor.now()),
             monitor,
             requests,
             reports,
@@ -61,7 +61,7 @@ impl Worker {
             if self.receive().is_err() {
                 break None;
             }
-            let next = self.waiting.pop();
+            let next = self.queue.pop();
             in_hand = u64::from(next.is_some());
             // A panic leaves at worst half-filled buffers, a search and what was read of it to be
             // made anew: all else takes effect at the end of a step, by moves that do not panic.
@@ -76,7 +76,7 @@ impl Worker {
         self.shared.close();
         self.monitor.interrupt = None;
         let mut unapplied = Vec::new();
-        unapplied.extend(std::iter::from_fn(|| self.waiting.pop()));
+        unapplied.extend(std::iter::from_fn(|| self.queue.pop()));
         unapplied.extend(self.requests.try_iter());
         self.shared.refused(unapplied.len() as u64);
         let (reports, counts) = (self.outbox.into(), Counts::default());
@@ -111,7 +111,7 @@ impl Worker {
         if self.stop.try_recv() == Err(TryRecvError::Disconnected) {
             return Err(RecvError);
         }
-        while self.waiting.len() == 0 && (self.monitor.is_known() || self.stuck) {
+        while self.queue.len() == 0 && (self.monitor.is_known() || self.stuck) {
             // In this request: none is added once they are stopped.
             if self.shared.is_closed() && self.requests.is_empty() {
                 return Err(RecvError);
@@ -124,7 +124,7 @@ impl Worker {
                 recv(self.stop) -> message => message?,
             }
         }
-        while self.waiting.len() < self.options.requests {
+        while self.queue.len() < self.options.requests {
             match self.requests.try_recv() {
                 Ok((ticket, request)) => self.take(ticket, request),
                 Err(_) => break,
@@ -135,7 +135,7 @@ impl Worker {
 
     fn take(&mut self, ticket: Ticket, request: Request) {
         self.stuck = false;
-        let superseded = self.waiting.push(ticket, request);
+        let superseded = self.queue.push(ticket, request);
         self.shared.superseded(superseded);
     }
 
@@ -156,7 +156,7 @@ impl Worker {
             Request::Clock(now) => {
                 let done = self.tick(now);
                 if done.is_err() {
-                    self.waiting.stay_at(self.monitor.now());
+                    self.queue.stay_at(self.monitor.now());
                 }
                 done.map(|()| None)
             }

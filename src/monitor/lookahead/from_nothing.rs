@@ -76,8 +76,8 @@ impl LookaheadSearch {
         let window = (seen_from(from).max(self.ends[0]), self.ends[needed]);
         let table = BodyTable::of(scene, &self.flights, &self.grid, self.margin);
         let begin = Instant::now();
-        let (bodies, traffic) = PreparedBodies::in_window(table, &mut self.presence, window);
-        let cut = (&bodies.usual_slices(window), &traffic);
+        let (bodies, statistics) = PreparedBodies::in_window(table, &mut self.presence, window);
+        let cut = (&bodies.usual_slices(window), &statistics);
         stats.bounds_time += begin.elapsed();
         let threads = (&self.search_pool, parallel::threads());
         let search = bodies.search(Window::ALL, limits, threads);

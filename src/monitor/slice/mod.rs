@@ -38,7 +38,7 @@ impl LookaheadSlice {
     const NO_FAT_LINE: FatLine = FatLine {
         start: [0.0; 3],
         change: [0.0; 3],
-        slack: f32::INFINITY,
+        radius: f32::INFINITY,
         first: 0,
     };
 

@@ -87,23 +87,23 @@ impl ClusterPair<'_> {
         }
     }
 
-    /// Solves the pairs of spheres that may come nearer in `clip` than `reached` (m); `solve`
-    /// returns the new value of `reached`.
+    /// Solves the pairs of spheres that may come nearer in `clip` than `least_so_far` (m); `solve`
+    /// returns the new value of `least_so_far`.
     pub(super) fn each_for_nearest(
         &self,
         clip: (f64, f64),
-        mut reached: f64,
+        mut least_so_far: f64,
         mut solve: impl FnMut(&SpherePair) -> f64,
     ) {
         let chords = PiecewiseLinearBound::of(self, self.part(clip), 0.0);
         let mut seen = SolvedOffsets::default();
-        let within = reached.min(chords.least_of_some(self));
+        let within = least_so_far.min(chords.least_of_some(self));
         let groups = SphereGroups::of(self, &chords, within);
         let (mut listed, mut candidates) = (0, Vec::new());
         while listed < self.a.spheres.len() {
             groups.list((self, &chords), within, &mut listed, &mut candidates);
             for candidate in nearest(&candidates).into_iter().chain(&candidates) {
-                let near = reached + chords.slack;
+                let near = least_so_far + chords.slack;
                 if candidate.low > near || seen.holds(self, candidate) {
                     continue;
                 }
@@ -112,7 +112,7 @@ impl ClusterPair<'_> {
                 if near < f64::INFINITY && self.is_beyond(points, candidate, near) {
                     continue;
                 }
-                reached = solve(&pair);
+                least_so_far = solve(&pair);
                 seen.add(self, candidate);
             }
         }

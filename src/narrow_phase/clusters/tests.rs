@@ -343,7 +343,7 @@ fn the_nearest_is_that_of_all_pairs() {
             if kind % 5 == 3 && clip == (f64::MIN, f64::MAX) {
                 let certified = certified_approach(a, b, spans(), clip);
                 let (approach, error, _) = certified.unwrap_or_else(|| unreachable!());
-                let nearest = nearest.reached;
+                let nearest = nearest.least_so_far;
                 let off = (approach.separation - nearest).abs();
                 assert!(off <= 2.0 * error, "{kind}");
             }

@@ -147,7 +147,7 @@ impl Segment {
     /// # Errors
     ///
     /// [`Error::OutOfRange`], [`Error::TooFar`].
-    pub(in crate::trajectory) fn check_reach(
+    pub(in crate::trajectory) fn check_range(
         &self,
         (from, to): (f64, f64),
         knot: usize,
