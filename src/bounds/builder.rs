@@ -30,32 +30,28 @@ pub(crate) struct BoundsBuilder<const MOVES: bool> {
     /// Point on the line at the end of the pieces so far, and the elapsed share of the slice.
     line: Vec4,
     share: f32,
-    slice_interval: SliceInterval<MOVES>,
+    slice: SliceInterval<MOVES>,
 }
 
 impl<const MOVES: bool> BoundsBuilder<MOVES> {
     /// Starts a builder with the first piece of a slice, on the line to the end of the last one.
     #[inline(always)]
-    pub(crate) fn between(
-        head: &SubCubic,
-        tail: &SubCubic,
-        slice_interval: &SliceInterval<MOVES>,
-    ) -> Self {
-        let mut builder = Self::toward((head.points[0], head.from), tail.points[3], slice_interval);
+    pub(crate) fn between(head: &SubCubic, tail: &SubCubic, slice: &SliceInterval<MOVES>) -> Self {
+        let mut builder = Self::toward((head.points[0], head.from), tail.points[3], slice);
         builder.follow(head);
         builder
     }
 
     /// Returns the bounds of a single piece that fills the slice.
     #[inline(always)]
-    pub(crate) fn alone(piece: &SubCubic, slice_interval: &SliceInterval<MOVES>) -> Self {
+    pub(crate) fn alone(piece: &SubCubic, slice: &SliceInterval<MOVES>) -> Self {
         let [p0, p1, p2, p3] = piece.points;
         let change = p3 - p0;
         let third = change * (1.0 / 3.0);
         // The piece begins and ends on the line. Its deviation is 3 s (1 - s) times a mean of d1 and d2: at most
         // 3/4 of the larger one.
         let (d1, d2) = ((p1 - p0) - third, (p2 - p3) + third);
-        let [q0, q1, q2, q3] = slice_interval.relative(piece.points, 0.0, 1.0);
+        let [q0, q1, q2, q3] = slice.relative(piece.points, 0.0, 1.0);
         Self {
             low: q0.min(q1).min(q2.min(q3)),
             high: q0.max(q1).max(q2.max(q3)),
@@ -67,7 +63,7 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
             change,
             line: p3,
             share: 1.0,
-            slice_interval: *slice_interval,
+            slice: *slice,
         }
     }
 
@@ -75,13 +71,13 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
     pub(super) fn between_runs(
         first: &ScaledRun,
         last: &ScaledRun,
-        slice_interval: &SliceInterval<MOVES>,
+        slice: &SliceInterval<MOVES>,
     ) -> Self {
         Self {
             // It does not go through the ends of their lines.
             low: first.low,
             high: first.high,
-            ..Self::toward((first.start, slice_interval.from), last.end, slice_interval)
+            ..Self::toward((first.start, slice.from), last.end, slice)
         }
     }
 
@@ -90,9 +86,9 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
     pub(super) fn along(
         head: &StraightPart,
         tail: &StraightPart,
-        slice_interval: &SliceInterval<MOVES>,
+        slice: &SliceInterval<MOVES>,
     ) -> Self {
-        let mut builder = Self::toward((head.first, head.from), tail.last, slice_interval);
+        let mut builder = Self::toward((head.first, head.from), tail.last, slice);
         builder.go_straight(head);
         builder
     }
@@ -100,12 +96,12 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
     /// Adds a straight piece that begins when the previous one ends: between its ends it strays no farther.
     #[inline(always)]
     pub(super) fn go_straight(&mut self, part: &StraightPart) {
-        let place = self.slice_interval.relative_at(part.first, self.share);
+        let place = self.slice.relative_at(part.first, self.share);
         (self.low, self.high) = (self.low.min(place), self.high.max(place));
         self.include_deviation(part.first - self.line);
-        self.share = self.slice_interval.share(part.to);
+        self.share = self.slice.share(part.to);
         self.line = self.start + self.change * self.share;
-        let place = self.slice_interval.relative_at(part.last, self.share);
+        let place = self.slice.relative_at(part.last, self.share);
         (self.low, self.high) = (self.low.min(place), self.high.max(place));
         self.include_deviation(part.last - self.line);
         self.spread = self.spread.max(part.spread);
@@ -113,20 +109,16 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
 
     /// Starts a builder on the line from a point at an instant (s) to another point.
     #[inline(always)]
-    fn toward(
-        (start, from): (Vec4, f64),
-        end: Vec4,
-        slice_interval: &SliceInterval<MOVES>,
-    ) -> Self {
+    fn toward((start, from): (Vec4, f64), end: Vec4, slice: &SliceInterval<MOVES>) -> Self {
         // The line of a slice of no duration is a point: any distance from it counts as deviation.
-        let change = if slice_interval.rate > 0.0 {
+        let change = if slice.rate > 0.0 {
             end - start
         } else {
             Vec4::ZERO
         };
-        let share = slice_interval.share(from);
+        let share = slice.share(from);
         let line = start + change * share;
-        let place = slice_interval.relative_at(start, share);
+        let place = slice.relative_at(start, share);
         Self {
             low: place,
             high: place,
@@ -138,7 +130,7 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
             change,
             line,
             share,
-            slice_interval: *slice_interval,
+            slice: *slice,
         }
     }
 
@@ -146,7 +138,7 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
     #[inline(always)]
     pub(crate) fn follow_from_start(&mut self, piece: &SubCubic) {
         let start = piece.points[0];
-        let place = self.slice_interval.relative_at(start, self.share);
+        let place = self.slice.relative_at(start, self.share);
         self.low = self.low.min(place);
         self.high = self.high.max(place);
         self.include_deviation(start - self.line);
@@ -158,10 +150,8 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
     #[inline(always)]
     fn follow(&mut self, piece: &SubCubic) {
         let [_, p1, p2, p3] = piece.points;
-        let share = self.slice_interval.share(piece.to);
-        let [_, q1, q2, q3] = self
-            .slice_interval
-            .relative(piece.points, self.share, share);
+        let share = self.slice.share(piece.to);
+        let [_, q1, q2, q3] = self.slice.relative(piece.points, self.share, share);
         self.low = self.low.min(q1.min(q2).min(q3));
         self.high = self.high.max(q1.max(q2).max(q3));
         self.spread = self.spread.max(piece.spread);
@@ -185,10 +175,10 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
     /// Adds a run of cubics that lasts until an instant (s).
     #[inline(always)]
     pub(super) fn pass(&mut self, run: &ScaledRun, until: f64) {
-        let share = self.slice_interval.share(until);
+        let share = self.slice.share(until);
         let (low, high) = if MOVES {
-            let first = self.slice_interval.relative_at(run.start, self.share);
-            let last = self.slice_interval.relative_at(run.end, share);
+            let first = self.slice.relative_at(run.start, self.share);
+            let last = self.slice.relative_at(run.end, share);
             (
                 first.min(last) - run.deviation,
                 first.max(last) + run.deviation,
@@ -239,7 +229,7 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
     pub(crate) fn finish(&self, placement: &FramePlacement, first: u32) -> (FatLine, Aabb) {
         let Self { low, high, .. } = *self;
         // How far rounding can have moved each coordinate, before it was measured from a moving box.
-        let way = self.slice_interval.way().abs();
+        let way = self.slice.way().abs();
         let largest = low.abs().max(high.abs()) + way;
         let rounding = SubCubic::roundings(largest, self.spread, self.splits) + placement.steady;
         let (middle, deviation) = self.middle();
@@ -386,10 +376,10 @@ mod tests {
                 unreachable!("there is one of four cubics at least")
             };
             lengths[count] += 1;
-            let slice_interval = SliceInterval::new(knots[first] - 1.0, knots[first + count] + 2.0);
+            let slice = SliceInterval::new(knots[first] - 1.0, knots[first + count] + 2.0);
             let mut anywhere = || Vec4::from_array([0; 4].map(|_| rng.random_range(-1.0..=1.0)));
             let (start, end) = (anywhere(), anywhere());
-            let mut whole = BoundsBuilder::toward((start, knots[first]), end, &slice_interval);
+            let mut whole = BoundsBuilder::toward((start, knots[first]), end, &slice);
             let mut by_run = whole;
             by_run.pass(&run.unpack(1.0), knots[first + count]);
             for number in first..first + count {
@@ -462,7 +452,7 @@ mod tests {
             let (way, aside) = (vector(1e6).as_vec3().as_dvec3(), vector(1.0));
             let from = [0.0_f32, 0.5, 0.999, 0.999_999][round % 4] * rng.random_range(0.9_f32..1.0);
             let from = f64::from(from);
-            let slice_interval = SliceInterval::new(0.0, 1.0).moving(way);
+            let slice = SliceInterval::new(0.0, 1.0).moving(way);
             let rests = round % 3 == 0;
             let points = [0.0, 1.0, 2.0, 3.0].map(|step| {
                 let share = if rests {
@@ -480,7 +470,7 @@ mod tests {
                 from,
                 to: 1.0,
             };
-            let builder = BoundsBuilder::between(&piece, &piece, &slice_interval);
+            let builder = BoundsBuilder::between(&piece, &piece, &slice);
             let (_, aabb) = builder.finish(&FramePlacement::NONE, 0);
             let [low, high] = [aabb.mins, aabb.maxs]
                 .map(|edge| DVec3::new(edge.x.into(), edge.y.into(), edge.z.into()));

@@ -272,8 +272,8 @@ impl LookaheadSearch {
                     .look(&bodies, times, filter, meter, found)?;
                 stats.narrow_time += begin.elapsed();
             }
-            let (reached, is_done) = self.look(scene, (from, to), filter, meter, stats)?;
-            let reached = reached.min(known);
+            let (compared_until, is_done) = self.look(scene, (from, to), filter, meter, stats)?;
+            let complete_until = compared_until.min(known);
             self.dirty.clear();
             let begin = Instant::now();
             let bodies = BodyTable::of(scene, &self.flights, &self.grid, self.margin);
@@ -285,7 +285,7 @@ impl LookaheadSearch {
             stats.survivors += self.solved.add(&self.survivors, &bodies, window, most)?;
             stats.narrow_time += begin.elapsed();
             if is_done {
-                return Ok(meter.until().unwrap_or(reached));
+                return Ok(meter.until().unwrap_or(complete_until));
             }
         }
     }

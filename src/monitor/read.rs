@@ -95,13 +95,13 @@ impl ReadContext<'_> {
         {
             conflicts.add(slots, conflict);
         }
-        let ahead = TickContext {
+        let any_time = TickContext {
             reported: f64::NEG_INFINITY,
             known: f64::INFINITY,
             ..TickContext::default()
         };
         let whole = (always, always.1);
-        self.each_planned(slots, alert, &ahead, whole, scratch, |planned| {
+        self.each_planned(slots, alert, &any_time, whole, scratch, |planned| {
             encounters.add(slots, planned);
         });
     }

@@ -85,12 +85,12 @@ impl SolvedSpans {
             let span = key.span(&a.knots, &b.knots);
             let before = added;
             let part = (window, after);
-            let reached = solve(&a, &b, span, bodies.margin, part, |interval, solved| {
+            let solved_until = solve(&a, &b, span, bodies.margin, part, |interval, solved| {
                 self.spans.add(key, interval, solved);
                 added += 1;
             });
-            if reached < f64::INFINITY {
-                self.begun.insert(key, reached);
+            if solved_until < f64::INFINITY {
+                self.begun.insert(key, solved_until);
             } else if begun.is_some() {
                 self.begun.remove(&key);
             }

@@ -131,7 +131,7 @@ impl<'a> PreparedScene<'a> {
     pub(super) fn is_in_place(&self) -> bool {
         /// If one body in so many has a plan, lists of views and sources are read faster.
         const SHARE: usize = 8;
-        SHARE * self.survey.planned < self.entries.len()
+        SHARE * self.survey.not_straight < self.entries.len()
     }
 
     /// Returns the box sources of the bodies at some places.

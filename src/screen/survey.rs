@@ -27,7 +27,7 @@ pub(super) struct SceneSurvey {
     /// Number of cubics, pieces beyond the knots in the window included.
     pub(super) cubics: usize,
     /// Number of bodies that follow a plan, not straight motions.
-    pub(super) planned: usize,
+    pub(super) not_straight: usize,
 }
 
 impl SceneSurvey {
@@ -49,7 +49,7 @@ impl SceneSurvey {
             },
             size: 0.0,
             cubics: 0,
-            planned: 0,
+            not_straight: 0,
         }
     }
 
@@ -71,7 +71,7 @@ impl SceneSurvey {
         let (first, last) = extension.map_or(own, |extension| extension.domain);
         let beyond = extension.map_or(0, |extension| extension.before + extension.after);
         self.cubics += body.trajectory.cuts().len().saturating_sub(1) + beyond as usize;
-        self.planned += usize::from(motions.is_empty());
+        self.not_straight += usize::from(motions.is_empty());
         if !has_partner {
             self.lives[place] = (f64::INFINITY, f64::NEG_INFINITY);
             return;

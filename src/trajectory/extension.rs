@@ -26,7 +26,7 @@ pub(crate) struct Extension {
 
 impl Trajectory {
     /// Returns the time from the first to the last of its [cuts](Self::cuts); all of time without one.
-    pub(crate) fn planned(&self) -> Window {
+    pub(crate) fn own_domain(&self) -> Window {
         let cuts = self.cuts();
         match (cuts.first(), cuts.last()) {
             (Some(&first), Some(&last)) => Window::new(first, last).unwrap_or(Window::ALL),
@@ -37,7 +37,7 @@ impl Trajectory {
     /// Returns the cubic that the body follows before its first knot.
     pub(crate) fn segment_before(&self) -> Segment {
         let (end, first) = (self.end_motion_before(), self.knots()[0]);
-        let begins_there = end.goes_on() && end.start().total_cmp(&first).is_eq();
+        let begins_there = end.is_power_form() && end.start().total_cmp(&first).is_eq();
         match self.outside_before() {
             Outside::Extrapolate if begins_there => end.extended(),
             Outside::Extrapolate => end,
@@ -76,15 +76,15 @@ impl Trajectory {
     /// [`Error::OutOfRange`] where an extrapolated cubic leaves the range of numbers served;
     /// [`Error::TooFar`].
     pub(crate) fn extension(&self, window: Window) -> Result<Option<Extension>, Error> {
-        let planned = self.planned();
-        let is_own = planned.start() < window.start() && window.end() < planned.end();
+        let own = self.own_domain();
+        let is_own = own.start() < window.start() && window.end() < own.end();
         if is_own || !self.goes_beyond() {
             return Ok(None);
         }
         let mut extension = Extension {
             before: 0,
             after: 0,
-            domain: (planned.start(), planned.end()),
+            domain: (own.start(), own.end()),
         };
         let before = self.cuts_before(window.start());
         for (cut, number) in before.zip(1..) {
@@ -126,7 +126,7 @@ impl Trajectory {
     /// counts as well. After a splice that piece may be at another position, and an instant may
     /// round to the knot.
     fn cuts_before(&self, start: f64) -> DoublingCuts {
-        if self.outside_before() == Outside::Absent || start > self.planned().start() {
+        if self.outside_before() == Outside::Absent || start > self.own_domain().start() {
             return DoublingCuts::NONE;
         }
         let until = start.next_down().max(f64::MIN);
@@ -137,7 +137,7 @@ impl Trajectory {
     /// Returns the cuts after the last knot up to the first one at or beyond a window's end (s);
     /// none if the window ends earlier.
     fn cuts_after(&self, end: f64) -> DoublingCuts {
-        let last = self.planned().end();
+        let last = self.own_domain().end();
         // With a single knot there is no cubic: one piece is needed at least, whatever the window.
         if self.outside_after() == Outside::Absent || !(self.cuts().len() < 2 || end >= last) {
             return DoublingCuts::NONE;
@@ -154,7 +154,7 @@ impl Trajectory {
         let step = end.start() - end.end();
         match self.straight() {
             Some((motion, _)) => (motion.start(), step, 1),
-            None => (self.planned().start(), step, 0),
+            None => (self.own_domain().start(), step, 0),
         }
     }
 
@@ -170,7 +170,7 @@ impl Trajectory {
         };
         match (self.cuts(), self.knots()) {
             (cuts, [.., last]) if cuts.len() > self.knots().len() => (*last, step, 1),
-            _ => (self.planned().end(), step, 0),
+            _ => (self.own_domain().end(), step, 0),
         }
     }
 }

@@ -220,13 +220,13 @@ impl Trajectory {
     /// ```
     #[must_use]
     pub fn domain(&self) -> Window {
-        let (planned, all) = (self.planned(), Window::ALL);
+        let (own, all) = (self.own_domain(), Window::ALL);
         let or_ever = |outside, knot, ever| match outside {
             Outside::Absent => knot,
             Outside::Extrapolate | Outside::Coast => ever,
         };
-        let start = or_ever(self.outside_before(), planned.start(), all.start());
-        let end = or_ever(self.outside_after(), planned.end(), all.end());
+        let start = or_ever(self.outside_before(), own.start(), all.start());
+        let end = or_ever(self.outside_after(), own.end(), all.end());
         Window::new(start, end).unwrap_or(all)
     }
 

@@ -31,14 +31,14 @@ pub struct Segment {
     end: f64,
     /// Position at `start`, m: the user's own number.
     origin: DVec3,
-    /// Bézier control points 1, 2, 3 relative to `origin` (point 0 is zero), m. For an [end
-    /// motion](Self::goes_on): coefficients of x, x², x³, with x the time since `start` in thirds
+    /// Bézier control points 1, 2, 3 relative to `origin` (point 0 is zero), m. In [power
+    /// form](Self::is_power_form): coefficients of x, x², x³, with x the time since `start` in thirds
     /// of the duration.
     control_points: [DVec3; 3],
     /// Upper bound of the control points' distance from the origin, m.
     extent: f64,
-    /// Bound on the error of each point `origin + control`, m; with a minus sign for an [end
-    /// motion](Self::goes_on).
+    /// Bound on the error of each point `origin + control`, m; with a minus sign in [power
+    /// form](Self::is_power_form).
     error: f64,
 }
 
@@ -249,7 +249,7 @@ impl Segment {
     #[must_use]
     pub fn control_points(&self) -> [DVec3; 4] {
         let [first, second, third] = self.control_points;
-        if self.goes_on() {
+        if self.is_power_form() {
             let end = 3.0 * first + (9.0 * second + 27.0 * third);
             [DVec3::ZERO, first, 2.0 * first + 3.0 * second, end]
         } else {
@@ -260,7 +260,7 @@ impl Segment {
     /// Returns the coefficients of s, s², s³ around the start.
     fn powers(&self) -> [DVec3; 3] {
         let [first, second, third] = self.control_points;
-        if self.goes_on() {
+        if self.is_power_form() {
             [3.0 * first, 9.0 * second, 27.0 * third]
         } else {
             power_form(first, second, third)
@@ -303,7 +303,7 @@ impl Segment {
             let unit = duration / 3.0;
             let (offset, rate, curve) = powers_at(&self.control_points, (time - self.start) / unit);
             (self.origin + offset, rate / unit, curve / unit / unit)
-        } else if self.goes_on() || time - self.start <= self.end - time {
+        } else if self.is_power_form() || time - self.start <= self.end - time {
             let (offset, rate, curve) = powers_at(&self.powers(), (time - self.start) / duration);
             let (velocity, acceleration) = (rate / duration, curve / duration / duration);
             (self.origin + offset, velocity, acceleration)
@@ -321,20 +321,20 @@ impl Segment {
         from >= self.start && to <= self.end
     }
 
-    /// Returns true for an end motion: made by [`line`](Self::line), from a knot at `start`
-    /// outwards. Only such segments have an error of zero or less.
-    pub(super) fn goes_on(&self) -> bool {
+    /// Returns true for a segment in power form around `start`: an end motion, which goes on outwards from a
+    /// knot there, or a [`leg`](Self::leg). Only such segments have an error of zero or less.
+    pub(super) fn is_power_form(&self) -> bool {
         self.error <= 0.0
     }
 
-    /// Returns true for an end motion that is not straight.
+    /// Returns true for a segment in power form that is not straight: a cubic end motion.
     fn is_bent(&self) -> bool {
-        self.goes_on() && !self.has_no_bend()
+        self.is_power_form() && !self.has_no_bend()
     }
 
-    /// Returns true if it continues a motion from a knot, and is straight.
+    /// Returns true for a segment in power form that is straight: of exactly constant velocity.
     pub(crate) fn is_straight(&self) -> bool {
-        self.goes_on() && self.has_no_bend()
+        self.is_power_form() && self.has_no_bend()
     }
 
     fn has_no_bend(&self) -> bool {

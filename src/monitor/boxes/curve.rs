@@ -26,9 +26,9 @@ impl MortonOrder {
         }
     }
 
-    /// Returns the place of a box's middle on the curve.
+    /// Returns the code of a box's middle on the curve.
     #[inline(always)]
-    pub(super) fn place(&self, aabb: &Aabb) -> u32 {
+    pub(super) fn code(&self, aabb: &Aabb) -> u32 {
         let (low, high) = corners(aabb);
         morton([0, 1, 2].map(|axis| {
             let middle = 0.5 * low[axis] + 0.5 * high[axis];

@@ -147,7 +147,7 @@ impl BoxTree {
         let mut sorted = std::mem::take(&mut self.sorted);
         self.curve = MortonOrder::through(&sorted);
         for (code, body) in &mut sorted {
-            *code = self.curve.place(&body.aabb);
+            *code = self.curve.code(&body.aabb);
         }
         sorted.sort_unstable_by_key(|(code, body)| (*code, body.body));
         let leaves = sorted.len().div_ceil(FILLED).max(1);
@@ -204,7 +204,7 @@ impl BoxTree {
     /// Returns the leaf where a box belongs.
     #[inline(always)]
     fn leaf_of(&self, aabb: &Aabb) -> usize {
-        let place = self.curve.place(aabb);
+        let place = self.curve.code(aabb);
         let after = self.begins.partition_point(|&begin| begin <= place);
         after.saturating_sub(1)
     }

@@ -48,7 +48,7 @@ impl ConflictCache {
         };
         let mut begun = 0;
         for entry in self.always.entries() {
-            match edges.place(entry.interval) {
+            match edges.side_of(entry.interval) {
                 WindowSide::Within => listed.push(*self.always.at(entry.place)),
                 WindowSide::Beyond => {}
                 WindowSide::AtEdge => {

@@ -96,13 +96,13 @@ impl EncounterCache {
                 pairs.push((gone, listed.len()));
             }
             let is_touched = touched.next_if_eq(&slots).is_some();
-            let place = |entry: &IndexEntry<SlotPair>| edges.place(entry.interval);
+            let side = |entry: &IndexEntry<SlotPair>| edges.side_of(entry.interval);
             let is_at_edge = entries
                 .iter()
-                .any(|entry| place(entry) == WindowSide::AtEdge);
+                .any(|entry| side(entry) == WindowSide::AtEdge);
             let is_as_before = |before: WindowEdges| {
                 let is_same =
-                    |entry: &IndexEntry<SlotPair>| place(entry) == before.place(entry.interval);
+                    |entry: &IndexEntry<SlotPair>| side(entry) == before.side_of(entry.interval);
                 entries.iter().all(is_same)
             };
             if is_at_edge {
@@ -110,7 +110,7 @@ impl EncounterCache {
             } else if is_touched || !before.is_some_and(is_as_before) {
                 let within = entries
                     .iter()
-                    .filter(|entry| place(entry) == WindowSide::Within);
+                    .filter(|entry| side(entry) == WindowSide::Within);
                 listed.extend(within.map(|entry| *always.at(entry.place)));
             } else {
                 continue;

@@ -15,7 +15,7 @@ pub(super) struct WindowEdges {
     pub(super) around: (f64, f64),
 }
 
-/// The place of a contact relative to a window.
+/// The side of a contact relative to a window.
 #[derive(PartialEq)]
 enum WindowSide {
     Within,
@@ -24,7 +24,7 @@ enum WindowSide {
 }
 
 impl WindowEdges {
-    fn place(&self, (start, end): (f64, f64)) -> WindowSide {
+    fn side_of(&self, (start, end): (f64, f64)) -> WindowSide {
         if start > self.within.0 && end < self.within.1 {
             WindowSide::Within
         } else if end < self.around.0 || start > self.around.1 {

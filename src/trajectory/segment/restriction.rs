@@ -102,7 +102,7 @@ impl Segment {
             let size = if self.is_bent() {
                 let [linear, quadratic, cubic] = self.powers().map(|c| c.abs().element_sum());
                 lengths * (linear + lengths * (quadratic + lengths * cubic))
-            } else if self.goes_on() {
+            } else if self.is_power_form() {
                 self.extent * lengths.max(1.0)
             } else {
                 self.extent * (1.0 + 2.0 * lengths).powi(3)
@@ -121,13 +121,13 @@ impl Segment {
     /// Returns a bound on the segment's own error within `lengths` durations of its start, m;
     /// `size` (m) bounds the terms of its power form there.
     ///
-    /// For an [end motion](Self::goes_on) each coefficient's error is proportional to itself: see
+    /// In [power form](Self::is_power_form) each coefficient's error is proportional to itself: see
     /// [`bend`](super::bend). Otherwise a control point's error (its own, and at most 4 roundings
     /// of the extent from forming the power coefficients) grows like the sum of the Bernstein
     /// weights: (1 + 2 lengths)³.
     fn grown_error(&self, lengths: f64, size: f64) -> f64 {
         let growth = 1.0 + 2.0 * lengths;
-        if !self.goes_on() {
+        if !self.is_power_form() {
             let points = self.error + 4.0 * UNIT_ROUNDOFF * self.extent + UNDERFLOW;
             points * growth.powi(3)
         } else if self.error() > 0.0 {
