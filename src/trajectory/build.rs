@@ -4,7 +4,7 @@ use super::cuts::DoublingCuts;
 use super::double_double::{DoubleDouble, taylor_shift};
 use super::front_gap::FrontGapVec;
 use super::straight::StraightMotion;
-use super::{Form, Outside, Plan, Segment, State, Trajectory, bend};
+use super::{Form, Outside, Segment, SegmentLists, State, Trajectory, bend};
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
 use crate::rounding::{UNIT_ROUNDOFF, largest_norm, norm, one_zero};
 use glam::DVec3;
@@ -77,7 +77,7 @@ impl Trajectory {
         segments.put_beside(0, end(&leaving[0], 0, first_bends[0])?);
         segments.put_beside(1, end(&arriving[last], last, last_bends[1])?);
         let [before, after] = [Outside::Absent; 2];
-        let plan = Plan {
+        let lists = SegmentLists {
             knots,
             segments,
             before,
@@ -85,7 +85,7 @@ impl Trajectory {
             has_piece_after: false,
         };
         Ok(Self {
-            form: Form::Plan(plan),
+            form: Form::Lists(lists),
         })
     }
 
@@ -166,7 +166,7 @@ impl Trajectory {
         rules: [Outside; 2],
     ) -> Self {
         Self {
-            form: Form::Plan(Plan::new(knots, segments, ends, rules)),
+            form: Form::Lists(SegmentLists::new(knots, segments, ends, rules)),
         }
     }
 

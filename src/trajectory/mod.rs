@@ -9,10 +9,10 @@ mod extension;
 mod fit;
 mod front_gap;
 mod outside;
-mod plan;
 mod recent_motions;
 mod rows;
 mod segment;
+mod segment_lists;
 #[cfg(feature = "serde")]
 mod serial;
 mod simplified;
@@ -37,8 +37,8 @@ pub(crate) use straight::StraightMotion;
 
 use crate::window::Window;
 use glam::DVec3;
-use plan::Plan;
 use recent_motions::RecentMotions;
+use segment_lists::SegmentLists;
 use std::slice::from_ref;
 
 /// The motion of one body: cubic segments between knots, and a rule for the time outside them.
@@ -75,7 +75,8 @@ enum Form {
     Straight(StraightMotion, [f64; 2]),
     /// A few straight motions, one after another.
     Recent(Box<RecentMotions>),
-    Plan(Plan),
+    /// Any other motion.
+    Lists(SegmentLists),
 }
 
 impl PartialEq for Trajectory {
@@ -97,9 +98,9 @@ impl Trajectory {
     #[must_use]
     pub fn with_outside(mut self, outside: Outside) -> Self {
         if self.knots().len() > 1 {
-            let plan = self.as_plan();
-            plan.drop_piece_after();
-            (plan.before, plan.after) = (outside, outside);
+            let lists = self.as_lists();
+            lists.drop_piece_after();
+            (lists.before, lists.after) = (outside, outside);
         }
         self
     }
@@ -110,7 +111,7 @@ impl Trajectory {
         match &self.form {
             Form::Straight(..) => Outside::Coast,
             Form::Recent(recent) => recent.before(),
-            Form::Plan(plan) => plan.before,
+            Form::Lists(lists) => lists.before,
         }
     }
 
@@ -121,7 +122,7 @@ impl Trajectory {
     pub const fn outside_after(&self) -> Outside {
         match &self.form {
             Form::Straight(..) | Form::Recent(_) => Outside::Coast,
-            Form::Plan(plan) => plan.after,
+            Form::Lists(lists) => lists.after,
         }
     }
 
@@ -134,7 +135,7 @@ impl Trajectory {
     pub(crate) const fn straight(&self) -> Option<(&StraightMotion, [f64; 2])> {
         match &self.form {
             Form::Straight(motion, ends) => Some((motion, *ends)),
-            Form::Recent(_) | Form::Plan(_) => None,
+            Form::Recent(_) | Form::Lists(_) => None,
         }
     }
 
@@ -144,7 +145,7 @@ impl Trajectory {
         match &self.form {
             Form::Straight(_, ends) => ends,
             Form::Recent(recent) => recent.cuts(),
-            Form::Plan(plan) => &plan.knots,
+            Form::Lists(lists) => &lists.knots,
         }
     }
 
@@ -153,7 +154,7 @@ impl Trajectory {
     pub(crate) fn cubics(&self) -> &[Segment] {
         match &self.form {
             Form::Straight(..) | Form::Recent(_) => &[],
-            Form::Plan(plan) => &plan.segments,
+            Form::Lists(lists) => &lists.segments,
         }
     }
 
@@ -162,7 +163,7 @@ impl Trajectory {
         match &self.form {
             Form::Straight(motion, _) => from_ref(motion),
             Form::Recent(recent) => recent.motions(),
-            Form::Plan(_) => &[],
+            Form::Lists(_) => &[],
         }
     }
 
@@ -171,7 +172,7 @@ impl Trajectory {
         match &self.form {
             Form::Straight(motion, _) => motion.segment(),
             Form::Recent(recent) => recent.motions()[0].segment(),
-            Form::Plan(plan) => plan.segments.beside()[0],
+            Form::Lists(lists) => lists.segments.beside()[0],
         }
     }
 
@@ -180,7 +181,7 @@ impl Trajectory {
         match &self.form {
             Form::Straight(motion, _) => motion.segment(),
             Form::Recent(recent) => recent.last().segment(),
-            Form::Plan(plan) => plan.segments.beside()[1],
+            Form::Lists(lists) => lists.segments.beside()[1],
         }
     }
 
@@ -191,7 +192,7 @@ impl Trajectory {
         match &self.form {
             Form::Straight(motion, _) => from_ref(motion.start_ref()),
             Form::Recent(recent) => recent.knots(),
-            Form::Plan(plan) => plan.knots(),
+            Form::Lists(lists) => lists.knots(),
         }
     }
 
@@ -202,7 +203,7 @@ impl Trajectory {
         match &self.form {
             Form::Straight(..) => &[],
             Form::Recent(recent) => recent.segments(),
-            Form::Plan(plan) => plan.segments(),
+            Form::Lists(lists) => lists.segments(),
         }
     }
 

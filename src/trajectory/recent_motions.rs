@@ -2,8 +2,8 @@
 
 use super::cuts::DoublingCuts;
 use super::outside::Outside;
-use super::plan::Plan;
 use super::segment::Segment;
+use super::segment_lists::SegmentLists;
 use super::straight::StraightMotion;
 use crate::rounding::one_zero;
 use crate::window::Window;
@@ -33,10 +33,10 @@ impl RecentMotions {
     /// clock was last advanced, the piece until the state is told, and the piece from then on.
     const ROOM: usize = 3;
 
-    /// Returns a plan in this form, if it is one of a few straight motions.
-    pub(super) fn of(plan: &Plan) -> Option<Self> {
-        let pieces = plan.segments.len();
-        let is_recent = plan.has_piece_after && plan.before != Outside::Extrapolate;
+    /// Returns lists in this form, if they hold a few straight motions, one after another.
+    pub(super) fn of(lists: &SegmentLists) -> Option<Self> {
+        let pieces = lists.segments.len();
+        let is_recent = lists.has_piece_after && lists.before != Outside::Extrapolate;
         if !is_recent || pieces > Self::ROOM {
             return None;
         }
@@ -44,14 +44,14 @@ impl RecentMotions {
             cuts: [0.0; Self::ROOM + 1],
             segments: OnceLock::new(),
             count: short(pieces),
-            before: plan.before,
+            before: lists.before,
             motions: [StraightMotion::NONE; Self::ROOM],
         };
-        for (motion, segment) in recent.motions.iter_mut().zip(&*plan.segments) {
+        for (motion, segment) in recent.motions.iter_mut().zip(&*lists.segments) {
             *motion = StraightMotion::of(segment)?;
         }
-        recent.cuts[..=pieces].copy_from_slice(&plan.knots);
-        let [before, after] = plan.segments.beside() else {
+        recent.cuts[..=pieces].copy_from_slice(&lists.knots);
+        let [before, after] = lists.segments.beside() else {
             return None;
         };
         let is_whole = recent.before == Outside::Absent || *before == recent.motions[0].segment();
@@ -206,13 +206,13 @@ impl RecentMotions {
         self.cuts[self.pieces() - 1]
     }
 
-    /// Returns the plan that this is.
-    pub(super) fn to_plan(&self) -> Plan {
+    /// Returns the motions in lists.
+    pub(super) fn to_lists(&self) -> SegmentLists {
         let ends = [self.motions[0], *self.last()].map(|motion| motion.segment());
         let rules = [self.before, Outside::Coast];
-        let mut plan = Plan::new(self.knots(), self.segments(), &ends, rules);
-        plan.add_piece_after();
-        plan
+        let mut lists = SegmentLists::new(self.knots(), self.segments(), &ends, rules);
+        lists.add_piece_after();
+        lists
     }
 }
 

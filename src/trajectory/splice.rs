@@ -1,8 +1,8 @@
 //! Changes of a plan in flight: the part already flown stays, bit for bit.
 
 use super::cuts::DoublingCuts;
-use super::plan::{Plan, count_at_front};
 use super::recent_motions::RecentMotions;
+use super::segment_lists::{SegmentLists, count_at_front};
 use super::{Form, Outside, StraightMotion, Trajectory};
 use crate::error::Error;
 use crate::rounding::one_zero;
@@ -73,7 +73,7 @@ impl Trajectory {
     #[must_use]
     pub fn trimmed_before(mut self, time: f64) -> Self {
         if self.knots().len() > 1 {
-            self.as_plan().forget_before(time);
+            self.as_lists().forget_before(time);
         }
         self
     }
@@ -141,12 +141,12 @@ impl Trajectory {
             flown.end_motion_before()
         };
         let is_line = self.straight().is_some();
-        let plan = self.as_plan();
-        plan.drop_piece_after();
-        plan.segments.put_beside(0, before);
-        plan.before = flown.outside_before();
-        plan.segments.replace_front(
-            knots_before.min(plan.segments.len()),
+        let lists = self.as_lists();
+        lists.drop_piece_after();
+        lists.segments.put_beside(0, before);
+        lists.before = flown.outside_before();
+        lists.segments.replace_front(
+            knots_before.min(lists.segments.len()),
             kept + to_come,
             flown_segments
                 .copied()
@@ -154,16 +154,16 @@ impl Trajectory {
                 .chain(repeat_n(present, to_come)),
         );
         if dropped > 0 {
-            plan.begin_anew();
+            lists.begin_anew();
         }
         let count = kept + 1 + cut_before;
         let knots = begins.chain(once(from)).chain(cuts_before);
-        plan.knots.replace_front(knots_before, count, knots);
+        lists.knots.replace_front(knots_before, count, knots);
         // They come from the knot outwards.
-        plan.knots.front_mut(count)[kept + 1..].reverse();
-        plan.forget_before(since);
+        lists.knots.front_mut(count)[kept + 1..].reverse();
+        lists.forget_before(since);
         if is_line {
-            plan.add_piece_after();
+            lists.add_piece_after();
         }
         Ok(())
     }
@@ -207,9 +207,9 @@ impl Trajectory {
         {
             return;
         }
-        let plan = self.as_plan();
-        plan.replace(from, motion, since);
-        if let Some(recent) = RecentMotions::of(plan) {
+        let lists = self.as_lists();
+        lists.replace(from, motion, since);
+        if let Some(recent) = RecentMotions::of(lists) {
             self.form = Form::Recent(Box::new(recent));
         }
     }
@@ -226,7 +226,7 @@ impl Trajectory {
     ) -> bool {
         match &self.form {
             Form::Recent(recent) => recent.replaces_as_usual(times, motion, window),
-            Form::Straight(..) | Form::Plan(_) => false,
+            Form::Straight(..) | Form::Lists(_) => false,
         }
     }
 
@@ -235,7 +235,7 @@ impl Trajectory {
     pub(crate) fn replace_as_usual(&mut self, from: f64, motion: &StraightMotion, since: f64) {
         match &mut self.form {
             Form::Recent(recent) => recent.replace_as_usual(from, motion, since),
-            Form::Straight(..) | Form::Plan(_) => self.replace(from, motion, since),
+            Form::Straight(..) | Form::Lists(_) => self.replace(from, motion, since),
         }
     }
 
@@ -246,29 +246,29 @@ impl Trajectory {
             && match &self.form {
                 Form::Straight(own, _) => own.is_same_as(motion),
                 Form::Recent(recent) => recent.last().is_same_as(motion),
-                Form::Plan(plan) => {
-                    plan.after == Outside::Coast
-                        && plan.segments.beside()[1].straight() == motion.segment()
+                Form::Lists(lists) => {
+                    lists.after == Outside::Coast
+                        && lists.segments.beside()[1].straight() == motion.segment()
                 }
             }
     }
 
-    /// Returns the plan that this is made of, or would be.
-    pub(super) fn as_plan(&mut self) -> &mut Plan {
+    /// Returns the lists that the trajectory is stored in, and stores it in lists if it is not yet.
+    pub(super) fn as_lists(&mut self) -> &mut SegmentLists {
         let other = match &self.form {
             Form::Straight(motion, _) => {
                 let (knot, ends) = (from_ref(motion.start_ref()), [motion.segment(); 2]);
-                Some(Plan::new(knot, &[], &ends, [Outside::Coast; 2]))
+                Some(SegmentLists::new(knot, &[], &ends, [Outside::Coast; 2]))
             }
-            Form::Recent(recent) => Some(recent.to_plan()),
-            Form::Plan(_) => None,
+            Form::Recent(recent) => Some(recent.to_lists()),
+            Form::Lists(_) => None,
         };
         if let Some(other) = other {
-            self.form = Form::Plan(other);
+            self.form = Form::Lists(other);
         }
         match &mut self.form {
-            Form::Plan(plan) => plan,
-            Form::Straight(..) | Form::Recent(_) => unreachable!("it was made a plan"),
+            Form::Lists(lists) => lists,
+            Form::Straight(..) | Form::Recent(_) => unreachable!("it was made lists"),
         }
     }
 
@@ -279,10 +279,10 @@ impl Trajectory {
         match &self.form {
             Form::Straight(..) => {}
             Form::Recent(recent) => prefetch(from_ref(&**recent)),
-            Form::Plan(plan) => {
-                prefetch(&plan.knots[..plan.knots.len().min(KNOTS)]);
-                prefetch(plan.segments.beside());
-                prefetch(&plan.segments[..plan.segments.len().min(2)]);
+            Form::Lists(lists) => {
+                prefetch(&lists.knots[..lists.knots.len().min(KNOTS)]);
+                prefetch(lists.segments.beside());
+                prefetch(&lists.segments[..lists.segments.len().min(2)]);
             }
         }
     }
@@ -343,9 +343,9 @@ mod tests {
                 _ => plan(&[now + 2.0], Outside::Coast),
             };
             let mut spliced = next.clone();
-            let memory = spliced.as_plan().segments.beside().as_ptr();
+            let memory = spliced.as_lists().segments.beside().as_ptr();
             assert!(spliced.precede_by(&flown, now, now).is_ok());
-            let kept = spliced.as_plan().segments.beside().as_ptr();
+            let kept = spliced.as_lists().segments.beside().as_ptr();
             assert_eq!(kept, memory, "{now}");
             flown = spliced;
         }
@@ -385,7 +385,7 @@ mod tests {
                 }
                 let is_kept = memory == one.straight_motions().as_ptr();
                 assert!(is_kept || !is_usual);
-                other.as_plan().replace(now, &motion, since);
+                other.as_lists().replace(now, &motion, since);
                 in_place += usize::from(!one.straight_motions().is_empty());
                 in_lists += usize::from(one.straight_motions().is_empty());
                 assert_eq!((one.knots(), one.cuts()), (other.knots(), other.cuts()));

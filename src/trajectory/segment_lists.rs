@@ -1,4 +1,4 @@
-//! Plans: cubics between knots, in lists.
+//! The general form of a trajectory: cubics between knots, in lists.
 
 use super::cuts::DoublingCuts;
 use super::front_gap::FrontGapVec;
@@ -8,9 +8,9 @@ use super::straight::StraightMotion;
 use crate::rounding::one_zero;
 use std::iter::once;
 
-/// Cubics between knots.
+/// Cubics between knots, as a list of each.
 #[derive(Clone, Debug)]
-pub(super) struct Plan {
+pub(super) struct SegmentLists {
     /// Knots, s: one more than segments.
     pub(super) knots: FrontGapVec<f64>,
     /// Segments between the knots; beside them, the end motions before and after. The one before is the first cubic
@@ -22,8 +22,8 @@ pub(super) struct Plan {
     pub(super) has_piece_after: bool,
 }
 
-impl Plan {
-    /// Returns the plan of these cubics between knots, with the end motions and the rules before and after.
+impl SegmentLists {
+    /// Returns the lists of these cubics between knots, with the end motions and the rules before and after.
     pub(super) fn new(
         knots: &[f64],
         segments: &[Segment],
