@@ -23,7 +23,7 @@ pub(super) struct HalfSpaceSearch {
     planes: Vec<u32>,
     /// Heights of each half-space along its normal, in the interval that is searched.
     ground: Vec<Option<HeightRange>>,
-    /// Up to when each body is compared, s.
+    /// Instant up to which each body is compared, s: it is due again then.
     due: DueTimes,
     /// Slots to be compared again, and the instants up to which they are compared, s.
     taken: Vec<(f64, u32)>,
@@ -135,6 +135,7 @@ struct PlaneSearch<'s, F> {
     planes: &'s [u32],
     ground: &'s [Option<HeightRange>],
     bodies: &'s BodyTable<'s>,
+    /// Instant up to which turning bodies are solved, s.
     ahead: f64,
     /// Instant from which on the heights of the half-spaces are known, s.
     since: f64,

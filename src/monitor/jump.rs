@@ -27,7 +27,7 @@ pub(super) struct JumpSearch {
 struct Progress {
     /// Instant up to which all is searched, s.
     at: f64,
-    /// Lengths of the next piece and of its slices, s.
+    /// Lengths of the next chunk of the jump and of its slices, s.
     piece: f64,
     slice: f64,
 }

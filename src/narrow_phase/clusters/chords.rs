@@ -17,6 +17,7 @@ pub(super) struct PiecewiseLinearBound {
     pub(super) power: f64,
     unit: f64,
     lines: Vec<Chord>,
+    /// Largest deviation of the motion from its chords, in their unit.
     bend: f64,
     /// Bound on all rounding, m.
     pub(super) slack: f64,

@@ -11,6 +11,7 @@ pub(super) struct ProvenIntervals<'a> {
     clusters: &'a ClusterPair<'a>,
     part: (f64, f64),
     margin: f64,
+    /// Bound on the rounding of separations, m.
     slack: f64,
     /// Direction to examine while nothing is proven.
     toward: Option<DVec3>,
