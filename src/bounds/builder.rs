@@ -229,8 +229,8 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
     pub(crate) fn finish(&self, placement: &FramePlacement, first: u32) -> (FatLine, Aabb) {
         let Self { low, high, .. } = *self;
         // How far rounding can have moved each coordinate, before it was measured from a moving box.
-        let way = self.slice.way().abs();
-        let largest = low.abs().max(high.abs()) + way;
+        let displacement = self.slice.displacement().abs();
+        let largest = low.abs().max(high.abs()) + displacement;
         let rounding = SubCubic::roundings(largest, self.spread, self.splits) + placement.steady;
         let (middle, deviation) = self.middle();
         let (start, change) = (placement.place + (self.start + middle), self.change);
@@ -238,8 +238,8 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         let moved = rounding + middle.abs() * ROUNDING;
         let fat_line = fat_line(start, change, (deviation, moved), placement.reach, first);
         // Of the place, of the two sums with it, and of the subtraction below: 4; and more than the
-        // clearance of rejections. Of the way at an instant: six at most, with that of the difference.
-        let rounding = rounding + (placement.place.abs() + way) * (6.0 * ROUNDING);
+        // clearance of rejections. Of the displacement at an instant: six at most, with that of the difference.
+        let rounding = rounding + (placement.place.abs() + displacement) * (6.0 * ROUNDING);
         let low = (placement.low + low - rounding).max(Vec4::splat(f32::MIN));
         let high = (placement.high + high + rounding).min(Vec4::splat(f32::MAX));
         let aabb = Aabb::new(

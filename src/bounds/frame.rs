@@ -38,8 +38,8 @@ impl MovingFrame {
 
     /// Returns a slice interval with the displacement of its boxes.
     pub(crate) fn slice_interval(&self, from: f64, to: f64) -> SliceInterval<true> {
-        let way = self.velocity * ((to - from) * self.frame.power);
-        SliceInterval::new(from, to).moving(way)
+        let displacement = self.velocity * ((to - from) * self.frame.power);
+        SliceInterval::new(from, to).moving(displacement)
     }
 }
 

@@ -12,7 +12,7 @@ pub(crate) struct SliceInterval<const MOVES: bool> {
     /// Inverse of the duration, 1/s; 0 if the duration is too short to be divided by.
     pub(super) rate: f64,
     /// Displacement of boxes in the slice, in the frame's unit.
-    way: Vec4,
+    displacement: Vec4,
 }
 
 impl SliceInterval<false> {
@@ -27,16 +27,16 @@ impl SliceInterval<false> {
             from,
             to,
             rate,
-            way: Vec4::ZERO,
+            displacement: Vec4::ZERO,
         }
     }
 
     /// Returns the slice with this displacement of its boxes, in the frame's unit. Any displacement
     /// common to all bodies is correct, so one beyond f32 becomes zero.
-    pub(super) fn moving(self, way: DVec3) -> SliceInterval<true> {
+    pub(super) fn moving(self, displacement: DVec3) -> SliceInterval<true> {
         let Self { from, to, rate, .. } = self;
-        let DVec3 { x, y, z } = way;
-        let way = if way.abs().max_element() < FAR && rate > 0.0 {
+        let DVec3 { x, y, z } = displacement;
+        let displacement = if displacement.abs().max_element() < FAR && rate > 0.0 {
             Vec4::new(nearest(x), nearest(y), nearest(z), 0.0)
         } else {
             Vec4::ZERO
@@ -45,7 +45,7 @@ impl SliceInterval<false> {
             from,
             to,
             rate,
-            way,
+            displacement,
         }
     }
 }
@@ -53,15 +53,15 @@ impl SliceInterval<false> {
 impl<const MOVES: bool> SliceInterval<MOVES> {
     /// Returns the displacement of boxes in the slice, in the frame's unit.
     #[inline(always)]
-    pub(super) const fn way(&self) -> Vec4 {
-        if MOVES { self.way } else { Vec4::ZERO }
+    pub(super) const fn displacement(&self) -> Vec4 {
+        if MOVES { self.displacement } else { Vec4::ZERO }
     }
 
     /// Returns a point relative to a moving box, at a share of the slice.
     #[inline(always)]
     pub(super) fn relative_at(&self, point: Vec4, share: f32) -> Vec4 {
         if MOVES {
-            point - self.way * share
+            point - self.displacement * share
         } else {
             point
         }
@@ -73,7 +73,7 @@ impl<const MOVES: bool> SliceInterval<MOVES> {
         if !MOVES {
             return points;
         }
-        let (start, end) = (self.way * first, self.way * last);
+        let (start, end) = (self.displacement * first, self.displacement * last);
         let third = (end - start) * (1.0 / 3.0);
         let [p0, p1, p2, p3] = points;
         [

@@ -21,8 +21,8 @@ impl StraightPart {
     /// Returns the part of a motion between two instants (s), relative to a frame's origin and in its unit.
     #[inline(always)]
     pub(super) fn new(motion: &StraightMotion, (from, to): (f64, f64), frame: &Frame) -> Self {
-        // A box is larger by four roundings of `spread`. Each way has two roundings, and two where it cancels with the
-        // offset. The solver's error, of at most 36, is held more than twice, as that of any cubic is.
+        // A box is larger by four roundings of `spread`. Each displacement has two roundings, and two where it cancels
+        // with the offset. The solver's error, of at most 36, is held more than twice, as that of any cubic is.
         const ERROR: f64 = 24.0 * UNIT_ROUNDOFF / ROUNDING as f64;
         let lanes = |DVec3 { x, y, z }: DVec3| [x, y, z, 0.0];
         let (origin, velocity) = (lanes(motion.origin()), lanes(motion.velocity()));
@@ -33,8 +33,8 @@ impl StraightPart {
         for lane in 0..4 {
             let (first, last) = (velocity[lane] * since[0], velocity[lane] * since[1]);
             let (far, farther) = (first.abs(), last.abs());
-            let way = if farther > far { farther } else { far };
-            spread[lane] = (last - first).abs() + way * ERROR;
+            let displacement = if farther > far { farther } else { far };
+            spread[lane] = (last - first).abs() + displacement * ERROR;
             let offset = origin[lane] - middle[lane];
             start[lane] = (offset + first) * power;
             end[lane] = (offset + last) * power;

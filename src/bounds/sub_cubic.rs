@@ -27,7 +27,7 @@ impl SubCubic {
     ///
     /// Spread: differences of points are at most 2. At each level a difference and its product with
     /// the share are rounded, 3 (2 + 2). The share's own rounding moves a point by up to 6.
-    /// Coordinates of a part may be smaller than the rounded ones, by 2 for each of the coordinates': 2 at
+    /// Coordinates of a part may be smaller than the rounded ones, by 2 for each rounding of these: 2 at
     /// first, with 2 spare. Of a split's, the share has 3 spare: below 1 it is rounded half as
     /// much.
     pub(super) const OF_COORDINATES: [f32; 2] = [6.0, 3.0];

@@ -54,15 +54,15 @@ impl HeightRange {
                 continue;
             }
             let size = |vector: DVec3| vector.abs().element_sum();
-            for way in [begin, end].map(|time| motion.way_to(time)) {
-                let height = (motion.origin() + way).dot(normal);
+            for displacement in [begin, end].map(|time| motion.displacement_to(time)) {
+                let height = (motion.origin() + displacement).dot(normal);
                 // Of what is not finite nothing is known.
                 if !height.is_finite() {
                     return None;
                 }
                 all.low = all.low.min(height);
                 all.high = all.high.max(height);
-                all.size = all.size.max(size(motion.origin()) + size(way));
+                all.size = all.size.max(size(motion.origin()) + size(displacement));
             }
         }
         Some(all)

@@ -57,7 +57,7 @@ fn mean_velocity(entry: &SceneEntry, (from, to): (f64, f64)) -> Option<DVec3> {
     let plan = &entry.body.trajectory;
     let domain = plan.domain();
     let (from, to) = (from.max(domain.start()), to.min(domain.end()));
-    let way = plan.position(to)? - plan.position(from)?;
-    let velocity = way / (to - from);
+    let displacement = plan.position(to)? - plan.position(from)?;
+    let velocity = displacement / (to - from);
     velocity.is_finite().then_some(velocity)
 }

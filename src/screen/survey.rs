@@ -108,7 +108,7 @@ impl SceneSurvey {
     /// Includes the part of a straight motion that lies within the window and between two instants (s).
     fn count_straight(&mut self, motion: &StraightMotion, (first, last): (f64, f64)) {
         let (from, to) = (first.max(self.window.start()), last.min(self.window.end()));
-        let at = |time: f64| motion.origin() + motion.way_to(time);
+        let at = |time: f64| motion.origin() + motion.displacement_to(time);
         let mut extremes = DAabb {
             low: motion.origin(),
             high: motion.origin(),

@@ -72,7 +72,7 @@ impl Segment {
         // rounding of the difference.
         let step = (second.1 - first.1) / 3.0;
         let extent = norm(3.0 * step) * (1.0 + 8.0 * UNIT_ROUNDOFF);
-        // A rounding of the way, one of the step; underflow of the step, three times.
+        // A rounding of the difference, one of the step; underflow of the step, three times.
         let error = -(2.0 * UNIT_ROUNDOFF * extent + UNDERFLOW);
         let (interval, points) = ((first.0, second.0), [step, DVec3::ZERO, DVec3::ZERO]);
         Self::from_parts(interval, first.1, points, (extent, error), knot)
@@ -144,8 +144,8 @@ impl Segment {
     pub(super) fn line_at(&self, time: f64) -> Self {
         let (position, velocity, _) = self.motion_at(time);
         let state = State::new(time, position, velocity);
-        // The position is rounded once more than its way from the origin. The cubic's error counts once for the
-        // position, and six times for the velocity; an evaluation's is below 128 roundings for each.
+        // The position is rounded once more than its displacement from the origin. The cubic's error counts once for
+        // the position, and six times for the velocity; an evaluation's is below 128 roundings for each.
         let error = 2.0 * Self::EVALUATION * self.rounding_scale(time, time)
             + UNIT_ROUNDOFF * norm(position);
         Self::through(&state, time + (self.end - self.start), error)

@@ -145,9 +145,10 @@ impl StraightMotion {
         self.state.velocity
     }
 
-    /// Returns the way from the origin to the position at an instant (s), m. Each coordinate has two roundings.
+    /// Returns the displacement from the origin to the position at an instant (s), m. Each coordinate has
+    /// two roundings.
     #[inline(always)]
-    pub(crate) fn way_to(&self, time: f64) -> DVec3 {
+    pub(crate) fn displacement_to(&self, time: f64) -> DVec3 {
         self.state.velocity * (time - self.state.time)
     }
 }
