@@ -56,7 +56,14 @@ impl Monitor {
     }
 
     /// Returns the monitor of which a snapshot was taken. Given the same inputs, it reports the same events
-    /// from then on. Its next tick looks at all bodies, like the first one of a new monitor.
+    /// from then on, if its ticks have no [budget](Self::advance_within). Its next tick looks at all bodies, like
+    /// the first one of a new monitor: within a budget it may come less far.
+    ///
+    /// Before that tick, it knows what the other one knew if another tick at the same time would have changed
+    /// nothing then. Else, as between a change and the next tick, it knows nothing yet:
+    /// [`complete_until`](Self::complete_until) is the instant up to which events were reported, there are no
+    /// [`conflicts`](Self::conflicts), and [`what_if`](Self::what_if) finds none after that
+    /// instant.
     ///
     /// # Errors
     ///

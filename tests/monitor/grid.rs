@@ -189,8 +189,12 @@ fn a_crowd_late_on_the_clock_is_searched_to_the_end() {
     let now = (1_u64 << 50) as f64;
     let mut scene = Scene::new();
     for _ in 0..400 {
-        let (position, velocity) = (vector(&mut rng, 500.0), vector(&mut rng, 20_000.0));
-        let plan = Trajectory::coasting(State::new(now, position, velocity)).unwrap();
+        // To and fro in a small place, so that many slices suit them.
+        let states = (-4..40).map(|step| {
+            let (position, velocity) = (vector(&mut rng, 500.0), vector(&mut rng, 20_000.0));
+            State::new(now + 0.25 * f64::from(step), position, velocity)
+        });
+        let plan = Trajectory::from_states(&states.collect::<Vec<_>>()).unwrap();
         scene.insert(Body::new(plan)).unwrap();
     }
     let mut monitor = Monitor::new(scene, now, 4.0, &[LEVEL]).unwrap();

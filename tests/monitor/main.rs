@@ -18,6 +18,7 @@ mod questions;
 #[cfg(feature = "recording")]
 mod recorded;
 mod reference;
+mod restored;
 mod scenarios;
 #[path = "../support/mod.rs"]
 mod support;

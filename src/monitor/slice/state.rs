@@ -17,7 +17,7 @@ pub(in crate::monitor) struct LookaheadSlice {
     pub(in crate::monitor) number: i64,
     pub(super) interval: (f64, f64),
     pub(super) index: BoxIndex,
-    /// BoxIndex for questions about a slice that has no boxes yet.
+    /// Boxes for questions about a slice that has no boxes yet.
     pub(super) asked: OnceLock<BoxIndex>,
     pub(super) stage: BuildStage,
     /// Share of the slice that is to be compared now, 0 to 1: all of it if it is needed.
