@@ -176,8 +176,8 @@ impl Rotations {
         accuracy: Accuracy,
     ) -> [Option<&BakedRotation>; 2] {
         let ends = (cell.span.start, cell.span.end);
-        for body in 0..2 {
-            let (Some(turning), Some(turn)) = (views[body].turning, &cell.turns[body]) else {
+        for (body, view) in views.iter().enumerate() {
+            let (Some(turning), Some(turn)) = (view.turning, &cell.turns[body]) else {
                 continue;
             };
             if self.cells[body].as_ref().is_none_or(|(met, _)| met != turn) {
