@@ -230,15 +230,16 @@ fn what_is_no_model_error_is_refused() {
     let id = scene.insert(rest().with_model_error(0.5).unwrap()).unwrap();
     let mut monitor = Monitor::new(scene.clone(), 0.0, 9.0, &[AlertLevel::at(1.0)]).unwrap();
     for bad in [f64::NAN, -1e-300, f64::INFINITY, 1.1e300] {
-        let text = format!("body 9: model error {bad:?} m is not a number from 0 to 1e300");
+        let text = format!("model error {bad:?} m is not a number from 0 to 1e300");
+        // A body has no id before it is in a scene.
         let refused = [
-            rest().with_model_error(bad).map(drop),
-            scene.set_model_error(id, bad).map(drop),
-            monitor.set_model_error(id, bad),
+            ("body 9", rest().with_model_error(bad).map(drop)),
+            ("body 0v0 (tag 9)", scene.set_model_error(id, bad).map(drop)),
+            ("body 0v0 (tag 9)", monitor.set_model_error(id, bad)),
         ];
-        for error in refused {
+        for (name, error) in refused {
             let error = error.unwrap_err();
-            assert_eq!(error.to_string(), text);
+            assert_eq!(error.to_string(), format!("{name}: {text}"));
             let Error::InBody { body: 9, error, .. } = error else {
                 panic!("{error}");
             };

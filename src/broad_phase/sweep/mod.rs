@@ -223,7 +223,7 @@ impl BroadPhase for Sweep {
     }
 }
 
-#[cfg(all(test, feature = "parallel"))]
+#[cfg(test)]
 mod tests {
     use super::super::{CandidateLimit, Everyone};
     use super::*;
