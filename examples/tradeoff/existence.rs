@@ -45,7 +45,7 @@ fn median_within(mut values: Vec<f64>) -> (f64, [f64; 2]) {
     (median(values), ends)
 }
 
-/// What the body costs, as a share of the screening of a scene without it.
+/// Cost of the body, as a share of the screening of a scene without it.
 pub(crate) fn table(effort: &Effort, progress: &dyn Fn(f64)) -> Result<Table, Failure> {
     let count = effort.choose(10_000, 1_000);
     // Where a scene lies in memory changes its time by a percent: scenes are made again and again.

@@ -316,7 +316,7 @@ impl Monitor {
         Ok(())
     }
 
-    /// Turns them on several threads.
+    /// Replaces them on several threads.
     fn share_replacements(
         &mut self,
         (now, since): (f64, f64),

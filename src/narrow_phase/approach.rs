@@ -22,7 +22,7 @@ pub(crate) fn approaching(a: &FatLine, b: &FatLine, interval: (f64, f64)) -> Opt
 /// returns `None`. `lines` returns the two fat lines of a candidate, and fetches those of later ones,
 /// given its place.
 ///
-/// Whether lines are apart cannot be predicted. So each test is made of all that are left, without a
+/// The processor cannot predict which lines are apart. So each test is made of all that are left, without a
 /// branch, and the tests of several candidates overlap.
 #[inline]
 pub(crate) fn keep_approaching<'f, T: Copy>(

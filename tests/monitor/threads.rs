@@ -71,7 +71,7 @@ fn threads_make_no_difference() {
 /// So many that threads share their boxes and their turns.
 const TRACKED: usize = 5_000;
 
-/// What is reported, and found by screenings, where the states of nearly all bodies are told each frame.
+/// Returns what is reported, and found by screenings, where the states of nearly all bodies are told each frame.
 fn tracked(threads: usize) -> (Vec<u64>, usize, usize) {
     const CUBE: f64 = 90.0;
     const FRAME: f64 = 0.05;
