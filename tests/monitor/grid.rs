@@ -181,7 +181,8 @@ fn no_tick_stands_out() {
     }
 }
 
-/// A crowd is searched in parts of a slice, however late the clock: at least to the next instant that there is.
+/// A crowd is searched to the end where instants are almost as far apart as slices. (It does not need the least step
+/// of a search in parts of a slice: no scene is known that does.)
 #[test]
 fn a_crowd_late_on_the_clock_is_searched_to_the_end() {
     let mut rng = rng(23);
