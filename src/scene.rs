@@ -41,12 +41,18 @@ use std::slice::from_ref;
 #[derive(Debug, Default)]
 #[repr(align(64))]
 pub(crate) struct Slot {
-    generation: u32,
     entry: Option<SceneEntry>,
 }
 
+/// The generation of a slot, and whether a body is in it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct SlotKey {
+    generation: u32,
+    is_taken: bool,
+}
+
 impl Slot {
-    /// Replaces the motion of the body, if there is one, which must be [replaced as usual](Trajectory::replaces_as_usual).
+    /// Replaces the motion of the body, if there is one, which must be [replaced as usual](Trajectory::replace_as_usual).
     #[inline]
     pub(crate) fn replace_as_usual(
         &mut self,
@@ -130,6 +136,8 @@ impl Slot {
 )]
 pub struct Scene {
     slots: Vec<Slot>,
+    /// The key of each slot: ids are checked without fetching bodies.
+    keys: Vec<SlotKey>,
     free: Vec<u32>,
     ignored: IgnoredPairs,
     len: usize,
@@ -185,10 +193,12 @@ impl Scene {
         let id = self.next_id()?;
         if self.free.pop().is_none() {
             self.slots.push(Slot::default());
+            self.keys.push(SlotKey::default());
         }
         self.kinds.add(&body);
-        let place = &mut self.slots[id.slot as usize];
-        place.entry = Some(SceneEntry::new(body, &mut self.arena));
+        let place = id.slot as usize;
+        self.slots[place].entry = Some(SceneEntry::new(body, &mut self.arena));
+        self.keys[place].is_taken = true;
         self.len += 1;
         self.tidy();
         Ok(id)
@@ -201,7 +211,7 @@ impl Scene {
     /// [`Error::SceneFull`].
     pub(crate) fn next_id(&self) -> Result<BodyId, Error> {
         if let Some(&slot) = self.free.last() {
-            let generation = self.slots[slot as usize].generation;
+            let generation = self.keys[slot as usize].generation;
             return Ok(BodyId { slot, generation });
         }
         let slot = u32::try_from(self.slots.len()).ok();
@@ -218,11 +228,17 @@ impl Scene {
     ///
     /// [`Error::UnknownBody`].
     pub fn remove(&mut self, id: BodyId) -> Result<Body, Error> {
-        let slot = slot_of(&mut self.slots, id)?;
-        let entry = slot.entry.take().ok_or(Error::UnknownBody { id })?;
+        let entry = if self.has(id) {
+            self.slots[id.slot as usize].entry.take()
+        } else {
+            None
+        };
+        let entry = entry.ok_or(Error::UnknownBody { id })?;
+        let key = &mut self.keys[id.slot as usize];
+        key.is_taken = false;
         // A slot whose generations are used up is never handed out again.
-        if let Some(generation) = slot.generation.checked_add(1) {
-            slot.generation = generation;
+        if let Some(generation) = key.generation.checked_add(1) {
+            key.generation = generation;
             self.free.push(id.slot);
         }
         self.ignored.forget(id);
@@ -240,9 +256,20 @@ impl Scene {
     }
 
     pub(crate) fn entry(&self, id: BodyId) -> Option<&SceneEntry> {
-        let slot = self.slots.get(id.slot as usize)?;
-        let entry = slot.entry.as_ref()?;
-        (slot.generation == id.generation).then_some(entry)
+        if !self.has(id) {
+            return None;
+        }
+        self.slots[id.slot as usize].entry.as_ref()
+    }
+
+    /// Returns true if there is a body with this id.
+    #[inline]
+    pub(crate) fn has(&self, id: BodyId) -> bool {
+        let key = SlotKey {
+            generation: id.generation,
+            is_taken: true,
+        };
+        self.keys.get(id.slot as usize) == Some(&key)
     }
 
     /// Returns all bodies, in the order of their ids' slots.
@@ -359,12 +386,11 @@ impl Scene {
     }
 
     pub(crate) fn entries(&self) -> impl Iterator<Item = (BodyId, &SceneEntry)> {
-        (0_u32..).zip(&self.slots).filter_map(|(slot, place)| {
-            let id = BodyId {
-                slot,
-                generation: place.generation,
-            };
-            place.entry.as_ref().map(|entry| (id, entry))
+        let slots = (0_u32..).zip(&self.slots).zip(&self.keys);
+        slots.filter_map(|((slot, place), key)| {
+            let generation = key.generation;
+            let entry = place.entry.as_ref()?;
+            Some((BodyId { slot, generation }, entry))
         })
     }
 
@@ -398,12 +424,9 @@ impl Scene {
 
     /// Returns the body in a slot, if there is one.
     pub(crate) fn in_slot(&self, slot: u32) -> Option<(BodyId, &SceneEntry)> {
-        let place = self.slots.get(slot as usize)?;
-        let id = BodyId {
-            slot,
-            generation: place.generation,
-        };
-        Some((id, place.entry.as_ref()?))
+        let entry = self.slots.get(slot as usize)?.entry.as_ref()?;
+        let generation = self.keys[slot as usize].generation;
+        Some((BodyId { slot, generation }, entry))
     }
 
     /// Returns true if any two bodies may be a pair with a margin (m).
@@ -438,18 +461,15 @@ impl Scene {
 
     /// Returns a body's entry and the arena of its compact trajectory.
     fn entry_mut(&mut self, id: BodyId) -> Result<(&mut SceneEntry, &mut CubicArena), Error> {
-        let entry = slot_of(&mut self.slots, id)?.entry.as_mut();
+        let is_known = self.has(id);
+        let slot = self.slots.get_mut(id.slot as usize);
+        let entry = slot
+            .filter(|_| is_known)
+            .and_then(|slot| slot.entry.as_mut());
         entry
             .map(|entry| (entry, &mut self.arena))
             .ok_or(Error::UnknownBody { id })
     }
-}
-
-fn slot_of(slots: &mut [Slot], id: BodyId) -> Result<&mut Slot, Error> {
-    slots
-        .get_mut(id.slot as usize)
-        .filter(|slot| slot.generation == id.generation)
-        .ok_or(Error::UnknownBody { id })
 }
 
 impl Clone for Scene {
@@ -458,12 +478,12 @@ impl Clone for Scene {
         let slots = self.slots.iter().map(|slot| {
             let entry = slot.entry.as_ref();
             Slot {
-                generation: slot.generation,
                 entry: entry.map(|entry| entry.copy(&self.arena, &mut arena)),
             }
         });
         Self {
             slots: slots.collect(),
+            keys: self.keys.clone(),
             free: self.free.clone(),
             ignored: self.ignored.clone(),
             len: self.len,

@@ -209,7 +209,7 @@ impl<F: PairFilter> PlaneSearch<'_, F> {
     ) -> f64 {
         let [until_a, until_b] = [first, second].map(|slot| {
             let flight = self.bodies.flights.get(self.bodies.scene, slot);
-            flight.map_or(f64::INFINITY, |(flight, _)| flight.until)
+            flight.map_or(f64::INFINITY, |(flight, _)| flight.until())
         });
         let turns = a.turning.is_some() || b.turning.is_some();
         let mut spans = spans(&a.knots, &b.knots, since, f64::INFINITY);

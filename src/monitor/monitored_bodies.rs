@@ -7,7 +7,7 @@ use crate::narrow_phase::BodyView;
 use crate::scene::{Body, Scene};
 use crate::shape::BodyShape;
 use crate::simd::prefetch;
-use crate::trajectory::{Extension, Outside, Trajectory};
+use crate::trajectory::{Extension, LastMotion, Outside, StraightMotion, Trajectory};
 use crate::window::Window;
 use std::ops::Range;
 use std::slice::from_ref;
@@ -21,13 +21,15 @@ pub(super) struct MonitoredBody {
     begin: f64,
     /// First and last instant of the knots, or of the pieces beyond them, s.
     ends: (f64, f64),
-    /// Instant up to which a plan without end is followed, s; infinite for a plan with an end.
-    pub(super) until: f64,
+    last: LastMotion,
     /// Number of the plan's own cubics.
     cubics: u32,
     /// Numbers of the pieces before and after the knots, where the body exists there and the monitor's window reaches
     /// it. They begin with that window at the time the plan was set, so that they stay as its end moves on.
-    beyond: Option<(u32, u32)>,
+    beyond: (u32, u32),
+    is_extended: bool,
+    /// True if the plan goes on beyond the last of these instants.
+    is_endless: bool,
     /// True if the body may be part of a pair of boxes.
     pub(super) has_partner: bool,
     is_half_space: bool,
@@ -45,9 +47,11 @@ impl MonitoredBody {
         let mut flight = Self {
             begin: 0.0,
             ends: (0.0, 0.0),
-            until: f64::INFINITY,
+            last: LastMotion::NONE,
             cubics: 0,
-            beyond: None,
+            beyond: (0, 0),
+            is_extended: false,
+            is_endless: false,
             has_partner: true,
             is_half_space: shape.is_half_space(),
             padding: Padding::of(shape, margin, frame),
@@ -59,29 +63,38 @@ impl MonitoredBody {
     /// Takes another plan of the same body over `window`.
     #[inline]
     pub(super) fn replan(&mut self, trajectory: &Trajectory, window: Window) -> Result<(), Error> {
-        self.beyond = None;
+        (self.beyond, self.is_extended) = ((0, 0), false);
         self.begin = window.start();
         let knots = Knots::of(trajectory.cuts());
         self.ends = knots.ends();
         self.cubics = u32::try_from(knots.cubics()).unwrap_or(u32::MAX);
+        self.last = trajectory.last_motion();
         if self.ends.0 < window.start() && window.end() < self.ends.1 {
             // Its own cubics serve.
-            self.note_until(trajectory);
+            self.is_endless = trajectory.outside_after() != Outside::Absent;
             return Ok(());
         }
-        self.until = f64::INFINITY;
+        self.is_endless = false;
         if trajectory.goes_beyond() {
             self.follow(trajectory, window.end())?;
         }
         Ok(())
     }
 
-    /// Notes up to where the plan is followed.
-    fn note_until(&mut self, trajectory: &Trajectory) {
-        self.until = match trajectory.outside_after() {
-            Outside::Absent => f64::INFINITY,
-            Outside::Extrapolate | Outside::Coast => self.ends.1,
-        };
+    /// Returns the instant up to which a plan without end is followed, s; infinite for a plan with an end.
+    pub(super) const fn until(&self) -> f64 {
+        if self.is_endless {
+            self.ends.1
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// Returns true if a motion certainly [replaces](Trajectory::replace_as_usual) the last one at an instant, after what ended
+    /// before another one is dropped (s), and is followed over `window` then.
+    #[inline]
+    fn is_replaced_by(&self, motion: &StraightMotion, times: (f64, f64), window: Window) -> bool {
+        !self.is_extended && self.last.is_replaced_by(motion, times, self.ends, window)
     }
 
     /// Follows a plan without end up to an instant (s), and far beyond it if it is left before and that can be
@@ -95,9 +108,10 @@ impl MonitoredBody {
             let extension = self.extended(trajectory, far).ok().flatten();
             let extension = extension.unwrap_or(needed);
             self.ends = extension.domain;
-            self.beyond = Some((extension.before, extension.after));
+            self.beyond = (extension.before, extension.after);
+            self.is_extended = true;
         }
-        self.note_until(trajectory);
+        self.is_endless = trajectory.outside_after() != Outside::Absent;
         Ok(())
     }
 
@@ -111,14 +125,15 @@ impl MonitoredBody {
 
     /// Returns the number of cubics, those beyond the knots included.
     fn all_cubics(&self) -> u32 {
-        let (before, after) = self.beyond.unwrap_or_default();
+        let (before, after) = self.beyond;
         self.cubics + before + after
     }
 
     /// Returns the pieces beyond the knots.
     #[inline]
     fn extension(&self) -> Option<Extension> {
-        self.beyond.map(|(before, after)| Extension {
+        let (before, after) = self.beyond;
+        self.is_extended.then_some(Extension {
             before,
             after,
             domain: self.ends,
@@ -174,7 +189,7 @@ impl MonitoredBodies {
             self.by_slot.resize_with(place + 1, || None);
         }
         if let Some(flight) = &flight {
-            self.until = self.until.min(flight.until);
+            self.until = self.until.min(flight.until());
         }
         let is_half_space = flight.as_ref().is_some_and(|flight| flight.is_half_space);
         match self.half_spaces.binary_search(&slot) {
@@ -199,9 +214,23 @@ impl MonitoredBodies {
     ) -> Result<(), Error> {
         if let Some(Some(flight)) = self.by_slot.get_mut(slot as usize) {
             flight.replan(trajectory, window)?;
-            self.until = self.until.min(flight.until);
+            self.until = self.until.min(flight.until());
         }
         Ok(())
+    }
+
+    /// Returns true if a motion certainly replaces the last one of the body in a slot: see
+    /// [`MonitoredBody::is_replaced_by`].
+    #[inline]
+    pub(super) fn is_replaced(
+        &self,
+        slot: u32,
+        motion: &StraightMotion,
+        times: (f64, f64),
+        window: Window,
+    ) -> bool {
+        let flight = self.by_slot.get(slot as usize).and_then(Option::as_ref);
+        flight.is_some_and(|flight| flight.is_replaced_by(motion, times, window))
     }
 
     /// Takes another padding of the body in a slot.
@@ -296,7 +325,7 @@ impl MonitoredBodies {
     pub(super) fn domain(&self, scene: &Scene, slot: u32) -> Option<(f64, f64)> {
         let (flight, view) = self.get(scene, slot)?;
         let (start, end) = view.knots.ends();
-        let is_endless = flight.until < f64::INFINITY;
+        let is_endless = flight.is_endless;
         (start <= end).then_some((start, if is_endless { f64::INFINITY } else { end }))
     }
 
@@ -311,11 +340,11 @@ impl MonitoredBodies {
                 continue;
             };
             let body = &entry.body;
-            if flight.until <= end {
+            if flight.until() <= end {
                 let done = flight.follow(&body.trajectory, end);
                 done.map_err(|error| error.in_body(body.tag).with_id(id))?;
             }
-            until = until.min(flight.until);
+            until = until.min(flight.until());
         }
         self.until = until;
         Ok(())

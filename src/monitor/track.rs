@@ -173,6 +173,7 @@ impl Monitor {
         let few = (tracked.ids.len(), CommandBatch::FEW);
         let times = (now, terms.forget_before);
         let is_usual = AtomicBool::new(true);
+        let flights = &self.search.flights;
         let TrackedMotions {
             ids,
             motions,
@@ -184,11 +185,12 @@ impl Monitor {
             let first = number * CHUNK;
             let (ids, motions) = (&ids[first..], &motions[first..]);
             for (place, is_replaced) in some.iter_mut().enumerate() {
-                self.prefetch_motion(ids, place);
-                *is_replaced = self.scene.body(ids[place]).is_some_and(|body| {
-                    let flown = &body.trajectory;
-                    flown.replaces_as_usual(times, &motions[place], terms.window)
-                });
+                if let Some(later) = ids.get(place + CommandBatch::AHEAD) {
+                    flights.prefetch(later.slot);
+                }
+                let (id, motion) = (ids[place], &motions[place]);
+                *is_replaced =
+                    self.scene.has(id) && flights.is_replaced(id.slot, motion, times, terms.window);
             }
             is_usual.fetch_and(
                 some.iter().all(|is_replaced| *is_replaced),
@@ -342,7 +344,7 @@ impl Monitor {
                 let flown = slots[place].replace_as_usual((now, motion, since));
                 let followed = flown.map_or(Ok(()), |flown| flight.replan(flown, window));
                 match (&mut *end, followed) {
-                    (Ok(end), Ok(())) => *end = end.min(flight.until),
+                    (Ok(end), Ok(())) => *end = end.min(flight.until()),
                     (_, Err(error)) => *end = Err(error),
                     (Err(_), Ok(())) => {}
                 }

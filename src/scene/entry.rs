@@ -177,7 +177,7 @@ impl SceneEntry {
         &self.body.trajectory
     }
 
-    /// Replaces a motion that is [replaced as usual](Trajectory::replaces_as_usual). A trajectory of
+    /// Replaces a motion that is [replaced as usual](Trajectory::replace_as_usual). A trajectory of
     /// straight motions has no summary that could be out of date.
     #[inline]
     pub(super) fn replace_as_usual(

@@ -1,6 +1,6 @@
 //! Serialised scenes: bodies with their slots, so that ids stay valid.
 
-use super::{Body, Scene, SceneEntry, Slot};
+use super::{Body, Scene, SceneEntry, Slot, SlotKey};
 use crate::error::Error;
 use crate::id::BodyId;
 use serde::{Deserialize, Serialize};
@@ -18,10 +18,13 @@ pub(super) struct Parts {
 
 impl From<Scene> for Parts {
     fn from(scene: Scene) -> Self {
-        let body = |slot: Slot| (slot.generation, slot.entry.map(|entry| entry.body));
+        let slots = scene.keys.iter().zip(scene.slots);
+        let body = |slot: Slot| slot.entry.map(|entry| entry.body);
         Self {
             ignored: scene.ignored.iter().collect(),
-            slots: scene.slots.into_iter().map(body).collect(),
+            slots: slots
+                .map(|(key, slot)| (key.generation, body(slot)))
+                .collect(),
             free: scene.free,
         }
     }
@@ -41,8 +44,11 @@ impl TryFrom<Parts> for Scene {
             }
             scene.len += usize::from(body.is_some());
             body.iter().for_each(|body| scene.kinds.add(body));
-            scene.slots.push(Slot {
+            scene.keys.push(SlotKey {
                 generation,
+                is_taken: body.is_some(),
+            });
+            scene.slots.push(Slot {
                 entry: body.map(|body| SceneEntry::new(body, &mut scene.arena)),
             });
         }

@@ -144,7 +144,7 @@ impl Scene {
         for (id, state) in states {
             let told_state: BodyState = state.into();
             if let Some(motion) = told_state.ordinary_motion()
-                && self.body(id).is_some()
+                && self.has(id)
             {
                 turning.remove(&id);
                 told.push((id, motion));

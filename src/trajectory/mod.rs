@@ -30,6 +30,7 @@ pub(crate) use extension::Extension;
 pub(crate) use extension::Pieces;
 pub use fit::{Fit, FitOptions};
 pub use outside::Outside;
+pub(crate) use recent_motions::LastMotion;
 pub(crate) use segment::Restriction;
 pub use segment::Segment;
 pub use state::State;

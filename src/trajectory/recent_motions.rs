@@ -105,7 +105,7 @@ impl RecentMotions {
         true
     }
 
-    /// Replaces the motion where it is [replaced as usual](Self::replaces_as_usual): there is room, and the motion so far goes on in one
+    /// Replaces the motion where its [facts](LastMotion::is_replaced_by) say so: there is room, and the motion so far goes on in one
     /// piece.
     #[inline]
     pub(super) fn replace_as_usual(&mut self, from: f64, motion: &StraightMotion, since: f64) {
@@ -178,28 +178,22 @@ impl RecentMotions {
         (is_piece && room.kept < Self::ROOM).then_some(room)
     }
 
-    /// Returns true if [`Trajectory::replaces_as_usual`](super::Trajectory::replaces_as_usual) does: this
-    /// motion is known up to `from`, the new one differs from it, and the new one's first piece lasts for all of
-    /// `window`.
+    /// Returns the facts that a further motion is checked against, where the last one can be followed for all of its first piece.
     #[inline]
-    pub(super) fn replaces_as_usual(
-        &self,
-        (from, since): (f64, f64),
-        motion: &StraightMotion,
-        window: Window,
-    ) -> bool {
-        let end = from + motion.duration();
-        let kept = self.pieces() - self.past(since);
-        let begins = self.before == Outside::Absent || self.cuts[0] < window.start();
-        begins
-            && kept < Self::ROOM
-            && self.last_knot() < from
-            && from <= self.cuts[self.pieces()]
-            && motion.start() <= from
-            && window.end() < end
-            && self.last().is_near(self.last_knot(), from)
-            && motion.is_near(from, end)
-            && !self.last().is_same_as(motion)
+    pub(super) fn last_motion(&self) -> LastMotion {
+        let (last, pieces) = (self.last(), self.pieces());
+        if !last.is_near(self.last_knot(), self.cuts[pieces]) {
+            return LastMotion::NONE;
+        }
+        LastMotion {
+            full_until: if pieces < Self::ROOM {
+                f64::NEG_INFINITY
+            } else {
+                self.cuts[1]
+            },
+            knot: self.last_knot(),
+            sum: last.sum(),
+        }
     }
 
     fn last_knot(&self) -> f64 {
@@ -213,6 +207,49 @@ impl RecentMotions {
         let mut lists = SegmentLists::new(self.knots(), self.segments(), &ends, rules);
         lists.add_piece_after();
         lists
+    }
+}
+
+/// The facts about a body's recent motions that a further one is checked against: the motions themselves are not read.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LastMotion {
+    /// There is no room for a further piece until what ends by this instant (s) is forgotten.
+    full_until: f64,
+    /// The last knot, s; not a number if the body has no such motions.
+    knot: f64,
+    /// The [sum](StraightMotion::sum) of the last motion.
+    sum: f64,
+}
+
+impl LastMotion {
+    pub(crate) const NONE: Self = Self {
+        full_until: 0.0,
+        knot: f64::NAN,
+        sum: 0.0,
+    };
+
+    /// Returns true if a motion certainly [replaces](super::Trajectory::replace_as_usual) the last one at `from` (s), after what ended
+    /// before `since` (s) is dropped: there is room, the last motion goes on in one piece from its knot to `from`, the new one differs
+    /// from it, and the new one's first piece lasts for all of `window`. `ends`: the first and the last
+    /// [cut](super::Trajectory::cuts), s.
+    #[inline]
+    pub(crate) fn is_replaced_by(
+        &self,
+        motion: &StraightMotion,
+        (from, since): (f64, f64),
+        ends: (f64, f64),
+        window: Window,
+    ) -> bool {
+        let end = from + motion.duration();
+        let is_other = (self.sum - motion.sum()).abs() > 0.0;
+        is_other
+            && ends.0 < window.start()
+            && self.full_until < since
+            && self.knot < from
+            && from <= ends.1
+            && motion.start() <= from
+            && window.end() < end
+            && motion.is_near(from, end)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Changes of a plan in flight: the part already flown stays, bit for bit.
 
 use super::cuts::DoublingCuts;
-use super::recent_motions::RecentMotions;
+use super::recent_motions::{LastMotion, RecentMotions};
 use super::segment_lists::{SegmentLists, count_at_front};
 use super::{Form, Outside, StraightMotion, Trajectory};
 use crate::error::Error;
@@ -214,23 +214,17 @@ impl Trajectory {
         }
     }
 
-    /// Returns true if [`replace`](Self::replace) certainly succeeds, changing nothing but its own few numbers,
-    /// and the trajectory does not yet [follow](Self::follows) the motion: so it usually is where a state is
-    /// told each frame. `times`: the instant of the replacement, and up to when the past is forgotten, s.
+    /// Returns the facts that a further motion is checked against; none of a plan, or of a single motion.
     #[inline]
-    pub(crate) fn replaces_as_usual(
-        &self,
-        times: (f64, f64),
-        motion: &StraightMotion,
-        window: Window,
-    ) -> bool {
+    pub(crate) fn last_motion(&self) -> LastMotion {
         match &self.form {
-            Form::Recent(recent) => recent.replaces_as_usual(times, motion, window),
-            Form::Straight(..) | Form::Lists(_) => false,
+            Form::Recent(recent) => recent.last_motion(),
+            Form::Straight(..) | Form::Lists(_) => LastMotion::NONE,
         }
     }
 
-    /// Replaces the motion as [`replace`](Self::replace) does, where it is [replaced as usual](Self::replaces_as_usual).
+    /// Replaces the motion as [`replace`](Self::replace) does, where its [facts](LastMotion::is_replaced_by) say that this succeeds, and
+    /// changes nothing but its own few numbers: so it usually is where a state is told each frame.
     #[inline]
     pub(crate) fn replace_as_usual(&mut self, from: f64, motion: &StraightMotion, since: f64) {
         match &mut self.form {
@@ -372,11 +366,14 @@ mod tests {
                 };
                 assert!(one.can_replace(now, &motion, window(now)));
                 assert!(other.can_replace(now, &motion, window(now)));
-                if one.replaces_as_usual((now, since), &motion, window(now)) {
+                let cuts = one.cuts();
+                let ends = (cuts[0], cuts[cuts.len() - 1]);
+                let last = one.last_motion();
+                let is_usual = last.is_replaced_by(&motion, (now, since), ends, window(now));
+                if is_usual {
                     usual += 1;
                     assert!(one.domain().contains(now) && !one.follows(&motion, now));
                 }
-                let is_usual = one.replaces_as_usual((now, since), &motion, window(now));
                 let memory = one.straight_motions().as_ptr();
                 if is_usual {
                     one.replace_as_usual(now, &motion, since);

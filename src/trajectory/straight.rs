@@ -115,6 +115,19 @@ impl StraightMotion {
         (is_still && own.position == other_state.position) || self == other
     }
 
+    /// Returns a sum over the position and the velocity: motions that are [the same](Self::is_same_as) have the same,
+    /// and others hardly ever.
+    #[inline]
+    pub(super) fn sum(&self) -> f64 {
+        const POSITION: DVec3 = DVec3::new(1.0, 0.754_877_666_246_69, 0.569_840_290_998_05);
+        const VELOCITY: DVec3 = DVec3::new(
+            0.430_159_709_001_95,
+            0.324_717_957_244_75,
+            0.245_122_333_753_31,
+        );
+        self.state.position.dot(POSITION) + self.state.velocity.dot(VELOCITY)
+    }
+
     /// Returns the cubic.
     #[inline]
     pub(crate) fn segment(&self) -> Segment {
