@@ -42,7 +42,7 @@ impl MonitoredBody {
         (margin, frame): (f64, &Frame),
         window: Window,
     ) -> Result<Self, Error> {
-        let mut flight = Self {
+        let mut monitored = Self {
             begin: 0.0,
             ends: (0.0, 0.0),
             until: f64::INFINITY,
@@ -52,8 +52,8 @@ impl MonitoredBody {
             is_half_space: shape.is_half_space(),
             padding: Padding::of(shape, margin, frame),
         };
-        flight.replan(trajectory, window)?;
-        Ok(flight)
+        monitored.replan(trajectory, window)?;
+        Ok(monitored)
     }
 
     /// Takes another plan of the same body over `window`.
@@ -168,21 +168,21 @@ impl MonitoredBodies {
         self.by_slot.len()
     }
 
-    pub(super) fn set(&mut self, slot: u32, flight: Option<MonitoredBody>) {
+    pub(super) fn set(&mut self, slot: u32, monitored: Option<MonitoredBody>) {
         let place = slot as usize;
         if self.by_slot.len() <= place {
             self.by_slot.resize_with(place + 1, || None);
         }
-        if let Some(flight) = &flight {
-            self.until = self.until.min(flight.until);
+        if let Some(monitored) = &monitored {
+            self.until = self.until.min(monitored.until);
         }
-        let is_half_space = flight.as_ref().is_some_and(|flight| flight.is_half_space);
+        let is_half_space = monitored.as_ref().is_some_and(|body| body.is_half_space);
         match self.half_spaces.binary_search(&slot) {
             Ok(found) if !is_half_space => drop(self.half_spaces.remove(found)),
             Err(found) if is_half_space => self.half_spaces.insert(found, slot),
             _ => {}
         }
-        self.by_slot[place] = flight;
+        self.by_slot[place] = monitored;
     }
 
     /// Returns the slots of half-spaces, ascending.
@@ -197,17 +197,17 @@ impl MonitoredBodies {
         trajectory: &Trajectory,
         window: Window,
     ) -> Result<(), Error> {
-        if let Some(Some(flight)) = self.by_slot.get_mut(slot as usize) {
-            flight.replan(trajectory, window)?;
-            self.until = self.until.min(flight.until);
+        if let Some(Some(monitored)) = self.by_slot.get_mut(slot as usize) {
+            monitored.replan(trajectory, window)?;
+            self.until = self.until.min(monitored.until);
         }
         Ok(())
     }
 
     /// Takes another padding of the body in a slot.
     pub(super) fn set_padding(&mut self, slot: u32, padding: Padding) {
-        if let Some(Some(flight)) = self.by_slot.get_mut(slot as usize) {
-            flight.padding = padding;
+        if let Some(Some(monitored)) = self.by_slot.get_mut(slot as usize) {
+            monitored.padding = padding;
         }
     }
 
@@ -218,17 +218,17 @@ impl MonitoredBodies {
 
     /// Notes which bodies may be part of a pair; returns true if that has changed for the one in a slot.
     pub(super) fn set_partner(&mut self, slot: u32, has_partner: bool) -> bool {
-        let flight = self.by_slot.get_mut(slot as usize);
-        flight.and_then(Option::as_mut).is_some_and(|flight| {
-            std::mem::replace(&mut flight.has_partner, has_partner) != has_partner
+        let monitored = self.by_slot.get_mut(slot as usize);
+        monitored.and_then(Option::as_mut).is_some_and(|monitored| {
+            std::mem::replace(&mut monitored.has_partner, has_partner) != has_partner
         })
     }
 
     /// Returns the slots of bodies that are part of no pair.
     pub(super) fn without_partner(&self) -> impl Iterator<Item = u32> {
-        let flights = (0_u32..).zip(&self.by_slot);
-        flights.filter_map(|(slot, flight)| {
-            let is_alone = flight.as_ref().is_some_and(|flight| !flight.has_partner);
+        let by_slot = (0_u32..).zip(&self.by_slot);
+        by_slot.filter_map(|(slot, monitored)| {
+            let is_alone = monitored.as_ref().is_some_and(|body| !body.has_partner);
             is_alone.then_some(slot)
         })
     }
@@ -236,16 +236,16 @@ impl MonitoredBodies {
     /// Returns when the bodies in some slots exist that may be part of a pair, s, with the number of their cubics;
     /// never, and none, in a slot without one.
     pub(super) fn present(&self, slots: Range<usize>) -> impl Iterator<Item = ((f64, f64), u32)> {
-        self.by_slot[slots].iter().map(|flight| {
-            let Some(flight) = flight else {
+        self.by_slot[slots].iter().map(|monitored| {
+            let Some(monitored) = monitored else {
                 return (Knots::NONE.ends(), 0);
             };
-            let life = if flight.has_partner {
-                flight.ends
+            let life = if monitored.has_partner {
+                monitored.ends
             } else {
                 Knots::NONE.ends()
             };
-            (life, flight.all_cubics())
+            (life, monitored.all_cubics())
         })
     }
 
@@ -261,8 +261,8 @@ impl MonitoredBodies {
 
     /// Fetches what is known of the body in a slot into the caches.
     pub(super) fn prefetch(&self, slot: u32) {
-        if let Some(flight) = self.by_slot.get(slot as usize) {
-            prefetch(from_ref(flight));
+        if let Some(monitored) = self.by_slot.get(slot as usize) {
+            prefetch(from_ref(monitored));
         }
     }
 
@@ -272,8 +272,8 @@ impl MonitoredBodies {
         scene: &'s Scene,
         slot: u32,
     ) -> Option<(&'s MonitoredBody, BodyView<'s>)> {
-        let (flight, body) = self.known(scene, slot)?;
-        Some((flight, flight.view(&body.trajectory, body.shape())))
+        let (monitored, body) = self.known(scene, slot)?;
+        Some((monitored, monitored.view(&body.trajectory, body.shape())))
     }
 
     /// Returns the body in a slot, with the facts about its plan.
@@ -283,8 +283,8 @@ impl MonitoredBodies {
         scene: &'s Scene,
         slot: u32,
     ) -> Option<(&'s MonitoredBody, &'s Body)> {
-        let flight = self.by_slot.get(slot as usize)?.as_ref()?;
-        Some((flight, &scene.in_slot(slot)?.1.body))
+        let monitored = self.by_slot.get(slot as usize)?.as_ref()?;
+        Some((monitored, &scene.in_slot(slot)?.1.body))
     }
 
     pub(super) fn view<'s>(&'s self, scene: &'s Scene, slot: u32) -> Option<BodyView<'s>> {
@@ -294,9 +294,9 @@ impl MonitoredBodies {
     /// Returns the interval in which the body in a slot exists, as far back as it is known (s); also beyond
     /// the time up to which it is followed, if it goes on there.
     pub(super) fn domain(&self, scene: &Scene, slot: u32) -> Option<(f64, f64)> {
-        let (flight, view) = self.get(scene, slot)?;
+        let (monitored, view) = self.get(scene, slot)?;
         let (start, end) = view.knots.ends();
-        let is_endless = flight.until < f64::INFINITY;
+        let is_endless = monitored.until < f64::INFINITY;
         (start <= end).then_some((start, if is_endless { f64::INFINITY } else { end }))
     }
 
@@ -306,16 +306,16 @@ impl MonitoredBodies {
             return Ok(());
         }
         let mut until = f64::INFINITY;
-        for (flight, slot) in self.by_slot.iter_mut().zip(0_u32..) {
-            let (Some(flight), Some((id, entry))) = (flight, scene.in_slot(slot)) else {
+        for (monitored, slot) in self.by_slot.iter_mut().zip(0_u32..) {
+            let (Some(monitored), Some((id, entry))) = (monitored, scene.in_slot(slot)) else {
                 continue;
             };
             let body = &entry.body;
-            if flight.until <= end {
-                let done = flight.follow(&body.trajectory, end);
+            if monitored.until <= end {
+                let done = monitored.follow(&body.trajectory, end);
                 done.map_err(|error| error.in_body(body.tag).with_id(id))?;
             }
-            until = until.min(flight.until);
+            until = until.min(monitored.until);
         }
         self.until = until;
         Ok(())
