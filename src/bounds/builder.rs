@@ -296,14 +296,13 @@ mod tests {
 
     /// A motion that bends one way deviates from its fat line half as far as from the chord.
     #[test]
-    fn courses_lie_in_the_middle_of_a_bend() {
+    fn fat_lines_lie_in_the_middle_of_a_bend() {
         let thrown = |time: f64| {
-            let (position, velocity) =
-                (DVec3::new(3.0, 5.0 * time, 0.0), DVec3::new(4.0, 5.0, 0.0));
+            let (start, velocity) = (DVec3::new(3.0, 5.0 * time, 0.0), DVec3::new(4.0, 5.0, 0.0));
             let fall = DVec3::X * (-4.0 * time);
             State::new(
                 time,
-                position + velocity.x * DVec3::X * time + 0.5 * time * fall,
+                start + velocity.x * DVec3::X * time + 0.5 * time * fall,
                 velocity + fall,
             )
         };
@@ -476,11 +475,8 @@ mod tests {
             let [low, high] = [aabb.mins, aabb.maxs]
                 .map(|edge| DVec3::new(edge.x.into(), edge.y.into(), edge.z.into()));
             for (share, point) in [(from, points[0]), (1.0, points[3])] {
-                let position = point.truncate().as_dvec3() - way * share;
-                assert!(
-                    low.cmple(position).all() && high.cmpge(position).all(),
-                    "{round}"
-                );
+                let point = point.truncate().as_dvec3() - way * share;
+                assert!(low.cmple(point).all() && high.cmpge(point).all(), "{round}");
             }
         }
     }
