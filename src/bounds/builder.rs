@@ -344,7 +344,7 @@ mod tests {
 
     /// The deviation of a run bounds that of its cubics for every line, and is not much larger.
     #[test]
-    fn bundles_stray_as_far_as_their_cubics() {
+    fn runs_stray_as_far_as_their_cubics() {
         let mut rng = ChaCha8Rng::seed_from_u64(4);
         let mut lengths = [0; 65];
         for round in 0..400 {
@@ -425,7 +425,7 @@ mod tests {
 
     /// Returns the deviation of a run of cubics of no duration, and the end of its line.
     #[test]
-    fn strays_of_bundles_are_rounded_outward() {
+    fn strays_of_runs_are_rounded_outward() {
         let mut rng = ChaCha8Rng::seed_from_u64(8);
         for _ in 0..5_000 {
             let (deviation, end): (f32, f32) = (rng.random(), rng.random());
@@ -483,7 +483,7 @@ mod tests {
 
     /// In a slice of no duration, a body and the line may be anywhere on the body's path.
     #[test]
-    fn bundles_of_no_duration_stray_as_far_as_both_ends() {
+    fn runs_of_no_duration_stray_as_far_as_both_ends() {
         let points = [0.0, 0.25, 0.5, 1.0].map(|x| Vec4::new(x, 0.0, 0.0, 0.0));
         let piece = SubCubic {
             points,
