@@ -32,7 +32,7 @@ pub(in crate::narrow_phase) struct ProvenContact {
 pub(super) struct SpherePairBound {
     pub(super) a: u32,
     pub(super) b: u32,
-    /// Lower bound of the least separation, m, up to [`PiecewiseLinearBound::slack`].
+    /// Lower bound of the least separation, m, up to the slack of the chords.
     pub(super) low: f64,
 }
 

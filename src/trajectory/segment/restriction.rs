@@ -122,9 +122,9 @@ impl Segment {
     /// `size` (m) bounds the terms of its power form there.
     ///
     /// In [power form](Self::is_power_form) each coefficient's error is proportional to itself: see
-    /// [`end_cubic`](super::end_cubic). Otherwise a control point's error (its own, and at most 4 roundings
-    /// of the extent from forming the power coefficients) grows like the sum of the Bernstein
-    /// weights: (1 + 2 lengths)³.
+    /// [`end_cubic`](mod@crate::trajectory::end_cubic). Otherwise a control point's error (its own, and at most 4
+    /// roundings of the extent from forming the power coefficients) grows like the sum of the
+    /// Bernstein weights: (1 + 2 lengths)³.
     fn grown_error(&self, lengths: f64, size: f64) -> f64 {
         let growth = 1.0 + 2.0 * lengths;
         if !self.is_power_form() {
